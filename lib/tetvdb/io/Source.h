@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a reader works on: bytes with a name. A file is mapped; a fuzzer passes its own bytes.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace tetvdb {
+
+struct Source {
+  std::string_view bytes;
+  std::string path; ///< for messages, and for files that name others beside them
+};
+
+/// A file mapped read-only, or its bytes where it cannot be mapped (a pipe).
+class MappedFile {
+public:
+  /// Throws Error(Invalid) for a missing, unreadable or empty file or a directory.
+  explicit MappedFile(const std::string& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  std::string_view bytes() const noexcept { return {data_, size_}; }
+  Source source() const { return {bytes(), path_}; }
+
+private:
+  std::string path_;
+  std::string copy_;
+  const char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+} // namespace tetvdb

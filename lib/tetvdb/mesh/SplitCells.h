@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Solid cells into tetrahedra, neighbours agreeing on every shared face.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/CellMesh.h"
+#include "tetvdb/mesh/TetMesh.h"
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// Which cells to keep. All filters must accept a cell.
+struct CellFilter {
+  std::vector<std::string> regions; ///< numbers or names to keep; empty: all
+  std::vector<std::string> exclude; ///< numbers or names to drop
+  /// World space; a cell is kept where its own box meets this one. Infinite: all.
+  Vec3d boxMin{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+               -std::numeric_limits<double>::infinity()};
+  Vec3d boxMax{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+               std::numeric_limits<double>::infinity()};
+};
+
+/// Splits the solid cells of `mesh` into tets and moves its points and attributes over.
+///
+/// A cell is cut from its smallest vertex, and so is each of its faces, where vertices are ordered
+/// by position (x, then y, then z; the index for coincident points): no point is added, neighbours
+/// cut a shared face alike, and renumbering changes nothing. (Dompierre et al. 1999, "How to
+/// Subdivide Pyramids, Prisms and Hexahedra into Tetrahedra", with positions in place of indices.)
+/// Polyhedra must be star-shaped about that vertex with consistent faces; others are skipped.
+///
+/// `report` receives a warning for skipped cells (and `partial`, since they leave holes), for
+/// quadratic cells taken by their corners, and for filters that match nothing.
+/// Throws Error(Usage) for a region that the mesh does not have, Error(Invalid) where no solid cell
+/// is left, Error(Limit) above 2^32 - 2 tets. Linear time; no more memory than its result for a
+/// mesh of tets alone.
+TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/mesh/Attribute.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// Tetrahedra in world space. Orientation is free: voxelizing turns negative ones round.
+struct TetMesh {
+  std::vector<Vec3d> points;
+  std::vector<std::uint32_t> tets; ///< four point indices each, all below points.size()
+  /// Solid cell of the input that each tet comes from; empty: tet i is cell i. Solid cells are
+  /// numbered from 0 in file order, those of kinds that were skipped or filtered out included.
+  std::vector<std::uint32_t> cellOfTet;
+  std::size_t cellCount = 0; ///< solid cells of the input
+  std::vector<Attribute> attributes; ///< On::Points over `points`, On::Cells over solid cells
+  std::vector<std::int32_t> regions; ///< of every solid cell; empty where the input has none
+  std::map<std::int32_t, std::string> regionNames;
+
+  std::size_t tetCount() const { return tets.size() / 4; }
+  std::uint32_t cell(std::size_t tet) const {
+    return cellOfTet.empty() ? static_cast<std::uint32_t>(tet) : cellOfTet[tet];
+  }
+};
+
+} // namespace tetvdb

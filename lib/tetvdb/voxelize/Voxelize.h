@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Tetrahedra into sparse grids. A voxel centre belongs to a tet by the ownership rule of
+// voxelize/Ownership.h: exactly one of the tets that meet in a face, an edge or a vertex gets it.
+//
+//   tetvdb::VoxelizeOptions options;
+//   options.voxelSize = {0.01, 0.01, 0.01};
+//   options.grids = {tetvdb::GridKind::Density};
+//   tetvdb::Voxelization result = tetvdb::voxelize(mesh, options, report, progress);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/volume/Volume.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+enum class GridKind : std::uint8_t {
+  Density, ///< float fog volume "density": 1 inside
+  Mask,    ///< bool "mask"
+  TetId,   ///< int32 "tet_id": the input cell that owns the voxel, background -1
+  Material ///< int32 "material": the region number of that cell, background -1
+};
+
+/// How occupancy is found; the result is the same.
+enum class OccupancyPath : std::uint8_t {
+  Auto,     ///< whichever a cost estimate finds faster
+  Boundary, ///< signed crossings of the boundary faces
+  Tets      ///< every tet rasterised
+};
+
+struct VoxelizeOptions {
+  Vec3d voxelSize{0, 0, 0}; ///< world units, one an axis; all zero: from `resolution`
+  int resolution = 256;     ///< voxels along the longest side of the mesh's box; used where voxelSize is 0
+  Vec3d origin{0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
+  std::vector<GridKind> grids{GridKind::Density};
+  OccupancyPath path = OccupancyPath::Auto;
+  std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
+  bool allowEmpty = false;   ///< false: a result without active voxels is Error(Invalid)
+};
+
+/// What snapping did to the mesh.
+struct SnapCounts {
+  std::uint64_t flipped = 0; ///< tets turned round, their volume was negative
+  std::uint64_t dropped = 0; ///< tets without volume after snapping
+  std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
+};
+
+struct Voxelization {
+  Volume volume;           ///< one grid for each of options.grids, in that order
+  GridTransform transform; ///< as used: size from `resolution`, origin moved if it had to be
+  SnapCounts counts;
+  OccupancyPath path = OccupancyPath::Auto; ///< the one taken; Auto where no occupancy was asked for
+};
+
+/// Voxel size and origin that voxelize() would use for a mesh. Throws as voxelize() does for sizes
+/// that are not positive, below OpenVDB's limit (volume 3e-15), or that leave 32-bit index space.
+GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& options);
+
+/// Estimate of the memory, in bytes, that voxelize() needs above the mesh itself.
+std::size_t estimateMemory(const TetMesh& mesh, const VoxelizeOptions& options);
+
+/// Voxelizes. The grids depend on mesh and options alone: any thread count, order of tets (but for
+/// the numbers in tet_id) and path gives the same. Adds stage "voxelize" to `report`.
+/// Throws Error(Usage) for bad options, Error(Invalid) for an empty result or coordinates that are
+/// not finite, Error(Limit) for memory or for a tet longer than 2^20 voxels, Error(Cancelled).
+/// Uses the calling thread's TBB arena.
+Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Report& report,
+                      Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Exodus II files (.exo, .e, .exo2, .g), classic netCDF or HDF5.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// Element blocks one after the other; a cell's region is its block's id, named as the block is.
+/// Nodal and element variables of the last time step become attributes; components of a vector stay
+/// separate arrays, and an element variable that a block lacks is 0 there.
+/// Throws Error(Invalid) for whatever is not a whole, consistent mesh. One thread at a time: calls
+/// to netCDF are serialised by a lock.
+CellMesh readExodus(const Source& source, const ReadOptions& options, Report& report,
+                    Progress& progress);
+
+} // namespace tetvdb

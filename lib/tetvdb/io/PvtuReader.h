@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Parallel index files of VTK (.pvtu), which name one .vtu a piece.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// The pieces of `source`, found relative to its path, one after the other; points are not merged,
+/// and ghost cells (vtkGhostType, vtkGhostLevels) come as the duplicates that they are. Throws
+/// Error(Invalid) for a piece that is missing or broken, naming it.
+CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& report,
+                  Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The commands, one source file each.
+#pragma once
+
+#include "Session.h"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+
+namespace tetvdb::cli {
+
+/// A command as the parser knows it and what it does once its options are parsed.
+struct Command {
+  CLI::App* parser = nullptr;
+  std::shared_ptr<CommonOptions> common;
+  std::function<void(Session&)> run;
+};
+
+Command addVoxelize(CLI::App& program);
+Command addInfo(CLI::App& program);
+Command addCompare(CLI::App& program);
+
+/// Adds --json, -q and -v.
+std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command);
+
+} // namespace tetvdb::cli

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "JsonReport.h"
+#include "VolumeSignature.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/VolumeFile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string a, b;
+  double tolerance = 0;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb compare a.vdb b.vdb                     exit status 0 if they are the same, 8 if not
+  tetvdb compare a.vdb b.nvdb --tolerance 1e-3   values may differ by as much
+
+Grids are paired by name and compared voxel by voxel; a voxel that is inactive counts with the
+grid's background. IoU: voxels active in both over voxels active in either.)";
+
+Volume readOne(const std::string& path, Progress& progress) {
+  const MappedFile readable(path); // a missing file is told apart from one that is no volume
+  if (signatureOf(path) == VolumeSignature::None)
+    throw Error(Status::Usage, path, "is no volume",
+                "compare takes .vdb and .nvdb files; meshes cannot be compared yet");
+  return readVolume(path, progress);
+}
+
+// With a tolerance, values decide alone; without, everything but metadata does.
+bool within(const VolumeComparison& comparison, double tolerance) {
+  if (tolerance == 0)
+    return comparison.same();
+  const bool paired = comparison.onlyA.empty() && comparison.onlyB.empty() &&
+                      comparison.incomparable.empty() && comparison.sameTransform;
+  return paired && std::all_of(comparison.grids.begin(), comparison.grids.end(),
+                               [&](const GridComparison& grid) {
+                                 return grid.largestDifference <= tolerance;
+                               });
+}
+
+Json sectionOf(const VolumeComparison& comparison, bool same) {
+  Json grids = Json::array();
+  for (const GridComparison& grid : comparison.grids)
+    grids.push_back({{"name", grid.name},
+                     {"iou", grid.iou()},
+                     {"active_a", grid.activeA},
+                     {"active_b", grid.activeB},
+                     {"active_both", grid.activeBoth},
+                     {"state_differs", grid.stateDiffers},
+                     {"value_differs", grid.valueDiffers},
+                     {"largest_difference", grid.largestDifference}});
+  return {{"same", same},
+          {"same_hash", comparison.sameHash},
+          {"same_transform", comparison.sameTransform},
+          {"grids", std::move(grids)},
+          {"only_a", comparison.onlyA},
+          {"only_b", comparison.onlyB},
+          {"incomparable", comparison.incomparable}};
+}
+
+std::string textOf(const VolumeComparison& comparison, const Options& options, bool same) {
+  std::string text;
+  for (const GridComparison& grid : comparison.grids)
+    text += fmt::format("{}: IoU {:.9g}, {} voxels active in one alone, {} with other values, "
+                        "largest difference {:.6g}\n",
+                        oneLine(grid.name), grid.iou(), grid.stateDiffers, grid.valueDiffers,
+                        grid.largestDifference);
+  for (const std::string& name : comparison.onlyA)
+    text += fmt::format("{}: only in {}\n", oneLine(name), oneLine(options.a));
+  for (const std::string& name : comparison.onlyB)
+    text += fmt::format("{}: only in {}\n", oneLine(name), oneLine(options.b));
+  for (const std::string& name : comparison.incomparable)
+    text += fmt::format("{}: of another type in each\n", oneLine(name));
+  if (!comparison.sameTransform)
+    text += "the transforms differ\n";
+  return text + (same ? "same\n" : "different\n");
+}
+
+void runCompare(const Options& options, Session& session) {
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
+    throw Error(Status::Usage, "--tolerance", "must be zero or more");
+  session.sections["input"] = {{{"path", options.a}}, {{"path", options.b}}};
+  session.progress.stage("read");
+  const Volume a = readOne(options.a, session.progress);
+  const Volume b = readOne(options.b, session.progress);
+  session.progress.stage("compare");
+  const VolumeComparison comparison = compareVolumes(a, b);
+  const bool same = within(comparison, options.tolerance);
+  session.sections["compare"] = sectionOf(comparison, same);
+  session.text = textOf(comparison, options, same);
+  session.textIsSummary = true;
+  if (!same)
+    session.status = Status::Found;
+}
+
+} // namespace
+
+Command addCompare(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("compare", "Say how two volumes differ");
+  auto options = std::make_shared<Options>();
+  command->add_option("A", options->a, "A volume")->required()->type_name("");
+  command->add_option("B", options->b, "Another volume")->required()->type_name("");
+  command->add_option("--tolerance", options->tolerance, "Largest difference of values to accept")
+      ->type_name("T");
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options](Session& session) { runCompare(*options, session); };
+  return result;
+}
+
+} // namespace tetvdb::cli

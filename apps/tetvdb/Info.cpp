@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "JsonReport.h"
+#include "VolumeSignature.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <cmath>
+#include <exception>
+#include <fmt/format.h>
+#include <new>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> files;
+  std::string regionArray;
+  bool hash = false;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb info part.msh                 cells, regions, attributes, box, volume, defects
+  tetvdb info part.vdb --hash          grids, and a hash that is equal for equal volumes
+  tetvdb info *.vtu --json - | jq .    the same for programs)";
+
+std::string pointText(const Vec3d& p) {
+  return fmt::format("({:.7g}, {:.7g}, {:.7g})", p[0], p[1], p[2]);
+}
+
+struct Range {
+  double least = 0, most = 0;
+  std::size_t notFinite = 0;
+  bool empty = true;
+};
+
+// Over all components.
+Range rangeOf(const Attribute& attribute) {
+  Range range;
+  std::visit(
+      [&](const auto& values) {
+        for (const auto value : values) {
+          const auto number = static_cast<double>(value);
+          if (!std::isfinite(number)) {
+            ++range.notFinite;
+            continue;
+          }
+          range.least = range.empty ? number : std::min(range.least, number);
+          range.most = range.empty ? number : std::max(range.most, number);
+          range.empty = false;
+        }
+      },
+      attribute.values);
+  return range;
+}
+
+const char* typeName(const Attribute& attribute) {
+  constexpr const char* kNames[] = {"float", "double", "int32", "int64"};
+  return kNames[attribute.values.index()];
+}
+
+std::map<std::int32_t, std::size_t> countRegions(const TetMesh& mesh) {
+  std::map<std::int32_t, std::size_t> counts;
+  for (const std::int32_t region : mesh.regions)
+    ++counts[region];
+  return counts;
+}
+
+std::string regionName(const TetMesh& mesh, std::int32_t number) {
+  const auto known = mesh.regionNames.find(number);
+  return known == mesh.regionNames.end() ? std::string() : known->second;
+}
+
+Json meshSection(const InputInfo& info, const TetMesh& mesh) {
+  Json cells = Json::object();
+  for (const auto& [type, count] : info.cells)
+    cells[type] = count;
+  Json regions = Json::array();
+  for (const auto& [number, count] : countRegions(mesh))
+    regions.push_back({{"number", number}, {"name", regionName(mesh, number)}, {"cells", count}});
+  Json attributes = Json::array();
+  for (const Attribute& attribute : mesh.attributes) {
+    const Range range = rangeOf(attribute);
+    attributes.push_back({{"name", attribute.name},
+                          {"on", attribute.on == Attribute::On::Points ? "points" : "cells"},
+                          {"type", typeName(attribute)},
+                          {"components", attribute.components},
+                          {"min", range.empty ? Json() : Json(range.least)},
+                          {"max", range.empty ? Json() : Json(range.most)},
+                          {"not_finite", range.notFinite}});
+  }
+  const TetStatistics& statistics = info.statistics;
+  return {{"path", info.path},
+          {"format", formatName(info.format)},
+          {"kind", "tets"},
+          {"vertices", info.vertices},
+          {"tets", info.tets},
+          {"cells", std::move(cells)},
+          {"defects", {{"inverted", statistics.inverted}, {"flat", statistics.flat}}},
+          {"box", {{"min", statistics.boxMin}, {"max", statistics.boxMax}}},
+          {"volume", statistics.volume},
+          {"regions", std::move(regions)},
+          {"attributes", std::move(attributes)}};
+}
+
+std::string meshText(const InputInfo& info, const TetMesh& mesh) {
+  const TetStatistics& statistics = info.statistics;
+  std::string text = fmt::format("{}: {}\n  vertices    {}\n", oneLine(info.path),
+                                 formatName(info.format), info.vertices);
+  std::string cells;
+  for (const auto& [type, count] : info.cells)
+    cells += fmt::format("{}{} {}", cells.empty() ? "" : ", ", type, count);
+  text += fmt::format("  cells       {}\n  tets        {}", cells, info.tets);
+  text += fmt::format(" ({} inverted, {} flat)\n", statistics.inverted, statistics.flat);
+  text +=
+      fmt::format("  box         {} to {}\n  volume      {:.7g}\n", pointText(statistics.boxMin),
+                  pointText(statistics.boxMax), statistics.volume);
+  for (const auto& [number, count] : countRegions(mesh))
+    text += fmt::format("  region      {} {}: {} cells\n", number,
+                        oneLine(regionName(mesh, number)), count);
+  for (const Attribute& attribute : mesh.attributes) {
+    const Range range = rangeOf(attribute);
+    text += fmt::format("  attribute   {} ({}, {} x {}): {:.6g} to {:.6g}", oneLine(attribute.name),
+                        attribute.on == Attribute::On::Points ? "points" : "cells",
+                        attribute.components, typeName(attribute), range.least, range.most);
+    text += range.notFinite == 0 ? "\n" : fmt::format(", {} not finite\n", range.notFinite);
+  }
+  return text;
+}
+
+Json gridSection(const GridInfo& grid) {
+  Json section = toJson(grid);
+  section["linear"] = grid.linear;
+  section["box"] = {{"min", grid.boxMin}, {"max", grid.boxMax}};
+  section["min"] = grid.minValue;
+  section["max"] = grid.maxValue;
+  Json metadata = Json::object();
+  for (const auto& [key, value] : grid.metadata)
+    metadata[key] = value;
+  section["metadata"] = std::move(metadata);
+  return section;
+}
+
+std::string gridText(const GridInfo& grid) {
+  std::string text =
+      fmt::format("  grid        {} ({}, {})\n", oneLine(grid.name), grid.type, grid.gridClass);
+  text += fmt::format("    voxel     {} at origin {}{}\n", pointText(grid.transform.voxelSize),
+                      pointText(grid.transform.origin), grid.linear ? "" : ", not linear");
+  text += fmt::format("    active    {} voxels: {} leaves, {} tiles; volume {:.7g}\n",
+                      grid.activeVoxels, grid.leaves, grid.activeTiles, grid.volume);
+  if (grid.activeVoxels > 0)
+    text +=
+        fmt::format("    box       ({}, {}, {}) to ({}, {}, {}) in voxels\n    values    {:.6g} to "
+                    "{:.6g}\n",
+                    grid.boxMin[0], grid.boxMin[1], grid.boxMin[2], grid.boxMax[0], grid.boxMax[1],
+                    grid.boxMax[2], grid.minValue, grid.maxValue);
+  return text + fmt::format("    memory    {:.1f} MB\n", static_cast<double>(grid.bytes) / 1e6);
+}
+
+void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
+  const Volume volume = readVolume(path, session.progress);
+  section["format"] =
+      signatureOf(path) == VolumeSignature::NanoVDB ? "NanoVDB .nvdb" : "OpenVDB .vdb";
+  section["kind"] = "volume";
+  session.text += fmt::format("{}: {}\n", oneLine(path), section["format"].get<std::string>());
+  Json metadata = Json::object();
+  for (const auto& [key, value] : volume.metadata) {
+    metadata[key] = value;
+    session.text += fmt::format("  {:<11} {}\n", oneLine(key), oneLine(value));
+  }
+  section["metadata"] = std::move(metadata);
+  Json grids = Json::array();
+  for (const GridInfo& grid : describe(volume)) {
+    grids.push_back(gridSection(grid));
+    session.text += gridText(grid);
+  }
+  section["grids"] = std::move(grids);
+  if (!withHash)
+    return;
+  section["hash"] = hash(volume);
+  session.text += fmt::format("  hash        {}\n", section["hash"].get<std::string>());
+}
+
+void describeFile(const std::string& path, const Options& options, Json& section,
+                  Session& session) {
+  if (signatureOf(path) != VolumeSignature::None) {
+    session.progress.stage("read");
+    describeVolume(path, options.hash, section, session);
+    return;
+  }
+  session.progress.stage("read");
+  InputInfo info;
+  ReadOptions read;
+  read.regionArray = options.regionArray;
+  const TetMesh mesh = readTets(path, read, {}, &info, session.report, session.progress);
+  section = meshSection(info, mesh);
+  session.text += meshText(info, mesh);
+}
+
+// Goes on with the next file after one that cannot be read; the first error gives the status.
+void runInfo(const Options& options, Session& session) {
+  session.sections["input"] = Json::array();
+  for (const std::string& path : options.files) {
+    Json section = {{"path", path}};
+    try {
+      describeFile(path, options, section, session);
+    } catch (const Error& error) {
+      if (error.status() == Status::Cancelled || options.files.size() == 1)
+        throw;
+      if (session.status == Status::Ok)
+        session.status = error.status();
+      section["error"] = error.what();
+      session.errors.emplace_back(error.what());
+    }
+    session.sections["input"].push_back(std::move(section));
+  }
+  // A kind of cell that cannot be voxelized is reported; to look at it is no failure.
+  session.report.partial = false;
+}
+
+} // namespace
+
+Command addInfo(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("info", "Say what meshes and volumes hold");
+  auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->files, "Meshes and volumes")->required()->type_name("");
+  command->add_flag("--hash", options->hash,
+                    "Print a hash of each volume: names, classes, transforms, topology, values");
+  command
+      ->add_option("--region-array", options->regionArray, "Cell array that holds region numbers")
+      ->type_name("NAME");
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options](Session& session) { runInfo(*options, session); };
+  return result;
+}
+
+} // namespace tetvdb::cli

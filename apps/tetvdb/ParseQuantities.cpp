@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ParseQuantities.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+namespace tetvdb::cli {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text,
+                         const std::string& advice) {
+  throw Error(Status::Usage, option, "'" + text + "' cannot be used", advice);
+}
+
+// The number that `text` begins with, and what is left; false where there is none.
+bool takeNumber(std::string_view& text, double& number) {
+  std::string_view digits = text;
+  if (!digits.empty() && digits.front() == '+')
+    digits.remove_prefix(1);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc())
+    return false;
+  digits.remove_prefix(static_cast<std::size_t>(end - digits.data()));
+  text = digits;
+  return true;
+}
+
+} // namespace
+
+std::vector<double> parseNumbers(const std::string& option, const std::string& text) {
+  std::vector<double> numbers;
+  std::string_view left = text;
+  while (true) {
+    double number = 0;
+    if (!takeNumber(left, number) || std::isnan(number))
+      refuse(option, text, "give numbers with commas between them, without spaces");
+    numbers.push_back(number);
+    if (left.empty())
+      return numbers;
+    if (left.front() != ',')
+      refuse(option, text, "give numbers with commas between them, without spaces");
+    left.remove_prefix(1);
+  }
+}
+
+Vec3d parsePoint(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 3)
+    refuse(option, text, "give three numbers: X,Y,Z");
+  for (const double number : numbers)
+    if (!std::isfinite(number))
+      refuse(option, text, "give three finite numbers: X,Y,Z");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+Vec3d parseVoxelSize(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 1 && numbers.size() != 3)
+    refuse(option, text, "give one length, or three: HX,HY,HZ");
+  for (const double number : numbers)
+    if (!std::isfinite(number) || number <= 0)
+      refuse(option, text, "a voxel's side must be above zero, in the input's units");
+  if (numbers.size() == 1)
+    return {numbers[0], numbers[0], numbers[0]};
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::size_t parseBytes(const std::string& option, const std::string& text) {
+  const std::string advice = "give a size such as 500M or 4G";
+  std::string_view left = text;
+  double number = 0;
+  if (!takeNumber(left, number))
+    refuse(option, text, advice);
+  if (!left.empty()) {
+    const std::string_view units = "KMGT";
+    const auto power =
+        units.find(static_cast<char>(std::toupper(static_cast<unsigned char>(left.front()))));
+    if (power == std::string_view::npos)
+      refuse(option, text, advice);
+    left.remove_prefix(1);
+    if (!left.empty() && left != "B" && left != "iB")
+      refuse(option, text, advice);
+    number = std::ldexp(number, 10 * (static_cast<int>(power) + 1));
+  }
+  if (!(number >= 1) || number >= std::ldexp(1.0, 63))
+    refuse(option, text, advice);
+  return static_cast<std::size_t>(number);
+}
+
+double parseSeconds(const std::string& option, const std::string& text) {
+  std::string_view left = text;
+  double number = 0;
+  if (!takeNumber(left, number) || !left.empty() || !(number > 0))
+    refuse(option, text, "give a number of seconds above zero");
+  return number;
+}
+
+} // namespace tetvdb::cli

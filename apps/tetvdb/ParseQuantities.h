@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Option values into numbers. Every function throws Error(Usage) that names the option.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace tetvdb::cli {
+
+/// "1,2.5,-3e-2": the numbers between the commas. NaN is refused, infinity is not.
+std::vector<double> parseNumbers(const std::string& option, const std::string& text);
+
+/// Three numbers, all finite.
+Vec3d parsePoint(const std::string& option, const std::string& text);
+
+/// One voxel size for all axes or three, each a finite number above zero.
+Vec3d parseVoxelSize(const std::string& option, const std::string& text);
+
+/// "500M", "4G", "1.5T" or a plain number of bytes; K, M, G and T are powers of 1024. Above zero.
+std::size_t parseBytes(const std::string& option, const std::string& text);
+
+/// Seconds, above zero.
+double parseSeconds(const std::string& option, const std::string& text);
+
+} // namespace tetvdb::cli

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace tetvdb::cli {
+
+/// Options that every command has.
+struct CommonOptions {
+  std::string json; ///< where the report goes: a path, "-" for stdout, empty for nowhere
+  bool quiet = false;
+  bool verbose = false;
+};
+
+/// One run of a command: what it is given to work with, and what it leaves for the run loop to
+/// print.
+struct Session {
+  CommonOptions options;
+  Report report;
+  Progress progress;
+
+  /// Sections of the report in the order in which they are printed. "stages" is filled in by the
+  /// run loop where a command has put a place for it.
+  nlohmann::ordered_json sections = nlohmann::ordered_json::object();
+  std::string text;                ///< the result for people, for stdout
+  bool textIsSummary = false;      ///< -q leaves it out
+  Status status = Status::Ok;      ///< Found where a comparison found something
+  std::vector<std::string> errors; ///< lines for stderr from a command that went on after an error
+};
+
+} // namespace tetvdb::cli

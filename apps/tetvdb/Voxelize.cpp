@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "JsonReport.h"
+#include "ParseQuantities.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fmt/format.h>
+#include <string_view>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string output, writeMesh;
+  std::string voxelSize, origin, bbox, maxMemory, maxTime;
+  int resolution = 256;
+  std::vector<std::string> grids{"density"};
+  std::string device = "auto", path = "auto", upAxis = "z";
+  std::string regionArray, units;
+  std::vector<std::string> regions, exclude;
+  int threads = 0;
+  bool allowEmpty = false, half = false;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb voxelize part.msh -o part.vdb
+      256 voxels along the longest side, one fog grid "density"
+  tetvdb voxelize engine.vtu -o engine.vdb --voxel-size 0.5 --grid density,material
+      voxels of half a unit, with the region number of every voxel
+  tetvdb voxelize head.mesh -o skull.nvdb --region bone,4 --resolution 1024
+      only the regions named "bone" and numbered 4
+  tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf
+      two meshes as one volume, only cells that meet the box
+  tetvdb voxelize part.vtu --write-mesh part.msh
+      converts the mesh, without a volume
+
+Lengths are in the inputs' own units. Several inputs are laid together into one volume: cells that
+overlap count once, and cells of the second file are numbered on from those of the first.)";
+
+constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
+    {{"density", GridKind::Density},
+     {"mask", GridKind::Mask},
+     {"tet_id", GridKind::TetId},
+     {"material", GridKind::Material}}};
+
+std::vector<GridKind> parseGrids(const std::vector<std::string>& names) {
+  std::vector<GridKind> kinds;
+  for (const std::string& name : names) {
+    const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
+                                     [&](const auto& entry) { return entry.first == name; });
+    if (known == kGridNames.end())
+      throw Error(Status::Usage, "--grid", "'" + name + "' is no grid that can be made",
+                  "choose from density, mask, tet_id and material");
+    if (std::find(kinds.begin(), kinds.end(), known->second) != kinds.end())
+      throw Error(Status::Usage, "--grid", "'" + name + "' is asked for twice",
+                  "name every grid once");
+    kinds.push_back(known->second);
+  }
+  return kinds;
+}
+
+OccupancyPath parsePath(const std::string& name) {
+  if (name == "boundary")
+    return OccupancyPath::Boundary;
+  return name == "tets" ? OccupancyPath::Tets : OccupancyPath::Auto;
+}
+
+std::string_view pathName(OccupancyPath path) {
+  switch (path) {
+  case OccupancyPath::Boundary:
+    return "boundary";
+  case OccupancyPath::Tets:
+    return "tets";
+  case OccupancyPath::Auto:
+    break;
+  }
+  return "auto";
+}
+
+void parseBox(const std::string& text, CellFilter& filter) {
+  const std::vector<double> numbers = parseNumbers("--bbox", text);
+  if (numbers.size() != 6)
+    throw Error(Status::Usage, "--bbox", "'" + text + "' does not have six numbers",
+                "give x0,y0,z0,x1,y1,z1; inf and -inf leave a side open");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    filter.boxMin[axis] = std::min(numbers[axis], numbers[axis + 3]);
+    filter.boxMax[axis] = std::max(numbers[axis], numbers[axis + 3]);
+  }
+}
+
+VoxelizeJob makeJob(const Options& options) {
+  if (options.device == "cuda")
+    throw Error(Status::Device, "--device cuda", "this build has no GPU support",
+                "use --device auto or cpu");
+  VoxelizeJob job;
+  job.inputs = options.inputs;
+  job.output = options.output;
+  job.meshOutput = options.writeMesh;
+  job.read.regionArray = options.regionArray;
+  job.read.attributes = !options.writeMesh.empty();
+  job.filter.regions = options.regions;
+  job.filter.exclude = options.exclude;
+  if (!options.bbox.empty())
+    parseBox(options.bbox, job.filter);
+  job.up = options.upAxis == "y" ? UpAxis::Y : UpAxis::Z;
+  if (!options.voxelSize.empty())
+    job.voxelize.voxelSize = parseVoxelSize("--voxel-size", options.voxelSize);
+  if (options.resolution < 1)
+    throw Error(Status::Usage, "--resolution",
+                fmt::format("'{}' cannot be used", options.resolution),
+                "give a number of voxels above zero");
+  job.voxelize.resolution = options.resolution;
+  if (!options.origin.empty())
+    job.voxelize.origin = parsePoint("--origin", options.origin);
+  job.voxelize.grids = parseGrids(options.grids);
+  job.voxelize.path = parsePath(options.path);
+  job.voxelize.allowEmpty = options.allowEmpty;
+  if (!options.maxMemory.empty())
+    job.maxMemory = parseBytes("--max-memory", options.maxMemory);
+  job.units = options.units;
+  job.half = options.half;
+  job.threads = options.threads;
+  return job;
+}
+
+Json inputsOf(const VoxelizeResult& result) {
+  Json list = Json::array();
+  for (const InputInfo& input : result.inputs) {
+    Json cells = Json::object();
+    for (const auto& [type, count] : input.cells)
+      cells[type] = count;
+    list.push_back(
+        {{"path", input.path},
+         {"format", formatName(input.format)},
+         {"kind", "tets"},
+         {"vertices", input.vertices},
+         {"tets", input.tets},
+         {"cells", std::move(cells)},
+         {"defects", {{"inverted", input.statistics.inverted}, {"flat", input.statistics.flat}}}});
+  }
+  return list;
+}
+
+Json meshOf(const VoxelizeResult& result) {
+  return {{"tets", result.tets},
+          {"flipped", result.counts.flipped},
+          {"dropped", result.counts.dropped},
+          {"boundary_faces", result.counts.boundaryFaces},
+          {"volume", result.volume},
+          {"path", pathName(result.path)},
+          // The envelope mesher's; tets come as they are.
+          {"epsilon_asked", nullptr},
+          {"epsilon_reached", nullptr},
+          {"quality", nullptr},
+          {"not_inserted", nullptr}};
+}
+
+Json outputsOf(const VoxelizeResult& result) {
+  Json list = Json::array();
+  for (const OutputInfo& output : result.outputs)
+    list.push_back({{"path", output.path}, {"bytes", output.bytes}});
+  return list;
+}
+
+std::string lengthText(const Vec3d& size) {
+  if (size[0] == size[1] && size[1] == size[2])
+    return fmt::format("{}", size[0]);
+  return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
+}
+
+std::string summaryOf(const VoxelizeResult& result, const Report& report) {
+  double seconds = 0;
+  for (const Stage& stage : report.stages)
+    seconds += stage.seconds;
+  std::string text;
+  for (const OutputInfo& output : result.outputs)
+    text += fmt::format("{}: {:.1f} MB, {} tets, {:.2f} s\n", oneLine(output.path),
+                        static_cast<double>(output.bytes) / 1e6, result.tets, seconds);
+  for (const GridInfo& grid : result.grids)
+    text +=
+        fmt::format("  {} ({}): {} active voxels of {}, {} leaves, {} tiles, volume {:.6g}\n",
+                    grid.name, grid.type, grid.activeVoxels, lengthText(grid.transform.voxelSize),
+                    grid.leaves, grid.activeTiles, grid.volume);
+  return text;
+}
+
+// The report's sections before anything is known, in the order in which they are printed.
+void prepareSections(const Options& options, Session& session) {
+  Json inputs = Json::array();
+  for (const std::string& path : options.inputs)
+    inputs.push_back({{"path", path}});
+  session.sections = {{"device", "cpu"},        {"threads", options.threads},
+                      {"input", inputs},        {"mesh", nullptr},
+                      {"stages", nullptr},      {"grids", Json::array()},
+                      {"output", Json::array()}};
+}
+
+void runVoxelize(const Options& options, Session& session) {
+  prepareSections(options, session);
+  VoxelizeJob job = makeJob(options);
+  if (job.threads == 0)
+    job.threads = tbb::this_task_arena::max_concurrency();
+  session.sections["threads"] = job.threads;
+  if (!options.maxTime.empty()) {
+    // A year is as good as for ever, and fits the clock.
+    const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
+    session.progress.setDeadline(Progress::Clock::now() +
+                                 std::chrono::duration_cast<Progress::Clock::duration>(
+                                     std::chrono::duration<double>(seconds)));
+  }
+  const VoxelizeResult result = run(job, session.report, session.progress);
+  session.sections["input"] = inputsOf(result);
+  session.sections["mesh"] = meshOf(result);
+  session.sections["grids"] = toJson(result.grids);
+  session.sections["output"] = outputsOf(result);
+  session.text = summaryOf(result, session.report);
+  session.textIsSummary = true;
+}
+
+void addSizeOptions(CLI::App& command, Options& options) {
+  CLI::Option* size =
+      command.add_option("--voxel-size", options.voxelSize, "A voxel's side, or one for each axis")
+          ->type_name("H|HX,HY,HZ");
+  command
+      .add_option("--resolution", options.resolution,
+                  "Voxels along the longest side of the mesh (default 256)")
+      ->type_name("N")
+      ->excludes(size);
+  command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
+      ->type_name("X,Y,Z");
+}
+
+void addGridOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--grid", options.grids,
+                  "Grids to make: density (default), mask, tet_id, material; several with commas")
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--path", options.path, "How occupancy is found; the result is the same")
+      ->check(CLI::IsMember({"auto", "boundary", "tets"}))
+      ->type_name("auto|boundary|tets");
+  command.add_flag("--half", options.half, "Store float grids with 16 bits a value");
+  command
+      .add_option("--up-axis", options.upAxis,
+                  "Axis that points up for the reader: z as in the input (default); y maps (x,y,z) "
+                  "to (x,z,-y)")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("y|z");
+  command.add_option("--units", options.units, "Name of the length unit, stored as metadata")
+      ->type_name("NAME");
+  command.add_flag("--allow-empty", options.allowEmpty, "Write a volume without voxels too");
+}
+
+void addFilterOptions(CLI::App& command, Options& options) {
+  command.add_option("--region", options.regions, "Regions to keep, by number or name")
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--exclude", options.exclude, "Regions to leave out, by number or name")
+      ->type_name("NAME,...")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command.add_option("--region-array", options.regionArray, "Cell array that holds region numbers")
+      ->type_name("NAME");
+  command.add_option("--bbox", options.bbox, "Keep cells that meet this box of the input's space")
+      ->type_name("x0,y0,z0,x1,y1,z1");
+}
+
+void addLimitOptions(CLI::App& command, Options& options) {
+  command.add_option("--device", options.device, "Where to compute (default auto)")
+      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->type_name("auto|cpu|cuda");
+  command.add_option("--threads", options.threads, "Threads (default: one a core)")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+  command
+      .add_option("--max-memory", options.maxMemory,
+                  "Refuse what needs more, such as 500M or 4G (default: what is free)")
+      ->type_name("BYTES");
+  command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")
+      ->type_name("SECONDS");
+}
+
+} // namespace
+
+Command addVoxelize(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("voxelize", "Turn tetrahedral meshes into a sparse volume");
+  auto options = std::make_shared<Options>();
+  command
+      ->add_option("IN", options->inputs,
+                   "Meshes: .msh .mesh .meshb .ele .node .vol .inp .vtk .vtu .pvtu .exo .e")
+      ->required()
+      ->type_name("");
+  command->add_option("-o,--output", options->output, "Volume to write: .vdb or .nvdb")
+      ->type_name("FILE");
+  command
+      ->add_option("--write-mesh", options->writeMesh,
+                   "Write the tets as well, or alone: .msh, .mesh or .vtu")
+      ->type_name("FILE");
+  addSizeOptions(*command, *options);
+  addGridOptions(*command, *options);
+  addFilterOptions(*command, *options);
+  addLimitOptions(*command, *options);
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options](Session& session) { runVoxelize(*options, session); };
+  return result;
+}
+
+} // namespace tetvdb::cli

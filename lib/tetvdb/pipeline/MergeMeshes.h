@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TetMesh.h"
+
+#include <vector>
+
+namespace tetvdb {
+
+/// Lays meshes side by side as one: points, tets and cells follow each other in order, nothing is
+/// welded. Cells of the second mesh are numbered on from those of the first. Regions are kept by
+/// number, 0 for meshes that have none while others do; of two names for one number the first stays
+/// and `report` gets a warning. Attributes stay where every mesh has them with the same name,
+/// place, components and number type. A single mesh is passed through. Throws Error(Limit) above
+/// 2^32 - 2 points or cells.
+TetMesh mergeMeshes(std::vector<TetMesh>&& meshes, Report& report);
+
+} // namespace tetvdb

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One job from mesh files to a volume file: what `tetvdb voxelize` runs.
+//
+//   tetvdb::VoxelizeJob job;
+//   job.inputs = {"bracket.vtu"};
+//   job.output = "bracket.vdb";
+//   job.voxelize.resolution = 512;
+//   tetvdb::Report report;
+//   tetvdb::Progress progress;
+//   tetvdb::VoxelizeResult result = tetvdb::run(job, report, progress);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/mesh/TetStatistics.h"
+#include "tetvdb/volume/Volume.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// The axis that points up for the program that will open the volume.
+enum class UpAxis : std::uint8_t {
+  Z, ///< as in the input
+  Y  ///< (x, y, z) of the input becomes (x, z, -y): z-up input for a y-up program
+};
+
+struct VoxelizeJob {
+  std::vector<std::string> inputs; ///< mesh files; several become one volume (mergeMeshes())
+  ReadOptions read;
+  CellFilter filter; ///< in the inputs' own axes, before `up`
+  UpAxis up = UpAxis::Z;
+  VoxelizeOptions voxelize;  ///< in the output's axes; its maxMemory is overruled by the job's
+  std::string output;        ///< .vdb or .nvdb; empty: no volume is made
+  std::string meshOutput;    ///< .msh, .mesh or .vtu that receives the tets; empty: none
+  std::string units;         ///< stored as metadata "units"; no lengths are changed
+  bool half = false;         ///< float grids are stored with 16 bits a value
+  int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
+  std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
+};
+
+/// What one input file held.
+struct InputInfo {
+  std::string path;
+  MeshFormat format = MeshFormat::Unknown;
+  std::size_t vertices = 0;
+  std::size_t tets = 0;                     ///< after splitting and filtering
+  std::map<std::string, std::size_t> cells; ///< number of cells of every kind, as the file names it
+  TetStatistics statistics;                 ///< of those tets
+};
+
+struct OutputInfo {
+  std::string path;
+  std::uint64_t bytes = 0;
+};
+
+struct VoxelizeResult {
+  std::vector<InputInfo> inputs;
+  std::size_t tets = 0;
+  double volume = 0; ///< of the tets, world units cubed
+  SnapCounts counts;
+  GridTransform transform;
+  OccupancyPath path = OccupancyPath::Auto;
+  std::vector<GridInfo> grids;
+  std::vector<OutputInfo> outputs;
+};
+
+/// Reads, splits, filters, merges, voxelizes and writes. Outputs are checked before any work: their
+/// extensions (Error(Usage)) and folders (Error(Write)). Adds stages "read", "voxelize" and "write"
+/// to `report`. Throws what the steps throw; no output file is touched then, unless the mesh output
+/// was already whole. Memory: the mesh, the grids, and estimateMemory() while voxelizing.
+VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress);
+
+/// Reads one mesh file into tets: the stage "read" of run(). `info` may be null.
+TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
+                 InputInfo* info, Report& report, Progress& progress);
+
+/// Throws Error(Write) unless a file can be created at `path`: its folder exists and is writable,
+/// and it is no folder itself. Leaves nothing behind.
+void requireWritable(const std::string& path);
+
+} // namespace tetvdb

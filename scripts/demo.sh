@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# From nothing to a volume: installs packages, builds, turns a real tetrahedral mesh into
+# out/quadcopter.vdb and draws it as out/quadcopter.png.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh --demo
+cmake --preset release -DTETVDB_TESTS=OFF -DTETVDB_BENCH=OFF
+cmake --build --preset release --target tetvdb_cli
+
+mkdir -p out
+tetvdb=build/release/bin/tetvdb
+"$tetvdb" voxelize tests/data/quadcopter_frame.mesh -o out/quadcopter.vdb --resolution 512
+"$tetvdb" info out/quadcopter.vdb

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs the Debian 12 packages that TetVDB needs and that are not there yet.
+#
+#   scripts/setup.sh [--build] [--test] [--demo] [--check]      without options: --build
+#
+# --build  compiler and libraries      --test   what the tests need besides
+# --demo   the renderer of the demo    --check  clang-format, clang-tidy, clang for the fuzzers
+set -euo pipefail
+
+build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
+  libblosc-dev libtbb-dev libnetcdf-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
+  libxxhash-dev libcli11-dev nlohmann-json3-dev libfmt-dev)
+test=(libgtest-dev librapidcheck-dev libbenchmark-dev python3 python3-openvdb libopenvdb-tools
+  libnanovdb-tools)
+demo=(libopenvdb-tools)
+check=(clang clang-format-14 clang-tidy-14)
+
+wanted=()
+for option in "${@:---build}"; do
+  case $option in
+    --build) wanted+=("${build[@]}") ;;
+    --test) wanted+=("${build[@]}" "${test[@]}") ;;
+    --demo) wanted+=("${build[@]}" "${demo[@]}") ;;
+    --check) wanted+=("${check[@]}") ;;
+    *) sed -n '4,9s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in $(printf '%s\n' "${wanted[@]}" | sort -u); do
+  state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+  [[ $state == installed ]] || missing+=("$package")
+done
+if [[ ${#missing[@]} -eq 0 ]]; then
+  echo "setup: everything is installed"
+  exit 0
+fi
+
+root=()
+if [[ $(id -u) -ne 0 ]]; then
+  if ! command -v sudo >/dev/null; then
+    echo "setup: run as root: apt-get install ${missing[*]}" >&2
+    exit 1
+  fi
+  root=(sudo)
+fi
+echo "setup: installing ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${root[@]}" apt-get -q update
+"${root[@]}" env DEBIAN_FRONTEND=noninteractive \
+  apt-get -q -y install --no-install-recommends "${missing[@]}"

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Installs packages, builds everything in Release, runs every test. Arguments go to ctest.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/setup.sh --test
+cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON
+cmake --build --preset release
+ctest --preset release -j "$(nproc)" --no-tests=error "$@"

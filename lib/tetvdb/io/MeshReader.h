@@ -20,25 +20,29 @@ namespace tetvdb {
 
 enum class MeshFormat : std::uint8_t {
   Unknown,
-  Gmsh,    ///< .msh 1, 2.x, 4.0, 4.1; ASCII and binary
-  Medit,   ///< .mesh
+  Gmsh,        ///< .msh 1, 2.x, 4.0, 4.1; ASCII and binary
+  Medit,       ///< .mesh
   MeditBinary, ///< .meshb
-  TetGen,  ///< .node with .ele
-  Netgen,  ///< .vol
-  Abaqus,  ///< .inp
-  Ucd,     ///< AVS UCD .inp
-  Vtk,     ///< legacy .vtk
-  Vtu,     ///< .vtu
-  Pvtu,    ///< .pvtu
-  Exodus   ///< .exo, .e, .exo2, .g
+  TetGen,      ///< .node with .ele
+  Netgen,      ///< .vol
+  Abaqus,      ///< .inp
+  Ucd,         ///< AVS UCD .inp
+  Vtk,         ///< legacy .vtk
+  Vtu,         ///< .vtu
+  Pvtu,        ///< .pvtu
+  Exodus       ///< .exo, .e, .exo2, .g
 };
 
 /// "Gmsh .msh" and so on.
 std::string_view formatName(MeshFormat format);
 
-/// Format of a file by its first bytes; its name decides only what the content leaves open (TetGen's
-/// .node and .ele have no signature). Unknown where neither tells.
+/// Format of a file by its first bytes; its name decides only what the content leaves open
+/// (TetGen's .node and .ele have no signature). Unknown where neither tells.
 MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path);
+
+/// What a file of unknown format looks like, as the end of a sentence: "holds triangles (STL), not
+/// solid cells".
+std::string describeUnknownFormat(std::string_view bytes, const std::string& path);
 
 struct ReadOptions {
   /// Cell array that holds region numbers; empty: the format's own, or the first integer-valued
@@ -47,8 +51,8 @@ struct ReadOptions {
   bool attributes = true; ///< false: point and cell arrays other than regions are left out
 };
 
-/// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for anything that is
-/// not a whole mesh: missing or truncated data, indices out of range, coordinates that are not
+/// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for anything that
+/// is not a whole mesh: missing or truncated data, indices out of range, coordinates that are not
 /// finite, counts that the file cannot hold, no solid cells. Recoverable oddities are warnings in
 /// `report`. Cost: about the time to read the bytes and parse the numbers once.
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,

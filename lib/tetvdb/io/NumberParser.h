@@ -209,7 +209,7 @@ private:
 
   // Fortran exponents (1.5D+03, 1.5-103) and numbers out of a double's range.
   bool tryUnusualReal(const char* start, double& value) {
-    char text[64];
+    char text[64] = {};
     std::size_t length = 0;
     const char* at = start;
     for (; at != end_ && !endsNumber(at) && length + 2 < sizeof text; ++at) {
@@ -220,7 +220,6 @@ private:
         c = 'e';
       if (digitBefore && (c == '+' || c == '-'))
         text[length++] = 'e';
-      // from_chars knows "e-3" and "e3", and "e+3" too.
       text[length++] = c;
     }
     if (!endsNumber(at)) {

@@ -26,6 +26,9 @@ struct CellFilter {
                std::numeric_limits<double>::infinity()};
 };
 
+/// "694 triangles, 12 lines": what a mesh holds, for messages.
+std::string describeCells(const CellMesh& mesh);
+
 /// Splits the solid cells of `mesh` into tets and moves its points and attributes over.
 ///
 /// A cell is cut from its smallest vertex, and so is each of its faces, where vertices are ordered
@@ -35,7 +38,8 @@ struct CellFilter {
 /// Polyhedra must be star-shaped about that vertex with consistent faces; others are skipped.
 ///
 /// `report` receives a warning for skipped cells (and `partial`, since they leave holes), for
-/// quadratic cells taken by their corners, and for filters that match nothing.
+/// quadratic cells taken by their corners, for cells that are not convex, and for a region that is
+/// named in the mesh but has no solid cells.
 /// Throws Error(Usage) for a region that the mesh does not have, Error(Invalid) where no solid cell
 /// is left, Error(Limit) above 2^32 - 2 tets. Linear time; no more memory than its result for a
 /// mesh of tets alone.

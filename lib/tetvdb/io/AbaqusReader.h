@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Abaqus and CalculiX decks (.inp), the mesh in them.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// Nodes and elements in file order, parts as placed by *INSTANCE. Element sets with volume become
+/// regions, numbered from 1 as they come and named; an element in several sets belongs to the
+/// first. Steps, materials and loads are left out. Throws Error(Invalid) with line for *INCLUDE and
+/// INPUT= (data in other files) and for whatever is not a whole, consistent mesh.
+CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
+                    Progress& progress);
+
+} // namespace tetvdb

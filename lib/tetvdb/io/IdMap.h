@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Files number their nodes and elements as they like; meshes here count from 0.
+//
+//   tetvdb::IdMap ids;
+//   for (...) ids.add(number);              // thing 0, thing 1, ...
+//   ids.finish();
+//   const std::uint32_t index = ids.find(7);   // IdMap::kNone: no such thing
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+
+/// Index of a thing by its number. Consecutive numbers, the usual case, take no memory; numbers
+/// with gaps a table, and scattered ones a sorted list.
+class IdMap {
+public:
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+  /// Numbers the next thing. At most kNone things.
+  void add(std::int64_t id) {
+    if (listed_.empty()) {
+      if (count_ == 0)
+        first_ = id;
+      if (id == number(count_)) {
+        ++count_;
+        return;
+      }
+      list();
+    }
+    listed_.push_back(id);
+    ++count_;
+  }
+  /// Numbers the next `count` things from `first` on.
+  void addRange(std::int64_t first, std::size_t count);
+  /// Between the last add() and the first find().
+  void finish();
+
+  std::size_t size() const { return count_; }
+  bool consecutive() const { return consecutive_; }
+  std::int64_t first() const { return first_; }
+  /// Things whose number a later one has too; find() gives the later one.
+  std::size_t duplicates() const { return duplicates_; }
+
+  std::uint32_t find(std::int64_t id) const {
+    const auto offset = static_cast<std::uint64_t>(id) - static_cast<std::uint64_t>(first_);
+    if (consecutive_)
+      return offset < count_ ? static_cast<std::uint32_t>(offset) : kNone;
+    if (!table_.empty())
+      return offset < table_.size() ? table_[offset] : kNone;
+    return search(id);
+  }
+
+private:
+  // Unsigned, since hostile numbers would overflow.
+  std::int64_t number(std::size_t offset) const {
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(first_) + offset);
+  }
+  void list();
+  std::uint32_t search(std::int64_t id) const;
+
+  std::size_t count_ = 0;
+  std::int64_t first_ = 0;
+  bool consecutive_ = true;
+  std::size_t duplicates_ = 0;
+  std::vector<std::int64_t> listed_; ///< all numbers in order, once they are not consecutive
+  std::vector<std::uint32_t> table_; ///< by number - first_
+  std::vector<std::pair<std::int64_t, std::uint32_t>> sorted_;
+};
+
+} // namespace tetvdb

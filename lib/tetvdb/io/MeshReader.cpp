@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/MeshReader.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/AbaqusReader.h"
+#include "tetvdb/io/ExodusReader.h"
+#include "tetvdb/io/GmshReader.h"
+#include "tetvdb/io/MeditReader.h"
+#include "tetvdb/io/NetgenReader.h"
+#include "tetvdb/io/PvtuReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/TetGenReader.h"
+#include "tetvdb/io/UcdReader.h"
+#include "tetvdb/io/VtkReader.h"
+#include "tetvdb/io/VtuReader.h"
+#include "tetvdb/mesh/SplitCells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+
+namespace tetvdb {
+namespace {
+
+using ReadFunction = CellMesh (*)(const Source&, const ReadOptions&, Report&, Progress&);
+
+ReadFunction readerOf(MeshFormat format) {
+  switch (format) {
+  case MeshFormat::Gmsh:
+    return readGmsh;
+  case MeshFormat::Medit:
+    return readMedit;
+  case MeshFormat::MeditBinary:
+    return readMeditBinary;
+  case MeshFormat::TetGen:
+    return readTetGen;
+  case MeshFormat::Netgen:
+    return readNetgen;
+  case MeshFormat::Abaqus:
+    return readAbaqus;
+  case MeshFormat::Ucd:
+    return readUcd;
+  case MeshFormat::Vtk:
+    return readVtk;
+  case MeshFormat::Vtu:
+    return readVtu;
+  case MeshFormat::Pvtu:
+    return readPvtu;
+  case MeshFormat::Exodus:
+    return readExodus;
+  case MeshFormat::Unknown:
+    break;
+  }
+  return nullptr;
+}
+
+// --- Regions ------------------------------------------------------------------------------------
+
+/// "Material Ids" and "material_ids" as "materialids".
+std::string normalized(std::string_view name) {
+  std::string text;
+  for (const char c : name) {
+    if (c >= 'A' && c <= 'Z')
+      text += static_cast<char>(c - 'A' + 'a');
+    else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'))
+      text += c;
+  }
+  return text;
+}
+
+/// Names that programs give to arrays of material and region numbers, likeliest first.
+constexpr std::array<std::string_view, 28> kRegionNames{
+    "material",      "materials",    "materialid",     "materialids", "mat",         "matid",
+    "matids",        "region",       "regions",        "regionid",    "regionids",   "gmshphysical",
+    "cellentityids", "cellentityid", "elementblockid", "blockid",     "objectid",    "physical",
+    "physicalid",    "physicaltag",  "celltags",       "subdomain",   "subdomainid", "domain",
+    "meditref",      "tetgenref",    "attribute",      "partid"};
+
+/// The array as whole numbers; empty where it has several components or other values.
+std::vector<std::int32_t> wholeNumbers(const Attribute& array) {
+  std::vector<std::int32_t> numbers;
+  if (array.components != 1)
+    return numbers;
+  numbers.reserve(array.size());
+  const bool whole = std::visit(
+      [&](const auto& values) {
+        for (const auto value : values) {
+          const auto number = static_cast<double>(value);
+          if (!(std::abs(number) <= 2147483647.0) || number != std::floor(number))
+            return false;
+          numbers.push_back(static_cast<std::int32_t>(number));
+        }
+        return true;
+      },
+      array.values);
+  if (!whole)
+    numbers.clear();
+  return numbers;
+}
+
+void useRegionArray(CellMesh& mesh, const std::string& name) {
+  std::string others;
+  for (const Attribute& array : mesh.attributes) {
+    if (array.on != Attribute::On::Cells)
+      continue;
+    if (array.name != name) {
+      others += (others.empty() ? "'" : ", '") + array.name + "'";
+      continue;
+    }
+    mesh.regions = wholeNumbers(array);
+    mesh.regionNames.clear();
+    if (mesh.regions.empty())
+      throw Error(Status::Usage, "cell array '" + name + "'",
+                  "cannot tell regions: its values are not single whole numbers");
+    return;
+  }
+  throw Error(Status::Usage, "", "the mesh has no cell array '" + name + "'",
+              others.empty() ? "it has no cell arrays" : "its cell arrays are " + others);
+}
+
+void chooseRegions(CellMesh& mesh, const ReadOptions& options) {
+  if (!options.regionArray.empty())
+    return useRegionArray(mesh, options.regionArray);
+  if (!mesh.regions.empty())
+    return;
+  for (const std::string_view usual : kRegionNames)
+    for (const Attribute& array : mesh.attributes)
+      if (array.on == Attribute::On::Cells && normalized(array.name) == usual) {
+        mesh.regions = wholeNumbers(array);
+        if (!mesh.regions.empty())
+          return;
+      }
+}
+
+} // namespace
+
+CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
+                   Progress& progress, MeshFormat* format) {
+  const MappedFile file(path);
+  const Source source = file.source();
+  const MeshFormat found = sniffMeshFormat(source.bytes, path);
+  if (format != nullptr)
+    *format = found;
+  const ReadFunction read = readerOf(found);
+  if (read == nullptr)
+    throw Error(Status::Invalid, path, describeUnknownFormat(source.bytes, path),
+                "readable are .msh, .mesh, .meshb, .node/.ele, .vol, .inp, .vtk, .vtu, .pvtu and "
+                "Exodus files");
+  CellMesh mesh;
+  try {
+    mesh = read(source, options, report, progress);
+  } catch (const std::bad_alloc&) {
+    throw Error(Status::Limit, path, "not enough memory to read the mesh",
+                "split it into several files or use a machine with more memory");
+  }
+  const bool solid = std::any_of(mesh.runs.begin(), mesh.runs.end(), [](const CellRun& run) {
+    return run.count > 0 && run.type != CellType::Flat;
+  });
+  if (!solid)
+    throw Error(Status::Invalid, path,
+                "no tetrahedra or other solid cells; it holds " + describeCells(mesh),
+                "mesh its volume first, or export the volume mesh too");
+  chooseRegions(mesh, options);
+  if (!options.attributes)
+    mesh.attributes.clear();
+  return mesh;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/mesh/SplitCells.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/SplitPolyhedron.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint64_t kMostTets = 0xfffffffeU;
+constexpr std::size_t kCellsPerUpdate = std::size_t(1) << 18;
+
+/// Faces of a cell type by local corner, wound alike as seen from outside; -1 ends a short face.
+struct CellShape {
+  int corners;
+  int tets; ///< how many a cell without repeated corners is cut into
+  std::vector<std::vector<int>> faces;
+};
+
+CellShape prism(int sides) {
+  CellShape shape{2 * sides, 3 * (sides - 2), {{}, {}}};
+  for (int i = 0; i < sides; ++i) {
+    const int next = (i + 1) % sides;
+    shape.faces[0].push_back(sides - 1 - i);
+    shape.faces[1].push_back(sides + i);
+    shape.faces.push_back({i, next, next + sides, i + sides});
+  }
+  return shape;
+}
+
+const CellShape* shapeOf(CellType type) {
+  static const CellShape voxel{
+      8, 6, {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
+  static const CellShape pyramid{5, 2, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
+  static const CellShape wedge = prism(3);
+  static const CellShape hexahedron = prism(4);
+  static const CellShape pentagonal = prism(5);
+  static const CellShape hexagonal = prism(6);
+  switch (type) {
+  case CellType::Voxel:
+    return &voxel;
+  case CellType::Hexahedron:
+    return &hexahedron;
+  case CellType::Wedge:
+    return &wedge;
+  case CellType::Pyramid:
+    return &pyramid;
+  case CellType::PentagonalPrism:
+    return &pentagonal;
+  case CellType::HexagonalPrism:
+    return &hexagonal;
+  default:
+    return nullptr;
+  }
+}
+
+bool isFiltered(const CellFilter& filter) {
+  bool boxed = false;
+  for (std::size_t k = 0; k < 3; ++k)
+    boxed = boxed || !(filter.boxMin[k] == -std::numeric_limits<double>::infinity()) ||
+            !(filter.boxMax[k] == std::numeric_limits<double>::infinity());
+  return boxed || !filter.regions.empty() || !filter.exclude.empty();
+}
+
+std::string quoted(const std::string& text) {
+  return "'" + text + "'";
+}
+
+/// "1 'steel', 4, 7" of at most a dozen regions.
+std::string listRegions(const std::set<std::int32_t>& regions,
+                        const std::map<std::int32_t, std::string>& names) {
+  std::string text;
+  std::size_t n = 0;
+  for (const std::int32_t region : regions) {
+    if (!text.empty())
+      text += ", ";
+    if (++n > 12)
+      return text + "...";
+    text += std::to_string(region);
+    if (const auto name = names.find(region); name != names.end())
+      text += " " + quoted(name->second);
+  }
+  return text;
+}
+
+/// Region numbers that `wanted` names. Throws Error(Usage) for one that is not in the mesh.
+std::set<std::int32_t> findRegions(const std::vector<std::string>& wanted, const char* option,
+                                   const std::set<std::int32_t>& present,
+                                   const std::map<std::int32_t, std::string>& names,
+                                   Report& report) {
+  std::set<std::int32_t> found;
+  for (const std::string& text : wanted) {
+    bool known = false;
+    for (const auto& [number, name] : names)
+      if (name == text) {
+        known = true;
+        found.insert(number);
+        if (present.count(number) == 0)
+          report.warn("empty-region", std::string(option) + " " + quoted(text) +
+                                          " names a region that has no solid cells");
+      }
+    std::int32_t number = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number);
+    if (!known && error == std::errc() && stop == end && present.count(number) != 0) {
+      known = true;
+      found.insert(number);
+    }
+    if (known)
+      continue;
+    throw Error(Status::Usage, option, "the mesh has no region " + quoted(text),
+                present.empty() ? "it has no regions at all"
+                                : "its regions are " + listRegions(present, names));
+  }
+  return found;
+}
+
+/// Decides for every cell whether it is kept.
+class Chooser {
+public:
+  Chooser(const CellMesh& mesh, const CellFilter& filter, Report& report)
+      : mesh_(mesh), filter_(filter), active_(isFiltered(filter)) {
+    if (filter.regions.empty() && filter.exclude.empty())
+      return;
+    std::set<std::int32_t> present;
+    std::size_t cell = 0;
+    for (const CellRun& run : mesh.runs) {
+      if (run.type != CellType::Flat && !mesh.regions.empty())
+        for (std::size_t i = 0; i < run.count; ++i)
+          if (i == 0 || mesh.regions[cell + i] != mesh.regions[cell + i - 1])
+            present.insert(mesh.regions[cell + i]);
+      cell += run.count;
+    }
+    const auto& names = mesh.regionNames;
+    const auto excluded = findRegions(filter.exclude, "--exclude", present, names, report);
+    kept_ = findRegions(filter.regions, "--region", present, names, report);
+    if (filter.regions.empty())
+      kept_ = present;
+    for (const std::int32_t region : excluded)
+      kept_.erase(region);
+    byRegion_ = true;
+  }
+
+  bool active() const { return active_; }
+
+  bool keeps(std::size_t cell, const std::uint32_t* nodes, std::size_t count) const {
+    if (!active_)
+      return true;
+    if (byRegion_ && kept_.count(mesh_.regions[cell]) == 0)
+      return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      double low = std::numeric_limits<double>::infinity();
+      double high = -low;
+      for (std::size_t i = 0; i < count; ++i) {
+        low = std::min(low, mesh_.points[nodes[i]][k]);
+        high = std::max(high, mesh_.points[nodes[i]][k]);
+      }
+      if (high < filter_.boxMin[k] || low > filter_.boxMax[k])
+        return false;
+    }
+    return true;
+  }
+
+private:
+  const CellMesh& mesh_;
+  const CellFilter& filter_;
+  std::set<std::int32_t> kept_;
+  bool active_;
+  bool byRegion_ = false;
+};
+
+/// Adds the tets of one cell to `tets`; returns whether their orientations differ, as they do where
+/// the cell is not convex.
+bool splitByShape(const CellShape& shape, const std::uint32_t* nodes,
+                  const std::vector<Vec3d>& points, std::vector<std::uint32_t>& tets) {
+  std::uint32_t apex = nodes[0];
+  for (int i = 1; i < shape.corners; ++i)
+    if (isBefore(points, nodes[i], apex))
+      apex = nodes[i];
+  bool positive = false;
+  bool negative = false;
+  for (const std::vector<int>& face : shape.faces) {
+    std::array<std::uint32_t, 6> corner;
+    const std::size_t sides = face.size();
+    std::size_t first = 0;
+    bool atApex = false;
+    for (std::size_t i = 0; i < sides; ++i) {
+      corner[i] = nodes[face[i]];
+      // By number, not by place: collapsed cells repeat a corner.
+      atApex = atApex || corner[i] == apex;
+      if (isBefore(points, corner[i], corner[first]))
+        first = i;
+    }
+    if (atApex)
+      continue;
+    for (std::size_t i = 1; i + 1 < sides; ++i) {
+      const std::uint32_t a = corner[first];
+      const std::uint32_t b = corner[(first + i) % sides];
+      const std::uint32_t c = corner[(first + i + 1) % sides];
+      if (a == b || b == c || c == a)
+        continue;
+      const double volume = sixfoldVolume(points[apex], points[a], points[b], points[c]);
+      positive = positive || volume > 0;
+      negative = negative || volume < 0;
+      tets.insert(tets.end(), {apex, a, b, c});
+    }
+  }
+  return positive && negative;
+}
+
+/// Removes the elements of Flat runs from an array with `components` numbers a cell.
+template <class T>
+void removeFlat(std::vector<T>& values, std::size_t components, const std::vector<CellRun>& runs) {
+  std::size_t from = 0;
+  std::size_t to = 0;
+  for (const CellRun& run : runs) {
+    const std::size_t n = run.count * components;
+    if (run.type != CellType::Flat) {
+      if (from != to)
+        std::copy(values.begin() + static_cast<std::ptrdiff_t>(from),
+                  values.begin() + static_cast<std::ptrdiff_t>(from + n),
+                  values.begin() + static_cast<std::ptrdiff_t>(to));
+      to += n;
+    }
+    from += n;
+  }
+  values.resize(to);
+}
+
+void keepSolidValues(CellMesh& mesh, TetMesh& result) {
+  const std::size_t cells = mesh.cellCount();
+  for (Attribute& attribute : mesh.attributes)
+    if (attribute.on == Attribute::On::Cells) {
+      if (attribute.size() != cells)
+        throw Error(Status::Invalid, "cell array " + quoted(attribute.name),
+                    "has " + std::to_string(attribute.size()) + " values for " +
+                        std::to_string(cells) + " cells");
+      std::visit([&](auto& values) { removeFlat(values, attribute.components, mesh.runs); },
+                 attribute.values);
+    }
+  if (!mesh.regions.empty())
+    removeFlat(mesh.regions, 1, mesh.runs);
+  result.attributes = std::move(mesh.attributes);
+  result.regions = std::move(mesh.regions);
+  result.regionNames = std::move(mesh.regionNames);
+}
+
+/// What the split met on its way.
+struct Tally {
+  std::map<std::string, std::size_t> skipped; ///< by the file's name of the kind
+  std::size_t quadratic = 0;
+  std::size_t concave = 0;
+  bool filtered = false; ///< some cell was left out by the filter
+};
+
+void tell(const Tally& tally, Report& report) {
+  std::size_t skipped = 0;
+  std::string kinds;
+  for (const auto& [kind, count] : tally.skipped) {
+    skipped += count;
+    kinds += (kinds.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+  }
+  if (skipped > 0) {
+    report.partial = true;
+    report.warn("skipped-cells", std::to_string(skipped) +
+                                     " solid cells could not be split into tetrahedra and leave "
+                                     "holes (" +
+                                     kinds + ")");
+  }
+  if (tally.quadratic > 0)
+    report.warn("quadratic-cells", std::to_string(tally.quadratic) +
+                                       " curved cells of higher order were taken by their corners, "
+                                       "with straight edges");
+  if (tally.concave > 0)
+    report.warn("concave-cells", std::to_string(tally.concave) +
+                                     " cells are not convex or turned inside out in places; their "
+                                     "tetrahedra overlap there");
+}
+
+bool holdsOnlyTets(const std::vector<CellRun>& runs) {
+  return std::all_of(runs.begin(), runs.end(), [](const CellRun& run) {
+    return run.type == CellType::Tetra || run.type == CellType::Flat || run.count == 0;
+  });
+}
+
+} // namespace
+
+std::string describeCells(const CellMesh& mesh) {
+  std::vector<std::pair<std::string, std::size_t>> kinds;
+  for (const CellRun& run : mesh.runs) {
+    if (run.count == 0)
+      continue;
+    const auto known = std::find_if(kinds.begin(), kinds.end(),
+                                    [&](const auto& kind) { return kind.first == run.fileType; });
+    if (known == kinds.end())
+      kinds.emplace_back(run.fileType, run.count);
+    else
+      known->second += run.count;
+  }
+  std::string text;
+  for (const auto& [kind, count] : kinds) {
+    // "694 triangles", but "694 tetra" and "694 triangle6".
+    const bool plural = count != 1 && !kind.empty() && kind.back() != 's' && kind.back() != 'a' &&
+                        std::isalpha(static_cast<unsigned char>(kind.back())) != 0;
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind + (plural ? "s" : "");
+  }
+  return text.empty() ? "no cells" : text;
+}
+
+TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Progress& progress) {
+  std::uint64_t solid = 0;
+  std::uint64_t expectedTets = 0;
+  for (const CellRun& run : mesh.runs) {
+    if (run.type == CellType::Flat)
+      continue;
+    solid += run.count;
+    const CellShape* shape = shapeOf(run.type);
+    expectedTets += run.count * static_cast<std::uint64_t>(shape != nullptr ? shape->tets : 1);
+  }
+  if (solid == 0)
+    throw Error(Status::Invalid, "mesh",
+                "no tetrahedra or other solid cells; it holds " + describeCells(mesh));
+  const auto refuseAbove = [](std::uint64_t tets) {
+    if (tets > kMostTets)
+      throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra",
+                  "split it into several files or choose a part with --bbox or --region");
+  };
+  refuseAbove(solid);
+
+  const Chooser chooser(mesh, filter, report);
+  if (!chooser.active())
+    refuseAbove(expectedTets);
+  const bool onlyTets = holdsOnlyTets(mesh.runs);
+  const bool identity = onlyTets && !chooser.active();
+  TetMesh result;
+  result.cellCount = static_cast<std::size_t>(solid);
+  Tally tally;
+  std::vector<std::uint32_t>& nodes = mesh.nodes;
+  std::vector<std::uint32_t> made;
+  if (!onlyTets && !chooser.active())
+    made.reserve(static_cast<std::size_t>(expectedTets) * 4);
+
+  std::size_t from = 0;  // next number in `nodes`
+  std::size_t to = 0;    // end of the tets kept, which move down within `nodes`
+  std::size_t cell = 0;  // number in the file
+  std::uint32_t own = 0; // number among the solid cells
+  for (const CellRun& run : mesh.runs) {
+    const std::size_t each = run.nodesPerCell;
+    if (run.type == CellType::Flat) {
+      from += each * run.count;
+      cell += run.count;
+      continue;
+    }
+    if (run.quadratic)
+      tally.quadratic += run.count;
+    if (identity && each == 4 && from == to) {
+      from = to += 4 * run.count;
+      cell += run.count;
+      own += static_cast<std::uint32_t>(run.count);
+      continue;
+    }
+    const CellShape* shape = shapeOf(run.type);
+    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, from += each) {
+      if (i % kCellsPerUpdate == 0)
+        progress.update(static_cast<double>(own) / static_cast<double>(solid));
+      const std::uint32_t* corner = nodes.data() + from;
+      if (run.type == CellType::Tetra) {
+        if (!chooser.keeps(cell, corner, 4)) {
+          tally.filtered = true;
+          continue;
+        }
+        if (onlyTets) {
+          std::copy(corner, corner + 4, nodes.data() + to);
+          to += 4;
+        } else {
+          made.insert(made.end(), corner, corner + 4);
+        }
+        if (!identity)
+          result.cellOfTet.push_back(own);
+        continue;
+      }
+      const std::size_t before = made.size();
+      if (shape != nullptr) {
+        if (!chooser.keeps(cell, corner, static_cast<std::size_t>(shape->corners))) {
+          tally.filtered = true;
+          continue;
+        }
+        if (splitByShape(*shape, corner, mesh.points, made))
+          ++tally.concave;
+      } else if (run.type == CellType::Polyhedron) {
+        const auto faces = polyhedronFaces(corner, each);
+        if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size())) {
+          tally.filtered = true;
+          continue;
+        }
+        if (!splitPolyhedron(faces, mesh.points, made))
+          ++tally.skipped[run.fileType];
+      } else {
+        ++tally.skipped[run.fileType];
+      }
+      refuseAbove(made.size() / 4);
+      result.cellOfTet.insert(result.cellOfTet.end(), (made.size() - before) / 4, own);
+    }
+  }
+
+  if (onlyTets) {
+    nodes.resize(to);
+    result.tets = std::move(nodes);
+  } else {
+    result.tets = std::move(made);
+  }
+  tell(tally, report);
+  if (result.tets.empty())
+    throw Error(Status::Invalid, "mesh",
+                tally.filtered
+                    ? "no cell is left by --region, --exclude and --bbox"
+                    : "no solid cell can be split into tetrahedra; it holds " + describeCells(mesh),
+                tally.filtered ? "widen them" : "");
+  keepSolidValues(mesh, result);
+  result.points = std::move(mesh.points);
+  return result;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs bin/tetvdb as a user would, and makes the meshes that the tests feed it."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+PROGRAM = os.environ["TETVDB_PROGRAM"]
+DATA = pathlib.Path(os.environ["TETVDB_TEST_DATA"])
+SANITIZED = os.environ.get("TETVDB_SANITIZED", "") not in ("", "0")
+
+
+class Result:
+    def __init__(self, status, out, err):
+        self.status, self.out, self.err = status, out, err
+        self.lines = [line for line in err.splitlines() if line.strip()]
+
+    def report(self):
+        return json.loads(self.out)
+
+
+class CommandLineTest(unittest.TestCase):
+    """Every test works in an empty folder of its own."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tetvdb-cli-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return self.folder / name
+
+    def write(self, name, content):
+        path = self.path(name)
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    def run_program(self, *arguments, timeout=300, **options):
+        done = subprocess.run(
+            [PROGRAM, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=timeout, **options)
+        return Result(done.returncode, done.stdout.decode(errors="replace"),
+                      done.stderr.decode(errors="replace"))
+
+    def succeed(self, *arguments, status=0, **options):
+        result = self.run_program(*arguments, **options)
+        self.assertEqual(result.status, status, result.err)
+        return result
+
+    def report_of(self, *arguments, status=0):
+        return self.succeed(*arguments, "--json", "-", status=status).report()
+
+    def refuse(self, statuses, *arguments, says=(), **options):
+        """The program must fail with one of `statuses`, say why in one line, and leave nothing."""
+        before = sorted(p.name for p in self.folder.iterdir())
+        result = self.run_program(*arguments, **options)
+        statuses = (statuses,) if isinstance(statuses, int) else tuple(statuses)
+        self.assertIn(result.status, statuses, f"{arguments}: {result.err}")
+        self.assertEqual(len(result.lines), 1, result.err)
+        for text in (says,) if isinstance(says, str) else says:
+            self.assertIn(text.lower(), result.lines[0].lower())
+        self.assertEqual(result.out, "")
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), before)
+        return result
+
+    def hash_of(self, path):
+        return self.report_of("info", path, "--hash")["input"][0]["hash"]
+
+
+def lattice(cells, origin=(0.0, 0.0, 0.0), side=1.0):
+    """A cube cut into cells^3 small cubes of six tets each: points, tets."""
+    n = cells + 1
+    points = [tuple(origin[a] + side * index[a] / cells for a in range(3))
+              for index in ((x, y, z) for z in range(n) for y in range(n) for x in range(n))]
+
+    def number(x, y, z):
+        return x + n * (y + n * z)
+
+    tets = []
+    paths = [(0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)]
+    for z in range(cells):
+        for y in range(cells):
+            for x in range(cells):
+                for path in paths:
+                    corner = [x, y, z]
+                    tet = [number(*corner)]
+                    for axis in path:
+                        corner[axis] += 1
+                        tet.append(number(*corner))
+                    tets.append(tet)
+    return points, tets
+
+
+def medit(points, tets, regions=None):
+    lines = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(len(points))]
+    lines += ["%r %r %r 0" % tuple(p) for p in points]
+    lines += ["Tetrahedra", str(len(tets))]
+    for i, tet in enumerate(tets):
+        lines.append("%d %d %d %d %d" % (*(c + 1 for c in tet), regions[i] if regions else 1))
+    return "\n".join(lines + ["End", ""])
+
+
+def gmsh(points, tets, regions=None, names=None):
+    """Gmsh 2.2, ASCII."""
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
+    if names:
+        lines += ["$PhysicalNames", str(len(names))]
+        lines += ['3 %d "%s"' % item for item in names.items()] + ["$EndPhysicalNames"]
+    lines += ["$Nodes", str(len(points))]
+    lines += ["%d %r %r %r" % (i + 1, *p) for i, p in enumerate(points)]
+    lines += ["$EndNodes", "$Elements", str(len(tets))]
+    for i, tet in enumerate(tets):
+        region = regions[i] if regions else 1
+        lines.append("%d 4 2 %d %d %d %d %d %d" % (i + 1, region, region, *(c + 1 for c in tet)))
+    return "\n".join(lines + ["$EndElements", ""])
+
+
+def vtu(points, tets):
+    numbers = lambda rows: " ".join(str(v) for row in rows for v in row)
+    return f"""<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(tets)}">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">{numbers(points)}</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">{numbers(tets)}</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">{" ".join(str(4 * (i + 1)) for i in range(len(tets)))}</DataArray>
+<DataArray type="UInt8" Name="types" format="ascii">{" ".join(["10"] * len(tets))}</DataArray></Cells>
+</Piece></UnstructuredGrid></VTKFile>
+"""
+
+
+WRITERS = {"mesh": medit, "msh": gmsh, "vtu": vtu}

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What works: voxelize, info and compare as in the guide, and their reports."""
+
+import json
+import unittest
+
+from program import DATA, WRITERS, CommandLineTest, gmsh, lattice, medit, vtu
+
+
+def two_blocks():
+    """Two unit cubes side by side in x, regions 3 and 7."""
+    points, tets = lattice(2)
+    more, other = lattice(2, origin=(1.0, 0.0, 0.0))
+    shifted = [[c + len(points) for c in tet] for tet in other]
+    return points + more, tets + shifted, [3] * len(tets) + [7] * len(other)
+
+
+class Voxelize(CommandLineTest):
+    def voxels(self, *arguments, grid=0):
+        return self.report_of("voxelize", *arguments, "-o", "out.vdb")["grids"][grid]["active_voxels"]
+
+    def test_every_tie_is_decided_once(self):
+        for cells in (1, 2, 4):
+            for ending, writer in WRITERS.items():
+                self.write("box." + ending, writer(*lattice(cells)))
+                for path in ("boundary", "tets", "auto"):
+                    self.assertEqual(
+                        self.voxels("box." + ending, "--resolution", 16, "--path", path), 16**3)
+
+    def test_report(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 16,
+                                "--grid", "density,mask,tet_id,material", "--threads", 2)
+        self.assertEqual(
+            list(report), ["version", "command", "status", "device", "threads", "input", "mesh",
+                           "stages", "grids", "output", "warnings"])
+        self.assertEqual(report["command"], "voxelize")
+        self.assertEqual(report["status"], 0)
+        self.assertEqual(report["device"], "cpu")
+        self.assertEqual(report["threads"], 2)
+        [source] = report["input"]
+        self.assertEqual(source["kind"], "tets")
+        self.assertEqual(source["vertices"], 27)
+        self.assertEqual(source["tets"], 48)
+        self.assertEqual(sum(source["cells"].values()), 48)
+        self.assertIn("Medit", source["format"])
+        self.assertEqual(report["mesh"]["tets"], 48)
+        self.assertEqual(report["mesh"]["flipped"], 24)
+        self.assertEqual(report["mesh"]["dropped"], 0)
+        self.assertAlmostEqual(report["mesh"]["volume"], 1.0)
+        self.assertEqual([s["name"] for s in report["stages"]], ["read", "voxelize", "write"])
+        for stage in report["stages"]:
+            self.assertGreaterEqual(stage["seconds"], 0)
+            self.assertGreater(stage["peak_bytes"], 0)
+        self.assertEqual([g["name"] for g in report["grids"]],
+                         ["density", "mask", "tet_id", "material"])
+        self.assertEqual([g["type"] for g in report["grids"]], ["float", "bool", "int32", "int32"])
+        for grid in report["grids"]:
+            self.assertEqual(grid["active_voxels"], 16**3)
+            self.assertAlmostEqual(grid["volume"], 1.0)
+        [output] = report["output"]
+        self.assertEqual(output["bytes"], self.path("out.vdb").stat().st_size)
+
+    def test_summary_and_quiet(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        loud = self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 8)
+        self.assertIn("out.vdb", loud.out)
+        self.assertEqual(loud.err, "")
+        quiet = self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 8, "-q")
+        self.assertEqual((quiet.out, quiet.err), ("", ""))
+        verbose = self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 8, "-v")
+        for stage in ("read", "voxelize", "write"):
+            self.assertIn(stage, verbose.err)
+
+    def test_report_into_a_file(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        result = self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--json", "report.json")
+        self.assertIn("out.vdb", result.out)
+        self.assertEqual(json.loads(self.path("report.json").read_text())["status"], 0)
+
+    def test_voxel_sizes(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        self.assertEqual(self.voxels("box.mesh", "--voxel-size", "0.125"), 8**3)
+        self.assertEqual(self.voxels("box.mesh", "--voxel-size", "0.125,0.25,0.5"), 8 * 4 * 2)
+        self.assertEqual(self.voxels("box.mesh", "--voxel-size", "0.125", "--origin", "10,-3.5,0.06"),
+                         8**3)
+
+    def test_regions(self):
+        points, tets, regions = two_blocks()
+        names = {3: "steel", 7: "air box"}
+        self.write("two.msh", gmsh(points, tets, regions, names))
+        size = ("--voxel-size", "0.125")
+        self.assertEqual(self.voxels("two.msh", *size), 2 * 8**3)
+        for options in (("--region", "3"), ("--region", "steel"), ("--exclude", "7"),
+                        ("--exclude", "air box"), ("--region", "3,7", "--exclude", "air box"),
+                        ("--bbox", "-1,-1,-1,0.75,2,2"), ("--bbox", "-inf,-inf,-inf,0.5,inf,inf")):
+            with self.subTest(options=options):
+                self.assertEqual(self.voxels("two.msh", *size, *options), 8**3)
+        self.assertEqual(self.voxels("two.msh", *size, "--region", "3", "--region", "7"), 2 * 8**3)
+        self.succeed("voxelize", "two.msh", "-o", "out.vdb", *size, "--grid", "material")
+        [grid] = self.report_of("info", "out.vdb")["input"][0]["grids"]
+        self.assertEqual((grid["min"], grid["max"]), (3, 7))
+
+    def test_several_inputs_become_one_volume(self):
+        self.write("a.mesh", medit(*lattice(2)))
+        self.write("b.vtu", vtu(*lattice(3, origin=(1.0, 0.0, 0.0))))
+        report = self.report_of("voxelize", "a.mesh", "b.vtu", "-o", "both.vdb", "--voxel-size",
+                                "0.125", "--grid", "mask,tet_id")
+        self.assertEqual(report["grids"][0]["active_voxels"], 2 * 8**3)
+        self.assertEqual([s["tets"] for s in report["input"]], [48, 162])
+        grids = self.report_of("info", "both.vdb")["input"][0]["grids"]
+        self.assertGreater(next(g for g in grids if g["name"] == "tet_id")["max"], 48)
+
+    def test_threads_and_paths_give_the_same_volume(self):
+        points, tets = lattice(5)
+        turned = [(x + 0.3 * y, y - 0.2 * z, z + 0.1 * x) for x, y, z in points]
+        self.write("box.mesh", medit(turned, tets))
+        hashes = set()
+        for options in (("--threads", 1), ("--threads", 2), ("--threads", 5),
+                        ("--path", "boundary"), ("--path", "tets")):
+            self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 150, "--grid",
+                         "density,mask,tet_id", *options)
+            hashes.add(self.hash_of("out.vdb"))
+        self.assertEqual(len(hashes), 1)
+
+    def test_both_file_formats_hold_the_same(self):
+        self.write("box.mesh", medit(*lattice(3)))
+        for name in ("out.vdb", "out.nvdb"):
+            self.succeed("voxelize", "box.mesh", "-o", name, "--resolution", 50, "--grid",
+                         "density,mask,tet_id")
+        self.assertEqual(self.hash_of("out.vdb"), self.hash_of("out.nvdb"))
+        self.succeed("compare", "out.vdb", "out.nvdb")
+
+    def test_half_and_metadata(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 20, "--half",
+                     "--units", "millimetre")
+        [volume] = self.report_of("info", "out.vdb")["input"]
+        self.assertEqual(volume["metadata"]["units"], "millimetre")
+        self.assertEqual(volume["metadata"]["source"], "box.mesh")
+        self.assertIn("TetVDB", volume["metadata"]["creator"])
+        [grid] = volume["grids"]
+        self.assertEqual(grid["class"], "fog volume")
+        self.assertIn("true", grid["metadata"]["is_saved_as_half_float"].lower())
+
+    def test_up_axis(self):
+        points, tets = lattice(1)
+        tall = [(x, y, 3 * z) for x, y, z in points]
+        self.write("tall.mesh", medit(tall, tets))
+        self.succeed("voxelize", "tall.mesh", "-o", "out.vdb", "--voxel-size", "0.5", "--up-axis", "y")
+        [grid] = self.report_of("info", "out.vdb")["input"][0]["grids"]
+        extent = [b - a + 1 for a, b in zip(grid["box"]["min"], grid["box"]["max"])]
+        self.assertEqual(extent, [2, 6, 2])
+        self.assertLess(grid["box"]["max"][2], 1)
+
+    def test_mesh_is_converted(self):
+        points, tets, regions = two_blocks()
+        self.write("two.msh", gmsh(points, tets, regions))
+        for name in ("copy.msh", "copy.mesh", "copy.vtu"):
+            self.succeed("voxelize", "two.msh", "--write-mesh", name)
+            [mesh] = self.report_of("info", name)["input"]
+            self.assertEqual(mesh["tets"], len(tets))
+            self.assertEqual([(r["number"], r["cells"]) for r in mesh["regions"]],
+                             [(3, 48), (7, 48)])
+            self.assertAlmostEqual(mesh["volume"], 2.0)
+
+    def test_mesh_of_the_repository(self):
+        report = self.report_of("voxelize", DATA / "quadcopter_frame.mesh", "-o", "out.vdb",
+                                "--resolution", 128)
+        self.assertGreater(report["grids"][0]["active_voxels"], 1000)
+        self.assertAlmostEqual(report["grids"][0]["volume"] / report["mesh"]["volume"], 1, delta=0.05)
+
+
+class Info(CommandLineTest):
+    def test_mesh(self):
+        points, tets, regions = two_blocks()
+        self.write("two.msh", gmsh(points, tets, regions, {3: "steel"}))
+        [mesh] = self.report_of("info", "two.msh")["input"]
+        self.assertEqual(mesh["kind"], "tets")
+        self.assertEqual((mesh["vertices"], mesh["tets"]), (54, 96))
+        self.assertEqual(mesh["box"], {"min": [0, 0, 0], "max": [2, 1, 1]})
+        self.assertAlmostEqual(mesh["volume"], 2.0)
+        self.assertEqual(mesh["defects"], {"inverted": 48, "flat": 0})
+        self.assertEqual(mesh["regions"], [{"number": 3, "name": "steel", "cells": 48},
+                                           {"number": 7, "name": "", "cells": 48}])
+        text = self.succeed("info", "two.msh").out
+        for part in ("two.msh", "Gmsh", "54", "96", "steel"):
+            self.assertIn(part, text)
+
+    def test_flat_tets_are_counted(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0.3, 0.3, 1)]
+        self.write("flat.mesh", medit([tuple(map(float, p)) for p in points],
+                                      [[0, 1, 2, 3], [0, 1, 2, 4]]))
+        [mesh] = self.report_of("info", "flat.mesh")["input"]
+        self.assertEqual(mesh["defects"], {"inverted": 0, "flat": 1})
+
+    def test_volume(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--voxel-size", "0.125", "--grid",
+                     "density,tet_id")
+        [volume] = self.report_of("info", "out.vdb", "--hash")["input"]
+        self.assertEqual(volume["kind"], "volume")
+        self.assertRegex(volume["hash"], "^[0-9a-f]{32}$")
+        density = next(g for g in volume["grids"] if g["name"] == "density")
+        self.assertEqual(density["active_voxels"], 512)
+        self.assertEqual(density["voxel_size"], [0.125] * 3)
+        self.assertEqual((density["min"], density["max"]), (1, 1))
+        text = self.succeed("info", "out.vdb", "--hash").out
+        self.assertIn(volume["hash"], text)
+
+    def test_help(self):
+        for arguments in (("--help",), ("voxelize", "--help"), ("info", "--help"),
+                          ("compare", "--help"), ("--version",)):
+            result = self.succeed(*arguments)
+            self.assertIn("tetvdb", result.out)
+            self.assertEqual(result.err, "")
+            if arguments != ("--version",):
+                self.assertIn("Examples", result.out)
+
+
+class Compare(CommandLineTest):
+    def setUp(self):
+        super().setUp()
+        self.write("box.mesh", medit(*lattice(2)))
+        half = [(x / 2, y, z) for x, y, z in lattice(2)[0]]
+        self.write("half.mesh", medit(half, lattice(2)[1]))
+        for name in ("box", "half"):
+            self.succeed("voxelize", name + ".mesh", "-o", name + ".vdb", "--voxel-size", "0.125")
+
+    def test_same(self):
+        report = self.report_of("compare", "box.vdb", "box.vdb")
+        self.assertTrue(report["compare"]["same"])
+        self.assertEqual(report["compare"]["grids"][0]["iou"], 1)
+        self.assertIn("same", self.succeed("compare", "box.vdb", "box.vdb").out)
+
+    def test_different(self):
+        report = self.report_of("compare", "box.vdb", "half.vdb", status=8)
+        self.assertEqual(report["status"], 8)
+        [grid] = report["compare"]["grids"]
+        self.assertAlmostEqual(grid["iou"], 0.5)
+        self.assertEqual(grid["state_differs"], 256)
+        self.assertEqual(grid["largest_difference"], 1)
+        quiet = self.succeed("compare", "box.vdb", "half.vdb", "-q", status=8)
+        self.assertEqual((quiet.out, quiet.err), ("", ""))
+
+    def test_tolerance(self):
+        self.succeed("compare", "box.vdb", "half.vdb", "--tolerance", 0.5, status=8)
+        self.succeed("compare", "box.vdb", "half.vdb", "--tolerance", 1)
+        self.refuse(2, "compare", "box.vdb", "half.vdb", "--tolerance", -1, says="--tolerance")
+
+    def test_other_grids_and_transforms(self):
+        self.succeed("voxelize", "box.mesh", "-o", "mask.vdb", "--voxel-size", "0.125", "--grid",
+                     "mask")
+        report = self.report_of("compare", "box.vdb", "mask.vdb", status=8)
+        self.assertEqual(report["compare"]["only_a"], ["density"])
+        self.assertEqual(report["compare"]["only_b"], ["mask"])
+        self.succeed("voxelize", "box.mesh", "-o", "fine.vdb", "--voxel-size", "0.0625")
+        report = self.report_of("compare", "box.vdb", "fine.vdb", status=8)
+        self.assertFalse(report["compare"]["same_transform"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds the fuzz targets with libFuzzer and the sanitizers and runs each for a while, beginning
+# with the meshes of tests/data and, where TETVDB_CORPUS names a folder, of its tet/.
+#
+#   scripts/fuzz.sh [SECONDS each (60)] [TARGET...]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+seconds=${1:-60}
+shift || true
+cmake --preset fuzz >/dev/null
+cmake --build --preset fuzz --target fuzz_targets
+
+# A target that is named FuzzGmsh takes its seeds from files that it can read; others are harmless.
+seeds=build/fuzz/seeds
+mkdir -p "$seeds"
+for folder in tests/data "${TETVDB_CORPUS:-/nonexistent}/tet"; do
+  [[ -d $folder ]] || continue
+  find "$folder" -type f -size -64k -exec cp -n {} "$seeds" \;
+done
+
+targets=("$@")
+if [[ ${#targets[@]} -eq 0 ]]; then
+  mapfile -t targets < <(cd build/fuzz/bin && printf '%s\n' Fuzz*)
+fi
+status=0
+for target in "${targets[@]}"; do
+  found=build/fuzz/found/$target
+  mkdir -p "$found"
+  echo "fuzz: $target for $seconds s"
+  if ! build/fuzz/bin/"$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2500 \
+    -max_len=65536 -artifact_prefix="$found/" -print_final_stats=0 -verbosity=0 \
+    "$found" "$seeds" >build/fuzz/"$target".log 2>&1; then
+    tail -40 build/fuzz/"$target".log
+    echo "fuzz: $target FAILED; the input lies in $found"
+    status=1
+  fi
+done
+exit $status

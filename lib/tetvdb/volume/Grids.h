@@ -14,10 +14,17 @@ struct GridSet {
 };
 
 /// OpenVDB's linear transform for `transform`: ScaleTranslateMap or ScaleMap, uniform where the
-/// three sizes are equal.
+/// three sizes are equal. Throws Error(Usage) for a size that is not positive and finite, an origin
+/// that is not finite, or a voxel whose volume is below OpenVDB's limit of 3e-15 cubic units.
 openvdb::math::Transform::Ptr makeTransform(const GridTransform& transform);
 
 /// Registers OpenVDB's types once; call before any use of grids or files. Thread-safe, cheap.
 void initializeOpenVDB();
+
+/// Opens the active tile whose origin comes first (x, then y, then z) to one leaf if the grid has
+/// active tiles but no leaf; otherwise does nothing. Blender 3.4 draws nothing of a grid that is
+/// tiles alone. Call it on finished, pruned grids before hash() and writeVolume(), so that both see
+/// the same tree; neither does it on its own. Throws Error(Usage) for a grid type that is unknown.
+void openFirstTile(openvdb::GridBase& grid);
 
 } // namespace tetvdb

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+namespace tetvdb {
+namespace {
+
+template <class T>
+double magnitude(const T& value) {
+  if constexpr (openvdb::VecTraits<T>::IsVec)
+    return std::sqrt(double(value.lengthSqr()));
+  else
+    return static_cast<double>(value);
+}
+
+/// Sums over a part of a tree.
+struct Counts {
+  std::uint64_t activeVoxels = 0, activeTiles = 0, leaves = 0, bytes = 0;
+  openvdb::CoordBBox box; // empty
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+
+  void add(const Counts& other) {
+    activeVoxels += other.activeVoxels;
+    activeTiles += other.activeTiles;
+    leaves += other.leaves;
+    bytes += other.bytes;
+    box.expand(other.box);
+    least = std::min(least, other.least);
+    most = std::max(most, other.most);
+  }
+  void range(double value) { // NaN changes nothing
+    if (value < least)
+      least = value;
+    if (value > most)
+      most = value;
+  }
+  template <class T>
+  void addTile(const openvdb::Coord& origin, openvdb::Index dim, const T& value) {
+    ++activeTiles;
+    activeVoxels += std::uint64_t(dim) * dim * dim;
+    box.expand(openvdb::CoordBBox::createCube(origin, static_cast<openvdb::Int32>(dim)));
+    range(magnitude(value));
+  }
+};
+
+template <class Leaf>
+void addLeaf(Counts& counts, const Leaf& leaf) {
+  using T = typename Leaf::ValueType;
+  ++counts.leaves;
+  counts.bytes += leaf.memUsage();
+  const auto& mask = leaf.getValueMask();
+  const auto active = mask.countOn();
+  if (active == 0)
+    return;
+  counts.activeVoxels += active;
+  const auto whole = openvdb::CoordBBox::createCube(leaf.origin(), openvdb::Int32(Leaf::DIM));
+  if (!counts.box.isInside(whole)) {
+    if (active == Leaf::SIZE)
+      counts.box.expand(whole);
+    else
+      leaf.evalActiveBoundingBox(counts.box);
+  }
+  if constexpr (std::is_same<T, bool>::value) {
+    bool on = false, off = false;
+    const auto* values = leaf.buffer().data();
+    for (openvdb::Index w = 0; w < 8; ++w) {
+      const openvdb::Index64 word = mask.template getWord<openvdb::Index64>(w);
+      on |= (word & values[w]) != 0;
+      off |= (word & ~values[w]) != 0;
+    }
+    if (on)
+      counts.range(1);
+    if (off)
+      counts.range(0);
+  } else if constexpr (openvdb::VecTraits<T>::IsVec) {
+    const T* values = leaf.buffer().data();
+    for (auto i = mask.beginOn(); i; ++i)
+      counts.range(magnitude(values[i.pos()]));
+  } else {
+    const T* values = leaf.buffer().data();
+    T least = values[mask.findFirstOn()], most = least;
+    const auto widen = [&](T value) {
+      least = value < least || least != least ? value : least;
+      most = value > most || most != most ? value : most;
+    };
+    if (active == Leaf::SIZE) {
+      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+        widen(values[i]);
+    } else {
+      for (auto i = mask.beginOn(); i; ++i)
+        widen(values[i.pos()]);
+    }
+    counts.range(static_cast<double>(least));
+    counts.range(static_cast<double>(most));
+  }
+}
+
+template <class Lower>
+void addLower(Counts& counts, const Lower& node) {
+  counts.bytes += sizeof(Lower);
+  for (auto child = node.cbeginChildOn(); child; ++child)
+    addLeaf(counts, *child);
+  for (auto tile = node.cbeginValueOn(); tile; ++tile)
+    counts.addTile(tile.getCoord(), Lower::ChildNodeType::DIM, *tile);
+}
+
+template <class TreeT>
+Counts count(const TreeT& tree) {
+  const NodeLists<TreeT> nodes(tree);
+  Counts total = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, nodes.lowers.size()), Counts{},
+      [&](const auto& range, Counts counts) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+          addLower(counts, *nodes.lowers[i]);
+        return counts;
+      },
+      [](Counts a, const Counts& b) {
+        a.add(b);
+        return a;
+      });
+  for (const auto* node : nodes.uppers) {
+    total.bytes += sizeof(*node);
+    for (auto tile = node->cbeginValueOn(); tile; ++tile)
+      total.addTile(tile.getCoord(), NodeLists<TreeT>::Lower::DIM, *tile);
+  }
+  total.bytes += sizeof(tree);
+  for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
+    total.addTile(tile.getCoord(), NodeLists<TreeT>::Upper::DIM, *tile);
+  return total;
+}
+
+Vec3i toArray(const openvdb::Coord& c) {
+  return {c.x(), c.y(), c.z()};
+}
+
+GridInfo describeGrid(const openvdb::GridBase& grid) {
+  GridInfo info;
+  info.name = grid.getName();
+  info.type = grid.valueType();
+  info.gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass());
+  for (auto entry = grid.beginMeta(); entry != grid.endMeta(); ++entry)
+    info.metadata[entry->first] = entry->second->str();
+
+  const auto& transform = grid.transform();
+  const openvdb::Vec3d size = transform.voxelSize();
+  const openvdb::Vec3d origin = transform.indexToWorld(openvdb::Vec3d(0.0));
+  info.transform.voxelSize = {size.x(), size.y(), size.z()};
+  info.transform.origin = {origin.x(), origin.y(), origin.z()};
+  info.linear = transform.isLinear();
+  if (info.linear) {
+    const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getConstMat4();
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        info.linear =
+            info.linear && (row == column ? matrix(row, column) > 0 : matrix(row, column) == 0);
+  }
+
+  Counts counts;
+  const bool known =
+      withKnownGrid(grid, [&](const auto& typed) { counts = count(typed.constTree()); });
+  if (!known) {
+    counts.activeVoxels = grid.activeVoxelCount();
+    counts.leaves = grid.baseTree().leafCount();
+    counts.activeTiles = grid.baseTree().activeTileCount();
+    counts.bytes = grid.memUsage();
+    counts.box = grid.evalActiveVoxelBoundingBox();
+  }
+  info.activeVoxels = counts.activeVoxels;
+  info.activeTiles = counts.activeTiles;
+  info.leaves = counts.leaves;
+  info.bytes = counts.bytes;
+  info.volume = static_cast<double>(counts.activeVoxels) * transform.voxelVolume();
+  if (!counts.box.empty()) {
+    info.boxMin = toArray(counts.box.min());
+    info.boxMax = toArray(counts.box.max());
+  }
+  if (counts.least <= counts.most) {
+    info.minValue = counts.least;
+    info.maxValue = counts.most;
+  }
+  return info;
+}
+
+} // namespace
+
+std::vector<GridInfo> describe(const Volume& volume) {
+  std::vector<GridInfo> result;
+  for (const auto& grid : volume.grids().all)
+    result.push_back(describeGrid(*grid));
+  return result;
+}
+
+} // namespace tetvdb

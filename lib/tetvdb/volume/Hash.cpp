@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The canonical form of a tree is the list of its leaves and of the tiles that say something (all
+// but inactive ones of the background's value), by coordinates and level. Internal nodes have no
+// part of their own: an empty node and none are the same. Each 128^3 node is hashed by itself, the
+// 4096^3 nodes over the hashes below them, the grid over these, so that any number of threads gives
+// the same result.
+#include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <sstream>
+#include <xxhash.h>
+
+namespace tetvdb {
+namespace {
+
+struct FreeState {
+  void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+};
+
+class Hasher {
+public:
+  Hasher() : state_(XXH3_createState()) {
+    if (!state_)
+      throw std::bad_alloc();
+    reset();
+  }
+  void reset() { XXH3_128bits_reset(state_.get()); }
+  void bytes(const void* data, std::size_t size) { XXH3_128bits_update(state_.get(), data, size); }
+  template <class T>
+  void value(const T& x) {
+    bytes(&x, sizeof x);
+  }
+  void text(const std::string& x) {
+    value(std::uint64_t(x.size()));
+    bytes(x.data(), x.size());
+  }
+  XXH128_hash_t digest() const { return XXH3_128bits_digest(state_.get()); }
+
+private:
+  std::unique_ptr<XXH3_state_t, FreeState> state_;
+};
+
+enum class Tag : std::uint32_t { Tile = 1, Leaf, Lower, Upper };
+
+template <class T>
+bool sameBits(const T& a, const T& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+/// Adds the tile at `offset` unless it is inactive background; true if it was added.
+template <class T>
+bool addTile(Hasher& hasher, std::uint32_t offset, const T& value, bool active,
+             const T& background) {
+  if (!active && sameBits(value, background))
+    return false;
+  hasher.value(Tag::Tile);
+  hasher.value(offset);
+  hasher.value(std::uint32_t(active));
+  hasher.bytes(&value, sizeof value);
+  return true;
+}
+
+template <class Leaf>
+void addLeaf(Hasher& hasher, std::uint32_t offset, const Leaf& leaf) {
+  hasher.value(Tag::Leaf);
+  hasher.value(offset);
+  std::uint64_t words[8];
+  for (openvdb::Index i = 0; i < 8; ++i)
+    words[i] = leaf.getValueMask().template getWord<openvdb::Index64>(i);
+  hasher.value(words);
+  if constexpr (std::is_same<typename Leaf::ValueType, bool>::value) {
+    hasher.bytes(leaf.buffer().data(), sizeof words);
+  } else {
+    hasher.bytes(leaf.buffer().data(), Leaf::SIZE * sizeof(typename Leaf::ValueType));
+  }
+}
+
+struct NodeHash {
+  XXH128_hash_t hash{};
+  bool empty = true;
+};
+
+template <class Lower, class T>
+NodeHash hashLower(Hasher& hasher, const Lower& node, const T& background) {
+  hasher.reset();
+  NodeHash result;
+  for (openvdb::Index i = 0; i < Lower::NUM_VALUES; ++i) {
+    const auto& entry = node.getTable()[i];
+    if (node.getChildMask().isOn(i)) {
+      addLeaf(hasher, i, *entry.getChild());
+      result.empty = false;
+    } else if (addTile(hasher, i, T(entry.getValue()), node.getValueMask().isOn(i), background)) {
+      result.empty = false;
+    }
+  }
+  result.hash = hasher.digest();
+  return result;
+}
+
+template <class TreeT>
+void hashTree(Hasher& hasher, const TreeT& tree) {
+  using T = typename TreeT::ValueType;
+  const T background = tree.background();
+  const NodeLists<TreeT> nodes(tree);
+
+  std::vector<NodeHash> lowers(nodes.lowers.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lowers.size()), [&](const auto& range) {
+    Hasher own;
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      lowers[i] = hashLower(own, *nodes.lowers[i], background);
+  });
+
+  std::vector<std::size_t> first(nodes.uppers.size() + 1, 0);
+  for (std::size_t i = 0; i < nodes.uppers.size(); ++i)
+    first[i + 1] = first[i] + nodes.uppers[i]->getChildMask().countOn();
+  std::vector<NodeHash> uppers(nodes.uppers.size());
+  tbb::parallel_for(std::size_t(0), uppers.size(), [&](std::size_t u) {
+    Hasher own;
+    const auto& node = *nodes.uppers[u];
+    std::size_t next = first[u];
+    for (openvdb::Index i = 0; i < node.NUM_VALUES; ++i) {
+      if (node.getChildMask().isOn(i)) {
+        const NodeHash& child = lowers[next++];
+        if (child.empty)
+          continue;
+        own.value(Tag::Lower);
+        own.value(std::uint32_t(i));
+        own.value(child.hash);
+        uppers[u].empty = false;
+      } else if (addTile(own, i, T(node.getTable()[i].getValue()), node.getValueMask().isOn(i),
+                         background)) {
+        uppers[u].empty = false;
+      }
+    }
+    uppers[u].hash = own.digest();
+  });
+
+  hasher.value(background);
+  // The root's table is sorted by coordinates; children are met in the order of nodes.uppers.
+  std::size_t next = 0;
+  for (auto entry = tree.root().cbeginChildAll(); entry; ++entry) {
+    const openvdb::Coord origin = entry.getCoord();
+    T value = background;
+    if (entry.probeChild(value)) {
+      const NodeHash& child = uppers[next++];
+      if (child.empty)
+        continue;
+      hasher.value(Tag::Upper);
+      hasher.bytes(origin.data(), 3 * sizeof(openvdb::Int32));
+      hasher.value(child.hash);
+    } else if (addTile(hasher, 0, value, entry.isValueOn(), background)) {
+      hasher.bytes(origin.data(), 3 * sizeof(openvdb::Int32));
+    }
+  }
+}
+
+XXH128_hash_t hashGrid(const openvdb::GridBase& grid) {
+  Hasher hasher;
+  hasher.text(grid.getName());
+  hasher.text(grid.type());
+  hasher.text(openvdb::GridBase::gridClassToString(grid.getGridClass()));
+  hasher.text(canonicalBytes(grid.transform()));
+  const bool known =
+      withKnownGrid(grid, [&](const auto& typed) { hashTree(hasher, typed.constTree()); });
+  if (!known) { // points and the like: by their uncompressed serialized form
+    std::ostringstream stream;
+    grid.writeTopology(stream);
+    grid.writeBuffers(stream);
+    hasher.text(stream.str());
+  }
+  return hasher.digest();
+}
+
+} // namespace
+
+std::string hash(const Volume& volume) {
+  std::vector<std::pair<std::string, XXH128_canonical_t>> parts;
+  for (const auto& grid : volume.grids().all) {
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, hashGrid(*grid));
+    parts.emplace_back(grid->getName(), canonical);
+  }
+  std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+    if (a.first != b.first)
+      return a.first < b.first;
+    return std::memcmp(&a.second, &b.second, sizeof a.second) < 0;
+  });
+  Hasher hasher;
+  for (const auto& part : parts)
+    hasher.value(part.second);
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, hasher.digest());
+  std::string text;
+  for (const unsigned char byte : canonical.digest) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+} // namespace tetvdb

@@ -84,6 +84,10 @@ public:
     const std::size_t n = cells_.types.size();
     if (takeOver(n))
       return;
+    std::size_t changes = 1;
+    for (std::size_t i = 1; i < n; ++i)
+      changes += cells_.types[i] != cells_.types[i - 1];
+    mesh_.runs.reserve(mesh_.runs.size() + changes);
     for (std::size_t begin = 0; begin < n;) {
       const std::uint8_t type = cells_.types[begin];
       std::size_t end = begin + 1;

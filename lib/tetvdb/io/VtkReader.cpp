@@ -321,7 +321,23 @@ private:
     once(seenTypes_, "CELL_TYPES");
     const std::size_t n = count();
     endLine();
+    if (isTypeOfAll(n)) {
+      report_.warn("cell-types",
+                   "CELL_TYPES names one type in place of a list; it is taken for the "
+                   "type of all cells");
+      cells_.types.assign(cells_.ends.size(), static_cast<std::uint8_t>(n));
+      return;
+    }
     cells_.types = toTypes(numbers(Number::Int32, n));
+  }
+
+  // Bullet's files end with "CELL_TYPES 10": the type of all cells. A file that was cut off there
+  // would have as many types as cells.
+  bool isTypeOfAll(std::size_t n) {
+    if (binary_ || !seenCells_ || n > 255 || n == cells_.ends.size() || !in_.atEnd())
+      return false;
+    const CellKind& kind = cellKind(static_cast<std::uint8_t>(n));
+    return kind.nodes != 0 && cells_.connectivity.size() == kind.nodes * cells_.ends.size();
   }
 
   /// Lines up to an empty one.

@@ -55,18 +55,18 @@ struct Voxelization {
   Volume volume;           ///< one grid for each of options.grids, in that order
   GridTransform transform; ///< as used: size from `resolution`, origin moved if it had to be
   SnapCounts counts;
-  OccupancyPath path = OccupancyPath::Auto; ///< the one taken; Auto where no occupancy was asked for
+  OccupancyPath path = OccupancyPath::Tets; ///< the one taken
+  std::size_t estimatedBytes = 0; ///< memory the stage was expected to take, above the mesh itself
 };
 
 /// Voxel size and origin that voxelize() would use for a mesh. Throws as voxelize() does for sizes
 /// that are not positive, below OpenVDB's limit (volume 3e-15), or that leave 32-bit index space.
 GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& options);
 
-/// Estimate of the memory, in bytes, that voxelize() needs above the mesh itself.
-std::size_t estimateMemory(const TetMesh& mesh, const VoxelizeOptions& options);
-
 /// Voxelizes. The grids depend on mesh and options alone: any thread count, order of tets (but for
 /// the numbers in tet_id) and path gives the same. Adds stage "voxelize" to `report`.
+/// Memory is estimated first (from the boundary's area, or the tets' volumes where owners are asked
+/// for) and refused with Error(Limit) when it does not fit; nothing of the grids exists then.
 /// Throws Error(Usage) for bad options, Error(Invalid) for an empty result or coordinates that are
 /// not finite, Error(Limit) for memory or for a tet longer than 2^20 voxels, Error(Cancelled).
 /// Uses the calling thread's TBB arena.

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The faces that are left when the faces of all tets are added up with their signs.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// A triangle whose normal (of a, b, c in this order) points out of the mesh.
+struct BoundaryFace {
+  std::uint32_t a, b, c;
+  std::int32_t weight; ///< > 0; above 1 where overlapping tets share the face with one orientation
+};
+
+struct Boundary {
+  std::vector<BoundaryFace> faces;
+  std::uint64_t flipped = 0; ///< tets of negative orientation, counted as turned round
+  std::uint64_t dropped = 0; ///< flat tets, left out
+};
+
+/// Sign of orientation() of a tet, by doubles where these decide.
+int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                   const LatticePoint& d);
+
+/// Sums the signs of equal faces (equal by vertex index) over all tets, each turned to positive
+/// orientation, and keeps the faces whose sum is not zero. As a chain this is the boundary of the
+/// sum of the tets, so the signed crossings of a ray count the tets around a point, overlaps
+/// included. (Counting the faces that belong to one tet alone would be wrong there.)
+/// Parallel; about 28 bytes of memory and 30 ns a tet and core; faces in an order that depends on
+/// the mesh alone. Throws Error(Limit) for 2^31 points or more and for tets longer than
+/// kMaxTetExtent.
+Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress);
+
+} // namespace tetvdb

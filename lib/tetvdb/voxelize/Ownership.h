@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which tet owns a voxel centre.
+//
+// Let c be a voxel centre and c' = c + (e, e^2, e^3) with e -> 0+, one perturbed point the same for
+// all tets. A tet owns c if c' is strictly inside it. No face plane contains c' (a plane through
+// lattice points is met by the curve (e, e^2, e^3) at finitely many e), so of the tets that tile a
+// region exactly one owns each centre. In practice the four face values decide, and where one is
+// zero, the sign of the face's inward normal: its first component that is not zero.
+//
+// The functions here are the definition, one centre at a time and exact. The rasterisers
+// (TetRaster.h, FaceRaster.h) do the same by rows with filtered doubles; docs/algorithms.md has the
+// proofs.
+#pragma once
+
+#include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/Lattice.h"
+
+#include <array>
+#include <cstdint>
+
+namespace tetvdb {
+
+/// Sign of n . (e, e^2, e^3) for e -> 0+: whether the perturbed centre moves into the half-space
+/// with inward normal n when the centre lies on its plane. 0 only for n = 0.
+template <typename T>
+constexpr int tieSign(T nx, T ny, T nz) {
+  if (nx != 0) return nx > 0 ? 1 : -1;
+  if (ny != 0) return ny > 0 ? 1 : -1;
+  if (nz != 0) return nz > 0 ? 1 : -1;
+  return 0;
+}
+
+struct ExactVector {
+  Int128 x, y, z;
+};
+
+inline ExactVector difference(const LatticePoint& a, const LatticePoint& b) {
+  return {static_cast<std::int64_t>(a.x - b.x), static_cast<std::int64_t>(a.y - b.y),
+          static_cast<std::int64_t>(a.z - b.z)};
+}
+
+inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline Int128 dot(const ExactVector& a, const ExactVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Normal of triangle abc: to the side from which a, b, c turn counter-clockwise.
+inline ExactVector triangleNormal(const LatticePoint& a, const LatticePoint& b,
+                                  const LatticePoint& c) {
+  return cross(difference(b, a), difference(c, a));
+}
+
+/// Six times the signed volume of tet abcd: positive where d lies on the side of triangle abc that
+/// its normal points to. Exact for extents up to kMaxTetExtent.
+inline Int128 orientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                          const LatticePoint& d) {
+  return dot(triangleNormal(a, b, c), difference(d, a));
+}
+
+/// Lattice point of a voxel centre.
+inline LatticePoint voxelCentre(const Vec3i& voxel) {
+  return {static_cast<double>(voxel[0]) * static_cast<double>(kUnitsPerVoxel),
+          static_cast<double>(voxel[1]) * static_cast<double>(kUnitsPerVoxel),
+          static_cast<double>(voxel[2]) * static_cast<double>(kUnitsPerVoxel)};
+}
+
+/// Side of the perturbed centre with respect to the plane of triangle abc: +1 on the side of its
+/// normal, -1 on the other, 0 only for a degenerate triangle.
+inline int perturbedSide(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                         const LatticePoint& centre) {
+  const ExactVector n = triangleNormal(a, b, c);
+  const int sign = signOf(dot(n, difference(centre, a)));
+  return sign != 0 ? sign : tieSign(n.x, n.y, n.z);
+}
+
+/// Whether the tet, of either orientation, owns the voxel. A flat tet owns nothing. The centre must
+/// be within kMaxTetExtent of the tet.
+inline bool ownsVoxel(const std::array<LatticePoint, 4>& tet, const Vec3i& voxel) {
+  const int o = signOf(orientation(tet[0], tet[1], tet[2], tet[3]));
+  if (o == 0) return false;
+  const LatticePoint c = voxelCentre(voxel);
+  // The faces, each seen so that the opposite vertex lies on the side of the normal when o > 0.
+  return perturbedSide(tet[0], tet[1], tet[2], c) == o &&
+         perturbedSide(tet[0], tet[3], tet[1], c) == o &&
+         perturbedSide(tet[0], tet[2], tet[3], c) == o &&
+         perturbedSide(tet[1], tet[3], tet[2], c) == o;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/voxelize/SnappedMesh.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+namespace tetvdb {
+namespace {
+
+struct Box {
+  LatticePoint min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+                   std::numeric_limits<double>::infinity()};
+  LatticePoint max{-std::numeric_limits<double>::infinity(),
+                   -std::numeric_limits<double>::infinity(),
+                   -std::numeric_limits<double>::infinity()};
+  bool bad = false; // a coordinate that is not finite, or outside index space
+
+  void join(const Box& b) {
+    min = {std::min(min.x, b.min.x), std::min(min.y, b.min.y), std::min(min.z, b.min.z)};
+    max = {std::max(max.x, b.max.x), std::max(max.y, b.max.y), std::max(max.z, b.max.z)};
+    bad = bad || b.bad;
+  }
+};
+
+// Voxel coordinates are int32; a node's margin is kept free at both ends.
+constexpr double kMaxLattice = (2147483648.0 - 8192.0) * static_cast<double>(kUnitsPerVoxel);
+
+} // namespace
+
+SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress) {
+  progress.check();
+  SnappedMesh snapped;
+  snapped.points.resize(mesh.points.size());
+  snapped.tets = mesh.tets.data();
+  snapped.tetCount = mesh.tetCount();
+  const Vec3d o = transform.origin;
+  const Vec3d h = transform.voxelSize;
+
+  const Box box = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.points.size(), 16384), Box{},
+      [&](const tbb::blocked_range<std::size_t>& range, Box local) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const Vec3d& p = mesh.points[i];
+          // NaN fails every comparison.
+          const bool inside = std::abs((p[0] - o[0]) / h[0]) < 2147475456.0 &&
+                              std::abs((p[1] - o[1]) / h[1]) < 2147475456.0 &&
+                              std::abs((p[2] - o[2]) / h[2]) < 2147475456.0;
+          if (!inside) {
+            local.bad = true;
+            continue;
+          }
+          const LatticePoint q{snapToLattice(p[0], o[0], h[0]), snapToLattice(p[1], o[1], h[1]),
+                               snapToLattice(p[2], o[2], h[2])};
+          snapped.points[i] = q;
+          local.min = {std::min(local.min.x, q.x), std::min(local.min.y, q.y),
+                       std::min(local.min.z, q.z)};
+          local.max = {std::max(local.max.x, q.x), std::max(local.max.y, q.y),
+                       std::max(local.max.z, q.z)};
+        }
+        return local;
+      },
+      [](Box a, const Box& b) {
+        a.join(b);
+        return a;
+      });
+  static_assert(2147475456.0 * static_cast<double>(kUnitsPerVoxel) <= kMaxLattice);
+
+  if (box.bad) {
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+      for (double c : mesh.points[i])
+        if (!std::isfinite(c))
+          throw Error(Status::Invalid, "point " + std::to_string(i),
+                      "a coordinate is not a finite number", "repair the mesh");
+    throw Error(Status::Limit, "", "the mesh leaves 32-bit index space at this voxel size",
+                "use larger voxels");
+  }
+  if (!mesh.points.empty()) {
+    snapped.boxMin = box.min;
+    snapped.boxMax = box.max;
+  }
+  return snapped;
+}
+
+} // namespace tetvdb

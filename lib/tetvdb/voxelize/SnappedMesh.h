@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/volume/Volume.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// A tet mesh with its vertices on the sub-voxel lattice. Refers to the tets of the mesh it was
+/// made from.
+struct SnappedMesh {
+  std::vector<LatticePoint> points;
+  const std::uint32_t* tets = nullptr; ///< four indices each
+  std::size_t tetCount = 0;
+  /// Box of the points, lattice units.
+  LatticePoint boxMin{0, 0, 0}, boxMax{0, 0, 0};
+};
+
+/// Snaps the points of `mesh` by `transform`, in parallel. Throws Error(Invalid) for a coordinate
+/// that is not finite, Error(Limit) for one outside 32-bit index space.
+SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress);
+
+} // namespace tetvdb

@@ -11,10 +11,11 @@
 
 namespace tetvdb {
 
-/// Nodes and elements in file order, parts as placed by *INSTANCE. Element sets with volume become
-/// regions, numbered from 1 as they come and named; an element in several sets belongs to the
-/// first. Steps, materials and loads are left out. Throws Error(Invalid) with line for *INCLUDE and
-/// INPUT= (data in other files) and for whatever is not a whole, consistent mesh.
+/// Nodes and elements in file order, parts as placed by *INSTANCE. The element sets that a *SOLID
+/// SECTION names, or all where there is none, become regions, numbered from 1 and named; an element
+/// in several belongs to the one mentioned last. Steps, materials and loads are left out. Throws
+/// Error(Invalid) with line for *INCLUDE and INPUT= (data in other files), for generated nodes and
+/// elements, and for whatever is not a whole, consistent mesh.
 CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

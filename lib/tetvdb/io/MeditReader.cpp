@@ -67,7 +67,7 @@ const CellKind* cellKind(std::int32_t code) {
 
 const CellKind* cellKind(std::string_view name) {
   for (const Keyword& keyword : kCellKeywords)
-    if (keyword.kind.name == name)
+    if (keyword.name == name)
       return &keyword.kind;
   return nullptr;
 }

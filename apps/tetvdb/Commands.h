@@ -22,6 +22,9 @@ Command addVoxelize(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 
+/// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
+CLI::Validator notEmpty();
+
 /// Adds --json, -q and -v.
 std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command);
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <fmt/format.h>
+#include <set>
 #include <string_view>
 #include <tbb/task_arena.h>
 #include <utility>
@@ -225,35 +226,41 @@ void runVoxelize(const Options& options, Session& session) {
   session.textIsSummary = true;
 }
 
+CLI::Validator oneOf(const std::set<std::string>& words) {
+  return CLI::IsMember(words).description(""); // the help's type already lists the words
+}
+
 void addSizeOptions(CLI::App& command, Options& options) {
   CLI::Option* size =
       command.add_option("--voxel-size", options.voxelSize, "A voxel's side, or one for each axis")
-          ->type_name("H|HX,HY,HZ");
+          ->type_name("H|HX,HY,HZ")
+          ->check(notEmpty());
   command
       .add_option("--resolution", options.resolution,
                   "Voxels along the longest side of the mesh (default 256)")
       ->type_name("N")
       ->excludes(size);
   command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
-      ->type_name("X,Y,Z");
+      ->type_name("X,Y,Z")
+      ->check(notEmpty());
 }
 
 void addGridOptions(CLI::App& command, Options& options) {
   command
       .add_option("--grid", options.grids,
                   "Grids to make: density (default), mask, tet_id, material; several with commas")
-      ->type_name("NAME,...")
+      ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
-      ->check(CLI::IsMember({"auto", "boundary", "tets"}))
+      ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");
   command.add_flag("--half", options.half, "Store float grids with 16 bits a value");
   command
       .add_option("--up-axis", options.upAxis,
                   "Axis that points up for the reader: z as in the input (default); y maps (x,y,z) "
                   "to (x,z,-y)")
-      ->check(CLI::IsMember({"y", "z"}))
+      ->check(oneOf({"y", "z"}))
       ->type_name("y|z");
   command.add_option("--units", options.units, "Name of the length unit, stored as metadata")
       ->type_name("NAME");
@@ -262,32 +269,35 @@ void addGridOptions(CLI::App& command, Options& options) {
 
 void addFilterOptions(CLI::App& command, Options& options) {
   command.add_option("--region", options.regions, "Regions to keep, by number or name")
-      ->type_name("NAME,...")
+      ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--exclude", options.exclude, "Regions to leave out, by number or name")
-      ->type_name("NAME,...")
+      ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
   command.add_option("--region-array", options.regionArray, "Cell array that holds region numbers")
       ->type_name("NAME");
   command.add_option("--bbox", options.bbox, "Keep cells that meet this box of the input's space")
-      ->type_name("x0,y0,z0,x1,y1,z1");
+      ->type_name("x0,y0,z0,x1,y1,z1")
+      ->check(notEmpty());
 }
 
 void addLimitOptions(CLI::App& command, Options& options) {
   command.add_option("--device", options.device, "Where to compute (default auto)")
-      ->check(CLI::IsMember({"auto", "cpu", "cuda"}))
+      ->check(oneOf({"auto", "cpu", "cuda"}))
       ->type_name("auto|cpu|cuda");
   command.add_option("--threads", options.threads, "Threads (default: one a core)")
-      ->check(CLI::Range(1, 4096))
+      ->check(CLI::Range(1, 4096).description(""))
       ->type_name("N");
   command
       .add_option("--max-memory", options.maxMemory,
                   "Refuse what needs more, such as 500M or 4G (default: what is free)")
-      ->type_name("BYTES");
+      ->type_name("BYTES")
+      ->check(notEmpty());
   command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")
-      ->type_name("SECONDS");
+      ->type_name("SECONDS")
+      ->check(notEmpty());
 }
 
 } // namespace
@@ -302,11 +312,13 @@ Command addVoxelize(CLI::App& program) {
       ->required()
       ->type_name("");
   command->add_option("-o,--output", options->output, "Volume to write: .vdb or .nvdb")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(notEmpty());
   command
       ->add_option("--write-mesh", options->writeMesh,
                    "Write the tets as well, or alone: .msh, .mesh or .vtu")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(notEmpty());
   addSizeOptions(*command, *options);
   addGridOptions(*command, *options);
   addFilterOptions(*command, *options);

@@ -9,13 +9,20 @@
 
 namespace tetvdb::cli {
 
+CLI::Validator notEmpty() {
+  return CLI::Validator(
+      [](std::string& value) { return std::string(value.empty() ? "the value is empty" : ""); },
+      "");
+}
+
 std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command) {
   auto options = std::make_shared<CommonOptions>();
   command
       .add_option("--json", options->json, "Write a machine-readable report to FILE, - for stdout")
-      ->type_name("FILE");
-  CLI::Option* quiet = command.add_flag("-q,--quiet", options->quiet, "Print errors alone");
-  command.add_flag("-v,--verbose", options->verbose, "Say what each stage takes")->excludes(quiet);
+      ->type_name("FILE")
+      ->check(notEmpty());
+  command.add_flag("-q,--quiet", options->quiet, "Print errors alone");
+  command.add_flag("-v,--verbose", options->verbose, "Say what each stage takes");
   return options;
 }
 

@@ -138,11 +138,10 @@ private:
 
   std::int32_t tag(std::int64_t number) const {
     // Physical tags of entities are negative where their orientation is reversed.
-    if (number < 0)
-      number = -number;
-    if (number > std::numeric_limits<std::int32_t>::max())
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    if (number < -most || number > most)
       in_.fail("a tag is out of range");
-    return static_cast<std::int32_t>(number);
+    return static_cast<std::int32_t>(std::abs(number));
   }
 
   void readEntities(bool partitioned) {
@@ -349,7 +348,7 @@ private:
   }
 
   void numberElement(std::int64_t id) {
-    if (options_.attributes)
+    if (wantsData())
       elementIds_.add(id);
   }
 

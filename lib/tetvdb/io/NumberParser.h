@@ -96,11 +96,14 @@ public:
   /// The next number; throws where there is none or it is not finite. Numbers too small for a
   /// double are 0.
   double real() {
+    const char* start = at_;
     double value = 0;
     if (!tryReal(value))
       failNumber("a number");
-    if (!std::isfinite(value))
+    if (!std::isfinite(value)) {
+      at_ = start;
       failNumber("a finite number");
+    }
     return value;
   }
   /// As real(), but nan and inf are values too: for data arrays.
@@ -122,9 +125,12 @@ public:
     std::int64_t value = 0;
     if (tryInteger(value))
       return value;
+    const char* start = at_;
     const double number = real();
-    if (number != std::floor(number) || std::abs(number) > 9e15)
+    if (number != std::floor(number) || std::abs(number) > 9e15) {
+      at_ = start;
       failNumber("a whole number");
+    }
     return static_cast<std::int64_t>(number);
   }
   /// A number of things, each of which takes at least `bytesEach` bytes of the text that is left:

@@ -56,9 +56,9 @@ public:
     const std::int64_t cells = in_.integer();
     const std::int64_t nodeData = in_.integer();
     const std::int64_t cellData = in_.integer();
-    in_.line(); // the number of model data, which is left out
     in_.checkCount(points, "nodes", 8);
     in_.checkCount(cells, "cells", 8);
+    in_.line(); // the number of model data, which is left out
     checkPointCount(static_cast<std::uint64_t>(points), source_.path);
     readNodes(static_cast<std::size_t>(points));
     readCells(static_cast<std::size_t>(cells));

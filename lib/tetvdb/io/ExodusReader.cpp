@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/CellRuns.h"
+#include "tetvdb/io/NetCdfSize.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +38,7 @@ struct Variable {
 class NetCdf {
 public:
   explicit NetCdf(const Source& source) : source_(source) {
+    checkNetCdfSize(source);
     // The bytes are not written to: the file is opened for reading, in place.
     void* bytes = const_cast<char*>(source.bytes.data());
     check(nc_open_mem(source.path.c_str(), NC_NOWRITE, source.bytes.size(), bytes, &file_),

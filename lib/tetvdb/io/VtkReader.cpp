@@ -343,8 +343,10 @@ private:
   /// Lines up to an empty one.
   void skipMetadata() {
     in_.line();
-    while (in_.remaining() > 0 && !isBlank(in_.line())) {
-    }
+    do
+      if (in_.remaining() == 0)
+        fail("the file ends within METADATA", kCut);
+    while (!isBlank(in_.line()));
   }
 
   // --- arrays ---

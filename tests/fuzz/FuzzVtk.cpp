@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/VtkReader.h"
+
+#include <cstddef>
+#include <cstdint>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    tetvdb::Report report;
+    tetvdb::Progress progress;
+    tetvdb::readVtk({{reinterpret_cast<const char*>(data), size}, "fuzz"}, {}, report, progress);
+  } catch (const tetvdb::Error&) {
+  }
+  return 0;
+}

@@ -37,9 +37,11 @@ public:
 private:
   static std::string line(std::string_view where, std::string_view what, std::string_view advice) {
     std::string text(where);
-    if (!text.empty()) text += ": ";
+    if (!text.empty())
+      text += ": ";
     text += what;
-    if (!advice.empty()) (text += "; ") += advice;
+    if (!advice.empty())
+      (text += "; ") += advice;
     return text;
   }
 

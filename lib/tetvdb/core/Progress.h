@@ -39,7 +39,8 @@ public:
   /// Throws Error(Cancelled) once cancelled or past the deadline. Cheap enough for every task of a
   /// millisecond or more.
   void check() const {
-    if (cancelled()) throw Error(Status::Cancelled, "", "cancelled", "nothing was written");
+    if (cancelled())
+      throw Error(Status::Cancelled, "", "cancelled", "nothing was written");
     if (deadline_ != Clock::time_point::max() && Clock::now() > deadline_)
       throw Error(Status::Cancelled, "", "the time limit was reached",
                   "nothing was written; raise --max-time or lower the resolution");
@@ -62,13 +63,16 @@ public:
 
 private:
   void report(double fraction, bool always) {
-    if (!callback_) return;
+    if (!callback_)
+      return;
     const auto now = Clock::now().time_since_epoch().count();
     auto last = lastReport_.load(std::memory_order_relaxed);
     constexpr auto interval =
         std::chrono::duration_cast<Clock::duration>(std::chrono::milliseconds(100)).count();
-    if (!always && now - last < interval) return;
-    if (!lastReport_.compare_exchange_strong(last, now) && !always) return;
+    if (!always && now - last < interval)
+      return;
+    if (!lastReport_.compare_exchange_strong(last, now) && !always)
+      return;
     std::lock_guard<std::mutex> lock(mutex_);
     callback_(stage_, fraction);
   }

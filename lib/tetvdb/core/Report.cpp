@@ -11,7 +11,8 @@ namespace tetvdb {
 
 std::size_t peakResidentBytes() {
   rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  if (getrusage(RUSAGE_SELF, &usage) != 0)
+    return 0;
   return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
 }
 
@@ -28,7 +29,8 @@ std::size_t numberIn(const char* path) {
 
 // limit - used, 0 where used is larger, unlimited where there is no limit.
 std::size_t left(std::size_t limit, std::size_t used) {
-  if (limit == kUnlimited || used == kUnlimited) return kUnlimited;
+  if (limit == kUnlimited || used == kUnlimited)
+    return kUnlimited;
   return limit > used ? limit - used : 0;
 }
 
@@ -38,7 +40,8 @@ std::size_t systemAvailable() {
   std::size_t kilobytes = 0;
   std::string unit;
   while (file >> key >> kilobytes) {
-    if (key == "MemAvailable:") return kilobytes * 1024;
+    if (key == "MemAvailable:")
+      return kilobytes * 1024;
     std::getline(file, unit);
   }
   return kUnlimited;
@@ -46,7 +49,8 @@ std::size_t systemAvailable() {
 
 std::size_t addressSpaceLeft() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnlimited;
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+    return kUnlimited;
   std::size_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return left(static_cast<std::size_t>(limit.rlim_cur), pages * 4096);
@@ -55,11 +59,11 @@ std::size_t addressSpaceLeft() {
 } // namespace
 
 std::size_t availableBytes() {
-  return std::min({systemAvailable(), addressSpaceLeft(),
-                   left(numberIn("/sys/fs/cgroup/memory.max"),
-                        numberIn("/sys/fs/cgroup/memory.current")),
-                   left(numberIn("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
-                        numberIn("/sys/fs/cgroup/memory/memory.usage_in_bytes"))});
+  return std::min(
+      {systemAvailable(), addressSpaceLeft(),
+       left(numberIn("/sys/fs/cgroup/memory.max"), numberIn("/sys/fs/cgroup/memory.current")),
+       left(numberIn("/sys/fs/cgroup/memory/memory.limit_in_bytes"),
+            numberIn("/sys/fs/cgroup/memory/memory.usage_in_bytes"))});
 }
 
 StageTimer::StageTimer(Report& report, std::string_view name)

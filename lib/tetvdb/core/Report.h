@@ -25,7 +25,8 @@ struct Stage {
   std::vector<StagePart> parts;
 };
 
-/// Something the user should know; `code` is stable and short ("flipped-tets"), `text` one sentence.
+/// Something the user should know; `code` is stable and short ("flipped-tets"), `text` one
+/// sentence.
 struct Warning {
   std::string code;
   std::string text;

@@ -3,6 +3,8 @@
 
 namespace tetvdb {
 
-const char* version() noexcept { return TETVDB_VERSION; }
+const char* version() noexcept {
+  return TETVDB_VERSION;
+}
 
 } // namespace tetvdb

@@ -11,8 +11,12 @@ namespace tetvdb {
 /// value is at most 2 L^3, and L <= 2^40 (DESIGN: 2^20 voxels of 2^20 units).
 __extension__ typedef __int128 Int128;
 
-inline int signOf(Int128 v) { return (v > 0) - (v < 0); }
-inline int signOf(double v) { return (v > 0) - (v < 0); }
+inline int signOf(Int128 v) {
+  return (v > 0) - (v < 0);
+}
+inline int signOf(double v) {
+  return (v > 0) - (v < 0);
+}
 
 /// Greatest integer not above num / den, den > 0.
 inline Int128 floorDivide(Int128 num, Int128 den) {

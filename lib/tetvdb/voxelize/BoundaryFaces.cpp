@@ -62,7 +62,8 @@ class FaceTable {
 public:
   void reset(std::size_t faces) {
     std::size_t size = 64;
-    while (size < faces + faces / 2) size *= 2;
+    while (size < faces + faces / 2)
+      size *= 2;
     entries_.assign(size, Entry{0, 0, kEmpty, 0});
     mask_ = size - 1;
   }
@@ -86,8 +87,10 @@ public:
   // Appends the faces whose sum is not zero, normals pointing out.
   void collect(std::vector<BoundaryFace>& out) const {
     for (const Entry& e : entries_) {
-      if (e.sum > 0) out.push_back({e.a, e.b, e.c, e.sum});
-      if (e.sum < 0) out.push_back({e.a, e.c, e.b, -e.sum});
+      if (e.sum > 0)
+        out.push_back({e.a, e.b, e.c, e.sum});
+      if (e.sum < 0)
+        out.push_back({e.a, e.c, e.b, -e.sum});
     }
   }
 
@@ -118,7 +121,8 @@ int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePo
   const double permanent = std::abs(ux) * (std::abs(yz) + std::abs(zy)) +
                            std::abs(uy) * (std::abs(zx) + std::abs(xz)) +
                            std::abs(uz) * (std::abs(xy) + std::abs(yx));
-  if (std::abs(det) > 1e-15 * permanent) return det > 0 ? 1 : -1;
+  if (std::abs(det) > 1e-15 * permanent)
+    return det > 0 ? 1 : -1;
   return signOf(orientation(a, b, c, d));
 }
 
@@ -139,7 +143,8 @@ Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
   const auto eachTet = [&](std::size_t chunk, auto&& visit) {
     const std::size_t begin = chunk * chunkSize;
     const std::size_t end = std::min(begin + chunkSize, mesh.tetCount);
-    for (std::size_t t = begin; t != end; ++t) visit(t, mesh.tets + 4 * t);
+    for (std::size_t t = begin; t != end; ++t)
+      visit(t, mesh.tets + 4 * t);
   };
 
   tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
@@ -161,7 +166,8 @@ Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
       signs[t] = static_cast<std::int8_t>(sign);
       negative += sign < 0;
       flat += sign == 0;
-      if (sign == 0) return;
+      if (sign == 0)
+        return;
       const std::uint32_t lo01 = std::min(v[0], v[1]), hi01 = std::max(v[0], v[1]);
       const std::uint32_t lo23 = std::min(v[2], v[3]), hi23 = std::max(v[2], v[3]);
       const std::uint32_t first = std::min(lo01, lo23);
@@ -200,7 +206,8 @@ Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
       nextFace[i] = faceCounts[i * chunks + chunk];
     }
     eachTet(chunk, [&](std::size_t t, const std::uint32_t* v) {
-      if (signs[t] == 0) return;
+      if (signs[t] == 0)
+        return;
       const SortedTet s = sortTet(v, signs[t]);
       const std::uint32_t negative = s.sign < 0;
       tetRecords[nextTet[s.v[0] >> kBucketBits]++] = {s.v[0] << 1 | negative, s.v[1], s.v[2],
@@ -224,7 +231,8 @@ Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
       const std::size_t tetEnd = chunks ? bucketEnd(tetCounts, i, tetTotal) : 0;
       const std::size_t faceBegin = chunks ? faceCounts[i * chunks] : 0;
       const std::size_t faceEnd = chunks ? bucketEnd(faceCounts, i, faceTotal) : 0;
-      if (tetBegin == tetEnd && faceBegin == faceEnd) continue;
+      if (tetBegin == tetEnd && faceBegin == faceEnd)
+        continue;
       table.reset(3 * (tetEnd - tetBegin) + (faceEnd - faceBegin));
       // A sorted tet of positive orientation has outward normals on 0 1 3 and 1 2 3, inward ones
       // on 0 1 2 and 0 2 3.
@@ -248,7 +256,8 @@ Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
   boundary.flipped = flipped;
   boundary.dropped = dropped;
   std::size_t total = 0;
-  for (const auto& faces : found) total += faces.size();
+  for (const auto& faces : found)
+    total += faces.size();
   boundary.faces.reserve(total);
   for (const auto& faces : found)
     boundary.faces.insert(boundary.faces.end(), faces.begin(), faces.end());

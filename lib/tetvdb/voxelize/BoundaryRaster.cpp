@@ -43,12 +43,14 @@ std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& bounda
         auto& out = locals.local();
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const FaceRaster face = prepare(mesh, boundary.faces[i]);
-          if (!face.crossesColumns()) continue;
+          if (!face.crossesColumns())
+            continue;
           for (auto x = nodeOf(face.xMin()); x <= nodeOf(face.xMax()); ++x)
             for (auto y = nodeOf(face.yMin()); y <= nodeOf(face.yMax()); ++y) {
               const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
               std::int64_t low, high;
-              if (!face.zRange(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high)) continue;
+              if (!face.zRange(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
+                continue;
               for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
                 out.push_back({x, y, z, static_cast<std::uint32_t>(i)});
             }
@@ -56,9 +58,11 @@ std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& bounda
       });
   std::vector<FaceInNode> all;
   std::size_t total = 0;
-  for (const auto& local : locals) total += local.size();
+  for (const auto& local : locals)
+    total += local.size();
   all.reserve(total);
-  for (const auto& local : locals) all.insert(all.end(), local.begin(), local.end());
+  for (const auto& local : locals)
+    all.insert(all.end(), local.begin(), local.end());
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }
@@ -70,7 +74,8 @@ struct SlabCarry {
 
   void refreshUniform() {
     std::int32_t differs = 0;
-    for (std::int32_t s : sums) differs |= s ^ sums[0];
+    for (std::int32_t s : sums)
+      differs |= s ^ sums[0];
     uniform = differs == 0;
   }
 };
@@ -86,7 +91,8 @@ std::uint64_t prefixXor(std::uint64_t w) {
   return w;
 }
 
-// One row by counting, where the sum leaves {0, 1}: `extra` are the row's crossings beyond the bits.
+// One row by counting, where the sum leaves {0, 1}: `extra` are the row's crossings beyond the
+// bits.
 void countRow(const std::uint64_t* entering, const std::uint64_t* leaving,
               const SlabCrossings::Extra* extra, const SlabCrossings::Extra* extraEnd,
               std::int32_t& sum, std::uint64_t* row) {
@@ -94,8 +100,10 @@ void countRow(const std::uint64_t* entering, const std::uint64_t* leaving,
   for (int z = 0; z < kNodeSize; ++z) {
     sum += static_cast<std::int32_t>(entering[z >> 6] >> (z & 63) & 1);
     sum -= static_cast<std::int32_t>(leaving[z >> 6] >> (z & 63) & 1);
-    for (; extra != extraEnd && extra->z == z; ++extra) sum += extra->weight;
-    if (sum > 0) out[z >> 6] |= std::uint64_t(1) << (z & 63);
+    for (; extra != extraEnd && extra->z == z; ++extra)
+      sum += extra->weight;
+    if (sum > 0)
+      out[z >> 6] |= std::uint64_t(1) << (z & 63);
   }
   row[0] = out[0];
   row[1] = out[1];
@@ -119,15 +127,15 @@ bool sumCrossings(SlabCrossings& crossings, SlabCarry& carry) {
     const std::uint64_t* out = crossings.leaving.rows[r];
     std::int32_t& sum = carry.sums[static_cast<std::size_t>(r)];
     const SlabCrossings::Extra* const rowExtra = extra;
-    while (extra != extraEnd && extra->row == r) ++extra;
+    while (extra != extraEnd && extra->row == r)
+      ++extra;
 
     bool counted = extra != rowExtra || (sum & ~1) != 0;
     if (!counted) {
       const std::uint64_t inOnly0 = in[0] & ~out[0], outOnly0 = out[0] & ~in[0];
       const std::uint64_t inOnly1 = in[1] & ~out[1], outOnly1 = out[1] & ~in[1];
       const std::uint64_t low = prefixXor(inOnly0 | outOnly0) ^ (sum != 0 ? ~0ull : 0ull);
-      const std::uint64_t high =
-          prefixXor(inOnly1 | outOnly1) ^ ((low >> 63) != 0 ? ~0ull : 0ull);
+      const std::uint64_t high = prefixXor(inOnly1 | outOnly1) ^ ((low >> 63) != 0 ? ~0ull : 0ull);
       counted = ((inOnly0 & ~low) | (outOnly0 & low) | (inOnly1 & ~high) | (outOnly1 & high)) != 0;
       if (!counted) {
         in[0] = low;
@@ -135,7 +143,8 @@ bool sumCrossings(SlabCrossings& crossings, SlabCarry& carry) {
         sum = static_cast<std::int32_t>(high >> 63);
       }
     }
-    if (counted) countRow(in, out, rowExtra, extra, sum, in);
+    if (counted)
+      countRow(in, out, rowExtra, extra, sum, in);
     any |= in[0] | in[1];
   }
   carry.refreshUniform();
@@ -168,7 +177,8 @@ public:
       fill(x, y, z, begin->z);
       z = begin->z;
       Pairs nodeEnd = begin;
-      while (nodeEnd != end && nodeEnd->z == z) ++nodeEnd;
+      while (nodeEnd != end && nodeEnd->z == z)
+        ++nodeEnd;
       node(x, y, z, begin, nodeEnd, scratch);
       begin = nodeEnd;
       ++z;
@@ -182,12 +192,14 @@ public:
 private:
   // Nodes that no face meets, from zBegin to zEnd.
   void fill(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) {
-    if (zBegin == zEnd) return;
+    if (zBegin == zEnd)
+      return;
     bool uniform = true;
     for (const SlabCarry& carry : carries_)
       uniform = uniform && carry.uniform && (carry.sums[0] > 0) == (carries_[0].sums[0] > 0);
     if (uniform) {
-      if (carries_[0].sums[0] > 0) sink_.fullRun(x, y, zBegin, zEnd);
+      if (carries_[0].sums[0] > 0)
+        sink_.fullRun(x, y, zBegin, zEnd);
       return;
     }
     const auto bits = std::make_unique<SlabBits>();
@@ -216,14 +228,17 @@ private:
         SlabCarry& carry = carries_[static_cast<std::size_t>(s)];
         bool cleared = false;
         for (const FaceRaster& face : faces) {
-          if (face.xMax() < first || face.xMin() >= first + kLeafSize) continue;
-          if (!cleared) crossings.clear();
+          if (face.xMax() < first || face.xMin() >= first + kLeafSize)
+            continue;
+          if (!cleared)
+            crossings.clear();
           cleared = true;
           face.rasterize(first, y0, z0, crossings);
         }
-        const bool any = cleared ? sumCrossings(crossings, carry)
-                                 : extendRows(carry, crossings.entering);
-        if (any) sink_.slab(*node, s, crossings.entering, nullptr);
+        const bool any =
+            cleared ? sumCrossings(crossings, carry) : extendRows(carry, crossings.entering);
+        if (any)
+          sink_.slab(*node, s, crossings.entering, nullptr);
       }
     };
     // Nothing inside a slab's work waits for other tasks, so the scratch stays this thread's own.
@@ -261,7 +276,8 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, NodeSi
   const std::vector<FaceInNode> pairs = binFaces(mesh, boundary, progress);
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || pairs[i].x != pairs[i - 1].x || pairs[i].y != pairs[i - 1].y) starts.push_back(i);
+    if (i == 0 || pairs[i].x != pairs[i - 1].x || pairs[i].y != pairs[i - 1].y)
+      starts.push_back(i);
   starts.push_back(pairs.size());
 
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());

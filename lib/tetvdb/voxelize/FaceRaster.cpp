@@ -29,7 +29,8 @@ public:
   EdgeWalk(const LatticePoint& p, const LatticePoint& q, std::int64_t x0, std::int64_t yBase) {
     const auto units = [](double v) { return static_cast<std::int64_t>(v); };
     const Int b = units(q.x - p.x), d = units(q.y - p.y);
-    // p is inside iff b (y - Py) - d (x - Px) > 0, or = 0 and the tie rule for the gradient (-d, b).
+    // p is inside iff b (y - Py) - d (x - Px) > 0, or = 0 and the tie rule for the gradient (-d,
+    // b).
     const bool tieIn = tieSign<Int>(-d, b, 0) > 0;
     const Int dx = units(static_cast<double>(x0) * static_cast<double>(kUnitsPerVoxel) - p.x);
     if (b == 0) {
@@ -54,7 +55,8 @@ public:
   // Narrows [low, high) to the rows inside at the present x.
   void narrow(std::int64_t& low, std::int64_t& high) const {
     if (kind_ == Kind::Vertical) {
-      if (!(vertical_ > 0 || (vertical_ == 0 && tieIn_))) high = low;
+      if (!(vertical_ > 0 || (vertical_ == 0 && tieIn_)))
+        high = low;
       return;
     }
     const auto bound =
@@ -113,7 +115,8 @@ void SlabCrossings::add(int row, int z, std::int32_t weight) {
     return;
   }
   word |= bit;
-  if (weight != one) extra.push_back({row, z, weight - one});
+  if (weight != one)
+    extra.push_back({row, z, weight - one});
 }
 
 FaceRaster::FaceRaster(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
@@ -126,10 +129,12 @@ FaceRaster::FaceRaster(const LatticePoint& a, const LatticePoint& b, const Latti
   yMax_ = floorVoxel(std::max({a.y, b.y, c.y}));
   zMin_ = ceilVoxel(std::min({a.z, b.z, c.z}));
   zMax_ = floorVoxel(std::max({a.z, b.z, c.z})) + 1;
-  if (xMin_ > xMax_ || yMin_ > yMax_) return;
+  if (xMin_ > xMax_ || yMin_ > yMax_)
+    return;
 
   ExactVector n = triangleNormal(a, b, c);
-  if (n.z == 0) return;
+  if (n.z == 0)
+    return;
   crosses_ = true;
   wide_ = std::max({ex, ey, ez}) >= kNarrowExtent;
   level_ = n.x == 0 && n.y == 0;
@@ -144,13 +149,13 @@ FaceRaster::FaceRaster(const LatticePoint& a, const LatticePoint& b, const Latti
                nz = static_cast<double>(n.z);
   slopeX_ = -nx / nz;
   slopeY_ = -ny / nz;
-  // z = Pz + slopeX (x - Px) + slopeY (y - Py): each slope has three roundings, each product and sum
-  // one more; 2^-49 leaves a factor of two. 256: Pz is taken relative to a node that the crossing
-  // lies in or beside.
-  tolerance_ = std::ldexp(std::abs(slopeX_) * (ex * kVoxelsPerUnit + 1) +
-                              std::abs(slopeY_) * (ey * kVoxelsPerUnit + 1) +
-                              ez * kVoxelsPerUnit + 256,
-                          -49);
+  // z = Pz + slopeX (x - Px) + slopeY (y - Py): each slope has three roundings, each product and
+  // sum one more; 2^-49 leaves a factor of two. 256: Pz is taken relative to a node that the
+  // crossing lies in or beside.
+  tolerance_ =
+      std::ldexp(std::abs(slopeX_) * (ex * kVoxelsPerUnit + 1) +
+                     std::abs(slopeY_) * (ey * kVoxelsPerUnit + 1) + ez * kVoxelsPerUnit + 256,
+                 -49);
 }
 
 bool FaceRaster::zRange(std::int64_t x0, std::int64_t x1, std::int64_t y0, std::int64_t y1,
@@ -159,7 +164,8 @@ bool FaceRaster::zRange(std::int64_t x0, std::int64_t x1, std::int64_t y0, std::
   x1 = std::min(x1, xMax_);
   y0 = std::max(y0, yMin_);
   y1 = std::min(y1, yMax_);
-  if (x0 > x1 || y0 > y1) return false;
+  if (x0 > x1 || y0 > y1)
+    return false;
   const LatticePoint& o = p_[0];
   const auto voxels = [](std::int64_t v, double origin) {
     return static_cast<double>(v) - origin * kVoxelsPerUnit;
@@ -173,7 +179,8 @@ bool FaceRaster::zRange(std::int64_t x0, std::int64_t x1, std::int64_t y0, std::
     const double px = (p.x - o.x) * kVoxelsPerUnit, py = (p.y - o.y) * kVoxelsPerUnit;
     const double farY = (b > 0 ? back : front) - py, farX = (d > 0 ? left : right) - px;
     const double size = std::abs(b * farY) + std::abs(d * farX);
-    if (b * farY - d * farX < -1e-12 * size) return false;
+    if (b * farY - d * farX < -1e-12 * size)
+      return false;
   }
   const double z0 = slopeX_ * left, z1 = slopeX_ * right;
   const double z2 = slopeY_ * front, z3 = slopeY_ * back;
@@ -181,14 +188,16 @@ bool FaceRaster::zRange(std::int64_t x0, std::int64_t x1, std::int64_t y0, std::
   const double high = std::max(z0, z1) + std::max(z2, z3) + o.z * kVoxelsPerUnit + tolerance_;
   zLow = zMin_;
   zHigh = zMax_;
-  if (low > static_cast<double>(zLow) + 2) zLow = static_cast<std::int64_t>(low) - 2;
-  if (high < static_cast<double>(zHigh) - 2) zHigh = static_cast<std::int64_t>(high) + 2;
+  if (low > static_cast<double>(zLow) + 2)
+    zLow = static_cast<std::int64_t>(low) - 2;
+  if (high < static_cast<double>(zHigh) - 2)
+    zHigh = static_cast<std::int64_t>(high) + 2;
   return zLow <= zHigh;
 }
 
 // First voxel above the plane in column (x, y). zNear is not above the crossing by a voxel or more
-// and not below it by more than one; planes from kSteep on are divided instead, relative to zNear so
-// that the numbers fit 128 bits anywhere in index space.
+// and not below it by more than one; planes from kSteep on are divided instead, relative to zNear
+// so that the numbers fit 128 bits anywhere in index space.
 std::int64_t FaceRaster::exactCrossing(std::int64_t x, std::int64_t y, std::int64_t zNear) const {
   const ExactVector n = triangleNormal(p_[0], p_[1], p_[2]);
   const auto units = [](std::int64_t v, double origin) {
@@ -203,7 +212,8 @@ std::int64_t FaceRaster::exactCrossing(std::int64_t x, std::int64_t y, std::int6
   }
   const Int128 step = n.z * kUnitsPerVoxel;
   const Int128 num = -n.z * units(zNear, p_[0].z) - planar;
-  return zNear + static_cast<std::int64_t>(tieIn ? ceilDivide(num, step) : floorDivide(num, step) + 1);
+  return zNear +
+         static_cast<std::int64_t>(tieIn ? ceilDivide(num, step) : floorDivide(num, step) + 1);
 }
 
 void FaceRaster::rasterize(std::int64_t x0, std::int64_t y0, std::int64_t z0,
@@ -220,17 +230,17 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
   const std::int64_t xBegin = std::max(xMin_, x0), xEnd = std::min(xMax_, x0 + kLeafSize - 1) + 1;
   const std::int64_t yBegin = std::max<std::int64_t>(yMin_ - y0, 0);
   const std::int64_t yEnd = std::min<std::int64_t>(yMax_ - y0, kNodeSize - 1) + 1;
-  if (xBegin >= xEnd || yBegin >= yEnd) return;
+  if (xBegin >= xEnd || yBegin >= yEnd)
+    return;
 
-  EdgeWalk<Int> edges[3] = {{p_[0], p_[1], xBegin, y0},
-                            {p_[1], p_[2], xBegin, y0},
-                            {p_[2], p_[0], xBegin, y0}};
+  EdgeWalk<Int> edges[3] = {
+      {p_[0], p_[1], xBegin, y0}, {p_[1], p_[2], xBegin, y0}, {p_[2], p_[0], xBegin, y0}};
   const LatticePoint& o = p_[0];
-  const double oz = (o.z - static_cast<double>(z0) * static_cast<double>(kUnitsPerVoxel)) *
-                    kVoxelsPerUnit;
+  const double oz =
+      (o.z - static_cast<double>(z0) * static_cast<double>(kUnitsPerVoxel)) * kVoxelsPerUnit;
   const double oy = static_cast<double>(y0) - o.y * kVoxelsPerUnit;
-  const bool clipRows = !level_ && (zMin_ < z0 || zMax_ >= z0 + kNodeSize) &&
-                        std::abs(slopeY_) > 1e-3;
+  const bool clipRows =
+      !level_ && (zMin_ < z0 || zMax_ >= z0 + kNodeSize) && std::abs(slopeY_) > 1e-3;
   const std::int64_t levelZ = level_ ? exactCrossing(xBegin, y0 + yBegin, floorVoxel(o.z)) - z0 : 0;
 
   for (std::int64_t x = xBegin; x < xEnd; ++x) {
@@ -239,7 +249,8 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
       edge.narrow(low, high);
       edge.next();
     }
-    if (low >= high) continue;
+    if (low >= high)
+      continue;
     const int rowBase = static_cast<int>(x - x0) * kNodeSize;
     if (level_) {
       if (levelZ >= 0 && levelZ < kNodeSize)
@@ -252,7 +263,8 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
       // Rows whose crossing can be in the node, by the plane's slope, with a margin far above the
       // rounding.
       double first = (-2 - base) / slopeY_ - oy, last = (kNodeSize + 2 - base) / slopeY_ - oy;
-      if (first > last) std::swap(first, last);
+      if (first > last)
+        std::swap(first, last);
       const double margin = 2 + 2 * tolerance_ / std::abs(slopeY_);
       if (first - margin > static_cast<double>(low))
         low = static_cast<std::int64_t>(std::min(first - margin, 1e9));
@@ -262,7 +274,8 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
     for (std::int64_t y = low; y < high; ++y) {
       const double crossing = base + slopeY_ * (static_cast<double>(y) + oy);
       // Beyond the node by more than the tolerance's own use.
-      if (!(crossing > -2 - tolerance_ && crossing < kNodeSize + 2 + tolerance_)) continue;
+      if (!(crossing > -2 - tolerance_ && crossing < kNodeSize + 2 + tolerance_))
+        continue;
       const double nearest = std::nearbyint(crossing);
       std::int64_t z;
       if (tolerance_ >= kSteep)

@@ -59,13 +59,13 @@ private:
   void rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0, SlabCrossings& slab) const;
   std::int64_t exactCrossing(std::int64_t x, std::int64_t y, std::int64_t zNear) const;
 
-  LatticePoint p_[3];        // counter-clockwise seen from +z
-  std::int32_t weight_ = 0;  // of a crossing: > 0 entering
+  LatticePoint p_[3];       // counter-clockwise seen from +z
+  std::int32_t weight_ = 0; // of a crossing: > 0 entering
   bool crosses_ = false;
-  bool wide_ = false;        // needs 128 bits
-  bool level_ = false;       // parallel to the xy plane
+  bool wide_ = false;              // needs 128 bits
+  bool level_ = false;             // parallel to the xy plane
   double slopeX_ = 0, slopeY_ = 0; // dz/dx, dz/dy of the plane
-  double tolerance_ = 0;     // voxels; bound on the error of a crossing at the triangle's columns
+  double tolerance_ = 0; // voxels; bound on the error of a crossing at the triangle's columns
   std::int64_t xMin_ = 0, xMax_ = -1, yMin_ = 0, yMax_ = -1, zMin_ = 0, zMax_ = -1;
 };
 

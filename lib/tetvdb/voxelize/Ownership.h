@@ -25,9 +25,12 @@ namespace tetvdb {
 /// with inward normal n when the centre lies on its plane. 0 only for n = 0.
 template <typename T>
 constexpr int tieSign(T nx, T ny, T nz) {
-  if (nx != 0) return nx > 0 ? 1 : -1;
-  if (ny != 0) return ny > 0 ? 1 : -1;
-  if (nz != 0) return nz > 0 ? 1 : -1;
+  if (nx != 0)
+    return nx > 0 ? 1 : -1;
+  if (ny != 0)
+    return ny > 0 ? 1 : -1;
+  if (nz != 0)
+    return nz > 0 ? 1 : -1;
   return 0;
 }
 
@@ -81,7 +84,8 @@ inline int perturbedSide(const LatticePoint& a, const LatticePoint& b, const Lat
 /// be within kMaxTetExtent of the tet.
 inline bool ownsVoxel(const std::array<LatticePoint, 4>& tet, const Vec3i& voxel) {
   const int o = signOf(orientation(tet[0], tet[1], tet[2], tet[3]));
-  if (o == 0) return false;
+  if (o == 0)
+    return false;
   const LatticePoint c = voxelCentre(voxel);
   // The faces, each seen so that the opposite vertex lies on the side of the normal when o > 0.
   return perturbedSide(tet[0], tet[1], tet[2], c) == o &&

@@ -30,7 +30,8 @@ struct PhilippB {
   static std::array<T, 4> determinants(const std::array<Point, 4>& tet, const Point& p) {
     std::array<Point, 4> to{};
     for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t k = 0; k < 3; ++k) to[i][k] = tet[i][k] - p[k];
+      for (std::size_t k = 0; k < 3; ++k)
+        to[i][k] = tet[i][k] - p[k];
     return {determinant(to[1], to[2], to[3]), determinant(to[0], to[2], to[3]),
             determinant(to[0], to[1], to[3]), determinant(to[0], to[1], to[2])};
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The unit of rasterising: a slab, 8 x 128 x 128 voxels, one of the sixteen layers of leaves along x
-// in a 128^3 internal node. Its 1024 rows along z are 128 bits each, 16 KB: it stays in the first
+// The unit of rasterising: a slab, 8 x 128 x 128 voxels, one of the sixteen layers of leaves along
+// x in a 128^3 internal node. Its 1024 rows along z are 128 bits each, 16 KB: it stays in the first
 // cache, and its leaves touch their own words of the node's masks, so that the slabs of one node
 // can be built at the same time.
 #pragma once
@@ -14,8 +14,8 @@
 
 namespace tetvdb {
 
-constexpr int kLeafSize = 8;       ///< voxels along a leaf node
-constexpr int kNodeSize = 128;     ///< voxels along a lower internal node
+constexpr int kLeafSize = 8;         ///< voxels along a leaf node
+constexpr int kNodeSize = 128;       ///< voxels along a lower internal node
 constexpr int kRootChildSize = 4096; ///< voxels along an upper internal node
 constexpr int kSlabsPerNode = kNodeSize / kLeafSize;
 constexpr int kSlabRows = kLeafSize * kNodeSize;
@@ -32,16 +32,21 @@ inline std::uint64_t lowBits(int n) {
 
 /// Sets the bits lo <= z < hi of a row, 0 <= lo, hi <= 128; nothing where hi <= lo.
 inline void setRun(std::uint64_t* row, int lo, int hi) {
-  if (hi <= lo) return;
-  if (lo < 64) row[0] |= lowBits(hi) & ~lowBits(lo);
-  if (hi > 64) row[1] |= lowBits(hi - 64) & ~lowBits(lo > 64 ? lo - 64 : 0);
+  if (hi <= lo)
+    return;
+  if (lo < 64)
+    row[0] |= lowBits(hi) & ~lowBits(lo);
+  if (hi > 64)
+    row[1] |= lowBits(hi - 64) & ~lowBits(lo > 64 ? lo - 64 : 0);
 }
 
 /// Position of a 128^3 node in units of nodes: its first voxel is 128 times that.
 using NodeIndex = Vec3i;
 
 /// Position of the node that holds a voxel coordinate, along one axis.
-inline std::int32_t nodeOf(std::int64_t voxel) { return static_cast<std::int32_t>(voxel >> 7); }
+inline std::int32_t nodeOf(std::int64_t voxel) {
+  return static_cast<std::int32_t>(voxel >> 7);
+}
 
 /// Receives what a rasteriser finds. begin(), the slabs (each index at most once, from any thread),
 /// end(): for one node at a time and thread, many nodes at once. A slab that is not delivered is

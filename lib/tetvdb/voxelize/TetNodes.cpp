@@ -31,9 +31,7 @@ struct Key {
   bool operator<(const Key& o) const {
     return std::tie(x, y, z, slab) < std::tie(o.x, o.y, o.z, o.slab);
   }
-  bool operator==(const Key& o) const {
-    return x == o.x && y == o.y && z == o.z && slab == o.slab;
-  }
+  bool operator==(const Key& o) const { return x == o.x && y == o.y && z == o.z && slab == o.slab; }
   bool sameNode(const Key& o) const { return x == o.x && y == o.y && z == o.z; }
 };
 
@@ -65,16 +63,18 @@ void eachSlab(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box, con
             nodeBox.max[k] = first[k] + kNodeSize - 1;
           }
           const Cover cover = classifyBox(mesh, tet, nodeBox);
-          if (cover == Cover::Outside) continue;
+          if (cover == Cover::Outside)
+            continue;
           if (cover == Cover::Inside) {
             visit(x, y, z, kWholeNode);
             continue;
           }
         }
         const int first = static_cast<int>(std::max(box.min[0] - x * kNodeSize, std::int64_t(0)));
-        const int last = static_cast<int>(
-            std::min(box.max[0] - x * kNodeSize, std::int64_t(kNodeSize - 1)));
-        for (int s = first / kLeafSize; s <= last / kLeafSize; ++s) visit(x, y, z, s);
+        const int last =
+            static_cast<int>(std::min(box.max[0] - x * kNodeSize, std::int64_t(kNodeSize - 1)));
+        for (int s = first / kLeafSize; s <= last / kLeafSize; ++s)
+          visit(x, y, z, s);
       }
 }
 
@@ -82,14 +82,15 @@ void eachSlab(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box, con
 // there, large ones need not.
 void countHere(const SnappedMesh& mesh, std::size_t tet, OrientationCounts& counts) {
   const std::uint32_t* v = mesh.tets + 4 * tet;
-  counts.count(tetOrientation(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
-                              mesh.points[v[3]]));
+  counts.count(
+      tetOrientation(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]));
 }
 
 void checkExtent(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box) {
   constexpr std::int64_t limit = std::int64_t(1) << 20;
   for (int k = 0; k < 3; ++k)
-    if (box.max[k] - box.min[k] < limit - 1) continue;
+    if (box.max[k] - box.min[k] < limit - 1)
+      continue;
     else {
       const std::uint32_t* v = mesh.tets + 4 * tet;
       const auto extent = [&](double LatticePoint::*c) {
@@ -100,8 +101,8 @@ void checkExtent(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box) 
         }
         return high - low;
       };
-      if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y),
-                    extent(&LatticePoint::z)}) > kMaxTetExtent)
+      if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
+          kMaxTetExtent)
         throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
       return;
     }
@@ -143,8 +144,10 @@ public:
       const std::size_t end = std::min((c + 1) * chunkSize, mesh_.tetCount);
       for (std::size_t t = c * chunkSize; t != end; ++t) {
         const VoxelBox box = voxelBox(mesh_, t);
-        if (box.empty() || box.spansNodes()) countHere(mesh_, t, counts[c]);
-        if (box.empty()) continue;
+        if (box.empty() || box.spansNodes())
+          countHere(mesh_, t, counts[c]);
+        if (box.empty())
+          continue;
         checkExtent(mesh_, t, box);
         eachSlab(mesh_, t, box, [&](std::int64_t x, std::int64_t y, std::int64_t z, int slab) {
           const auto bin = static_cast<std::uint32_t>(
@@ -155,11 +158,13 @@ public:
           pairs[c].push_back({bin, static_cast<std::uint32_t>(t)});
         });
       }
-      for (std::size_t i = 0; i < binCount; ++i) table[i * chunks + c] = own[i];
+      for (std::size_t i = 0; i < binCount; ++i)
+        table[i * chunks + c] = own[i];
     });
 
     Bins bins;
-    for (const OrientationCounts& c : counts) bins.counts.add(c);
+    for (const OrientationCounts& c : counts)
+      bins.counts.add(c);
     std::vector<std::size_t> starts(table.size());
     std::size_t sum = 0;
     for (std::size_t i = 0; i < binCount; ++i) {
@@ -168,14 +173,17 @@ public:
         starts[i * chunks + c] = sum;
         sum += table[i * chunks + c];
       }
-      if (sum != begin) bins.bins.push_back({keyOf(i), begin, sum});
+      if (sum != begin)
+        bins.bins.push_back({keyOf(i), begin, sum});
     }
     bins.tets.resize(sum);
     tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t c) {
       progress_.check();
       std::vector<std::size_t> next(binCount);
-      for (std::size_t i = 0; i < binCount; ++i) next[i] = starts[i * chunks + c];
-      for (const Pair& pair : pairs[c]) bins.tets[next[pair.bin]++] = pair.tet;
+      for (std::size_t i = 0; i < binCount; ++i)
+        next[i] = starts[i * chunks + c];
+      for (const Pair& pair : pairs[c])
+        bins.tets[next[pair.bin]++] = pair.tet;
       std::vector<Pair>().swap(pairs[c]);
     });
     return bins;
@@ -204,9 +212,7 @@ Bins sortedBins(const SnappedMesh& mesh, Progress& progress) {
   struct Pair {
     Key key;
     std::uint32_t tet;
-    bool operator<(const Pair& o) const {
-      return key == o.key ? tet < o.tet : key < o.key;
-    }
+    bool operator<(const Pair& o) const { return key == o.key ? tet < o.tet : key < o.key; }
   };
   struct Local {
     std::vector<Pair> pairs;
@@ -219,8 +225,10 @@ Bins sortedBins(const SnappedMesh& mesh, Progress& progress) {
         Local& local = locals.local();
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
           const VoxelBox box = voxelBox(mesh, t);
-          if (box.empty() || box.spansNodes()) countHere(mesh, t, local.counts);
-          if (box.empty()) continue;
+          if (box.empty() || box.spansNodes())
+            countHere(mesh, t, local.counts);
+          if (box.empty())
+            continue;
           checkExtent(mesh, t, box);
           eachSlab(mesh, t, box, [&](std::int64_t x, std::int64_t y, std::int64_t z, int slab) {
             local.pairs.push_back({{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
@@ -239,7 +247,8 @@ Bins sortedBins(const SnappedMesh& mesh, Progress& progress) {
   tbb::parallel_sort(all.begin(), all.end());
   bins.tets.resize(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i == 0 || !(all[i].key == all[i - 1].key)) bins.bins.push_back({all[i].key, i, i});
+    if (i == 0 || !(all[i].key == all[i - 1].key))
+      bins.bins.push_back({all[i].key, i, i});
     bins.bins.back().end = i + 1;
     bins.tets[i] = all[i].tet;
   }
@@ -256,7 +265,8 @@ class NodeTask {
 public:
   NodeTask(const SnappedMesh& mesh, const Bins& bins, const Bin* begin, const Bin* end, bool owners)
       : mesh_(mesh), bins_(bins), begin_(begin), end_(end), owners_(owners) {
-    if ((end - 1)->key.slab == kWholeNode) filling_ = bins.tets[(--end_)->begin];
+    if ((end - 1)->key.slab == kWholeNode)
+      filling_ = bins.tets[(--end_)->begin];
   }
 
   NodeIndex index() const { return {begin_->key.x, begin_->key.y, begin_->key.z}; }
@@ -271,9 +281,9 @@ public:
 
   // Rasterizes slab s into `scratch`; false where nothing is in it.
   bool slab(int s, Scratch& scratch, OrientationCounts& counts) const {
-    const Bin* bin =
-        std::find_if(begin_, end_, [&](const Bin& b) { return b.key.slab == s; });
-    if (bin == end_ && filling_ == kNoTet) return false;
+    const Bin* bin = std::find_if(begin_, end_, [&](const Bin& b) { return b.key.slab == s; });
+    if (bin == end_ && filling_ == kNoTet)
+      return false;
     std::memset(&scratch.bits, 0, sizeof scratch.bits);
     if (bin != end_) {
       const std::uint32_t* tets = bins_.tets.data() + bin->begin;
@@ -289,9 +299,11 @@ public:
         rasterizeRun(s, tets, before, scratch, counts);
       }
     }
-    if (filling_ != kNoTet) fillRest(scratch);
+    if (filling_ != kNoTet)
+      fillRest(scratch);
     std::uint64_t set = 0;
-    for (const auto& row : scratch.bits.rows) set |= row[0] | row[1];
+    for (const auto& row : scratch.bits.rows)
+      set |= row[0] | row[1];
     return set != 0;
   }
 
@@ -339,7 +351,8 @@ OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink&
   };
   std::vector<NodeRange> nodes;
   for (std::size_t i = 0; i < bins.bins.size(); ++i) {
-    if (i == 0 || !bins.bins[i].key.sameNode(bins.bins[i - 1].key)) nodes.push_back({i, i, 0});
+    if (i == 0 || !bins.bins[i].key.sameNode(bins.bins[i - 1].key))
+      nodes.push_back({i, i, 0});
     nodes.back().end = i + 1;
     nodes.back().tets += bins.bins[i].end - bins.bins[i].begin;
   }
@@ -364,10 +377,12 @@ OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink&
           const NodeTask task(mesh, bins, bins.bins.data() + nodes[n].begin,
                               bins.bins.data() + nodes[n].end, owners);
           const bool full = task.full();
-          if (full) sink.fullNode(task.index(), task.filling());
+          if (full)
+            sink.fullNode(task.index(), task.filling());
           // The slabs of a full node are gone through for the counts alone.
           std::unique_ptr<NodeSink::Node> node;
-          if (!full) node = sink.begin(task.index());
+          if (!full)
+            node = sink.begin(task.index());
           tbb::parallel_for(
               tbb::blocked_range<int>(0, kSlabsPerNode, static_cast<std::size_t>(grain)),
               [&](const tbb::blocked_range<int>& slabs) {
@@ -380,7 +395,8 @@ OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink&
                 dropped += counts.dropped;
               },
               tbb::simple_partitioner());
-          if (!full) sink.end(std::move(node));
+          if (!full)
+            sink.end(std::move(node));
           progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
         }
       },

@@ -38,7 +38,7 @@ struct Plane {
 
 struct Tet {
   LatticePoint v[4];
-  int sign = 0;          // orientation
+  int sign = 0; // orientation
   Plane lower[3], upper[3];
   int lowers = 0, uppers = 0;
   int vertical[3] = {0, 0, 0}; // faces parallel to z
@@ -57,13 +57,13 @@ ExactVector exactNormal(const Tet& t, int face) {
 }
 
 std::int64_t unitsFrom(double origin, std::int64_t voxel) {
-  return static_cast<std::int64_t>(static_cast<double>(voxel) * static_cast<double>(kUnitsPerVoxel) -
-                                   origin);
+  return static_cast<std::int64_t>(
+      static_cast<double>(voxel) * static_cast<double>(kUnitsPerVoxel) - origin);
 }
 
 // First voxel of column (x, y) beyond the plane: the first inside for a lower bound, the first
-// outside for an upper one. The crossing is within half a voxel of zNear, unless the plane is steep.
-// Numbers are taken relative to zNear, so that they fit 128 bits anywhere in index space.
+// outside for an upper one. The crossing is within half a voxel of zNear, unless the plane is
+// steep. Numbers are taken relative to zNear, so that they fit 128 bits anywhere in index space.
 __attribute__((noinline)) std::int64_t exactBound(const Tet& t, const Plane& plane, std::int64_t x,
                                                   std::int64_t y, std::int64_t zNear) {
   const ExactVector n = exactNormal(t, plane.face);
@@ -93,7 +93,8 @@ __attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int
   const Int128 ex = n.x * unitsFrom(o.x, x);
   const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
   if (n.y == 0) {
-    if (!(ex > 0 || (ex == 0 && tieIn))) yEnd = yBegin;
+    if (!(ex > 0 || (ex == 0 && tieIn)))
+      yEnd = yBegin;
     return;
   }
   const bool lower = n.y > 0;
@@ -102,9 +103,8 @@ __attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int
   const Int128 step = (lower ? n.y : -n.y) * kUnitsPerVoxel;
   const Int128 num = lower ? n.y * oy - ex : ex - n.y * oy;
   const bool ceiling = lower == tieIn;
-  const auto bound =
-      yNear +
-      static_cast<std::int64_t>(ceiling ? ceilDivide(num, step) : floorDivide(num, step) + 1);
+  const auto bound = yNear + static_cast<std::int64_t>(ceiling ? ceilDivide(num, step)
+                                                               : floorDivide(num, step) + 1);
   if (lower)
     yBegin = std::max(yBegin, bound);
   else
@@ -114,7 +114,8 @@ __attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int
 // Reads the tet and finds its planes. False for a flat one.
 TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
   const std::uint32_t* id = mesh.tets + 4 * index;
-  for (int i = 0; i < 4; ++i) t.v[i] = mesh.points[id[i]];
+  for (int i = 0; i < 4; ++i)
+    t.v[i] = mesh.points[id[i]];
   const auto extent = [&](double LatticePoint::*k) {
     return std::max(std::max(t.v[0].*k, t.v[1].*k), std::max(t.v[2].*k, t.v[3].*k)) -
            std::min(std::min(t.v[0].*k, t.v[1].*k), std::min(t.v[2].*k, t.v[3].*k));
@@ -137,7 +138,8 @@ TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
     n[3][0] = uy * vz - uz * vy;
     n[3][1] = uz * vx - ux * vz;
     n[3][2] = ux * vy - uy * vx;
-    for (int k = 0; k < 3; ++k) n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
+    for (int k = 0; k < 3; ++k)
+      n[0][k] = -(n[1][k] + n[2][k] + n[3][k]);
     const double det = ux * n[1][0] + uy * n[1][1] + uz * n[1][2];
     // The products and sums round five times at most, each below size^3 2^-50.
     const double bound = std::ldexp(1.0, -46) * size * size * size;
@@ -147,10 +149,12 @@ TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
       t.sign = -1;
     else
       t.sign = signOf(orientation(t.v[0], t.v[1], t.v[2], t.v[3]));
-    if (t.sign == 0) return false;
+    if (t.sign == 0)
+      return false;
   } else {
     t.sign = tetOrientation(t.v[0], t.v[1], t.v[2], t.v[3]);
-    if (t.sign == 0) return false;
+    if (t.sign == 0)
+      return false;
     for (int i = 0; i < 4; ++i) {
       const int* f = kFaces[i];
       const ExactVector e = triangleNormal(t.v[f[0]], t.v[f[1]], t.v[f[2]]);
@@ -191,7 +195,8 @@ TETVDB_INLINE Doubles select(Longs mask, Doubles a, Doubles b) {
 }
 
 // Bounds of one row of columns, and which lanes they leave in doubt.
-TETVDB_INLINE void bound(const Plane& p, double rowBase, const Doubles& y, Doubles& z, Longs& doubt) {
+TETVDB_INLINE void bound(const Plane& p, double rowBase, const Doubles& y, Doubles& z,
+                         Longs& doubt) {
   const Doubles crossing = rowBase + p.slopeY * (y - p.y);
   const Doubles nearest = (crossing + kRound) - kRound;
   const Doubles off = crossing - nearest;
@@ -217,7 +222,8 @@ TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin
 
   for (std::int64_t x = xBegin; x < xEnd; ++x) {
     std::int64_t yBegin = yFirst, yEnd = yLast;
-    for (int i = 0; i < t.verticals; ++i) narrowByVertical(t, t.vertical[i], x, yBegin, yEnd);
+    for (int i = 0; i < t.verticals; ++i)
+      narrowByVertical(t, t.vertical[i], x, yBegin, yEnd);
     double lowerBase[3], upperBase[3];
     const auto xd = static_cast<double>(x);
     for (int i = 0; i < t.lowers; ++i)
@@ -245,7 +251,8 @@ TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin
       const int count = static_cast<int>(std::min<std::int64_t>(kLanes, yEnd - y));
       if ((doubt[0] | doubt[1] | doubt[2] | doubt[3]) != 0) {
         for (int k = 0; k < count; ++k) {
-          if (doubt[k] == 0) continue;
+          if (doubt[k] == 0)
+            continue;
           std::int64_t low = zFirst, high = zLast;
           const auto exact = [&](const Plane& p, double base) {
             const double crossing = base + p.slopeY * (static_cast<double>(y + k) - p.y);
@@ -259,14 +266,17 @@ TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin
             }
             return exactBound(t, p, x, y + k, slab.z) - slab.z;
           };
-          for (int i = 0; i < t.lowers; ++i) low = std::max(low, exact(t.lower[i], lowerBase[i]));
-          for (int i = 0; i < t.uppers; ++i) high = std::min(high, exact(t.upper[i], upperBase[i]));
+          for (int i = 0; i < t.lowers; ++i)
+            low = std::max(low, exact(t.lower[i], lowerBase[i]));
+          for (int i = 0; i < t.uppers; ++i)
+            high = std::min(high, exact(t.upper[i], upperBase[i]));
           lows[k] = static_cast<std::int32_t>(std::min(low, zLast));
           highs[k] = static_cast<std::int32_t>(std::max(high, zFirst));
         }
       }
       for (int k = 0; k < count; ++k)
-        if (lows[k] < highs[k]) emit(rowBase + static_cast<int>(y - slab.y) + k, lows[k], highs[k]);
+        if (lows[k] < highs[k])
+          emit(rowBase + static_cast<int>(y - slab.y) + k, lows[k], highs[k]);
     }
   }
 }
@@ -290,14 +300,16 @@ TETVDB_INLINE void countOrientation(const Tet& t, const VoxelBox& box, const Sla
   const bool first = box.min[0] >= slab.x && box.min[0] < slab.x + kLeafSize &&
                      box.min[1] >= slab.y && box.min[1] < slab.y + kNodeSize &&
                      box.min[2] >= slab.z && box.min[2] < slab.z + kNodeSize;
-  if (first && !box.spansNodes()) counts.count(t.sign);
+  if (first && !box.spansNodes())
+    counts.count(t.sign);
 }
 
 } // namespace
 
 VoxelBox voxelBox(const SnappedMesh& mesh, std::size_t tet) {
   Tet t;
-  for (std::size_t i = 0; i < 4; ++i) t.v[i] = mesh.points[mesh.tets[4 * tet + i]];
+  for (std::size_t i = 0; i < 4; ++i)
+    t.v[i] = mesh.points[mesh.tets[4 * tet + i]];
   return boxOf(t);
 }
 
@@ -309,7 +321,8 @@ TETVDB_MULTIVERSION void rasterizeTets(const SnappedMesh& mesh, const std::uint3
     const bool solid = prepare(mesh, tets[i], t);
     const VoxelBox box = boxOf(t);
     countOrientation(t, box, slab, counts);
-    if (!solid) continue;
+    if (!solid)
+      continue;
     rasterize(t, box, slab, [&](int row, int lo, int hi) { setRun(bits.rows[row], lo, hi); });
   }
 }
@@ -322,7 +335,8 @@ TETVDB_MULTIVERSION void rasterizeOwners(const SnappedMesh& mesh, const std::uin
     const bool solid = prepare(mesh, tets[i], t);
     const VoxelBox box = boxOf(t);
     countOrientation(t, box, slab, counts);
-    if (!solid) continue;
+    if (!solid)
+      continue;
     const std::uint32_t id = tets[i];
     rasterize(t, box, slab, [&](int row, int lo, int hi) {
       std::uint64_t run[2] = {0, 0};
@@ -330,10 +344,12 @@ TETVDB_MULTIVERSION void rasterizeOwners(const SnappedMesh& mesh, const std::uin
       std::uint64_t* bit = bits.rows[row];
       std::uint32_t* owner = owners + std::ptrdiff_t(row) * kNodeSize;
       if (((run[0] & bit[0]) | (run[1] & bit[1])) == 0) {
-        for (int z = lo; z < hi; ++z) owner[z] = id;
+        for (int z = lo; z < hi; ++z)
+          owner[z] = id;
       } else {
         for (int z = lo; z < hi; ++z)
-          if ((bit[z >> 6] >> (z & 63) & 1) == 0) owner[z] = id;
+          if ((bit[z >> 6] >> (z & 63) & 1) == 0)
+            owner[z] = id;
       }
       bit[0] |= run[0];
       bit[1] |= run[1];
@@ -343,9 +359,11 @@ TETVDB_MULTIVERSION void rasterizeOwners(const SnappedMesh& mesh, const std::uin
 
 Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box) {
   Tet t;
-  for (std::size_t i = 0; i < 4; ++i) t.v[i] = mesh.points[mesh.tets[4 * tet + i]];
+  for (std::size_t i = 0; i < 4; ++i)
+    t.v[i] = mesh.points[mesh.tets[4 * tet + i]];
   t.sign = tetOrientation(t.v[0], t.v[1], t.v[2], t.v[3]);
-  if (t.sign == 0) return Cover::Outside;
+  if (t.sign == 0)
+    return Cover::Outside;
   Cover cover = Cover::Inside;
   for (int i = 0; i < 4; ++i) {
     const ExactVector n = exactNormal(t, i);
@@ -364,8 +382,10 @@ Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box)
       size += std::abs(normal[k]) * (std::abs(low) + std::abs(high));
     }
     const double error = 1e-14 * size;
-    if (most < -error) return Cover::Outside;
-    if (!(least > error)) cover = Cover::Partial;
+    if (most < -error)
+      return Cover::Outside;
+    if (!(least > error))
+      cover = Cover::Partial;
   }
   return cover;
 }

@@ -43,10 +43,11 @@ struct VoxelBox {
 };
 VoxelBox voxelBox(const SnappedMesh& mesh, std::size_t tet);
 
-/// Sets the bits of all voxels owned by any of `count` tets. Along a row, each face plane bounds the
-/// voxels inside from below or from above; the bounds are computed in doubles with a proven error
-/// and, where that leaves a doubt (a tie above all), in 128-bit integers. `counts` receives the tets
-/// whose box begins in this slab, so that each is counted once; not those whose box spansNodes().
+/// Sets the bits of all voxels owned by any of `count` tets. Along a row, each face plane bounds
+/// the voxels inside from below or from above; the bounds are computed in doubles with a proven
+/// error and, where that leaves a doubt (a tie above all), in 128-bit integers. `counts` receives
+/// the tets whose box begins in this slab, so that each is counted once; not those whose box
+/// spansNodes().
 void rasterizeTets(const SnappedMesh& mesh, const std::uint32_t* tets, std::size_t count,
                    const SlabOrigin& slab, SlabBits& bits, OrientationCounts& counts);
 

@@ -116,7 +116,8 @@ public:
       : name_(std::move(name)), class_(gridClass), fill_(std::move(fill)) {}
 
   ~TypedBuilder() override {
-    for (Part& part : collect()) delete part.node;
+    for (Part& part : collect())
+      delete part.node;
   }
 
   void* begin(const NodeIndex& node) override {
@@ -129,9 +130,11 @@ public:
     const openvdb::Coord corner = lower->origin().offsetBy(index * kLeafSize, 0, 0);
     for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
       const LeafRows rows(bits, leafY);
-      if (rows.empty()) continue;
+      if (rows.empty())
+        continue;
       for (int leafZ = 0; leafZ < kSlabsPerNode; ++leafZ) {
-        if (rows.empty(leafZ)) continue;
+        if (rows.empty(leafZ))
+          continue;
         const auto offset = static_cast<openvdb::Index>((index << 8) | (leafY << 4) | leafZ);
         const std::uint32_t* first =
             owners == nullptr ? nullptr
@@ -140,8 +143,8 @@ public:
           lower->addTile(offset, valueAt(first), true);
           continue;
         }
-        lower->addLeaf(makeLeaf(corner.offsetBy(0, leafY * kLeafSize, leafZ * kLeafSize), rows,
-                                leafZ, first));
+        lower->addLeaf(
+            makeLeaf(corner.offsetBy(0, leafY * kLeafSize, leafZ * kLeafSize), rows, leafZ, first));
       }
     }
   }
@@ -150,7 +153,8 @@ public:
     std::unique_ptr<Lower> lower(static_cast<Lower*>(node));
     // Only the first tile can decide: a node is one tile if all its values are.
     if (lower->getChildMask().isOff()) {
-      if (lower->getValueMask().isOff()) return;
+      if (lower->getValueMask().isOff())
+        return;
       Value value{};
       bool state = false;
       if (lower->isConstant(value, state) && state) {
@@ -193,10 +197,10 @@ public:
 
     std::vector<std::pair<openvdb::Coord, const UpperParts*>> list;
     for (const auto& [key, parts] : uppers)
-      list.emplace_back(
-          openvdb::Coord(std::get<0>(key) * kRootChildSize, std::get<1>(key) * kRootChildSize,
-                         std::get<2>(key) * kRootChildSize),
-          &parts);
+      list.emplace_back(openvdb::Coord(std::get<0>(key) * kRootChildSize,
+                                       std::get<1>(key) * kRootChildSize,
+                                       std::get<2>(key) * kRootChildSize),
+                        &parts);
     std::vector<std::unique_ptr<Upper>> nodes(list.size());
     std::vector<std::pair<bool, Value>> tiles(list.size()); // the upper node is one tile
     tbb::parallel_for(std::size_t(0), list.size(), [&](std::size_t i) {
@@ -242,7 +246,8 @@ private:
 
   std::vector<Part> collect() const {
     std::vector<Part> all;
-    for (const auto& local : parts_) all.insert(all.end(), local.begin(), local.end());
+    for (const auto& local : parts_)
+      all.insert(all.end(), local.begin(), local.end());
     return all;
   }
 
@@ -261,7 +266,8 @@ private:
       for (int x = 0; x < kLeafSize; ++x)
         for (int y = 0; y < kLeafSize; ++y)
           for (int z = 0; z < kLeafSize; ++z)
-            if (fill_(owners[(x * kNodeSize + y) * kNodeSize + z]) != first) return false;
+            if (fill_(owners[(x * kNodeSize + y) * kNodeSize + z]) != first)
+              return false;
     }
     return true;
   }
@@ -303,10 +309,12 @@ private:
 struct TreeBuilder::TreeNode : NodeSink::Node {
   TreeNode(TreeBuilder& owner, const NodeIndex& where) : builder(owner), index(where) {
     trees.reserve(owner.builders_.size());
-    for (const auto& grid : owner.builders_) trees.push_back(grid->begin(index));
+    for (const auto& grid : owner.builders_)
+      trees.push_back(grid->begin(index));
   }
   ~TreeNode() override {
-    for (std::size_t i = 0; i < trees.size(); ++i) builder.builders_[i]->drop(trees[i]);
+    for (std::size_t i = 0; i < trees.size(); ++i)
+      builder.builders_[i]->drop(trees[i]);
   }
   TreeNode(const TreeNode&) = delete;
   TreeNode& operator=(const TreeNode&) = delete;
@@ -321,9 +329,8 @@ TreeBuilder::TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh
   for (GridKind kind : kinds) {
     switch (kind) {
     case GridKind::Density:
-      builders_.push_back(
-          std::make_unique<TypedBuilder<openvdb::FloatTree, ConstantFill<float>>>(
-              "density", openvdb::GRID_FOG_VOLUME, ConstantFill<float>{1.0f, 0.0f}));
+      builders_.push_back(std::make_unique<TypedBuilder<openvdb::FloatTree, ConstantFill<float>>>(
+          "density", openvdb::GRID_FOG_VOLUME, ConstantFill<float>{1.0f, 0.0f}));
       break;
     case GridKind::Mask:
       builders_.push_back(std::make_unique<TypedBuilder<openvdb::BoolTree, ConstantFill<bool>>>(
@@ -361,16 +368,19 @@ void TreeBuilder::end(std::unique_ptr<Node> node) {
 }
 
 void TreeBuilder::fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) {
-  for (const auto& builder : builders_) builder->fullRun({x, y, zBegin, zEnd});
+  for (const auto& builder : builders_)
+    builder->fullRun({x, y, zBegin, zEnd});
 }
 
 void TreeBuilder::fullNode(const NodeIndex& node, std::uint32_t owner) {
-  for (const auto& builder : builders_) builder->fullNode(node, owner);
+  for (const auto& builder : builders_)
+    builder->fullNode(node, owner);
 }
 
 openvdb::GridPtrVec TreeBuilder::finish(const GridTransform& transform) {
   openvdb::GridPtrVec grids;
-  for (const auto& builder : builders_) grids.push_back(builder->finish(transform));
+  for (const auto& builder : builders_)
+    grids.push_back(builder->finish(transform));
   return grids;
 }
 

@@ -59,7 +59,9 @@ Box tetBox(const TetMesh& mesh) {
       join);
 }
 
-bool needsOwner(GridKind kind) { return kind == GridKind::TetId || kind == GridKind::Material; }
+bool needsOwner(GridKind kind) {
+  return kind == GridKind::TetId || kind == GridKind::Material;
+}
 
 // Memory for leaves and lower nodes.
 struct TreeEstimate {
@@ -68,7 +70,8 @@ struct TreeEstimate {
 
   double bytes(const std::vector<GridKind>& grids) const {
     double leaf = 0;
-    for (GridKind kind : grids) leaf += static_cast<double>(leafBytes(kind));
+    for (GridKind kind : grids)
+      leaf += static_cast<double>(leafBytes(kind));
     return leaves * leaf +
            lowerNodes * static_cast<double>(kLowerNodeBytes) * static_cast<double>(grids.size());
   }
@@ -87,8 +90,8 @@ TreeEstimate estimateByBox(const SnappedMesh& mesh) {
   return {nodes(3), nodes(7)};
 }
 
-// Nodes that a surface of so many leaves meets: about 1 / 256 of the leaves lie in a lower node, and
-// small parts have a node for themselves.
+// Nodes that a surface of so many leaves meets: about 1 / 256 of the leaves lie in a lower node,
+// and small parts have a node for themselves.
 TreeEstimate estimateByBoundary(const SnappedMesh& mesh, const Boundary& boundary) {
   const auto leaves = static_cast<double>(estimateBoundaryLeaves(mesh, boundary));
   const TreeEstimate box = estimateByBox(mesh);
@@ -122,7 +125,8 @@ TreeEstimate estimateByTets(const SnappedMesh& mesh) {
               area += std::abs(n[k]);
               rest[k] += n[k];
             }
-            if (i == 0) det = n[0] * e[2][0] + n[1] * e[2][1] + n[2] * e[2][2];
+            if (i == 0)
+              det = n[0] * e[2][0] + n[1] * e[2][1] + n[2] * e[2][2];
           }
           area += std::abs(rest[0]) + std::abs(rest[1]) + std::abs(rest[2]);
           s.volume += std::abs(det) / 6;
@@ -130,7 +134,9 @@ TreeEstimate estimateByTets(const SnappedMesh& mesh) {
         }
         return s;
       },
-      [](Sum a, const Sum& b) { return Sum{a.volume + b.volume, a.area + b.area}; });
+      [](Sum a, const Sum& b) {
+        return Sum{a.volume + b.volume, a.area + b.area};
+      });
   const TreeEstimate box = estimateByBox(mesh);
   // Interior faces are counted by both their tets. A leaf at the surface is partly outside: a third
   // more for those of thin or small meshes.
@@ -140,12 +146,14 @@ TreeEstimate estimateByTets(const SnappedMesh& mesh) {
 
 void requireMemory(double bytes, const VoxelizeOptions& options) {
   const std::size_t limit = options.maxMemory != 0 ? options.maxMemory : availableBytes();
-  if (bytes <= static_cast<double>(limit)) return;
+  if (bytes <= static_cast<double>(limit))
+    return;
   throw Error(Status::Limit, "",
               fmt::format("voxelizing needs about {:.2f} GB, the limit is {:.2f} GB", bytes * 1e-9,
                           static_cast<double>(limit) * 1e-9),
-              options.maxMemory != 0 ? "raise --max-memory, use larger voxels or fewer grids"
-                                     : "use larger voxels, fewer grids or a machine with more memory");
+              options.maxMemory != 0
+                  ? "raise --max-memory, use larger voxels or fewer grids"
+                  : "use larger voxels, fewer grids or a machine with more memory");
 }
 
 // The rates behind the choice of path, seconds on one core; measured by `tetvdb_bench paths`.
@@ -155,7 +163,8 @@ constexpr double kSecondsPerVoxelColumn = 3e-9;   // a row of its box bounded
 
 // Whether rasterizing every tet beats finding the boundary: where tets are about a voxel wide.
 bool tetsAreFaster(const SnappedMesh& mesh) {
-  if (mesh.tetCount == 0) return true;
+  if (mesh.tetCount == 0)
+    return true;
   const auto columns = [](double low, double high) { return (high - low) * kVoxelsPerUnit + 1; };
   const double volume = columns(mesh.boxMin.x, mesh.boxMax.x) *
                         columns(mesh.boxMin.y, mesh.boxMax.y) *
@@ -173,9 +182,11 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
   transform.voxelSize = options.voxelSize;
   transform.origin = options.origin;
   for (double c : options.origin)
-    if (!std::isfinite(c)) throw Error(Status::Usage, "--origin", "not a finite number");
+    if (!std::isfinite(c))
+      throw Error(Status::Usage, "--origin", "not a finite number");
   const Box box = tetBox(mesh);
-  if (mesh.tets.empty()) throw Error(Status::Invalid, "", "the mesh has no tetrahedra");
+  if (mesh.tets.empty())
+    throw Error(Status::Invalid, "", "the mesh has no tetrahedra");
   if (!box.finite)
     throw Error(Status::Invalid, "", "a coordinate of the mesh is not a finite number",
                 "repair the mesh");
@@ -196,23 +207,24 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
     if (!(s > 0) || !std::isfinite(s))
       throw Error(Status::Usage, "--voxel-size", fmt::format("{} is not a positive length", s));
   if (size[0] * size[1] * size[2] < kMinVoxelVolume)
-    throw Error(h[0] == 0 ? Status::Limit : Status::Usage,
-                h[0] == 0 ? "--resolution" : "--voxel-size",
-                fmt::format("a voxel of {:.4g} x {:.4g} x {:.4g} is below OpenVDB's smallest volume, "
-                            "3e-15 cubic units (1.45e-5 a side)",
-                            size[0], size[1], size[2]),
-                "use larger voxels, or scale the model to a smaller unit: millimetres for metres");
+    throw Error(
+        h[0] == 0 ? Status::Limit : Status::Usage, h[0] == 0 ? "--resolution" : "--voxel-size",
+        fmt::format("a voxel of {:.4g} x {:.4g} x {:.4g} is below OpenVDB's smallest volume, "
+                    "3e-15 cubic units (1.45e-5 a side)",
+                    size[0], size[1], size[2]),
+        "use larger voxels, or scale the model to a smaller unit: millimetres for metres");
 
   for (std::size_t k = 0; k < 3; ++k) {
     const double extent = (box.max[k] - box.min[k]) / size[k];
     if (!(extent < 2 * kMaxIndex - kRootChildSize))
-      throw Error(Status::Limit, h[0] == 0 ? "--resolution" : "--voxel-size",
-                  fmt::format("the mesh is {:.4g} voxels long, more than 32-bit index space holds",
-                              extent),
-                  "use larger voxels");
+      throw Error(
+          Status::Limit, h[0] == 0 ? "--resolution" : "--voxel-size",
+          fmt::format("the mesh is {:.4g} voxels long, more than 32-bit index space holds", extent),
+          "use larger voxels");
     const double low = (box.min[k] - transform.origin[k]) / size[k];
     const double high = (box.max[k] - transform.origin[k]) / size[k];
-    if (low > -kMaxIndex && high < kMaxIndex) continue;
+    if (low > -kMaxIndex && high < kMaxIndex)
+      continue;
     // By whole root children, so that grids of one voxel size stay aligned.
     const double steps = std::floor((low + high) / 2 / kRootChildSize);
     transform.origin[k] += steps * kRootChildSize * size[k];
@@ -223,7 +235,8 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Report& report,
                       Progress& progress) {
   progress.stage("voxelize");
-  if (options.grids.empty()) throw Error(Status::Usage, "--grid", "no grid was asked for");
+  if (options.grids.empty())
+    throw Error(Status::Usage, "--grid", "no grid was asked for");
   if (mesh.tetCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
   const bool owners = std::any_of(options.grids.begin(), options.grids.end(), needsOwner);
@@ -283,12 +296,14 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   result.volume = Volume(std::move(grids));
 
   if (result.counts.flipped > 0)
-    report.warn("flipped-tets", fmt::format("{} of {} tets had negative volume and were turned round",
-                                            result.counts.flipped, snapped.tetCount));
+    report.warn("flipped-tets",
+                fmt::format("{} of {} tets had negative volume and were turned round",
+                            result.counts.flipped, snapped.tetCount));
   if (result.counts.dropped > 0)
-    report.warn("flat-tets", fmt::format("{} of {} tets have no volume on the lattice of 2^-20 voxel "
-                                         "and were left out",
-                                         result.counts.dropped, snapped.tetCount));
+    report.warn("flat-tets",
+                fmt::format("{} of {} tets have no volume on the lattice of 2^-20 voxel "
+                            "and were left out",
+                            result.counts.dropped, snapped.tetCount));
   if (!options.allowEmpty && result.volume.grids().all.front()->empty())
     throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
                 "use smaller voxels, or --allow-empty to write an empty grid");

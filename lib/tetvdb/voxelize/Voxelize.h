@@ -36,8 +36,9 @@ enum class OccupancyPath : std::uint8_t {
 
 struct VoxelizeOptions {
   Vec3d voxelSize{0, 0, 0}; ///< world units, one an axis; all zero: from `resolution`
-  int resolution = 256;     ///< voxels along the longest side of the mesh's box; used where voxelSize is 0
-  Vec3d origin{0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
+  int resolution =
+      256; ///< voxels along the longest side of the mesh's box; used where voxelSize is 0
+  Vec3d origin{0, 0, 0}; ///< world units: the centre of voxel (0, 0, 0)
   std::vector<GridKind> grids{GridKind::Density};
   OccupancyPath path = OccupancyPath::Auto;
   std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
@@ -46,8 +47,8 @@ struct VoxelizeOptions {
 
 /// What snapping did to the mesh.
 struct SnapCounts {
-  std::uint64_t flipped = 0; ///< tets turned round, their volume was negative
-  std::uint64_t dropped = 0; ///< tets without volume after snapping
+  std::uint64_t flipped = 0;       ///< tets turned round, their volume was negative
+  std::uint64_t dropped = 0;       ///< tets without volume after snapping
   std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
 };
 

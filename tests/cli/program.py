@@ -70,8 +70,9 @@ class CommandLineTest(unittest.TestCase):
         return self.report_of("info", path, "--hash")["input"][0]["hash"]
 
 
-def lattice(cells, origin=(0.0, 0.0, 0.0), side=1.0):
-    """A cube cut into cells^3 small cubes of six tets each: points, tets."""
+def lattice(cells, origin=(0.0, 0.0, 0.0), side=1.0, inverted=False):
+    """A cube cut into cells^3 small cubes of six tets each: points, tets. With `inverted`, every
+    second tet is turned inside out."""
     n = cells + 1
     points = [tuple(origin[a] + side * index[a] / cells for a in range(3))
               for index in ((x, y, z) for z in range(n) for y in range(n) for x in range(n))]
@@ -84,12 +85,14 @@ def lattice(cells, origin=(0.0, 0.0, 0.0), side=1.0):
     for z in range(cells):
         for y in range(cells):
             for x in range(cells):
-                for path in paths:
+                for order, path in enumerate(paths):
                     corner = [x, y, z]
                     tet = [number(*corner)]
                     for axis in path:
                         corner[axis] += 1
                         tet.append(number(*corner))
+                    if order >= 3 and not inverted:
+                        tet[2], tet[3] = tet[3], tet[2]
                     tets.append(tet)
     return points, tets
 

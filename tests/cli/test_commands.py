@@ -28,7 +28,7 @@ class Voxelize(CommandLineTest):
                         self.voxels("box." + ending, "--resolution", 16, "--path", path), 16**3)
 
     def test_report(self):
-        self.write("box.mesh", medit(*lattice(2)))
+        self.write("box.mesh", medit(*lattice(2, inverted=True)))
         report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 16,
                                 "--grid", "density,mask,tet_id,material", "--threads", 2)
         self.assertEqual(
@@ -48,6 +48,7 @@ class Voxelize(CommandLineTest):
         self.assertEqual(report["mesh"]["flipped"], 24)
         self.assertEqual(report["mesh"]["dropped"], 0)
         self.assertAlmostEqual(report["mesh"]["volume"], 1.0)
+        self.assertEqual([w["code"] for w in report["warnings"]], ["flipped-tets"])
         self.assertEqual([s["name"] for s in report["stages"]], ["read", "voxelize", "write"])
         for stage in report["stages"]:
             self.assertGreaterEqual(stage["seconds"], 0)
@@ -180,12 +181,18 @@ class Info(CommandLineTest):
         self.assertEqual((mesh["vertices"], mesh["tets"]), (54, 96))
         self.assertEqual(mesh["box"], {"min": [0, 0, 0], "max": [2, 1, 1]})
         self.assertAlmostEqual(mesh["volume"], 2.0)
-        self.assertEqual(mesh["defects"], {"inverted": 48, "flat": 0})
+        self.assertEqual(mesh["defects"], {"inverted": 0, "flat": 0})
         self.assertEqual(mesh["regions"], [{"number": 3, "name": "steel", "cells": 48},
                                            {"number": 7, "name": "", "cells": 48}])
         text = self.succeed("info", "two.msh").out
         for part in ("two.msh", "Gmsh", "54", "96", "steel"):
             self.assertIn(part, text)
+
+    def test_inverted_tets_are_counted(self):
+        self.write("box.mesh", medit(*lattice(2, inverted=True)))
+        [mesh] = self.report_of("info", "box.mesh")["input"]
+        self.assertEqual(mesh["defects"], {"inverted": 24, "flat": 0})
+        self.assertAlmostEqual(mesh["volume"], 1.0)
 
     def test_flat_tets_are_counted(self):
         points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0), (0.3, 0.3, 1)]

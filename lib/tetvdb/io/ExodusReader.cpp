@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/CellRuns.h"
+#include "tetvdb/io/IsolatedRead.h"
 #include "tetvdb/io/NetCdfSize.h"
 
 #include <algorithm>
@@ -436,7 +437,13 @@ private:
 CellMesh readExodus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress) {
   std::lock_guard<std::mutex> lock(netcdfMutex());
-  return ExodusFile(source, options, report, progress).read();
+  if (source.bytes.substr(0, 3) == "CDF")
+    return ExodusFile(source, options, report, progress).read();
+  // HDF5 1.10 crashes on some damaged files.
+  const auto read = [&](Report& childReport, Progress& childProgress) {
+    return ExodusFile(source, options, childReport, childProgress).read();
+  };
+  return readIsolated(read, source.path, report, progress);
 }
 
 } // namespace tetvdb

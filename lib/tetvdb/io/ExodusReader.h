@@ -15,7 +15,8 @@ namespace tetvdb {
 /// Nodal and element variables of the last time step become attributes; components of a vector stay
 /// separate arrays, and an element variable that a block lacks is 0 there.
 /// Throws Error(Invalid) for whatever is not a whole, consistent mesh. One thread at a time: calls
-/// to netCDF are serialised by a lock.
+/// to netCDF are serialised by a lock. HDF5 files are read in a child process, since the HDF5
+/// library crashes on damaged ones.
 CellMesh readExodus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/IsolatedRead.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <exception>
+#include <fcntl.h>
+#include <poll.h>
+#include <string_view>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <type_traits>
+#include <unistd.h>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+enum class Outcome : std::uint8_t { Mesh = 0x4d, Failure = 0x46 };
+
+constexpr std::size_t kStep = std::size_t(16) << 20; ///< bytes taken on trust at a time
+
+// --- the child's side ---
+
+class Sender {
+public:
+  explicit Sender(int pipe) : pipe_(pipe) {}
+
+  void bytes(const void* data, std::size_t n) {
+    for (const char* at = static_cast<const char*>(data); n > 0;) {
+      const ssize_t written = ::write(pipe_, at, n);
+      if (written < 0 && errno == EINTR)
+        continue;
+      if (written <= 0)
+        ::_exit(1); // nobody listens
+      at += written;
+      n -= static_cast<std::size_t>(written);
+    }
+  }
+  template <class T>
+  void number(T value) {
+    bytes(&value, sizeof value);
+  }
+  template <class T>
+  void array(const std::vector<T>& values) {
+    number<std::uint64_t>(values.size());
+    bytes(values.data(), values.size() * sizeof(T));
+  }
+  void text(std::string_view value) {
+    number<std::uint64_t>(value.size());
+    bytes(value.data(), value.size());
+  }
+
+  void mesh(const CellMesh& mesh, const Report& report) {
+    number(Outcome::Mesh);
+    array(mesh.points);
+    array(mesh.nodes);
+    number<std::uint64_t>(mesh.runs.size());
+    for (const CellRun& run : mesh.runs) {
+      number(run.type);
+      number(run.nodesPerCell);
+      number<std::uint64_t>(run.count);
+      text(run.fileType);
+      number(run.quadratic);
+    }
+    number<std::uint64_t>(mesh.attributes.size());
+    for (const Attribute& attribute : mesh.attributes) {
+      text(attribute.name);
+      number(attribute.on);
+      number(attribute.components);
+      number(static_cast<std::uint8_t>(attribute.values.index()));
+      std::visit([&](const auto& values) { array(values); }, attribute.values);
+    }
+    array(mesh.regions);
+    number<std::uint64_t>(mesh.regionNames.size());
+    for (const auto& [id, name] : mesh.regionNames) {
+      number(id);
+      text(name);
+    }
+    number<std::uint64_t>(report.warnings.size());
+    for (const Warning& warning : report.warnings) {
+      text(warning.code);
+      text(warning.text);
+    }
+  }
+
+private:
+  int pipe_;
+};
+
+[[noreturn]] void runChild(const std::function<CellMesh(Report&, Progress&)>& read, int pipe) {
+  // The parent answers to the terminal, and a crash here is no news to anyone but the parent.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+    std::signal(signal, SIG_IGN);
+  for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE})
+    std::signal(signal, SIG_DFL);
+  const rlimit noCore{0, 0};
+  ::setrlimit(RLIMIT_CORE, &noCore);
+  const int nowhere = ::open("/dev/null", O_WRONLY);
+  if (nowhere >= 0)
+    ::dup2(nowhere, STDERR_FILENO);
+
+  Sender out(pipe);
+  try {
+    Report report;
+    Progress progress;
+    const CellMesh mesh = read(report, progress);
+    out.mesh(mesh, report);
+  } catch (const Error& error) {
+    out.number(Outcome::Failure);
+    out.number(error.status());
+    out.text(error.what());
+  } catch (const std::exception&) {
+    ::_exit(1);
+  }
+  ::_exit(0);
+}
+
+// --- the parent's side ---
+
+class Child {
+public:
+  Child(pid_t process, int pipe, const std::string& path, Progress& progress)
+      : process_(process), pipe_(pipe), path_(path), progress_(progress) {}
+  ~Child() {
+    ::close(pipe_);
+    ::kill(process_, SIGKILL);
+    while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  void bytes(void* out, std::size_t n) {
+    for (char* at = static_cast<char*>(out); n > 0;) {
+      pollfd waiting{pipe_, POLLIN, 0};
+      const int ready = ::poll(&waiting, 1, 50);
+      progress_.check();
+      if (ready == 0 || (ready < 0 && errno == EINTR))
+        continue;
+      const ssize_t got = ::read(pipe_, at, n);
+      if (got < 0 && errno == EINTR)
+        continue;
+      if (got <= 0)
+        fail();
+      at += got;
+      n -= static_cast<std::size_t>(got);
+    }
+  }
+  template <class T>
+  T number() {
+    T value;
+    bytes(&value, sizeof value);
+    return value;
+  }
+  template <class Array>
+  void array(Array& values) {
+    using T = typename Array::value_type;
+    const auto n = number<std::uint64_t>();
+    for (std::uint64_t done = 0; done < n;) {
+      const std::uint64_t end = std::min<std::uint64_t>(n, done + kStep / sizeof(T));
+      values.resize(end);
+      bytes(values.data() + done, (end - done) * sizeof(T));
+      done = end;
+    }
+  }
+  std::string text() {
+    std::string value;
+    array(value);
+    return value;
+  }
+
+  CellMesh mesh(Report& report) {
+    CellMesh mesh;
+    array(mesh.points);
+    array(mesh.nodes);
+    for (auto n = number<std::uint64_t>(); n > 0; --n) {
+      CellRun run;
+      run.type = number<CellType>();
+      run.nodesPerCell = number<std::uint32_t>();
+      run.count = number<std::uint64_t>();
+      run.fileType = text();
+      run.quadratic = number<std::uint8_t>() != 0;
+      mesh.runs.push_back(std::move(run));
+    }
+    for (auto n = number<std::uint64_t>(); n > 0; --n)
+      mesh.attributes.push_back(attribute());
+    array(mesh.regions);
+    for (auto n = number<std::uint64_t>(); n > 0; --n) {
+      const auto id = number<std::int32_t>();
+      mesh.regionNames[id] = text();
+    }
+    for (auto n = number<std::uint64_t>(); n > 0; --n) {
+      const std::string code = text();
+      report.warn(code, text());
+    }
+    checkMesh(mesh);
+    return mesh;
+  }
+
+  [[noreturn]] void fail() const {
+    throw Error(Status::Invalid, path_, "the library that reads this format failed on it",
+                "the file is damaged; export it again");
+  }
+
+private:
+  Attribute attribute() {
+    Attribute attribute;
+    attribute.name = text();
+    attribute.on = number<Attribute::On>();
+    attribute.components = number<std::uint32_t>();
+    switch (number<std::uint8_t>()) {
+    case 0:
+      attribute.values = std::vector<float>();
+      break;
+    case 1:
+      attribute.values = std::vector<double>();
+      break;
+    case 2:
+      attribute.values = std::vector<std::int32_t>();
+      break;
+    case 3:
+      attribute.values = std::vector<std::int64_t>();
+      break;
+    default:
+      fail();
+    }
+    std::visit([&](auto& values) { array(values); }, attribute.values);
+    return attribute;
+  }
+
+  // A child whose memory was overwritten may have said anything.
+  void checkMesh(const CellMesh& mesh) const {
+    std::uint64_t nodes = 0, cells = 0;
+    for (const CellRun& run : mesh.runs) {
+      if (run.type > CellType::Flat || run.count > UINT32_MAX || run.nodesPerCell > 255 ||
+          run.type == CellType::Polyhedron)
+        fail();
+      nodes += run.count * run.nodesPerCell;
+      cells += run.count;
+    }
+    if (nodes != mesh.nodes.size() || (!mesh.regions.empty() && mesh.regions.size() != cells))
+      fail();
+    for (const std::uint32_t node : mesh.nodes)
+      if (node >= mesh.points.size())
+        fail();
+    for (const Attribute& attribute : mesh.attributes)
+      if (attribute.components == 0 || attribute.on > Attribute::On::Cells ||
+          attribute.size() != (attribute.on == Attribute::On::Points ? mesh.points.size() : cells))
+        fail();
+  }
+
+  pid_t process_;
+  int pipe_;
+  const std::string& path_;
+  Progress& progress_;
+};
+
+} // namespace
+
+CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
+                      const std::string& path, Report& report, Progress& progress) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw Error(Status::Limit, path, "no pipe to a reading process", "close other programs");
+  const pid_t process = ::fork();
+  if (process < 0) {
+    ::close(ends[0]);
+    ::close(ends[1]);
+    throw Error(Status::Limit, path, "no process to read with", "close other programs");
+  }
+  if (process == 0) {
+    ::close(ends[0]);
+    runChild(read, ends[1]);
+  }
+  ::close(ends[1]);
+  Child child(process, ends[0], path, progress);
+  const auto outcome = child.number<Outcome>();
+  if (outcome == Outcome::Mesh)
+    return child.mesh(report);
+  if (outcome != Outcome::Failure)
+    child.fail();
+  const auto status = child.number<Status>();
+  throw Error(status, "", child.text());
+}
+
+} // namespace tetvdb

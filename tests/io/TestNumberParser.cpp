@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <vector>
 
 namespace tetvdb {
 namespace {
@@ -36,6 +37,18 @@ TEST(NumberParser, WhatIsNoNumber) {
   for (const char* text : {"nan", "inf", "-infinity", "1e400", "1e99999"})
     EXPECT_THROW(real(text), Error) << text;
   EXPECT_TRUE(std::isnan(NumberParser("nan", "file").value()));
+}
+
+TEST(NumberParser, TextThatEndsWithTheMemory) {
+  for (const char c : {'I', 'N', 'i', 'n', '1', '.', '-', 'x'})
+    for (const std::size_t n : {1U, 40U, 63U, 200U, 500U}) {
+      const std::string text(n, c);
+      const std::vector<char> exact(text.begin(), text.end()); // no zero behind it
+      double value = 0;
+      NumberParser({exact.data(), exact.size()}, "file").tryReal(value);
+    }
+  EXPECT_THROW(real(std::string(400, '1')), Error);
+  EXPECT_EQ(real("0." + std::string(400, '0') + "1"), 0);
 }
 
 TEST(NumberParser, WholeNumbers) {

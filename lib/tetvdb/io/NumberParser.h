@@ -217,41 +217,34 @@ private:
   bool tryUnusualReal(const char* start, double& value) {
     char text[64] = {};
     std::size_t length = 0;
-    const char* at = start;
-    for (; at != end_ && !endsNumber(at) && length + 2 < sizeof text; ++at) {
-      const char before = at == start ? 'e' : at[-1];
+    const char* stop = start;
+    for (; !endsNumber(stop) && length + 2 < sizeof text; ++stop) {
+      const char before = stop == start ? 'e' : stop[-1];
       const bool digitBefore = (before >= '0' && before <= '9') || before == '.';
-      char c = *at;
-      if (digitBefore && (c == 'd' || c == 'D' || c == 'q' || c == 'Q'))
-        c = 'e';
+      const char c = *stop;
+      const bool mark = c == 'd' || c == 'D' || c == 'q' || c == 'Q';
       if (digitBefore && (c == '+' || c == '-'))
         text[length++] = 'e';
-      text[length++] = c;
+      text[length++] = digitBefore && mark ? 'e' : c;
     }
-    if (!endsNumber(at)) {
-      // Longer than the buffer: only digits beyond need would be lost, so take it as it is.
-      long double wide = 0;
-      const auto [stop, error] = std::from_chars(start, end_, wide);
-      if (error != std::errc() || !endsNumber(stop))
-        return false;
-      value = static_cast<double>(wide);
-      at_ = stop;
-      return true;
-    }
-    long double wide = 0;
-    const auto [stop, error] = std::from_chars(text, text + length, wide);
-    if (stop != text + length || length == 0)
+    // A longer number has no room for surprises but its size.
+    const bool fits = endsNumber(stop);
+    const char* first = fits ? text : start;
+    const char* last = fits ? text + length : end_;
+    double number = 0;
+    const auto [end, error] = std::from_chars(first, last, number);
+    if (error != std::errc() && error != std::errc::result_out_of_range)
+      return false;
+    if (fits ? end != last : !endsNumber(end))
       return false;
     if (error == std::errc::result_out_of_range) {
-      const std::string_view view(text, length);
-      wide = view.find("e-") != view.npos || view.find("E-") != view.npos
-                 ? 0
-                 : std::numeric_limits<long double>::infinity();
-    } else if (error != std::errc()) {
-      return false;
+      const std::string_view digits(first, static_cast<std::size_t>(end - first));
+      const bool small = digits.find("e-") != digits.npos || digits.find("E-") != digits.npos ||
+                         digits.substr(digits[0] == '-' ? 1 : 0, 2) == "0.";
+      number = small ? 0 : std::numeric_limits<double>::infinity();
     }
-    value = static_cast<double>(wide);
-    at_ = at;
+    value = number;
+    at_ = fits ? stop : end;
     return true;
   }
 

@@ -5,6 +5,7 @@
 
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/GmshCursor.h"
+#include "tetvdb/io/GmshData.h"
 #include "tetvdb/io/GmshElements.h"
 #include "tetvdb/io/IdMap.h"
 
@@ -37,7 +38,8 @@ struct VolumeTags {
 class Reader {
 public:
   Reader(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), in_(source) {}
+      : source_(source), options_(options), report_(report), progress_(progress), in_(source),
+        data_(in_, source.bytes.size(), report) {}
 
   CellMesh read() {
     while (!in_.text.atEnd())
@@ -77,7 +79,7 @@ private:
     else if (name == "ELM")
       readElements1();
     else if ((name == "NodeData" || name == "ElementData") && wantsData())
-      readData(name == "NodeData" ? Attribute::On::Points : Attribute::On::Cells);
+      readData(name == "NodeData");
     else {
       in_.text.seek(start);
       skipSection(name);
@@ -91,6 +93,14 @@ private:
   }
 
   bool wantsData() const { return options_.attributes || !options_.regionArray.empty(); }
+
+  void readData(bool ofNodes) {
+    if (!(ofNodes ? haveNodes_ : haveElements_))
+      in_.fail("data come before the mesh", kExport);
+    data_.read(ofNodes ? Attribute::On::Points : Attribute::On::Cells,
+               ofNodes ? nodeIds_ : elementIds_, ofNodes ? mesh_.points.size() : elements_,
+               mesh_.attributes);
+  }
 
   void skipSection(const std::string& name) {
     const std::size_t at = in_.text.position();
@@ -525,90 +535,6 @@ private:
                            physical ? run.physical : run.geometrical);
   }
 
-  // --- Data -------------------------------------------------------------------------------------
-
-  void readData(Attribute::On on) {
-    std::string name;
-    const std::size_t strings = in_.text.count("string tags", 2);
-    in_.text.line();
-    for (std::size_t i = 0; i < strings; ++i) {
-      std::string_view line = in_.text.line();
-      const auto blank = [](char c) { return static_cast<unsigned char>(c) <= ' ' || c == '"'; };
-      while (!line.empty() && blank(line.front()))
-        line.remove_prefix(1);
-      while (!line.empty() && blank(line.back()))
-        line.remove_suffix(1);
-      if (i == 0)
-        name = line;
-    }
-    const std::size_t reals = in_.text.count("real tags", 2);
-    for (std::size_t i = 0; i < reals; ++i)
-      in_.text.value();
-    const std::size_t integers = in_.text.count("integer tags", 2);
-    std::int64_t tags[3] = {0, 1, 0}; // time step, components, entries
-    for (std::size_t i = 0; i < integers; ++i) {
-      const std::int64_t value = in_.text.integer();
-      if (i < 3)
-        tags[i] = value;
-    }
-    in_.text.line();
-    if (tags[1] < 1 || tags[1] > 1000)
-      in_.fail("data '" + name + "' has " + std::to_string(tags[1]) + " components", kExport);
-    in_.enterBinary();
-    const auto components = static_cast<std::size_t>(tags[1]);
-    const std::size_t n =
-        in_.checkCount(tags[2], "values", 2 * (1 + components), 4 + 8 * components);
-
-    const IdMap& ids = on == Attribute::On::Points ? nodeIds_ : elementIds_;
-    const std::size_t things = on == Attribute::On::Points ? mesh_.points.size() : elements_;
-    if (!(on == Attribute::On::Points ? haveNodes_ : haveElements_))
-      in_.fail("data come before the mesh", kExport);
-    // Nodes without a value cost memory too: a small file must not ask for a lot of it.
-    dataSize_ += things * components;
-    if (dataSize_ / 8 > source_.bytes.size())
-      in_.fail("data sections such as '" + name + "' have values for too few nodes or elements");
-    std::vector<double>& values = dataArray(name, on, components, things, tags[0]);
-    std::size_t unknown = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint32_t index = ids.find(in_.integer());
-      if (index == IdMap::kNone)
-        ++unknown;
-      for (std::size_t k = 0; k < components; ++k) {
-        const double value = in_.binary ? in_.real() : in_.text.value();
-        if (index != IdMap::kNone && !values.empty())
-          values[index * components + k] = value;
-      }
-    }
-    if (unknown > 0)
-      report_.warn("unknown-ids", std::to_string(unknown) + " values of '" + name +
-                                      "' are for nodes or elements that do not exist");
-  }
-
-  /// The array to fill: a new one, or that of an equal or earlier time step; empty for a time step
-  /// that is earlier than what is there.
-  std::vector<double>& dataArray(const std::string& name, Attribute::On on, std::size_t components,
-                                 std::size_t things, std::int64_t step) {
-    constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t i = 0; i < mesh_.attributes.size(); ++i) {
-      Attribute& known = mesh_.attributes[i];
-      if (known.name != name || known.on != on)
-        continue;
-      auto& values = std::get<std::vector<double>>(known.values);
-      if (step < steps_[i])
-        return ignored_;
-      if (step > steps_[i] || known.components != components) {
-        known.components = static_cast<std::uint32_t>(components);
-        values.assign(things * components, kMissing);
-        steps_[i] = step;
-      }
-      return values;
-    }
-    mesh_.attributes.push_back({name, on, static_cast<std::uint32_t>(components),
-                                std::vector<double>(things * components, kMissing)});
-    steps_.push_back(step);
-    return std::get<std::vector<double>>(mesh_.attributes.back().values);
-  }
-
   void update() {
     const std::size_t at = std::max(in_.text.position(), in_.bytes.position());
     progress_.update(static_cast<double>(at) / static_cast<double>(source_.bytes.size()));
@@ -624,13 +550,11 @@ private:
   IdMap nodeIds_;
   IdMap elementIds_;
   std::size_t elements_ = 0;
-  std::size_t dataSize_ = 0; ///< numbers in all attributes
   bool haveNodes_ = false;
   bool haveElements_ = false;
   std::vector<TagRun> tags_;
   std::map<std::int64_t, VolumeTags> volumes_;
-  std::vector<std::int64_t> steps_; ///< time step of each attribute
-  std::vector<double> ignored_;
+  GmshData data_;
 };
 
 } // namespace

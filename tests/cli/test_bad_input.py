@@ -169,9 +169,10 @@ class BadOptions(CommandLineTest):
         self.refuse(2, "info")
 
     def test_region_that_the_mesh_does_not_have(self):
-        self.refuse_options(2, "--region", "17", says="17")
-        self.refuse_options((2, 3), "--exclude", "1")
-        self.refuse_options(3, "--bbox", "5,5,5,6,6,6")
+        self.refuse_options(2, "--region", "17", says=("box.mesh", "17"))
+        self.refuse_options(2, "--region-array", "none", says=("box.mesh", "none"))
+        self.refuse_options((2, 3), "--exclude", "1", says=("box.mesh", "--exclude"))
+        self.refuse_options(3, "--bbox", "5,5,5,6,6,6", says=("box.mesh", "--bbox"))
 
     def test_device_that_is_not_there(self):
         self.refuse_options(6, "--device", "cuda", says="cuda")

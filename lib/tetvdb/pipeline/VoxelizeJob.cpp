@@ -127,6 +127,16 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
       grid->setSaveFloatAsHalf(true);
 }
 
+// An error about one input names its file.
+Error withPath(const Error& error, const std::string& path) {
+  std::string text = error.what();
+  if (text.find(path) != std::string::npos)
+    return error;
+  if (text.rfind("mesh: ", 0) == 0)
+    text.erase(0, 6);
+  return {error.status(), path, text};
+}
+
 OutputInfo written(const std::string& path) {
   std::error_code ignored;
   return {path, static_cast<std::uint64_t>(fs::file_size(path, ignored))};
@@ -193,7 +203,8 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
     volume = makeVolume(job, mesh, result, report, progress);
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
-    for (const auto& grid : volume.grids().all) openFirstTile(*grid);
+    for (const auto& grid : volume.grids().all)
+      openFirstTile(*grid);
     result.grids = describe(volume);
   }
   progress.check();
@@ -208,7 +219,7 @@ void requireWritable(const std::string& path) {
 }
 
 TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
-                 InputInfo* info, Report& report, Progress& progress) {
+                 InputInfo* info, Report& report, Progress& progress) try {
   MeshFormat format = MeshFormat::Unknown;
   CellMesh cells = readCells(path, options, report, progress, &format);
   if (info != nullptr) {
@@ -225,6 +236,10 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
     info->statistics = measure(mesh);
   }
   return mesh;
+} catch (const Error& error) {
+  if (error.status() == Status::Cancelled)
+    throw;
+  throw withPath(error, path);
 }
 
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress) {

@@ -7,11 +7,13 @@
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/volume/Volume.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
 #include <tuple>
+#include <vector>
 
 namespace tetvdb::oracle {
 

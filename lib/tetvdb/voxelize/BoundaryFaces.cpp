@@ -11,35 +11,32 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
 namespace {
 
-// Every face belongs to the bucket of its smallest vertex. Three faces of a tet share the tet's
-// smallest vertex and travel as one record.
-struct TetRecord {
-  std::uint32_t v0Sign; // smallest vertex << 1 | 1 where the sorted tet is negative
-  std::uint32_t v1, v2, v3;
-};
+// A face, corners ascending; it belongs to the bucket of the first.
 struct FaceRecord {
-  std::uint32_t v1Sign; // as above, for the face without v0
-  std::uint32_t v2, v3;
+  std::uint32_t aSign; // first corner << 1 | 1 where the normal of a, b, c points inward
+  std::uint32_t b, c;
 };
 
-// Vertices a bucket covers: its hash table (two faces a vertex and tet around it) stays in the
-// second cache.
+// Vertices a bucket covers: its hash table stays in the second cache.
 constexpr int kBucketBits = 9;
 // Tets a counting task takes, at least; a count is kept for every bucket and chunk.
 constexpr std::size_t kMinChunk = 65536;
 constexpr std::size_t kMaxChunks = 256;
+// Bytes for the sums of all threads together.
+constexpr std::size_t kSumBytes = std::size_t(1) << 29;
 
 struct SortedTet {
   std::array<std::uint32_t, 4> v;
-  int sign; // orientation in sorted order
+  std::int32_t sign; // orientation in sorted order
 };
 
-SortedTet sortTet(const std::uint32_t* tet, int sign) {
+inline SortedTet sortTet(const std::uint32_t* tet, std::int32_t sign) {
   std::array<std::uint32_t, 4> v{tet[0], tet[1], tet[2], tet[3]};
   const auto order = [&](std::size_t i, std::size_t j) {
     const bool swap = v[i] > v[j];
@@ -55,6 +52,23 @@ SortedTet sortTet(const std::uint32_t* tet, int sign) {
   order(1, 3);
   order(1, 2);
   return {v, sign};
+}
+
+// Calls visit(a, b, c, sign) for the faces of a sorted tet, sign > 0 where the normal of a, b, c
+// points out of it.
+template <typename Visit>
+inline void eachFace(const SortedTet& t, const Visit& visit) {
+  visit(t.v[0], t.v[1], t.v[2], -t.sign);
+  visit(t.v[0], t.v[1], t.v[3], t.sign);
+  visit(t.v[0], t.v[2], t.v[3], -t.sign);
+  visit(t.v[1], t.v[2], t.v[3], t.sign);
+}
+
+// A number for a vertex that looks random (the finalizer of SplitMix64, Steele et al. 2014).
+inline std::uint64_t fingerprint(std::uint32_t vertex) {
+  std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+  return x ^ (x >> 29);
 }
 
 // Open addressing, linear probing; sums of signs by face.
@@ -126,142 +140,195 @@ int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePo
   return signOf(orientation(a, b, c, d));
 }
 
+namespace {
+
+class BoundaryFinder {
+public:
+  BoundaryFinder(const SnappedMesh& mesh, Progress& progress)
+      : mesh_(mesh), progress_(progress), signs_(new std::int8_t[mesh.tetCount]),
+        open_(mesh.points.size()) {}
+
+  Boundary run() {
+    findOpenVertices();
+    Boundary boundary;
+    boundary.faces = matchFaces();
+    if (!closes(boundary.faces)) {
+      std::fill(open_.begin(), open_.end(), std::uint8_t(1));
+      boundary.faces = matchFaces();
+    }
+    boundary.flipped = flipped_;
+    boundary.dropped = dropped_;
+    return boundary;
+  }
+
+private:
+  // Orients every tet, and adds up r_b r_c over the faces a < b < c at their first corner.
+  void findOpenVertices() {
+    const LatticePoint& low = mesh_.boxMin;
+    const LatticePoint& high = mesh_.boxMax;
+    const bool checkExtents =
+        std::max({high.x - low.x, high.y - low.y, high.z - low.z}) > kMaxTetExtent;
+    const std::size_t points = mesh_.points.size();
+    const std::size_t affordable = std::max<std::size_t>(kSumBytes / (8 * points + 1), 1);
+    const std::size_t parts =
+        std::min(affordable, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+    std::vector<std::unique_ptr<std::uint64_t[]>> sums(parts);
+    tbb::parallel_for(
+        std::size_t(0), parts,
+        [&](std::size_t part) {
+          sums[part].reset(new std::uint64_t[points]());
+          const std::size_t begin = mesh_.tetCount / parts * part;
+          const std::size_t end =
+              part + 1 == parts ? mesh_.tetCount : begin + mesh_.tetCount / parts;
+          for (std::size_t t = begin; t < end; t += kMinChunk) {
+            progress_.check();
+            sumFaces(t, std::min(t + kMinChunk, end), checkExtents, sums[part].get());
+          }
+        },
+        tbb::simple_partitioner());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points, 65536), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v != range.end(); ++v) {
+        std::uint64_t sum = 0;
+        for (const auto& part : sums)
+          sum += part[v];
+        open_[v] = sum != 0;
+      }
+    });
+  }
+
+  void sumFaces(std::size_t begin, std::size_t end, bool checkExtents, std::uint64_t* sums) {
+    std::uint64_t negative = 0, flat = 0;
+    const LatticePoint* points = mesh_.points.data();
+    for (std::size_t t = begin; t != end; ++t) {
+      const std::uint32_t* v = mesh_.tets + 4 * t;
+      if (checkExtents)
+        checkExtent(v);
+      const int sign = tetOrientation(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+      signs_[t] = static_cast<std::int8_t>(sign);
+      negative += sign < 0;
+      flat += sign == 0;
+      const SortedTet s = sortTet(v, sign);
+      const std::uint64_t r1 = fingerprint(s.v[1]), r2 = fingerprint(s.v[2]),
+                          r3 = fingerprint(s.v[3]);
+      const auto weight = static_cast<std::uint64_t>(static_cast<std::int64_t>(s.sign));
+      const std::uint64_t far = weight * (r2 * r3);
+      sums[s.v[0]] += weight * (r1 * (r3 - r2)) - far;
+      sums[s.v[1]] += far;
+    }
+    flipped_ += negative;
+    dropped_ += flat;
+  }
+
+  void checkExtent(const std::uint32_t* v) const {
+    const LatticePoint *a = &mesh_.points[v[0]], *b = &mesh_.points[v[1]], *c = &mesh_.points[v[2]],
+                       *d = &mesh_.points[v[3]];
+    const auto extent = [&](double LatticePoint::*k) {
+      return std::max({a->*k, b->*k, c->*k, d->*k}) - std::min({a->*k, b->*k, c->*k, d->*k});
+    };
+    if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
+        kMaxTetExtent)
+      throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
+  }
+
+  // The faces at open vertices whose signs do not cancel.
+  std::vector<BoundaryFace> matchFaces() {
+    const std::size_t buckets = (mesh_.points.size() >> kBucketBits) + 1;
+    const std::size_t chunkSize = std::max(kMinChunk, mesh_.tetCount / kMaxChunks + 1);
+    const std::size_t chunks = (mesh_.tetCount + chunkSize - 1) / chunkSize;
+
+    // Records by (bucket, chunk): counts, turned into offsets. Within a bucket the records are in
+    // the order of the tets.
+    std::vector<std::uint64_t> offsets(buckets * chunks + 1);
+    std::vector<std::vector<FaceRecord>> local(chunks);
+    tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
+      progress_.check();
+      std::vector<std::uint32_t> counts(buckets);
+      const std::size_t end = std::min((chunk + 1) * chunkSize, mesh_.tetCount);
+      for (std::size_t t = chunk * chunkSize; t != end; ++t) {
+        const std::uint32_t* v = mesh_.tets + 4 * t;
+        if ((open_[v[0]] | open_[v[1]] | open_[v[2]] | open_[v[3]]) == 0 || signs_[t] == 0)
+          continue;
+        eachFace(sortTet(v, signs_[t]),
+                 [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t sign) {
+                   if (open_[a] == 0)
+                     return;
+                   ++counts[a >> kBucketBits];
+                   local[chunk].push_back({a << 1 | static_cast<std::uint32_t>(sign < 0), b, c});
+                 });
+      }
+      for (std::size_t i = 0; i < buckets; ++i)
+        offsets[i * chunks + chunk + 1] = counts[i];
+    });
+    for (std::size_t i = 1; i < offsets.size(); ++i)
+      offsets[i] += offsets[i - 1];
+
+    const std::unique_ptr<FaceRecord[]> records(new FaceRecord[offsets.back()]);
+    tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
+      progress_.check();
+      std::vector<std::uint64_t> next(buckets);
+      for (std::size_t i = 0; i < buckets; ++i)
+        next[i] = offsets[i * chunks + chunk];
+      for (const FaceRecord& record : local[chunk])
+        records[next[record.aSign >> (kBucketBits + 1)]++] = record;
+      std::vector<FaceRecord>().swap(local[chunk]);
+    });
+
+    std::vector<std::vector<BoundaryFace>> found(buckets);
+    tbb::enumerable_thread_specific<FaceTable> tables;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, buckets, 4), [&](const auto& range) {
+      progress_.check();
+      FaceTable& table = tables.local();
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        const std::uint64_t begin = offsets[i * chunks], end = offsets[(i + 1) * chunks];
+        if (begin == end)
+          continue;
+        table.reset(end - begin);
+        for (std::uint64_t k = begin; k != end; ++k)
+          table.add(records[k].aSign >> 1, records[k].b, records[k].c,
+                    (records[k].aSign & 1) != 0 ? -1 : 1);
+        table.collect(found[i]);
+      }
+    });
+
+    std::vector<BoundaryFace> faces;
+    std::size_t total = 0;
+    for (const auto& part : found)
+      total += part.size();
+    faces.reserve(total);
+    for (const auto& part : found)
+      faces.insert(faces.end(), part.begin(), part.end());
+    return faces;
+  }
+
+  // Whether every edge is passed as often one way as the other. The boundary of a boundary
+  // vanishes, so this fails if faces around one vertex are missing.
+  bool closes(const std::vector<BoundaryFace>& faces) const {
+    std::vector<std::uint64_t> sums(mesh_.points.size());
+    for (const BoundaryFace& f : faces) {
+      const auto edge = [&](std::uint32_t a, std::uint32_t b) {
+        const std::uint64_t r = fingerprint(std::max(a, b)) * static_cast<std::uint64_t>(f.weight);
+        sums[std::min(a, b)] += a < b ? r : -r;
+      };
+      edge(f.a, f.b);
+      edge(f.b, f.c);
+      edge(f.c, f.a);
+    }
+    return std::all_of(sums.begin(), sums.end(), [](std::uint64_t sum) { return sum == 0; });
+  }
+
+  const SnappedMesh& mesh_;
+  Progress& progress_;
+  std::unique_ptr<std::int8_t[]> signs_;
+  std::vector<std::uint8_t> open_;
+  std::atomic<std::uint64_t> flipped_{0}, dropped_{0};
+};
+
+} // namespace
+
 Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
   if (mesh.points.size() >= (std::size_t(1) << 31))
     throw Error(Status::Limit, "", "the mesh has more than 2^31 points", "split it in parts");
-  const std::size_t buckets = (mesh.points.size() >> kBucketBits) + 1;
-  const std::size_t chunkSize = std::max(kMinChunk, mesh.tetCount / kMaxChunks + 1);
-  const std::size_t chunks = (mesh.tetCount + chunkSize - 1) / chunkSize;
-
-  // Counts of records by (bucket, chunk), turned into offsets: the order of records within a bucket
-  // is that of the tets.
-  std::vector<std::uint32_t> tetCounts(buckets * chunks), faceCounts(buckets * chunks);
-  std::vector<std::int8_t> signs(mesh.tetCount);
-  std::atomic<std::uint64_t> flipped{0}, dropped{0};
-  std::atomic<bool> tooLong{false};
-
-  const auto eachTet = [&](std::size_t chunk, auto&& visit) {
-    const std::size_t begin = chunk * chunkSize;
-    const std::size_t end = std::min(begin + chunkSize, mesh.tetCount);
-    for (std::size_t t = begin; t != end; ++t)
-      visit(t, mesh.tets + 4 * t);
-  };
-
-  tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
-    progress.check();
-    std::uint64_t negative = 0, flat = 0;
-    std::vector<std::uint32_t> tetCount(buckets), faceCount(buckets);
-    eachTet(chunk, [&](std::size_t t, const std::uint32_t* v) {
-      const LatticePoint& a = mesh.points[v[0]];
-      const LatticePoint& b = mesh.points[v[1]];
-      const LatticePoint& c = mesh.points[v[2]];
-      const LatticePoint& d = mesh.points[v[3]];
-      const auto extent = [&](double LatticePoint::*k) {
-        return std::max({a.*k, b.*k, c.*k, d.*k}) - std::min({a.*k, b.*k, c.*k, d.*k});
-      };
-      if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
-          kMaxTetExtent)
-        tooLong = true;
-      const int sign = tooLong.load(std::memory_order_relaxed) ? 0 : tetOrientation(a, b, c, d);
-      signs[t] = static_cast<std::int8_t>(sign);
-      negative += sign < 0;
-      flat += sign == 0;
-      if (sign == 0)
-        return;
-      const std::uint32_t lo01 = std::min(v[0], v[1]), hi01 = std::max(v[0], v[1]);
-      const std::uint32_t lo23 = std::min(v[2], v[3]), hi23 = std::max(v[2], v[3]);
-      const std::uint32_t first = std::min(lo01, lo23);
-      const std::uint32_t second = std::min({std::max(lo01, lo23), hi01, hi23});
-      ++tetCount[first >> kBucketBits];
-      ++faceCount[second >> kBucketBits];
-    });
-    for (std::size_t i = 0; i < buckets; ++i) {
-      tetCounts[i * chunks + chunk] = tetCount[i];
-      faceCounts[i * chunks + chunk] = faceCount[i];
-    }
-    flipped += negative;
-    dropped += flat;
-  });
-  if (tooLong)
-    throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
-
-  const auto scan = [](std::vector<std::uint32_t>& counts) {
-    std::uint64_t sum = 0;
-    for (std::uint32_t& count : counts) {
-      const std::uint32_t own = count;
-      count = static_cast<std::uint32_t>(sum);
-      sum += own;
-    }
-    return static_cast<std::size_t>(sum);
-  };
-  const std::size_t tetTotal = scan(tetCounts), faceTotal = scan(faceCounts);
-
-  const std::unique_ptr<TetRecord[]> tetRecords(new TetRecord[tetTotal]);
-  const std::unique_ptr<FaceRecord[]> faceRecords(new FaceRecord[faceTotal]);
-  tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
-    progress.check();
-    std::vector<std::uint32_t> nextTet(buckets), nextFace(buckets);
-    for (std::size_t i = 0; i < buckets; ++i) {
-      nextTet[i] = tetCounts[i * chunks + chunk];
-      nextFace[i] = faceCounts[i * chunks + chunk];
-    }
-    eachTet(chunk, [&](std::size_t t, const std::uint32_t* v) {
-      if (signs[t] == 0)
-        return;
-      const SortedTet s = sortTet(v, signs[t]);
-      const std::uint32_t negative = s.sign < 0;
-      tetRecords[nextTet[s.v[0] >> kBucketBits]++] = {s.v[0] << 1 | negative, s.v[1], s.v[2],
-                                                      s.v[3]};
-      faceRecords[nextFace[s.v[1] >> kBucketBits]++] = {s.v[1] << 1 | negative, s.v[2], s.v[3]};
-    });
-  });
-  std::vector<std::int8_t>().swap(signs);
-
-  const auto bucketEnd = [&](const std::vector<std::uint32_t>& offsets, std::size_t bucket,
-                             std::size_t total) {
-    return bucket + 1 < buckets ? std::size_t(offsets[(bucket + 1) * chunks]) : total;
-  };
-  std::vector<std::vector<BoundaryFace>> found(buckets);
-  tbb::enumerable_thread_specific<FaceTable> tables;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, buckets, 4), [&](const auto& range) {
-    progress.check();
-    FaceTable& table = tables.local();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const std::size_t tetBegin = chunks ? tetCounts[i * chunks] : 0;
-      const std::size_t tetEnd = chunks ? bucketEnd(tetCounts, i, tetTotal) : 0;
-      const std::size_t faceBegin = chunks ? faceCounts[i * chunks] : 0;
-      const std::size_t faceEnd = chunks ? bucketEnd(faceCounts, i, faceTotal) : 0;
-      if (tetBegin == tetEnd && faceBegin == faceEnd)
-        continue;
-      table.reset(3 * (tetEnd - tetBegin) + (faceEnd - faceBegin));
-      // A sorted tet of positive orientation has outward normals on 0 1 3 and 1 2 3, inward ones
-      // on 0 1 2 and 0 2 3.
-      for (std::size_t k = tetBegin; k != tetEnd; ++k) {
-        const TetRecord& r = tetRecords[k];
-        const std::uint32_t v0 = r.v0Sign >> 1;
-        const std::int32_t sign = (r.v0Sign & 1) ? -1 : 1;
-        table.add(v0, r.v1, r.v2, -sign);
-        table.add(v0, r.v1, r.v3, sign);
-        table.add(v0, r.v2, r.v3, -sign);
-      }
-      for (std::size_t k = faceBegin; k != faceEnd; ++k) {
-        const FaceRecord& r = faceRecords[k];
-        table.add(r.v1Sign >> 1, r.v2, r.v3, (r.v1Sign & 1) ? -1 : 1);
-      }
-      table.collect(found[i]);
-    }
-  });
-
-  Boundary boundary;
-  boundary.flipped = flipped;
-  boundary.dropped = dropped;
-  std::size_t total = 0;
-  for (const auto& faces : found)
-    total += faces.size();
-  boundary.faces.reserve(total);
-  for (const auto& faces : found)
-    boundary.faces.insert(boundary.faces.end(), faces.begin(), faces.end());
-  return boundary;
+  return BoundaryFinder(mesh, progress).run();
 }
 
 } // namespace tetvdb

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <utility>
 
@@ -41,22 +42,47 @@ Box join(Box a, const Box& b) {
   return a;
 }
 
-// Box of the points that tets use.
+void add(Box& box, const Vec3d& p) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.min[k] = std::min(box.min[k], p[k]);
+    box.max[k] = std::max(box.max[k], p[k]);
+    box.finite = box.finite && std::isfinite(p[k]);
+  }
+}
+
+// Box of the points that tets use. Nearly always these are all points, or at least those on the
+// sides of the box of all points; then the tets' indices need only be looked through for them.
 Box tetBox(const TetMesh& mesh) {
-  return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.tets.size(), 65536), Box{},
-      [&](const tbb::blocked_range<std::size_t>& range, Box box) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const Vec3d& p = mesh.points[mesh.tets[i]];
-          for (std::size_t k = 0; k < 3; ++k) {
-            box.min[k] = std::min(box.min[k], p[k]);
-            box.max[k] = std::max(box.max[k], p[k]);
-            box.finite = box.finite && std::isfinite(p[k]);
-          }
-        }
-        return box;
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto boxOf = [](std::size_t count, const auto& point) {
+    return tbb::parallel_reduce(
+        Range(0, count, 65536), Box{},
+        [&](const Range& range, Box box) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i)
+            add(box, point(i));
+          return box;
+        },
+        join);
+  };
+  const Box all = boxOf(mesh.points.size(), [&](std::size_t i) { return mesh.points[i]; });
+  std::vector<std::uint8_t> sides(mesh.points.size());
+  tbb::parallel_for(Range(0, mesh.points.size(), 65536), [&](const Range& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        sides[i] = static_cast<std::uint8_t>(sides[i] | (mesh.points[i][k] == all.min[k]) << k |
+                                             (mesh.points[i][k] == all.max[k]) << (k + 3));
+  });
+  const int used = tbb::parallel_reduce(
+      Range(0, mesh.tets.size(), 65536), 0,
+      [&](const Range& range, int found) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          found |= sides[mesh.tets[i]];
+        return found;
       },
-      join);
+      [](int a, int b) { return a | b; });
+  if (all.finite && used == 0x3F)
+    return all;
+  return boxOf(mesh.tets.size(), [&](std::size_t i) { return mesh.points[mesh.tets[i]]; });
 }
 
 bool needsOwner(GridKind kind) {

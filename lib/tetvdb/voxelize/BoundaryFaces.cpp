@@ -2,17 +2,22 @@
 #include "tetvdb/voxelize/BoundaryFaces.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Multiversion.h"
 #include "tetvdb/voxelize/Ownership.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <utility>
+
+// Vectors never cross a function that is not inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace tetvdb {
 namespace {
@@ -142,11 +147,67 @@ int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePo
 
 namespace {
 
+// Adds r_b r_c over the faces a < b < c of a tet at their first corner.
+TETVDB_INLINE void addFaces(const std::uint32_t* v, std::int32_t sign, std::uint64_t* sums) {
+  const SortedTet s = sortTet(v, sign);
+  const std::uint64_t r1 = fingerprint(s.v[1]), r2 = fingerprint(s.v[2]), r3 = fingerprint(s.v[3]);
+  const auto weight = static_cast<std::uint64_t>(static_cast<std::int64_t>(s.sign));
+  const std::uint64_t far = weight * (r2 * r3);
+  sums[s.v[0]] += weight * (r1 * (r3 - r2)) - far;
+  sums[s.v[1]] += far;
+}
+
+typedef double Quad __attribute__((vector_size(4 * sizeof(double))));
+typedef std::int64_t QuadMask __attribute__((vector_size(4 * sizeof(std::int64_t))));
+
+TETVDB_INLINE void load(const LatticePoint& p, Quad& q) {
+  std::memcpy(&q, &p, sizeof q);
+}
+
+// Orients the tets begin..end, writes the signs and adds up their faces. A sign that doubles do not
+// decide is left 0; returns how many.
+TETVDB_MULTIVERSION std::uint64_t sumFaces(const SnappedMesh& mesh, std::size_t begin,
+                                           std::size_t end, std::int8_t* signs,
+                                           std::uint64_t* sums) {
+  const LatticePoint* points = mesh.points.data();
+  const QuadMask clearSign = {0x7FFFFFFFFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0};
+  const QuadMask rotate = {1, 2, 0, 3}, rotateTwice = {2, 0, 1, 3};
+  const auto magnitude = [&](const Quad& q) __attribute__((always_inline)) {
+    return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & clearSign);
+  };
+  std::uint64_t doubtful = 0;
+  for (std::size_t t = begin; t != end; ++t) {
+    const std::uint32_t* id = mesh.tets + 4 * t;
+    Quad a, u, v, w;
+    load(points[id[0]], a);
+    load(points[id[1]], u);
+    load(points[id[2]], v);
+    load(points[id[3]], w);
+    u -= a;
+    v -= a;
+    w -= a;
+    // v x w, its components rotated to z x y, against u rotated alike; as in tetOrientation(). The
+    // fourth lane holds whatever follows the points and is never added.
+    const Quad one = v * __builtin_shuffle(w, rotate), two = __builtin_shuffle(v, rotate) * w;
+    const Quad turned = __builtin_shuffle(u, rotateTwice);
+    const Quad terms = turned * (one - two);
+    const Quad sizes = magnitude(turned) * (magnitude(one) + magnitude(two));
+    const double det = terms[0] + terms[1] + terms[2];
+    const double permanent = sizes[0] + sizes[1] + sizes[2];
+    const int sign =
+        static_cast<int>(det > 1e-15 * permanent) - static_cast<int>(det < -1e-15 * permanent);
+    signs[t] = static_cast<std::int8_t>(sign);
+    doubtful += sign == 0;
+    addFaces(id, sign, sums);
+  }
+  return doubtful;
+}
+
 class BoundaryFinder {
 public:
   BoundaryFinder(const SnappedMesh& mesh, Progress& progress)
       : mesh_(mesh), progress_(progress), signs_(new std::int8_t[mesh.tetCount]),
-        open_(mesh.points.size()) {}
+        open_(mesh.pointCount) {}
 
   Boundary run() {
     findOpenVertices();
@@ -168,7 +229,7 @@ private:
     const LatticePoint& high = mesh_.boxMax;
     const bool checkExtents =
         std::max({high.x - low.x, high.y - low.y, high.z - low.z}) > kMaxTetExtent;
-    const std::size_t points = mesh_.points.size();
+    const std::size_t points = mesh_.pointCount;
     const std::size_t affordable = std::max<std::size_t>(kSumBytes / (8 * points + 1), 1);
     const std::size_t parts =
         std::min(affordable, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
@@ -197,23 +258,22 @@ private:
   }
 
   void sumFaces(std::size_t begin, std::size_t end, bool checkExtents, std::uint64_t* sums) {
+    if (checkExtents)
+      for (std::size_t t = begin; t != end; ++t)
+        checkExtent(mesh_.tets + 4 * t);
+    const std::uint64_t doubtful = tetvdb::sumFaces(mesh_, begin, end, signs_.get(), sums);
+    // Flat tets add nothing, so those in doubt are added once they are decided.
     std::uint64_t negative = 0, flat = 0;
-    const LatticePoint* points = mesh_.points.data();
     for (std::size_t t = begin; t != end; ++t) {
-      const std::uint32_t* v = mesh_.tets + 4 * t;
-      if (checkExtents)
-        checkExtent(v);
-      const int sign = tetOrientation(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
-      signs_[t] = static_cast<std::int8_t>(sign);
-      negative += sign < 0;
-      flat += sign == 0;
-      const SortedTet s = sortTet(v, sign);
-      const std::uint64_t r1 = fingerprint(s.v[1]), r2 = fingerprint(s.v[2]),
-                          r3 = fingerprint(s.v[3]);
-      const auto weight = static_cast<std::uint64_t>(static_cast<std::int64_t>(s.sign));
-      const std::uint64_t far = weight * (r2 * r3);
-      sums[s.v[0]] += weight * (r1 * (r3 - r2)) - far;
-      sums[s.v[1]] += far;
+      if (doubtful != 0 && signs_[t] == 0) {
+        const std::uint32_t* v = mesh_.tets + 4 * t;
+        const int sign = signOf(orientation(mesh_.points[v[0]], mesh_.points[v[1]],
+                                            mesh_.points[v[2]], mesh_.points[v[3]]));
+        signs_[t] = static_cast<std::int8_t>(sign);
+        addFaces(v, sign, sums);
+        flat += sign == 0;
+      }
+      negative += signs_[t] < 0;
     }
     flipped_ += negative;
     dropped_ += flat;
@@ -232,7 +292,7 @@ private:
 
   // The faces at open vertices whose signs do not cancel.
   std::vector<BoundaryFace> matchFaces() {
-    const std::size_t buckets = (mesh_.points.size() >> kBucketBits) + 1;
+    const std::size_t buckets = (mesh_.pointCount >> kBucketBits) + 1;
     const std::size_t chunkSize = std::max(kMinChunk, mesh_.tetCount / kMaxChunks + 1);
     const std::size_t chunks = (mesh_.tetCount + chunkSize - 1) / chunkSize;
 
@@ -303,7 +363,7 @@ private:
   // Whether every edge is passed as often one way as the other. The boundary of a boundary
   // vanishes, so this fails if faces around one vertex are missing.
   bool closes(const std::vector<BoundaryFace>& faces) const {
-    std::vector<std::uint64_t> sums(mesh_.points.size());
+    std::vector<std::uint64_t> sums(mesh_.pointCount);
     for (const BoundaryFace& f : faces) {
       const auto edge = [&](std::uint32_t a, std::uint32_t b) {
         const std::uint64_t r = fingerprint(std::max(a, b)) * static_cast<std::uint64_t>(f.weight);
@@ -326,7 +386,7 @@ private:
 } // namespace
 
 Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
-  if (mesh.points.size() >= (std::size_t(1) << 31))
+  if (mesh.pointCount >= (std::size_t(1) << 31))
     throw Error(Status::Limit, "", "the mesh has more than 2^31 points", "split it in parts");
   return BoundaryFinder(mesh, progress).run();
 }

@@ -35,7 +35,9 @@ constexpr double kMaxLattice = (2147483648.0 - 8192.0) * static_cast<double>(kUn
 SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress) {
   progress.check();
   SnappedMesh snapped;
-  snapped.points.resize(mesh.points.size());
+  snapped.pointCount = mesh.points.size();
+  snapped.points.resize(mesh.points.size() + 1);
+  snapped.points.back() = {0, 0, 0};
   snapped.tets = mesh.tets.data();
   snapped.tetCount = mesh.tetCount();
   const Vec3d o = transform.origin;

@@ -8,14 +8,32 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <vector>
 
 namespace tetvdb {
 
+/// Leaves the elements of a vector as they are when it grows: they are written in parallel next,
+/// and so are their pages touched.
+template <typename T>
+struct UninitializedAllocator : std::allocator<T> {
+  template <typename U>
+  struct rebind {
+    using other = UninitializedAllocator<U>;
+  };
+  template <typename U>
+  void construct(U* p) noexcept {
+    ::new (static_cast<void*>(p)) U;
+  }
+};
+
 /// A tet mesh with its vertices on the sub-voxel lattice. Refers to the tets of the mesh it was
 /// made from.
 struct SnappedMesh {
-  std::vector<LatticePoint> points;
+  /// One more than the mesh has, so that a point can be read as four numbers.
+  std::vector<LatticePoint, UninitializedAllocator<LatticePoint>> points;
+  std::size_t pointCount = 0;
   const std::uint32_t* tets = nullptr; ///< four indices each
   std::size_t tetCount = 0;
   /// Box of the points, lattice units.

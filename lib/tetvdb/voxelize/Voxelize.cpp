@@ -9,6 +9,7 @@
 #include "tetvdb/voxelize/TreeBuilder.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -72,14 +73,21 @@ Box tetBox(const TetMesh& mesh) {
         sides[i] = static_cast<std::uint8_t>(sides[i] | (mesh.points[i][k] == all.min[k]) << k |
                                              (mesh.points[i][k] == all.max[k]) << (k + 3));
   });
-  const int used = tbb::parallel_reduce(
-      Range(0, mesh.tets.size(), 65536), 0,
-      [&](const Range& range, int found) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
-          found |= sides[mesh.tets[i]];
-        return found;
+  // From both ends inward: meshes tend to be numbered along an axis.
+  std::atomic<int> used{0};
+  const std::size_t chunk = 65536, chunks = (mesh.tets.size() + chunk - 1) / chunk;
+  tbb::parallel_for(
+      Range(0, chunks, 1),
+      [&](const Range& range) {
+        for (std::size_t i = range.begin(); i != range.end() && used != 0x3F; ++i) {
+          const std::size_t at = i % 2 == 0 ? i / 2 : chunks - 1 - i / 2;
+          int found = 0;
+          for (std::size_t k = at * chunk; k < std::min((at + 1) * chunk, mesh.tets.size()); ++k)
+            found |= sides[mesh.tets[k]];
+          used |= found;
+        }
       },
-      [](int a, int b) { return a | b; });
+      tbb::simple_partitioner());
   if (all.finite && used == 0x3F)
     return all;
   return boxOf(mesh.tets.size(), [&](std::size_t i) { return mesh.points[mesh.tets[i]]; });
@@ -288,7 +296,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   result.path = tets ? OccupancyPath::Tets : OccupancyPath::Boundary;
   TreeBuilder builder(options.grids, mesh);
   const auto bytesPerTet = tets ? 16.0 : 40.0;
-  const double working = 24.0 * static_cast<double>(snapped.points.size()) +
+  const double working = 24.0 * static_cast<double>(snapped.pointCount) +
                          bytesPerTet * static_cast<double>(snapped.tetCount);
   const auto estimate = [&](const TreeEstimate& tree) {
     const double bytes = working + tree.bytes(options.grids);

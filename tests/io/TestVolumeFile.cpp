@@ -173,5 +173,277 @@ TEST_F(VolumeFile, SameBytesForSeveralGridsHalfFloatsSharedTreesAndMetadata) {
               withoutUuid(bytesOfFile(path("b.vdb"), grids, metadata)));
 }
 
+TEST_F(VolumeFile, EqualContentGivesEqualFiles) {
+  writeVolume(path("a.vdb"), volumeOf(manyGrids()), progress);
+  writeVolume(path("b.vdb"), volumeOf(manyGrids()), progress);
+  EXPECT_TRUE(bytesOf(path("a.vdb")) == bytesOf(path("b.vdb")));
+  writeVolume(path("a.nvdb"), volumeOf({fog(), levelSet()}), progress);
+  writeVolume(path("b.nvdb"), volumeOf({fog(), levelSet()}), progress);
+  EXPECT_TRUE(bytesOf(path("a.nvdb")) == bytesOf(path("b.nvdb")));
+}
+
+TEST_F(VolumeFile, RoundTripKeepsEverything) {
+  for (const std::string file : {"a.vdb", "a.nvdb"}) {
+    Volume volume = volumeOf(manyGrids());
+    volume.metadata["source"] = "bracket.vtu";
+    writeVolume(path(file), volume, progress);
+    const Volume back = readVolume(path(file), progress);
+    EXPECT_EQ(hash(back), hash(volume)) << file;
+    if (file == "a.vdb") {
+      EXPECT_EQ(back.metadata.at("source"), "bracket.vtu");
+    }
+    const auto comparison = compareVolumes(volume, back);
+    EXPECT_TRUE(comparison.same() && comparison.sameHash) << file;
+  }
+}
+
+TEST_F(VolumeFile, RoundTripOfGridsWithoutVoxels) {
+  for (const std::string file : {"a.vdb", "a.nvdb"}) {
+    auto tile = newGrid<openvdb::FloatGrid>("tile", 0.0F);
+    tile->tree().addTile(3, openvdb::Coord(-4096, 0, 4096), 5.0F, true);
+    const Volume volume = volumeOf({newGrid<openvdb::FloatGrid>("empty", -2.0F), tile});
+    writeVolume(path(file), volume, progress);
+    EXPECT_EQ(hash(readVolume(path(file), progress)), hash(volume)) << file;
+  }
+}
+
+TEST_F(VolumeFile, StatisticsAndCreatorAreInTheFile) {
+  auto grid = fog();
+  grid->removeMeta("creator");
+  writeVolume(path("a.vdb"), volumeOf({grid}), progress);
+  openvdb::io::File file(path("a.vdb"));
+  file.open();
+  const auto read = file.readGridMetadata("density");
+  EXPECT_EQ(read->getCreator().substr(0, 7), "TetVDB ");
+  EXPECT_EQ(read->getGridClass(), openvdb::GRID_FOG_VOLUME);
+  EXPECT_EQ(read->metaValue<openvdb::Int64>("file_voxel_count"),
+            static_cast<openvdb::Int64>(grid->activeVoxelCount()));
+  const auto box = grid->evalActiveVoxelBoundingBox();
+  EXPECT_EQ(read->metaValue<openvdb::Vec3i>("file_bbox_min"), box.min().asVec3i());
+  EXPECT_EQ(read->metaValue<openvdb::Vec3i>("file_bbox_max"), box.max().asVec3i());
+  EXPECT_EQ(read->metaValue<std::string>("file_compression"), "blosc + active values");
+  // The grid in memory stays as it was.
+  EXPECT_FALSE((*grid)["file_voxel_count"]);
+  EXPECT_EQ(grid->getCreator(), "");
+}
+
+TEST_F(VolumeFile, DelayedLoadingFindsEveryLeaf) {
+  const auto grids = manyGrids();
+  writeVolume(path("a.vdb"), volumeOf(grids), progress);
+  openvdb::io::File file(path("a.vdb"));
+  file.setCopyMaxBytes(0);
+  file.open(/*delayLoad=*/true);
+  const Volume back = volumeOf(*file.getGrids());
+  EXPECT_EQ(hash(back), hash(volumeOf(grids)));
+}
+
+TEST_F(VolumeFile, OffsetsLetReadersTakeOneGridOfMany) {
+  const auto grids = manyGrids();
+  writeVolume(path("a.vdb"), volumeOf(grids), progress);
+  openvdb::io::File file(path("a.vdb"));
+  file.open(false);
+  for (const auto& grid : grids)
+    EXPECT_EQ(hash(volumeOf({file.readGrid(grid->getName())})), hash(volumeOf({grid})));
+}
+
+TEST_F(VolumeFile, NamesAreUniqueAndExtensionsKnown) {
+  const auto write = [&](const std::string& name, const openvdb::GridPtrVec& grids) {
+    return [=] {
+      Progress own;
+      writeVolume(path(name), volumeOf(grids), own);
+    };
+  };
+  expectError(Status::Usage, write("a.vdb", {fog(), fog()}));
+  expectError(Status::Usage, write("a.nvdb", {fog(), fog()}));
+  expectError(Status::Usage, write("a.vdb", {newGrid<openvdb::FloatGrid>("", 0.0F)}));
+  expectError(Status::Usage, write("a.raw", {fog()}));
+  expectError(Status::Usage,
+              write("a.nvdb", {newGrid<openvdb::Vec3DGrid>("v", openvdb::Vec3d(0))}));
+  expectError(Status::Write, write("no/such/folder/a.vdb", {fog()}));
+  EXPECT_EQ(filesInFolder(), 0U);
+}
+
+TEST_F(VolumeFile, CancelLeavesNoFile) {
+  progress.cancel();
+  for (const char* file : {"a.vdb", "a.nvdb"})
+    expectError(Status::Cancelled, [&] { writeVolume(path(file), volumeOf({fog()}), progress); });
+  EXPECT_EQ(filesInFolder(), 0U);
+}
+
+TEST_F(VolumeFile, ProgressRunsFromZeroToOne) {
+  double last = 0;
+  progress.onReport([&](std::string_view, double fraction) {
+    EXPECT_LE(fraction, 1.0 + 1e-9);
+    last = std::max(last, fraction);
+  });
+  writeVolume(path("a.vdb"), volumeOf(manyGrids()), progress);
+  EXPECT_GT(last, 0.0);
+}
+
+/// A limit on the size of files fails as a full disk does: write() writes less, then nothing.
+class FileSizeLimit {
+public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_F(VolumeFile, FullDiskIsAnErrorAndLeavesNoFile) {
+  for (const std::string file : {"a.vdb", "a.nvdb"}) {
+    const Volume volume = volumeOf({fog(), levelSet()});
+    writeVolume(path("whole" + file), volume, progress);
+    const auto size = fs::file_size(path("whole" + file));
+    writeBytes(path(file), "an older file");
+    for (const std::uintmax_t room : {std::uintmax_t(0), std::uintmax_t(100), size / 2, size - 1}) {
+      const FileSizeLimit limit(room);
+      expectError(Status::Write, [&] { writeVolume(path(file), volume, progress); });
+    }
+    EXPECT_EQ(bytesOf(path(file)), "an older file");
+    fs::remove(path("whole" + file));
+    fs::remove(path(file));
+    EXPECT_EQ(filesInFolder(), 0U);
+  }
+}
+
+TEST_F(VolumeFile, FilesThatAreNoVolumes) {
+  const auto read = [&](const std::string& name) {
+    return [=] {
+      Progress own;
+      readVolume(path(name), own);
+    };
+  };
+  expectError(Status::Invalid, read("missing.vdb"));
+  expectError(Status::Invalid, read(""));
+  writeBytes(path("empty.vdb"), "");
+  expectError(Status::Invalid, read("empty.vdb"));
+  writeBytes(path("text.vdb"), "solid cube");
+  expectError(Status::Invalid, read("text.vdb"));
+  writeBytes(path("short.vdb"), " BDV");
+  expectError(Status::Invalid, read("short.vdb"));
+}
+
+/// Reads `bytes`; true if that gave a volume, false if it gave an Error; anything else fails.
+bool reads(const std::string& path, const std::string& bytes) {
+  writeBytes(path, bytes);
+  Progress progress;
+  try {
+    const Volume volume = readVolume(path, progress);
+    describe(volume);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+TEST_F(VolumeFile, EveryCutFileIsAnError) {
+  auto velocity = newGrid<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0));
+  velocity->tree().setValueOn({100, 2, 3}, openvdb::Vec3s(-1, 0, 5));
+  auto mask = newGrid<openvdb::BoolGrid>("mask", false);
+  for (int i = 0; i < 40; ++i)
+    mask->tree().setValueOn({i, 2, 3}, true);
+  for (const std::string file : {"a.vdb", "a.nvdb"}) {
+    for (const openvdb::GridPtrVec& grids :
+         {openvdb::GridPtrVec{mask}, openvdb::GridPtrVec{velocity, mask}}) {
+      writeVolume(path(file), volumeOf(grids), progress);
+      const std::string whole = bytesOf(path(file));
+      const std::size_t step = std::max<std::size_t>(1, whole.size() / 150);
+      for (std::size_t size = 0; size < whole.size(); size += size < 400 ? 7 : step)
+        EXPECT_FALSE(reads(path("cut-" + file), whole.substr(0, size))) << file << " " << size;
+      EXPECT_FALSE(reads(path("cut-" + file), whole.substr(0, whole.size() - 1)));
+    }
+  }
+}
+
+TEST_F(VolumeFile, MutatedFilesGiveAVolumeOrAnError) {
+  std::mt19937_64 random(7);
+  for (const std::string file : {"a.vdb", "a.nvdb"}) {
+    auto small = newGrid<openvdb::FloatGrid>("small", 0.0F);
+    for (int i = 0; i < 90; ++i)
+      small->tree().setValueOn({i, 2, 3}, float(i));
+    writeVolume(path(file), volumeOf({small}), progress);
+    const std::string whole = bytesOf(path(file));
+    int good = 0;
+    for (int i = 0; i < 120; ++i) {
+      std::string bytes = whole;
+      // Half of the changes hit the first bytes, where the structure is.
+      const std::size_t range =
+          i % 2 == 0 ? std::min<std::size_t>(900, bytes.size()) : bytes.size();
+      for (int k = 0; k < 1 + i % 4; ++k)
+        bytes[random() % range] = static_cast<char>(random());
+      good += reads(path("mutant-" + file), bytes);
+    }
+    EXPECT_LT(good, 120) << file;
+  }
+}
+
+/// Runs a program of the system; skips the test where it is not installed.
+std::string outputOf(const std::string& command) {
+  std::string output;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  if (!pipe)
+    return output;
+  char buffer[4096];
+  while (const std::size_t size = std::fread(buffer, 1, sizeof buffer, pipe))
+    output.append(buffer, size);
+  ::pclose(pipe);
+  return output;
+}
+
+bool succeeds(const std::string& command) {
+  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+TEST_F(VolumeFile, PythonModuleReadsIt) {
+  if (!succeeds("/usr/bin/python3 -c 'import pyopenvdb'"))
+    GTEST_SKIP() << "no pyopenvdb";
+  auto mask = newGrid<openvdb::BoolGrid>("mask", false);
+  mask->sparseFill({openvdb::Coord(-20), openvdb::Coord(99)}, true, true);
+  auto velocity = newGrid<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0));
+  velocity->fill({openvdb::Coord(-5), openvdb::Coord(30)}, openvdb::Vec3s(1, 2, 3), true);
+  const openvdb::GridPtrVec grids{fog(), mask, velocity};
+  writeVolume(path("a.vdb"), volumeOf(grids), progress);
+  const std::string output = outputOf(
+      "/usr/bin/python3 -c \"import pyopenvdb as v\nfor g in v.readAll('" + path("a.vdb") +
+      "')[0]: print(g.name, g.gridClass, g.activeVoxelCount(), g.transform.voxelSize())\"");
+  for (const auto& grid : grids)
+    EXPECT_NE(output.find(grid->getName() + " " +
+                          openvdb::GridBase::gridClassToString(grid->getGridClass()) + " " +
+                          std::to_string(grid->activeVoxelCount()) + " (0.05, 0.1, 0.025)"),
+              std::string::npos)
+        << output;
+}
+
+TEST_F(VolumeFile, VdbPrintReadsIt) {
+  if (!succeeds("which vdb_print"))
+    GTEST_SKIP() << "no vdb_print";
+  writeVolume(path("a.vdb"), volumeOf(manyGrids()), progress);
+  const std::string output = outputOf("vdb_print -l " + path("a.vdb"));
+  for (const char* name : {"density", "surface", "mask", "tet_id", "vel", "wide", "count"})
+    EXPECT_NE(output.find(name), std::string::npos) << output;
+  EXPECT_TRUE(succeeds("vdb_print -l " + path("a.vdb")));
+}
+
+TEST_F(VolumeFile, NanoVdbsValidatorPasses) {
+  if (!succeeds("which nanovdb_validate"))
+    GTEST_SKIP() << "no nanovdb_validate";
+  writeVolume(path("a.nvdb"), volumeOf(manyGrids()), progress);
+  const std::string output = outputOf("nanovdb_validate -v " + path("a.nvdb"));
+  std::size_t passed = 0;
+  for (std::size_t at = 0; (at = output.find("passed", at)) != std::string::npos; ++at)
+    ++passed;
+  EXPECT_GE(passed, manyGrids().size()) << output;
+  EXPECT_EQ(output.find("failed"), std::string::npos) << output;
+}
+
 } // namespace
 } // namespace tetvdb

@@ -8,19 +8,13 @@
 #include "tetvdb/io/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
 
-#include <nanovdb/NanoVDB.h>
-#if __has_include(<nanovdb/tools/GridChecksum.h>)
-#include <nanovdb/tools/GridChecksum.h> // OpenVDB 12 and later
-#else
-#include <nanovdb/util/GridChecksum.h>
-#endif
-
 #include <algorithm>
 #include <blosc.h>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <nanovdb/NanoVDB.h>
 #include <new>
 #include <tbb/parallel_for.h>
 #include <vector>
@@ -145,6 +139,42 @@ struct OpenValue<nanovdb::FpN> {
   using Type = float;
 };
 
+std::uint32_t crc(const void* data, std::uint64_t size) {
+  uLong sum = ::crc32(0, nullptr, 0);
+  return static_cast<std::uint32_t>(::crc32_z(sum, static_cast<const Bytef*>(data), size));
+}
+
+/// NanoVDB's checksum: one CRC-32 of grid, tree and root (`headSize` bytes), one of the CRC-32 of
+/// every node, top level first. The second may be left out, or both. `nodes` are offsets by level.
+bool checksumMatches(const unsigned char* bytes, std::uint64_t headSize,
+                     const std::vector<std::uint64_t> (&nodes)[3],
+                     const std::uint64_t (&sizes)[3]) {
+  constexpr std::uint32_t absent = 0xFFFFFFFF;
+  NvdbGrid header;
+  std::memcpy(&header, bytes, sizeof header);
+  // Newer minor versions of NanoVDB may compute it in another way.
+  if ((header.version >> 10 & 0x7FF) != NANOVDB_MINOR_VERSION_NUMBER)
+    return true;
+  const auto head = static_cast<std::uint32_t>(header.checksum);
+  const auto tail = static_cast<std::uint32_t>(header.checksum >> 32);
+  if (head == absent && tail == absent)
+    return true;
+  constexpr std::uint64_t skipped = 16; // magic and checksum
+  if (crc(bytes + skipped, headSize - skipped) != head)
+    return false;
+  if (tail == absent)
+    return true;
+  std::vector<std::uint64_t> sums(nodes[0].size() + nodes[1].size() + nodes[2].size());
+  std::size_t first = 0;
+  for (int level = 2; level >= 0; --level) {
+    tbb::parallel_for(std::size_t(0), nodes[level].size(), [&](std::size_t i) {
+      sums[first + i] = crc(bytes + nodes[level][i], sizes[level]);
+    });
+    first += nodes[level].size();
+  }
+  return sums.empty() || crc(sums.data(), sums.size() * sizeof sums[0]) == tail;
+}
+
 /// One grid's buffer, checked and turned into OpenVDB's nodes.
 template <class BuildT>
 class NanoReader {
@@ -258,28 +288,32 @@ private:
 
     // A node that is used twice would let a small file grow without bound: nodes of a level cannot
     // be more than fit into the file, nor other than the tree says.
-    std::uint64_t uppers = 0, lowers = 0, leaves = 0;
+    const std::uint64_t sizes[3] = {sizeof(NanoLeaf), sizeof(NanoLower), sizeof(NanoUpper)};
+    std::vector<std::uint64_t> nodes[3]; // leaves, lower, upper nodes
+    const auto add = [&](int level, std::uint64_t offset) {
+      if (nodes[level].size() == header_.nodeCount[level] ||
+          nodes[level].size() >= size_ / sizes[level])
+        cursor_.fail("there are more nodes than announced");
+      nodes[level].push_back(offset);
+    };
     for (std::uint32_t i = 0; i < tiles; ++i) {
       const auto* tile = rootData()->tile(i);
       if (tile->child == 0)
         continue;
-      if (++uppers > header_.nodeCount[2])
-        cursor_.fail("there are more nodes than announced");
       const std::uint64_t upperAt = child(rootAt_, tile->child, sizeof(NanoUpper));
+      add(2, upperAt);
       const auto* upper = dataOf(at<NanoUpper>(upperAt));
       for (std::uint32_t n = 0; n < NanoUpper::SIZE; ++n) {
         if (!upper->mChildMask.isOn(n))
           continue;
-        if (++lowers > header_.nodeCount[1])
-          cursor_.fail("there are more nodes than announced");
         const std::uint64_t lowerAt = child(upperAt, upper->mTable[n].child, sizeof(NanoLower));
+        add(1, lowerAt);
         const auto* lower = dataOf(at<NanoLower>(lowerAt));
         for (std::uint32_t m = 0; m < NanoLower::SIZE; ++m) {
           if (!lower->mChildMask.isOn(m))
             continue;
-          if (++leaves > header_.nodeCount[0])
-            cursor_.fail("there are more nodes than announced");
           const std::uint64_t leafAt = child(lowerAt, lower->mTable[m].child, sizeof(NanoLeaf));
+          add(0, leafAt);
           if constexpr (std::is_same<BuildT, nanovdb::FpN>::value) {
             const auto* leaf = dataOf(at<NanoLeaf>(leafAt));
             child(leafAt, 0, leaf->memUsage());
@@ -287,29 +321,10 @@ private:
         }
       }
     }
-    const std::uint64_t found[3] = {leaves, lowers, uppers};
-    const std::uint64_t sizes[3] = {sizeof(NanoLeaf), sizeof(NanoLower), sizeof(NanoUpper)};
-    for (int level = 0; level < 3; ++level) {
-      if (found[level] != header_.nodeCount[level] || found[level] > size_ / sizes[level])
+    for (int level = 0; level < 3; ++level)
+      if (nodes[level].size() != header_.nodeCount[level])
         cursor_.fail("nodes are missing");
-      if (found[level] != 0)
-        child(kNvdbTreeAt, static_cast<std::int64_t>(header_.nodeOffset[level]),
-              found[level] * sizes[level]);
-    }
-    checkSum();
-  }
-
-  void checkSum() const {
-    // Newer minor versions of NanoVDB may compute it in another way.
-    if ((header_.version >> 10 & 0x7FF) != NANOVDB_MINOR_VERSION_NUMBER)
-      return;
-    const auto* grid = at<NanoGrid>(0);
-#if __has_include(<nanovdb/tools/GridChecksum.h>)
-    const bool good = nanovdb::tools::validateChecksum(grid, nanovdb::CheckMode::Full);
-#else
-    const bool good = nanovdb::validateChecksum(*grid, nanovdb::ChecksumMode::Full);
-#endif
-    if (!good)
+    if (!checksumMatches(bytes_, first_ - rootOffset + 64, nodes, sizes))
       cursor_.fail("the checksum of grid '" + name() + "' does not match");
   }
 
@@ -337,9 +352,7 @@ private:
     return lower;
   }
 
-  std::string name() const {
-    return {header_.name, ::strnlen(header_.name, sizeof header_.name)};
-  }
+  std::string name() const { return {header_.name, ::strnlen(header_.name, sizeof header_.name)}; }
 
   void setHeader(Grid& grid) const {
     grid.setName(name());

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "tetvdb/io/StreamBuffers.h"
+#include "tetvdb/volume/BitSelect.h"
 #include "tetvdb/volume/GridTypes.h"
 
 #include <algorithm>
@@ -221,6 +222,8 @@ public:
       if (how == io::MASK_AND_NO_INACTIVE_VALS || how == io::MASK_AND_ONE_INACTIVE_VAL ||
           how == io::MASK_AND_TWO_INACTIVE_VALS)
         size -= kMaskBytes;
+      if (size == 0)
+        size = 8; // half floats, none active: what io::File says, and no reader asks
       metadata.setMask(l, how);
       metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
     }
@@ -261,22 +264,38 @@ private:
     const auto& mask = leaf.getValueMask();
     const openvdb::Index first = mask.findFirstOn();
     value = first < Leaf::SIZE ? data[first] : background_;
-    for (openvdb::Index w = 0; w < Leaf::SIZE / 64; ++w) {
-      const std::uint64_t word = mask.template getWord<openvdb::Index64>(w);
-      bool same = true;
-      if (word == 0 || ~word == 0) {
-        const T expected = word == 0 ? background_ : value;
-        for (int i = 0; i < 64; ++i)
-          same &= sameBits(data[64 * w + openvdb::Index(i)], expected);
-      } else {
-        const T expected[2] = {background_, value};
-        for (int i = 0; i < 64; ++i)
-          same &= sameBits(data[64 * w + openvdb::Index(i)], expected[word >> i & 1]);
-      }
-      if (!same)
+    for (openvdb::Index w = 0; w < Leaf::SIZE / 64; ++w)
+      if (!uniformRow(data + 64 * w, mask.template getWord<openvdb::Index64>(w), value))
         return false;
-    }
     return true;
+  }
+
+  /// The same of 64 values.
+  bool uniformRow(const T* data, std::uint64_t word, const T& value) const {
+    if constexpr (sizeof(T) == 4) {
+      std::uint32_t off, flip;
+      std::memcpy(&off, &background_, 4);
+      std::memcpy(&flip, &value, 4);
+      flip ^= off;
+      std::uint32_t differs[8] = {};
+      for (int byte = 0; byte < 8; ++byte) {
+        std::uint32_t bits[8];
+        std::memcpy(bits, data + 8 * byte, sizeof bits);
+        const auto& active = kLaneMasks[word >> (8 * byte) & 0xFF];
+        for (std::size_t i = 0; i < 8; ++i)
+          differs[i] |= bits[i] ^ off ^ (active[i] & flip);
+      }
+      std::uint32_t any = 0;
+      for (const std::uint32_t lane : differs)
+        any |= lane;
+      return any == 0;
+    } else {
+      const T expected[2] = {background_, value};
+      bool same = true;
+      for (int i = 0; i < 64; ++i)
+        same &= sameBits(data[i], expected[word >> i & 1]);
+      return same;
+    }
   }
 
   /// Gives leaf `l` the tail of all leaves with its value and number of active voxels; false if

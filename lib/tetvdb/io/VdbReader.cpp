@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/VdbCheck.h"
 #include "tetvdb/io/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
 
@@ -10,6 +12,11 @@ namespace tetvdb {
 
 Volume readVdb(const std::string& path, Progress& progress) {
   initializeOpenVDB();
+  progress.check();
+  {
+    const MappedFile file(path);
+    checkVdb(file.bytes(), path);
+  }
   progress.check();
   try {
     openvdb::io::File file(path);

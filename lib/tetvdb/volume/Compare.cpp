@@ -160,12 +160,27 @@ private:
       for (openvdb::Index i = 0; i < Node::NUM_VALUES; ++i)
         child(sum, a, b, cellA, cellB, i);
     } else {
+      if (a && b && sameLeaf(*a, *b)) {
+        const auto active = a->getValueMask().countOn();
+        sum.activeA += active;
+        sum.activeB += active;
+        sum.activeBoth += active;
+        return;
+      }
       const auto at = [](const Node* leaf, const Cell<T>& cell, openvdb::Index i) {
         return leaf ? Cell<T>{T(leaf->getValue(i)), leaf->isValueOn(i)} : cell;
       };
       for (openvdb::Index i = 0; i < Node::SIZE; ++i)
         cells(sum, at(a, cellA, i), at(b, cellB, i), 1);
     }
+  }
+
+  /// True if masks and values are the same bits: the usual case, at the speed of memory.
+  template <class Leaf>
+  static bool sameLeaf(const Leaf& a, const Leaf& b) {
+    constexpr std::size_t size = hasBitLeaves<TreeT> ? Leaf::SIZE / 8 : Leaf::SIZE * sizeof(T);
+    return a.getValueMask() == b.getValueMask() &&
+           std::memcmp(a.buffer().data(), b.buffer().data(), size) == 0;
   }
 
   const TreeT& a_;

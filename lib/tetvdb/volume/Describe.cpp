@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/volume/BitSelect.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -50,6 +52,63 @@ struct Counts {
   }
 };
 
+/// Least and greatest of numbers, in eight lanes, without a branch: inactive lanes are filled with
+/// what changes nothing. NaN changes nothing.
+template <class T>
+class Range {
+public:
+  explicit Range(T anyActive) : fill_(anyActive) {
+    T low = anyActive, high = anyActive;
+    if constexpr (std::is_floating_point<T>::value) {
+      fill_ = std::numeric_limits<T>::quiet_NaN();
+      low = std::numeric_limits<T>::infinity();
+      high = -low;
+    }
+    std::fill_n(low_, 8, low);
+    std::fill_n(high_, 8, high);
+  }
+
+  /// Those of 64 values whose bit is set.
+  void add(const T* values, std::uint64_t word) {
+    for (int byte = 0; byte < 8; ++byte, values += 8) {
+      T lanes[8];
+      select(values, word >> (8 * byte) & 0xFF, lanes);
+      for (int i = 0; i < 8; ++i)
+        low_[i] = lanes[i] < low_[i] ? lanes[i] : low_[i];
+      for (int i = 0; i < 8; ++i)
+        high_[i] = lanes[i] > high_[i] ? lanes[i] : high_[i];
+    }
+  }
+
+  void reduceTo(Counts& counts) const {
+    for (int i = 0; i < 8; ++i) {
+      if (!(low_[i] <= high_[i]))
+        continue; // nothing but NaN
+      counts.range(static_cast<double>(low_[i]));
+      counts.range(static_cast<double>(high_[i]));
+    }
+  }
+
+private:
+  void select(const T* values, std::uint64_t byte, T* lanes) const {
+    if constexpr (sizeof(T) == 4) {
+      std::uint32_t bits[8], fill;
+      std::memcpy(bits, values, sizeof bits);
+      std::memcpy(&fill, &fill_, sizeof fill);
+      const auto& mask = kLaneMasks[byte];
+      for (std::size_t i = 0; i < 8; ++i)
+        bits[i] = (bits[i] & mask[i]) | (fill & ~mask[i]);
+      std::memcpy(lanes, bits, sizeof bits);
+    } else {
+      for (int i = 0; i < 8; ++i)
+        lanes[i] = (byte >> i & 1) != 0 ? values[i] : fill_;
+    }
+  }
+
+  T fill_;
+  T low_[8], high_[8];
+};
+
 template <class Leaf>
 void addLeaf(Counts& counts, const Leaf& leaf) {
   using T = typename Leaf::ValueType;
@@ -85,20 +144,13 @@ void addLeaf(Counts& counts, const Leaf& leaf) {
       counts.range(magnitude(values[i.pos()]));
   } else {
     const T* values = leaf.buffer().data();
-    T least = values[mask.findFirstOn()], most = least;
-    const auto widen = [&](T value) {
-      least = value < least || least != least ? value : least;
-      most = value > most || most != most ? value : most;
-    };
-    if (active == Leaf::SIZE) {
-      for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
-        widen(values[i]);
-    } else {
-      for (auto i = mask.beginOn(); i; ++i)
-        widen(values[i.pos()]);
+    Range<T> range(values[mask.findFirstOn()]);
+    for (openvdb::Index w = 0; w < 8; ++w) {
+      const std::uint64_t word = mask.template getWord<openvdb::Index64>(w);
+      if (word != 0)
+        range.add(values + 64 * w, word);
     }
-    counts.range(static_cast<double>(least));
-    counts.range(static_cast<double>(most));
+    range.reduceTo(counts);
   }
 }
 

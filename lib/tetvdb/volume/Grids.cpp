@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <mutex>
+#include <openvdb/io/io.h>
 #include <openvdb/math/Maps.h>
+#include <openvdb/util/Name.h>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -42,6 +44,7 @@ openvdb::math::Transform::Ptr makeTransform(const GridTransform& transform) {
                 "use a smaller unit of length, such as millimetres instead of metres");
 
   const bool uniform = size[0] == size[1] && size[1] == size[2];
+  initializeOpenVDB(); // reading needs the registry of maps
   math::MapBase::Ptr map;
   if (origin == openvdb::Vec3d(0.0)) {
     if (uniform)
@@ -54,7 +57,15 @@ openvdb::math::Transform::Ptr makeTransform(const GridTransform& transform) {
     else
       map.reset(new math::ScaleTranslateMap(size, origin));
   }
-  return math::Transform::Ptr(new math::Transform(map));
+  // Transform's constructor takes a map to pieces and builds it again, which rounds the sizes where
+  // there is an origin. Reading, as from a file, takes the map as it is.
+  std::stringstream stream;
+  openvdb::io::setCurrentVersion(stream);
+  openvdb::writeString(stream, map->type());
+  map->write(stream);
+  const auto result = std::make_shared<math::Transform>();
+  result->read(stream);
+  return result;
 }
 
 std::string canonicalBytes(const openvdb::math::Transform& transform) {

@@ -220,6 +220,7 @@ void requireWritable(const std::string& path) {
 
 TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
                  InputInfo* info, Report& report, Progress& progress) try {
+  const std::size_t warningsBefore = report.warnings.size();
   MeshFormat format = MeshFormat::Unknown;
   CellMesh cells = readCells(path, options, report, progress, &format);
   if (info != nullptr) {
@@ -231,6 +232,8 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
   }
   progress.check();
   TetMesh mesh = splitCells(std::move(cells), filter, report, progress);
+  for (std::size_t i = warningsBefore; i < report.warnings.size(); ++i)
+    report.warnings[i].text = path + ": " + report.warnings[i].text;
   if (info != nullptr) {
     info->tets = mesh.tetCount();
     info->statistics = measure(mesh);

@@ -161,6 +161,7 @@ TEST_F(VolumeFile, SameBytesForSeveralGridsHalfFloatsSharedTreesAndMetadata) {
   grids[1]->setSaveFloatAsHalf(true);
   grids.push_back(grids[3]->copyGrid());
   grids.back()->setName("shared");
+  grids.back()->setTransform(grids[3]->transformPtr());
   grids.push_back(newGrid<openvdb::FloatGrid>("empty", 0.0F));
   grids.push_back(newGrid<openvdb::MaskGrid>("topology", false));
   Volume volume = volumeOf(grids);

@@ -132,6 +132,7 @@ std::string metadataBytes(const openvdb::MetaMap& metadata) {
 /// The grid with its creator named if it says nothing else.
 openvdb::GridBase::Ptr withCreator(const openvdb::GridBase::Ptr& grid) {
   const openvdb::GridBase::Ptr copy = grid->copyGrid(); // shares the tree
+  copy->setTransform(grid->transformPtr());             // the copy's was rounded
   if (copy->getCreator().empty())
     copy->setCreator(std::string("TetVDB ") + version());
   return copy;

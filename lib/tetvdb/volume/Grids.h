@@ -14,7 +14,9 @@ struct GridSet {
 };
 
 /// OpenVDB's linear transform for `transform`: ScaleTranslateMap or ScaleMap, uniform where the
-/// three sizes are equal. Throws Error(Usage) for a size that is not positive and finite, an origin
+/// three sizes are equal; exact, as are files. Beware: OpenVDB 10 rounds voxel sizes whenever it
+/// copies a transform that has an origin (copyGrid, deepCopy): give copies the original's transform
+/// again. Throws Error(Usage) for a size that is not positive and finite, an origin
 /// that is not finite, or a voxel whose volume is below OpenVDB's limit of 3e-15 cubic units.
 openvdb::math::Transform::Ptr makeTransform(const GridTransform& transform);
 

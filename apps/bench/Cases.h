@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The comparisons that can be asked for by name.
+#pragma once
+
+#include "Children.h"
+#include "Table.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <string>
+#include <vector>
+
+namespace tetvdb::bench {
+
+struct Setup {
+  int repeat = 7;      ///< rounds of a comparison; slow ones take fewer
+  int threads = 0;     ///< of every rival that can use several
+  int shrink = 1;      ///< --shrink N: meshes of about N times fewer tets, to try things out
+  std::string folder;  ///< an empty one for temporary files
+  std::string program; ///< the tetvdb program
+  Launcher* launcher = nullptr;
+
+  /// At most `most` rounds, for what takes long.
+  int rounds(int most) const { return repeat < most ? repeat : most; }
+};
+
+/// A named comparison.
+struct Case {
+  const char* name;
+  const char* about;
+  void (*run)(const Setup& setup, Tables& tables);
+  bool onlyByName; ///< too long or too large for a plain run
+};
+
+const std::vector<Case>& allCases();
+
+void runOccupancy(const Setup&, Tables&);
+void runOwners(const Setup&, Tables&);
+void runLarge(const Setup&, Tables&);
+void runHuge(const Setup&, Tables&);
+void runPaths(const Setup&, Tables&);
+void runWrite(const Setup&, Tables&);
+void runWrite5M(const Setup&, Tables&);
+void runRead(const Setup&, Tables&);
+
+// What the cases share.
+
+/// A block of Kuhn cubes, inner points moved by up to a fifth of a cube; about `tets` tets.
+TetMesh blockMesh(double tets);
+/// A ball of about `tets` tets.
+TetMesh ballMesh(double tets);
+/// "10^7" or "1.2e6".
+std::string countName(double count);
+
+/// voxelize() as a rival: timed as its stage is, the tree freed afterwards. `last` receives the
+/// last run's volume statistics if given.
+struct OursResult {
+  std::uint64_t activeVoxels = 0;
+  std::uint64_t bytes = 0;
+  OccupancyPath path = OccupancyPath::Tets;
+  std::vector<StagePart> parts;
+};
+double timeOurs(const TetMesh& mesh, const VoxelizeOptions& options, OursResult* last = nullptr);
+
+/// Indices, points and the finished tree: each has to pass through memory once.
+double floorBytes(const TetMesh& mesh, double outputBytes);
+
+} // namespace tetvdb::bench

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// tetvdb_bench: TetVDB and its peers side by side in one run. docs/benchmarks.md has the results.
+#include "Cases.h"
+#include "PaperLoop.h"
+#include "tetvdb/core/Version.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <iostream>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+namespace tetvdb::bench {
+namespace {
+
+/// An empty folder, removed with all that is in it.
+class TemporaryFolder {
+public:
+  explicit TemporaryFolder(const std::string& parent) {
+    std::string name = parent + "/tetvdb_bench.XXXXXX";
+    if (mkdtemp(name.data()) == nullptr)
+      throw std::runtime_error("cannot make a folder in " + parent);
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::string& path() const { return path_; }
+
+private:
+  std::string path_;
+};
+
+std::string firstLine(const std::string& path, const std::string& key) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind(key, 0) == 0)
+      return line;
+  return "";
+}
+
+std::string loadAverage() {
+  double load[3] = {0, 0, 0};
+  getloadavg(load, 3);
+  return fmt::format("{:.2f} {:.2f} {:.2f}", load[0], load[1], load[2]);
+}
+
+std::string casesHelp() {
+  std::string text = "Cases:\n";
+  for (const Case& entry : allCases())
+    text += fmt::format("  {:<10} {}{}\n", entry.name, entry.about,
+                        entry.onlyByName ? "; only when named" : "");
+  return text;
+}
+
+int run(int argc, char** argv) {
+  Launcher launcher; // first of all: see Launcher
+  std::vector<std::string> names;
+  std::string json, parent = std::filesystem::temp_directory_path().string();
+  Setup setup;
+  setup.launcher = &launcher;
+  setup.program = (std::filesystem::canonical("/proc/self/exe").parent_path() / "tetvdb").string();
+  setup.threads = tbb::this_task_arena::max_concurrency();
+
+  CLI::App app("Times TetVDB and its peers in turns and prints a table for each case.");
+  app.add_option("case", names, "Cases to run (default: all that are not for special asking)");
+  app.add_option("--repeat", setup.repeat,
+                 "Rounds of each comparison, at most; slow ones take fewer")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--threads", setup.threads, "Threads of all rivals that can use several")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--json", json, "Also write all times to this file");
+  app.add_option("--folder", parent, "Where temporary files go")->capture_default_str();
+  app.add_option("--program", setup.program, "The tetvdb program that `large` and `huge` run")
+      ->capture_default_str();
+  app.add_option("--shrink", setup.shrink, "So many times fewer tets and voxels, for a try")
+      ->check(CLI::Range(1, 10000));
+  app.footer(casesHelp());
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+
+  std::vector<const Case*> chosen;
+  for (const Case& entry : allCases())
+    if (names.empty() ? !entry.onlyByName
+                      : std::find(names.begin(), names.end(), entry.name) != names.end())
+      chosen.push_back(&entry);
+  for (const std::string& name : names)
+    if (std::none_of(chosen.begin(), chosen.end(),
+                     [&](const Case* c) { return c->name == name; })) {
+      std::cerr << "there is no case '" << name << "'; --help lists them\n";
+      return 2;
+    }
+
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(setup.threads));
+  setLoopThreads(setup.threads);
+  const TemporaryFolder folder(parent);
+  setup.folder = folder.path();
+
+  const double bandwidth = measureBandwidth();
+  const std::string cpu = firstLine("/proc/cpuinfo", "model name");
+  const std::string loadBefore = loadAverage();
+  std::printf(
+      "TetVDB %s; %s; threads %d; OpenMP %s; memory %.1f GB/s (triad, read + written); load "
+      "%s\n",
+      version(), cpu.substr(std::min(cpu.size(), cpu.find(':') + 2)).c_str(), setup.threads,
+      haveOpenMP() ? "yes" : "no: the paper's loop runs on one thread", bandwidth * 1e-9,
+      loadBefore.c_str());
+  Tables tables(bandwidth);
+  for (const Case* entry : chosen)
+    entry->run(setup, tables);
+  const std::string loadAfter = loadAverage();
+  std::printf("\nload at the end: %s\n", loadAfter.c_str());
+
+  if (!json.empty()) {
+    std::ofstream file(json);
+    file << nlohmann::ordered_json{{"version", version()},     {"cpu", cpu},
+                                   {"threads", setup.threads}, {"openmp", haveOpenMP()},
+                                   {"bandwidth", bandwidth},   {"load_before", loadBefore},
+                                   {"load_after", loadAfter},  {"shrink", setup.shrink},
+                                   {"cases", tables.json()}}
+                .dump(2)
+         << "\n";
+    if (!file.flush()) {
+      std::cerr << json << ": cannot write\n";
+      return 7;
+    }
+  }
+  return 0;
+}
+
+} // namespace
+} // namespace tetvdb::bench
+
+int main(int argc, char** argv) {
+  try {
+    return tetvdb::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << "\n";
+    return 1;
+  }
+}

@@ -115,28 +115,8 @@ struct OpenValue<nanovdb::Vec3f> {
   using Type = openvdb::Vec3s;
 };
 template <>
-struct OpenValue<nanovdb::Vec3d> {
-  using Type = openvdb::Vec3d;
-};
-template <>
 struct OpenValue<nanovdb::ValueMask> {
   using Type = openvdb::ValueMask;
-};
-template <>
-struct OpenValue<nanovdb::Fp4> {
-  using Type = float;
-};
-template <>
-struct OpenValue<nanovdb::Fp8> {
-  using Type = float;
-};
-template <>
-struct OpenValue<nanovdb::Fp16> {
-  using Type = float;
-};
-template <>
-struct OpenValue<nanovdb::FpN> {
-  using Type = float;
 };
 
 std::uint32_t crc(const void* data, std::uint64_t size) {
@@ -257,7 +237,7 @@ private:
   }
   template <class V>
   static T value(const V& nano) {
-    if constexpr (std::is_same<V, nanovdb::Vec3f>::value || std::is_same<V, nanovdb::Vec3d>::value)
+    if constexpr (std::is_same<V, nanovdb::Vec3f>::value)
       return T(nano[0], nano[1], nano[2]);
     else
       return T(nano);
@@ -312,12 +292,7 @@ private:
         for (std::uint32_t m = 0; m < NanoLower::SIZE; ++m) {
           if (!lower->mChildMask.isOn(m))
             continue;
-          const std::uint64_t leafAt = child(lowerAt, lower->mTable[m].child, sizeof(NanoLeaf));
-          add(0, leafAt);
-          if constexpr (std::is_same<BuildT, nanovdb::FpN>::value) {
-            const auto* leaf = dataOf(at<NanoLeaf>(leafAt));
-            child(leafAt, 0, leaf->memUsage());
-          }
+          add(0, child(lowerAt, lower->mTable[m].child, sizeof(NanoLeaf)));
         }
       }
     }
@@ -418,20 +393,10 @@ openvdb::GridBase::Ptr readGrid(Cursor& cursor, const NvdbEntry& entry, NvdbCode
     return read(std::int64_t());
   case 6:
     return read(nanovdb::Vec3f());
-  case 7:
-    return read(nanovdb::Vec3d());
   case 8:
     return read(nanovdb::ValueMask());
   case 11:
     return read(bool());
-  case 13:
-    return read(nanovdb::Fp4());
-  case 14:
-    return read(nanovdb::Fp8());
-  case 15:
-    return read(nanovdb::Fp16());
-  case 16:
-    return read(nanovdb::FpN());
   default:
     cursor.fail("a grid's type (" + std::to_string(header.gridType) + ") is not supported");
   }

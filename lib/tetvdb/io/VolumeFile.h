@@ -11,9 +11,9 @@
 namespace tetvdb {
 
 /// Writes .vdb or .nvdb by the path's extension, whole or absent. .vdb: Blosc with active mask,
-/// file version 224, statistics metadata, node buffers compressed in parallel; the payload is that of
-/// openvdb::io::File. .nvdb: every grid with full checksums, Blosc.
-/// Throws Error(Usage) for another extension, Error(Write) on a full disk or an unwritable path.
+/// file version 224, statistics metadata, node buffers compressed in parallel; the payload is that
+/// of openvdb::io::File. .nvdb: every grid with full checksums, Blosc. Throws Error(Usage) for
+/// another extension, Error(Write) on a full disk or an unwritable path.
 void writeVolume(const std::string& path, const Volume& volume, Progress& progress);
 
 /// Reads .vdb or .nvdb (by content). Throws Error(Invalid) for a file that is not whole or holds no

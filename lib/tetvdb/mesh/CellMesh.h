@@ -24,11 +24,11 @@ enum class CellType : std::uint8_t {
   Hexahedron,
   Wedge,
   Pyramid,
-  Polyhedron,    ///< nodes: face count, then for each face its node count and its nodes
+  Polyhedron,      ///< nodes: face count, then for each face its node count and its nodes
   PentagonalPrism, ///< nodes 0-4, 5-9
   HexagonalPrism,  ///< nodes 0-5, 6-11
-  OtherSolid, ///< three-dimensional, but of a kind that is not read: skipped, leaves a hole
-  Flat        ///< points, lines, triangles, polygons: no volume
+  OtherSolid,      ///< three-dimensional, but of a kind that is not read: skipped, leaves a hole
+  Flat             ///< points, lines, triangles, polygons: no volume
 };
 
 /// Consecutive cells of one kind.
@@ -36,12 +36,12 @@ struct CellRun {
   CellType type = CellType::Tetra;
   std::uint32_t nodesPerCell = 4; ///< numbers stored per cell in CellMesh::nodes
   std::size_t count = 0;
-  std::string fileType; ///< the file's own name of the kind, for the report: "tetra10"
+  std::string fileType;   ///< the file's own name of the kind, for the report: "tetra10"
   bool quadratic = false; ///< nodes beyond the corners exist in the file (kept in `nodes` or not)
 };
 
-/// Cells in file order. Cell i's nodes follow those of cell i - 1 in `nodes`; indices are checked by
-/// the reader to be below points.size(). Flat runs may store no nodes (nodesPerCell 0).
+/// Cells in file order. Cell i's nodes follow those of cell i - 1 in `nodes`; indices are checked
+/// by the reader to be below points.size(). Flat runs may store no nodes (nodesPerCell 0).
 struct CellMesh {
   std::vector<Vec3d> points; ///< world space, all finite
   std::vector<std::uint32_t> nodes;
@@ -53,7 +53,8 @@ struct CellMesh {
 
   std::size_t cellCount() const {
     std::size_t n = 0;
-    for (const CellRun& run : runs) n += run.count;
+    for (const CellRun& run : runs)
+      n += run.count;
     return n;
   }
 };

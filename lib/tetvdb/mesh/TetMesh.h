@@ -19,7 +19,7 @@ struct TetMesh {
   /// Solid cell of the input that each tet comes from; empty: tet i is cell i. Solid cells are
   /// numbered from 0 in file order, those of kinds that were skipped or filtered out included.
   std::vector<std::uint32_t> cellOfTet;
-  std::size_t cellCount = 0; ///< solid cells of the input
+  std::size_t cellCount = 0;         ///< solid cells of the input
   std::vector<Attribute> attributes; ///< On::Points over `points`, On::Cells over solid cells
   std::vector<std::int32_t> regions; ///< of every solid cell; empty where the input has none
   std::map<std::int32_t, std::string> regionNames;

@@ -30,3 +30,25 @@ void initializeOpenVDB();
 void openFirstTile(openvdb::GridBase& grid);
 
 } // namespace tetvdb
+
+// A grid type costs twelve seconds wherever it is made: these are compiled once, in
+// GridInstances*.cpp.
+namespace openvdb {
+OPENVDB_USE_VERSION_NAMESPACE
+namespace OPENVDB_VERSION_NAME {
+extern template class tree::Tree<FloatTree::RootNodeType>;
+extern template class Grid<FloatTree>;
+extern template class tree::Tree<BoolTree::RootNodeType>;
+extern template class Grid<BoolTree>;
+extern template class tree::Tree<Int32Tree::RootNodeType>;
+extern template class Grid<Int32Tree>;
+extern template class tree::Tree<Vec3STree::RootNodeType>;
+extern template class Grid<Vec3STree>;
+extern template class tree::Tree<DoubleTree::RootNodeType>;
+extern template class Grid<DoubleTree>;
+extern template class tree::Tree<Int64Tree::RootNodeType>;
+extern template class Grid<Int64Tree>;
+extern template class tree::Tree<MaskTree::RootNodeType>;
+extern template class Grid<MaskTree>;
+} // namespace OPENVDB_VERSION_NAME
+} // namespace openvdb

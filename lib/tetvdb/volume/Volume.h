@@ -68,7 +68,7 @@ std::string hash(const Volume& volume);
 struct GridComparison {
   std::string name;
   std::uint64_t activeA = 0, activeB = 0, activeBoth = 0; ///< voxels
-  std::uint64_t stateDiffers = 0; ///< voxels active in one grid alone
+  std::uint64_t stateDiffers = 0;                         ///< voxels active in one grid alone
   std::uint64_t valueDiffers = 0; ///< voxels active in both with other values
   double largestDifference = 0;   ///< over voxels active in either, background where inactive
   /// Active in both over active in either; 1 where both are empty.
@@ -80,8 +80,8 @@ struct GridComparison {
 
 struct VolumeComparison {
   std::vector<GridComparison> grids;
-  std::vector<std::string> onlyA, onlyB;  ///< names of grids that have no partner
-  std::vector<std::string> incomparable;  ///< same name, other value type
+  std::vector<std::string> onlyA, onlyB; ///< names of grids that have no partner
+  std::vector<std::string> incomparable; ///< same name, other value type
   bool sameTransform = true;
   bool sameHash = false;
   bool same() const;

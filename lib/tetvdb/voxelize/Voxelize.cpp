@@ -190,23 +190,28 @@ void requireMemory(double bytes, const VoxelizeOptions& options) {
                   : "use larger voxels, fewer grids or a machine with more memory");
 }
 
-// The rates behind the choice of path, seconds on one core; measured by `tetvdb_bench paths`.
-constexpr double kSecondsPerTetBoundary = 110e-9; // faces matched
-constexpr double kSecondsPerTetRaster = 75e-9;    // a tet set up
-constexpr double kSecondsPerVoxelColumn = 3e-9;   // a row of its box bounded
+// The rates behind the choice of path, seconds on one core, as `tetvdb_bench paths` measures them.
+constexpr double kSecondsPerTetMatched = 30e-9;  // boundary path: a tet whose faces cancel
+constexpr double kSecondsPerOpenFace = 500e-9;   // a face that does not, matched and rasterised
+constexpr double kSecondsPerTetPrepared = 70e-9; // tet path: a tet read and its planes found
+constexpr double kSecondsPerColumn = 12e-9;      // a column of its box bounded
 
-// Whether rasterizing every tet beats finding the boundary: where tets are about a voxel wide.
+// Whether rasterizing every tet beats finding the boundary. It does for tets that share no points,
+// so that every face stays open, as long as they are small.
 bool tetsAreFaster(const SnappedMesh& mesh) {
-  if (mesh.tetCount == 0)
-    return true;
+  const auto tets = static_cast<double>(mesh.tetCount);
+  // A welded mesh has about a fifth as many points as tets, a soup four times as many.
+  const double open =
+      std::clamp((static_cast<double>(mesh.pointCount) / tets - 0.3) / 3.7, 0.0, 1.0);
   const auto columns = [](double low, double high) { return (high - low) * kVoxelsPerUnit + 1; };
   const double volume = columns(mesh.boxMin.x, mesh.boxMax.x) *
                         columns(mesh.boxMin.y, mesh.boxMax.y) *
                         columns(mesh.boxMin.z, mesh.boxMax.z);
   // Edge of a regular tet that takes its share of the box, and the columns its own box covers.
-  const double edge = std::cbrt(volume / static_cast<double>(mesh.tetCount) * 6 * std::sqrt(2.0));
-  const double tets = kSecondsPerTetRaster + kSecondsPerVoxelColumn * (edge + 1) * (edge + 1);
-  return tets < kSecondsPerTetBoundary;
+  const double edge = std::cbrt(volume / tets * 6 * std::sqrt(2.0));
+  const double boundaryPath = kSecondsPerTetMatched + 4 * open * kSecondsPerOpenFace;
+  const double tetPath = kSecondsPerTetPrepared + kSecondsPerColumn * (edge + 1) * (edge + 1);
+  return tetPath < boundaryPath;
 }
 
 } // namespace

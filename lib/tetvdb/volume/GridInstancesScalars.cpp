@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where the grid types that volume/Grids.h declares are compiled; in three files, side by side.
+#include "tetvdb/volume/Grids.h"
+
+namespace openvdb {
+OPENVDB_USE_VERSION_NAMESPACE
+namespace OPENVDB_VERSION_NAME {
+template class tree::Tree<FloatTree::RootNodeType>;
+template class Grid<FloatTree>;
+template class tree::Tree<DoubleTree::RootNodeType>;
+template class Grid<DoubleTree>;
+} // namespace OPENVDB_VERSION_NAME
+} // namespace openvdb

@@ -216,6 +216,8 @@ TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin
   const std::int64_t yLast = std::min(box.max[1], slab.y + kNodeSize - 1) + 1;
   const std::int64_t zFirst = std::max(box.min[2] - slab.z, std::int64_t(0));
   const std::int64_t zLast = std::min(box.max[2] - slab.z, std::int64_t(kNodeSize - 1)) + 1;
+  if (zFirst >= zLast)
+    return;
   const auto zBegin = static_cast<double>(zFirst), zEnd = static_cast<double>(zLast);
   const auto z0 = static_cast<double>(slab.z);
   const Doubles lanes = {0, 1, 2, 3};

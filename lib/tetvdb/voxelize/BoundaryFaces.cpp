@@ -206,8 +206,7 @@ TETVDB_MULTIVERSION std::uint64_t sumFaces(const SnappedMesh& mesh, std::size_t 
 class BoundaryFinder {
 public:
   BoundaryFinder(const SnappedMesh& mesh, Progress& progress)
-      : mesh_(mesh), progress_(progress), signs_(new std::int8_t[mesh.tetCount]),
-        open_(mesh.pointCount) {}
+      : mesh_(mesh), progress_(progress), signs_(mesh.tetCount), open_(mesh.pointCount) {}
 
   Boundary run() {
     findOpenVertices();
@@ -233,24 +232,24 @@ private:
     const std::size_t affordable = std::max<std::size_t>(kSumBytes / (8 * points + 1), 1);
     const std::size_t parts =
         std::min(affordable, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
-    std::vector<std::unique_ptr<std::uint64_t[]>> sums(parts);
+    std::vector<LargeVector<std::uint64_t>> sums(parts);
     tbb::parallel_for(
         std::size_t(0), parts,
         [&](std::size_t part) {
-          sums[part].reset(new std::uint64_t[points]());
+          sums[part].assign(points, 0);
           const std::size_t begin = mesh_.tetCount / parts * part;
           const std::size_t end =
               part + 1 == parts ? mesh_.tetCount : begin + mesh_.tetCount / parts;
           for (std::size_t t = begin; t < end; t += kMinChunk) {
             progress_.check();
-            sumFaces(t, std::min(t + kMinChunk, end), checkExtents, sums[part].get());
+            sumFaces(t, std::min(t + kMinChunk, end), checkExtents, sums[part].data());
           }
         },
         tbb::simple_partitioner());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points, 65536), [&](const auto& range) {
       for (std::size_t v = range.begin(); v != range.end(); ++v) {
         std::uint64_t sum = 0;
-        for (const auto& part : sums)
+        for (const LargeVector<std::uint64_t>& part : sums)
           sum += part[v];
         open_[v] = sum != 0;
       }
@@ -261,7 +260,7 @@ private:
     if (checkExtents)
       for (std::size_t t = begin; t != end; ++t)
         checkExtent(mesh_.tets + 4 * t);
-    const std::uint64_t doubtful = tetvdb::sumFaces(mesh_, begin, end, signs_.get(), sums);
+    const std::uint64_t doubtful = tetvdb::sumFaces(mesh_, begin, end, signs_.data(), sums);
     // Flat tets add nothing, so those in doubt are added once they are decided.
     std::uint64_t negative = 0, flat = 0;
     for (std::size_t t = begin; t != end; ++t) {
@@ -322,7 +321,7 @@ private:
     for (std::size_t i = 1; i < offsets.size(); ++i)
       offsets[i] += offsets[i - 1];
 
-    const std::unique_ptr<FaceRecord[]> records(new FaceRecord[offsets.back()]);
+    LargeVector<FaceRecord> records(offsets.back());
     tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
       progress_.check();
       std::vector<std::uint64_t> next(buckets);
@@ -378,7 +377,7 @@ private:
 
   const SnappedMesh& mesh_;
   Progress& progress_;
-  std::unique_ptr<std::int8_t[]> signs_;
+  LargeVector<std::int8_t> signs_;
   std::vector<std::uint8_t> open_;
   std::atomic<std::uint64_t> flipped_{0}, dropped_{0};
 };

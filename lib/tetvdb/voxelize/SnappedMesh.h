@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/core/LargeVector.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/Lattice.h"
 #include "tetvdb/mesh/TetMesh.h"
@@ -8,31 +9,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
-#include <vector>
 
 namespace tetvdb {
-
-/// Leaves the elements of a vector as they are when it grows: they are written in parallel next,
-/// and so are their pages touched.
-template <typename T>
-struct UninitializedAllocator : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = UninitializedAllocator<U>;
-  };
-  template <typename U>
-  void construct(U* p) noexcept {
-    ::new (static_cast<void*>(p)) U;
-  }
-};
 
 /// A tet mesh with its vertices on the sub-voxel lattice. Refers to the tets of the mesh it was
 /// made from.
 struct SnappedMesh {
   /// One more than the mesh has, so that a point can be read as four numbers.
-  std::vector<LatticePoint, UninitializedAllocator<LatticePoint>> points;
+  LargeVector<LatticePoint> points;
   std::size_t pointCount = 0;
   const std::uint32_t* tets = nullptr; ///< four indices each
   std::size_t tetCount = 0;

@@ -27,6 +27,9 @@ typedef double Doubles __attribute__((vector_size(kLanes * sizeof(double))));
 typedef std::int64_t Longs __attribute__((vector_size(kLanes * sizeof(std::int64_t))));
 typedef std::int32_t Ints __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
+// All bits of a double but its sign.
+constexpr std::int64_t kMagnitude = 0x7FFFFFFFFFFFFFFF;
+
 // A face plane as a bound on z in each column: below it the voxels are out (a lower bound), or from
 // it on (an upper one).
 struct Plane {
@@ -200,10 +203,11 @@ TETVDB_INLINE void bound(const Plane& p, double rowBase, const Doubles& y, Doubl
   const Doubles crossing = rowBase + p.slopeY * (y - p.y);
   const Doubles nearest = (crossing + kRound) - kRound;
   const Doubles off = crossing - nearest;
-  const Doubles size = select(off < 0.0, -off, off);
-  // A comparison that holds is -1.
-  doubt |= ~(size > p.tolerance);
-  z = nearest - __builtin_convertvector(off > 0.0, Doubles);
+  const Doubles size = reinterpret_cast<Doubles>(reinterpret_cast<Longs>(off) & kMagnitude);
+  // A comparison that holds has all bits set.
+  doubt |= size <= p.tolerance;
+  const Doubles one = {1, 1, 1, 1};
+  z = nearest + reinterpret_cast<Doubles>((off > 0.0) & reinterpret_cast<Longs>(one));
 }
 
 // Calls emit(row, lo, hi) with lo < hi for every run of voxels of the slab that the tet owns.

@@ -325,7 +325,7 @@ private:
       if (owners_)
         for (int z = 0; z < kNodeSize; ++z)
           if ((bits[z >> 6] >> (z & 63) & 1) == 0)
-            scratch.owners[static_cast<std::size_t>(row * kNodeSize + z)] = filling_;
+            scratch.owners[std::size_t(row) * std::size_t(kNodeSize) + std::size_t(z)] = filling_;
       bits[0] = bits[1] = ~std::uint64_t(0);
     }
   }

@@ -30,7 +30,15 @@ enum class MeshFormat : std::uint8_t {
   Vtk,         ///< legacy .vtk
   Vtu,         ///< .vtu
   Pvtu,        ///< .pvtu
-  Exodus       ///< .exo, .e, .exo2, .g
+  Exodus,      ///< .exo, .e, .exo2, .g
+  Stl,         ///< triangles, like all that follow: io/TriangleReader.h reads them
+  Obj,
+  Off, ///< OFF, COFF, NOFF, ...
+  Ply,
+  ThreeMf,
+  Gltf, ///< .gltf, .glb
+  Fbx,
+  Collada ///< .dae
 };
 
 /// "Gmsh .msh" and so on.

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <string>
+
+namespace tetvdb {
+
+/// Whether writeTriangles() knows the path's extension.
+bool writesTriangles(const std::string& path);
+
+/// Writes `mesh` as .stl (binary), .obj, .ply (binary, double), .off or .3mf, by the path's
+/// extension (any case). Whole or absent. Throws Error(Usage) for another extension, Error(Limit)
+/// for more faces than the format can count, Error(Write) where it cannot write. Doubles are
+/// written so that they read back the same, in STL and 3MF as floats.
+void writeTriangles(const std::string& path, const TriangleMesh& mesh, Progress& progress);
+
+} // namespace tetvdb

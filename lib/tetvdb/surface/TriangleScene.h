@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Rays and closest points against a triangle mesh, by Embree.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+/// A search structure over the triangles of a mesh, which must outlive it. Vertices are taken
+/// relative to the box's centre and scaled to its size before they become floats, so that a mesh
+/// far from the origin loses nothing. Queries are const and thread-safe.
+class TriangleScene {
+public:
+  explicit TriangleScene(const TriangleMesh& mesh);
+  ~TriangleScene();
+  TriangleScene(const TriangleScene&) = delete;
+  TriangleScene& operator=(const TriangleScene&) = delete;
+
+  struct Hit {
+    double t; ///< along the direction, which need not be normalised
+    std::uint32_t triangle;
+    bool leaving; ///< the ray goes along the triangle's normal: out of the solid
+  };
+  /// Every triangle that the ray crosses at 0 <= t <= tMax, in order of (t, triangle). Found in
+  /// floats (about 1e-7 of the box); a ray through an edge may count one or both of its faces.
+  void crossings(const Vec3d& origin, const Vec3d& direction, double tMax,
+                 std::vector<Hit>& hits) const;
+
+  struct Closest {
+    double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = 0xFFFFFFFFu;
+    Vec3d point{0, 0, 0};
+  };
+  /// The point of the mesh next to `p`, if one is nearer than `maxDistance`: distances in doubles,
+  /// of equally near triangles the one of lowest number.
+  Closest closest(const Vec3d& p,
+                  double maxDistance = std::numeric_limits<double>::infinity()) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Triangles into sparse grids: a voxel is inside where the winding number of the soup at its centre
+// (perturbed as in voxelize/Ownership.h) says so.
+//
+//   tetvdb::TriangleMesh mesh = tetvdb::readTriangles("broken.stl", report, progress);
+//   tetvdb::cleanTriangles(mesh, {}, progress);
+//   tetvdb::Voxelization result = tetvdb::voxelize(mesh, {}, {}, report, progress);
+#pragma once
+
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+namespace tetvdb {
+
+/// What makes a voxel centre inside.
+enum class InsideRule : std::uint8_t {
+  Winding, ///< winding number above 0.5
+  NonZero, ///< winding number above 0.5 or below -0.5: whatever way the faces look
+  Parity,  ///< an odd number of faces between the centre and infinity: every edge must have an even
+           ///< number of faces
+  Flood    ///< not reachable from outside along voxel edges that no face crosses
+};
+
+/// How a solid is made of triangles.
+enum class SolidMethod : std::uint8_t {
+  Winding, ///< by `inside`, holes closed where the winding number passes 0.5
+  Centroid ///< signed tets from every face to the mesh's centre, by parity (Ogayar-Anguita et al.):
+           ///< right for closed meshes, wrong near the holes of open ones
+};
+
+struct SolidOptions {
+  SolidMethod method = SolidMethod::Winding;
+  InsideRule inside = InsideRule::Winding;
+  /// World units; above 0: no solid but a shell, every voxel whose centre is within half of this of
+  /// a face.
+  double shell = 0;
+};
+
+/// Voxel size and origin that voxelize() would use, as chooseTransform() for tets.
+GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
+                              double shell = 0);
+
+/// Voxelizes a soup, cleaned or not (faces of equal points are summed up by their points' indices:
+/// weld first). Grids: density and mask. A closed soup is decided by exact signed crossings. An
+/// open one too, plus the winding number of its boundary curve, which is smooth off the faces and
+/// is evaluated only near where the total passes 0.5 (docs/algorithms.md): voxels are right where
+/// the winding number differs from 0.5 by more than 1e-6. The result depends on the faces as a set:
+/// not on their order, on the order of points or on threads. Throws as voxelize() for tets does,
+/// and Error(Invalid) for soups without an inside, with the reason; Error(Usage) for grids that
+/// need tets.
+Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const VoxelizeOptions& options, Report& report, Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The winding number of an open surface, from its rim.
+//
+// Let S be an oriented surface with rim g (its boundary curve), and let a curtain stand on g
+// straight up to infinity. Surface and curtain together are closed, so that their winding number at
+// a point p is a whole number, and since the curtain is vertical it is the number N(p) of faces of
+// S that a ray down from p crosses, signed: +1 for one that looks down. Hence
+//
+//     winding number of S at p  =  N(p) + s(p),   s(p) = - winding number of the curtain at p,
+//
+// and s needs the rim alone: of every rim edge the solid angle of a triangle with one corner at
+// infinity. N is exact (signed crossings); s is smooth but for whole numbers where p passes through
+// the curtain (docs/algorithms.md).
+#pragma once
+
+#include "tetvdb/geometry/Lattice.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// An edge that faces run along `weight` times oftener from a to b than from b to a.
+struct RimEdge {
+  LatticePoint a, b;
+  std::int32_t weight;
+};
+
+/// Error of RimWinding::at(), as a winding number.
+constexpr double kRimWindingError = 1e-6;
+
+/// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
+/// part in any result.
+class RimWinding {
+public:
+  /// The edges must close: every point is as often an end as a start, by weight. O(n log n).
+  explicit RimWinding(std::vector<RimEdge> edges);
+
+  bool empty() const { return edges_.empty(); }
+  std::size_t edgeCount() const { return edges_.size(); }
+
+  /// s at `p` moved by (e, e^2, e^3), e -> 0+: the perturbed centre of the ownership rule. Within
+  /// kRimWindingError. Exact in which side of the curtain p is on.
+  double at(const LatticePoint& p) const;
+
+  /// Upper bound on |gradient of N + s| off the faces within `reach` of `centre`, per lattice unit:
+  /// by Biot and Savart, the sum of length / distance^2 over the rim, divided by 4 pi. Stops
+  /// counting above `enough`; infinite where the rim is within reach.
+  double gradientBound(const LatticePoint& centre, double reach, double enough) const;
+
+  /// Outside this ball N + s is within 0.45 of a whole number.
+  struct Ball {
+    LatticePoint centre;
+    double radius;
+  };
+  Ball reach() const;
+
+private:
+  // A cluster of edges about `centre`. From far away the cone over them with its tip there looks
+  // like its moments; where the cluster cuts a rim open, its loose ends count too.
+  struct Node {
+    LatticePoint boxMin, boxMax, centre;
+    double radius;            // of the ends about the centre
+    double area;              // of the cone's triangles, all positive
+    double length;            // of the edges, by weight
+    std::uint32_t begin, end; // edges
+    std::uint32_t skip;       // the node after the whole cluster, depth first
+    bool leaf;
+    std::uint32_t looseBegin, looseEnd;
+    std::array<double, 3> dipole;
+    double trace;
+    std::array<double, 6> quadrupole; // xx yy zz xy xz yz
+    std::array<double, 3> bent;
+    std::array<double, 10> octupole; // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
+  };
+  struct LooseEnd {
+    LatticePoint point;
+    std::int32_t weight;
+  };
+
+  struct Item;
+  void build(Item* begin, Item* end, const std::vector<RimEdge>& edges);
+  void fillMoments(Node& node) const;
+  void fillLooseEnds(Node& node);
+  double fromAfar(const Node& node, const LatticePoint& p) const;
+
+  std::vector<RimEdge> edges_;
+  std::vector<Node> nodes_;
+  std::vector<LooseEnd> looseEnds_;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Meshes.h"
+#include "tetvdb/geometry/RimWinding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+using Point = std::array<double, 3>; // whole numbers
+struct Surface {
+  std::vector<Point> points;
+  std::vector<std::array<int, 3>> faces;
+};
+
+// The definition: solid angles of all faces, in long double (Van Oosterom and Strackee 1983).
+double windingBySolidAngles(const Surface& s, const Point& p) {
+  long double total = 0;
+  for (const auto& f : s.faces) {
+    long double v[3][3], l[3];
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k)
+        v[i][k] =
+            static_cast<long double>(s.points[std::size_t(f[std::size_t(i)])][std::size_t(k)]) -
+            p[std::size_t(k)];
+      l[i] = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
+    }
+    const auto dot = [&](int i, int j) {
+      return v[i][0] * v[j][0] + v[i][1] * v[j][1] + v[i][2] * v[j][2];
+    };
+    const long double det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
+                            v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
+                            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+    total += 2 * std::atan2(det, l[0] * l[1] * l[2] + dot(0, 1) * l[2] + dot(1, 2) * l[0] +
+                                     dot(2, 0) * l[1]);
+  }
+  return static_cast<double>(total / (4 * 3.14159265358979323846L));
+}
+
+// Signed faces that a ray down from p crosses. p is nowhere above or below an edge.
+int crossingsBelow(const Surface& s, const Point& p) {
+  int sum = 0;
+  for (const auto& f : s.faces) {
+    const Point &a = s.points[std::size_t(f[0])], &b = s.points[std::size_t(f[1])],
+                &c = s.points[std::size_t(f[2])];
+    const auto side = [&](const Point& u, const Point& v) {
+      const long double d = (static_cast<long double>(v[0]) - u[0]) * (p[1] - u[1]) -
+                            (static_cast<long double>(v[1]) - u[1]) * (p[0] - u[0]);
+      EXPECT_NE(d, 0);
+      return d > 0;
+    };
+    const bool ab = side(a, b), bc = side(b, c), ca = side(c, a);
+    if (ab != bc || bc != ca)
+      continue;
+    long double n[3];
+    for (int k = 0; k < 3; ++k) {
+      const auto i = std::size_t((k + 1) % 3), j = std::size_t((k + 2) % 3);
+      n[k] = (static_cast<long double>(b[i]) - a[i]) * (static_cast<long double>(c[j]) - a[j]) -
+             (static_cast<long double>(b[j]) - a[j]) * (static_cast<long double>(c[i]) - a[i]);
+    }
+    // Height of the plane at p's column, against p.
+    const long double z = a[2] - (n[0] * (p[0] - a[0]) + n[1] * (p[1] - a[1])) / n[2];
+    if (z < p[2])
+      sum += n[2] < 0 ? 1 : -1; // a face that looks down is entered by a ray up
+  }
+  return sum;
+}
+
+std::vector<RimEdge> rimOf(const Surface& s) {
+  std::map<std::pair<int, int>, int> sums;
+  for (const auto& f : s.faces)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int a = f[i], b = f[(i + 1) % 3];
+      sums[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  std::vector<RimEdge> rim;
+  const auto point = [&](int i) {
+    const Point& p = s.points[std::size_t(i)];
+    return LatticePoint{p[0], p[1], p[2]};
+  };
+  for (const auto& [edge, sum] : sums)
+    if (sum > 0)
+      rim.push_back({point(edge.first), point(edge.second), sum});
+    else if (sum < 0)
+      rim.push_back({point(edge.second), point(edge.first), -sum});
+  return rim;
+}
+
+// A wavy sheet over a disc, n rings; `keep` decides which faces are there.
+template <typename Keep>
+Surface wavySheet(int n, double size, Keep keep) {
+  Surface s;
+  s.points.push_back({0, 0, 0});
+  const int around = 3 * n;
+  for (int r = 1; r <= n; ++r)
+    for (int k = 0; k < around; ++k) {
+      const double t = 6.283185307179586 * k / around, d = size * r / n;
+      s.points.push_back({std::round(d * std::cos(t)), std::round(d * std::sin(t)),
+                          std::round(0.4 * size * std::sin(3 * t) * r / n + d * d / size)});
+    }
+  const auto at = [&](int r, int k) { return r == 0 ? 0 : 1 + (r - 1) * around + k % around; };
+  for (int r = 0; r < n; ++r)
+    for (int k = 0; k < around; ++k) {
+      if (keep())
+        s.faces.push_back({at(r, k), at(r + 1, k), at(r + 1, k + 1)});
+      if (r > 0 && keep())
+        s.faces.push_back({at(r, k), at(r + 1, k + 1), at(r, k + 1)});
+    }
+  return s;
+}
+
+// Points of odd coordinates, while the surface's are even: nothing is above or below an edge.
+Point anyPoint(meshes::Random& random, double size) {
+  Point p{};
+  for (double& c : p)
+    c = 2 * std::round(random.between(-size, size) / 2) + 1;
+  return p;
+}
+
+void compareWithDefinition(Surface s, double size, double tolerance, std::uint64_t seed) {
+  meshes::Random random(seed);
+  for (Point& p : s.points) {
+    // In general position: an even number near it.
+    for (double& c : p)
+      c = 2 * std::round(c / 2) + 2 * std::round(random.between(-9, 9));
+  }
+  const RimWinding rim(rimOf(s));
+  for (int i = 0; i < 500; ++i) {
+    const Point p = anyPoint(random, 2 * size);
+    EXPECT_NEAR(crossingsBelow(s, p) + rim.at({p[0], p[1], p[2]}), windingBySolidAngles(s, p),
+                tolerance);
+  }
+}
+
+constexpr double kSize = 3e7;
+
+TEST(RimWinding, ClosedSurfaceHasNone) {
+  EXPECT_TRUE(RimWinding({}).empty());
+  EXPECT_EQ(RimWinding({}).at({1, 2, 3}), 0);
+  EXPECT_EQ(RimWinding({}).reach().radius, 0);
+}
+
+TEST(RimWinding, OneTriangle) {
+  Surface s{{{0, 0, 0}, {kSize, 0, 1e6}, {0, kSize, -1e6}}, {{0, 1, 2}}};
+  compareWithDefinition(s, kSize, 1e-12, 1);
+}
+
+TEST(RimWinding, SheetWithItsRim) {
+  compareWithDefinition(wavySheet(20, kSize, [] { return true; }), kSize, kRimWindingError, 2);
+}
+
+TEST(RimWinding, SheetFullOfHoles) {
+  meshes::Random random(3);
+  compareWithDefinition(wavySheet(30, kSize, [&] { return random.unit() < 0.7; }), kSize,
+                        kRimWindingError, 4);
+}
+
+TEST(RimWinding, FarFromTheOrigin) {
+  Surface s = wavySheet(10, kSize, [] { return true; });
+  meshes::Random random(5);
+  const RimWinding near(rimOf(s));
+  const double far = 0x1p50;
+  for (Point& p : s.points)
+    for (double& c : p)
+      c += far;
+  const RimWinding moved(rimOf(s));
+  for (int i = 0; i < 100; ++i) {
+    const Point p = anyPoint(random, 2 * kSize);
+    EXPECT_EQ(near.at({p[0], p[1], p[2]}), moved.at({p[0] + far, p[1] + far, p[2] + far}));
+  }
+}
+
+TEST(RimWinding, OrderOfEdgesHasNoPart) {
+  meshes::Random random(6);
+  const Surface s = wavySheet(20, kSize, [&] { return random.unit() < 0.8; });
+  std::vector<RimEdge> edges = rimOf(s);
+  const RimWinding one(edges);
+  std::reverse(edges.begin(), edges.end());
+  std::rotate(edges.begin(), edges.begin() + 17, edges.end());
+  const RimWinding other(edges);
+  for (int i = 0; i < 200; ++i) {
+    const Point p = anyPoint(random, 2 * kSize);
+    EXPECT_EQ(one.at({p[0], p[1], p[2]}), other.at({p[0], p[1], p[2]}));
+  }
+}
+
+// On the curtain itself the point moved by (e, e^2, e^3) decides.
+TEST(RimWinding, TiesFallToTheSideOfThePerturbedPoint) {
+  const std::vector<RimEdge> square = {{{0, 0, 0}, {100, 0, 0}, 1},
+                                       {{100, 0, 0}, {100, 100, 0}, 1},
+                                       {{100, 100, 0}, {0, 100, 0}, 1},
+                                       {{0, 100, 0}, {0, 0, 0}, 1}};
+  const RimWinding rim(square);
+  for (const double x : {0.0, 40.0, 100.0})
+    for (const double y : {0.0, 60.0, 100.0}) {
+      // The same a thousandth aside, on the side of the perturbation.
+      std::vector<RimEdge> scaled = square;
+      for (RimEdge& e : scaled)
+        for (LatticePoint* p : {&e.a, &e.b})
+          *p = {p->x * 1e6, p->y * 1e6, p->z * 1e6};
+      const RimWinding fine(scaled);
+      for (const double z : {-50.0, 50.0})
+        EXPECT_NEAR(rim.at({x, y, z}), fine.at({x * 1e6 + 1000, y * 1e6 + 1, z * 1e6}), 1e-3)
+            << x << ' ' << y << ' ' << z;
+    }
+}
+
+TEST(RimWinding, GradientBoundHolds) {
+  meshes::Random random(7);
+  const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.9; });
+  const RimWinding rim(rimOf(s));
+  int useful = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Point c = anyPoint(random, 2 * kSize);
+    const double reach = 0.05 * kSize;
+    const double bound = rim.gradientBound({c[0], c[1], c[2]}, reach, 1);
+    if (!std::isfinite(bound))
+      continue;
+    ++useful;
+    const double here = rim.at({c[0], c[1], c[2]});
+    for (int k = 0; k < 10; ++k) {
+      Point d{};
+      for (std::size_t a = 0; a < 3; ++a)
+        d[a] = std::round(random.between(-1, 1) * reach / 1.8);
+      const double there = rim.at({c[0] + d[0], c[1] + d[1], c[2] + d[2]});
+      const double way = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      double change = there - here;
+      change -= std::round(change); // the curtain changes it by whole numbers
+      EXPECT_LE(std::abs(change), bound * way + kRimWindingError);
+    }
+  }
+  EXPECT_GT(useful, 100);
+}
+
+TEST(RimWinding, NothingHappensOutOfReach) {
+  meshes::Random random(8);
+  const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.5; });
+  const RimWinding rim(rimOf(s));
+  const RimWinding::Ball ball = rim.reach();
+  for (int i = 0; i < 300; ++i) {
+    Point d = anyPoint(random, 1);
+    for (double& c : d)
+      c = random.between(-1, 1);
+    const double l = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const double r = ball.radius * (1.001 + random.unit()) / l;
+    const double w =
+        rim.at({std::round(ball.centre.x + d[0] * r), std::round(ball.centre.y + d[1] * r),
+                std::round(ball.centre.z + d[2] * r)});
+    EXPECT_LT(std::abs(w - std::round(w)), 0.45 + kRimWindingError);
+  }
+}
+
+} // namespace
+} // namespace tetvdb

@@ -2,10 +2,12 @@
 #include "tetvdb/voxelize/BoundaryRaster.h"
 
 #include "tetvdb/voxelize/FaceRaster.h"
+#include "tetvdb/voxelize/RimBand.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bitset>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -21,6 +23,9 @@
 namespace tetvdb {
 namespace {
 
+// In place of a face: the node has voxels at which the rim has to be looked at.
+constexpr std::uint32_t kRimInNode = 0xFFFFFFFFu;
+
 // A face that may have crossings in a node.
 struct FaceInNode {
   std::int32_t x, y, z;
@@ -35,7 +40,7 @@ FaceRaster prepare(const SnappedMesh& mesh, const BoundaryFace& f) {
 }
 
 std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& boundary,
-                                 Progress& progress) {
+                                 const FillOptions& fill, Progress& progress) {
   tbb::enumerable_thread_specific<std::vector<FaceInNode>> locals;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, boundary.faces.size(), 4096), [&](const auto& range) {
@@ -63,20 +68,67 @@ std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& bounda
   all.reserve(total);
   for (const auto& local : locals)
     all.insert(all.end(), local.begin(), local.end());
+  if (fill.rim != nullptr)
+    for (const NodeIndex& node : RimBand(*fill.rim).nodes(progress))
+      all.push_back({node[0], node[1], node[2], kRimInNode});
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }
 
-// The sums at the bottom of a slab's rows, carried up from node to node.
+// What a slab's rows have come to at its bottom, carried up from node to node.
 struct SlabCarry {
+  /// The whole number nearest to the winding number: signed crossings, plus `rims` for open soups.
   std::array<std::int32_t, kSlabRows> sums{};
-  bool uniform = true; // all rows have sums[0]
+  std::vector<std::int32_t> rims; ///< empty: all 0
+  bool uniform = true;            // all rows have sums[0]
 
   void refreshUniform() {
     std::int32_t differs = 0;
     for (std::int32_t s : sums)
       differs |= s ^ sums[0];
     uniform = differs == 0;
+  }
+};
+
+bool isInside(std::int32_t sum, FillRule rule) {
+  switch (rule) {
+  case FillRule::Positive:
+    break;
+  case FillRule::NonZero:
+    return sum != 0;
+  case FillRule::Odd:
+    return (sum & 1) != 0;
+  }
+  return sum > 0;
+}
+
+// RimWinding at the voxels of a slab where it matters.
+struct SlabRim {
+  SlabBits flags;
+  std::vector<double> values; // of row r, voxel z at [r * 128 + z]
+
+  SlabRim() : values(std::size_t(kSlabRows) * kNodeSize) {}
+
+  // `leaves`: of the slab's node.
+  void look(const RimBand& band, const NodeIndex& node, int slab, const std::bitset<4096>& leaves) {
+    std::memset(&flags, 0, sizeof flags);
+    RimBand::Leaf leaf;
+    for (int i = 0; i < 256; ++i) {
+      if (!leaves[static_cast<std::size_t>(slab * 256 + i)])
+        continue;
+      const int y0 = i / 16 * kLeafSize, z0 = i % 16 * kLeafSize;
+      band.look({node[0] * kNodeSize + slab * kLeafSize, node[1] * kNodeSize + y0,
+                 node[2] * kNodeSize + z0},
+                leaf);
+      for (int x = 0; x < kLeafSize; ++x)
+        for (int y = 0; y < kLeafSize; ++y) {
+          const int row = x * kNodeSize + y0 + y;
+          flags.rows[row][z0 >> 6] |= (leaf.flags[static_cast<std::size_t>(x)] >> (8 * y) & 0xFF)
+                                      << (z0 & 63);
+          std::copy_n(leaf.values.data() + x * 64 + y * 8, kLeafSize,
+                      values.data() + row * kNodeSize + z0);
+        }
+    }
   }
 };
 
@@ -91,22 +143,58 @@ std::uint64_t prefixXor(std::uint64_t w) {
   return w;
 }
 
-// One row by counting, where the sum leaves {0, 1}: `extra` are the row's crossings beyond the
-// bits.
-void countRow(const std::uint64_t* entering, const std::uint64_t* leaving,
-              const SlabCrossings::Extra* extra, const SlabCrossings::Extra* extraEnd,
-              std::int32_t& sum, std::uint64_t* row) {
-  std::uint64_t out[2] = {0, 0};
+// A row's crossings: bits, and what is more than a bit a voxel.
+struct RowCrossings {
+  const std::uint64_t *entering, *leaving;
+  const SlabCrossings::Extra *extra, *extraEnd;
+};
+
+// Calls visit(z, sum) with the sum of the crossings up to every voxel of the row.
+template <typename Visit>
+void countCrossings(RowCrossings row, std::int32_t sum, const Visit& visit) {
   for (int z = 0; z < kNodeSize; ++z) {
-    sum += static_cast<std::int32_t>(entering[z >> 6] >> (z & 63) & 1);
-    sum -= static_cast<std::int32_t>(leaving[z >> 6] >> (z & 63) & 1);
-    for (; extra != extraEnd && extra->z == z; ++extra)
-      sum += extra->weight;
-    if (sum > 0)
-      out[z >> 6] |= std::uint64_t(1) << (z & 63);
+    sum += static_cast<std::int32_t>(row.entering[z >> 6] >> (z & 63) & 1);
+    sum -= static_cast<std::int32_t>(row.leaving[z >> 6] >> (z & 63) & 1);
+    for (; row.extra != row.extraEnd && row.extra->z == z; ++row.extra)
+      sum += row.extra->weight;
+    visit(z, sum);
   }
-  row[0] = out[0];
-  row[1] = out[1];
+}
+
+void setVoxel(std::uint64_t* row, int z) {
+  row[z >> 6] |= std::uint64_t(1) << (z & 63);
+}
+
+// One row by counting, where the sum leaves {0, 1}.
+void countRow(const RowCrossings& row, FillRule rule, std::int32_t& sum, std::uint64_t* inside) {
+  std::uint64_t out[2] = {0, 0};
+  std::int32_t last = sum;
+  countCrossings(row, sum, [&](int z, std::int32_t s) {
+    last = s;
+    if (isInside(s, rule))
+      setVoxel(out, z);
+  });
+  sum = last;
+  inside[0] = out[0];
+  inside[1] = out[1];
+}
+
+// One row past voxels where the rim has to be looked at.
+void countRowWithRim(const RowCrossings& row, FillRule rule, const std::uint64_t* flags,
+                     const double* values, std::int32_t& sum, std::int32_t& rim,
+                     std::uint64_t* inside) {
+  std::uint64_t out[2] = {0, 0};
+  std::int32_t last = sum;
+  countCrossings(row, sum - rim, [&](int z, std::int32_t crossings) {
+    if ((flags[z >> 6] >> (z & 63) & 1) != 0)
+      rim = nearestWinding(crossings + values[z]) - crossings;
+    last = crossings + rim;
+    if (isInside(last, rule))
+      setVoxel(out, z);
+  });
+  sum = last;
+  inside[0] = out[0];
+  inside[1] = out[1];
 }
 
 // Turns crossings into occupancy, in place of the entering bits, and advances the carry. Returns
@@ -115,22 +203,34 @@ void countRow(const std::uint64_t* entering, const std::uint64_t* leaving,
 // While the sum stays in {0, 1} it is the parity of the crossings, and parity is 64 voxels at a
 // time. It does stay there if every entering crossing is followed by a set voxel and every leaving
 // one by a clear one; the rows where that fails are counted.
-bool sumCrossings(SlabCrossings& crossings, SlabCarry& carry) {
+bool sumCrossings(SlabCrossings& crossings, FillRule rule, const SlabRim* rim, SlabCarry& carry) {
   std::sort(crossings.extra.begin(), crossings.extra.end(), [](const auto& a, const auto& b) {
     return std::tie(a.row, a.z, a.weight) < std::tie(b.row, b.z, b.weight);
   });
-  const SlabCrossings::Extra* extra = crossings.extra.data();
-  const SlabCrossings::Extra* const extraEnd = extra + crossings.extra.size();
+  if (rim != nullptr)
+    carry.rims.resize(kSlabRows);
+  RowCrossings row{};
+  row.extraEnd = crossings.extra.data();
+  const SlabCrossings::Extra* const end = row.extraEnd + crossings.extra.size();
   std::uint64_t any = 0;
-  for (int r = 0; r < kSlabRows; ++r) {
+  for (std::int32_t r = 0; r < kSlabRows; ++r) {
     std::uint64_t* in = crossings.entering.rows[r];
     const std::uint64_t* out = crossings.leaving.rows[r];
     std::int32_t& sum = carry.sums[static_cast<std::size_t>(r)];
-    const SlabCrossings::Extra* const rowExtra = extra;
-    while (extra != extraEnd && extra->row == r)
-      ++extra;
+    row.entering = in;
+    row.leaving = out;
+    row.extra = row.extraEnd;
+    while (row.extraEnd != end && row.extraEnd->row == r)
+      ++row.extraEnd;
 
-    bool counted = extra != rowExtra || (sum & ~1) != 0;
+    if (rim != nullptr && (rim->flags.rows[r][0] | rim->flags.rows[r][1]) != 0) {
+      countRowWithRim(row, rule, rim->flags.rows[r],
+                      rim->values.data() + std::size_t(r) * kNodeSize, sum,
+                      carry.rims[static_cast<std::size_t>(r)], in);
+      any |= in[0] | in[1];
+      continue;
+    }
+    bool counted = row.extra != row.extraEnd || (sum & ~1) != 0;
     if (!counted) {
       const std::uint64_t inOnly0 = in[0] & ~out[0], outOnly0 = out[0] & ~in[0];
       const std::uint64_t inOnly1 = in[1] & ~out[1], outOnly1 = out[1] & ~in[1];
@@ -144,7 +244,7 @@ bool sumCrossings(SlabCrossings& crossings, SlabCarry& carry) {
       }
     }
     if (counted)
-      countRow(in, out, rowExtra, extra, sum, in);
+      countRow(row, rule, sum, in);
     any |= in[0] | in[1];
   }
   carry.refreshUniform();
@@ -152,25 +252,32 @@ bool sumCrossings(SlabCrossings& crossings, SlabCarry& carry) {
 }
 
 // A slab without crossings: every row is full or empty by its carry.
-bool extendRows(const SlabCarry& carry, SlabBits& bits) {
+bool extendRows(const SlabCarry& carry, FillRule rule, SlabBits& bits) {
   bool any = false;
   for (std::size_t r = 0; r < kSlabRows; ++r) {
-    const std::uint64_t word = carry.sums[r] > 0 ? ~0ull : 0ull;
+    const std::uint64_t word = isInside(carry.sums[r], rule) ? ~0ull : 0ull;
     bits.rows[r][0] = bits.rows[r][1] = word;
     any = any || word != 0;
   }
   return any;
 }
 
+// What a thread works in.
+struct Scratch {
+  SlabCrossings crossings;
+  std::unique_ptr<SlabRim> rim; // made when first needed
+};
+
 class Stack {
 public:
-  Stack(const SnappedMesh& mesh, const Boundary& boundary, NodeSink& sink, bool splitNodes)
-      : mesh_(mesh), boundary_(boundary), sink_(sink), carries_(kSlabsPerNode),
+  Stack(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill, NodeSink& sink,
+        bool splitNodes)
+      : mesh_(mesh), boundary_(boundary), fill_(fill), sink_(sink), carries_(kSlabsPerNode),
         grain_(splitNodes ? 1 : kSlabsPerNode) {}
 
   using Pairs = const FaceInNode*;
 
-  void run(Pairs begin, Pairs end, tbb::enumerable_thread_specific<SlabCrossings>& scratch) {
+  void run(Pairs begin, Pairs end, tbb::enumerable_thread_specific<Scratch>& scratch) {
     const std::int32_t x = begin->x, y = begin->y;
     std::int32_t z = begin->z;
     while (begin != end) {
@@ -183,9 +290,11 @@ public:
       begin = nodeEnd;
       ++z;
     }
-    // The boundary of a sum of tets is closed: above its last face nothing is inside.
+    // Above the last face nothing is inside: the faces close, or far from the rim its share ends.
+    const std::int32_t open = fill_.rule == FillRule::Odd ? 1 : ~0;
     for (const SlabCarry& carry : carries_)
-      if (!carry.uniform || carry.sums[0] != 0)
+      if (std::any_of(carry.sums.begin(), carry.sums.end(),
+                      [open](std::int32_t sum) { return (sum & open) != 0; }))
         throw std::logic_error("the boundary does not close: crossings were lost");
   }
 
@@ -196,9 +305,10 @@ private:
       return;
     bool uniform = true;
     for (const SlabCarry& carry : carries_)
-      uniform = uniform && carry.uniform && (carry.sums[0] > 0) == (carries_[0].sums[0] > 0);
+      uniform = uniform && carry.uniform &&
+                isInside(carry.sums[0], fill_.rule) == isInside(carries_[0].sums[0], fill_.rule);
     if (uniform) {
-      if (carries_[0].sums[0] > 0)
+      if (isInside(carries_[0].sums[0], fill_.rule))
         sink_.fullRun(x, y, zBegin, zEnd);
       return;
     }
@@ -206,23 +316,28 @@ private:
     for (std::int32_t z = zBegin; z < zEnd; ++z) {
       std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
       for (int s = 0; s < kSlabsPerNode; ++s)
-        if (extendRows(carries_[static_cast<std::size_t>(s)], *bits))
+        if (extendRows(carries_[static_cast<std::size_t>(s)], fill_.rule, *bits))
           sink_.slab(*node, s, *bits, nullptr);
       sink_.end(std::move(node));
     }
   }
 
   void node(std::int32_t x, std::int32_t y, std::int32_t z, Pairs begin, Pairs end,
-            tbb::enumerable_thread_specific<SlabCrossings>& scratch) {
+            tbb::enumerable_thread_specific<Scratch>& scratch) {
     std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
     std::vector<FaceRaster> faces;
     faces.reserve(static_cast<std::size_t>(end - begin));
+    std::bitset<4096> rimLeaves;
     for (Pairs p = begin; p != end; ++p)
-      faces.push_back(prepare(mesh_, boundary_.faces[p->face]));
+      if (p->face == kRimInNode)
+        rimLeaves = RimBand(*fill_.rim).leaves({x, y, z});
+      else
+        faces.push_back(prepare(mesh_, boundary_.faces[p->face]));
     const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize,
                        z0 = std::int64_t(z) * kNodeSize;
     const auto slabs = [&](const tbb::blocked_range<int>& range) {
-      SlabCrossings& crossings = scratch.local();
+      Scratch& local = scratch.local();
+      SlabCrossings& crossings = local.crossings;
       for (int s = range.begin(); s != range.end(); ++s) {
         const std::int64_t first = x0 + s * kLeafSize;
         SlabCarry& carry = carries_[static_cast<std::size_t>(s)];
@@ -235,8 +350,18 @@ private:
           cleared = true;
           face.rasterize(first, y0, z0, crossings);
         }
-        const bool any =
-            cleared ? sumCrossings(crossings, carry) : extendRows(carry, crossings.entering);
+        const SlabRim* rim = nullptr;
+        if (hasBits(rimLeaves, s)) {
+          if (!cleared)
+            crossings.clear();
+          cleared = true;
+          if (local.rim == nullptr)
+            local.rim = std::make_unique<SlabRim>();
+          local.rim->look(RimBand(*fill_.rim), {x, y, z}, s, rimLeaves);
+          rim = local.rim.get();
+        }
+        const bool any = cleared ? sumCrossings(crossings, fill_.rule, rim, carry)
+                                 : extendRows(carry, fill_.rule, crossings.entering);
         if (any)
           sink_.slab(*node, s, crossings.entering, nullptr);
       }
@@ -247,8 +372,16 @@ private:
     sink_.end(std::move(node));
   }
 
+  static bool hasBits(const std::bitset<4096>& leaves, int slab) {
+    for (std::size_t i = 0; i < 256; ++i)
+      if (leaves[static_cast<std::size_t>(slab) * 256 + i])
+        return true;
+    return false;
+  }
+
   const SnappedMesh& mesh_;
   const Boundary& boundary_;
+  const FillOptions& fill_;
   NodeSink& sink_;
   std::vector<SlabCarry> carries_;
   std::size_t grain_;
@@ -271,9 +404,9 @@ std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& bo
   return static_cast<std::uint64_t>(leaves * kVoxelsPerUnit * kVoxelsPerUnit / 64) + 64;
 }
 
-void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, NodeSink& sink,
-                       Progress& progress) {
-  const std::vector<FaceInNode> pairs = binFaces(mesh, boundary, progress);
+void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill,
+                       NodeSink& sink, Progress& progress) {
+  const std::vector<FaceInNode> pairs = binFaces(mesh, boundary, fill, progress);
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (i == 0 || pairs[i].x != pairs[i - 1].x || pairs[i].y != pairs[i - 1].y)
@@ -282,13 +415,13 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, NodeSi
 
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   const bool splitNodes = starts.size() - 1 < 8 * threads;
-  tbb::enumerable_thread_specific<SlabCrossings> scratch;
+  tbb::enumerable_thread_specific<Scratch> scratch;
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, starts.size() - 1, 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          Stack stack(mesh, boundary, sink, splitNodes);
+          Stack stack(mesh, boundary, fill, sink, splitNodes);
           stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], scratch);
           progress.update(static_cast<double>(++done) / static_cast<double>(starts.size()));
         }

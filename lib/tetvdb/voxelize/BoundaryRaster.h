@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Occupancy from the boundary alone: along each z column the signed crossings of the boundary faces
-// are summed, and a voxel is inside where the sum is positive. Interior faces cancel exactly under
-// the ownership rule, so this is the union of the tets, voxel by voxel.
+// Occupancy from faces alone: along each z column the signed crossings of the faces are summed, and
+// the sum decides which voxels are inside. Interior faces of tets cancel exactly under the
+// ownership rule, so with the boundary of tets this is their union, voxel by voxel; with a closed
+// triangle soup the sum is its winding number, and with an open one its winding number less
+// RimWinding.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/RimWinding.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -17,11 +20,22 @@ namespace tetvdb {
 /// Upper estimate of the leaf nodes that the boundary passes through.
 std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& boundary);
 
-/// Hands every node that is not empty to `sink`: those that the boundary meets slab by slab, full
-/// ones between them as runs. A stack of nodes along z is one task, since the sums are carried from
-/// node to node; nodes that no face meets cost nothing. Time follows the number of columns that
-/// faces cross and of nodes that they meet.
-void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, NodeSink& sink,
-                       Progress& progress);
+/// Which winding numbers are inside.
+enum class FillRule : std::uint8_t { Positive, NonZero, Odd };
+
+struct FillOptions {
+  FillRule rule = FillRule::Positive;
+  /// The rim of an open soup; null where the faces close. With FillRule::Odd it has no meaning:
+  /// then every edge must have an even number of faces.
+  const RimWinding* rim = nullptr;
+};
+
+/// Hands every node that is not empty to `sink`: those that faces meet slab by slab, full ones
+/// between them as runs. A stack of nodes along z is one task, since the sums are carried from node
+/// to node; nodes that no face meets cost nothing. Time follows the number of columns that faces
+/// cross and of nodes that they meet, and for open soups the area over which the winding number
+/// passes a half off the faces.
+void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill,
+                       NodeSink& sink, Progress& progress);
 
 } // namespace tetvdb

@@ -32,22 +32,21 @@ constexpr double kMaxLattice = (2147483648.0 - 8192.0) * static_cast<double>(kUn
 
 } // namespace
 
-SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress) {
+SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& transform,
+                       Progress& progress) {
   progress.check();
   SnappedMesh snapped;
-  snapped.pointCount = mesh.points.size();
-  snapped.points.resize(mesh.points.size() + 1);
+  snapped.pointCount = points.size();
+  snapped.points.resize(points.size() + 1);
   snapped.points.back() = {0, 0, 0};
-  snapped.tets = mesh.tets.data();
-  snapped.tetCount = mesh.tetCount();
   const Vec3d o = transform.origin;
   const Vec3d h = transform.voxelSize;
 
   const Box box = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, mesh.points.size(), 16384), Box{},
+      tbb::blocked_range<std::size_t>(0, points.size(), 16384), Box{},
       [&](const tbb::blocked_range<std::size_t>& range, Box local) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const Vec3d& p = mesh.points[i];
+          const Vec3d& p = points[i];
           // NaN fails every comparison.
           const bool inside = std::abs((p[0] - o[0]) / h[0]) < 2147475456.0 &&
                               std::abs((p[1] - o[1]) / h[1]) < 2147475456.0 &&
@@ -73,18 +72,25 @@ SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progre
   static_assert(2147475456.0 * static_cast<double>(kUnitsPerVoxel) <= kMaxLattice);
 
   if (box.bad) {
-    for (std::size_t i = 0; i < mesh.points.size(); ++i)
-      for (double c : mesh.points[i])
+    for (std::size_t i = 0; i < points.size(); ++i)
+      for (double c : points[i])
         if (!std::isfinite(c))
           throw Error(Status::Invalid, "point " + std::to_string(i),
                       "a coordinate is not a finite number", "repair the mesh");
     throw Error(Status::Limit, "", "the mesh leaves 32-bit index space at this voxel size",
                 "use larger voxels");
   }
-  if (!mesh.points.empty()) {
+  if (!points.empty()) {
     snapped.boxMin = box.min;
     snapped.boxMax = box.max;
   }
+  return snapped;
+}
+
+SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress) {
+  SnappedMesh snapped = snapPoints(mesh.points, transform, progress);
+  snapped.tets = mesh.tets.data();
+  snapped.tetCount = mesh.tetCount();
   return snapped;
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace tetvdb {
 
@@ -27,5 +28,9 @@ struct SnappedMesh {
 /// Snaps the points of `mesh` by `transform`, in parallel. Throws Error(Invalid) for a coordinate
 /// that is not finite, Error(Limit) for one outside 32-bit index space.
 SnappedMesh snapMesh(const TetMesh& mesh, const GridTransform& transform, Progress& progress);
+
+/// The same for points alone: the result has no tets.
+SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& transform,
+                       Progress& progress);
 
 } // namespace tetvdb

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <vector>
+
+namespace tetvdb {
+
+/// Nodes that a tree is expected to have, an upper estimate.
+struct TreeEstimate {
+  double leaves = 0;
+  double lowerNodes = 0;
+
+  /// Memory of the trees of all `grids`.
+  double bytes(const std::vector<GridKind>& grids) const;
+};
+
+/// Nodes that hold the mesh's box: never more than these.
+TreeEstimate estimateByBox(const SnappedMesh& mesh);
+/// Nodes that a boundary passes through.
+TreeEstimate estimateByBoundary(const SnappedMesh& mesh, const Boundary& boundary);
+/// Nodes with owners: those that the tets' faces pass through, and no more than those that they
+/// fill.
+TreeEstimate estimateByTets(const SnappedMesh& mesh);
+
+/// Throws Error(Limit) where `bytes` are more than options.maxMemory or the machine allow.
+void requireMemory(double bytes, const VoxelizeOptions& options);
+
+} // namespace tetvdb

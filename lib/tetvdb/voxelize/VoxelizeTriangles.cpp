@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/BoundaryRaster.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/ShellRaster.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/TreeBuilder.h"
+#include "tetvdb/voxelize/TreeEstimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <optional>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
+                  const VoxelizeOptions& options) {
+  if (options.grids.empty())
+    throw Error(Status::Usage, "--grid", "no grid was asked for");
+  for (const GridKind kind : options.grids)
+    if (kind == GridKind::TetId || kind == GridKind::Material)
+      throw Error(Status::Usage, "--grid",
+                  "tet_id and material need tetrahedra, the input is triangles",
+                  "ask for density or mask");
+  if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
+    throw Error(Status::Usage, "--shell", fmt::format("{} is not a thickness", solid.shell));
+  if (mesh.triangleCount() >= 0xFFFFFFFFu)
+    throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, "", "the mesh has no triangles");
+}
+
+// The faces as a chain, each once.
+Boundary facesOf(const TriangleMesh& mesh, const SnappedMesh& snapped) {
+  Boundary chain;
+  chain.faces.resize(mesh.triangleCount());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chain.faces.size(), 16384),
+                    [&](const auto& range) {
+                      for (std::size_t t = range.begin(); t != range.end(); ++t)
+                        chain.faces[t] = {mesh.triangles[3 * t], mesh.triangles[3 * t + 1],
+                                          mesh.triangles[3 * t + 2], 1};
+                    });
+  const double longest =
+      std::max({snapped.boxMax.x - snapped.boxMin.x, snapped.boxMax.y - snapped.boxMin.y,
+                snapped.boxMax.z - snapped.boxMin.z});
+  if (longest <= kMaxTetExtent)
+    return chain;
+  for (const BoundaryFace& f : chain.faces) {
+    const LatticePoint &a = snapped.points[f.a], &b = snapped.points[f.b], &c = snapped.points[f.c];
+    const auto extent = [&](double LatticePoint::*k) {
+      return std::max({a.*k, b.*k, c.*k}) - std::min({a.*k, b.*k, c.*k});
+    };
+    if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
+        kMaxTetExtent)
+      throw Error(Status::Limit, "", "a triangle is longer than 2^20 voxels",
+                  "use larger voxels, or subdivide the mesh");
+  }
+  return chain;
+}
+
+// The centroid covering joins every face to the centre. As a chain, what is left of all these tets'
+// faces is the soup and a face from every edge of its rim to the centre.
+void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain) {
+  LatticePoint sum{0, 0, 0};
+  for (std::size_t i = 0; i < snapped.pointCount; ++i) {
+    const LatticePoint& p = snapped.points[i];
+    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
+  }
+  const auto count = static_cast<double>(snapped.pointCount);
+  const LatticePoint centre{std::round(sum.x / count), std::round(sum.y / count),
+                            std::round(sum.z / count)};
+  const auto index = static_cast<std::uint32_t>(snapped.pointCount);
+  snapped.points.resize(snapped.pointCount + 2);
+  snapped.points[index] = centre;
+  snapped.points[index + 1] = {0, 0, 0};
+  ++snapped.pointCount;
+  for (const IndexedRimEdge& e : rim)
+    chain.faces.push_back({e.b, e.a, index, e.weight});
+}
+
+RimWinding windingOf(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
+  std::vector<RimEdge> edges;
+  edges.reserve(rim.size());
+  for (const IndexedRimEdge& e : rim)
+    edges.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
+  return RimWinding(std::move(edges));
+}
+
+FillRule fillRule(const SolidOptions& solid) {
+  if (solid.method == SolidMethod::Centroid || solid.inside == InsideRule::Parity)
+    return FillRule::Odd;
+  return solid.inside == InsideRule::NonZero ? FillRule::NonZero : FillRule::Positive;
+}
+
+std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
+  if (solid.shell > 0)
+    return "no voxel centre lies in the shell";
+  if (rim.edges.empty())
+    return "no voxel centre lies inside the mesh";
+  return fmt::format("the mesh is open ({} open edges) and holds no inside: its winding number is "
+                     "above 0.5 at no voxel centre",
+                     rim.edges.size());
+}
+
+std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
+  if (solid.shell > 0 || rim.edges.empty())
+    return "use smaller voxels, or --allow-empty to write an empty grid";
+  return "give the sheet a thickness with --shell T, or use smaller voxels";
+}
+
+} // namespace
+
+GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
+                              double shell) {
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, "", "the mesh has no triangles");
+  WorldBox box = boxOfUsed(mesh.points, mesh.triangles);
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.min[k] -= shell / 2;
+    box.max[k] += shell / 2;
+  }
+  return chooseTransform(box, options);
+}
+
+Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const VoxelizeOptions& options, Report& report, Progress& progress) {
+  progress.stage("voxelize");
+  checkOptions(mesh, solid, options);
+  initializeOpenVDB();
+
+  StageTimer timer(report, "voxelize");
+  Voxelization result;
+  result.path = OccupancyPath::Boundary;
+  timer.part("transform");
+  result.transform = chooseTransform(mesh, options, solid.shell);
+  reportOrigin(result.transform, options, report);
+  timer.part("snap");
+  SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
+  Boundary chain = facesOf(mesh, snapped);
+  result.counts.boundaryFaces = chain.faces.size();
+
+  SoupRim rim;
+  if (solid.shell == 0) {
+    timer.part("rim");
+    rim = soupRim(mesh.triangles, progress);
+    result.counts.openEdges = rim.edges.size();
+  }
+  const FillRule rule = fillRule(solid);
+  std::optional<RimWinding> winding;
+  if (solid.method == SolidMethod::Centroid)
+    closeToCentre(rim.edges, snapped, chain);
+  else if (rule == FillRule::Odd && rim.oddEdges > 0)
+    throw Error(Status::Invalid, "",
+                fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
+                            rim.oddEdges),
+                "use --inside winding, which closes holes");
+  else if (rule != FillRule::Odd && !rim.edges.empty())
+    winding.emplace(windingOf(rim.edges, snapped));
+
+  timer.part("estimate");
+  const double working = 24.0 * static_cast<double>(snapped.pointCount) +
+                         64.0 * static_cast<double>(chain.faces.size());
+  TreeEstimate estimate = estimateByBoundary(snapped, chain);
+  if (solid.shell > 0) {
+    const auto leaves = static_cast<double>(
+        estimateShellLeaves(snapped, chain, result.transform.voxelSize, solid.shell / 2));
+    estimate = {leaves, leaves / 128 + 64};
+  }
+  const double bytes = working + estimate.bytes(options.grids);
+  result.estimatedBytes = static_cast<std::size_t>(bytes);
+  requireMemory(bytes, options);
+
+  timer.part("rasterize");
+  TreeBuilder builder(options.grids, TetMesh());
+  if (solid.shell > 0) {
+    rasterizeShell(snapped, chain, result.transform.voxelSize, solid.shell / 2, builder, progress);
+  } else {
+    FillOptions fill;
+    fill.rule = rule;
+    fill.rim = winding ? &*winding : nullptr;
+    rasterizeBoundary(snapped, chain, fill, builder, progress);
+  }
+  timer.part("tree");
+  auto grids = std::make_shared<GridSet>();
+  grids->all = builder.finish(result.transform);
+  result.volume = Volume(std::move(grids));
+
+  if (!options.allowEmpty && result.volume.grids().all.front()->empty())
+    throw Error(Status::Invalid, "", whyEmpty(rim, solid), emptyAdvice(rim, solid));
+  return result;
+}
+
+} // namespace tetvdb

@@ -64,7 +64,7 @@ TEST(MeshReader, FormatsAreToldByContent) {
   EXPECT_EQ(sniff("CDF\x02"), MeshFormat::Exodus);
   EXPECT_EQ(sniff("\x89HDF\r\n\x1a\n"), MeshFormat::Exodus);
   EXPECT_EQ(sniff(""), MeshFormat::Unknown);
-  EXPECT_EQ(sniff("solid cube\n", "a.stl"), MeshFormat::Unknown);
+  EXPECT_EQ(sniff("solid cube\n", "a.stl"), MeshFormat::Stl);
 }
 
 TEST(MeshReader, ReadsByContent) {

@@ -49,10 +49,9 @@ ReadFunction readerOf(MeshFormat format) {
     return readPvtu;
   case MeshFormat::Exodus:
     return readExodus;
-  case MeshFormat::Unknown:
-    break;
+  default:
+    return nullptr; // triangles, or unknown
   }
-  return nullptr;
 }
 
 // --- Regions ------------------------------------------------------------------------------------

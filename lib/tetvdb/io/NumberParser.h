@@ -42,6 +42,8 @@ public:
     at_ = begin_ + std::min(position, static_cast<std::size_t>(end_ - begin_));
   }
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
+  /// Whether white space follows, or nothing: whether what was read is a whole word.
+  bool atWordEnd() const { return at_ == end_ || static_cast<unsigned char>(*at_) <= ' '; }
   /// Lines are added to message numbers: for a parser over an excerpt that begins at line `line`.
   void setFirstLine(std::size_t line) { firstLine_ = line; }
 

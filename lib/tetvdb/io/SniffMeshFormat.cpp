@@ -2,9 +2,13 @@
 #include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/NumberParser.h"
+#include "tetvdb/io/OffReader.h"
+#include "tetvdb/io/StlReader.h"
+#include "tetvdb/io/TriangleReader.h"
 
 #include <algorithm>
 #include <cctype>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -62,6 +66,70 @@ bool isUcd(std::string_view head) {
   return true;
 }
 
+/// A 3MF file is a ZIP archive that holds a model; names stand at its beginning and in its
+/// directory at the end.
+bool is3mf(std::string_view bytes) {
+  constexpr std::size_t directory = 65536;
+  return startsWith(bytes, "PK\x03\x04") &&
+         (contains(bytes.substr(0, kLook), ".model") ||
+          contains(bytes.substr(bytes.size() - std::min(bytes.size(), directory)), ".model"));
+}
+
+/// Whether every line begins with a word of OBJ files, a vertex or a face among them.
+bool isObj(std::string_view head) {
+  constexpr std::string_view known[] = {"v", "vt", "vn", "vp",     "f",      "l", "p",
+                                        "g", "o",  "s",  "mtllib", "usemtl", "mg"};
+  bool found = false;
+  NumberParser in(head, "", '#');
+  while (!in.atEnd()) {
+    const std::string_view word = in.word();
+    if (std::find(std::begin(known), std::end(known), word) == std::end(known))
+      return found && in.atEnd(); // a word that was cut off where looking ends
+    double number = 0;
+    found = found || ((word == "v" || word == "f") && in.tryReal(number));
+    while (!in.line().empty() && in.position() > 0 && head[in.position() - 1] == '\\') {
+    }
+  }
+  return found;
+}
+
+MeshFormat sniffTriangles(std::string_view bytes, std::string_view text,
+                          const std::string& ending) {
+  const std::string_view head = bytes.substr(0, kLook);
+  if (startsWith(head, "glTF") || (startsWith(text, "{") && contains(head, "\"asset\"")))
+    return MeshFormat::Gltf;
+  if (startsWith(head, "Kaydara FBX") || startsWith(text, "; FBX"))
+    return MeshFormat::Fbx;
+  if (startsWith(text, "ply\n") || startsWith(text, "ply\r"))
+    return MeshFormat::Ply;
+  if (startsWith(text, "<") && contains(head, "<COLLADA"))
+    return MeshFormat::Collada;
+  if (is3mf(bytes))
+    return MeshFormat::ThreeMf;
+  if (startsWith(lowered(text.substr(0, 5)), "solid") && isTextStl(bytes))
+    return MeshFormat::Stl;
+  NumberParser words(bytes, "", '#');
+  words.seek(bytes.size() - text.size());
+  words.skipSpace();
+  if (hasOffKeyword(bytes.substr(words.position())))
+    return MeshFormat::Off;
+  if (ending == "obj" || isObj(text))
+    return MeshFormat::Obj;
+  return MeshFormat::Unknown;
+}
+
+/// By the name, where the content says nothing.
+MeshFormat triangleFormatOf(std::string_view ending) {
+  constexpr std::pair<std::string_view, MeshFormat> endings[] = {
+      {"stl", MeshFormat::Stl},     {"off", MeshFormat::Off},    {"ply", MeshFormat::Ply},
+      {"3mf", MeshFormat::ThreeMf}, {"glb", MeshFormat::Gltf},   {"gltf", MeshFormat::Gltf},
+      {"fbx", MeshFormat::Fbx},     {"dae", MeshFormat::Collada}};
+  for (const auto& [known, format] : endings)
+    if (known == ending)
+      return format;
+  return MeshFormat::Unknown;
+}
+
 } // namespace
 
 std::string_view formatName(MeshFormat format) {
@@ -88,6 +156,22 @@ std::string_view formatName(MeshFormat format) {
     return "VTK .pvtu";
   case MeshFormat::Exodus:
     return "Exodus";
+  case MeshFormat::Stl:
+    return "STL";
+  case MeshFormat::Obj:
+    return "OBJ";
+  case MeshFormat::Off:
+    return "OFF";
+  case MeshFormat::Ply:
+    return "PLY";
+  case MeshFormat::ThreeMf:
+    return "3MF";
+  case MeshFormat::Gltf:
+    return "glTF";
+  case MeshFormat::Fbx:
+    return "FBX";
+  case MeshFormat::Collada:
+    return "COLLADA .dae";
   case MeshFormat::Unknown:
     break;
   }
@@ -100,6 +184,8 @@ MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path) {
   if (startsWith(head, "CDF\x01") || startsWith(head, "CDF\x02") || startsWith(head, "CDF\x05") ||
       startsWith(head, "\x89HDF\r\n"))
     return MeshFormat::Exodus;
+  if (isBinaryStlBySize(bytes))
+    return MeshFormat::Stl;
   if (isMeditBinary(head))
     return MeshFormat::MeditBinary;
   if (startsWith(head, "\x07") && (ending == "inp" || ending == "avs" || ending == "ucd"))
@@ -113,6 +199,9 @@ MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path) {
   const std::string start = lowered(text.substr(0, 24));
   if (startsWith(start, "# vtk datafile") || startsWith(start, "#vtk datafile"))
     return MeshFormat::Vtk;
+  if (const MeshFormat triangles = sniffTriangles(bytes, text, ending);
+      triangles != MeshFormat::Unknown)
+    return triangles;
   if (startsWith(start, "<?xml") || startsWith(start, "<vtkfile") || startsWith(start, "<!--")) {
     if (contains(head, "PUnstructuredGrid"))
       return MeshFormat::Pvtu;
@@ -144,34 +233,19 @@ MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path) {
     return MeshFormat::Gmsh;
   if (ending == "inp" && contains(lowered(head), "*node"))
     return MeshFormat::Abaqus;
-  return MeshFormat::Unknown;
+  return triangleFormatOf(ending);
 }
 
 std::string describeUnknownFormat(std::string_view bytes, const std::string& path) {
   const std::string_view head = bytes.substr(0, kLook);
   const std::string ending = extension(path);
   const std::string start = lowered(head.substr(0, 32));
-  const auto triangles = [](const char* what) {
-    return std::string("holds triangles (") + what + "), not solid cells";
-  };
+  if (const MeshFormat format = sniffMeshFormat(bytes, path); holdsTriangles(format))
+    return "holds triangles (" + std::string(formatName(format)) + "), not solid cells";
   if (startsWith(head, " BDV"))
     return "is an OpenVDB volume, not a mesh";
   if (startsWith(head, "NanoVDB"))
     return "is a NanoVDB volume, not a mesh";
-  if (startsWith(start, "solid") || ending == "stl")
-    return triangles("STL");
-  if (startsWith(start, "ply"))
-    return triangles("PLY");
-  if (startsWith(start, "off") || startsWith(start, "coff"))
-    return triangles("OFF");
-  if (startsWith(head, "glTF") || ending == "gltf")
-    return triangles("glTF");
-  if (startsWith(start, "kaydara fbx"))
-    return triangles("FBX");
-  if (ending == "obj")
-    return triangles("OBJ");
-  if (ending == "3mf")
-    return triangles("3MF");
   if (ending == "face" || ending == "poly" || ending == "smesh")
     return "is a TetGen ." + ending + " file, a surface; name the .node or .ele file";
   if (startsWith(head, "PK\x03\x04"))

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/geometry/BoxTree.h"
+
+#include <numeric>
+#include <tbb/parallel_invoke.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kLeafBoxes = 4;
+constexpr std::uint32_t kBoxesPerTask = 4096;
+
+} // namespace
+
+BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxes_.size()) {
+  if (boxes_.empty())
+    return;
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::size_t leaves = 1;
+  while (leaves * kLeafBoxes < boxes_.size())
+    leaves *= 2;
+  nodes_.resize(2 * leaves - 1);
+  build(0, 0, static_cast<std::uint32_t>(boxes_.size()));
+}
+
+void BoxTree::build(std::size_t node, std::uint32_t first, std::uint32_t last) {
+  Node& here = nodes_[node];
+  here.first = first;
+  here.last = last;
+  for (std::uint32_t i = first; i < last; ++i)
+    here.box.add(boxes_[order_[i]]);
+  if (2 * node + 2 >= nodes_.size())
+    return;
+  std::size_t axis = 0;
+  for (std::size_t other = 1; other < 3; ++other)
+    if (here.box.high[other] - here.box.low[other] > here.box.high[axis] - here.box.low[axis])
+      axis = other;
+  const std::uint32_t middle = first + (last - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     const double at = boxes_[a].low[axis] + boxes_[a].high[axis];
+                     const double bt = boxes_[b].low[axis] + boxes_[b].high[axis];
+                     return at != bt ? at < bt : a < b;
+                   });
+  const auto left = [&] { build(2 * node + 1, first, middle); };
+  const auto right = [&] { build(2 * node + 2, middle, last); };
+  if (last - first > kBoxesPerTask) {
+    tbb::parallel_invoke(left, right);
+  } else {
+    left();
+    right();
+  }
+}
+
+} // namespace tetvdb

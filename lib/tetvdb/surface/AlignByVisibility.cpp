@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/FaceSides.h"
+#include "tetvdb/surface/PatchesAtEdge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kFacesPerPatch = 32;
+constexpr std::size_t kFacesInAll = 200000;
+constexpr std::uint32_t kDirectionsPerFace = 3; // each both ways
+// A ray nearer to the face's plane than this (sine) says little about its sides.
+constexpr double kGrazing = 0.1;
+
+// The largest faces of a list, in a fixed order.
+std::vector<std::uint32_t> largestFaces(const std::uint32_t* begin, const std::uint32_t* end,
+                                        const std::vector<double>& areas, std::size_t count) {
+  std::vector<std::uint32_t> faces(begin, end);
+  count = std::min(count, faces.size());
+  std::partial_sort(faces.begin(), faces.begin() + static_cast<std::ptrdiff_t>(count), faces.end(),
+                    [&](std::uint32_t a, std::uint32_t b) {
+                      return areas[a] != areas[b] ? areas[a] > areas[b] : a < b;
+                    });
+  faces.resize(count);
+  return faces;
+}
+
+} // namespace
+
+std::vector<std::uint8_t> FaceSides::unbalancedShells() const {
+  std::vector<std::uint8_t> unbalanced(shellCount_, 0);
+  for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
+    if (edges_.sides(edge).size() <= 2)
+      continue;
+    // The patches that do not balance by themselves are all of one shell.
+    std::size_t patches = 0;
+    std::uint32_t shell = 0;
+    int sum = 0;
+    eachPatchAt(edge, [&](std::uint32_t patch, int imbalance) {
+      if (imbalance == 0)
+        return;
+      ++patches;
+      shell = shellOf_[patch];
+      sum += imbalance;
+    });
+    if (patches > 1 && sum != 0)
+      unbalanced[shell] = 1;
+  }
+  return unbalanced;
+}
+
+// Directions that say that the face looks outward less those that say that it looks inward: what
+// lies beyond an even number of other faces is outside. Both ways have to agree about that: on both
+// sides of a fin is outside, on both sides of a wall within a solid is inside.
+int FaceSides::visibilityVote(std::uint32_t face) const {
+  const Vec3d n = normal(face);
+  std::vector<TriangleScene::Hit> hits;
+  int sum = 0;
+  for (std::uint32_t number = 0; number < kDirectionsPerFace; ++number) {
+    Vec3d forward = directionFrom(face, number);
+    const double along = dot(n, forward);
+    if (std::abs(along) <= kGrazing * length(n))
+      continue;
+    if (along < 0)
+      forward = times(forward, -1);
+    shoot(face, forward, hits);
+    const bool outsideBefore = hits.size() % 2 == 0;
+    shoot(face, times(forward, -1), hits);
+    const bool outsideBehind = hits.size() % 2 == 0;
+    sum += int(outsideBefore) - int(outsideBehind);
+  }
+  return sum;
+}
+
+void FaceSides::alignByVisibility(Progress& progress) {
+  const std::vector<std::uint8_t> unbalanced = unbalancedShells();
+  std::vector<std::uint32_t> suspects;
+  for (std::uint32_t patch = 0; patch < patches_.patchCount(); ++patch)
+    if (unbalanced[shellOf_[patch]] && patches_.orientable[patch])
+      suspects.push_back(patch);
+  if (suspects.empty())
+    return;
+  scene();
+  progress.check();
+
+  const FaceLists lists = listByPatch(patches_);
+  const std::size_t facesPerPatch =
+      std::clamp<std::size_t>(kFacesInAll / suspects.size(), 1, kFacesPerPatch);
+  std::vector<std::uint8_t> turn(suspects.size(), 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, suspects.size(), 16),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      progress.check();
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        int outward = 0, voters = 0;
+                        for (const std::uint32_t face :
+                             largestFaces(lists.begin(suspects[i]), lists.end(suspects[i]), areas_,
+                                          facesPerPatch)) {
+                          const int vote = visibilityVote(face);
+                          outward += vote > 0;
+                          voters += vote != 0;
+                        }
+                        turn[i] = voters > 0 && 3 * (voters - outward) >= 2 * voters;
+                      }
+                    });
+  for (std::size_t i = 0; i < suspects.size(); ++i)
+    if (turn[i])
+      for (const std::uint32_t* face = lists.begin(suspects[i]); face != lists.end(suspects[i]);
+           ++face)
+        turned_[*face] ^= 1;
+}
+
+} // namespace tetvdb

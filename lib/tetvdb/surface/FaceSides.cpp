@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/FaceSides.h"
+
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/DisjointSets.h"
+#include "tetvdb/surface/PatchesAtEdge.h"
+
+#include <algorithm>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace tetvdb {
+namespace {
+
+// A component of a direction, in -1..1: the finalizer of SplitMix64 (Steele et al. 2014).
+double component(std::uint64_t number) {
+  std::uint64_t x = (number + 1) * 0x9E3779B97F4A7C15ull;
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
+  x ^= x >> 31;
+  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+}
+
+} // namespace
+
+FaceSides::FaceSides(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress)
+    : mesh_(mesh), edges_(edges), patches_(findPatches(mesh.triangleCount(), edges, progress)),
+      areas_(mesh.triangleCount()), turned_(mesh.triangleCount(), 0) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, areas_.size(), 1 << 13),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t face = range.begin(); face != range.end(); ++face)
+                        areas_[face] = length(normal(static_cast<std::uint32_t>(face))) / 2;
+                    });
+  Box box;
+  for (const Vec3d& p : mesh.points)
+    box.add(p);
+  diagonal_ = mesh.points.empty() ? 0 : length(minus(box.high, box.low));
+}
+
+Vec3d FaceSides::normal(std::uint32_t face) const {
+  const std::uint32_t* v = &mesh_.triangles[3 * std::size_t(face)];
+  const Vec3d& a = mesh_.points[v[0]];
+  const Vec3d n = cross(minus(mesh_.points[v[1]], a), minus(mesh_.points[v[2]], a));
+  return turned_[face] ? times(n, -1) : n;
+}
+
+Vec3d FaceSides::centroid(std::uint32_t face) const {
+  const std::uint32_t* v = &mesh_.triangles[3 * std::size_t(face)];
+  return times(plus(plus(mesh_.points[v[0]], mesh_.points[v[1]]), mesh_.points[v[2]]), 1.0 / 3);
+}
+
+const TriangleScene& FaceSides::scene() {
+  if (!scene_)
+    scene_ = std::make_unique<TriangleScene>(mesh_);
+  return *scene_;
+}
+
+Vec3d FaceSides::directionFrom(std::uint32_t face, std::uint32_t number) {
+  const std::uint64_t seed = 3 * (std::uint64_t(face) * 8 + number);
+  const Vec3d direction{component(seed), component(seed + 1), component(seed + 2)};
+  return times(direction, 1 / std::max(length(direction), 1e-9));
+}
+
+void FaceSides::shoot(std::uint32_t face, const Vec3d& direction,
+                      std::vector<TriangleScene::Hit>& hits) const {
+  scene_->crossings(centroid(face), direction, 2 * diagonal_, hits);
+  hits.erase(std::remove_if(hits.begin(), hits.end(),
+                            [face](const TriangleScene::Hit& hit) { return hit.triangle == face; }),
+             hits.end());
+}
+
+void FaceSides::alignPatches() {
+  std::vector<double> with(patches_.patchCount(), 0), against(patches_.patchCount(), 0);
+  for (std::size_t face = 0; face < areas_.size(); ++face)
+    if (patches_.patchOf[face] != EdgeTable::kNone)
+      (patches_.against[face] ? against : with)[patches_.patchOf[face]] += areas_[face];
+  for (std::size_t face = 0; face < areas_.size(); ++face) {
+    const std::uint32_t patch = patches_.patchOf[face];
+    if (patch != EdgeTable::kNone && patches_.orientable[patch])
+      turned_[face] = patches_.against[face] != (against[patch] > with[patch]);
+  }
+  findShells();
+}
+
+void FaceSides::findShells() {
+  DisjointSets sets(patches_.patchCount());
+  for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
+    if (edges_.sides(edge).size() <= 2)
+      continue;
+    std::uint32_t before = EdgeTable::kNone;
+    eachPatchAt(edge, [&](std::uint32_t patch, int imbalance) {
+      if (imbalance == 0)
+        return;
+      if (before != EdgeTable::kNone)
+        sets.join(before, patch);
+      before = patch;
+    });
+  }
+  shellOf_.resize(patches_.patchCount());
+  for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch) {
+    const std::uint32_t root = sets.find(patch); // the shell's first patch
+    shellOf_[patch] = root == patch ? shellCount_++ : shellOf_[root];
+  }
+}
+
+} // namespace tetvdb

@@ -210,16 +210,17 @@ TEST(RimWinding, TiesFallToTheSideOfThePerturbedPoint) {
     }
 }
 
-TEST(RimWinding, GradientBoundHolds) {
+TEST(RimWinding, SlopePredictsWithinItsBounds) {
   meshes::Random random(7);
   const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.9; });
   const RimWinding rim(rimOf(s));
   int useful = 0;
-  for (int i = 0; i < 300; ++i) {
+  double largest = 0;
+  for (int i = 0; i < 600; ++i) {
     const Point c = anyPoint(random, 2 * kSize);
-    const double reach = 0.05 * kSize;
-    const double bound = rim.gradientBound({c[0], c[1], c[2]}, reach, 1);
-    if (!std::isfinite(bound))
+    const double reach = (i % 2 == 0 ? 0.05 : 0.3) * kSize;
+    const RimWinding::Slope slope = rim.slope({c[0], c[1], c[2]}, reach);
+    if (!std::isfinite(slope.bend))
       continue;
     ++useful;
     const double here = rim.at({c[0], c[1], c[2]});
@@ -228,13 +229,66 @@ TEST(RimWinding, GradientBoundHolds) {
       for (std::size_t a = 0; a < 3; ++a)
         d[a] = std::round(random.between(-1, 1) * reach / 1.8);
       const double there = rim.at({c[0] + d[0], c[1] + d[1], c[2] + d[2]});
-      const double way = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      const double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
       double change = there - here;
+      change -= slope.gradient[0] * d[0] + slope.gradient[1] * d[1] + slope.gradient[2] * d[2];
       change -= std::round(change); // the curtain changes it by whole numbers
-      EXPECT_LE(std::abs(change), bound * way + kRimWindingError);
+      const double bound =
+          slope.bend * square / 2 + slope.error * std::sqrt(square) + 2 * kRimWindingError;
+      EXPECT_LE(std::abs(change), bound);
+      if (bound < 0.3)
+        largest = std::max(largest, std::abs(change) / bound);
     }
   }
-  EXPECT_GT(useful, 100);
+  EXPECT_GT(useful, 200);
+  EXPECT_GT(largest, 0.02) << "the bounds are far from sharp";
+}
+
+TEST(RimWinding, JumpsOnlyWhereItSays) {
+  meshes::Random random(12);
+  const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.95; });
+  const RimWinding rim(rimOf(s));
+  int quiet = 0, jumps = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Point c = anyPoint(random, 1.5 * kSize);
+    const double reach = 0.03 * kSize;
+    const LatticePoint here{c[0], c[1], c[2]};
+    const RimWinding::Slope slope = rim.slope(here, 1.8 * reach);
+    if (!(slope.bend * reach * reach < 0.1))
+      continue;
+    const bool may = rim.mayJump(here, reach);
+    quiet += !may;
+    for (int k = 0; k < 5; ++k) {
+      Point d{};
+      for (double& v : d)
+        v = std::round(random.between(-1, 1) * reach);
+      const double change =
+          rim.at({c[0] + d[0], c[1] + d[1], c[2] + d[2]}) - rim.at(here) -
+          (slope.gradient[0] * d[0] + slope.gradient[1] * d[1] + slope.gradient[2] * d[2]);
+      if (std::abs(change) > 0.5) {
+        ++jumps;
+        EXPECT_TRUE(may);
+      }
+    }
+  }
+  EXPECT_GT(quiet, 100);
+  EXPECT_GT(jumps, 20);
+}
+
+TEST(RimWinding, OnTheRimThePerturbedPointDecides) {
+  // Points of the rim of a square, and the same a little aside.
+  const auto scaled = [](double f) {
+    return std::vector<RimEdge>{{{0, 0, 0}, {100 * f, 0, 20 * f}, 1},
+                                {{100 * f, 0, 20 * f}, {100 * f, 100 * f, 0}, 1},
+                                {{100 * f, 100 * f, 0}, {0, 100 * f, 0}, 1},
+                                {{0, 100 * f, 0}, {0, 0, 0}, 1}};
+  };
+  const RimWinding rim(scaled(1)), fine(scaled(1e9));
+  for (const Point& p : {Point{50, 0, 10}, Point{100, 50, 10}, Point{40, 100, 0}, Point{0, 70, 0},
+                         Point{0, 0, 0}, Point{100, 0, 20}, Point{100, 100, 0}, Point{0, 100, 0}})
+    EXPECT_NEAR(rim.at({p[0], p[1], p[2]}),
+                fine.at({p[0] * 1e9 + 1e6, p[1] * 1e9 + 1e3, p[2] * 1e9 + 1}), 2e-3)
+        << p[0] << ' ' << p[1] << ' ' << p[2];
 }
 
 TEST(RimWinding, NothingHappensOutOfReach) {

@@ -20,7 +20,7 @@ constexpr std::size_t kWholePart = 8;
 // A cluster with more loose ends than this is opened instead of looked at from afar.
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
-constexpr double kClusterError = 1e-8;
+constexpr double kClusterError = 1e-7;
 
 using Vector = std::array<double, 3>;
 
@@ -70,9 +70,45 @@ double angleFromPole(const Vector& b) {
   return 2 * std::atan2(sine, -b[0]);
 }
 
+bool isZero(const Vector& a) {
+  return a[0] == 0 && a[1] == 0 && a[2] == 0;
+}
+
+// Whether the point lies on the open segment between a and b.
+bool isBetween(const Vector& a, const Vector& b) {
+  if (dot(a, b) >= 0)
+    return false;
+  const auto product = [&](std::size_t i, std::size_t j) {
+    return static_cast<Int128>(static_cast<std::int64_t>(a[i])) * static_cast<std::int64_t>(b[j]);
+  };
+  return product(0, 1) == product(1, 0) && product(1, 2) == product(2, 1) &&
+         product(2, 0) == product(0, 2);
+}
+
+// angleUp() for a point on the edge from a to b: moved by (e, e^2, e^3) it sees the edge as half a
+// great circle through the direction back, and up is at an angle to that half plane.
+double angleOnEdge(const Vector& a, const Vector& b) {
+  Vector t{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const double length = norm(t);
+  for (double& c : t)
+    c /= length;
+  const bool alongX = t[1] == 0 && t[2] == 0;
+  const Vector moved = alongX ? Vector{0, 1, 0} : Vector{1, 0, 0};
+  Vector back{0, 0, 0}, up{0, 0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    back[k] = dot(moved, t) * t[k] - moved[k];
+    up[k] = (k == 2 ? 1.0 : 0.0) - t[2] * t[k];
+  }
+  return -2 * std::atan2(dot(t, cross(back, up)), dot(back, up));
+}
+
 // Solid angle of the spherical triangle of directions a, b and straight up (Van Oosterom and
 // Strackee 1983, with one corner at infinity).
 double angleUp(const Vector& a, const Vector& b) {
+  if (isZero(a)) // seen from (e, e^2, e^3) the end lies in direction -x
+    return isZero(b) ? 0.0 : angleUp({-1, 0, 0}, b);
+  if (isZero(b))
+    return -angleUp({-1, 0, 0}, a);
   const double sine = turn(a, b);
   if (sine == 0)
     return 0; // an edge straight up and down has no curtain
@@ -81,7 +117,10 @@ double angleUp(const Vector& a, const Vector& b) {
   if (b[0] == 0 && b[1] == 0)
     return b[2] < 0 ? -angleFromPole(a) : 0.0;
   const double la = norm(a), lb = norm(b);
-  return 2 * std::atan2(sine, la * lb + dot(a, b) + lb * a[2] + la * b[2]);
+  const double cosine = la * lb + dot(a, b) + lb * a[2] + la * b[2];
+  if (std::abs(sine) + std::abs(cosine) < 1e-9 * la * lb && isBetween(a, b))
+    return angleOnEdge(a, b);
+  return 2 * std::atan2(sine, cosine);
 }
 
 double distanceToBox(const LatticePoint& p, const LatticePoint& low, const LatticePoint& high) {
@@ -231,6 +270,12 @@ void RimWinding::fillMoments(Node& node) const {
     for (double& c : n)
       c *= e.weight / 2.0;
     for (std::size_t k = 0; k < 3; ++k) {
+      const double edge = (b[k] - a[k]) * e.weight;
+      node.way[k] += edge;
+      for (std::size_t l = 0; l < 3; ++l)
+        node.current[3 * k + l] += edge * sum[l] / 2;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
       node.dipole[k] += n[k];
       for (std::size_t l = 0; l < 3; ++l) {
         second[k][l] += n[k] * sum[l] / 3;
@@ -328,30 +373,116 @@ double RimWinding::at(const LatticePoint& p) const {
   return angle / (4 * kPi);
 }
 
-double RimWinding::gradientBound(const LatticePoint& centre, double reach, double enough) const {
-  double sum = 0;
+namespace {
+
+// Field of a straight current from a to b, seen from 0: integral of dl x r / |r|^3, negative.
+Vector fieldOfEdge(const Vector& a, const Vector& b) {
+  const double la = norm(a), lb = norm(b);
+  const double below = la * lb * (la * lb + dot(a, b));
+  Vector field = cross(a, b);
+  for (double& c : field)
+    c *= below > 0 ? (la + lb) / below : 0.0;
+  return field;
+}
+
+} // namespace
+
+// To first order in the edges' places within the cluster, r = R + y: the integral of
+// r x dl / |r|^3 = R x way / R^3 + sum over j of (d/dR_j (R / R^3)) x (sum of dl y_j).
+Vector RimWinding::fieldFromAfar(const Node& node, const Vector& r) {
+  const double inverse = 1 / norm(r);
+  const double i2 = inverse * inverse, i3 = i2 * inverse;
+  Vector field = cross(r, node.way);
+  for (double& c : field)
+    c *= i3;
+  for (std::size_t j = 0; j < 3; ++j) {
+    Vector change{0, 0, 0};
+    for (std::size_t k = 0; k < 3; ++k)
+      change[k] = ((k == j ? 1.0 : 0.0) - 3 * r[j] * r[k] * i2) * i3;
+    const Vector part = cross(change, {node.current[j], node.current[3 + j], node.current[6 + j]});
+    for (std::size_t k = 0; k < 3; ++k)
+      field[k] += part[k];
+  }
+  return field;
+}
+
+RimWinding::Slope RimWinding::slope(const LatticePoint& centre, double reach) const {
+  Slope slope;
   const auto count = static_cast<std::uint32_t>(nodes_.size());
-  for (std::uint32_t index = 0; index < count && sum <= 4 * kPi * enough;) {
+  // |d/dr (r / |r|^3)| is 2 / |r|^3; over an endless straight line that sums up to 4 / d^2.
+  for (std::uint32_t index = 0; index < count;) {
     const Node& node = nodes_[index];
     const double distance = distanceToBox(centre, node.boxMin, node.boxMax) - reach;
-    if (distance > 4 * node.radius) {
-      sum += node.length / (distance * distance);
+    if (distance > 3 * node.radius) {
+      slope.bend += 2 * node.length / (distance * distance * distance);
       index = node.skip;
     } else if (node.leaf) {
       for (std::uint32_t i = node.begin; i != node.end; ++i) {
         const RimEdge& e = edges_[i];
         const double d = distanceToSegment(centre, e.a, e.b) - reach;
-        if (d <= 0)
-          return std::numeric_limits<double>::infinity();
-        // The second is that of an endless straight line.
-        sum += std::abs(e.weight) * std::min(norm(from(e.a, e.b)) / (d * d), 2 / d);
+        if (d <= 0) {
+          slope.bend = std::numeric_limits<double>::infinity();
+          return slope;
+        }
+        slope.bend +=
+            std::abs(e.weight) * std::min(2 * norm(from(e.a, e.b)) / (d * d * d), 4 / (d * d));
       }
       index = node.skip;
     } else {
       ++index;
     }
   }
-  return sum / (4 * kPi);
+  slope.bend /= 4 * kPi;
+
+  const auto add = [&](const Vector& field, double weight) {
+    for (std::size_t k = 0; k < 3; ++k)
+      slope.gradient[k] += weight * field[k] / (4 * kPi);
+  };
+  for (std::uint32_t index = 0; index < count;) {
+    const Node& node = nodes_[index];
+    const Vector r = from(centre, node.centre);
+    const double distance = norm(r) - node.radius;
+    // Second derivatives of r / |r|^3 are at most 6 / |r|^4, over 2!.
+    const double error = distance > 0 ? 3 * node.length * node.radius * node.radius /
+                                            (distance * distance * distance * distance)
+                                      : std::numeric_limits<double>::infinity();
+    if (error < 1e-3 * slope.bend * reach) {
+      add(fieldFromAfar(node, r), 1);
+      slope.error += error / (4 * kPi);
+      index = node.skip;
+    } else if (node.leaf) {
+      for (std::uint32_t i = node.begin; i != node.end; ++i)
+        add(fieldOfEdge(from(centre, edges_[i].a), from(centre, edges_[i].b)), edges_[i].weight);
+      index = node.skip;
+    } else {
+      ++index;
+    }
+  }
+  return slope;
+}
+
+bool RimWinding::mayJump(const LatticePoint& centre, double reach) const {
+  const auto over = [&](const LatticePoint& low, const LatticePoint& high) {
+    return low.x <= centre.x + reach && high.x >= centre.x - reach && low.y <= centre.y + reach &&
+           high.y >= centre.y - reach && low.z <= centre.z + reach;
+  };
+  const auto count = static_cast<std::uint32_t>(nodes_.size());
+  for (std::uint32_t index = 0; index < count;) {
+    const Node& node = nodes_[index];
+    if (!over(node.boxMin, node.boxMax)) {
+      index = node.skip;
+      continue;
+    }
+    if (node.leaf)
+      for (std::uint32_t i = node.begin; i != node.end; ++i) {
+        const LatticePoint &a = edges_[i].a, &b = edges_[i].b;
+        if (over({std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
+                 {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}))
+          return true;
+      }
+    ++index;
+  }
+  return false;
 }
 
 RimWinding::Ball RimWinding::reach() const {

@@ -30,7 +30,7 @@ struct RimEdge {
 };
 
 /// Error of RimWinding::at(), as a winding number.
-constexpr double kRimWindingError = 1e-6;
+constexpr double kRimWindingError = 1e-5;
 
 /// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
 /// part in any result.
@@ -46,10 +46,20 @@ public:
   /// kRimWindingError. Exact in which side of the curtain p is on.
   double at(const LatticePoint& p) const;
 
-  /// Upper bound on |gradient of N + s| off the faces within `reach` of `centre`, per lattice unit:
-  /// by Biot and Savart, the sum of length / distance^2 over the rim, divided by 4 pi. Stops
-  /// counting above `enough`; infinite where the rim is within reach.
-  double gradientBound(const LatticePoint& centre, double reach, double enough) const;
+  /// N + s around a point, off the faces, per lattice unit: the gradient at the point (by Biot and
+  /// Savart: minus the magnetic field of a current in the rim, over 4 pi), its error, and an upper
+  /// bound on the second derivative in any direction within `reach`. `bend` is infinite where the
+  /// rim is within reach, and the rest is not computed then.
+  struct Slope {
+    std::array<double, 3> gradient{0, 0, 0};
+    double error = 0;
+    double bend = 0;
+  };
+  Slope slope(const LatticePoint& centre, double reach) const;
+
+  /// Whether s itself, whole numbers included, may jump within the upright square prism of points
+  /// up to `reach` from `centre` along every axis: whether a curtain may stand there.
+  bool mayJump(const LatticePoint& centre, double reach) const;
 
   /// Outside this ball N + s is within 0.45 of a whole number.
   struct Ball {
@@ -70,6 +80,8 @@ private:
     std::uint32_t skip;       // the node after the whole cluster, depth first
     bool leaf;
     std::uint32_t looseBegin, looseEnd;
+    std::array<double, 3> way;     // sum of the edges as vectors
+    std::array<double, 9> current; // of edge vector times middle: xx xy xz yx ...
     std::array<double, 3> dipole;
     double trace;
     std::array<double, 6> quadrupole; // xx yy zz xy xz yz
@@ -86,6 +98,7 @@ private:
   void fillMoments(Node& node) const;
   void fillLooseEnds(Node& node);
   double fromAfar(const Node& node, const LatticePoint& p) const;
+  static std::array<double, 3> fieldFromAfar(const Node& node, const std::array<double, 3>& r);
 
   std::vector<RimEdge> edges_;
   std::vector<Node> nodes_;

@@ -11,37 +11,57 @@
 namespace tetvdb {
 namespace {
 
-using Corner = std::array<std::int64_t, 3>;
-
+constexpr double kHalfVoxel = static_cast<double>(kUnitsPerVoxel) / 2;
 // Halves count as passed a little late (nearestWinding()), and at() has its error.
 constexpr double kMargin = 3 * kRimWindingError;
 
+LatticePoint centreOf(const std::array<std::int64_t, 3>& voxel) {
+  return {static_cast<double>(voxel[0] * kUnitsPerVoxel),
+          static_cast<double>(voxel[1] * kUnitsPerVoxel),
+          static_cast<double>(voxel[2] * kUnitsPerVoxel)};
+}
+
+// Distance to the nearest half.
+double toHalf(double winding) {
+  return std::abs(winding - std::floor(winding) - 0.5);
+}
+
 } // namespace
+
+struct RimBand::Middle {
+  LatticePoint centre{0, 0, 0};
+  double reach = 0; // from the centre to a corner
+  double winding = 0;
+  RimWinding::Slope slope;
+};
 
 std::int32_t nearestWinding(double winding) {
   const double size = std::ceil(std::abs(winding) - 0.5 - kRimWindingError);
   return static_cast<std::int32_t>(winding < 0 ? -size : size);
 }
 
-bool RimBand::mayPassHalf(const Corner& first, std::int64_t size) const {
-  const double half = static_cast<double>(kUnitsPerVoxel) / 2;
+bool RimBand::mayPassHalf(const Corner& first, std::int64_t size, Middle& middle) const {
   const auto steps = static_cast<double>(size - 1);
-  const LatticePoint centre{(2 * static_cast<double>(first[0]) + steps) * half,
-                            (2 * static_cast<double>(first[1]) + steps) * half,
-                            (2 * static_cast<double>(first[2]) + steps - 1) * half};
-  const double reach = half * std::sqrt(2 * steps * steps + (steps + 1) * (steps + 1));
-  const double change = reach * rim_.gradientBound(centre, reach, 0.5 / reach);
+  const LatticePoint low = centreOf(first);
+  middle.centre = {low.x + steps * kHalfVoxel, low.y + steps * kHalfVoxel,
+                   low.z + (steps - 1) * kHalfVoxel};
+  middle.reach = kHalfVoxel * std::sqrt(2 * steps * steps + (steps + 1) * (steps + 1));
+  middle.slope = rim_.slope(middle.centre, middle.reach);
+  const auto& g = middle.slope.gradient;
+  const double steepness = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) + middle.slope.error;
+  const double change = middle.reach * (steepness + middle.slope.bend * middle.reach / 2);
   if (!(change < 0.5))
     return true;
-  const double winding = rim_.at(centre);
-  return std::abs(winding - std::floor(winding) - 0.5) <= change + kMargin;
+  middle.winding = rim_.at(middle.centre);
+  return toHalf(middle.winding) <= change + kMargin;
 }
 
-// Calls visit(first, size) for the boxes of `smallest` voxels a side that may pass a half.
+// Calls visit(first) for the boxes of `smallest` voxels a side that may pass a half.
 template <typename Visit>
 void RimBand::descend(const Corner& first, std::int64_t size, std::int64_t smallest,
                       const Visit& visit) const {
-  if (!mayPassHalf(first, size))
+  Middle middle;
+  if (!mayPassHalf(first, size, middle))
     return;
   if (size == smallest) {
     visit(first);
@@ -112,17 +132,46 @@ std::bitset<4096> RimBand::leaves(const NodeIndex& node) const {
 void RimBand::look(const Vec3i& firstVoxel, Leaf& leaf) const {
   leaf.flags.fill(0);
   const Corner first{firstVoxel[0], firstVoxel[1], firstVoxel[2]};
-  descend(first, kLeafSize, 2, [&](const Corner& pair) {
-    for (int i = 0; i < 8; ++i) {
-      const Corner voxel{pair[0] + (i >> 2), pair[1] + (i >> 1 & 1), pair[2] + (i & 1)};
-      const auto x = static_cast<std::size_t>(voxel[0] - first[0]);
-      const auto bit = static_cast<std::size_t>((voxel[1] - first[1]) * 8 + voxel[2] - first[2]);
-      leaf.flags[x] |= std::uint64_t(1) << bit;
-      leaf.values[x * 64 + bit] = rim_.at({static_cast<double>(voxel[0] * kUnitsPerVoxel),
-                                           static_cast<double>(voxel[1] * kUnitsPerVoxel),
-                                           static_cast<double>(voxel[2] * kUnitsPerVoxel)});
-    }
-  });
+  look(first, first, kLeafSize, leaf);
+}
+
+// A box that no curtain stands in has few voxels for which value and slope in its middle do not
+// tell the nearest whole number; other boxes are split.
+void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size, Leaf& leaf) const {
+  Middle middle;
+  if (!mayPassHalf(first, size, middle))
+    return;
+  const RimWinding::Slope& slope = middle.slope;
+  const double unsure = middle.reach * (slope.error + slope.bend * middle.reach / 2);
+  const bool predict = size > 1 && unsure < 0.1 &&
+                       !rim_.mayJump(middle.centre, static_cast<double>(size) * kHalfVoxel);
+  if (size > 2 && !predict) {
+    const std::int64_t half = size / 2;
+    for (int child = 0; child < 8; ++child)
+      look(origin,
+           {first[0] + (child >> 2) * half, first[1] + (child >> 1 & 1) * half,
+            first[2] + (child & 1) * half},
+           half, leaf);
+    return;
+  }
+  const double here = predict ? rim_.at(middle.centre) : 0;
+  for (std::int64_t x = first[0]; x < first[0] + size; ++x)
+    for (std::int64_t y = first[1]; y < first[1] + size; ++y)
+      for (std::int64_t z = first[2]; z < first[2] + size; ++z) {
+        const LatticePoint p = centreOf({x, y, z});
+        const double dx = p.x - middle.centre.x, dy = p.y - middle.centre.y,
+                     dz = p.z - middle.centre.z;
+        double value =
+            here + slope.gradient[0] * dx + slope.gradient[1] * dy + slope.gradient[2] * dz;
+        const double square = dx * dx + dy * dy + dz * dz;
+        if (!predict ||
+            toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
+          value = rim_.at(p);
+        const auto i = static_cast<std::size_t>(x - origin[0]);
+        const auto bit = static_cast<std::size_t>((y - origin[1]) * 8 + z - origin[2]);
+        leaf.flags[i] |= std::uint64_t(1) << bit;
+        leaf.values[i * 64 + bit] = value;
+      }
 }
 
 } // namespace tetvdb

@@ -17,8 +17,9 @@
 namespace tetvdb {
 
 /// A box of voxels stands for the columns through their centres, from the centre below the lowest
-/// to the highest: what a sum carried up through the box passes. It is passed over if, by the
-/// gradient bound, the winding number stays clear of every half in it, faces aside.
+/// to the highest: what a sum carried up through the box passes. It is passed over if the winding
+/// number, faces aside, stays clear of every half in it, by its value and slope in the middle and
+/// the bound on its second derivative.
 class RimBand {
 public:
   /// `rim` must outlive it.
@@ -40,10 +41,14 @@ public:
   void look(const Vec3i& firstVoxel, Leaf& leaf) const;
 
 private:
-  bool mayPassHalf(const std::array<std::int64_t, 3>& first, std::int64_t size) const;
+  using Corner = std::array<std::int64_t, 3>;
+  struct Middle;
+  // Whether the winding number may pass a half in a box; `middle` is then what is known about it.
+  bool mayPassHalf(const Corner& first, std::int64_t size, Middle& middle) const;
   template <typename Visit>
-  void descend(const std::array<std::int64_t, 3>& first, std::int64_t size, std::int64_t smallest,
+  void descend(const Corner& first, std::int64_t size, std::int64_t smallest,
                const Visit& visit) const;
+  void look(const Corner& origin, const Corner& first, std::int64_t size, Leaf& leaf) const;
 
   const RimWinding& rim_;
 };

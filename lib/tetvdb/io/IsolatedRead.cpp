@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <fcntl.h>
+#include <fstream>
+#include <new>
 #include <poll.h>
 #include <string_view>
 #include <sys/resource.h>
@@ -84,18 +87,59 @@ public:
       number(id);
       text(name);
     }
+    findings(report);
+  }
+  void mesh(const TriangleMesh& mesh, const Report& report) {
+    number(Outcome::Mesh);
+    array(mesh.points);
+    array(mesh.triangles);
+    number<std::uint64_t>(mesh.faceCount);
+    text(mesh.units);
+    findings(report);
+  }
+  void failure(Status status, std::string_view message) {
+    number(Outcome::Failure);
+    number(status);
+    text(message);
+  }
+
+private:
+  void findings(const Report& report) {
     number<std::uint64_t>(report.warnings.size());
     for (const Warning& warning : report.warnings) {
       text(warning.code);
       text(warning.text);
     }
+    number(static_cast<std::uint8_t>(report.partial));
   }
 
-private:
   int pipe_;
 };
 
-[[noreturn]] void runChild(const std::function<CellMesh(Report&, Progress&)>& read, int pipe) {
+// What the handler of the child's failed allocations needs, made before memory is short.
+int childPipe = -1;
+std::string childOutOfMemory;
+
+/// Allocations of the libraries fail in the midst of code that was never tested for it: the child
+/// ends at once.
+[[noreturn]] void endOutOfMemory() {
+  Sender(childPipe).failure(Status::Limit, childOutOfMemory);
+  ::_exit(0);
+}
+
+/// Lets this process take `memory` more bytes of address space.
+void limitMemory(std::uint64_t memory) {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  const std::uint64_t free = availableBytes() / 4 * 3;
+  const rlimit limit{now + std::min(memory, free), now + std::min(memory, free)};
+  ::setrlimit(RLIMIT_AS, &limit);
+}
+
+template <class Mesh>
+[[noreturn]] void runChild(const std::function<Mesh(Report&, Progress&)>& read,
+                           const std::string& path, std::uint64_t memory, int pipe) {
   // The parent answers to the terminal, and a crash here is no news to anyone but the parent.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     std::signal(signal, SIG_IGN);
@@ -107,16 +151,21 @@ private:
   if (nowhere >= 0)
     ::dup2(nowhere, STDERR_FILENO);
 
+  childPipe = pipe;
+  childOutOfMemory = path + ": not enough memory to read the mesh; split it into several files or "
+                            "use a machine with more memory";
+  std::set_new_handler(endOutOfMemory);
+  if (memory > 0)
+    limitMemory(memory);
+
   Sender out(pipe);
   try {
     Report report;
     Progress progress;
-    const CellMesh mesh = read(report, progress);
+    const Mesh mesh = read(report, progress);
     out.mesh(mesh, report);
   } catch (const Error& error) {
-    out.number(Outcome::Failure);
-    out.number(error.status());
-    out.text(error.what());
+    out.failure(error.status(), error.what());
   } catch (const std::exception&) {
     ::_exit(1);
   }
@@ -177,8 +226,15 @@ public:
     return value;
   }
 
-  CellMesh mesh(Report& report) {
-    CellMesh mesh;
+  void mesh(TriangleMesh& mesh, Report& report) {
+    array(mesh.points);
+    array(mesh.triangles);
+    mesh.faceCount = number<std::uint64_t>();
+    mesh.units = text();
+    findings(report);
+    checkMesh(mesh);
+  }
+  void mesh(CellMesh& mesh, Report& report) {
     array(mesh.points);
     array(mesh.nodes);
     for (auto n = number<std::uint64_t>(); n > 0; --n) {
@@ -197,12 +253,8 @@ public:
       const auto id = number<std::int32_t>();
       mesh.regionNames[id] = text();
     }
-    for (auto n = number<std::uint64_t>(); n > 0; --n) {
-      const std::string code = text();
-      report.warn(code, text());
-    }
+    findings(report);
     checkMesh(mesh);
-    return mesh;
   }
 
   [[noreturn]] void fail() const {
@@ -211,6 +263,14 @@ public:
   }
 
 private:
+  void findings(Report& report) {
+    for (auto n = number<std::uint64_t>(); n > 0; --n) {
+      const std::string code = text();
+      report.warn(code, text());
+    }
+    if (number<std::uint8_t>() != 0)
+      report.partial = true;
+  }
   Attribute attribute() {
     Attribute attribute;
     attribute.name = text();
@@ -257,16 +317,26 @@ private:
         fail();
   }
 
+  void checkMesh(const TriangleMesh& mesh) const {
+    if (mesh.triangles.size() % 3 != 0 || mesh.triangles.empty())
+      fail();
+    for (const std::uint32_t corner : mesh.triangles)
+      if (corner >= mesh.points.size())
+        fail();
+    for (const Vec3d& p : mesh.points)
+      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2]))
+        fail();
+  }
+
   pid_t process_;
   int pipe_;
   const std::string& path_;
   Progress& progress_;
 };
 
-} // namespace
-
-CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
-                      const std::string& path, Report& report, Progress& progress) {
+template <class Mesh>
+Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std::string& path,
+                 std::uint64_t memory, Report& report, Progress& progress) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw Error(Status::Limit, path, "no pipe to a reading process", "close other programs");
@@ -278,17 +348,33 @@ CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
   }
   if (process == 0) {
     ::close(ends[0]);
-    runChild(read, ends[1]);
+    runChild(read, path, memory, ends[1]);
   }
   ::close(ends[1]);
   Child child(process, ends[0], path, progress);
   const auto outcome = child.number<Outcome>();
-  if (outcome == Outcome::Mesh)
-    return child.mesh(report);
+  if (outcome == Outcome::Mesh) {
+    Mesh mesh;
+    child.mesh(mesh, report);
+    return mesh;
+  }
   if (outcome != Outcome::Failure)
     child.fail();
   const auto status = child.number<Status>();
   throw Error(status, "", child.text());
+}
+
+} // namespace
+
+CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
+                      const std::string& path, Report& report, Progress& progress) {
+  return readInChild(read, path, 0, report, progress);
+}
+
+TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
+                                   const std::string& path, std::uint64_t memory, Report& report,
+                                   Progress& progress) {
+  return readInChild(read, path, memory, report, progress);
 }
 
 } // namespace tetvdb

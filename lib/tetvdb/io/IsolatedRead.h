@@ -6,17 +6,25 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/CellMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
 namespace tetvdb {
 
-/// Calls `read` in a child process and returns its mesh; its warnings go to `report`. An Error that
-/// it throws is thrown here; where the child dies, Error(Invalid) for `path`. The child has a
-/// Progress of its own and is killed when `progress` is cancelled. `read` must not need other
-/// threads.
+/// Calls `read` in a child process and returns its mesh; its warnings and `partial` go to `report`.
+/// An Error that it throws is thrown here; where the child dies, Error(Invalid) for `path`, where
+/// it runs out of memory Error(Limit). The child has a Progress of its own and is killed when
+/// `progress` is cancelled. `read` must not need other threads.
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress);
+
+/// The same for triangles. The child may take `memory` more bytes than this process has, and no
+/// more than three quarters of what is free.
+TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
+                                   const std::string& path, std::uint64_t memory, Report& report,
+                                   Progress& progress);
 
 } // namespace tetvdb

@@ -2,11 +2,13 @@
 #include "tetvdb/io/TriangleReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/AssimpReader.h"
 #include "tetvdb/io/ObjReader.h"
 #include "tetvdb/io/OffReader.h"
 #include "tetvdb/io/PlyReader.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/io/StlReader.h"
+#include "tetvdb/io/ThreeMfReader.h"
 
 #include <new>
 
@@ -25,6 +27,12 @@ ReadFunction readerOf(MeshFormat format) {
     return readOff;
   case MeshFormat::Ply:
     return readPly;
+  case MeshFormat::ThreeMf:
+    return readThreeMf;
+  case MeshFormat::Gltf:
+  case MeshFormat::Fbx:
+  case MeshFormat::Collada:
+    return readScene;
   default:
     return nullptr; // solid cells, or unknown
   }

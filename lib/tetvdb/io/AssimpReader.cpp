@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/AssimpReader.h"
+
+#include "tetvdb/core/Error.h"
+
+#ifdef TETVDB_ASSIMP
+
+#include "tetvdb/io/IsolatedRead.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/PlacedFaces.h"
+
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/importerdesc.h>
+#include <assimp/scene.h>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMaxNodes = std::size_t(1) << 22;
+constexpr std::size_t kMaxDepth = 1024;
+// assimp was seen to take 13 bytes a byte of binary, and text packs numbers less densely.
+constexpr std::uint64_t kMemoryPerByte = 100;
+constexpr std::uint64_t kMemory = std::uint64_t(4) << 30;
+
+Placement toPlacement(const aiMatrix4x4& m) {
+  Placement placement;
+  for (unsigned i = 0; i < 3; ++i)
+    for (unsigned j = 0; j < 4; ++j)
+      placement.rows[i][j] = static_cast<double>(m[i][j]);
+  return placement;
+}
+
+/// assimp's other importers crash on damaged files, and signatures are for us to tell.
+void keepImporters(Assimp::Importer& importer, std::string_view part) {
+  std::vector<Assimp::BaseImporter*> others;
+  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
+    const aiImporterDesc* description = importer.GetImporterInfo(i);
+    if (description == nullptr ||
+        std::string_view(description->mName).find(part) == std::string_view::npos)
+      others.push_back(importer.GetImporter(i));
+  }
+  for (Assimp::BaseImporter* other : others) {
+    importer.UnregisterLoader(other);
+  }
+}
+
+class Scene {
+public:
+  Scene(const Source& source, MeshFormat format)
+      : source_(source), format_(format), faces_(source.path) {}
+
+  TriangleMesh read(Report& report) {
+    Assimp::Importer importer;
+    keepImporters(importer, format_ == MeshFormat::Gltf  ? "glTF"
+                            : format_ == MeshFormat::Fbx ? "FBX"
+                                                         : "Collada");
+    // Axes and points of rotation are what they are in the file; nothing but meshes is wanted.
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+    scene_ = importer.ReadFile(source_.path, 0);
+    if (scene_ == nullptr)
+      throw Error(Status::Invalid, source_.path, "cannot be read: " + reason(importer),
+                  "the file is damaged; export it again");
+    if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
+      throw Error(Status::Invalid, source_.path, "it holds no meshes", "export them too");
+
+    Placement world;
+    std::string units = "metre";
+    if (format_ == MeshFormat::Fbx) {
+      const double scale = fbxScale();
+      for (std::size_t i = 0; i < 3; ++i)
+        world.rows[i][i] = scale;
+      units = "centimetre";
+    } else if (format_ == MeshFormat::Collada) {
+      units = colladaUnits();
+    }
+    addNode(*scene_->mRootNode, world, 0);
+    TriangleMesh mesh = faces_.finish(report);
+    mesh.units = units;
+    return mesh;
+  }
+
+private:
+  static std::string reason(const Assimp::Importer& importer) {
+    std::string line;
+    for (const char* c = importer.GetErrorString(); *c != '\0' && line.size() < 200; ++c)
+      line += *c < ' ' || *c > '~' ? ' ' : *c;
+    return line.empty() ? "assimp gives no reason" : line;
+  }
+
+  void addNode(const aiNode& node, const Placement& parent, std::size_t depth) {
+    if (++nodes_ > kMaxNodes || depth > kMaxDepth)
+      throw Error(Status::Limit, source_.path, "its nodes are too many or nested too deeply",
+                  "merge the parts and export it again");
+    const Placement placement = parent * toPlacement(node.mTransformation);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+      if (node.mMeshes[i] < scene_->mNumMeshes)
+        addMesh(*scene_->mMeshes[node.mMeshes[i]], placement);
+    for (unsigned i = 0; i < node.mNumChildren; ++i)
+      addNode(*node.mChildren[i], placement, depth + 1);
+  }
+
+  void addMesh(const aiMesh& mesh, const Placement& placement) {
+    faces_.beginMesh(placement, mesh.mNumVertices);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      faces_.addPoint(
+          {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices > 2) // lines and points are no faces
+        faces_.addPolygon(face.mIndices, face.mNumIndices);
+    }
+  }
+
+  /// Centimetres in a unit of the file.
+  double fbxScale() const {
+    double scale = 1;
+    float single = 1;
+    if (scene_->mMetaData == nullptr)
+      return 1;
+    if (!scene_->mMetaData->Get("UnitScaleFactor", scale) &&
+        scene_->mMetaData->Get("UnitScaleFactor", single))
+      scale = static_cast<double>(single);
+    return std::isfinite(scale) && scale > 0 ? scale : 1;
+  }
+
+  /// From <unit meter="0.01">, which is near the beginning; metres where there is none.
+  std::string colladaUnits() const {
+    const std::string_view head = source_.bytes.substr(0, 65536);
+    const std::size_t unit = head.find("<unit");
+    if (unit == head.npos)
+      return "metre";
+    const std::string_view element = head.substr(unit, head.substr(unit).find('>'));
+    const std::size_t meter = element.find("meter=");
+    if (meter == element.npos)
+      return "metre";
+    const double size = std::strtod(std::string(element.substr(meter + 7, 40)).c_str(), nullptr);
+    constexpr std::pair<double, const char*> known[] = {{1, "metre"},          {0.01, "centimetre"},
+                                                        {0.001, "millimetre"}, {1e-6, "micrometre"},
+                                                        {0.0254, "inch"},      {0.3048, "foot"}};
+    for (const auto& [length, name] : known)
+      if (std::abs(size - length) <= 1e-6 * length)
+        return name;
+    return {};
+  }
+
+  const Source& source_;
+  MeshFormat format_;
+  PlacedFaces faces_;
+  const aiScene* scene_ = nullptr;
+  std::size_t nodes_ = 0;
+};
+
+} // namespace
+
+TriangleMesh readScene(const Source& source, Report& report, Progress& progress) {
+  const MeshFormat format = sniffMeshFormat(source.bytes, source.path);
+  return readTrianglesIsolated(
+      [&](Report& found, Progress&) { return Scene(source, format).read(found); }, source.path,
+      kMemory + kMemoryPerByte * source.bytes.size(), report, progress);
+}
+
+} // namespace tetvdb
+
+#else
+
+namespace tetvdb {
+
+TriangleMesh readScene(const Source& source, Report&, Progress&) {
+  throw Error(
+      Status::Invalid, source.path,
+      "glTF, FBX and COLLADA files are read by assimp, which this program was built without",
+      "install libassimp-dev and build it again, or export the mesh as STL or OBJ");
+}
+
+} // namespace tetvdb
+
+#endif

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Triangles into .3mf, by lib3mf.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <string>
+
+namespace tetvdb {
+
+/// One object, built once, coordinates as floats; `units` is kept, millimetre where there is none
+/// or 3MF has none of that name. 3MF has no faces that name a point twice: they are left out.
+/// Throws Error(Limit) for more points or faces than lib3mf counts, Error(Invalid) where no face is
+/// left, Error(Write).
+void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& progress);
+
+} // namespace tetvdb

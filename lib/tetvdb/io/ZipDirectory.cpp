@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Format: PKWARE, "APPNOTE.TXT - .ZIP File Format Specification", sections 4.3.12 to 4.3.16.
+#include "tetvdb/io/ZipDirectory.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/ByteReader.h"
+
+#include <algorithm>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kEndBytes = 22; // the record at the end, without its comment
+constexpr std::size_t kLocatorBytes = 20;
+constexpr std::uint32_t kInZip64 = UINT32_MAX; // the number stands in a ZIP64 field
+constexpr std::uint64_t kFreeBytes = std::uint64_t(64) << 20;
+constexpr std::uint64_t kLargestRatio = 200;
+
+constexpr std::string_view kEndMark("PK\x05\x06", 4);
+constexpr std::string_view kEndMark64("PK\x06\x06", 4);
+constexpr std::string_view kLocatorMark("PK\x06\x07", 4);
+constexpr std::string_view kEntryMark("PK\x01\x02", 4);
+
+[[noreturn]] void failDamaged(const Source& source) {
+  throw Error(Status::Invalid, source.path, "it is no whole ZIP archive",
+              "the file is damaged or cut off; export it again");
+}
+
+struct Directory {
+  std::uint64_t entries, offset;
+};
+
+Directory findDirectory(const Source& source) {
+  const std::string_view bytes = source.bytes;
+  const std::size_t end = bytes.rfind(kEndMark);
+  if (end == bytes.npos || bytes.size() - end < kEndBytes)
+    failDamaged(source);
+  ByteReader in(source, false, end + 10);
+  Directory found{in.get<std::uint16_t>(), 0};
+  in.skip(4);
+  found.offset = in.get<std::uint32_t>();
+  if (end < kLocatorBytes || bytes.substr(end - kLocatorBytes, 4) != kLocatorMark)
+    return found;
+  in.seek(end - kLocatorBytes + 8);
+  in.seek(in.get<std::uint64_t>());
+  if (in.take(4) != kEndMark64)
+    failDamaged(source);
+  in.skip(28);
+  found.entries = in.get<std::uint64_t>();
+  in.skip(8);
+  found.offset = in.get<std::uint64_t>();
+  return found;
+}
+
+/// Sizes of 64 bits, in this order, for those of 32 bits that say so.
+void readZip64(ByteReader extra, ZipEntry& entry) {
+  constexpr std::uint16_t zip64 = 1;
+  while (extra.remaining() >= 4) {
+    const auto id = extra.get<std::uint16_t>();
+    const auto size = extra.get<std::uint16_t>();
+    if (id != zip64) {
+      extra.skip(size);
+      continue;
+    }
+    if (entry.unpacked == kInZip64)
+      entry.unpacked = extra.get<std::uint64_t>();
+    if (entry.packed == kInZip64)
+      entry.packed = extra.get<std::uint64_t>();
+    return;
+  }
+}
+
+} // namespace
+
+std::vector<ZipEntry> readZipDirectory(const Source& source) {
+  const Directory directory = findDirectory(source);
+  ByteReader in(source);
+  in.seek(directory.offset);
+  in.checkCount(directory.entries, 46, "files");
+  std::vector<ZipEntry> entries;
+  for (std::uint64_t i = 0; i < directory.entries; ++i) {
+    if (in.take(4) != kEntryMark)
+      failDamaged(source);
+    in.skip(16);
+    ZipEntry entry;
+    entry.packed = in.get<std::uint32_t>();
+    entry.unpacked = in.get<std::uint32_t>();
+    const auto nameBytes = in.get<std::uint16_t>();
+    const auto extraBytes = in.get<std::uint16_t>();
+    const auto commentBytes = in.get<std::uint16_t>();
+    in.skip(12);
+    entry.name = in.take(nameBytes);
+    readZip64(ByteReader(in.take(extraBytes), source.path), entry);
+    in.skip(commentBytes);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::uint64_t checkUnpackedSize(const std::vector<ZipEntry>& entries, const Source& source) {
+  const std::uint64_t size = source.bytes.size();
+  const std::uint64_t limit = std::max(kFreeBytes, kLargestRatio * size);
+  std::uint64_t packed = 0, unpacked = 0;
+  for (const ZipEntry& entry : entries) {
+    if (entry.packed > size - packed)
+      throw Error(Status::Invalid, source.path, "the files in it overlap",
+                  "it is no archive that an exporter writes; export it again");
+    packed += entry.packed;
+    if (entry.unpacked > limit - unpacked)
+      throw Error(Status::Limit, source.path,
+                  "what is packed in it would take more than " + std::to_string(limit >> 20) +
+                      " MiB, over " + std::to_string(limit / size) + " times the file's size",
+                  "unpack and check it, or export it again");
+    unpacked += entry.unpacked;
+  }
+  return unpacked;
+}
+
+} // namespace tetvdb

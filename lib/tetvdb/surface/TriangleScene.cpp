@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/TriangleScene.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/VectorMath.h"
+
+#include <algorithm>
+#include <cmath>
+#include <embree3/rtcore.h>
+#include <string>
+#include <tuple>
+
+namespace tetvdb {
+namespace {
+
+// In the scene's own units, where the mesh's box reaches from -1 to 1: more than what rounding to
+// floats moves a vertex or a point within the box.
+constexpr double kRounding = 4e-7;
+
+[[noreturn]] void fail(RTCError error) {
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    throw Error(Status::Limit, "", "out of memory for the search structure of the triangles");
+  throw Error(Status::Invalid, "",
+              "Embree failed with error " + std::to_string(static_cast<int>(error)));
+}
+
+struct ClosestQuery {
+  const TriangleMesh& mesh;
+  Vec3d point;
+  double scale, slack; ///< scene units a world unit; what the scene may be wrong by
+  double bound;        ///< squared, world units: nearer than this only
+  std::uint32_t triangle = 0xFFFFFFFFu;
+  Vec3d offset{0, 0, 0};
+
+  float radius() const {
+    const double r = (std::sqrt(bound) * scale + slack) * (1 + 4e-6);
+    return std::isfinite(r) && r < 1e30 ? static_cast<float>(r)
+                                        : std::numeric_limits<float>::infinity();
+  }
+};
+
+bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
+  auto& query = *static_cast<ClosestQuery*>(arguments->userPtr);
+  const std::uint32_t* v = query.mesh.triangles.data() + std::size_t(3) * arguments->primID;
+  const NearestOffset nearest = nearestOnTriangle(minus(query.mesh.points[v[0]], query.point),
+                                                  minus(query.mesh.points[v[1]], query.point),
+                                                  minus(query.mesh.points[v[2]], query.point));
+  const bool tie = nearest.squared == query.bound && arguments->primID < query.triangle &&
+                   query.triangle != 0xFFFFFFFFu;
+  if (!(nearest.squared < query.bound) && !tie)
+    return false;
+  query.bound = nearest.squared;
+  query.offset = nearest.offset;
+  query.triangle = arguments->primID;
+  if (tie)
+    return false;
+  arguments->query->radius = query.radius();
+  return true;
+}
+
+struct CrossingQuery {
+  RTCIntersectContext context; // first: Embree hands back a pointer to it
+  std::vector<std::uint32_t>* triangles;
+};
+
+// Writes down every triangle and lets the ray go on.
+void recordCrossing(const RTCFilterFunctionNArguments* arguments) {
+  auto* query = reinterpret_cast<CrossingQuery*>(arguments->context);
+  query->triangles->push_back(RTCHitN_primID(arguments->hit, arguments->N, 0));
+  arguments->valid[0] = 0;
+}
+
+} // namespace
+
+struct TriangleScene::Impl {
+  const TriangleMesh& mesh;
+  Vec3d low{0, 0, 0}, high{0, 0, 0}, centre{0, 0, 0};
+  double scale = 1; ///< scene units a world unit
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+
+  explicit Impl(const TriangleMesh& m) : mesh(m) {}
+  ~Impl() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void fitBox();
+  void build();
+  Vec3d toScene(const Vec3d& p) const { return times(minus(p, centre), scale); }
+  bool clip(const Vec3d& origin, const Vec3d& direction, double& t0, double& t1) const;
+};
+
+void TriangleScene::Impl::fitBox() {
+  if (mesh.triangles.empty())
+    return;
+  low = high = mesh.points[mesh.triangles[0]];
+  for (const std::uint32_t v : mesh.triangles)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], mesh.points[v][axis]);
+      high[axis] = std::max(high[axis], mesh.points[v][axis]);
+    }
+  double half = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    centre[axis] = low[axis] / 2 + high[axis] / 2;
+    half = std::max({half, high[axis] - centre[axis], centre[axis] - low[axis]});
+  }
+  if (half > 0 && std::isfinite(1 / half))
+    scale = 1 / half;
+}
+
+void TriangleScene::Impl::build() {
+  device = rtcNewDevice(nullptr);
+  if (device == nullptr)
+    fail(rtcGetDeviceError(nullptr));
+  scene = rtcNewScene(device);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* points = static_cast<float*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              3 * sizeof(float), std::max(mesh.points.size(), std::size_t(1))));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
+      std::max(mesh.triangleCount(), std::size_t(1))));
+  if (points != nullptr && indices != nullptr) {
+    points[0] = points[1] = points[2] = 0;
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+      const Vec3d p = toScene(mesh.points[i]);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        points[3 * i + axis] = static_cast<float>(p[axis]);
+    }
+    indices[0] = indices[1] = indices[2] = 0;
+    std::copy(mesh.triangles.begin(), mesh.triangles.end(), indices);
+    rtcCommitGeometry(geometry);
+    if (!mesh.triangles.empty())
+      rtcAttachGeometry(scene, geometry);
+  }
+  rtcReleaseGeometry(geometry);
+  rtcJoinCommitScene(scene); // in the caller's arena
+  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
+    fail(error);
+}
+
+// The part of the ray that is in the mesh's box, with a margin. A distant origin would lose the
+// floats' digits.
+bool TriangleScene::Impl::clip(const Vec3d& origin, const Vec3d& direction, double& t0,
+                               double& t1) const {
+  const double margin = kRounding / scale;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double below = low[axis] - margin - origin[axis];
+    const double above = high[axis] + margin - origin[axis];
+    if (direction[axis] == 0) {
+      if (below > 0 || above < 0)
+        return false;
+      continue;
+    }
+    const double a = below / direction[axis], b = above / direction[axis];
+    t0 = std::max(t0, std::min(a, b));
+    t1 = std::min(t1, std::max(a, b));
+  }
+  return t0 <= t1;
+}
+
+TriangleScene::TriangleScene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {
+  impl_->fitBox();
+  impl_->build();
+}
+
+TriangleScene::~TriangleScene() = default;
+
+void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, double tMax,
+                              std::vector<Hit>& hits) const {
+  hits.clear();
+  const double speed = length(direction) * impl_->scale; // scene units a unit of t
+  double t0 = 0, t1 = tMax;
+  if (impl_->mesh.triangles.empty() || !(speed > 0) || !impl_->clip(origin, direction, t0, t1))
+    return;
+  // Both ends are drawn out a little; which hits count is decided in doubles.
+  t0 -= kRounding / speed;
+  t1 += kRounding / speed;
+  const Vec3d start = impl_->toScene(plus(origin, times(direction, t0)));
+  thread_local std::vector<std::uint32_t> found;
+  found.clear();
+  CrossingQuery query;
+  rtcInitIntersectContext(&query.context);
+  query.context.filter = recordCrossing;
+  query.triangles = &found;
+  RTCRayHit ray{};
+  ray.ray.org_x = static_cast<float>(start[0]);
+  ray.ray.org_y = static_cast<float>(start[1]);
+  ray.ray.org_z = static_cast<float>(start[2]);
+  ray.ray.dir_x = static_cast<float>(direction[0] * impl_->scale / speed);
+  ray.ray.dir_y = static_cast<float>(direction[1] * impl_->scale / speed);
+  ray.ray.dir_z = static_cast<float>(direction[2] * impl_->scale / speed);
+  ray.ray.tfar = static_cast<float>((t1 - t0) * speed);
+  ray.ray.mask = 0xFFFFFFFFu;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &query.context, &ray);
+
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  for (const std::uint32_t triangle : found) {
+    const std::uint32_t* v = impl_->mesh.triangles.data() + std::size_t(3) * triangle;
+    const Vec3d& a = impl_->mesh.points[v[0]];
+    const Vec3d normal =
+        cross(minus(impl_->mesh.points[v[1]], a), minus(impl_->mesh.points[v[2]], a));
+    const double along = dot(normal, direction);
+    const double t = dot(normal, minus(a, origin)) / along;
+    if (t >= 0 && t <= tMax) // false where the ray runs in the triangle's plane, too
+      hits.push_back({t, triangle, along > 0});
+  }
+  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {
+    return std::tie(a.t, a.triangle) < std::tie(b.t, b.triangle);
+  });
+}
+
+TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance) const {
+  Closest result;
+  if (impl_->mesh.triangles.empty() || !(maxDistance > 0))
+    return result;
+  const Vec3d at = impl_->toScene(p);
+  const double far = std::max({std::abs(at[0]), std::abs(at[1]), std::abs(at[2]), 1.0});
+  ClosestQuery closest{impl_->mesh, p, impl_->scale, kRounding * far, maxDistance * maxDistance};
+  RTCPointQuery query{};
+  query.x = static_cast<float>(at[0]);
+  query.y = static_cast<float>(at[1]);
+  query.z = static_cast<float>(at[2]);
+  query.radius = closest.radius();
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(impl_->scene, &query, &context, visitClosest, &closest);
+  if (closest.triangle == 0xFFFFFFFFu)
+    return result;
+  result.distance = std::sqrt(closest.bound);
+  result.triangle = closest.triangle;
+  result.point = plus(p, closest.offset);
+  return result;
+}
+
+} // namespace tetvdb

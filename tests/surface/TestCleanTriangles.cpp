@@ -1,0 +1,518 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "TriangleMeshes.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/surface/CleanTriangles.h"
+
+#include <chrono>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+namespace tetvdb {
+namespace {
+
+using namespace meshes;
+
+CleanCounts clean(TriangleMesh& mesh, const CleanOptions& options = {}) {
+  Progress progress;
+  return cleanTriangles(mesh, options, progress);
+}
+
+TriangleMesh cleaned(TriangleMesh mesh) {
+  clean(mesh);
+  return mesh;
+}
+
+// Points of the box from -2 to 3, away from the round numbers that the solids here begin at.
+std::vector<Vec3d> probes(std::size_t count = 400) {
+  Random random(11);
+  std::vector<Vec3d> points;
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back({random.between(-2, 3), random.between(-2, 3), random.between(-2, 3)});
+  return points;
+}
+
+// Whether the winding number says the same as `expected` about what is solid.
+template <typename Expected>
+void expectSolid(const TriangleMesh& mesh, const Expected& expected) {
+  int wrong = 0;
+  for (const Vec3d& p : probes())
+    wrong += (windingNumberAt(mesh, p) > 0.5) != expected(p);
+  EXPECT_EQ(wrong, 0);
+}
+
+void expectSameSolid(const TriangleMesh& mesh, const TriangleMesh& other) {
+  expectSolid(mesh, [&](const Vec3d& p) { return windingNumberAt(other, p) > 0.5; });
+}
+
+auto inBox(double low, double high) {
+  return [=](const Vec3d& p) {
+    return std::min({p[0], p[1], p[2]}) > low && std::max({p[0], p[1], p[2]}) < high;
+  };
+}
+
+// --- Points and faces.
+
+TEST(CleanTriangles, CleanMeshStaysAsItIs) {
+  for (const TriangleMesh& mesh : {box(), sphere(), torus(), cylinder(), sheet(), moebius(),
+                                   flipped(sheet()), cylinder(1, 1, 32, false)}) {
+    TriangleMesh copy = mesh;
+    const CleanCounts counts = clean(copy);
+    EXPECT_EQ(copy.points, mesh.points);
+    EXPECT_EQ(copy.triangles, mesh.triangles);
+    EXPECT_EQ(counts.weldedPoints + counts.unreferencedPoints + counts.degenerateFaces +
+                  counts.duplicateFaces + counts.flippedFaces + counts.flippedParts,
+              0u);
+    EXPECT_FALSE(counts.insideOut);
+  }
+}
+
+TEST(CleanTriangles, EmptyMesh) {
+  TriangleMesh mesh;
+  clean(mesh);
+  EXPECT_EQ(mesh.triangleCount(), 0u);
+  mesh.points = {{0, 0, 0}, {1, 2, 3}};
+  EXPECT_EQ(clean(mesh).unreferencedPoints, 2u);
+  EXPECT_TRUE(mesh.points.empty());
+}
+
+TEST(CleanTriangles, SoupIsWelded) {
+  const TriangleMesh mesh = torus();
+  TriangleMesh soup = unwelded(mesh);
+  const CleanCounts counts = clean(soup);
+  EXPECT_EQ(soup.points.size(), mesh.points.size());
+  EXPECT_EQ(counts.weldedPoints, mesh.triangles.size() - mesh.points.size());
+  EXPECT_EQ(counts.unreferencedPoints, 0u);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    ASSERT_EQ(soup.points[soup.triangles[i]], mesh.points[mesh.triangles[i]]);
+}
+
+TEST(CleanTriangles, NegativeZeroIsZero) {
+  TriangleMesh soup = unwelded(box());
+  for (std::size_t i = 0; i < soup.points.size(); i += 2)
+    for (double& coordinate : soup.points[i])
+      coordinate = coordinate == 0 ? -0.0 : coordinate;
+  clean(soup);
+  EXPECT_EQ(soup.points.size(), 8u);
+}
+
+TEST(CleanTriangles, WeldDistance) {
+  Random random(2);
+  const TriangleMesh soup = moved(unwelded(box()), [&](Vec3d p) {
+    for (double& coordinate : p)
+      coordinate += random.between(-1e-4, 1e-4);
+    return p;
+  });
+  TriangleMesh near = soup, apart = soup;
+  CleanOptions options;
+  options.weldDistance = 1e-3;
+  clean(near, options);
+  clean(apart);
+  EXPECT_EQ(near.points.size(), 8u);
+  EXPECT_EQ(apart.points.size(), 36u);
+  options.weldDistance = 10; // all becomes one point
+  TriangleMesh nothing = soup;
+  EXPECT_EQ(clean(nothing, options).degenerateFaces, 12u);
+  EXPECT_EQ(nothing.triangleCount(), 0u);
+  for (const double bad : {-1.0, std::nan("")}) {
+    options.weldDistance = bad;
+    EXPECT_THROW(clean(nothing, options), Error);
+  }
+}
+
+TEST(CleanTriangles, OnlyFacesWithARepeatedPointAreDegenerate) {
+  TriangleMesh mesh = box();
+  addTriangle(mesh, 3, 5, 3);
+  addTriangle(mesh, 1, 1, 1);
+  mesh.points.push_back(mesh.points[2]);
+  addTriangle(mesh, 2, 8, 4); // repeated once welded
+  mesh.points.push_back({9, 9, 9});
+  const CleanCounts counts = clean(mesh);
+  EXPECT_EQ(counts.degenerateFaces, 3u);
+  EXPECT_EQ(counts.weldedPoints, 1u);
+  EXPECT_EQ(counts.unreferencedPoints, 1u);
+  EXPECT_EQ(mesh.triangleCount(), 12u);
+}
+
+// A needle without area closes the T-junction on the edge from (0,0,0) to (2,0,0).
+TEST(CleanTriangles, CollinearFacesStay) {
+  TriangleMesh mesh;
+  mesh.points = {{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, -1, 0}};
+  addTriangle(mesh, 0, 1, 3);
+  addTriangle(mesh, 2, 0, 4);
+  addTriangle(mesh, 1, 2, 4);
+  addTriangle(mesh, 0, 2, 1);
+  const TriangleMesh before = mesh;
+  EXPECT_EQ(clean(mesh).degenerateFaces, 0u);
+  EXPECT_EQ(mesh.triangles, before.triangles);
+}
+
+// --- Duplicates.
+
+TEST(CleanTriangles, DoubledModelKeepsOneCopy) {
+  for (const TriangleMesh& mesh :
+       {sphere(), torus(), without(sphere(), [](std::size_t face) { return face % 97 < 3; })})
+    for (const bool reversed : {false, true})
+      for (const int copies : {2, 3, 4}) {
+        TriangleMesh all = mesh;
+        for (int copy = 1; copy < copies; ++copy)
+          append(all, reversed ? flipped(mesh) : mesh);
+        const CleanCounts counts = clean(all);
+        EXPECT_EQ(counts.duplicateFaces, mesh.triangleCount() * std::size_t(copies - 1));
+        EXPECT_EQ(all.triangleCount(), mesh.triangleCount());
+        expectSameSolid(all, mesh);
+      }
+}
+
+TEST(CleanTriangles, PartlyDoubledModelKeepsOneCopyOfEach) {
+  const TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1}, 6);
+  Random random(4);
+  for (const double share : {0.05, 0.5, 0.95})
+    for (const bool reversed : {false, true}) {
+      TriangleMesh all = mesh;
+      append(all, without(reversed ? flipped(mesh) : mesh,
+                          [&](std::size_t) { return random.unit() > share; }));
+      clean(all);
+      EXPECT_EQ(all.triangleCount(), mesh.triangleCount());
+      expectSolid(all, inBox(0, 1));
+    }
+}
+
+TEST(CleanTriangles, WallBetweenTwoBoxesDisappears) {
+  for (const int n : {1, 4}) {
+    TriangleMesh mesh = joined({box({0, 0, 0}, {1, 1, 1}, n), box({1, 0, 0}, {2, 1, 1}, n)});
+    const CleanCounts counts = clean(mesh);
+    // Opposite sides of a box have the same diagonals here, seen from within the box's plane.
+    EXPECT_EQ(counts.duplicateFaces, std::size_t(4 * n * n));
+    EXPECT_EQ(mesh.triangleCount(), std::size_t(20 * n * n));
+    expectSolid(mesh, [](const Vec3d& p) {
+      return p[0] > 0 && p[0] < 2 && std::min(p[1], p[2]) > 0 && std::max(p[1], p[2]) < 1;
+    });
+  }
+}
+
+TEST(CleanTriangles, WallsOfAGridOfBoxesDisappear) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3d low{double(i % 3), double(i / 3 % 3), double(i / 9)};
+    append(mesh, box(low, {low[0] + 1, low[1] + 1, low[2] + 1}));
+  }
+  clean(mesh);
+  EXPECT_EQ(mesh.triangleCount(), 6u * 9 * 2);
+  EXPECT_NEAR(signedVolume(mesh), 27, 1e-12);
+}
+
+TEST(CleanTriangles, WallBetweenTwoDoubledBoxesDisappears) {
+  const TriangleMesh pair = joined({box(), box({1, 0, 0}, {2, 1, 1})});
+  TriangleMesh mesh = joined({pair, flipped(pair)});
+  clean(mesh);
+  EXPECT_EQ(mesh.triangleCount(), 20u);
+  EXPECT_NEAR(signedVolume(mesh), 2, 1e-12);
+}
+
+TEST(CleanTriangles, OfCopiesTheMoreCommonOrientationStays) {
+  TriangleMesh mesh = sheet(1);
+  append(mesh, flipped(sheet(1)));
+  append(mesh, flipped(sheet(1)));
+  CleanOptions options;
+  options.orient = false;
+  clean(mesh, options);
+  EXPECT_EQ(mesh.triangles, cleaned(flipped(sheet(1))).triangles);
+  TriangleMesh kept = joined({sheet(1), sheet(1)});
+  options.duplicates = false;
+  EXPECT_EQ(clean(kept, options).duplicateFaces, 0u);
+  EXPECT_EQ(kept.triangleCount(), 4u);
+}
+
+// --- Sides of faces.
+
+TEST(CleanTriangles, FlippedFacesTurnBack) {
+  for (const TriangleMesh& mesh : {box({0, 0, 0}, {1, 1, 1}, 5), sphere(), torus(), cylinder()})
+    for (const double share : {0.05, 0.3, 0.5, 0.9, 1.0}) {
+      const TriangleMesh spoiled = withFacesFlipped(mesh, share);
+      TriangleMesh result = unwelded(spoiled);
+      CleanCounts counts = clean(result);
+      for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) // first corners never move
+        ASSERT_EQ(result.points[result.triangles[i + 1]], mesh.points[mesh.triangles[i + 1]]);
+      std::size_t different = 0;
+      for (std::size_t i = 1; i < mesh.triangles.size(); i += 3)
+        different += mesh.triangles[i] != spoiled.triangles[i];
+      EXPECT_EQ(counts.flippedFaces, different);
+    }
+}
+
+TEST(CleanTriangles, InsideOutIsSaid) {
+  TriangleMesh mesh = flipped(torus());
+  const CleanCounts counts = clean(mesh);
+  EXPECT_TRUE(counts.insideOut);
+  EXPECT_EQ(counts.flippedParts, 1u);
+  EXPECT_EQ(counts.flippedFaces, mesh.triangleCount());
+  EXPECT_EQ(mesh.triangles, torus().triangles);
+  // One part of two is not the whole mesh.
+  TriangleMesh two = joined({box({0, 0, 0}, {2, 2, 2}), flipped(box({2.5, 0, 0}, {3, 1, 1}))});
+  EXPECT_FALSE(clean(two).insideOut);
+}
+
+TEST(CleanTriangles, OrientOffLeavesEveryFace) {
+  TriangleMesh mesh = flipped(torus());
+  CleanOptions options;
+  options.orient = false;
+  EXPECT_EQ(clean(mesh, options).flippedFaces, 0u);
+  EXPECT_EQ(mesh.triangles, flipped(torus()).triangles);
+}
+
+TEST(CleanTriangles, MoebiusStripStays) {
+  const TriangleMesh mesh = withFacesFlipped(moebius(), 0.3);
+  EXPECT_EQ(cleaned(mesh).triangles, mesh.triangles);
+}
+
+TEST(CleanTriangles, OpenPartsThatSurroundSomethingTurn) {
+  const auto lid = [](std::size_t face) { return face >= 10; };
+  EXPECT_EQ(cleaned(flipped(without(box(), lid))).triangles,
+            cleaned(without(box(), lid)).triangles);
+  const auto cap = [](std::size_t face) { return face < 150; }; // nearly a third of 512
+  EXPECT_EQ(cleaned(flipped(without(sphere(), cap))).triangles,
+            cleaned(without(sphere(), cap)).triangles);
+  EXPECT_EQ(cleaned(flipped(cylinder(1, 1, 32, false))).triangles,
+            cylinder(1, 1, 32, false).triangles);
+}
+
+TEST(CleanTriangles, OneComponentFlippedLeavesNoHole) {
+  const TriangleMesh apart = joined({box(), sphere({2, 2, 2}, 0.7), torus(0.5, 0.2)});
+  TriangleMesh spoiled = joined({box(), flipped(sphere({2, 2, 2}, 0.7)), torus(0.5, 0.2)});
+  EXPECT_EQ(clean(spoiled).flippedParts, 1u);
+  EXPECT_EQ(spoiled.triangles, apart.triangles);
+  // Overlapping parts are not nested.
+  const TriangleMesh overlapping = joined({box(), sphere({1, 1, 1}, 0.9)});
+  EXPECT_EQ(cleaned(joined({box(), flipped(sphere({1, 1, 1}, 0.9))})).triangles,
+            overlapping.triangles);
+}
+
+// --- Nested parts. The spheres' facets lie inside them: radii are apart by more than that.
+
+auto inShell(double inner, double outer) {
+  return [=](const Vec3d& p) {
+    const double r = std::hypot(p[0], p[1], p[2]);
+    return r > inner && r < outer;
+  };
+}
+
+// Probes near the spheres' radii are skipped.
+template <typename Expected>
+void expectBalls(const TriangleMesh& mesh, const Expected& expected) {
+  int wrong = 0;
+  for (const Vec3d& p : probes(1000)) {
+    const double r = std::hypot(p[0], p[1], p[2]);
+    if (std::abs(r - std::round(2 * r) / 2) < 0.05)
+      continue;
+    wrong += (windingNumberAt(mesh, p) > 0.5) != expected(p);
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
+TriangleMesh ball(double radius, bool inward = false) {
+  const TriangleMesh mesh = sphere({0, 0, 0}, radius, 16);
+  return inward ? flipped(mesh) : mesh;
+}
+
+TEST(CleanTriangles, NestedHollowBallStaysHollow) {
+  const TriangleMesh hollow = joined({ball(1), ball(0.5, true)});
+  EXPECT_EQ(cleaned(hollow).triangles, hollow.triangles);
+  expectBalls(cleaned(withFacesFlipped(hollow, 0.3)), inShell(0.5, 1));
+}
+
+TEST(CleanTriangles, NestedMirroredHollowBallStaysHollow) {
+  TriangleMesh mesh = joined({ball(0.5), ball(1, true)});
+  const CleanCounts counts = clean(mesh);
+  EXPECT_TRUE(counts.insideOut);
+  EXPECT_EQ(counts.flippedParts, 2u);
+  expectBalls(mesh, inShell(0.5, 1));
+}
+
+TEST(CleanTriangles, NestedOutwardInOutwardIsFilled) {
+  const TriangleMesh mesh = joined({ball(1), ball(0.5)});
+  EXPECT_EQ(cleaned(mesh).triangles, mesh.triangles);
+  expectBalls(cleaned(mesh), inShell(0, 1));
+}
+
+TEST(CleanTriangles, NestedThreeLevels) {
+  const TriangleMesh mesh = joined({ball(1, true), ball(0.5), ball(1.5)});
+  EXPECT_EQ(cleaned(mesh).triangles, mesh.triangles);
+  const auto solid = [](const Vec3d& p) { return inShell(0, 0.5)(p) || inShell(1, 1.5)(p); };
+  expectBalls(cleaned(mesh), solid);
+  expectBalls(cleaned(flipped(mesh)), solid);
+  // A body in the cavity that is inside out is turned, with its own cavity.
+  expectBalls(cleaned(joined({ball(1, true), ball(0.5, true), ball(1.5)})), solid);
+  TriangleMesh four = joined({ball(2), ball(1.5, true), ball(1, true), ball(0.5)});
+  EXPECT_EQ(clean(four).flippedParts, 2u);
+  expectBalls(four, [](const Vec3d& p) { return inShell(0.5, 1)(p) || inShell(1.5, 2)(p); });
+}
+
+TEST(CleanTriangles, NestedInAnOpenPart) {
+  // A ball that looks inward in a cup: the cup's opening is small enough for most samples.
+  const TriangleMesh cup = without(ball(1.5), [](std::size_t face) { return face < 100; });
+  expectBalls(cleaned(joined({cup, ball(0.5, true)})),
+              [&](const Vec3d& p) { return windingNumberAt(cup, p) > 0.5 && !inShell(0, 0.5)(p); });
+}
+
+// --- Edges of several faces.
+
+TEST(CleanTriangles, BoxesThatShareAnEdge) {
+  const auto solid = [](const Vec3d& p) {
+    const bool first = p[0] > 0 && p[0] < 1 && p[1] > 0 && p[1] < 1;
+    const bool second = p[0] > 1 && p[0] < 2 && p[1] > 1 && p[1] < 2;
+    return p[2] > 0 && p[2] < 1 && (first || second);
+  };
+  const TriangleMesh a = box(), b = box({1, 1, 0}, {2, 2, 1});
+  for (const TriangleMesh& mesh : {joined({a, b}), joined({a, flipped(b)}), joined({flipped(a), b}),
+                                   flipped(joined({a, b})), withFacesFlipped(joined({a, b}), 0.3)})
+    expectSolid(cleaned(unwelded(mesh)), solid);
+}
+
+TEST(CleanTriangles, PatchesAroundAnEdgeOfFourFacesAreAligned) {
+  // A box cut by its own diagonal walls into patches that meet four to an edge: two wedges that
+  // touch in an edge, given as six quads each turned by chance.
+  const TriangleMesh wedges = [] {
+    TriangleMesh mesh;
+    mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0},
+                   {0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {-1, 0, 1}, {0, -1, 1}};
+    const auto prism = [&](std::uint32_t p, std::uint32_t q) {
+      addTriangle(mesh, 0, q, p);
+      addTriangle(mesh, 5, p + 5, q + 5);
+      const std::uint32_t around[4] = {0, p, q, 0};
+      for (int k = 0; k < 3; ++k) {
+        const std::uint32_t u = around[k], v = around[k + 1];
+        addTriangle(mesh, u, v, v + 5);
+        addTriangle(mesh, u, v + 5, u + 5);
+      }
+    };
+    prism(1, 2);
+    prism(3, 4);
+    return mesh;
+  }();
+  ASSERT_NEAR(signedVolume(wedges), 1, 1e-12);
+  for (std::uint64_t seed = 0; seed < 10; ++seed)
+    EXPECT_NEAR(signedVolume(cleaned(withFacesFlipped(wedges, 0.5, seed))), 1, 1e-12);
+}
+
+TEST(CleanTriangles, FinsGetNoSide) {
+  const TriangleMesh solid = box();
+  TriangleMesh mesh = solid;
+  mesh.points.push_back({2, 0.5, 0.5});
+  addTriangle(mesh, 6, 7, 8); // sticks out
+  mesh.points.push_back({0.5, 0.5, 0.5});
+  addTriangle(mesh, 0, 1, 9); // sticks into
+  const TriangleMesh before = mesh;
+  EXPECT_EQ(cleaned(mesh).triangles, before.triangles);
+  TriangleMesh turned = cleaned(flipped(mesh));
+  turned.triangles.resize(solid.triangles.size());
+  EXPECT_EQ(turned.triangles, solid.triangles);
+}
+
+// --- Numbers that are hard, and many of them.
+
+TEST(CleanTriangles, OffsetsAndScales) {
+  for (const double scale : {1e-6, 1.0, 1e9})
+    for (const double offset : {0.0, 1e6, -1e8}) {
+      const auto place = [&](const Vec3d& p) {
+        return Vec3d{scale * p[0] + offset, scale * p[1] - offset, scale * p[2] + offset};
+      };
+      const TriangleMesh mesh = moved(joined({ball(1), ball(0.5, true)}), place);
+      if (scale < 1 && offset != 0)
+        continue; // below the coordinates' resolution
+      EXPECT_EQ(cleaned(mesh).triangles, mesh.triangles) << scale << " " << offset;
+      EXPECT_EQ(cleaned(flipped(mesh)).triangles, mesh.triangles) << scale << " " << offset;
+    }
+}
+
+TEST(CleanTriangles, NeedlesAndFlatParts) {
+  TriangleMesh mesh = box();
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), {{5, 0, 0}, {6, 0, 0}, {5.5, 1e-12, 0}, {5.5, -1e-300, 0}});
+  addTriangle(mesh, first, first + 1, first + 2);
+  addTriangle(mesh, first + 1, first, first + 3);
+  const TriangleMesh before = mesh;
+  EXPECT_EQ(cleaned(mesh).triangles, before.triangles);
+  // A flat tetrahedron: closed, without volume.
+  TriangleMesh flat;
+  flat.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  flat.triangles = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
+  const TriangleMesh flatBefore = flat;
+  EXPECT_EQ(cleaned(flat).triangles, flatBefore.triangles);
+}
+
+TEST(CleanTriangles, ShuffledFacesGiveTheSameSolid) {
+  const TriangleMesh mesh = withFacesFlipped(
+      joined({ball(1), ball(0.5, true), torus(2, 0.3), torus(2, 0.3), box({1, 1, 1}, {2, 2, 2})}),
+      0.2);
+  for (std::uint64_t seed = 0; seed < 3; ++seed)
+    EXPECT_NEAR(signedVolume(cleaned(shuffledFaces(mesh, seed))), signedVolume(cleaned(mesh)),
+                1e-9);
+}
+
+TEST(CleanTriangles, IsTheSameForAnyNumberOfThreads) {
+  TriangleMesh mesh;
+  Random random(9);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3d at{random.between(0, 9), random.between(0, 9), random.between(0, 9)};
+    append(mesh, withFacesFlipped(sphere(at, random.between(0.05, 3), 6), 0.3, std::uint64_t(i)));
+  }
+  TriangleMesh one = mesh, four = mesh;
+  tbb::task_arena(1).execute([&] { clean(one); });
+  tbb::task_arena(4).execute([&] { clean(four); });
+  EXPECT_EQ(one.triangles, four.triangles);
+  EXPECT_EQ(one.points, four.points);
+}
+
+double secondsToClean(TriangleMesh mesh) {
+  const auto start = std::chrono::steady_clock::now();
+  clean(mesh);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// None of these may grow with the square of anything: they would take hours.
+TEST(CleanTriangles, ManyPartsTakeNoLongerThanTheirFaces) {
+  TriangleMesh apart, nested = box({-1, -1, -1}, {101, 101, 101});
+  for (int i = 0; i < 10000; ++i) {
+    const Vec3d at{double(i % 100), double(i / 100), 0.5};
+    append(apart, sphere(at, 0.4, 1));
+    append(nested, sphere(at, 0.4, 1));
+  }
+  EXPECT_LT(secondsToClean(apart), 30);
+  EXPECT_LT(secondsToClean(nested), 30);
+  Random random(1);
+  TriangleMesh soup;
+  for (int i = 0; i < 300000; ++i)
+    soup.points.push_back({random.unit(), random.unit(), random.unit()});
+  soup = unwelded([&] {
+    TriangleMesh mesh = soup;
+    for (std::uint32_t i = 0; i < 300000; ++i)
+      mesh.triangles.push_back(i);
+    return mesh;
+  }());
+  EXPECT_LT(secondsToClean(soup), 30);
+}
+
+TEST(CleanTriangles, PointOfTenThousandFacesAndEdgeOfThreeThousand) {
+  const TriangleMesh disc = cylinder(1, 1, 10000);
+  EXPECT_EQ(cleaned(withFacesFlipped(disc, 0.2)).triangles, disc.triangles);
+  TriangleMesh book;
+  book.points = {{0, 0, 0}, {0, 0, 1}};
+  for (std::uint32_t page = 0; page < 3000; ++page) {
+    const double angle = 2 * kPi * page / 3000;
+    book.points.push_back({std::cos(angle), std::sin(angle), 0.5});
+    addTriangle(book, 0, 1, page + 2);
+  }
+  EXPECT_LT(secondsToClean(book), 30);
+  EXPECT_LT(secondsToClean(joined({book, book, book, book})), 30);
+}
+
+TEST(CleanTriangles, CanBeCancelled) {
+  TriangleMesh mesh = torus();
+  Progress progress;
+  progress.cancel();
+  EXPECT_THROW(cleanTriangles(mesh, {}, progress), Error);
+}
+
+} // namespace
+} // namespace tetvdb

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <set>
 #include <string_view>
@@ -29,6 +30,8 @@ struct Options {
   std::vector<std::string> regions, exclude;
   int threads = 0;
   bool allowEmpty = false, half = false;
+  std::string mesher = "auto", inside = "winding", shell, weld;
+  bool keepOrientation = false;
 };
 
 const char* const kExamples = R"(Examples:
@@ -42,6 +45,10 @@ const char* const kExamples = R"(Examples:
       two meshes as one volume, only cells that meet the box
   tetvdb voxelize part.vtu --write-mesh part.msh
       converts the mesh, without a volume
+  tetvdb voxelize broken.stl -o solid.vdb --resolution 1024 --grid mask
+      triangles with any defect; holes are closed where the winding number passes 0.5
+  tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
+      an open sheet as a shell, 0.4 units thick
 
 Lengths are in the inputs' own units. Several inputs are laid together into one volume: cells that
 overlap count once, and cells of the second file are numbered on from those of the first.)";
@@ -86,6 +93,22 @@ std::string_view pathName(OccupancyPath path) {
   return "auto";
 }
 
+InsideRule parseInside(const std::string& name) {
+  if (name == "nonzero")
+    return InsideRule::NonZero;
+  if (name == "parity")
+    return InsideRule::Parity;
+  return name == "flood" ? InsideRule::Flood : InsideRule::Winding;
+}
+
+double parseLength(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 1 || !(numbers[0] > 0) || !std::isfinite(numbers[0]))
+    throw Error(Status::Usage, option, "'" + text + "' is not a length",
+                "give a number above zero");
+  return numbers[0];
+}
+
 void parseBox(const std::string& text, CellFilter& filter) {
   const std::vector<double> numbers = parseNumbers("--bbox", text);
   if (numbers.size() != 6)
@@ -111,6 +134,13 @@ VoxelizeJob makeJob(const Options& options) {
   job.filter.exclude = options.exclude;
   if (!options.bbox.empty())
     parseBox(options.bbox, job.filter);
+  job.solid.method = options.mesher == "centroid" ? SolidMethod::Centroid : SolidMethod::Winding;
+  job.solid.inside = parseInside(options.inside);
+  if (!options.shell.empty())
+    job.solid.shell = parseLength("--shell", options.shell);
+  if (!options.weld.empty())
+    job.clean.weldDistance = parseLength("--weld", options.weld);
+  job.clean.orient = !options.keepOrientation;
   job.up = options.upAxis == "y" ? UpAxis::Y : UpAxis::Z;
   if (!options.voxelSize.empty())
     job.voxelize.voxelSize = parseVoxelSize("--voxel-size", options.voxelSize);
@@ -135,22 +165,24 @@ VoxelizeJob makeJob(const Options& options) {
 Json inputsOf(const VoxelizeResult& result) {
   Json list = Json::array();
   for (const InputInfo& input : result.inputs) {
-    Json cells = Json::object();
-    for (const auto& [type, count] : input.cells)
-      cells[type] = count;
-    list.push_back(
-        {{"path", input.path},
-         {"format", formatName(input.format)},
-         {"kind", "tets"},
-         {"vertices", input.vertices},
-         {"tets", input.tets},
-         {"cells", std::move(cells)},
-         {"defects", {{"inverted", input.statistics.inverted}, {"flat", input.statistics.flat}}}});
+    Json entry = {{"path", input.path},
+                  {"format", formatName(input.format)},
+                  {"kind", result.holdsTriangles ? "triangles" : "tets"},
+                  {"vertices", input.vertices}};
+    if (result.holdsTriangles) {
+      entry["triangles"] = input.triangles;
+      entry["units"] = input.units.empty() ? Json() : Json(input.units);
+    } else {
+      entry["tets"] = input.tets;
+      entry["cells"] = Json(input.cells);
+      entry["defects"] = {{"inverted", input.statistics.inverted}, {"flat", input.statistics.flat}};
+    }
+    list.push_back(std::move(entry));
   }
   return list;
 }
 
-Json meshOf(const VoxelizeResult& result) {
+Json tetsOf(const VoxelizeResult& result) {
   return {{"tets", result.tets},
           {"flipped", result.counts.flipped},
           {"dropped", result.counts.dropped},
@@ -162,6 +194,34 @@ Json meshOf(const VoxelizeResult& result) {
           {"epsilon_reached", nullptr},
           {"quality", nullptr},
           {"not_inserted", nullptr}};
+}
+
+// How triangles became a solid.
+std::string methodText(const VoxelizeResult& result, const Options& options) {
+  if (!options.shell.empty())
+    return "shell";
+  if (options.mesher == "centroid")
+    return "centroid";
+  if (options.inside == "flood")
+    return "flood";
+  return result.counts.openEdges == 0 ? "signed crossings" : "winding number";
+}
+
+Json trianglesOf(const VoxelizeResult& result, const Options& options) {
+  const CleanCounts& cleaned = result.cleaned;
+  return {{"triangles", result.triangles},
+          {"open_edges", result.counts.openEdges},
+          {"closed", result.counts.openEdges == 0},
+          {"method", methodText(result, options)},
+          {"inside", options.inside},
+          {"cleaned",
+           {{"welded_points", cleaned.weldedPoints},
+            {"unreferenced_points", cleaned.unreferencedPoints},
+            {"degenerate_faces", cleaned.degenerateFaces},
+            {"duplicate_faces", cleaned.duplicateFaces},
+            {"flipped_faces", cleaned.flippedFaces},
+            {"flipped_parts", cleaned.flippedParts},
+            {"inside_out", cleaned.insideOut}}}};
 }
 
 Json outputsOf(const VoxelizeResult& result) {
@@ -177,14 +237,19 @@ std::string lengthText(const Vec3d& size) {
   return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
 }
 
-std::string summaryOf(const VoxelizeResult& result, const Report& report) {
+std::string summaryOf(const VoxelizeResult& result, const Options& options, const Report& report) {
   double seconds = 0;
   for (const Stage& stage : report.stages)
     seconds += stage.seconds;
   std::string text;
   for (const OutputInfo& output : result.outputs)
-    text += fmt::format("{}: {:.1f} MB, {} tets, {:.2f} s\n", oneLine(output.path),
-                        static_cast<double>(output.bytes) / 1e6, result.tets, seconds);
+    text += fmt::format("{}: {:.1f} MB, {} {}, {:.2f} s\n", oneLine(output.path),
+                        static_cast<double>(output.bytes) / 1e6,
+                        result.holdsTriangles ? result.triangles : result.tets,
+                        result.holdsTriangles ? "triangles" : "tets", seconds);
+  if (result.holdsTriangles && result.counts.openEdges > 0 && options.shell.empty())
+    text += fmt::format("  {} open edges: closed by {}\n", result.counts.openEdges,
+                        methodText(result, options));
   for (const GridInfo& grid : result.grids)
     text +=
         fmt::format("  {} ({}): {} active voxels of {}, {} leaves, {} tiles, volume {:.6g}\n",
@@ -219,10 +284,10 @@ void runVoxelize(const Options& options, Session& session) {
   }
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections["input"] = inputsOf(result);
-  session.sections["mesh"] = meshOf(result);
+  session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
   session.sections["grids"] = toJson(result.grids);
   session.sections["output"] = outputsOf(result);
-  session.text = summaryOf(result, session.report);
+  session.text = summaryOf(result, options, session.report);
   session.textIsSummary = true;
 }
 
@@ -267,6 +332,32 @@ void addGridOptions(CLI::App& command, Options& options) {
   command.add_flag("--allow-empty", options.allowEmpty, "Write a volume without voxels too");
 }
 
+void addSolidOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--mesher", options.mesher,
+                  "How triangles become a solid: auto (default) and winding close holes where the "
+                  "winding number passes 0.5; centroid joins every face to the centre, for closed "
+                  "meshes")
+      ->check(oneOf({"auto", "winding", "centroid"}))
+      ->type_name("auto|winding|centroid");
+  command
+      .add_option("--inside", options.inside,
+                  "What is inside triangles: winding number above 0.5 (default), of any sign "
+                  "(nonzero), odd (parity), or not reached from outside (flood)")
+      ->check(oneOf({"winding", "nonzero", "parity", "flood"}))
+      ->type_name("RULE");
+  command
+      .add_option("--shell", options.shell,
+                  "No solid but a shell of thickness T around the triangles, for open sheets")
+      ->type_name("T")
+      ->check(notEmpty());
+  command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
+      ->type_name("D")
+      ->check(notEmpty());
+  command.add_flag("--keep-orientation", options.keepOrientation,
+                   "Do not turn triangles that look the wrong way");
+}
+
 void addFilterOptions(CLI::App& command, Options& options) {
   command.add_option("--region", options.regions, "Regions to keep, by number or name")
       ->type_name("NAME")
@@ -303,24 +394,29 @@ void addLimitOptions(CLI::App& command, Options& options) {
 } // namespace
 
 Command addVoxelize(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("voxelize", "Turn tetrahedral meshes into a sparse volume");
+  CLI::App* command = program.add_subcommand(
+      "voxelize", "Turn meshes, of tetrahedra or triangles, into a sparse volume");
   auto options = std::make_shared<Options>();
   command
-      ->add_option("IN", options->inputs,
-                   "Meshes: .msh .mesh .meshb .ele .node .vol .inp .vtk .vtu .pvtu .exo .e")
+      ->add_option(
+          "IN", options->inputs,
+          "Meshes: .stl .obj .ply .off .3mf .glb .fbx .dae, or solid ones: .msh .mesh .meshb "
+          ".ele .node .vol .inp .vtk .vtu .pvtu .exo .e")
       ->required()
       ->type_name("");
   command->add_option("-o,--output", options->output, "Volume to write: .vdb or .nvdb")
       ->type_name("FILE")
       ->check(notEmpty());
   command
-      ->add_option("--write-mesh", options->writeMesh,
-                   "Write the tets as well, or alone: .msh, .mesh or .vtu")
+      ->add_option(
+          "--write-mesh", options->writeMesh,
+          "Write the tets as well, or alone: .msh, .mesh or .vtu; of triangles the cleaned "
+          "ones: .stl, .obj, .ply, .off or .3mf")
       ->type_name("FILE")
       ->check(notEmpty());
   addSizeOptions(*command, *options);
   addGridOptions(*command, *options);
+  addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};

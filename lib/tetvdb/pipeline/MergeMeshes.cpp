@@ -100,4 +100,29 @@ TetMesh mergeMeshes(std::vector<TetMesh>&& meshes, Report& report) {
   return all;
 }
 
+TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report) {
+  if (meshes.empty())
+    return {};
+  TriangleMesh all = std::move(meshes.front());
+  bool sameUnits = true;
+  for (std::size_t i = 1; i < meshes.size(); ++i) {
+    const TriangleMesh& mesh = meshes[i];
+    if (mesh.points.size() > kMostElements - all.points.size())
+      throw Error(Status::Limit, "", "the inputs together have more than 2^32 - 2 points",
+                  "voxelize them one by one");
+    const auto first = static_cast<std::uint32_t>(all.points.size());
+    all.points.insert(all.points.end(), mesh.points.begin(), mesh.points.end());
+    all.triangles.reserve(all.triangles.size() + mesh.triangles.size());
+    for (const std::uint32_t v : mesh.triangles)
+      all.triangles.push_back(first + v);
+    all.faceCount += mesh.faceCount;
+    sameUnits = sameUnits && mesh.units == all.units;
+  }
+  if (!sameUnits) {
+    report.warn("mixed-units", "the inputs are in different units; lengths are taken as they are");
+    all.units.clear();
+  }
+  return all;
+}
+
 } // namespace tetvdb

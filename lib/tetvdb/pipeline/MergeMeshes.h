@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
 
 #include <vector>
 
@@ -15,5 +16,9 @@ namespace tetvdb {
 /// place, components and number type. A single mesh is passed through. Throws Error(Limit) above
 /// 2^32 - 2 points or cells.
 TetMesh mergeMeshes(std::vector<TetMesh>&& meshes, Report& report);
+
+/// The same for triangles. Units are kept where all meshes have the same; where they differ
+/// `report` gets a warning, since lengths are not changed.
+TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report);
 
 } // namespace tetvdb

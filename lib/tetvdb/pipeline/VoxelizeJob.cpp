@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/volume/Grids.h"
@@ -13,6 +14,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <fmt/format.h>
 #include <initializer_list>
 #include <string_view>
 #include <tbb/task_arena.h>
@@ -62,17 +64,42 @@ void checkOutputs(const VoxelizeJob& job) {
     requireWritable(job.output);
   }
   if (!job.meshOutput.empty()) {
-    requireExtension(job.meshOutput, {".msh", ".mesh", ".vtu"}, "name it .msh, .mesh or .vtu");
+    requireExtension(job.meshOutput,
+                     {".msh", ".mesh", ".vtu", ".stl", ".obj", ".ply", ".off", ".3mf"},
+                     "name it .msh, .mesh or .vtu for tets, .stl, .obj, .ply, .off or .3mf for "
+                     "triangles");
     requireNoInput(job.meshOutput, job.inputs);
     requireWritable(job.meshOutput);
   }
 }
 
-void turnUp(TetMesh& mesh, UpAxis up) {
+void turnUp(std::vector<Vec3d>& points, UpAxis up) {
   if (up == UpAxis::Z)
     return;
-  for (Vec3d& p : mesh.points)
+  for (Vec3d& p : points)
     p = {p[0], p[2], -p[1]};
+}
+
+// Whether the inputs hold triangles; one job takes one kind.
+bool inputsHoldTriangles(const VoxelizeJob& job) {
+  const bool first = holdsTriangles(job.inputs.front());
+  for (const std::string& input : job.inputs)
+    if (holdsTriangles(input) != first)
+      throw Error(Status::Usage, input,
+                  fmt::format("holds {}, but {} holds {}", first ? "tetrahedra" : "triangles",
+                              job.inputs.front(), first ? "triangles" : "tetrahedra"),
+                  "voxelize them one by one");
+  const CellFilter& filter = job.filter;
+  const CellFilter none;
+  if (first && !(filter.regions.empty() && filter.exclude.empty() && filter.boxMin == none.boxMin &&
+                 filter.boxMax == none.boxMax))
+    throw Error(Status::Usage, "--region, --exclude, --bbox",
+                "choose cells of a solid mesh; the input is triangles", "leave them out");
+  if (!job.meshOutput.empty() && first != writesTriangles(job.meshOutput))
+    throw Error(Status::Usage, job.meshOutput,
+                first ? "cannot hold the triangles of the input" : "cannot hold tetrahedra",
+                first ? "name it .stl, .obj, .ply, .off or .3mf" : "name it .msh, .mesh or .vtu");
+  return first;
 }
 
 std::size_t residentBytes() {
@@ -127,23 +154,13 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
       grid->setSaveFloatAsHalf(true);
 }
 
-// An error about one input names its file.
-Error withPath(const Error& error, const std::string& path) {
-  std::string text = error.what();
-  if (text.find(path) != std::string::npos)
-    return error;
-  if (text.rfind("mesh: ", 0) == 0)
-    text.erase(0, 6);
-  return {error.status(), path, text};
-}
-
 OutputInfo written(const std::string& path) {
   std::error_code ignored;
   return {path, static_cast<std::uint64_t>(fs::file_size(path, ignored))};
 }
 
-TetMesh readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
-                Progress& progress) {
+TetMesh readAllTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
+                    Progress& progress) {
   StageTimer timer(report, "read");
   progress.stage("read");
   std::vector<TetMesh> meshes;
@@ -156,29 +173,64 @@ TetMesh readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
     result.inputs.push_back(std::move(info));
   }
   TetMesh mesh = mergeMeshes(std::move(meshes), report);
-  turnUp(mesh, job.up);
+  turnUp(mesh.points, job.up);
   return mesh;
 }
 
-Volume makeVolume(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
-                  Report& report, Progress& progress) {
+TriangleMesh readAllTriangles(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
+                              Progress& progress) {
+  StageTimer timer(report, "read");
+  progress.stage("read");
+  std::vector<TriangleMesh> meshes;
+  for (const std::string& input : job.inputs) {
+    InputInfo info;
+    timer.part(input);
+    meshes.push_back(readSoup(input, &info, report, progress));
+    result.inputs.push_back(std::move(info));
+  }
+  TriangleMesh mesh = mergeMeshes(std::move(meshes), report);
+  turnUp(mesh.points, job.up);
+  return mesh;
+}
+
+void clean(const VoxelizeJob& job, TriangleMesh& mesh, VoxelizeResult& result, Report& report,
+           Progress& progress) {
+  StageTimer timer(report, "clean");
+  progress.stage("clean");
+  result.cleaned = cleanTriangles(mesh, job.clean, progress);
+  result.triangles = mesh.triangleCount();
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, "",
+                "every face of the mesh is degenerate: two of its corners coincide");
+  if (result.cleaned.insideOut)
+    report.warn("inside-out", "the mesh was inside out and was turned");
+  else if (result.cleaned.flippedFaces > 0)
+    report.warn("flipped-faces", fmt::format("{} of {} faces looked the wrong way and were turned",
+                                             result.cleaned.flippedFaces, result.triangles));
+}
+
+template <typename Voxelize>
+Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
   options.maxMemory = memoryLeft(job.maxMemory);
-  progress.stage("voxelize");
-  Voxelization made = voxelize(mesh, options, report, progress);
+  Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
   result.transform = made.transform;
   result.path = made.path;
   describeOrigin(job, made.volume);
+  for (const auto& grid : made.volume.grids().all)
+    openFirstTile(*grid);
+  result.grids = describe(made.volume);
   return std::move(made.volume);
 }
 
-void writeOutputs(const VoxelizeJob& job, const TetMesh& mesh, Volume& volume,
+template <typename WriteMesh>
+void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& volume,
                   VoxelizeResult& result, Report& report, Progress& progress) {
   StageTimer timer(report, "write");
   progress.stage("write");
   if (!job.meshOutput.empty())
-    writeTetMesh(job.meshOutput, mesh, progress);
+    writeMesh();
   if (!job.output.empty()) {
     try {
       writeVolume(job.output, volume, progress);
@@ -193,22 +245,49 @@ void writeOutputs(const VoxelizeJob& job, const TetMesh& mesh, Volume& volume,
     result.outputs.push_back(written(job.meshOutput));
 }
 
-VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progress) {
-  checkOutputs(job);
-  VoxelizeResult result;
-  TetMesh mesh = readAll(job, result, report, progress);
+void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress) {
+  TetMesh mesh = readAllTets(job, result, report, progress);
   progress.check();
   Volume volume;
   if (!job.output.empty()) {
-    volume = makeVolume(job, mesh, result, report, progress);
+    volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
+      return voxelize(mesh, options, report, progress);
+    });
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
-    for (const auto& grid : volume.grids().all)
-      openFirstTile(*grid);
-    result.grids = describe(volume);
   }
   progress.check();
-  writeOutputs(job, mesh, volume, result, report, progress);
+  writeOutputs(
+      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, result, report, progress);
+}
+
+void runTriangles(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
+                  Progress& progress) {
+  TriangleMesh mesh = readAllTriangles(job, result, report, progress);
+  progress.check();
+  clean(job, mesh, result, report, progress);
+  Volume volume;
+  if (!job.output.empty()) {
+    volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
+      return voxelize(mesh, job.solid, options, report, progress);
+    });
+    if (job.units.empty() && !mesh.units.empty())
+      volume.metadata["units"] = mesh.units;
+  }
+  progress.check();
+  writeOutputs(
+      job, [&] { writeTriangles(job.meshOutput, mesh, progress); }, volume, result, report,
+      progress);
+}
+
+VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progress) {
+  VoxelizeResult result;
+  checkOutputs(job);
+  result.holdsTriangles = inputsHoldTriangles(job);
+  if (result.holdsTriangles)
+    runTriangles(job, result, report, progress);
+  else
+    runTets(job, result, report, progress);
   return result;
 }
 
@@ -216,33 +295,6 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
 
 void requireWritable(const std::string& path) {
   const AtomicFile probe(path);
-}
-
-TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
-                 InputInfo* info, Report& report, Progress& progress) try {
-  const std::size_t warningsBefore = report.warnings.size();
-  MeshFormat format = MeshFormat::Unknown;
-  CellMesh cells = readCells(path, options, report, progress, &format);
-  if (info != nullptr) {
-    info->path = path;
-    info->format = format;
-    info->vertices = cells.points.size();
-    for (const CellRun& run : cells.runs)
-      info->cells[run.fileType] += run.count;
-  }
-  progress.check();
-  TetMesh mesh = splitCells(std::move(cells), filter, report, progress);
-  for (std::size_t i = warningsBefore; i < report.warnings.size(); ++i)
-    report.warnings[i].text = path + ": " + report.warnings[i].text;
-  if (info != nullptr) {
-    info->tets = mesh.tetCount();
-    info->statistics = measure(mesh);
-  }
-  return mesh;
-} catch (const Error& error) {
-  if (error.status() == Status::Cancelled)
-    throw;
-  throw withPath(error, path);
 }
 
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress) {

@@ -15,13 +15,14 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
-#include "tetvdb/mesh/TetStatistics.h"
+#include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/Voxelize.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -34,27 +35,22 @@ enum class UpAxis : std::uint8_t {
 };
 
 struct VoxelizeJob {
-  std::vector<std::string> inputs; ///< mesh files; several become one volume (mergeMeshes())
+  /// Mesh files, of tets or of triangles; several become one volume (mergeMeshes()).
+  std::vector<std::string> inputs;
   ReadOptions read;
-  CellFilter filter; ///< in the inputs' own axes, before `up`
+  CellFilter filter;  ///< of tets; in the inputs' own axes, before `up`
+  CleanOptions clean; ///< of triangles
+  SolidOptions solid; ///< of triangles
   UpAxis up = UpAxis::Z;
-  VoxelizeOptions voxelize;  ///< in the output's axes; its maxMemory is overruled by the job's
-  std::string output;        ///< .vdb or .nvdb; empty: no volume is made
-  std::string meshOutput;    ///< .msh, .mesh or .vtu that receives the tets; empty: none
+  VoxelizeOptions voxelize; ///< in the output's axes; its maxMemory is overruled by the job's
+  std::string output;       ///< .vdb or .nvdb; empty: no volume is made
+  /// .msh, .mesh or .vtu that receives the tets; .stl, .obj, .ply, .off or .3mf for the cleaned
+  /// triangles; empty: none.
+  std::string meshOutput;
   std::string units;         ///< stored as metadata "units"; no lengths are changed
   bool half = false;         ///< float grids are stored with 16 bits a value
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
-};
-
-/// What one input file held.
-struct InputInfo {
-  std::string path;
-  MeshFormat format = MeshFormat::Unknown;
-  std::size_t vertices = 0;
-  std::size_t tets = 0;                     ///< after splitting and filtering
-  std::map<std::string, std::size_t> cells; ///< number of cells of every kind, as the file names it
-  TetStatistics statistics;                 ///< of those tets
 };
 
 struct OutputInfo {
@@ -64,8 +60,11 @@ struct OutputInfo {
 
 struct VoxelizeResult {
   std::vector<InputInfo> inputs;
+  bool holdsTriangles = false; ///< rather than tets
   std::size_t tets = 0;
-  double volume = 0; ///< of the tets, world units cubed
+  std::size_t triangles = 0; ///< after cleaning
+  double volume = 0;         ///< of the tets, world units cubed
+  CleanCounts cleaned;       ///< of triangles
   SnapCounts counts;
   GridTransform transform;
   OccupancyPath path = OccupancyPath::Auto;
@@ -73,15 +72,13 @@ struct VoxelizeResult {
   std::vector<OutputInfo> outputs;
 };
 
-/// Reads, splits, filters, merges, voxelizes and writes. Outputs are checked before any work: their
-/// extensions (Error(Usage)) and folders (Error(Write)). Adds stages "read", "voxelize" and "write"
-/// to `report`. Throws what the steps throw; no output file is touched then, unless the mesh output
-/// was already whole. Memory: the mesh, the grids, and estimateMemory() while voxelizing.
+/// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Outputs
+/// are checked before any work: their extensions (Error(Usage)) and folders (Error(Write)). Adds
+/// stages "read", "clean" (triangles), "voxelize" and "write" to `report`. Tets and triangles in
+/// one job are Error(Usage), and so are filters of cells for triangles. Throws what the steps
+/// throw; no output file is touched then, unless the mesh output was already whole. Memory: the
+/// mesh, the grids, and estimateMemory() while voxelizing.
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress);
-
-/// Reads one mesh file into tets: the stage "read" of run(). `info` may be null.
-TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
-                 InputInfo* info, Report& report, Progress& progress);
 
 /// Throws Error(Write) unless a file can be created at `path`: its folder exists and is writable,
 /// and it is no folder itself. Leaves nothing behind.

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/ReadInput.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/TriangleReader.h"
+
+#include <filesystem>
+
+namespace tetvdb {
+namespace {
+
+// An error about one input names its file.
+Error withPath(const Error& error, const std::string& path) {
+  std::string text = error.what();
+  if (text.find(path) != std::string::npos)
+    return error;
+  if (text.rfind("mesh: ", 0) == 0)
+    text.erase(0, 6);
+  return {error.status(), path, text};
+}
+
+// And so does every warning from number `first` on.
+void nameFile(const std::string& path, std::size_t first, Report& report) {
+  for (std::size_t i = first; i < report.warnings.size(); ++i)
+    if (report.warnings[i].text.find(path) == std::string::npos)
+      report.warnings[i].text = path + ": " + report.warnings[i].text;
+}
+
+} // namespace
+
+bool holdsTriangles(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
+      !std::filesystem::is_directory(path, ignored))
+    return false; // what a pipe holds can be read only once
+  const MappedFile file(path);
+  return holdsTriangles(sniffMeshFormat(file.bytes(), path));
+}
+
+TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
+                 InputInfo* info, Report& report, Progress& progress) try {
+  const std::size_t warningsBefore = report.warnings.size();
+  MeshFormat format = MeshFormat::Unknown;
+  CellMesh cells = readCells(path, options, report, progress, &format);
+  if (info != nullptr) {
+    info->path = path;
+    info->format = format;
+    info->vertices = cells.points.size();
+    for (const CellRun& run : cells.runs)
+      info->cells[run.fileType] += run.count;
+  }
+  progress.check();
+  TetMesh mesh = splitCells(std::move(cells), filter, report, progress);
+  nameFile(path, warningsBefore, report);
+  if (info != nullptr) {
+    info->tets = mesh.tetCount();
+    info->statistics = measure(mesh);
+  }
+  return mesh;
+} catch (const Error& error) {
+  if (error.status() == Status::Cancelled)
+    throw;
+  throw withPath(error, path);
+}
+
+TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report,
+                      Progress& progress) try {
+  const std::size_t warningsBefore = report.warnings.size();
+  MeshFormat format = MeshFormat::Unknown;
+  TriangleMesh mesh = readTriangles(path, report, progress, &format);
+  nameFile(path, warningsBefore, report);
+  if (info != nullptr) {
+    info->path = path;
+    info->format = format;
+    info->vertices = mesh.points.size();
+    info->triangles = mesh.triangleCount();
+    info->units = mesh.units;
+  }
+  return mesh;
+} catch (const Error& error) {
+  if (error.status() == Status::Cancelled)
+    throw;
+  throw withPath(error, path);
+}
+
+} // namespace tetvdb

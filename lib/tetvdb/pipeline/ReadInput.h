@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One mesh file into memory, and what it held.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TetStatistics.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+namespace tetvdb {
+
+/// What one input file held.
+struct InputInfo {
+  std::string path;
+  MeshFormat format = MeshFormat::Unknown;
+  std::size_t vertices = 0;
+  std::size_t tets = 0;      ///< after splitting and filtering
+  std::size_t triangles = 0; ///< of files that hold triangles: these have no cells and no tets
+  std::string units;         ///< where the file says so
+  /// Number of cells of every kind, as the file names it.
+  std::map<std::string, std::size_t> cells;
+  TetStatistics statistics; ///< of those tets
+};
+
+/// Whether a mesh file holds triangles; false for tets, for what cannot be told and for pipes.
+/// Throws Error(Invalid) for a file that cannot be opened.
+bool holdsTriangles(const std::string& path);
+
+/// Reads one mesh file into tets. `info` may be null. Warnings and errors name the file.
+TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
+                 InputInfo* info, Report& report, Progress& progress);
+
+/// Reads one file of triangles as it stands. `info` may be null. Warnings and errors name the file.
+TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress);
+
+} // namespace tetvdb

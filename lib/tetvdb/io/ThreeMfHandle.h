@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Objects of lib3mf's C interface, and what its reader and writer share.
+// Objects of lib3mf's C interface.
 #pragma once
 
 #include <Model/COM/NMR_DLLInterfaces.h>
@@ -39,9 +39,5 @@ public:
 private:
   NMR::PLib3MFBase* object_ = nullptr;
 };
-
-/// By lib3mf's numbers.
-constexpr const char* kThreeMfUnits[] = {"micrometre", "millimetre", "centimetre",
-                                         "inch",       "foot",       "metre"};
 
 } // namespace tetvdb

@@ -23,6 +23,10 @@ constexpr std::size_t kMaxDepth = 256;
 constexpr std::uint64_t kMemoryPerByte = 16;
 constexpr std::uint64_t kMemory = std::uint64_t(4) << 30;
 
+/// By lib3mf's numbers.
+constexpr const char* kUnits[] = {"micrometre", "millimetre", "centimetre",
+                                  "inch",       "foot",       "metre"};
+
 Placement toPlacement(const MODELTRANSFORM& transform) {
   Placement placement;
   for (std::size_t i = 0; i < 3; ++i)
@@ -121,7 +125,7 @@ private:
   std::string units() const {
     DWORD unit = 0;
     check(lib3mf_model_getunit(model_, &unit), model_);
-    return unit < std::size(kThreeMfUnits) ? kThreeMfUnits[unit] : "";
+    return unit < std::size(kUnits) ? kUnits[unit] : "";
   }
 
   void check(LIB3MFRESULT result, const ThreeMfHandle& on) const {

@@ -1,54 +1,117 @@
 // SPDX-License-Identifier: Apache-2.0
+//
+// Format: 3MF Consortium, "3D Manufacturing Format Core Specification". lib3mf would write six
+// digits behind the point, which flattens small models, and random identifiers.
 #include "tetvdb/io/ThreeMfWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/ThreeMfHandle.h"
+#include "tetvdb/io/ZipWriter.h"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
-#include <vector>
+#include <string_view>
+#include <utility>
 
 namespace tetvdb {
 namespace {
 
-using namespace NMR;
+constexpr std::size_t kPerUpdate = std::size_t(1) << 14;
+constexpr std::size_t kMostOfAKind = std::size_t(INT32_MAX); // readers count with int
 
-constexpr std::size_t kMostOfAKind = std::size_t(INT32_MAX); // lib3mf counts with int
-constexpr DWORD kMillimetre = 1;
+constexpr std::string_view kTypes =
+    R"(<?xml version="1.0" encoding="UTF-8"?>
+<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>
+)";
+constexpr std::string_view kRelations =
+    R"(<?xml version="1.0" encoding="UTF-8"?>
+<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
+)";
 
-DWORD unitOf(const std::string& name) {
-  for (DWORD i = 0; i < std::size(kThreeMfUnits); ++i)
-    if (name == kThreeMfUnits[i])
-      return i;
-  return kMillimetre;
+/// 3MF's name of a unit.
+std::string_view unitName(const std::string& units) {
+  constexpr std::pair<std::string_view, std::string_view> names[] = {{"micrometre", "micron"},
+                                                                     {"centimetre", "centimeter"},
+                                                                     {"inch", "inch"},
+                                                                     {"foot", "foot"},
+                                                                     {"metre", "meter"}};
+  for (const auto& [ours, theirs] : names)
+    if (units == ours)
+      return theirs;
+  return "millimeter";
 }
+
+/// Text on its way into the archive.
+class Xml {
+public:
+  explicit Xml(ZipWriter& zip) : zip_(zip) {}
+
+  Xml& text(std::string_view words) {
+    text_ += words;
+    return *this;
+  }
+  template <class T>
+  Xml& number(T value) {
+    char digits[32];
+    text_.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    return *this;
+  }
+  void flush() {
+    zip_.write(text_);
+    text_.clear();
+  }
+
+private:
+  ZipWriter& zip_;
+  std::string text_;
+};
 
 float toFloat(double x) {
   constexpr double largest = std::numeric_limits<float>::max();
   return static_cast<float>(std::clamp(x, -largest, largest));
 }
 
-std::vector<MODELMESHVERTEX> vertices(const TriangleMesh& mesh) {
-  std::vector<MODELMESHVERTEX> result(mesh.points.size());
-  for (std::size_t i = 0; i < result.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      result[i].m_fPosition[k] = toFloat(mesh.points[i][k]);
-  return result;
+bool namesAPointTwice(const std::uint32_t* v) {
+  return v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
 }
 
-std::vector<MODELMESHTRIANGLE> faces(const TriangleMesh& mesh) {
-  std::vector<MODELMESHTRIANGLE> result;
-  result.reserve(mesh.triangleCount());
-  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
-    const std::uint32_t* v = mesh.triangles.data() + 3 * t;
-    if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-      continue;
-    MODELMESHTRIANGLE triangle;
-    std::copy(v, v + 3, triangle.m_nIndices);
-    result.push_back(triangle);
+void writeModel(Xml& xml, const TriangleMesh& mesh, Progress& progress) {
+  const std::size_t points = mesh.points.size(), faces = mesh.triangleCount();
+  const auto update = [&](std::size_t done) {
+    if (done % kPerUpdate != 0)
+      return;
+    xml.flush();
+    progress.update(static_cast<double>(done) / static_cast<double>(points + faces));
+  };
+  xml.text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"")
+      .text(unitName(mesh.units))
+      .text("\" xml:lang=\"en-US\" "
+            "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
+            "<metadata name=\"Application\">TetVDB</metadata>\n"
+            "<resources><object id=\"1\" type=\"model\"><mesh><vertices>\n");
+  for (std::size_t i = 0; i < points; ++i) {
+    const Vec3d& p = mesh.points[i];
+    xml.text("<vertex x=\"").number(toFloat(p[0])).text("\" y=\"").number(toFloat(p[1]));
+    xml.text("\" z=\"").number(toFloat(p[2])).text("\"/>\n");
+    update(i);
   }
-  return result;
+  xml.text("</vertices><triangles>\n");
+  for (std::size_t t = 0; t < faces; ++t) {
+    const std::uint32_t* v = mesh.triangles.data() + 3 * t;
+    if (!namesAPointTwice(v))
+      xml.text("<triangle v1=\"")
+          .number(v[0])
+          .text("\" v2=\"")
+          .number(v[1])
+          .text("\" v3=\"")
+          .number(v[2])
+          .text("\"/>\n");
+    update(points + t);
+  }
+  xml.text("</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n"
+           "</model>\n");
+  xml.flush();
 }
 
 } // namespace
@@ -57,33 +120,25 @@ void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& p
   if (mesh.points.size() > kMostOfAKind || mesh.triangleCount() > kMostOfAKind)
     throw Error(Status::Limit, path, "more points or faces than a .3mf file can count",
                 "write .ply or .obj, or several files");
-  const auto check = [&](LIB3MFRESULT result, const ThreeMfHandle& on) {
-    if (result != 0)
-      throw Error(Status::Write, path, "cannot write 3MF: " + on.lastError(),
-                  "write .stl or .ply instead");
-    progress.check();
-  };
-  std::vector<MODELMESHTRIANGLE> triangles = faces(mesh);
-  if (triangles.empty())
+  bool empty = true;
+  for (std::size_t t = 0; t < mesh.triangleCount() && empty; ++t)
+    empty = namesAPointTwice(mesh.triangles.data() + 3 * t);
+  if (empty)
     throw Error(Status::Invalid, path, "no face has three different points",
                 "3MF holds no others; write .ply or .obj instead");
-  std::vector<MODELMESHVERTEX> points = vertices(mesh);
-
-  ThreeMfHandle model, object, item, writer;
-  check(lib3mf_createmodel(model.put()), model);
-  check(lib3mf_model_setunit(model, unitOf(mesh.units)), model);
-  check(lib3mf_model_addmeshobject(model, object.put()), model);
-  check(lib3mf_meshobject_setgeometry(object, points.data(), static_cast<DWORD>(points.size()),
-                                      triangles.data(), static_cast<DWORD>(triangles.size())),
-        object);
-  check(lib3mf_model_addbuilditem(model, object, nullptr, item.put()), model);
-  check(lib3mf_model_querywriter(model, "3mf", writer.put()), model);
-  ULONG64 size = 0;
-  check(lib3mf_writer_getstreamsize(writer, &size), writer);
-  std::vector<BYTE> bytes(static_cast<std::size_t>(size));
-  check(lib3mf_writer_writetobuffer(writer, bytes.data(), size), writer);
   AtomicFile file(path);
-  file.write(bytes.data(), bytes.size());
+  ZipWriter zip(file);
+  for (const auto& [name, text] : {std::pair(std::string("[Content_Types].xml"), kTypes),
+                                   std::pair(std::string("_rels/.rels"), kRelations)}) {
+    zip.begin(name);
+    zip.write(text);
+    zip.end();
+  }
+  zip.begin("3D/3dmodel.model");
+  Xml xml(zip);
+  writeModel(xml, mesh, progress);
+  zip.end();
+  zip.finish();
   file.commit();
 }
 

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Files into a ZIP archive, packed by zlib.
+//
+//   tetvdb::ZipWriter zip(file);
+//   zip.begin("3D/3dmodel.model");
+//   zip.write(text);
+//   zip.end();
+//   zip.finish();      // then file.commit()
+#pragma once
+
+#include "tetvdb/core/AtomicFile.h"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <zlib.h>
+
+namespace tetvdb {
+
+/// Bytes depend on the content alone: all files have the same old date. Throws Error(Limit) for
+/// what plain ZIP cannot hold (4 GiB), Error(Write) as AtomicFile does.
+class ZipWriter {
+public:
+  /// Appends to `file`, which is empty.
+  explicit ZipWriter(AtomicFile& file);
+  ~ZipWriter();
+  ZipWriter(const ZipWriter&) = delete;
+  ZipWriter& operator=(const ZipWriter&) = delete;
+
+  void begin(const std::string& name);
+  void write(std::string_view bytes);
+  void end();
+  /// Writes the directory; nothing may follow.
+  void finish();
+
+private:
+  struct Entry {
+    std::string name;
+    std::uint64_t offset = 0, packed = 0, unpacked = 0;
+    std::uint32_t crc = 0;
+  };
+  void pack(std::string_view bytes, int flush);
+  std::string header(const Entry& entry) const;
+  std::uint32_t checked(std::uint64_t number) const;
+
+  AtomicFile& file_;
+  std::vector<Entry> entries_;
+  z_stream stream_{};
+};
+
+} // namespace tetvdb

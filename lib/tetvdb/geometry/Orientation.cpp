@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Source of the method: J. R. Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast
+// Robust Geometric Predicates (1997), sections 2.2 to 2.5, which follow Dekker, Knuth and Priest.
+#include "tetvdb/geometry/Orientation.h"
+
+#include "tetvdb/geometry/Exact.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace tetvdb {
+namespace {
+
+// The filters' error bounds are less than 8 and 4 units of 2^-53, relative to the sum of the
+// absolute products; twice that for their own rounding.
+constexpr double kError3 = 16 * 0x1p-53;
+constexpr double kError2 = 8 * 0x1p-53;
+// Below this sum, products may have lost bits to underflow.
+constexpr double kLeastSum = 0x1p-900;
+
+struct Pair {
+  double high, low; // high is the rounded result, low what is missing
+};
+
+Pair sumOf(double a, double b) { // Knuth
+  const double high = a + b;
+  const double bPart = high - a;
+  const double aPart = high - bPart;
+  return {high, (a - aPart) + (b - bPart)};
+}
+
+// Two halves of 26 bits (Veltkamp).
+Pair halves(double a) {
+  constexpr double kSplit = 0x1p27 + 1;
+  const double c = kSplit * a;
+  const double high = c - (c - a);
+  return {high, a - high};
+}
+
+Pair productOf(double a, double b) { // Dekker
+  const double high = a * b;
+  const Pair x = halves(a), y = halves(b);
+  const double error = ((high - x.high * y.high) - x.low * y.high) - x.high * y.low;
+  return {high, x.low * y.low - error};
+}
+
+// The exact sum of terms that do not overlap, ascending in magnitude, none of them 0. A 3 x 3
+// determinant of differences has at most 192.
+struct Expansion {
+  std::array<double, 192> term;
+  std::size_t size = 0;
+
+  Expansion() {} // the terms stay as they are
+  void push(double t) {
+    if (t != 0)
+      term[size++] = t;
+  }
+  int sign() const { return size == 0 ? 0 : signOf(term[size - 1]); }
+};
+
+Expansion difference(double a, double b) {
+  const Pair d = sumOf(a, -b);
+  Expansion e;
+  e.push(d.low);
+  e.push(d.high);
+  return e;
+}
+
+void add(Expansion& e, double b) {
+  const std::size_t size = e.size;
+  e.size = 0; // terms are written behind the one that is read
+  for (std::size_t i = 0; i < size; ++i) {
+    const Pair s = sumOf(b, e.term[i]);
+    e.push(s.low);
+    b = s.high;
+  }
+  e.push(b);
+}
+
+void add(Expansion& e, const Expansion& f, double sign) {
+  for (std::size_t i = 0; i < f.size; ++i)
+    add(e, sign * f.term[i]);
+}
+
+void addScaled(Expansion& sum, const Expansion& e, double b) {
+  for (std::size_t i = 0; i < e.size; ++i) {
+    const Pair p = productOf(e.term[i], b);
+    add(sum, p.low);
+    add(sum, p.high);
+  }
+}
+
+Expansion product(const Expansion& e, const Expansion& f) {
+  Expansion result;
+  for (std::size_t i = 0; i < f.size; ++i)
+    addScaled(result, e, f.term[i]);
+  return result;
+}
+
+// x0 y1 - x1 y0
+Expansion minor2(const Expansion& x0, const Expansion& x1, const Expansion& y0,
+                 const Expansion& y1) {
+  Expansion result = product(x0, y1);
+  add(result, product(x1, y0), -1);
+  return result;
+}
+
+int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  std::array<std::array<Expansion, 3>, 3> m;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    m[0][axis] = difference(b[axis], a[axis]);
+    m[1][axis] = difference(c[axis], a[axis]);
+    m[2][axis] = difference(d[axis], a[axis]);
+  }
+  Expansion sum;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t p = (axis + 1) % 3, q = (axis + 2) % 3;
+    if (m[2][axis].size > 0)
+      add(sum, product(minor2(m[0][p], m[0][q], m[1][p], m[1][q]), m[2][axis]), 1);
+  }
+  return sum.sign();
+}
+
+} // namespace
+
+int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  for (std::size_t axis = 0; axis < 3; ++axis) // quite usual, and quick to see
+    if (a[axis] == b[axis] && b[axis] == c[axis] && c[axis] == d[axis])
+      return 0;
+  double u[3], v[3], w[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    u[axis] = b[axis] - a[axis];
+    v[axis] = c[axis] - a[axis];
+    w[axis] = d[axis] - a[axis];
+  }
+  double determinant = 0, sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t p = (axis + 1) % 3, q = (axis + 2) % 3;
+    const double left = u[p] * v[q], right = u[q] * v[p];
+    determinant += (left - right) * w[axis];
+    sum += (std::abs(left) + std::abs(right)) * std::abs(w[axis]);
+  }
+  if (sum > kLeastSum && std::abs(determinant) > kError3 * sum)
+    return signOf(determinant);
+  return exactOrientation(a, b, c, d);
+}
+
+int orientation(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
+  const double left = (b[0] - a[0]) * (c[1] - a[1]);
+  const double right = (b[1] - a[1]) * (c[0] - a[0]);
+  const double determinant = left - right, sum = std::abs(left) + std::abs(right);
+  if (sum > kLeastSum && std::abs(determinant) > kError2 * sum)
+    return signOf(determinant);
+  return minor2(difference(b[0], a[0]), difference(b[1], a[1]), difference(c[0], a[0]),
+                difference(c[1], a[1]))
+      .sign();
+}
+
+bool areCollinear(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t p = (axis + 1) % 3, q = (axis + 2) % 3;
+    if (orientation(Vec2d{a[p], a[q]}, Vec2d{b[p], b[q]}, Vec2d{c[p], c[q]}) != 0)
+      return false;
+  }
+  return true;
+}
+
+} // namespace tetvdb

@@ -244,35 +244,69 @@ TEST(RimWinding, SlopePredictsWithinItsBounds) {
   EXPECT_GT(largest, 0.02) << "the bounds are far from sharp";
 }
 
-TEST(RimWinding, JumpsOnlyWhereItSays) {
+TEST(RimWinding, JumpsAsItSays) {
   meshes::Random random(12);
   const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.95; });
   const RimWinding rim(rimOf(s));
   int quiet = 0, jumps = 0;
-  for (int i = 0; i < 2000; ++i) {
+  std::vector<std::uint32_t> curtains;
+  for (int i = 0; i < 3000; ++i) {
     const Point c = anyPoint(random, 1.5 * kSize);
     const double reach = 0.03 * kSize;
     const LatticePoint here{c[0], c[1], c[2]};
     const RimWinding::Slope slope = rim.slope(here, 1.8 * reach);
     if (!(slope.bend * reach * reach < 0.1))
       continue;
-    const bool may = rim.mayJump(here, reach);
-    quiet += !may;
+    ASSERT_TRUE(rim.curtains(here, reach, 1000, curtains));
+    quiet += curtains.empty();
     for (int k = 0; k < 5; ++k) {
       Point d{};
       for (double& v : d)
         v = std::round(random.between(-1, 1) * reach);
+      if (k == 0)
+        d[0] = 0; // and in line with an axis
+      const LatticePoint there{c[0] + d[0], c[1] + d[1], c[2] + d[2]};
       const double change =
-          rim.at({c[0] + d[0], c[1] + d[1], c[2] + d[2]}) - rim.at(here) -
+          rim.at(there) - rim.at(here) -
           (slope.gradient[0] * d[0] + slope.gradient[1] * d[1] + slope.gradient[2] * d[2]);
-      if (std::abs(change) > 0.5) {
-        ++jumps;
-        EXPECT_TRUE(may);
-      }
+      EXPECT_EQ(rim.jump(here, there, curtains), std::lround(change));
+      jumps += std::lround(change) != 0;
     }
   }
   EXPECT_GT(quiet, 100);
-  EXPECT_GT(jumps, 20);
+  EXPECT_GT(jumps, 50);
+}
+
+// From the middle of the lattice to points straight above edges and corners.
+TEST(RimWinding, JumpsAgreeWithTies) {
+  std::vector<RimEdge> edges;
+  const auto add = [&](double x0, double y0, double x1, double y1) {
+    edges.push_back({{x0, y0, 0}, {x1, y1, 0}, 1});
+  };
+  // A diamond and a square, as closed loops.
+  for (const auto& [x0, y0, x1, y1] : {std::array<double, 4>{-4, 0, 0, -4},
+                                       {0, -4, 4, 0},
+                                       {4, 0, 0, 4},
+                                       {0, 4, -4, 0},
+                                       {-2, -2, 2, -2},
+                                       {2, -2, 2, 2},
+                                       {2, 2, -2, 2},
+                                       {-2, 2, -2, -2}})
+    add(x0, y0, x1, y1);
+  const RimWinding rim(edges);
+  std::vector<std::uint32_t> all(8);
+  for (std::uint32_t i = 0; i < 8; ++i)
+    all[i] = i;
+  // High above, s is all but a whole number.
+  const double high = 1e9;
+  for (int x0 = -5; x0 <= 5; ++x0)
+    for (int y0 = -5; y0 <= 5; ++y0)
+      for (int x = -5; x <= 5; ++x)
+        for (int y = -5; y <= 5; ++y) {
+          const LatticePoint from{double(x0), double(y0), high}, to{double(x), double(y), high};
+          EXPECT_EQ(rim.jump(from, to, all), std::lround(rim.at(to) - rim.at(from)))
+              << x0 << ' ' << y0 << " to " << x << ' ' << y;
+        }
 }
 
 TEST(RimWinding, OnTheRimThePerturbedPointDecides) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/RimWinding.h"
 
-#include "tetvdb/geometry/Exact.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,14 +11,14 @@ namespace tetvdb {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t kLeafEdges = 4;
+constexpr std::size_t kLeafEdges = 16;
 // Parts of the rim with no more edges than this are never cut apart, so that they have no loose
 // ends: the rim of a single triangle.
 constexpr std::size_t kWholePart = 8;
 // A cluster with more loose ends than this is opened instead of looked at from afar.
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
-constexpr double kClusterError = 1e-7;
+constexpr double kClusterError = 1e-6;
 
 using Vector = std::array<double, 3>;
 
@@ -45,96 +43,38 @@ bool earlier(const RimEdge& e, const RimEdge& f) {
          std::tie(f.a.x, f.a.y, f.a.z, f.b.x, f.b.y, f.b.z, f.weight);
 }
 
-// a.x b.y - a.y b.x, with the sign that it has once the point that both are seen from is moved by
-// (e, e^2, e^3). Components are whole numbers below 2^53.
-double turn(const Vector& a, const Vector& b) {
-  const double left = a[0] * b[1], right = a[1] * b[0];
-  const double difference = left - right;
-  if (std::abs(difference) > 4.5e-16 * (std::abs(left) + std::abs(right)))
-    return difference;
-  const Int128 exact =
-      static_cast<Int128>(static_cast<std::int64_t>(a[0])) * static_cast<std::int64_t>(b[1]) -
-      static_cast<Int128>(static_cast<std::int64_t>(a[1])) * static_cast<std::int64_t>(b[0]);
-  if (exact != 0)
-    return static_cast<double>(exact);
-  // (a.x - e)(b.y - e^2) - (a.y - e^2)(b.x - e): the terms of first order in e, then in e^2.
-  const double first = a[1] - b[1];
-  const double leading = first != 0 ? first : b[0] - a[0];
-  return leading == 0 ? 0.0 : std::copysign(std::numeric_limits<double>::min(), leading);
-}
-
-// angleUp() for an end a straight below the point. Moved by (e, e^2, e^3) the point sees a in
-// direction (-e, -e^2) from the pole: a lune from there to b.
-double angleFromPole(const Vector& b) {
-  const double sine = b[1] != 0 ? -b[1] : std::copysign(0.0, b[0]);
-  return 2 * std::atan2(sine, -b[0]);
-}
-
-bool isZero(const Vector& a) {
-  return a[0] == 0 && a[1] == 0 && a[2] == 0;
-}
-
-// Whether the point lies on the open segment between a and b.
-bool isBetween(const Vector& a, const Vector& b) {
-  if (dot(a, b) >= 0)
-    return false;
-  const auto product = [&](std::size_t i, std::size_t j) {
-    return static_cast<Int128>(static_cast<std::int64_t>(a[i])) * static_cast<std::int64_t>(b[j]);
-  };
-  return product(0, 1) == product(1, 0) && product(1, 2) == product(2, 1) &&
-         product(2, 0) == product(0, 2);
-}
-
-// angleUp() for a point on the edge from a to b: moved by (e, e^2, e^3) it sees the edge as half a
-// great circle through the direction back, and up is at an angle to that half plane.
-double angleOnEdge(const Vector& a, const Vector& b) {
-  Vector t{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  const double length = norm(t);
-  for (double& c : t)
-    c /= length;
-  const bool alongX = t[1] == 0 && t[2] == 0;
-  const Vector moved = alongX ? Vector{0, 1, 0} : Vector{1, 0, 0};
-  Vector back{0, 0, 0}, up{0, 0, 0};
-  for (std::size_t k = 0; k < 3; ++k) {
-    back[k] = dot(moved, t) * t[k] - moved[k];
-    up[k] = (k == 2 ? 1.0 : 0.0) - t[2] * t[k];
-  }
-  return -2 * std::atan2(dot(t, cross(back, up)), dot(back, up));
-}
-
-// Solid angle of the spherical triangle of directions a, b and straight up (Van Oosterom and
-// Strackee 1983, with one corner at infinity).
-double angleUp(const Vector& a, const Vector& b) {
-  if (isZero(a)) // seen from (e, e^2, e^3) the end lies in direction -x
-    return isZero(b) ? 0.0 : angleUp({-1, 0, 0}, b);
-  if (isZero(b))
-    return -angleUp({-1, 0, 0}, a);
-  const double sine = turn(a, b);
-  if (sine == 0)
-    return 0; // an edge straight up and down has no curtain
-  if (a[0] == 0 && a[1] == 0)
-    return a[2] < 0 ? angleFromPole(b) : 0.0;
-  if (b[0] == 0 && b[1] == 0)
-    return b[2] < 0 ? -angleFromPole(a) : 0.0;
-  const double la = norm(a), lb = norm(b);
-  const double cosine = la * lb + dot(a, b) + lb * a[2] + la * b[2];
-  if (std::abs(sine) + std::abs(cosine) < 1e-9 * la * lb && isBetween(a, b))
-    return angleOnEdge(a, b);
-  return 2 * std::atan2(sine, cosine);
-}
-
 double distanceToBox(const LatticePoint& p, const LatticePoint& low, const LatticePoint& high) {
   const auto outside = [](double x, double a, double b) { return std::max({a - x, x - b, 0.0}); };
   return norm(
       {outside(p.x, low.x, high.x), outside(p.y, low.y, high.y), outside(p.z, low.z, high.z)});
 }
 
-double distanceToSegment(const LatticePoint& p, const LatticePoint& a, const LatticePoint& b) {
-  const Vector edge = from(a, b), way = from(a, p);
-  const double square = dot(edge, edge);
-  const double t = square > 0 ? std::clamp(dot(edge, way) / square, 0.0, 1.0) : 0.0;
-  return norm({way[0] - t * edge[0], way[1] - t * edge[1], way[2] - t * edge[2]});
-}
+// Angles (centre, loose end, up) of clusters, collected for sumAngles().
+class LooseAngles {
+public:
+  explicit LooseAngles(const LatticePoint& p) : p_(p) {}
+
+  void add(const LatticePoint& centre, const LatticePoint& end, double weight) {
+    if (count_ == kMost)
+      flush();
+    ends_.set(count_++, centre, end, weight);
+  }
+  double sum() {
+    flush();
+    return sum_;
+  }
+
+private:
+  static constexpr std::size_t kMost = 64;
+  void flush() {
+    sum_ += sumAngles(ends_.view(), 0, count_, p_);
+    count_ = 0;
+  }
+  LatticePoint p_;
+  RimBlock<kMost> ends_;
+  std::size_t count_ = 0;
+  double sum_ = 0;
+};
 
 // Parts of the rim that hang together by their points, each named by its first edge.
 std::vector<std::uint32_t> connectedParts(const std::vector<RimEdge>& edges) {
@@ -197,7 +137,6 @@ RimWinding::RimWinding(std::vector<RimEdge> edges) {
   }
   if (items.empty())
     return;
-  edges_.reserve(edges.size());
   nodes_.reserve(items.size());
   build(items.data(), items.data() + items.size(), edges);
 }
@@ -214,7 +153,7 @@ void RimWinding::build(Item* begin, Item* end, const std::vector<RimEdge>& edges
   if (node.leaf) {
     for (const Item* item = begin; item != end; ++item)
       for (const std::uint32_t e : item->edges)
-        edges_.push_back(edges[e]);
+        edges_.push(edges[e].a, edges[e].b, edges[e].weight);
   } else {
     Vector low = begin->middle, high = begin->middle;
     for (const Item* item = begin; item != end; ++item)
@@ -248,7 +187,7 @@ void RimWinding::fillMoments(Node& node) const {
   node.boxMin = {inf, inf, inf};
   node.boxMax = {-inf, -inf, -inf};
   for (std::uint32_t i = node.begin; i != node.end; ++i)
-    for (const LatticePoint& p : {edges_[i].a, edges_[i].b}) {
+    for (const LatticePoint& p : {edges_.a(i), edges_.b(i)}) {
       node.boxMin = {std::min(node.boxMin.x, p.x), std::min(node.boxMin.y, p.y),
                      std::min(node.boxMin.z, p.z)};
       node.boxMax = {std::max(node.boxMax.x, p.x), std::max(node.boxMax.y, p.y),
@@ -260,17 +199,17 @@ void RimWinding::fillMoments(Node& node) const {
   double second[3][3] = {};
   double third[3][3][3] = {};
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
-    const RimEdge& e = edges_[i];
-    const Vector a = from(node.centre, e.a), b = from(node.centre, e.b);
+    const Vector a = from(node.centre, edges_.a(i)), b = from(node.centre, edges_.b(i));
+    const double weight = edges_.weight[i];
     const Vector sum{a[0] + b[0], a[1] + b[1], a[2] + b[2]};
     Vector n = cross(a, b);
     node.radius = std::max({node.radius, norm(a), norm(b)});
-    node.area += norm(n) / 2 * std::abs(e.weight);
-    node.length += norm(from(e.a, e.b)) * std::abs(e.weight);
+    node.area += norm(n) / 2 * std::abs(weight);
+    node.length += norm(from(edges_.a(i), edges_.b(i))) * std::abs(weight);
     for (double& c : n)
-      c *= e.weight / 2.0;
+      c *= weight / 2;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double edge = (b[k] - a[k]) * e.weight;
+      const double edge = (b[k] - a[k]) * weight;
       node.way[k] += edge;
       for (std::size_t l = 0; l < 3; ++l)
         node.current[3 * k + l] += edge * sum[l] / 2;
@@ -308,8 +247,9 @@ void RimWinding::fillLooseEnds(Node& node) {
   node.looseBegin = static_cast<std::uint32_t>(looseEnds_.size());
   std::vector<LooseEnd> ends;
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
-    ends.push_back({edges_[i].b, edges_[i].weight});
-    ends.push_back({edges_[i].a, -edges_[i].weight});
+    const auto weight = static_cast<std::int32_t>(edges_.weight[i]);
+    ends.push_back({edges_.b(i), weight});
+    ends.push_back({edges_.a(i), -weight});
   }
   std::sort(ends.begin(), ends.end(),
             [](const LooseEnd& e, const LooseEnd& f) { return less(e.point, f.point); });
@@ -328,8 +268,7 @@ void RimWinding::fillLooseEnds(Node& node) {
 // moments: the integral of n . r / |r|^3 with r = R + y, expanded to second order in y. The others
 // cancel but at loose ends. The sum is short of 4 pi where the cone passes straight below p; at()
 // sees to that.
-double RimWinding::fromAfar(const Node& node, const LatticePoint& p) const {
-  const Vector r = from(p, node.centre);
+double RimWinding::coneFromAfar(const Node& node, const Vec3d& r) const {
   const double inverse = 1 / norm(r);
   const double i2 = inverse * inverse, i3 = i2 * inverse, i5 = i3 * i2;
   const double x = r[0], y = r[1], z = r[2];
@@ -340,56 +279,66 @@ double RimWinding::fromAfar(const Node& node, const LatticePoint& p) const {
   const double cube = x * x * (o[0] * x + o[3] * y + o[4] * z) +
                       y * y * (o[1] * y + o[5] * x + o[6] * z) +
                       z * z * (o[2] * z + o[7] * x + o[8] * y) + o[9] * x * y * z;
-  double angle = (dot(node.dipole, r) + node.trace) * i3 -
-                 (3 * square + 1.5 * dot(node.bent, r)) * i5 + 7.5 * cube * i5 * i2;
-  for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-    angle += looseEnds_[i].weight * angleUp(r, from(p, looseEnds_[i].point));
-  return angle;
+  return (dot(node.dipole, r) + node.trace) * i3 - (3 * square + 1.5 * dot(node.bent, r)) * i5 +
+         7.5 * cube * i5 * i2;
 }
 
-double RimWinding::at(const LatticePoint& p) const {
-  double angle = 0;
+// Walks the tree: clusters for which far(node) holds are done with, the edges of the others are
+// handed to near(begin, end), in as few pieces as they lie together.
+template <typename Far, typename Near>
+void RimWinding::walk(const Far& far, const Near& near) const {
   const auto count = static_cast<std::uint32_t>(nodes_.size());
+  std::uint32_t begin = 0, end = 0;
   for (std::uint32_t index = 0; index < count;) {
     const Node& node = nodes_[index];
-    const double distance = norm(from(p, node.centre)) - node.radius;
-    // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
-    const double ratio = node.radius / distance;
-    const bool far = distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
-                     node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance;
-    const bool above = p.x >= node.boxMin.x && p.x <= node.boxMax.x && p.y >= node.boxMin.y &&
-                       p.y <= node.boxMax.y && p.z >= node.boxMin.z;
-    if (far && !above) {
-      angle += fromAfar(node, p);
+    if (far(node)) {
       index = node.skip;
     } else if (node.leaf) {
-      for (std::uint32_t i = node.begin; i != node.end; ++i)
-        angle += edges_[i].weight * angleUp(from(p, edges_[i].a), from(p, edges_[i].b));
+      if (node.begin != end) {
+        if (begin != end)
+          near(begin, end);
+        begin = node.begin;
+      }
+      end = node.end;
       index = node.skip;
     } else {
       ++index;
     }
   }
-  return angle / (4 * kPi);
+  if (begin != end)
+    near(begin, end);
 }
 
-namespace {
-
-// Field of a straight current from a to b, seen from 0: integral of dl x r / |r|^3, negative.
-Vector fieldOfEdge(const Vector& a, const Vector& b) {
-  const double la = norm(a), lb = norm(b);
-  const double below = la * lb * (la * lb + dot(a, b));
-  Vector field = cross(a, b);
-  for (double& c : field)
-    c *= below > 0 ? (la + lb) / below : 0.0;
-  return field;
+double RimWinding::at(const LatticePoint& p) const {
+  double angle = 0;
+  LooseAngles loose(p);
+  walk(
+      [&](const Node& node) {
+        const Vector r = from(p, node.centre);
+        const double distance = norm(r) - node.radius;
+        // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
+        const double ratio = node.radius / distance;
+        if (!(distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
+              node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance))
+          return false;
+        const bool above = p.x >= node.boxMin.x && p.x <= node.boxMax.x && p.y >= node.boxMin.y &&
+                           p.y <= node.boxMax.y && p.z >= node.boxMin.z;
+        if (above)
+          return false;
+        angle += coneFromAfar(node, r);
+        for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
+          loose.add(node.centre, looseEnds_[i].point, looseEnds_[i].weight);
+        return true;
+      },
+      [&](std::uint32_t begin, std::uint32_t end) {
+        angle += sumAngles(edges_.view(), begin, end, p);
+      });
+  return (angle + loose.sum()) / (4 * kPi);
 }
-
-} // namespace
 
 // To first order in the edges' places within the cluster, r = R + y: the integral of
 // r x dl / |r|^3 = R x way / R^3 + sum over j of (d/dR_j (R / R^3)) x (sum of dl y_j).
-Vector RimWinding::fieldFromAfar(const Node& node, const Vector& r) {
+Vec3d RimWinding::fieldFromAfar(const Node& node, const Vec3d& r) {
   const double inverse = 1 / norm(r);
   const double i2 = inverse * inverse, i3 = i2 * inverse;
   Vector field = cross(r, node.way);
@@ -406,83 +355,95 @@ Vector RimWinding::fieldFromAfar(const Node& node, const Vector& r) {
   return field;
 }
 
+double RimWinding::bend(const LatticePoint& centre, double reach) const {
+  double sum = 0;
+  walk(
+      [&](const Node& node) {
+        const double distance = distanceToBox(centre, node.boxMin, node.boxMax) - reach;
+        if (!(distance > 3 * node.radius))
+          return !std::isfinite(sum);
+        sum += 2 * node.length / (distance * distance * distance);
+        return true;
+      },
+      [&](std::uint32_t begin, std::uint32_t end) {
+        sum += sumBend(edges_.view(), begin, end, centre, reach);
+      });
+  return sum / (4 * kPi);
+}
+
 RimWinding::Slope RimWinding::slope(const LatticePoint& centre, double reach) const {
   Slope slope;
-  const auto count = static_cast<std::uint32_t>(nodes_.size());
-  // |d/dr (r / |r|^3)| is 2 / |r|^3; over an endless straight line that sums up to 4 / d^2.
-  for (std::uint32_t index = 0; index < count;) {
-    const Node& node = nodes_[index];
-    const double distance = distanceToBox(centre, node.boxMin, node.boxMax) - reach;
-    if (distance > 3 * node.radius) {
-      slope.bend += 2 * node.length / (distance * distance * distance);
-      index = node.skip;
-    } else if (node.leaf) {
-      for (std::uint32_t i = node.begin; i != node.end; ++i) {
-        const RimEdge& e = edges_[i];
-        const double d = distanceToSegment(centre, e.a, e.b) - reach;
-        if (d <= 0) {
-          slope.bend = std::numeric_limits<double>::infinity();
-          return slope;
-        }
-        slope.bend +=
-            std::abs(e.weight) * std::min(2 * norm(from(e.a, e.b)) / (d * d * d), 4 / (d * d));
-      }
-      index = node.skip;
-    } else {
-      ++index;
-    }
-  }
-  slope.bend /= 4 * kPi;
-
-  const auto add = [&](const Vector& field, double weight) {
+  slope.bend = bend(centre, reach);
+  if (!std::isfinite(slope.bend))
+    return slope;
+  const auto add = [&](const Vector& field) {
     for (std::size_t k = 0; k < 3; ++k)
-      slope.gradient[k] += weight * field[k] / (4 * kPi);
+      slope.gradient[k] += field[k] / (4 * kPi);
   };
-  for (std::uint32_t index = 0; index < count;) {
-    const Node& node = nodes_[index];
-    const Vector r = from(centre, node.centre);
-    const double distance = norm(r) - node.radius;
-    // Second derivatives of r / |r|^3 are at most 6 / |r|^4, over 2!.
-    const double error = distance > 0 ? 3 * node.length * node.radius * node.radius /
-                                            (distance * distance * distance * distance)
-                                      : std::numeric_limits<double>::infinity();
-    if (error < 1e-3 * slope.bend * reach) {
-      add(fieldFromAfar(node, r), 1);
-      slope.error += error / (4 * kPi);
-      index = node.skip;
-    } else if (node.leaf) {
-      for (std::uint32_t i = node.begin; i != node.end; ++i)
-        add(fieldOfEdge(from(centre, edges_[i].a), from(centre, edges_[i].b)), edges_[i].weight);
-      index = node.skip;
-    } else {
-      ++index;
-    }
-  }
+  walk(
+      [&](const Node& node) {
+        const Vector r = from(centre, node.centre);
+        const double distance = norm(r) - node.radius;
+        // Second derivatives of r / |r|^3 are at most 6 / |r|^4, over 2!.
+        const double square = distance * distance;
+        const double error =
+            3 * node.length * node.radius * node.radius / (square * square) / (4 * kPi);
+        // Small beside what the bend leaves open.
+        if (!(distance > 0 && error < 0.02 * slope.bend * reach))
+          return false;
+        add(fieldFromAfar(node, r));
+        slope.error += error;
+        return true;
+      },
+      [&](std::uint32_t begin, std::uint32_t end) {
+        add(sumField(edges_.view(), begin, end, centre));
+      });
   return slope;
 }
 
-bool RimWinding::mayJump(const LatticePoint& centre, double reach) const {
+bool RimWinding::curtains(const LatticePoint& centre, double reach, std::size_t most,
+                          std::vector<std::uint32_t>& edges) const {
+  edges.clear();
   const auto over = [&](const LatticePoint& low, const LatticePoint& high) {
     return low.x <= centre.x + reach && high.x >= centre.x - reach && low.y <= centre.y + reach &&
            high.y >= centre.y - reach && low.z <= centre.z + reach;
   };
-  const auto count = static_cast<std::uint32_t>(nodes_.size());
-  for (std::uint32_t index = 0; index < count;) {
-    const Node& node = nodes_[index];
-    if (!over(node.boxMin, node.boxMax)) {
-      index = node.skip;
+  walk([&](const Node& node) { return edges.size() > most || !over(node.boxMin, node.boxMax); },
+       [&](std::uint32_t begin, std::uint32_t end) {
+         for (std::uint32_t i = begin; i != end && edges.size() <= most; ++i) {
+           const LatticePoint a = edges_.a(i), b = edges_.b(i);
+           if (over({std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
+                    {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}))
+             edges.push_back(i);
+         }
+       });
+  return edges.size() <= most;
+}
+
+// Straight above an edge the angle of its triangle passes from -2 pi to 2 pi as turn() passes zero,
+// so that s jumps by the weight.
+std::int32_t RimWinding::jump(const LatticePoint& centre, const LatticePoint& p,
+                              const std::vector<std::uint32_t>& edges) const {
+  const Vector way = from(centre, p);
+  if (way[0] == 0 && way[1] == 0)
+    return 0;
+  double sum = 0;
+  for (const std::uint32_t i : edges) {
+    const Vector a = from(centre, edges_.a(i)), b = from(centre, edges_.b(i));
+    const double before = turn(a, b);
+    const double after = turn(from(p, edges_.a(i)), from(p, edges_.b(i)));
+    if (!((before < 0 && after > 0) || (before > 0 && after < 0)))
       continue;
-    }
-    if (node.leaf)
-      for (std::uint32_t i = node.begin; i != node.end; ++i) {
-        const LatticePoint &a = edges_[i].a, &b = edges_[i].b;
-        if (over({std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
-                 {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}))
-          return true;
-      }
-    ++index;
+    // The ends on both sides of the way.
+    const double sideA = turnFrom(way, a), sideB = turnFrom(way, b);
+    if (!((sideA < 0 && sideB > 0) || (sideA > 0 && sideB < 0)))
+      continue;
+    // Height of the edge above the way, against the centre: the rim is not near.
+    const double share = sideA / (sideA - sideB);
+    if (a[2] + share * (b[2] - a[2]) < 0)
+      sum += after > 0 ? edges_.weight[i] : -edges_.weight[i];
   }
-  return false;
+  return static_cast<std::int32_t>(sum);
 }
 
 RimWinding::Ball RimWinding::reach() const {

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/RimSums.h"
 
 #include <array>
 #include <cstddef>
@@ -30,7 +31,7 @@ struct RimEdge {
 };
 
 /// Error of RimWinding::at(), as a winding number.
-constexpr double kRimWindingError = 1e-5;
+constexpr double kRimWindingError = 1e-4;
 
 /// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
 /// part in any result.
@@ -39,7 +40,7 @@ public:
   /// The edges must close: every point is as often an end as a start, by weight. O(n log n).
   explicit RimWinding(std::vector<RimEdge> edges);
 
-  bool empty() const { return edges_.empty(); }
+  bool empty() const { return edges_.size() == 0; }
   std::size_t edgeCount() const { return edges_.size(); }
 
   /// s at `p` moved by (e, e^2, e^3), e -> 0+: the perturbed centre of the ownership rule. Within
@@ -57,9 +58,15 @@ public:
   };
   Slope slope(const LatticePoint& centre, double reach) const;
 
-  /// Whether s itself, whole numbers included, may jump within the upright square prism of points
-  /// up to `reach` from `centre` along every axis: whether a curtain may stand there.
-  bool mayJump(const LatticePoint& centre, double reach) const;
+  /// Edges whose curtain may stand in the upright square prism of points up to `reach` from
+  /// `centre` along every axis: s may jump by whole numbers across them. False, with only some of
+  /// them in `edges`, where they are more than `most`.
+  bool curtains(const LatticePoint& centre, double reach, std::size_t most,
+                std::vector<std::uint32_t>& edges) const;
+  /// What s jumps by from `centre` to `p` across the curtains of `edges`, exactly; both within such
+  /// a prism, into which the rim itself does not reach.
+  std::int32_t jump(const LatticePoint& centre, const LatticePoint& p,
+                    const std::vector<std::uint32_t>& edges) const;
 
   /// Outside this ball N + s is within 0.45 of a whole number.
   struct Ball {
@@ -97,10 +104,13 @@ private:
   void build(Item* begin, Item* end, const std::vector<RimEdge>& edges);
   void fillMoments(Node& node) const;
   void fillLooseEnds(Node& node);
-  double fromAfar(const Node& node, const LatticePoint& p) const;
-  static std::array<double, 3> fieldFromAfar(const Node& node, const std::array<double, 3>& r);
+  double coneFromAfar(const Node& node, const Vec3d& r) const;
+  static Vec3d fieldFromAfar(const Node& node, const Vec3d& r);
+  double bend(const LatticePoint& centre, double reach) const;
+  template <typename Far, typename Near>
+  void walk(const Far& far, const Near& near) const;
 
-  std::vector<RimEdge> edges_;
+  RimArrays edges_;
   std::vector<Node> nodes_;
   std::vector<LooseEnd> looseEnds_;
 };

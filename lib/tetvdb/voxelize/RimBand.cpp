@@ -14,6 +14,9 @@ namespace {
 constexpr double kHalfVoxel = static_cast<double>(kUnitsPerVoxel) / 2;
 // Halves count as passed a little late (nearestWinding()), and at() has its error.
 constexpr double kMargin = 3 * kRimWindingError;
+// Beyond these a box is split rather than predicted.
+constexpr double kMostUnsure = 0.03;
+constexpr std::size_t kMostCurtains = 64;
 
 LatticePoint centreOf(const std::array<std::int64_t, 3>& voxel) {
   return {static_cast<double>(voxel[0] * kUnitsPerVoxel),
@@ -30,8 +33,8 @@ double toHalf(double winding) {
 
 struct RimBand::Middle {
   LatticePoint centre{0, 0, 0};
-  double reach = 0; // from the centre to a corner
-  double winding = 0;
+  double reach = 0;                                          // from the centre to a corner
+  double winding = std::numeric_limits<double>::quiet_NaN(); // where it was not needed
   RimWinding::Slope slope;
 };
 
@@ -135,16 +138,18 @@ void RimBand::look(const Vec3i& firstVoxel, Leaf& leaf) const {
   look(first, first, kLeafSize, leaf);
 }
 
-// A box that no curtain stands in has few voxels for which value and slope in its middle do not
-// tell the nearest whole number; other boxes are split.
+// Value and slope in a box's middle tell the nearest whole number at nearly all of its voxels, once
+// the bend is small; until then boxes are split. Across curtains the value jumps by whole numbers.
 void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size, Leaf& leaf) const {
   Middle middle;
   if (!mayPassHalf(first, size, middle))
     return;
   const RimWinding::Slope& slope = middle.slope;
   const double unsure = middle.reach * (slope.error + slope.bend * middle.reach / 2);
-  const bool predict = size > 1 && unsure < 0.1 &&
-                       !rim_.mayJump(middle.centre, static_cast<double>(size) * kHalfVoxel);
+  std::vector<std::uint32_t> curtains;
+  const bool predict =
+      unsure < kMostUnsure &&
+      rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel, kMostCurtains, curtains);
   if (size > 2 && !predict) {
     const std::int64_t half = size / 2;
     for (int child = 0; child < 8; ++child)
@@ -154,16 +159,20 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
            half, leaf);
     return;
   }
-  const double here = predict ? rim_.at(middle.centre) : 0;
+  if (predict && std::isnan(middle.winding))
+    middle.winding = rim_.at(middle.centre);
+  const auto& g = slope.gradient;
   for (std::int64_t x = first[0]; x < first[0] + size; ++x)
-    for (std::int64_t y = first[1]; y < first[1] + size; ++y)
+    for (std::int64_t y = first[1]; y < first[1] + size; ++y) {
+      LatticePoint p = centreOf({x, y, first[2]});
+      const double dx = p.x - middle.centre.x, dy = p.y - middle.centre.y;
+      const double here = middle.winding + g[0] * dx + g[1] * dy +
+                          (predict ? rim_.jump(middle.centre, p, curtains) : 0);
       for (std::int64_t z = first[2]; z < first[2] + size; ++z) {
-        const LatticePoint p = centreOf({x, y, z});
-        const double dx = p.x - middle.centre.x, dy = p.y - middle.centre.y,
-                     dz = p.z - middle.centre.z;
-        double value =
-            here + slope.gradient[0] * dx + slope.gradient[1] * dy + slope.gradient[2] * dz;
+        p.z = static_cast<double>(z * kUnitsPerVoxel);
+        const double dz = p.z - middle.centre.z;
         const double square = dx * dx + dy * dy + dz * dz;
+        double value = here + g[2] * dz;
         if (!predict ||
             toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
           value = rim_.at(p);
@@ -172,6 +181,7 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
         leaf.flags[i] |= std::uint64_t(1) << bit;
         leaf.values[i * 64 + bit] = value;
       }
+    }
 }
 
 } // namespace tetvdb

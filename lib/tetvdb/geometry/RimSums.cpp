@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/geometry/RimSums.h"
+
+#include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/Exact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+double dot(const Vec3d& a, const Vec3d& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+double norm(const Vec3d& a) {
+  return std::sqrt(dot(a, a));
+}
+Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// A difference of two rounded products has the right sign beyond this share of their sizes.
+constexpr double kSure = 4.5e-16;
+
+// a.x b.y - a.y b.x: exact in its sign, and in whether it is zero.
+double exactTurn(const Vec3d& a, const Vec3d& b) {
+  const double left = a[0] * b[1], right = a[1] * b[0];
+  const double difference = left - right;
+  if (std::abs(difference) > kSure * (std::abs(left) + std::abs(right)))
+    return difference;
+  return static_cast<double>(
+      static_cast<Int128>(static_cast<std::int64_t>(a[0])) * static_cast<std::int64_t>(b[1]) -
+      static_cast<Int128>(static_cast<std::int64_t>(a[1])) * static_cast<std::int64_t>(b[0]));
+}
+
+// A number too small to matter, with the sign of `first`, or of `second` where that is zero.
+double signOfFirst(double first, double second) {
+  const double leading = first != 0 ? first : second;
+  return leading == 0 ? 0.0 : std::copysign(std::numeric_limits<double>::min(), leading);
+}
+
+// |a| + a.z, without cancellation.
+double above(const Vec3d& a) {
+  const double flat = a[0] * a[0] + a[1] * a[1];
+  const double length = std::sqrt(flat + a[2] * a[2]);
+  return a[2] < 0 ? flat / (length - a[2]) : length + a[2];
+}
+
+// angleUp() for an end a straight below the point. Moved by (e, e^2, e^3) the point sees a in
+// direction (-e, -e^2) from the pole: a lune from there to b.
+double angleFromPole(const Vec3d& b) {
+  const double sine = b[1] != 0 ? -b[1] : std::copysign(0.0, b[0]);
+  return 2 * std::atan2(sine, -b[0]);
+}
+
+bool isZero(const Vec3d& a) {
+  return a[0] == 0 && a[1] == 0 && a[2] == 0;
+}
+
+// Whether the point lies on the open segment between a and b.
+bool isBetween(const Vec3d& a, const Vec3d& b) {
+  if (dot(a, b) >= 0)
+    return false;
+  const auto product = [&](std::size_t i, std::size_t j) {
+    return static_cast<Int128>(static_cast<std::int64_t>(a[i])) * static_cast<std::int64_t>(b[j]);
+  };
+  return product(0, 1) == product(1, 0) && product(1, 2) == product(2, 1) &&
+         product(2, 0) == product(0, 2);
+}
+
+// angleUp() for a point on the edge from a to b: moved by (e, e^2, e^3) it sees the edge as half a
+// great circle through the direction back, and up is at an angle to that half plane.
+double angleOnEdge(const Vec3d& a, const Vec3d& b) {
+  Vec3d t{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  const double length = norm(t);
+  for (double& c : t)
+    c /= length;
+  const bool alongX = t[1] == 0 && t[2] == 0;
+  const Vec3d moved = alongX ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
+  Vec3d back{0, 0, 0}, up{0, 0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    back[k] = dot(moved, t) * t[k] - moved[k];
+    up[k] = (k == 2 ? 1.0 : 0.0) - t[2] * t[k];
+  }
+  return -2 * std::atan2(dot(t, cross(back, up)), dot(back, up));
+}
+
+// Edges that a loop works on at a time, and the partial sums that it keeps.
+constexpr std::size_t kBlock = 64;
+constexpr std::size_t kLanes = 8;
+
+RimView from(const RimView& rim, std::size_t i) {
+  return {rim.ax + i, rim.ay + i, rim.az + i, rim.bx + i, rim.by + i, rim.bz + i, rim.weight + i};
+}
+
+// weight * angleUp() of n edges; NaN where it takes angleUp() itself to tell.
+// The arc tangent: of the smaller over the larger, above tan(pi / 8) by
+// atan(t) = pi / 4 + atan((t - 1) / (t + 1)), then the power series, whose first term left out is
+// below 1e-11.
+TETVDB_MULTIVERSION
+void weightedAngles(RimView e, std::size_t n, double px, double py, double pz,
+                    double* __restrict out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ax = e.ax[i] - px, ay = e.ay[i] - py, az = e.az[i] - pz;
+    const double bx = e.bx[i] - px, by = e.by[i] - py, bz = e.bz[i] - pz;
+    const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
+    const double la = std::sqrt(fa + az * az), lb = std::sqrt(fb + bz * bz);
+    const double ua = az < 0 ? fa / (la - az) : la + az;
+    const double ub = bz < 0 ? fb / (lb - bz) : lb + bz;
+    const double left = ax * by, right = ay * bx;
+    const double sine = left - right;
+    const double flat = ax * bx + ay * by;
+    const double cosine = ua * ub + flat;
+    const double y = std::abs(sine), x = std::abs(cosine);
+    const double low = y < x ? y : x, high = y < x ? x : y;
+    const bool steep = low > 0.41421356237309503 * high;
+    const double u = (steep ? low - high : low) / (steep ? low + high : high);
+    const double v = u * u;
+    double series = 1.0 / 25;
+    series = 1.0 / 23 - v * series;
+    series = 1.0 / 21 - v * series;
+    series = 1.0 / 19 - v * series;
+    series = 1.0 / 17 - v * series;
+    series = 1.0 / 15 - v * series;
+    series = 1.0 / 13 - v * series;
+    series = 1.0 / 11 - v * series;
+    series = 1.0 / 9 - v * series;
+    series = 1.0 / 7 - v * series;
+    series = 1.0 / 5 - v * series;
+    series = 1.0 / 3 - v * series;
+    series = 1.0 - v * series;
+    double angle = (steep ? kPi / 4 : 0.0) + u * series;
+    angle = y < x ? angle : kPi / 2 - angle;
+    angle = cosine < 0 ? kPi - angle : angle;
+    angle = sine < 0 ? -angle : angle;
+    const bool sure = y > kSure * (std::abs(left) + std::abs(right)) &&
+                      (y + x > 1e-9 * la * lb || flat + az * bz > 0);
+    out[i] = sure ? 2 * e.weight[i] * angle : std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+// Field of a straight current from a to b, seen from 0: a x b (|a| + |b|) / (|a||b| (|a||b| +
+// a.b)), negative.
+TETVDB_MULTIVERSION
+void fields(RimView e, std::size_t n, double px, double py, double pz, double* __restrict x,
+            double* __restrict y, double* __restrict z) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double ax = e.ax[i] - px, ay = e.ay[i] - py, az = e.az[i] - pz;
+    const double bx = e.bx[i] - px, by = e.by[i] - py, bz = e.bz[i] - pz;
+    const double la = std::sqrt(ax * ax + ay * ay + az * az);
+    const double lb = std::sqrt(bx * bx + by * by + bz * bz);
+    const double below = la * lb * (la * lb + (ax * bx + ay * by + az * bz));
+    const double factor = below > 0 ? e.weight[i] * (la + lb) / below : 0.0;
+    x[i] = factor * (ay * bz - az * by);
+    y[i] = factor * (az * bx - ax * bz);
+    z[i] = factor * (ax * by - ay * bx);
+  }
+}
+
+TETVDB_MULTIVERSION
+void bends(RimView e, std::size_t n, double px, double py, double pz, double reach,
+           double* __restrict out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double x = e.bx[i] - e.ax[i], y = e.by[i] - e.ay[i], z = e.bz[i] - e.az[i];
+    const double u = px - e.ax[i], v = py - e.ay[i], w = pz - e.az[i];
+    const double square = x * x + y * y + z * z;
+    double t = (x * u + y * v + z * w) / (square > 0 ? square : 1.0);
+    t = t > 0 ? t : 0.0;
+    t = t < 1 ? t : 1.0;
+    const double dx = u - t * x, dy = v - t * y, dz = w - t * z;
+    const double d = std::sqrt(dx * dx + dy * dy + dz * dz) - reach;
+    const double shortEdge = 2 * std::sqrt(square) / (d * d * d), longEdge = 4 / (d * d);
+    const double bend = std::abs(e.weight[i]) * (shortEdge < longEdge ? shortEdge : longEdge);
+    out[i] = d > 0 ? bend : std::numeric_limits<double>::infinity();
+  }
+}
+
+double sumOf(const double* values, std::size_t n) {
+  double lanes[kLanes] = {};
+  for (std::size_t i = 0; i < n; ++i)
+    lanes[i % kLanes] += values[i];
+  double sum = 0;
+  for (const double lane : lanes)
+    sum += lane;
+  return sum;
+}
+
+} // namespace
+
+void RimArrays::push(const LatticePoint& a, const LatticePoint& b, double w) {
+  ax.push_back(a.x);
+  ay.push_back(a.y);
+  az.push_back(a.z);
+  bx.push_back(b.x);
+  by.push_back(b.y);
+  bz.push_back(b.z);
+  weight.push_back(w);
+}
+
+double turn(const Vec3d& a, const Vec3d& b) {
+  const double value = exactTurn(a, b);
+  // (a.x - e)(b.y - e^2) - (a.y - e^2)(b.x - e): the terms of first order in e, then in e^2.
+  return value != 0 ? value : signOfFirst(a[1] - b[1], b[0] - a[0]);
+}
+
+double turnFrom(const Vec3d& way, const Vec3d& a) {
+  const double value = exactTurn(way, a);
+  // way.x (a.y - e^2) - way.y (a.x - e)
+  return value != 0 ? value : signOfFirst(way[1], -way[0]);
+}
+
+// Van Oosterom and Strackee 1983, with one corner at infinity: the tangent of half the angle is
+// det(a, b, up) over |a||b| + a.b + |b| a.z + |a| b.z = (|a| + a.z)(|b| + b.z) + a.x b.x + a.y b.y.
+double angleUp(const Vec3d& a, const Vec3d& b) {
+  if (isZero(a)) // seen from (e, e^2, e^3) the end lies in direction -x
+    return isZero(b) ? 0.0 : angleUp({-1, 0, 0}, b);
+  if (isZero(b))
+    return -angleUp({-1, 0, 0}, a);
+  const double sine = turn(a, b);
+  if (sine == 0)
+    return 0; // an edge straight up and down has no curtain
+  if (a[0] == 0 && a[1] == 0)
+    return a[2] < 0 ? angleFromPole(b) : 0.0;
+  if (b[0] == 0 && b[1] == 0)
+    return b[2] < 0 ? -angleFromPole(a) : 0.0;
+  const double cosine = (above(a) * above(b)) + (a[0] * b[0] + a[1] * b[1]);
+  if (std::abs(sine) + std::abs(cosine) < 1e-9 * norm(a) * norm(b) && isBetween(a, b))
+    return angleOnEdge(a, b);
+  return 2 * std::atan2(sine, cosine);
+}
+
+double sumAngles(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p) {
+  double angles[kBlock];
+  double sum = 0;
+  for (std::size_t i = begin; i < end; i += kBlock) {
+    const std::size_t n = std::min(kBlock, end - i);
+    weightedAngles(from(rim, i), n, p.x, p.y, p.z, angles);
+    for (std::size_t k = 0; k < n; ++k)
+      if (std::isnan(angles[k])) {
+        const std::size_t e = i + k;
+        angles[k] = rim.weight[e] * angleUp({rim.ax[e] - p.x, rim.ay[e] - p.y, rim.az[e] - p.z},
+                                            {rim.bx[e] - p.x, rim.by[e] - p.y, rim.bz[e] - p.z});
+      }
+    sum += sumOf(angles, n);
+  }
+  return sum;
+}
+
+Vec3d sumField(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p) {
+  double x[kBlock], y[kBlock], z[kBlock];
+  Vec3d sum{0, 0, 0};
+  for (std::size_t i = begin; i < end; i += kBlock) {
+    const std::size_t n = std::min(kBlock, end - i);
+    fields(from(rim, i), n, p.x, p.y, p.z, x, y, z);
+    sum = {sum[0] + sumOf(x, n), sum[1] + sumOf(y, n), sum[2] + sumOf(z, n)};
+  }
+  return sum;
+}
+
+double sumBend(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p,
+               double reach) {
+  double bend[kBlock];
+  double sum = 0;
+  for (std::size_t i = begin; i < end && std::isfinite(sum); i += kBlock) {
+    const std::size_t n = std::min(kBlock, end - i);
+    bends(from(rim, i), n, p.x, p.y, p.z, reach, bend);
+    sum += sumOf(bend, n);
+  }
+  return sum;
+}
+
+} // namespace tetvdb

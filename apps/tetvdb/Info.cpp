@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "InfoTriangles.h"
 #include "JsonReport.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
-#include "tetvdb/pipeline/VoxelizeJob.h"
+#include "tetvdb/pipeline/ReadInput.h"
 
 #include <cmath>
 #include <exception>
@@ -19,10 +20,12 @@ struct Options {
   std::vector<std::string> files;
   std::string regionArray;
   bool hash = false;
+  DefectOptions defects;
 };
 
 const char* const kExamples = R"(Examples:
   tetvdb info part.msh                 cells, regions, attributes, box, volume, defects
+  tetvdb info part.stl                 holes, flips, crossings, whether it is watertight
   tetvdb info part.vdb --hash          grids, and a hash that is equal for equal volumes
   tetvdb info *.vtu --json - | jq .    the same for programs)";
 
@@ -190,6 +193,10 @@ void describeFile(const std::string& path, const Options& options, Json& section
     describeVolume(path, options.hash, section, session);
     return;
   }
+  if (holdsTriangles(path)) {
+    describeTriangles(path, options.defects, section, session);
+    return;
+  }
   session.progress.stage("read");
   InputInfo info;
   ReadOptions read;
@@ -231,6 +238,12 @@ Command addInfo(CLI::App& program) {
   command
       ->add_option("--region-array", options->regionArray, "Cell array that holds region numbers")
       ->type_name("NAME");
+  command
+      ->add_option("--max-intersections", options->defects.maxIntersections,
+                   "Pairs of triangles that cross: stop counting at this many; 0: do not count")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("N");
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runInfo(*options, session); };

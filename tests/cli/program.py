@@ -134,4 +134,18 @@ def vtu(points, tets):
 """
 
 
+def box_faces(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
+    """A box of twelve triangles that look outward: points, faces."""
+    points = [tuple((low, high)[i >> axis & 1][axis] for axis in range(3)) for i in range(8)]
+    squares = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return points, [[q[0], q[k], q[k + 1]] for q in squares for k in (1, 2)]
+
+
+def off(points, faces):
+    lines = ["OFF", "%d %d 0" % (len(points), len(faces))]
+    lines += ["%r %r %r" % tuple(p) for p in points]
+    lines += ["%d %s" % (len(face), " ".join(str(c) for c in face)) for face in faces]
+    return "\n".join(lines + [""])
+
+
 WRITERS = {"mesh": medit, "msh": gmsh, "vtu": vtu}

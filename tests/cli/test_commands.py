@@ -4,7 +4,7 @@
 import json
 import unittest
 
-from program import DATA, WRITERS, CommandLineTest, gmsh, lattice, medit, vtu
+from program import (DATA, WRITERS, CommandLineTest, box_faces, gmsh, lattice, medit, off, vtu)
 
 
 def two_blocks():
@@ -223,6 +223,58 @@ class Info(CommandLineTest):
             self.assertEqual(result.err, "")
             if arguments != ("--version",):
                 self.assertIn("Examples", result.out)
+
+
+class InfoOnTriangles(CommandLineTest):
+    def look(self, points, faces, *options):
+        self.write("a.off", off(points, faces))
+        return self.report_of("info", "a.off", *options)["input"][0]
+
+    def test_box(self):
+        mesh = self.look(*box_faces(high=(80.0, 40.0, 20.0)))
+        self.assertEqual((mesh["kind"], mesh["vertices"], mesh["triangles"]), ("triangles", 8, 12))
+        self.assertEqual(mesh["box"], {"min": [0, 0, 0], "max": [80, 40, 20]})
+        self.assertAlmostEqual(mesh["volume"], 64000)
+        self.assertAlmostEqual(mesh["area"], 11200)
+        self.assertEqual(mesh["winding"], {"inside_out": 0, "outside": 0, "inside": 1,
+                                           "inside_more_than_once": 0})
+        self.assertEqual((mesh["units"], mesh["likely_units"]), ("", "millimetres"))
+        self.assertEqual(mesh["verdict"], "watertight")
+        defects = mesh["defects"]
+        self.assertEqual([key for key, count in defects.items() if count],
+                         ["components", "orientable", "watertight", "self_intersections_complete"])
+        self.assertEqual(defects["genus"], 0)
+        text = self.succeed("info", "a.off").out
+        for part in ("a.off", "OFF", "12", "watertight", "millimetres, to judge by the size"):
+            self.assertIn(part, text)
+
+    def test_defects_are_counted(self):
+        points, faces = box_faces()
+        mesh = self.look(points, faces[2:])
+        self.assertEqual((mesh["defects"]["boundary_edges"], mesh["defects"]["holes"]), (4, 1))
+        self.assertIn("4 open edges in 1 hole", mesh["verdict"])
+        mesh = self.look(points, [face[::-1] for face in faces])
+        self.assertIn("inside out", mesh["verdict"])
+        self.assertAlmostEqual(mesh["volume"], -1)
+        mesh = self.look(points, faces + faces[3:5] + [[0, 1, 0]])
+        self.assertEqual(mesh["defects"]["duplicate_faces"], 2)
+        self.assertEqual(mesh["defects"]["degenerate_faces"], 1)
+        self.assertIn("sheet", self.look(points, faces[:2])["verdict"])
+
+    def test_intersections_have_a_limit(self):
+        points, faces = box_faces()
+        more, other = box_faces((0.5, 0.5, 0.5), (1.5, 1.5, 1.5))
+        both = points + more, faces + [[c + 8 for c in face] for face in other]
+        count = self.look(*both)["defects"]["self_intersections"]
+        self.assertGreater(count, 5)
+        limited = self.look(*both, "--max-intersections", count - 1)["defects"]
+        self.assertEqual(limited["self_intersections"], count - 1)
+        self.assertFalse(limited["self_intersections_complete"])
+        none = self.look(*both, "--max-intersections", 0)
+        self.assertIsNone(none["defects"]["self_intersections"])
+        self.assertEqual(none["verdict"], "watertight")
+        self.assertNotIn("crossings", self.succeed("info", "a.off", "--max-intersections", 0).out)
+        self.refuse(2, "info", "a.off", "--max-intersections", "-1", says="--max-intersections")
 
 
 class Compare(CommandLineTest):

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "InfoTriangles.h"
+
+#include "JsonReport.h"
+#include "tetvdb/pipeline/ReadInput.h"
+
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(const SurfaceDefects& defects, bool intersections) {
+  return {
+      {"duplicate_vertices", defects.duplicateVertices},
+      {"unreferenced_vertices", defects.unreferencedVertices},
+      {"degenerate_faces", defects.degenerateFaces},
+      {"sliver_faces", defects.sliverFaces},
+      {"duplicate_faces", defects.duplicateFaces},
+      {"boundary_edges", defects.boundaryEdges},
+      {"nonmanifold_edges", defects.nonManifoldEdges},
+      {"misoriented_edges", defects.misorientedEdges},
+      {"nonmanifold_vertices", defects.nonManifoldVertices},
+      {"holes", defects.holes},
+      {"components", defects.components},
+      {"orientable", defects.orientable},
+      {"watertight", defects.watertight},
+      {"genus", defects.genus ? Json(*defects.genus) : Json()},
+      {"self_intersections", intersections ? Json(defects.selfIntersections) : Json()},
+      {"self_intersections_complete", intersections && defects.selfIntersectionsComplete},
+  };
+}
+
+Json windingJson(const SurfaceDefects& defects) {
+  const auto& shares = defects.windingShares;
+  return {{"inside_out", shares[0]},
+          {"outside", shares[1]},
+          {"inside", shares[2]},
+          {"inside_more_than_once", shares[3]}};
+}
+
+std::string defectsText(const SurfaceDefects& defects, bool intersections) {
+  std::string text =
+      fmt::format("  vertices    {} ({} distinct, {} without faces)\n", defects.vertices,
+                  defects.weldedVertices, defects.unreferencedVertices);
+  text += fmt::format("  triangles   {} ({} without area, {} slivers, {} duplicates)\n",
+                      defects.triangles, defects.degenerateFaces, defects.sliverFaces,
+                      defects.duplicateFaces);
+  text += fmt::format("  edges       {} open in {} holes, {} of three faces or more, {} between "
+                      "opposite faces\n",
+                      defects.boundaryEdges, defects.holes, defects.nonManifoldEdges,
+                      defects.misorientedEdges);
+  text += fmt::format("  components  {}", defects.components);
+  if (defects.genus)
+    text += fmt::format(", genus {}", *defects.genus);
+  if (defects.nonManifoldVertices > 0)
+    text += fmt::format(", touching themselves in {} vertices", defects.nonManifoldVertices);
+  text += "\n";
+  if (intersections)
+    text += fmt::format("  crossings   {}{} pairs of faces\n",
+                        defects.selfIntersectionsComplete ? "" : "more than ",
+                        defects.selfIntersections);
+  return text;
+}
+
+std::string pointText(const Vec3d& p) {
+  return fmt::format("({:.7g}, {:.7g}, {:.7g})", p[0], p[1], p[2]);
+}
+
+std::string measuresText(const SurfaceDefects& defects, const std::string& units) {
+  std::string text = fmt::format(
+      "  box         {} to {}\n  area        {:.7g}\n  volume      {:.7g}\n",
+      pointText(defects.boxMin), pointText(defects.boxMax), defects.area, defects.volume);
+  const auto& shares = defects.windingShares;
+  text += fmt::format("  winding     {:.1f} % of the box inside, {:.1f} % more than once, {:.1f} % "
+                      "inside out\n",
+                      100 * (shares[2] + shares[3]), 100 * shares[3], 100 * shares[0]);
+  if (!units.empty())
+    text += fmt::format("  units       {}\n", oneLine(units));
+  else if (!defects.likelyUnit.empty())
+    text += fmt::format("  units       {}, to judge by the size\n", defects.likelyUnit);
+  return text + fmt::format("  verdict     {}\n", verdict(defects));
+}
+
+} // namespace
+
+void describeTriangles(const std::string& path, const DefectOptions& options,
+                       nlohmann::ordered_json& section, Session& session) {
+  session.progress.stage("read");
+  InputInfo info;
+  const TriangleMesh mesh = readSoup(path, &info, session.report, session.progress);
+  session.progress.stage("look");
+  const SurfaceDefects defects = surfaceDefects(mesh, options, session.progress);
+  const bool intersections = options.maxIntersections > 0;
+  section = {{"path", info.path},
+             {"format", formatName(info.format)},
+             {"kind", "triangles"},
+             {"vertices", defects.vertices},
+             {"triangles", defects.triangles},
+             {"defects", toJson(defects, intersections)},
+             {"box", {{"min", defects.boxMin}, {"max", defects.boxMax}}},
+             {"area", defects.area},
+             {"volume", defects.volume},
+             {"winding", windingJson(defects)},
+             {"units", mesh.units},
+             {"likely_units", defects.likelyUnit},
+             {"verdict", verdict(defects)}};
+  session.text += fmt::format("{}: {}\n", oneLine(path), formatName(info.format)) +
+                  defectsText(defects, intersections) + measuresText(defects, mesh.units);
+}
+
+} // namespace tetvdb::cli

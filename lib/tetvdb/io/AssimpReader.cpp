@@ -14,10 +14,8 @@
 #include <assimp/importerdesc.h>
 #include <assimp/scene.h>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <string_view>
-#include <utility>
+#include <strings.h>
 #include <vector>
 
 namespace tetvdb {
@@ -25,9 +23,11 @@ namespace {
 
 constexpr std::size_t kMaxNodes = std::size_t(1) << 22;
 constexpr std::size_t kMaxDepth = 1024;
-// assimp was seen to take 13 bytes a byte of binary, and text packs numbers less densely.
-constexpr std::uint64_t kMemoryPerByte = 100;
-constexpr std::uint64_t kMemory = std::uint64_t(4) << 30;
+// assimp was seen to take 13 bytes a byte of binary, and text packs numbers less densely; buffers
+// may lie in files of their own.
+constexpr std::uint64_t kMemoryPerByte = 100, kMemory = std::uint64_t(4) << 30;
+constexpr std::uint64_t kBytesPerSecond = std::uint64_t(1) << 18;
+constexpr unsigned kSeconds = 60;
 
 Placement toPlacement(const aiMatrix4x4& m) {
   Placement placement;
@@ -46,9 +46,8 @@ void keepImporters(Assimp::Importer& importer, std::string_view part) {
         std::string_view(description->mName).find(part) == std::string_view::npos)
       others.push_back(importer.GetImporter(i));
   }
-  for (Assimp::BaseImporter* other : others) {
+  for (Assimp::BaseImporter* other : others)
     importer.UnregisterLoader(other);
-  }
 }
 
 class Scene {
@@ -66,7 +65,7 @@ public:
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-    scene_ = importer.ReadFile(source_.path, 0);
+    scene_ = readBytes(importer);
     if (scene_ == nullptr)
       throw Error(Status::Invalid, source_.path, "cannot be read: " + reason(importer),
                   "the file is damaged; export it again");
@@ -74,22 +73,31 @@ public:
       throw Error(Status::Invalid, source_.path, "it holds no meshes", "export them too");
 
     Placement world;
-    std::string units = "metre";
     if (format_ == MeshFormat::Fbx) {
       const double scale = fbxScale();
       for (std::size_t i = 0; i < 3; ++i)
         world.rows[i][i] = scale;
-      units = "centimetre";
-    } else if (format_ == MeshFormat::Collada) {
-      units = colladaUnits();
     }
     addNode(*scene_->mRootNode, world, 0);
     TriangleMesh mesh = faces_.finish(report);
-    mesh.units = units;
+    // assimp brings COLLADA's unit to metres by itself.
+    mesh.units = format_ == MeshFormat::Fbx ? "centimetre" : "metre";
     return mesh;
   }
 
 private:
+  /// By the path, so that files beside it are found; assimp wants the usual name of a format.
+  const aiScene* readBytes(Assimp::Importer& importer) const {
+    const std::size_t dot = source_.path.find_last_of('.');
+    const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
+    const bool binary = source_.bytes.substr(0, 4) == "glTF";
+    const char* usual = format_ == MeshFormat::Gltf  ? binary ? "glb" : "gltf"
+                        : format_ == MeshFormat::Fbx ? "fbx"
+                                                     : "dae";
+    if (::strcasecmp(ending.c_str(), usual) == 0)
+      return importer.ReadFile(source_.path, 0);
+    return importer.ReadFileFromMemory(source_.bytes.data(), source_.bytes.size(), 0, usual);
+  }
   static std::string reason(const Assimp::Importer& importer) {
     std::string line;
     for (const char* c = importer.GetErrorString(); *c != '\0' && line.size() < 200; ++c)
@@ -135,26 +143,6 @@ private:
     return std::isfinite(scale) && scale > 0 ? scale : 1;
   }
 
-  /// From <unit meter="0.01">, which is near the beginning; metres where there is none.
-  std::string colladaUnits() const {
-    const std::string_view head = source_.bytes.substr(0, 65536);
-    const std::size_t unit = head.find("<unit");
-    if (unit == head.npos)
-      return "metre";
-    const std::string_view element = head.substr(unit, head.substr(unit).find('>'));
-    const std::size_t meter = element.find("meter=");
-    if (meter == element.npos)
-      return "metre";
-    const double size = std::strtod(std::string(element.substr(meter + 7, 40)).c_str(), nullptr);
-    constexpr std::pair<double, const char*> known[] = {{1, "metre"},          {0.01, "centimetre"},
-                                                        {0.001, "millimetre"}, {1e-6, "micrometre"},
-                                                        {0.0254, "inch"},      {0.3048, "foot"}};
-    for (const auto& [length, name] : known)
-      if (std::abs(size - length) <= 1e-6 * length)
-        return name;
-    return {};
-  }
-
   const Source& source_;
   MeshFormat format_;
   PlacedFaces faces_;
@@ -166,9 +154,12 @@ private:
 
 TriangleMesh readScene(const Source& source, Report& report, Progress& progress) {
   const MeshFormat format = sniffMeshFormat(source.bytes, source.path);
+  const std::uint64_t bytes = source.bytes.size();
+  const IsolationLimits limits{kMemory + kMemoryPerByte * bytes,
+                               kSeconds + static_cast<unsigned>(bytes / kBytesPerSecond)};
   return readTrianglesIsolated(
       [&](Report& found, Progress&) { return Scene(source, format).read(found); }, source.path,
-      kMemory + kMemoryPerByte * source.bytes.size(), report, progress);
+      limits, report, progress);
 }
 
 } // namespace tetvdb

@@ -116,9 +116,9 @@ private:
   int pipe_;
 };
 
-// What the handler of the child's failed allocations needs, made before memory is short.
+// What the handlers of the child's limits need, made before memory is short.
 int childPipe = -1;
-std::string childOutOfMemory;
+std::string childOutOfMemory, childOutOfTime;
 
 /// Allocations of the libraries fail in the midst of code that was never tested for it: the child
 /// ends at once.
@@ -126,20 +126,37 @@ std::string childOutOfMemory;
   Sender(childPipe).failure(Status::Limit, childOutOfMemory);
   ::_exit(0);
 }
+[[noreturn]] void endOutOfTime(int) {
+  Sender(childPipe).failure(Status::Limit, childOutOfTime);
+  ::_exit(0);
+}
 
-/// Lets this process take `memory` more bytes of address space.
-void limitMemory(std::uint64_t memory) {
-  std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-  const std::uint64_t free = availableBytes() / 4 * 3;
-  const rlimit limit{now + std::min(memory, free), now + std::min(memory, free)};
-  ::setrlimit(RLIMIT_AS, &limit);
+void setLimits(const IsolationLimits& limits, const std::string& path, int pipe) {
+  childPipe = pipe;
+  childOutOfMemory = path + ": not enough memory to read the mesh; split it into several files or "
+                            "use a machine with more memory";
+  childOutOfTime = path + ": reading takes far longer than a file of its size should; simplify it "
+                          "or export it in another format";
+  std::set_new_handler(endOutOfMemory);
+  if (limits.memory > 0) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    const std::uint64_t most =
+        now + std::min<std::uint64_t>(limits.memory, availableBytes() / 4 * 3);
+    const rlimit memory{most, most};
+    ::setrlimit(RLIMIT_AS, &memory);
+  }
+  if (limits.seconds > 0) {
+    std::signal(SIGXCPU, endOutOfTime);
+    const rlimit time{limits.seconds, limits.seconds + 5};
+    ::setrlimit(RLIMIT_CPU, &time);
+  }
 }
 
 template <class Mesh>
 [[noreturn]] void runChild(const std::function<Mesh(Report&, Progress&)>& read,
-                           const std::string& path, std::uint64_t memory, int pipe) {
+                           const std::string& path, const IsolationLimits& limits, int pipe) {
   // The parent answers to the terminal, and a crash here is no news to anyone but the parent.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     std::signal(signal, SIG_IGN);
@@ -151,13 +168,7 @@ template <class Mesh>
   if (nowhere >= 0)
     ::dup2(nowhere, STDERR_FILENO);
 
-  childPipe = pipe;
-  childOutOfMemory = path + ": not enough memory to read the mesh; split it into several files or "
-                            "use a machine with more memory";
-  std::set_new_handler(endOutOfMemory);
-  if (memory > 0)
-    limitMemory(memory);
-
+  setLimits(limits, path, pipe);
   Sender out(pipe);
   try {
     Report report;
@@ -336,7 +347,7 @@ private:
 
 template <class Mesh>
 Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std::string& path,
-                 std::uint64_t memory, Report& report, Progress& progress) {
+                 const IsolationLimits& limits, Report& report, Progress& progress) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw Error(Status::Limit, path, "no pipe to a reading process", "close other programs");
@@ -348,7 +359,7 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
   }
   if (process == 0) {
     ::close(ends[0]);
-    runChild(read, path, memory, ends[1]);
+    runChild(read, path, limits, ends[1]);
   }
   ::close(ends[1]);
   Child child(process, ends[0], path, progress);
@@ -368,13 +379,13 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
 
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress) {
-  return readInChild(read, path, 0, report, progress);
+  return readInChild(read, path, {}, report, progress);
 }
 
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
-                                   const std::string& path, std::uint64_t memory, Report& report,
-                                   Progress& progress) {
-  return readInChild(read, path, memory, report, progress);
+                                   const std::string& path, const IsolationLimits& limits,
+                                   Report& report, Progress& progress) {
+  return readInChild(read, path, limits, report, progress);
 }
 
 } // namespace tetvdb

@@ -21,10 +21,15 @@ namespace tetvdb {
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress);
 
-/// The same for triangles. The child may take `memory` more bytes than this process has, and no
-/// more than three quarters of what is free.
+/// What a child may take; Error(Limit) beyond.
+struct IsolationLimits {
+  std::uint64_t memory = 0; ///< bytes beyond what this process has; never more than 3/4 of the free
+  unsigned seconds = 0;     ///< of processor time
+};
+
+/// The same for triangles, with limits.
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
-                                   const std::string& path, std::uint64_t memory, Report& report,
-                                   Progress& progress);
+                                   const std::string& path, const IsolationLimits& limits,
+                                   Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -19,9 +19,11 @@ using namespace NMR;
 constexpr std::size_t kMaxPlacements = std::size_t(1) << 20; // of objects, nested ones counted anew
 constexpr std::size_t kMaxDepth = 256;
 
-/// lib3mf keeps about as many bytes for a mesh as its XML has; instances come on top.
-constexpr std::uint64_t kMemoryPerByte = 16;
-constexpr std::uint64_t kMemory = std::uint64_t(4) << 30;
+// lib3mf keeps twice the bytes of a mesh's XML; what components repeat comes on top. It reads 100
+// MB of XML a second, but takes for ever over components that contain one another many times.
+constexpr std::uint64_t kMemoryPerByte = 16, kMemory = std::uint64_t(1) << 30;
+constexpr std::uint64_t kBytesPerSecond = std::uint64_t(1) << 20;
+constexpr unsigned kSeconds = 20;
 
 /// By lib3mf's numbers.
 constexpr const char* kUnits[] = {"micrometre", "millimetre", "centimetre",
@@ -148,9 +150,11 @@ private:
 } // namespace
 
 TriangleMesh readThreeMf(const Source& source, Report& report, Progress& progress) {
-  const std::uint64_t unpacked = checkUnpackedSize(readZipDirectory(source), source);
+  const std::uint64_t unpacked = checkZipEntries(readZipDirectory(source), source, progress);
+  const IsolationLimits limits{kMemory + kMemoryPerByte * unpacked,
+                               kSeconds + static_cast<unsigned>(unpacked / kBytesPerSecond)};
   return readTrianglesIsolated([&](Report& found, Progress&) { return Model(source).read(found); },
-                               source.path, kMemory + kMemoryPerByte * unpacked, report, progress);
+                               source.path, limits, report, progress);
 }
 
 } // namespace tetvdb

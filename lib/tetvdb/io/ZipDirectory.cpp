@@ -7,6 +7,7 @@
 #include "tetvdb/io/ByteReader.h"
 
 #include <algorithm>
+#include <zlib.h>
 
 namespace tetvdb {
 namespace {
@@ -20,6 +21,7 @@ constexpr std::uint64_t kLargestRatio = 200;
 constexpr std::string_view kEndMark("PK\x05\x06", 4);
 constexpr std::string_view kEndMark64("PK\x06\x06", 4);
 constexpr std::string_view kLocatorMark("PK\x06\x07", 4);
+constexpr std::string_view kFileMark("PK\x03\x04", 4);
 constexpr std::string_view kEntryMark("PK\x01\x02", 4);
 
 [[noreturn]] void failDamaged(const Source& source) {
@@ -67,8 +69,59 @@ void readZip64(ByteReader extra, ZipEntry& entry) {
       entry.unpacked = extra.get<std::uint64_t>();
     if (entry.packed == kInZip64)
       entry.packed = extra.get<std::uint64_t>();
+    if (entry.offset == kInZip64)
+      entry.offset = extra.get<std::uint64_t>();
     return;
   }
+}
+
+std::string_view packedBytes(const ZipEntry& entry, const Source& source) {
+  ByteReader in(source);
+  in.seek(entry.offset);
+  if (in.take(4) != kFileMark)
+    failDamaged(source);
+  in.skip(22);
+  const auto nameBytes = in.get<std::uint16_t>();
+  const auto extraBytes = in.get<std::uint16_t>();
+  in.skip(std::uint64_t(nameBytes) + extraBytes);
+  return in.take(entry.packed);
+}
+
+constexpr std::uint64_t kUnreadable = UINT64_MAX;
+
+/// Bytes that `packed` unpacks to, given up soon after `most`; kUnreadable where it cannot be.
+std::uint64_t unpackedSize(std::string_view packed, std::uint16_t method, std::uint64_t most,
+                           Progress& progress) {
+  constexpr std::uint16_t stored = 0, deflated = 8;
+  constexpr int raw = -15;
+  constexpr std::size_t atOnce = std::size_t(1) << 20;
+  if (method == stored)
+    return packed.size();
+  z_stream stream{};
+  if (method != deflated || inflateInit2(&stream, raw) != Z_OK)
+    return kUnreadable;
+  std::vector<Bytef> out(atOnce);
+  std::uint64_t size = 0;
+  int status = Z_OK;
+  try {
+    while (status == Z_OK && size <= most) {
+      if (stream.avail_in == 0) {
+        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+        stream.avail_in = static_cast<uInt>(std::min(packed.size(), atOnce));
+        packed.remove_prefix(stream.avail_in);
+      }
+      stream.next_out = out.data();
+      stream.avail_out = static_cast<uInt>(out.size());
+      status = inflate(&stream, Z_NO_FLUSH);
+      size += out.size() - stream.avail_out;
+      progress.check();
+    }
+  } catch (const Error&) {
+    inflateEnd(&stream);
+    throw;
+  }
+  inflateEnd(&stream);
+  return status == Z_STREAM_END || size > most ? size : kUnreadable;
 }
 
 } // namespace
@@ -82,14 +135,17 @@ std::vector<ZipEntry> readZipDirectory(const Source& source) {
   for (std::uint64_t i = 0; i < directory.entries; ++i) {
     if (in.take(4) != kEntryMark)
       failDamaged(source);
-    in.skip(16);
+    in.skip(6);
     ZipEntry entry;
+    entry.method = in.get<std::uint16_t>();
+    in.skip(8);
     entry.packed = in.get<std::uint32_t>();
     entry.unpacked = in.get<std::uint32_t>();
     const auto nameBytes = in.get<std::uint16_t>();
     const auto extraBytes = in.get<std::uint16_t>();
     const auto commentBytes = in.get<std::uint16_t>();
-    in.skip(12);
+    in.skip(8);
+    entry.offset = in.get<std::uint32_t>();
     entry.name = in.take(nameBytes);
     readZip64(ByteReader(in.take(extraBytes), source.path), entry);
     in.skip(commentBytes);
@@ -98,7 +154,8 @@ std::vector<ZipEntry> readZipDirectory(const Source& source) {
   return entries;
 }
 
-std::uint64_t checkUnpackedSize(const std::vector<ZipEntry>& entries, const Source& source) {
+std::uint64_t checkZipEntries(const std::vector<ZipEntry>& entries, const Source& source,
+                              Progress& progress) {
   const std::uint64_t size = source.bytes.size();
   const std::uint64_t limit = std::max(kFreeBytes, kLargestRatio * size);
   std::uint64_t packed = 0, unpacked = 0;
@@ -114,6 +171,13 @@ std::uint64_t checkUnpackedSize(const std::vector<ZipEntry>& entries, const Sour
                   "unpack and check it, or export it again");
     unpacked += entry.unpacked;
   }
+  for (const ZipEntry& entry : entries)
+    if (unpackedSize(packedBytes(entry, source), entry.method, entry.unpacked, progress) !=
+        entry.unpacked)
+      throw Error(Status::Invalid, source.path,
+                  "a file in it does not unpack to the " + std::to_string(entry.unpacked) +
+                      " bytes that are declared",
+                  "the file is damaged; export it again");
   return unpacked;
 }
 

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/MarchingCubes.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CubeTable.h"
+#include "tetvdb/surface/TriangleScene.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kMargin = 0.05; ///< of the way from voxel to voxel, at both ends
+
+// A block's vertices: one on every crossed edge that begins in it.
+struct Block {
+  Vec3i origin;
+  /// Bit 8 y + z of [8 axis + x]: the edge from voxel (x, y, z) along the axis is crossed.
+  std::array<std::uint64_t, 24> crossed{};
+  std::array<std::uint16_t, 24> before{}; ///< vertices of the words before this one
+  std::uint32_t vertices = 0, triangles = 0;
+  std::size_t firstVertex = 0, firstTriangle = 0;
+
+  std::uint32_t vertex(int axis, int x, int y, int z) const {
+    const auto word = static_cast<std::size_t>(8 * axis + x);
+    const std::uint64_t below = (std::uint64_t(1) << (8 * y + z)) - 1;
+    return static_cast<std::uint32_t>(firstVertex) + before[word] +
+           static_cast<std::uint32_t>(__builtin_popcountll(crossed[word] & below));
+  }
+};
+
+unsigned cubeCase(const BlockSamples& samples, int x, int y, int z) {
+  unsigned inside = 0;
+  for (int corner = 0; corner < 8; ++corner)
+    inside |= unsigned(samples.isInside(x + (corner & 1), y + (corner >> 1 & 1), z + (corner >> 2)))
+              << corner;
+  return inside;
+}
+
+bool isUniform(const BlockSamples& samples) {
+  const std::uint16_t first = samples.inside[0];
+  return (first == 0 || first == 0x1FF) &&
+         std::all_of(samples.inside.begin(), samples.inside.end(),
+                     [&](std::uint16_t row) { return row == first; });
+}
+
+template <class Visit>
+void forEachVoxel(const Visit& visit) {
+  for (int x = 0; x < kBlock; ++x)
+    for (int y = 0; y < kBlock; ++y)
+      for (int z = 0; z < kBlock; ++z)
+        visit(x, y, z);
+}
+
+// Fills in what is crossed, and the numbers of vertices and triangles.
+void count(const BlockSamples& samples, Block& block) {
+  forEachVoxel([&](int x, int y, int z) {
+    const bool here = samples.isInside(x, y, z);
+    const std::uint64_t bit = std::uint64_t(1) << (8 * y + z);
+    for (int axis = 0; axis < 3; ++axis)
+      if (samples.isInside(x + (axis == 0), y + (axis == 1), z + (axis == 2)) != here)
+        block.crossed[static_cast<std::size_t>(8 * axis + x)] |= bit;
+    block.triangles +=
+        static_cast<std::uint32_t>(cubeTable()[cubeCase(samples, x, y, z)].size() / 3);
+  });
+  for (std::size_t word = 0; word < 24; ++word) {
+    block.before[word] = static_cast<std::uint16_t>(block.vertices);
+    block.vertices += static_cast<std::uint32_t>(__builtin_popcountll(block.crossed[word]));
+  }
+}
+
+// Where the way from outside to inside enters the solid for good: where the number of faces entered
+// less those left last rises above 0. Where it never does, as faces may look either way, the first
+// face met. Midway where there is none.
+double entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
+  if (hits.empty())
+    return 0.5;
+  int depth = 0;
+  double at = backward ? hits.back().t : hits.front().t;
+  const auto pass = [&](const TriangleScene::Hit& hit) {
+    const bool entering = hit.leaving == backward;
+    depth += entering ? 1 : -1;
+    if (entering && depth == 1)
+      at = hit.t;
+  };
+  if (backward)
+    std::for_each(hits.rbegin(), hits.rend(), pass);
+  else
+    std::for_each(hits.begin(), hits.end(), pass);
+  return at;
+}
+
+class Marching {
+public:
+  Marching(const SolidSamples& samples, const TriangleScene* original, Progress& progress)
+      : samples_(samples), original_(original), progress_(progress) {}
+
+  TriangleMesh run() {
+    findBlocks();
+    TriangleMesh mesh;
+    mesh.points.resize(numberVertices());
+    forEachBlock(0.2, 0.6, [&](const Block& block) { place(block, mesh.points); });
+    separate(mesh.points);
+    mesh.triangles.resize(3 * triangles_);
+    forEachBlock(0.8, 0.2, [&](const Block& block) { connect(block, mesh.triangles.data()); });
+    mesh.faceCount = mesh.triangleCount();
+    return mesh;
+  }
+
+private:
+  template <class Work>
+  void forEachBlock(double from, double share, const Work& work) {
+    std::atomic<std::size_t> done{0};
+    tbb::parallel_for(std::size_t(0), blocks_.size(), [&](std::size_t i) {
+      work(blocks_[i]);
+      const std::size_t now = ++done;
+      if (now % 64 == 0)
+        progress_.update(from +
+                         share * static_cast<double>(now) / static_cast<double>(blocks_.size()));
+    });
+  }
+
+  void findBlocks() {
+    const std::vector<Vec3i> candidates = samples_.blocks(progress_);
+    std::vector<char> isCrossed(candidates.size(), 0);
+    std::vector<Block> counted(candidates.size());
+    tbb::parallel_for(std::size_t(0), candidates.size(), [&](std::size_t i) {
+      BlockSamples block;
+      samples_.load(candidates[i], block);
+      if (isUniform(block))
+        return;
+      isCrossed[i] = 1;
+      counted[i].origin = candidates[i];
+      count(block, counted[i]);
+      progress_.check();
+    });
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (isCrossed[i])
+        blocks_.push_back(counted[i]);
+  }
+
+  std::size_t numberVertices() {
+    std::size_t vertices = 0;
+    for (Block& block : blocks_) {
+      block.firstVertex = vertices;
+      block.firstTriangle = triangles_;
+      vertices += block.vertices;
+      triangles_ += block.triangles;
+    }
+    if (vertices >= std::numeric_limits<std::uint32_t>::max())
+      throw Error(Status::Limit, "", "the surface has more than 2^32 vertices",
+                  "use larger voxels");
+    return vertices;
+  }
+
+  Vec3d world(const Vec3d& index) const {
+    Vec3d p;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      p[axis] = samples_.transform.origin[axis] + index[axis] * samples_.transform.voxelSize[axis];
+    return p;
+  }
+
+  // Calls visit(vertex, voxel, axis) for the vertices of a block in their order.
+  template <class Visit>
+  static void forEachVertex(const Block& block, const Visit& visit) {
+    std::size_t vertex = block.firstVertex;
+    for (int word = 0; word < 24; ++word)
+      for (std::uint64_t bits = block.crossed[static_cast<std::size_t>(word)]; bits != 0;
+           bits &= bits - 1) {
+        const int bit = __builtin_ctzll(bits);
+        visit(vertex++, Vec3i{word % 8, bit / 8, bit % 8}, static_cast<std::size_t>(word / 8));
+      }
+  }
+
+  Vec3d onEdge(const Block& block, const Vec3i& voxel, std::size_t axis, double t) const {
+    Vec3d index;
+    for (std::size_t k = 0; k < 3; ++k)
+      index[k] = double(block.origin[k]) + voxel[k];
+    index[axis] += t;
+    return world(index);
+  }
+
+  void place(const Block& block, std::vector<Vec3d>& points) const {
+    BlockSamples samples;
+    samples_.load(block.origin, samples);
+    std::vector<TriangleScene::Hit> hits;
+    forEachVertex(block, [&](std::size_t vertex, const Vec3i& v, std::size_t axis) {
+      const bool startInside = samples.isInside(v[0], v[1], v[2]);
+      double t = 0.5;
+      if (original_ != nullptr) {
+        Vec3d direction{0, 0, 0};
+        direction[axis] = samples_.transform.voxelSize[axis];
+        original_->crossings(onEdge(block, v, axis, 0), direction, 1, hits);
+        t = entrance(hits, startInside);
+      } else if (samples_.hasHeights()) {
+        const double start = samples.heightAt(v[0], v[1], v[2]);
+        const double end =
+            samples.heightAt(v[0] + (axis == 0), v[1] + (axis == 1), v[2] + (axis == 2));
+        t = start / (start - end);
+      }
+      if (std::isnan(t))
+        t = 0.5;
+      points[vertex] = onEdge(block, v, axis, std::clamp(t, kMargin, 1 - kMargin));
+    });
+  }
+
+  void connect(const Block& block, std::uint32_t* triangles) const {
+    BlockSamples samples;
+    samples_.load(block.origin, samples);
+    std::array<const Block*, 8> around{};
+    around[0] = &block;
+    std::uint32_t* next = triangles + 3 * block.firstTriangle;
+    forEachVoxel([&](int x, int y, int z) {
+      for (const int edge : cubeTable()[cubeCase(samples, x, y, z)]) {
+        const Vec3i start = cubeEdgeStart(edge);
+        const int vx = x + start[0], vy = y + start[1], vz = z + start[2];
+        const auto neighbour = static_cast<std::size_t>(vx >> 3 | vy >> 3 << 1 | vz >> 3 << 2);
+        if (around[neighbour] == nullptr)
+          around[neighbour] = find(block.origin, vx >> 3, vy >> 3, vz >> 3);
+        *next++ = around[neighbour]->vertex(edge / 4, vx & 7, vy & 7, vz & 7);
+      }
+    });
+  }
+
+  // Blocks are in ascending order. A crossed edge begins in one of them.
+  const Block* find(const Vec3i& origin, int dx, int dy, int dz) const {
+    const Vec3i at{origin[0] + kBlock * dx, origin[1] + kBlock * dy, origin[2] + kBlock * dz};
+    return &*std::lower_bound(blocks_.begin(), blocks_.end(), at,
+                              [](const Block& b, const Vec3i& o) { return b.origin < o; });
+  }
+
+  // Vertices differ by a twentieth of a voxel along one axis at least: where floats are finer than
+  // that there is nothing to do. Elsewhere those that are equal go midway.
+  void separate(std::vector<Vec3d>& points) {
+    if (points.empty() || floatsAreFine(points))
+      return;
+    const std::vector<std::uint32_t> equal = equalAsFloats(points);
+    std::vector<char> isEqual(points.size(), 0);
+    for (const std::uint32_t v : equal)
+      isEqual[v] = 1;
+    for (const Block& block : blocks_)
+      forEachVertex(block, [&](std::size_t vertex, const Vec3i& voxel, std::size_t axis) {
+        if (isEqual[vertex])
+          points[vertex] = onEdge(block, voxel, axis, 0.5);
+      });
+    if (!equalAsFloats(points).empty())
+      throw Error(Status::Limit, "",
+                  "the surface is so far from the origin that 32-bit floats, as in STL, cannot "
+                  "tell its vertices apart",
+                  "move the model nearer to the origin or use larger voxels");
+  }
+
+  bool floatsAreFine(const std::vector<Vec3d>& points) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double far = 0;
+      for (const Vec3d& p : points)
+        far = std::max(far, std::abs(p[axis]));
+      if (!(far * 0x1p-22 < kMargin * samples_.transform.voxelSize[axis]) || far > 1e38)
+        return false;
+    }
+    return true;
+  }
+
+  static std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
+    const auto rounded = [&](std::uint32_t v) {
+      return std::array<float, 3>{static_cast<float>(points[v][0]),
+                                  static_cast<float>(points[v][1]),
+                                  static_cast<float>(points[v][2])};
+    };
+    std::vector<std::uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const auto p = rounded(a), q = rounded(b);
+      return p != q ? p < q : a < b;
+    });
+    std::vector<std::uint32_t> equal;
+    for (std::size_t i = 1; i < order.size(); ++i)
+      if (rounded(order[i - 1]) == rounded(order[i])) {
+        equal.push_back(order[i - 1]);
+        equal.push_back(order[i]);
+      }
+    return equal;
+  }
+
+  const SolidSamples& samples_;
+  const TriangleScene* original_;
+  Progress& progress_;
+  std::vector<Block> blocks_;
+  std::size_t triangles_ = 0;
+};
+
+} // namespace
+
+TriangleMesh marchCubes(const SolidSamples& samples, const TriangleScene* original,
+                        Progress& progress) {
+  return Marching(samples, original, progress).run();
+}
+
+} // namespace tetvdb

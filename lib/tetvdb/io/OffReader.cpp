@@ -84,7 +84,7 @@ public:
     const auto wanted = static_cast<std::uint64_t>(faces);
     faces_.reserve(points, static_cast<std::size_t>(
                                std::min<std::uint64_t>(wanted, in_.remaining() / (2 * 4))));
-    lines_ = numbersOnLine() < 2 * width_; // else several vertices stand on the first line
+    lines_ = numbersOnLine() < 2 * width_ || linesFollow(points);
     readPoints(points);
     readFaces(wanted);
     return faces_.finish(report_);
@@ -101,6 +101,15 @@ private:
     while (!line.word().empty())
       ++n;
     return n;
+  }
+
+  /// Whether there are at least `n` more lines: otherwise several vertices stand on one.
+  bool linesFollow(std::size_t n) {
+    const std::size_t start = in_.position();
+    for (; n > 0 && !in_.atEnd(); --n)
+      in_.line();
+    in_.seek(start);
+    return n == 0;
   }
 
   /// It may be missing, and may stand on a line of its own.
@@ -158,10 +167,12 @@ private:
       if (in_.atEnd())
         return warnOfMissingFaces(report_, n, i);
       std::int64_t corners = 0;
-      const bool whole = in_.tryInteger(corners) && in_.atWordEnd();
-      if (!whole || corners < 0 || static_cast<std::uint64_t>(corners) > in_.remaining() / 2) {
-        faces_.addUnreadableFace();
+      const bool whole = in_.tryInteger(corners) && in_.atWordEnd() && corners >= 0;
+      if (!whole || static_cast<std::uint64_t>(corners) > in_.remaining() / 2) {
         in_.line();
+        if (whole && in_.atEnd())
+          return warnOfMissingFaces(report_, n, i);
+        faces_.addUnreadableFace();
         continue;
       }
       corners_.clear();

@@ -196,12 +196,16 @@ private:
         if (!(n >= 0) || !rows_.holds(n, property.type)) {
           if (!rows_.skipsRest())
             return false; // nothing tells where the next row begins
-          break;
+          rows_.skipRest();
+          return !(n >= 0 && rows_.atEnd());
         }
         const auto count = static_cast<std::size_t>(n);
         if (i == list_) {
-          for (std::size_t k = 0; k < count; ++k)
+          for (std::size_t k = 0; k < count; ++k) {
+            if (rows_.atEnd())
+              return false;
             corners_.push_back(rows_.number(property.type));
+          }
         } else {
           rows_.skip(count, property.type);
         }

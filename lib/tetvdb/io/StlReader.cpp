@@ -221,9 +221,8 @@ private:
     bool cut = solids_ > endedSolids_;
     if (!corners_.empty()) { // the last number may be half of one
       cut = true;
-      if (corners_.size() < 3 || touchesEnd_)
-        corners_.clear();
-      endFacet();
+      if (corners_.size() >= 3 && !bad_ && !touchesEnd_)
+        endFacet();
     }
     if (mesh_.points.empty())
       throw Error(Status::Invalid, source_.path,

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Builds the fuzz targets with libFuzzer and the sanitizers and runs each for a while, beginning
-# with the meshes of tests/data and, where TETVDB_CORPUS names a folder, of its tet/.
+# with the meshes of tests/data and, where TETVDB_CORPUS names a folder, of its tet/ and tri/.
 #
 #   scripts/fuzz.sh [SECONDS each (60)] [TARGET...]
 set -euo pipefail
@@ -16,7 +16,7 @@ cmake --build --preset fuzz --target fuzz_targets
 # A target that is named FuzzGmsh takes its seeds from files that it can read; others are harmless.
 seeds=build/fuzz/seeds
 mkdir -p "$seeds"
-for folder in tests/data "${TETVDB_CORPUS:-/nonexistent}/tet"; do
+for folder in tests/data "${TETVDB_CORPUS:-/nonexistent}"/{tet,tri}; do
   [[ -d $folder ]] || continue
   find "$folder" -type f -size -64k -exec cp -n {} "$seeds" \;
 done

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Damaged files end in an Error or in a mesh whose indices are right, and in nothing else.
-#include "io/MeshSamples.h"
+#include "io/TriangleSamples.h"
 #include "tetvdb/io/AbaqusReader.h"
 #include "tetvdb/io/GmshReader.h"
 #include "tetvdb/io/MeditReader.h"
 #include "tetvdb/io/NetgenReader.h"
+#include "tetvdb/io/ObjReader.h"
+#include "tetvdb/io/OffReader.h"
+#include "tetvdb/io/PlyReader.h"
+#include "tetvdb/io/StlReader.h"
 #include "tetvdb/io/TetGenReader.h"
 #include "tetvdb/io/UcdReader.h"
 
@@ -133,9 +137,65 @@ TEST(Mutations, Ucd) {
     attack(ucdBinary(swap), kSmall, with(readUcd));
 }
 
+Consume with(ReadTriangles read) {
+  return [read](const std::string& bytes) {
+    const Reading got = reading(read, bytes); // expects what every mesh must hold to
+    ASSERT_TRUE(got.error.empty() || got.status == Status::Invalid || got.status == Status::Limit);
+    ASSERT_EQ(got.mesh.triangles.size() % 3, 0U);
+    // A point takes two characters in text and three bytes in binary at least.
+    ASSERT_LE(got.mesh.points.size(), bytes.size());
+    ASSERT_LE(got.mesh.triangles.size(), 3 * bytes.size());
+  };
+}
+
+const std::string kObj = "# a\nmtllib a.mtl\no a\nv 0 0 0 1 0.5 0.5\nv 1 0 0\nvt 0 1\nvn 0 0 1\n"
+                         "v 0 1 0 \\\n1\nv 0 0 1\nf 1/1/1 3/1/1 2/1/1\nf -4 -3 -1\ns 1\n"
+                         "f 1//1 4//1 3//1\nf 2 3 4 1\n";
+
+TEST(Mutations, Triangles) {
+  const std::string facets =
+      "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\n"
+      "endfacet\n";
+  attack("solid a\n" + facets + facets + "endsolid a\nsolid b\n" + facets + "endsolid\n", kSmall,
+         with(readStl));
+  attack(Bytes()
+             .text(std::string(80, ' '))
+             .ints({2})
+             .text(std::string(50, '\1') + std::string(50, '\2'))
+             .str(),
+         kSmall, with(readStl));
+  attack(kObj, kSmall, with(readObj));
+  attack("COFF\n4 3 0\n0 0 0 1 1 1 1\n1 0 0 1 1 1 1\n0 1 0 0 0 0 0\n0 0 1 0 0 0 0\n3 0 1 2 1 0 0\n"
+         "4 0 1 2 3\n# c\n3 1 2 3\n",
+         kSmall, with(readOff));
+  attack("OFF BINARY\n" + Bytes(true)
+                              .ints({3, 1, 3})
+                              .floats({0, 0, 0, 1, 0, 0, 0, 1, 0})
+                              .ints({3, 0, 1, 2, 0})
+                              .str(),
+         kSmall, with(readOff));
+  const auto header = [](const std::string& format) {
+    return "ply\nformat " + format +
+           " 1.0\ncomment c\nelement vertex 3\nproperty float x\nproperty float y\n"
+           "property float z\nproperty uchar red\nelement face 1\nproperty list uchar int "
+           "vertex_indices\nelement tristrips 1\nproperty list int int "
+           "vertex_indices\nend_header\n";
+  };
+  attack(header("ascii") + "0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n5 0 1 2 -1 0\n", kSmall,
+         with(readPly));
+  for (const bool big : {false, true}) {
+    Bytes bytes(big);
+    bytes.text(header(big ? "binary_big_endian" : "binary_little_endian"));
+    for (const float x : {0.0F, 1.0F, 2.0F})
+      bytes.floats({x, x * x, 0}).add<std::uint8_t>({1});
+    bytes.add<std::uint8_t>({3}).ints({0, 1, 2}).ints({5, 0, 1, 2, -1, 0});
+    attack(bytes.str(), kSmall, with(readPly));
+  }
+}
+
 TEST(Mutations, Sniffing) {
   for (const std::string& bytes : {std::string(kGmsh2), std::string(kUcd), meditBinary(2, false),
-                                   std::string("<VTKFile type=\"UnstructuredGrid\">")})
+                                   std::string("<VTKFile type=\"UnstructuredGrid\">"), kObj})
     for (const char* path : {"a.inp", "a.msh", "a", "a.mesh"})
       attack(bytes, 300, [&](const std::string& damaged) {
         sniffMeshFormat(damaged, path);

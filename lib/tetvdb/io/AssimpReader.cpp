@@ -9,7 +9,9 @@
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/PlacedFaces.h"
 
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <assimp/config.h>
 #include <assimp/importerdesc.h>
 #include <assimp/scene.h>
@@ -50,12 +52,66 @@ void keepImporters(Assimp::Importer& importer, std::string_view part) {
     importer.UnregisterLoader(other);
 }
 
+/// Hears of what assimp leaves out: it says so to its log alone. What is said of materials and the
+/// like means nothing here.
+class Listener : public Assimp::LogStream {
+public:
+  void write(const char* message) override {
+    const std::string text = lowered(message);
+    const auto has = [&](const char* word) { return text.find(word) != text.npos; };
+    if (has("material") || has("texture") || has("anim") || has("light") || has("camera"))
+      return;
+    if (!has("drop") && !has("ignor") && !has("skip") && !has("fail") && !has("invalid") &&
+        !has("range"))
+      return;
+    const std::size_t kind = std::string_view(message).find(": "); // "Warn,  T0: "
+    if (count_++ == 0)
+      first_ = readable(kind == std::string_view::npos ? message : message + kind + 2);
+  }
+  /// What was left out first; empty where nothing was.
+  const std::string& first() const { return first_; }
+  void report(Report& report) const {
+    if (count_ == 0)
+      return;
+    report.warn("scene-faults", "assimp left something out, with " + std::to_string(count_) +
+                                    " messages of which the first is: " + first_);
+    report.partial = true;
+  }
+
+  /// One line of readable characters, at most 200.
+  static std::string readable(const char* text) {
+    std::string line;
+    for (const char* c = text; *c != '\0' && line.size() < 200; ++c)
+      line += *c < ' ' || *c > '~' ? ' ' : *c;
+    while (!line.empty() && line.back() == ' ')
+      line.pop_back();
+    return line;
+  }
+
+private:
+  static std::string lowered(const char* text) {
+    std::string result(text);
+    for (char& c : result)
+      if (c >= 'A' && c <= 'Z')
+        c = static_cast<char>(c - 'A' + 'a');
+    return result;
+  }
+
+  std::size_t count_ = 0;
+  std::string first_;
+};
+
+/// Runs in a process of its own: the logger is global.
 class Scene {
 public:
   Scene(const Source& source, MeshFormat format)
       : source_(source), format_(format), faces_(source.path) {}
 
   TriangleMesh read(Report& report) {
+    auto* listener = new Listener; // the logger's from now on
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(listener,
+                                               Assimp::Logger::Err | Assimp::Logger::Warn);
     Assimp::Importer importer;
     keepImporters(importer, format_ == MeshFormat::Gltf  ? "glTF"
                             : format_ == MeshFormat::Fbx ? "FBX"
@@ -67,10 +123,14 @@ public:
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
     scene_ = readBytes(importer);
     if (scene_ == nullptr)
-      throw Error(Status::Invalid, source_.path, "cannot be read: " + reason(importer),
+      throw Error(Status::Invalid, source_.path,
+                  "cannot be read: " + Listener::readable(importer.GetErrorString()),
                   "the file is damaged; export it again");
     if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
-      throw Error(Status::Invalid, source_.path, "it holds no meshes", "export them too");
+      throw Error(Status::Invalid, source_.path,
+                  listener->first().empty() ? "it holds no meshes"
+                                            : "it holds no whole meshes: " + listener->first(),
+                  "export it again");
 
     Placement world;
     if (format_ == MeshFormat::Fbx) {
@@ -79,6 +139,7 @@ public:
         world.rows[i][i] = scale;
     }
     addNode(*scene_->mRootNode, world, 0);
+    listener->report(report);
     TriangleMesh mesh = faces_.finish(report);
     // assimp brings COLLADA's unit to metres by itself.
     mesh.units = format_ == MeshFormat::Fbx ? "centimetre" : "metre";
@@ -98,13 +159,6 @@ private:
       return importer.ReadFile(source_.path, 0);
     return importer.ReadFileFromMemory(source_.bytes.data(), source_.bytes.size(), 0, usual);
   }
-  static std::string reason(const Assimp::Importer& importer) {
-    std::string line;
-    for (const char* c = importer.GetErrorString(); *c != '\0' && line.size() < 200; ++c)
-      line += *c < ' ' || *c > '~' ? ' ' : *c;
-    return line.empty() ? "assimp gives no reason" : line;
-  }
-
   void addNode(const aiNode& node, const Placement& parent, std::size_t depth) {
     if (++nodes_ > kMaxNodes || depth > kMaxDepth)
       throw Error(Status::Limit, source_.path, "its nodes are too many or nested too deeply",

@@ -87,8 +87,8 @@ bool isObj(std::string_view head) {
       return found && in.atEnd(); // a word that was cut off where looking ends
     double number = 0;
     found = found || ((word == "v" || word == "f") && in.tryReal(number));
-    while (!in.line().empty() && in.position() > 0 && head[in.position() - 1] == '\\') {
-    }
+    for (std::string_view rest = in.line(); !rest.empty() && rest.back() == '\\';)
+      rest = in.line();
   }
   return found;
 }

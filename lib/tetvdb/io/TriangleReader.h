@@ -23,10 +23,10 @@ bool holdsTriangles(MeshFormat format);
 /// face is dropped for being degenerate, duplicate or non-manifold. A face that has no meaning (an
 /// index out of range, a vertex that is not finite, fewer than three corners) is left out, with a
 /// warning that counts them and report.partial set; a vertex that is not finite keeps its place as
-/// (0, 0, 0), so that indices do not shift. Truncated files are salvaged as far as whole faces go,
-/// with a warning and report.partial.
-/// Throws Error(Invalid) with file, line or byte and cause where nothing can be read or no face is
-/// left, Error(Limit) where memory does not do. What is allocated is bounded by the file's size.
+/// (0, 0, 0), so that indices do not shift (an STL's facet goes with its points). Truncated files
+/// are salvaged as far as whole faces go, with a warning and report.partial. Throws Error(Invalid)
+/// with file, line or byte and cause where nothing can be read or no face is left, Error(Limit)
+/// where memory does not do. What is allocated is bounded by the file's size.
 TriangleMesh readTriangles(const std::string& path, Report& report, Progress& progress,
                            MeshFormat* format = nullptr);
 

@@ -17,8 +17,9 @@ struct TriangleMesh {
   std::vector<Vec3d> points;
   /// Three point indices each. Seen from outside, a face of a solid turns counter-clockwise.
   std::vector<std::uint32_t> triangles;
-  /// Faces of the file: polygons of more than three corners become several triangles, a fan from
-  /// their first corner. (As a signed sum a fan is the polygon, concave ones too.)
+  /// Faces of the file that were kept: polygons of more than three corners become several
+  /// triangles, a fan from their first corner. (As a signed sum a fan is the polygon, concave ones
+  /// too.)
   std::size_t faceCount = 0;
   std::string units; ///< "millimetre" and so on where the file says so; empty where it does not
 

@@ -4,6 +4,7 @@
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/HalfEdges.h"
+#include "tetvdb/surface/TriangleScene.h"
 
 #include <algorithm>
 #include <array>
@@ -20,12 +21,13 @@ namespace {
 
 constexpr std::uint32_t kNone = HalfEdges::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Vertices are held back from the tolerance by as much as faces between them may lie farther off.
-constexpr double kHeldBack = 0.8;
-constexpr double kLeastCosine = 0.5;  ///< of the angle by which a face may turn in one step
-constexpr double kLeastShape = 0.02;  ///< height over longest side of a new face, unless it grows
-constexpr std::size_t kMaxFaces = 32; ///< around a vertex
-constexpr int kTries = 4;             ///< neighbours that a vertex is tried to move onto
+// The share of the tolerance that is held at the points looked at; between them lies the rest.
+constexpr double kHeldBack = 0.7;
+constexpr double kLeastCosine = 0.5;    ///< of the angle by which a face may turn in one step
+constexpr double kLeastAgreement = 0.3; ///< cosine between a point's normal and its face's
+constexpr double kLeastShape = 0.02;    ///< height over longest side of a new face, unless it grows
+constexpr std::size_t kMaxFaces = 32;   ///< around a vertex
+constexpr int kTries = 4;               ///< neighbours that a vertex is tried to move onto
 // What a squared length adds to a squared distance when edges are ordered: flat parts keep
 // well-shaped triangles.
 constexpr double kLengthWeight = 1e-3;
@@ -55,17 +57,24 @@ struct Quadric {
 
 // What all regions share. Lengths are in tolerances, relative to the middle of the box.
 struct Surface {
+  const TriangleScene original; ///< in the mesh's own units
+  Vec3d middle{0, 0, 0};        ///< of the box
+  double tolerance;
   HalfEdges edges;
-  std::vector<Vec3d> points;
+  std::vector<Vec3d> points;                 ///< vertices, then middles of edges
+  std::vector<std::array<float, 3>> normals; ///< of unit length, at points
   std::vector<Quadric> quadrics;
-  /// Vertices that are gone, as lists: each belongs to the face next to it.
+  /// Points of the surface that have to stay near, as lists: each belongs to the face next to it.
+  /// Vertices come in once they are gone, middles of edges, numbered after them, from the start:
+  /// between its vertices a surface can be bent more than the tolerance.
   std::vector<std::uint32_t> firstGone; ///< of a face
-  std::vector<std::uint32_t> nextGone;  ///< of a vertex
+  std::vector<std::uint32_t> nextGone;  ///< of a point
   std::vector<std::uint32_t> region;    ///< of a vertex
   std::vector<std::uint32_t> stamp;     ///< of a vertex: its newest entry in a queue
 
-  Surface(const TriangleMesh& mesh, double tolerance)
-      : edges(mesh), points(mesh.points), quadrics(mesh.points.size()),
+  Surface(const TriangleMesh& mesh, double limit)
+      : original(mesh), tolerance(limit), edges(mesh), points(mesh.points),
+        normals(mesh.points.size()), quadrics(mesh.points.size()),
         firstGone(mesh.triangleCount(), kNone), nextGone(mesh.points.size(), kNone),
         region(mesh.points.size(), 0), stamp(mesh.points.size(), 0) {
     Vec3d low = points[0], high = points[0];
@@ -74,18 +83,48 @@ struct Surface {
         low[axis] = std::min(low[axis], p[axis]);
         high[axis] = std::max(high[axis], p[axis]);
       }
-    const Vec3d middle = times(plus(low, high), 0.5);
+    middle = times(plus(low, high), 0.5);
     for (Vec3d& p : points)
       p = times(minus(p, middle), 1 / tolerance);
+    std::vector<Vec3d> sums(points.size(), Vec3d{0, 0, 0}), ofFaces(mesh.triangleCount());
     for (std::size_t face = 0; face < mesh.triangleCount(); ++face) {
       const std::uint32_t* v = &mesh.triangles[3 * face];
       const Vec3d n = cross(minus(points[v[1]], points[v[0]]), minus(points[v[2]], points[v[0]]));
       const double twice = length(n);
-      if (!(twice > 0))
-        continue;
-      const Vec3d unit = times(n, 1 / twice);
-      for (std::size_t k = 0; k < 3; ++k)
+      const Vec3d unit = times(n, twice > 0 ? 1 / twice : 0);
+      ofFaces[face] = unit;
+      for (std::size_t k = 0; k < 3; ++k) {
         quadrics[v[k]].add(unit, -dot(unit, points[v[0]]), twice / 6);
+        sums[v[k]] = plus(sums[v[k]], n);
+      }
+    }
+    for (std::size_t v = 0; v < sums.size(); ++v)
+      normals[v] = unitOf(sums[v]);
+    addMiddles(ofFaces);
+  }
+
+  /// Whether a place of the new surface is near the old one.
+  bool isNear(const Vec3d& p) const {
+    return original.closest(plus(middle, times(p, tolerance)), kHeldBack * tolerance).triangle !=
+           kNone;
+  }
+
+private:
+  static std::array<float, 3> unitOf(const Vec3d& v) {
+    const double l = length(v), factor = l > 0 ? 1 / l : 0;
+    return {static_cast<float>(v[0] * factor), static_cast<float>(v[1] * factor),
+            static_cast<float>(v[2] * factor)};
+  }
+
+  void addMiddles(const std::vector<Vec3d>& ofFaces) {
+    points.reserve(points.size() + 3 * std::size_t(edges.faceCount()) / 2);
+    for (std::uint32_t h = 0; h < 3 * edges.faceCount(); ++h) {
+      if (edges.start(h) > edges.end(h))
+        continue;
+      nextGone.push_back(firstGone[h / 3]);
+      firstGone[h / 3] = static_cast<std::uint32_t>(points.size());
+      points.push_back(times(plus(points[edges.start(h)], points[edges.end(h)]), 0.5));
+      normals.push_back(unitOf(plus(ofFaces[h / 3], ofFaces[edges.twin(h) / 3])));
     }
   }
 };
@@ -196,6 +235,7 @@ private:
   struct Face {
     std::uint32_t number;
     std::array<Vec3d, 3> corners;
+    Vec3d normal; ///< of unit length
   };
 
   static double shape(const Vec3d& twiceNormal, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -221,7 +261,7 @@ private:
       upright =
           dot(before, after) > kLeastCosine * length(before) * length(after) &&
           shape(after, moved, a, b) > std::min(kLeastShape, shape(before, old, a, b) * (1 - 1e-9));
-      faces_.push_back({o / 3, {moved, a, b}});
+      faces_.push_back({o / 3, {moved, a, b}, times(after, 1 / length(after))});
     });
     if (!upright)
       return false;
@@ -234,15 +274,29 @@ private:
       for (std::uint32_t v = s_.firstGone[o / 3]; near && v != kNone; v = s_.nextGone[v])
         near = assign(v);
     });
-    return near;
+    return near && std::all_of(faces_.begin(), faces_.end(),
+                               [&](const Face& face) { return isNearOriginal(face); });
   }
 
-  // Finds the nearest of faces_ for a vertex that is gone.
+  // Looks at the middle of a new face and along the side that is new as well.
+  bool isNearOriginal(const Face& face) const {
+    const auto& [a, b, c] = face.corners;
+    for (const double t : {0.5, 0.25, 0.75})
+      if (!s_.isNear(plus(times(a, 1 - t), times(b, t))))
+        return false;
+    return s_.isNear(times(plus(a, plus(b, c)), 1.0 / 3));
+  }
+
+  // Finds the nearest of faces_ that looks the way of a point that is gone.
   bool assign(std::uint32_t v) {
     const Vec3d& p = s_.points[v];
     double nearest = kHeldBack * kHeldBack;
     std::uint32_t owner = kNone;
+    const std::array<float, 3>& n = s_.normals[v];
     for (const Face& face : faces_) {
+      if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] >
+            kLeastAgreement))
+        continue;
       const double squared = nearestOnTriangle(minus(face.corners[0], p), minus(face.corners[1], p),
                                                minus(face.corners[2], p))
                                  .squared;
@@ -300,7 +354,7 @@ double meanEdge(const Surface& surface) {
 std::vector<std::vector<std::uint32_t>> divide(Surface& surface, double side, double corner) {
   std::map<Vec3i, std::uint32_t> numbers;
   std::vector<std::vector<std::uint32_t>> regions;
-  for (std::uint32_t v = 0; v < surface.points.size(); ++v) {
+  for (std::uint32_t v = 0; v < surface.quadrics.size(); ++v) {
     if (surface.edges.out(v) == kNone)
       continue;
     Vec3i cube{0, 0, 0};
@@ -320,7 +374,7 @@ std::vector<std::vector<std::uint32_t>> divide(Surface& surface, double side, do
 // Cubes first, then cubes that have the first ones' borders inside, then everything.
 void simplify(Surface& surface, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
-  if (surface.points.size() > kSerial) {
+  if (surface.quadrics.size() > kSerial) {
     const double side = kRegionEdges * meanEdge(surface);
     passes = {{side, 0.0}, {side, 0.5}};
   }

@@ -183,10 +183,11 @@ def ply(data):
 def threemf(path):
     archive = zipfile.ZipFile(path)
     name = next(n for n in archive.namelist() if n.endswith(".model"))
-    try:
-        root = ET.fromstring(archive.read(name))
-    except ET.ParseError as error:
-        raise Refused(str(error))
+    text = archive.read(name).decode("utf-8")
+    declared = set(re.findall(r"\bxmlns:(\w+)=", text))
+    for prefix in set(re.findall(r"</?(\w+):", text)) - declared:  # of extensions; not core
+        text = text.replace(f"<{prefix}:", "<undeclared_").replace(f"</{prefix}:", "</undeclared_")
+    root = ET.fromstring(re.sub(r"^<\?xml.*?\?>", "", text.lstrip("\ufeff")))
     core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
     objects = {o.get("id"): o for o in root.iter(core + "object")}
     mesh = Mesh()

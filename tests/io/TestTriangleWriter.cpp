@@ -87,7 +87,7 @@ TEST(TriangleWriter, StlWritesWhatFloatsCannotHold) {
 }
 
 TEST(TriangleWriter, ThreeMf) {
-  TriangleMesh mesh = asFloats(sample());
+  TriangleMesh mesh = sample();
   for (const char* units : {"micrometre", "millimetre", "centimetre", "inch", "foot", "metre"}) {
     mesh.units = units;
     const Reading read = writeAndRead(mesh, ".3mf");
@@ -105,9 +105,6 @@ TEST(TriangleWriter, ThreeMfHoldsNoFaceThatNamesAPointTwice) {
   mesh.triangles.insert(mesh.triangles.end(), {0, 0, 1, 2, 1, 2});
   EXPECT_EQ(writeAndRead(mesh, ".3mf").mesh.triangles, cornerTetrahedron().triangles);
   mesh.triangles = {0, 0, 1};
-  EXPECT_THROW(writeAndRead(mesh, ".3mf"), Error);
-  mesh = cornerTetrahedron();
-  mesh.points[2][1] = 2e9;
   EXPECT_THROW(writeAndRead(mesh, ".3mf"), Error);
 }
 

@@ -7,6 +7,7 @@
 #include "tetvdb/io/FaceCollector.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

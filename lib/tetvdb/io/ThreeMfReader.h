@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles from .3mf, by lib3mf.
+// Triangles from .3mf.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -11,11 +11,12 @@
 namespace tetvdb {
 
 /// Everything that the build places, with the transforms of items and components in double; faces
-/// of mirrored objects are turned round. `units` is the model's. Beams have no faces: warning
-/// `beams` and report.partial. Sizes are checked before lib3mf sees the file, which it reads in a
-/// child process of limited memory. Throws Error(Invalid) with lib3mf's words where it cannot read
-/// it or nothing is built, Error(Limit) where it would unpack to more than is plausible or memory
-/// does not do.
+/// of mirrored objects are turned round. `units` is the model's. Faces that have no meaning: see
+/// FaceCollector. Beams have no faces: warning `beams`; objects that do not exist or hold something
+/// else than a mesh: warning `missing-objects`; both set report.partial. Sizes are checked before
+/// anything is unpacked. Throws Error(Invalid) for damaged archives and XML and where nothing is
+/// built, Error(Limit) where it would unpack to more than is plausible or components repeat one
+/// another beyond measure.
 TriangleMesh readThreeMf(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -9,7 +9,6 @@
 #include "tetvdb/io/ZipWriter.h"
 
 #include <charconv>
-#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -17,7 +16,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kPerUpdate = std::size_t(1) << 14;
-constexpr double kLargest = 1e9;
 constexpr std::size_t kMostOfAKind = std::size_t(INT32_MAX); // readers count with int
 
 constexpr std::string_view kTypes =
@@ -87,11 +85,8 @@ void writeModel(Xml& xml, const TriangleMesh& mesh, Progress& progress) {
             "<resources><object id=\"1\" type=\"model\"><mesh><vertices>\n");
   for (std::size_t i = 0; i < points; ++i) {
     const Vec3d& p = mesh.points[i];
-    xml.text("<vertex x=\"")
-        .number(static_cast<float>(p[0]))
-        .text("\" y=\"")
-        .number(static_cast<float>(p[1]));
-    xml.text("\" z=\"").number(static_cast<float>(p[2])).text("\"/>\n");
+    xml.text("<vertex x=\"").number(p[0]).text("\" y=\"").number(p[1]);
+    xml.text("\" z=\"").number(p[2]).text("\"/>\n");
     update(i);
   }
   xml.text("</vertices><triangles>\n");
@@ -118,11 +113,6 @@ void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& p
   if (mesh.points.size() > kMostOfAKind || mesh.triangleCount() > kMostOfAKind)
     throw Error(Status::Limit, path, "more points or faces than a .3mf file can count",
                 "write .ply or .obj, or several files");
-  for (const Vec3d& p : mesh.points)
-    for (const double x : p)
-      if (std::abs(x) > kLargest)
-        throw Error(Status::Invalid, path, "a coordinate is beyond 1e9, which 3MF's readers refuse",
-                    "scale the mesh down, or write .stl or .ply");
   bool empty = true;
   for (std::size_t t = 0; t < mesh.triangleCount() && empty; ++t)
     empty = namesAPointTwice(mesh.triangles.data() + 3 * t);

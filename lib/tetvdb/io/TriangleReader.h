@@ -18,7 +18,7 @@ namespace tetvdb {
 /// (readCells()).
 bool holdsTriangles(MeshFormat format);
 
-/// Reads `path`: STL, OBJ, OFF, PLY by readers of our own; 3MF by lib3mf with its transforms;
+/// Reads `path`: STL, OBJ, OFF, PLY, 3MF (as its build places it) by readers of our own;
 /// glTF, FBX, DAE by assimp where the build has it. The soup is raw: vertices are not welded, no
 /// face is dropped for being degenerate, duplicate or non-manifold. A face that has no meaning (an
 /// index out of range, a vertex that is not finite, fewer than three corners) is left out, with a

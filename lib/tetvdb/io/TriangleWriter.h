@@ -14,7 +14,8 @@ bool writesTriangles(const std::string& path);
 /// Writes `mesh` as .stl (binary), .obj, .ply (binary, double), .off or .3mf, by the path's
 /// extension (any case). Whole or absent. Throws Error(Usage) for another extension, Error(Limit)
 /// for more faces than the format can count, Error(Write) where it cannot write. Doubles are
-/// written so that they read back the same, in STL and 3MF as floats.
+/// written so that they read back the same, in STL as floats. 3MF has no faces that name a point
+/// twice: they are left out.
 void writeTriangles(const std::string& path, const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

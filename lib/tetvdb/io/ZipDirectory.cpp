@@ -7,6 +7,7 @@
 #include "tetvdb/io/ByteReader.h"
 
 #include <algorithm>
+#include <new>
 #include <zlib.h>
 
 namespace tetvdb {
@@ -17,6 +18,8 @@ constexpr std::size_t kLocatorBytes = 20;
 constexpr std::uint32_t kInZip64 = UINT32_MAX; // the number stands in a ZIP64 field
 constexpr std::uint64_t kFreeBytes = std::uint64_t(64) << 20;
 constexpr std::uint64_t kLargestRatio = 200;
+
+constexpr std::size_t kAtOnce = std::size_t(1) << 20;
 
 constexpr std::string_view kEndMark("PK\x05\x06", 4);
 constexpr std::string_view kEndMark64("PK\x06\x06", 4);
@@ -75,6 +78,19 @@ void readZip64(ByteReader extra, ZipEntry& entry) {
   }
 }
 
+struct Inflater {
+  Inflater() {
+    constexpr int raw = -15; // without zlib's header
+    if (inflateInit2(&stream, raw) != Z_OK)
+      throw std::bad_alloc();
+  }
+  ~Inflater() { inflateEnd(&stream); }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  z_stream stream{};
+};
+
 std::string_view packedBytes(const ZipEntry& entry, const Source& source) {
   ByteReader in(source);
   in.seek(entry.offset);
@@ -85,43 +101,6 @@ std::string_view packedBytes(const ZipEntry& entry, const Source& source) {
   const auto extraBytes = in.get<std::uint16_t>();
   in.skip(std::uint64_t(nameBytes) + extraBytes);
   return in.take(entry.packed);
-}
-
-constexpr std::uint64_t kUnreadable = UINT64_MAX;
-
-/// Bytes that `packed` unpacks to, given up soon after `most`; kUnreadable where it cannot be.
-std::uint64_t unpackedSize(std::string_view packed, std::uint16_t method, std::uint64_t most,
-                           Progress& progress) {
-  constexpr std::uint16_t stored = 0, deflated = 8;
-  constexpr int raw = -15;
-  constexpr std::size_t atOnce = std::size_t(1) << 20;
-  if (method == stored)
-    return packed.size();
-  z_stream stream{};
-  if (method != deflated || inflateInit2(&stream, raw) != Z_OK)
-    return kUnreadable;
-  std::vector<Bytef> out(atOnce);
-  std::uint64_t size = 0;
-  int status = Z_OK;
-  try {
-    while (status == Z_OK && size <= most) {
-      if (stream.avail_in == 0) {
-        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-        stream.avail_in = static_cast<uInt>(std::min(packed.size(), atOnce));
-        packed.remove_prefix(stream.avail_in);
-      }
-      stream.next_out = out.data();
-      stream.avail_out = static_cast<uInt>(out.size());
-      status = inflate(&stream, Z_NO_FLUSH);
-      size += out.size() - stream.avail_out;
-      progress.check();
-    }
-  } catch (const Error&) {
-    inflateEnd(&stream);
-    throw;
-  }
-  inflateEnd(&stream);
-  return status == Z_STREAM_END || size > most ? size : kUnreadable;
 }
 
 } // namespace
@@ -154,8 +133,7 @@ std::vector<ZipEntry> readZipDirectory(const Source& source) {
   return entries;
 }
 
-std::uint64_t checkZipEntries(const std::vector<ZipEntry>& entries, const Source& source,
-                              Progress& progress) {
+void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source) {
   const std::uint64_t size = source.bytes.size();
   const std::uint64_t limit = std::max(kFreeBytes, kLargestRatio * size);
   std::uint64_t packed = 0, unpacked = 0;
@@ -171,14 +149,43 @@ std::uint64_t checkZipEntries(const std::vector<ZipEntry>& entries, const Source
                   "unpack and check it, or export it again");
     unpacked += entry.unpacked;
   }
-  for (const ZipEntry& entry : entries)
-    if (unpackedSize(packedBytes(entry, source), entry.method, entry.unpacked, progress) !=
-        entry.unpacked)
-      throw Error(Status::Invalid, source.path,
-                  "a file in it does not unpack to the " + std::to_string(entry.unpacked) +
-                      " bytes that are declared",
-                  "the file is damaged; export it again");
-  return unpacked;
+}
+
+std::string unpackZipEntry(const ZipEntry& entry, const Source& source, Progress& progress) {
+  constexpr std::uint16_t stored = 0, deflated = 8;
+  std::string_view packed = packedBytes(entry, source);
+  if (entry.method == stored && entry.unpacked == entry.packed)
+    return std::string(packed);
+  if (entry.method != deflated)
+    throw Error(Status::Invalid, source.path, "a file in it is packed in an unknown way",
+                "pack it with deflate, as other programs do");
+  std::string bytes(static_cast<std::size_t>(entry.unpacked), '\0');
+  std::size_t done = 0;
+  Inflater inflater;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    char beyond = 0; // one byte more than declared is one too many
+    const bool full = done == bytes.size();
+    const std::size_t in = std::min(packed.size(), kAtOnce);
+    const std::size_t out = full ? 1 : std::min(bytes.size() - done, kAtOnce);
+    z_stream& stream = inflater.stream;
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+    stream.avail_in = static_cast<uInt>(in);
+    stream.next_out = reinterpret_cast<Bytef*>(full ? &beyond : bytes.data() + done);
+    stream.avail_out = static_cast<uInt>(out);
+    status = inflate(&stream, Z_NO_FLUSH);
+    packed.remove_prefix(in - stream.avail_in);
+    if (full && stream.avail_out == 0)
+      status = Z_DATA_ERROR;
+    done += full ? 0 : out - stream.avail_out;
+    progress.check();
+  }
+  if (status != Z_STREAM_END || done != bytes.size())
+    throw Error(Status::Invalid, source.path,
+                "a file in it does not unpack to the " + std::to_string(entry.unpacked) +
+                    " bytes that are declared",
+                "the file is damaged; export it again");
+  return bytes;
 }
 
 } // namespace tetvdb

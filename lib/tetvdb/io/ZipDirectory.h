@@ -24,11 +24,12 @@ struct ZipEntry {
 /// it is not whole.
 std::vector<ZipEntry> readZipDirectory(const Source& source);
 
-/// Unpacks all entries without keeping anything, and returns the number of bytes. Throws
-/// Error(Invalid) where entries overlap or do not unpack to what the directory declares,
-/// Error(Limit), before anything is unpacked, where more than 64 MiB and 200 times the archive's
-/// size are declared: meshes pack to about an eighth, bombs to a thousandth.
-std::uint64_t checkZipEntries(const std::vector<ZipEntry>& entries, const Source& source,
-                              Progress& progress);
+/// Throws Error(Invalid) where entries overlap, Error(Limit) where more than 64 MiB and 200 times
+/// the archive's size are declared: meshes pack to about an eighth, bombs to a thousandth.
+void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source);
+
+/// The bytes of an entry, stored or deflated. Throws Error(Invalid) where they are not as many as
+/// declared; more than that is never unpacked.
+std::string unpackZipEntry(const ZipEntry& entry, const Source& source, Progress& progress);
 
 } // namespace tetvdb

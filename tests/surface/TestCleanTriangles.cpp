@@ -3,6 +3,8 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/surface/CleanTriangles.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -224,6 +226,70 @@ TEST(CleanTriangles, OfCopiesTheMoreCommonOrientationStays) {
   EXPECT_EQ(kept.triangleCount(), 4u);
 }
 
+// The wall has more faces than either box without it: all are there twice, the wall four times.
+TEST(CleanTriangles, LargeWallBetweenTwoDoubledBoxesDisappears) {
+  const auto withWallCut = [](TriangleMesh mesh, double x) {
+    for (int round = 0; round < 3; ++round)
+      for (std::size_t face = 0, faces = mesh.triangleCount(); face < faces; ++face) {
+        const std::array<std::uint32_t, 3> v{mesh.triangles[3 * face], mesh.triangles[3 * face + 1],
+                                             mesh.triangles[3 * face + 2]};
+        const Vec3d &a = mesh.points[v[0]], &b = mesh.points[v[1]], &c = mesh.points[v[2]];
+        if (a[0] != x || b[0] != x || c[0] != x)
+          continue;
+        // Sums of the same three numbers, whatever their order.
+        const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+        Vec3d sum;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          std::array<double, 3> sorted{a[axis], b[axis], c[axis]};
+          std::sort(sorted.begin(), sorted.end());
+          sum[axis] = axis == 0 ? x : (sorted[0] + sorted[1] + sorted[2]) / 3;
+        }
+        mesh.points.push_back(sum);
+        mesh.triangles[3 * face + 2] = middle;
+        addTriangle(mesh, v[1], v[2], middle);
+        addTriangle(mesh, v[2], v[0], middle);
+      }
+    return mesh;
+  };
+  const TriangleMesh pair =
+      joined({withWallCut(box(), 1), withWallCut(box({1, 0, 0}, {2, 1, 1}), 1)});
+  ASSERT_EQ(pair.triangleCount(), 2u * (10 + 54));
+  TriangleMesh mesh = joined({pair, pair});
+  clean(mesh);
+  EXPECT_EQ(mesh.triangleCount(), 20u);
+  EXPECT_NEAR(signedVolume(mesh), 2, 1e-12);
+}
+
+// The wall goes, a side of the left box that touches it and is there twice stays.
+TEST(CleanTriangles, WallNextToADoubledSideDisappears) {
+  const TriangleMesh left = box();
+  TriangleMesh mesh = joined({left, box({1, 0, 0}, {2, 1, 1})});
+  append(mesh, without(left, [](std::size_t face) { return face < 10; }));
+  EXPECT_EQ(clean(mesh).duplicateFaces, 4u + 2u);
+  EXPECT_EQ(mesh.triangleCount(), 20u);
+  EXPECT_NEAR(signedVolume(mesh), 2, 1e-12);
+}
+
+// Most of a sheet is there twice, once with each side up: the rest says which side it is.
+TEST(CleanTriangles, CopiesWithoutASideFollowTheRest) {
+  const auto rest = [](std::size_t face) { return face < 5; };
+  const TriangleMesh twice = without(sheet(), rest);
+  for (const bool turned : {false, true}) {
+    TriangleMesh mesh = sheet();
+    if (turned)
+      mesh =
+          joined({without(sheet(), [&](std::size_t face) { return !rest(face); }), flipped(twice)});
+    append(mesh, turned ? twice : flipped(twice));
+    clean(mesh);
+    ASSERT_EQ(mesh.triangleCount(), 32u);
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+      const Vec3d &a = mesh.points[mesh.triangles[i]], &b = mesh.points[mesh.triangles[i + 1]],
+                  &c = mesh.points[mesh.triangles[i + 2]];
+      EXPECT_GT((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]), 0);
+    }
+  }
+}
+
 // --- Sides of faces.
 
 TEST(CleanTriangles, FlippedFacesTurnBack) {
@@ -277,6 +343,29 @@ TEST(CleanTriangles, OpenPartsThatSurroundSomethingTurn) {
             cylinder(1, 1, 32, false).triangles);
 }
 
+// The volume of a thin tub with a hole in it is small for its area.
+TEST(CleanTriangles, OpenThinTubTurns) {
+  const TriangleMesh tub = without(moved(box({0, 0, 0}, {1, 1, 1}, 8),
+                                         [](const Vec3d& p) { // the top pushed down to the bottom
+                                           const bool top = p[2] == 1 && std::min(p[0], p[1]) > 0 &&
+                                                            std::max(p[0], p[1]) < 1;
+                                           return Vec3d{p[0], p[1], top ? 0.04 : p[2]};
+                                         }),
+                                   [](std::size_t face) { return face == 100; });
+  EXPECT_EQ(cleaned(tub).triangles, tub.triangles);
+  TriangleMesh mesh = flipped(tub);
+  EXPECT_TRUE(clean(mesh).insideOut);
+  EXPECT_EQ(mesh.triangles, tub.triangles);
+}
+
+TEST(CleanTriangles, ShallowSheetsKeepTheirSide) {
+  const TriangleMesh shallow = moved(sheet(), [](const Vec3d& p) {
+    return Vec3d{p[0], p[1], 0.01 * (p[0] * p[0] + p[1] * p[1])};
+  });
+  EXPECT_EQ(cleaned(shallow).triangles, shallow.triangles);
+  EXPECT_EQ(cleaned(flipped(shallow)).triangles, flipped(shallow).triangles);
+}
+
 TEST(CleanTriangles, OneComponentFlippedLeavesNoHole) {
   const TriangleMesh apart = joined({box(), sphere({2, 2, 2}, 0.7), torus(0.5, 0.2)});
   TriangleMesh spoiled = joined({box(), flipped(sphere({2, 2, 2}, 0.7)), torus(0.5, 0.2)});
@@ -286,6 +375,10 @@ TEST(CleanTriangles, OneComponentFlippedLeavesNoHole) {
   const TriangleMesh overlapping = joined({box(), sphere({1, 1, 1}, 0.9)});
   EXPECT_EQ(cleaned(joined({box(), flipped(sphere({1, 1, 1}, 0.9))})).triangles,
             overlapping.triangles);
+  // Nor are those of which less than half is inside, though their box is.
+  const TriangleMesh corner = box({0.3, 0.3, 0.3}, {0.95, 0.95, 0.95});
+  EXPECT_EQ(cleaned(joined({sphere(), flipped(corner)})).triangles,
+            joined({sphere(), corner}).triangles);
 }
 
 // --- Nested parts. The spheres' facets lie inside them: radii are apart by more than that.
@@ -393,6 +486,24 @@ TEST(CleanTriangles, PatchesAroundAnEdgeOfFourFacesAreAligned) {
   ASSERT_NEAR(signedVolume(wedges), 1, 1e-12);
   for (std::uint64_t seed = 0; seed < 10; ++seed)
     EXPECT_NEAR(signedVolume(cleaned(withFacesFlipped(wedges, 0.5, seed))), 1, 1e-12);
+}
+
+// Two boxes and the one wall between them, which has two others at each of its edges: three
+// patches. The boxes stand in a third, so that rays cross that too.
+TEST(CleanTriangles, PatchesAtAWallWithinAnotherShellAreAligned) {
+  const TriangleMesh left = without(box(), [](std::size_t f) { return f == 2 || f == 3; });
+  const TriangleMesh wall = without(box(), [](std::size_t f) { return f != 2 && f != 3; });
+  const TriangleMesh right =
+      without(box({1, 0, 0}, {2, 1, 1}), [](std::size_t f) { return f < 2; });
+  for (int turned = 0; turned < 8; ++turned) {
+    TriangleMesh mesh =
+        joined({turned & 1 ? flipped(left) : left, turned & 2 ? flipped(right) : right,
+                turned & 4 ? flipped(wall) : wall});
+    append(mesh, box({-1, -1, -1}, {2.5, 2.5, 2.5}));
+    clean(mesh);
+    mesh.triangles.resize(60); // without the wall and the third box
+    EXPECT_NEAR(signedVolume(mesh), 2, 1e-12) << turned;
+  }
 }
 
 TEST(CleanTriangles, FinsGetNoSide) {

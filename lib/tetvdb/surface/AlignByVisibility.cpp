@@ -12,7 +12,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kFacesPerPatch = 32;
 constexpr std::size_t kFacesInAll = 200000;
 constexpr std::uint32_t kDirectionsPerFace = 3; // each both ways
 // A ray nearer to the face's plane than this (sine) says little about its sides.
@@ -33,8 +32,9 @@ std::vector<std::uint32_t> largestFaces(const std::uint32_t* begin, const std::u
 
 } // namespace
 
-std::vector<std::uint8_t> FaceSides::unbalancedShells() const {
-  std::vector<std::uint8_t> unbalanced(shellCount_, 0);
+// What is wrong at the edges where several patches of a shell meet, at worst.
+std::vector<FaceSides::Balance> FaceSides::balanceOfShells() const {
+  std::vector<Balance> balance(shellCount_, Balance::Even);
   for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
     if (edges_.sides(edge).size() <= 2)
       continue;
@@ -49,18 +49,31 @@ std::vector<std::uint8_t> FaceSides::unbalancedShells() const {
       shell = shellOf_[patch];
       sum += imbalance;
     });
-    if (patches > 1 && sum != 0)
-      unbalanced[shell] = 1;
+    if (patches < 2 || sum == 0)
+      continue;
+    // Of an odd number of faces one is left over whatever their sides.
+    const Balance here = std::abs(sum) > 1 ? Balance::Wrong : Balance::Odd;
+    balance[shell] = std::max(balance[shell], here);
   }
-  return unbalanced;
+  return balance;
 }
 
 // Directions that say that the face looks outward less those that say that it looks inward: what
 // lies beyond an even number of other faces is outside. Both ways have to agree about that: on both
-// sides of a fin is outside, on both sides of a wall within a solid is inside.
+// sides of a fin is outside, on both sides of a wall within a solid is inside. Only faces of the
+// same shell are counted: the face may well lie inside another.
 int FaceSides::visibilityVote(std::uint32_t face) const {
   const Vec3d n = normal(face);
   std::vector<TriangleScene::Hit> hits;
+  const auto reachesOutside = [&](const Vec3d& way) {
+    shoot(face, way, hits);
+    return std::count_if(hits.begin(), hits.end(),
+                         [&](const TriangleScene::Hit& hit) {
+                           return shellOf(hit.triangle) == shellOf(face);
+                         }) %
+               2 ==
+           0;
+  };
   int sum = 0;
   for (std::uint32_t number = 0; number < kDirectionsPerFace; ++number) {
     Vec3d forward = directionFrom(face, number);
@@ -69,20 +82,29 @@ int FaceSides::visibilityVote(std::uint32_t face) const {
       continue;
     if (along < 0)
       forward = times(forward, -1);
-    shoot(face, forward, hits);
-    const bool outsideBefore = hits.size() % 2 == 0;
-    shoot(face, times(forward, -1), hits);
-    const bool outsideBehind = hits.size() % 2 == 0;
-    sum += int(outsideBefore) - int(outsideBehind);
+    sum += int(reachesOutside(forward)) - int(reachesOutside(times(forward, -1)));
   }
   return sum;
 }
 
+// Asks the largest faces of a list.
+FaceSides::Poll FaceSides::poll(const std::uint32_t* begin, const std::uint32_t* end,
+                                std::size_t faces) const {
+  Poll poll;
+  for (const std::uint32_t face : largestFaces(begin, end, areas_, faces)) {
+    const int vote = visibilityVote(face);
+    ++poll.asked;
+    poll.outward += vote > 0;
+    poll.inward += vote < 0;
+  }
+  return poll;
+}
+
 void FaceSides::alignByVisibility(Progress& progress) {
-  const std::vector<std::uint8_t> unbalanced = unbalancedShells();
+  const std::vector<Balance> balance = balanceOfShells();
   std::vector<std::uint32_t> suspects;
   for (std::uint32_t patch = 0; patch < patches_.patchCount(); ++patch)
-    if (unbalanced[shellOf_[patch]] && patches_.orientable[patch])
+    if (balance[shellOf_[patch]] != Balance::Even && patches_.orientable[patch])
       suspects.push_back(patch);
   if (suspects.empty())
     return;
@@ -91,22 +113,19 @@ void FaceSides::alignByVisibility(Progress& progress) {
 
   const FaceLists lists = listByPatch(patches_);
   const std::size_t facesPerPatch =
-      std::clamp<std::size_t>(kFacesInAll / suspects.size(), 1, kFacesPerPatch);
+      std::clamp<std::size_t>(kFacesInAll / suspects.size(), 1, kFacesPerPoll);
   std::vector<std::uint8_t> turn(suspects.size(), 0);
+  const auto decide = [&](std::size_t i) {
+    const Poll votes = poll(lists.begin(suspects[i]), lists.end(suspects[i]), facesPerPatch);
+    turn[i] = balance[shellOf_[suspects[i]]] == Balance::Wrong
+                  ? votes.inward > 0 && votes.inward >= 2 * votes.outward
+                  : votes.isSureOf(votes.inward);
+  };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, suspects.size(), 16),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       progress.check();
-                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                        int outward = 0, voters = 0;
-                        for (const std::uint32_t face :
-                             largestFaces(lists.begin(suspects[i]), lists.end(suspects[i]), areas_,
-                                          facesPerPatch)) {
-                          const int vote = visibilityVote(face);
-                          outward += vote > 0;
-                          voters += vote != 0;
-                        }
-                        turn[i] = voters > 0 && 3 * (voters - outward) >= 2 * voters;
-                      }
+                      for (std::size_t i = range.begin(); i != range.end(); ++i)
+                        decide(i);
                     });
   for (std::size_t i = 0; i < suspects.size(); ++i)
     if (turn[i])

@@ -74,15 +74,18 @@ void weld(TriangleMesh& mesh, double distance, CleanCounts& counts, Progress& pr
   counts.unreferencedPoints = dropUnreferencedPoints(mesh) - counts.weldedPoints;
 }
 
-// Whether there were any.
+// Whether there were any. `withoutSide`: by face that stays, 1 where its copies left its side open.
 bool dropDuplicates(TriangleMesh& mesh, const EdgeTable& edges, CleanCounts& counts,
-                    Progress& progress) {
+                    std::vector<std::uint8_t>& withoutSide, Progress& progress) {
   const DuplicateGroups groups = findDuplicates(edges);
   if (groups.count() == 0)
     return false;
-  const auto surplus = surplusFaces(mesh.triangles, mesh.points.size(), groups, progress);
-  counts.duplicateFaces =
-      keepFaces(mesh, [&](const std::uint32_t*, std::size_t face) { return surplus[face] == 0; });
+  const auto fates = resolveDuplicates(mesh.triangles, mesh.points.size(), groups, progress);
+  for (const FaceFate fate : fates)
+    if (fate != FaceFate::Goes)
+      withoutSide.push_back(fate == FaceFate::StaysWithoutSide);
+  counts.duplicateFaces = keepFaces(
+      mesh, [&](const std::uint32_t*, std::size_t face) { return fates[face] != FaceFate::Goes; });
   counts.unreferencedPoints += dropUnreferencedPoints(mesh);
   return true;
 }
@@ -109,11 +112,13 @@ CleanCounts cleanTriangles(TriangleMesh& mesh, const CleanOptions& options, Prog
   if (options.duplicates || options.orient)
     edges.emplace(mesh);
   progress.update(0.5);
-  if (options.duplicates && dropDuplicates(mesh, *edges, counts, progress) && options.orient)
+  std::vector<std::uint8_t> withoutSide;
+  if (options.duplicates && dropDuplicates(mesh, *edges, counts, withoutSide, progress) &&
+      options.orient)
     edges.emplace(mesh);
   if (options.orient) {
     FaceSides sides(mesh, *edges, progress);
-    sides.alignPatches();
+    sides.alignPatches(withoutSide);
     progress.update(0.7);
     sides.alignByVisibility(progress);
     sides.turnShells(progress);

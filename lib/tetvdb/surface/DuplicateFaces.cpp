@@ -166,18 +166,20 @@ private:
   std::vector<std::uint32_t> keptAt_; ///< kept faces at each edge
 };
 
-// The first face of the orientation that most of the group's faces have.
-std::uint32_t representative(const std::vector<std::uint32_t>& corners, const std::uint32_t* first,
-                             const std::uint32_t* last) {
+// Keeps the first face of the orientation that most of the group's faces have.
+void keepOne(const std::vector<std::uint32_t>& corners, const std::uint32_t* first,
+             const std::uint32_t* last, std::vector<FaceFate>& fates) {
   std::ptrdiff_t even = 0;
   for (const std::uint32_t* face = first; face != last; ++face)
     even += isEven(&corners[3 * std::size_t(*face)]);
-  if (2 * even == last - first)
-    return *first;
+  if (2 * even == last - first) {
+    fates[*first] = FaceFate::StaysWithoutSide;
+    return;
+  }
   const bool wanted = 2 * even > last - first;
-  return *std::find_if(first, last, [&](std::uint32_t face) {
+  fates[*std::find_if(first, last, [&](std::uint32_t face) {
     return isEven(&corners[3 * std::size_t(face)]) == wanted;
-  });
+  })] = FaceFate::Stays;
 }
 
 } // namespace
@@ -211,25 +213,25 @@ DuplicateGroups findDuplicates(const EdgeTable& edges) {
   return groups;
 }
 
-std::vector<std::uint8_t> surplusFaces(const std::vector<std::uint32_t>& corners,
-                                       std::size_t pointCount, const DuplicateGroups& groups,
-                                       Progress& progress) {
+std::vector<FaceFate> resolveDuplicates(const std::vector<std::uint32_t>& corners,
+                                        std::size_t pointCount, const DuplicateGroups& groups,
+                                        Progress& progress) {
   UniqueFaces unique = uniqueFaces(corners, groups);
   const EdgeTable edges(unique.corners, pointCount);
   halveWholeParts(unique.multiplicity, edges);
   EvenFaces even(unique.multiplicity, edges);
   const std::vector<std::uint8_t>& kept = even.decide(progress);
 
-  std::vector<std::uint8_t> drop(corners.size() / 3, 0);
+  std::vector<FaceFate> fates(corners.size() / 3, FaceFate::Stays);
   for (const std::uint32_t face : groups.faces)
-    drop[face] = 1;
+    fates[face] = FaceFate::Goes;
   for (std::size_t face = 0; face < kept.size(); ++face) {
     const std::uint32_t group = unique.group[face];
     if (kept[face] && group != EdgeTable::kNone)
-      drop[representative(corners, &groups.faces[groups.first[group]],
-                          groups.faces.data() + groups.first[group + 1])] = 0;
+      keepOne(corners, &groups.faces[groups.first[group]],
+              groups.faces.data() + groups.first[group + 1], fates);
   }
-  return drop;
+  return fates;
 }
 
 } // namespace tetvdb

@@ -23,11 +23,18 @@ struct DuplicateGroups {
 
 DuplicateGroups findDuplicates(const EdgeTable& edges);
 
-/// Which faces have to go (1), so that of each group one face or none is left, whichever closes the
-/// edges around; docs/algorithms.md has the rules. Of a group that keeps one, it is the first of
-/// the orientation that most of its faces have.
-std::vector<std::uint8_t> surplusFaces(const std::vector<std::uint32_t>& corners,
-                                       std::size_t pointCount, const DuplicateGroups& groups,
-                                       Progress& progress);
+/// What becomes of each face.
+enum class FaceFate : std::uint8_t {
+  Stays,
+  Goes,
+  StaysWithoutSide ///< as many of its copies look one way as the other
+};
+
+/// Decides so that of each group one face or none is left, whichever closes the edges around;
+/// docs/algorithms.md has the rules. Of a group that keeps one, it is the first of the orientation
+/// that most of its faces have.
+std::vector<FaceFate> resolveDuplicates(const std::vector<std::uint32_t>& corners,
+                                        std::size_t pointCount, const DuplicateGroups& groups,
+                                        Progress& progress);
 
 } // namespace tetvdb

@@ -70,10 +70,10 @@ void FaceSides::shoot(std::uint32_t face, const Vec3d& direction,
              hits.end());
 }
 
-void FaceSides::alignPatches() {
+void FaceSides::alignPatches(const std::vector<std::uint8_t>& withoutSide) {
   std::vector<double> with(patches_.patchCount(), 0), against(patches_.patchCount(), 0);
   for (std::size_t face = 0; face < areas_.size(); ++face)
-    if (patches_.patchOf[face] != EdgeTable::kNone)
+    if (patches_.patchOf[face] != EdgeTable::kNone && (withoutSide.empty() || !withoutSide[face]))
       (patches_.against[face] ? against : with)[patches_.patchOf[face]] += areas_[face];
   for (std::size_t face = 0; face < areas_.size(); ++face) {
     const std::uint32_t patch = patches_.patchOf[face];

@@ -23,10 +23,11 @@ class FaceSides {
 public:
   FaceSides(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress);
 
-  /// Makes the faces of every patch agree that can; the way that leaves the larger area as it is.
-  void alignPatches();
+  /// Makes the faces of every patch agree that can; the way that leaves the larger area as it is,
+  /// where faces `withoutSide` (1, by face; may be empty) do not count.
+  void alignPatches(const std::vector<std::uint8_t>& withoutSide);
   /// In shells where the sides of an edge of several faces do not balance: turns patches so that
-  /// what is outside, as rays see it, lies before them. (AlignByVisibility.cpp)
+  /// what is outside of the shell, as rays see it, lies before them. (AlignByVisibility.cpp)
   void alignByVisibility(Progress& progress);
   /// Turns shells that are inside out, with what is nested in them. (TurnShells.cpp)
   void turnShells(Progress& progress);
@@ -58,9 +59,27 @@ private:
   void shoot(std::uint32_t face, const Vec3d& direction,
              std::vector<TriangleScene::Hit>& hits) const;
 
-  std::vector<std::uint8_t> unbalancedShells() const;
+  enum class Balance : std::uint8_t {
+    Even,
+    Odd,  ///< of three faces or so one is left over
+    Wrong ///< sides do not cancel that could
+  };
+  /// What faces say about which way they look.
+  struct Poll {
+    int asked = 0, outward = 0, inward = 0;
+    /// Nine of ten that know say so, and half of all know.
+    bool isSureOf(int votes) const {
+      return 10 * votes >= 9 * (outward + inward) && 2 * (outward + inward) >= asked && votes > 0;
+    }
+  };
+  static constexpr std::size_t kFacesPerPoll = 32;
+
+  std::vector<Balance> balanceOfShells() const;
   int visibilityVote(std::uint32_t face) const;
+  Poll poll(const std::uint32_t* begin, const std::uint32_t* end, std::size_t faces) const;
+
   std::vector<Shell> measureShells() const;
+  void askOpenShells(std::vector<Shell>& shells, Progress& progress);
   void findContainers(std::vector<Shell>& ranked, Progress& progress);
 
   const TriangleMesh& mesh_;

@@ -15,6 +15,9 @@ namespace {
 // |volume| over area^1.5 from which a shell has an inside. A ball has 0.094, a cube 0.068, a cube
 // without lid 0.072 about its own centroid.
 constexpr double kLeastVolumeOpen = 0.02;
+// From here on the faces of an open shell are asked.
+constexpr double kLeastVolumeAsked = 0.001;
+constexpr std::size_t kShellsAsked = 5000;
 constexpr double kLeastVolumeClosed = 1e-12;
 constexpr std::size_t kSamplesPerShell = 5;
 
@@ -26,8 +29,12 @@ struct FaceSides::Shell {
   Vec3d centroid{0, 0, 0};
   Box box;
   bool closed = true;
+  bool orientable = true;
   bool hasSide = false;
   std::uint32_t number = 0;
+
+  /// Without a unit.
+  double bulk() const { return area > 0 ? std::abs(volume) / std::pow(area, 1.5) : 0; }
 
   /// A larger shell around this one, by rank, and its winding number here.
   struct Container {
@@ -70,11 +77,39 @@ std::vector<FaceSides::Shell> FaceSides::measureShells() const {
     if (sum != 0)
       shells[shell].closed = false;
   }
+  for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch)
+    if (!patches_.orientable[patch])
+      shells[shellOf_[patch]].orientable = false;
   for (Shell& shell : shells)
     shell.hasSide =
-        std::abs(shell.volume) >
-        (shell.closed ? kLeastVolumeClosed : kLeastVolumeOpen) * std::pow(shell.area, 1.5);
+        shell.orientable && shell.bulk() > (shell.closed ? kLeastVolumeClosed : kLeastVolumeOpen);
   return shells;
+}
+
+// Open shells of much area for their volume: a tub of thin walls with holes in it. The faces say
+// which way they look, as far as the shell alone is concerned.
+void FaceSides::askOpenShells(std::vector<Shell>& shells, Progress& progress) {
+  std::vector<std::uint32_t> asked;
+  for (const Shell& shell : shells)
+    if (!shell.hasSide && !shell.closed && shell.orientable && shell.bulk() > kLeastVolumeAsked)
+      asked.push_back(shell.number);
+  std::stable_sort(asked.begin(), asked.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::abs(shells[a].volume) > std::abs(shells[b].volume);
+  });
+  asked.resize(std::min(asked.size(), kShellsAsked));
+  if (asked.empty())
+    return;
+  scene();
+  const FaceLists lists = listByGroup(patches_, shellOf_, shellCount_);
+  tbb::parallel_for(std::size_t(0), asked.size(), [&](std::size_t i) {
+    progress.check();
+    Shell& shell = shells[asked[i]];
+    const Poll votes = poll(lists.begin(shell.number), lists.end(shell.number), kFacesPerPoll);
+    shell.hasSide = votes.isSureOf(std::max(votes.outward, votes.inward));
+    if (shell.hasSide)
+      shell.volume =
+          votes.outward > votes.inward ? std::abs(shell.volume) : -std::abs(shell.volume);
+  });
 }
 
 // `ranked`: the shells that have a side, the largest volume first.
@@ -150,6 +185,7 @@ void FaceSides::findContainers(std::vector<Shell>& ranked, Progress& progress) {
 
 void FaceSides::turnShells(Progress& progress) {
   std::vector<Shell> shells = measureShells(), ranked;
+  askOpenShells(shells, progress);
   for (const Shell& shell : shells)
     if (shell.hasSide)
       ranked.push_back(shell);

@@ -11,6 +11,7 @@
 #include "tetvdb/io/PlyReader.h"
 #include "tetvdb/io/StlReader.h"
 #include "tetvdb/io/TetGenReader.h"
+#include "tetvdb/io/ThreeMfModel.h"
 #include "tetvdb/io/UcdReader.h"
 
 #include <chrono>
@@ -191,6 +192,22 @@ TEST(Mutations, Triangles) {
     bytes.add<std::uint8_t>({3}).ints({0, 1, 2}).ints({5, 0, 1, 2, -1, 0});
     attack(bytes.str(), kSmall, with(readPly));
   }
+}
+
+TEST(Mutations, ThreeMfModels) {
+  attack(
+      "<?xml version=\"1.0\"?><model unit='inch'><!-- c --><resources><object "
+      "id='1'><mesh><vertices>"
+      "<vertex x='0' y='1e3' z='-2'/><vertex x='1' y='0' z='0'/></vertices><triangles><triangle "
+      "v1='0' v2='1' v3='1'/></triangles></mesh></object><object id='2'><components><component "
+      "objectid='1' p:path='/a.model' transform='1 0 0 0 1 0 0 0 1 5 6 7'/></components></object>"
+      "</resources><build><item objectid='2'/></build></model>",
+      kSmall, [](const std::string& bytes) {
+        Progress progress;
+        const ThreeMfModel model = parseThreeMfModel(bytes, "file", progress);
+        for (const auto& [id, object] : model.objects)
+          ASSERT_EQ(object.triangles.size() % 3, 0U);
+      });
 }
 
 TEST(Mutations, Sniffing) {

@@ -37,7 +37,7 @@ std::string model(const std::string& objects, const std::string& items,
          objects + "</resources><build>" + items + "</build></model>";
 }
 
-std::string archive(const std::string& modelText) {
+std::string archive(const std::string& modelText, const std::string& otherText = "") {
   const TemporaryPath path("archive.3mf");
   AtomicFile file(path.str());
   ZipWriter zip(file);
@@ -54,8 +54,11 @@ std::string archive(const std::string& modelText) {
        "xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\"><Relationship "
        "Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
        "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>"},
-      {"3D/3dmodel.model", modelText}};
+      {"3D/3dmodel.model", modelText},
+      {"3D/Objects/other.model", otherText}};
   for (const auto& [name, text] : files) {
+    if (text.empty())
+      continue;
     zip.begin(name);
     zip.write(text);
     zip.end();
@@ -94,6 +97,20 @@ TEST(ThreeMfReader, ComponentsComposeInsideOut) {
   EXPECT_EQ(read.mesh.points[5], (Vec3d{100, 7, 7}));
   EXPECT_EQ(read.mesh.points[6], (Vec3d{99, 5, 7}));
   EXPECT_NEAR(signedVolume(read.mesh), 4.0 / 6, 1e-12);
+}
+
+TEST(ThreeMfReader, PartsInOtherModelFiles) {
+  std::string list = component(5, "1 0 0 0 1 0 0 0 1 9 0 0") + component(1);
+  list.insert(list.find("objectid"), "p:path=\"/3D/objects/Other.model\" ");
+  const std::string main = model(object(1, kMesh) + object(2, components(list)), item(2));
+  const Reading read = reading(readThreeMf, archive(main, model(object(5, kMesh), "", "inch")));
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(read.mesh.triangleCount(), 8U);
+  EXPECT_EQ(read.mesh.points[1], (Vec3d{10, 0, 0}));
+  EXPECT_EQ(read.mesh.units, "millimetre");
+  const Reading missing = reading(readThreeMf, archive(main));
+  EXPECT_EQ(missing.mesh.triangleCount(), 4U);
+  EXPECT_EQ(missing.codes(), "missing-objects");
 }
 
 TEST(ThreeMfReader, MirroredObjectsStayOutward) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "CompareMeshFiles.h"
 #include "JsonReport.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
@@ -23,16 +24,18 @@ struct Options {
 const char* const kExamples = R"(Examples:
   tetvdb compare a.vdb b.vdb                     exit status 0 if they are the same, 8 if not
   tetvdb compare a.vdb b.nvdb --tolerance 1e-3   values may differ by as much
+  tetvdb compare broken.stl whole.stl --tolerance 0.2
+      8 if a point of one surface is farther than 0.2 units from the other
 
 Grids are paired by name and compared voxel by voxel; a voxel that is inactive counts with the
-grid's background. IoU: voxels active in both over voxels active in either.)";
+grid's background. IoU: voxels active in both over voxels active in either.
+Meshes are measured both ways, from points spread evenly over their area and from their vertices to
+the other mesh; tets count by their surface. Without --tolerance, meshes are the same where they
+are within 1e-9 of the diagonal.)";
 
-Volume readOne(const std::string& path, Progress& progress) {
+bool isVolume(const std::string& path) {
   const MappedFile readable(path); // a missing file is told apart from one that is no volume
-  if (signatureOf(path) == VolumeSignature::None)
-    throw Error(Status::Usage, path, "is no volume",
-                "compare takes .vdb and .nvdb files; meshes cannot be compared yet");
-  return readVolume(path, progress);
+  return signatureOf(path) != VolumeSignature::None;
 }
 
 // With a tolerance, values decide alone; without, everything but metadata does.
@@ -89,9 +92,19 @@ void runCompare(const Options& options, Session& session) {
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
     throw Error(Status::Usage, "--tolerance", "must be zero or more");
   session.sections["input"] = {{{"path", options.a}}, {{"path", options.b}}};
+  const bool volumes = isVolume(options.a);
+  if (isVolume(options.b) != volumes)
+    throw Error(Status::Usage, options.b,
+                std::string("is a ") + (volumes ? "mesh" : "volume") + ", but " + options.a +
+                    " is a " + (volumes ? "volume" : "mesh"),
+                "compare two volumes or two meshes; 'tetvdb repair' makes a mesh of a volume");
+  if (!volumes) {
+    compareMeshFiles(options.a, options.b, options.tolerance, session);
+    return;
+  }
   session.progress.stage("read");
-  const Volume a = readOne(options.a, session.progress);
-  const Volume b = readOne(options.b, session.progress);
+  const Volume a = readVolume(options.a, session.progress);
+  const Volume b = readVolume(options.b, session.progress);
   session.progress.stage("compare");
   const VolumeComparison comparison = compareVolumes(a, b);
   const bool same = within(comparison, options.tolerance);
@@ -105,11 +118,14 @@ void runCompare(const Options& options, Session& session) {
 } // namespace
 
 Command addCompare(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("compare", "Say how two volumes differ");
+  CLI::App* command =
+      program.add_subcommand("compare", "Say how two volumes, or two meshes, differ");
   auto options = std::make_shared<Options>();
-  command->add_option("A", options->a, "A volume")->required()->type_name("");
-  command->add_option("B", options->b, "Another volume")->required()->type_name("");
-  command->add_option("--tolerance", options->tolerance, "Largest difference of values to accept")
+  command->add_option("A", options->a, "A volume or a mesh")->required()->type_name("");
+  command->add_option("B", options->b, "Another of the same kind")->required()->type_name("");
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "Largest difference of values to accept; of meshes, largest distance")
       ->type_name("T");
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

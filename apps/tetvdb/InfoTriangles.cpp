@@ -11,27 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(const SurfaceDefects& defects, bool intersections) {
-  return {
-      {"duplicate_vertices", defects.duplicateVertices},
-      {"unreferenced_vertices", defects.unreferencedVertices},
-      {"degenerate_faces", defects.degenerateFaces},
-      {"sliver_faces", defects.sliverFaces},
-      {"duplicate_faces", defects.duplicateFaces},
-      {"boundary_edges", defects.boundaryEdges},
-      {"nonmanifold_edges", defects.nonManifoldEdges},
-      {"misoriented_edges", defects.misorientedEdges},
-      {"nonmanifold_vertices", defects.nonManifoldVertices},
-      {"holes", defects.holes},
-      {"components", defects.components},
-      {"orientable", defects.orientable},
-      {"watertight", defects.watertight},
-      {"genus", defects.genus ? Json(*defects.genus) : Json()},
-      {"self_intersections", intersections ? Json(defects.selfIntersections) : Json()},
-      {"self_intersections_complete", intersections && defects.selfIntersectionsComplete},
-  };
-}
-
 Json windingJson(const SurfaceDefects& defects) {
   const auto& shares = defects.windingShares;
   return {{"inside_out", shares[0]},
@@ -84,6 +63,27 @@ std::string measuresText(const SurfaceDefects& defects, const std::string& units
 }
 
 } // namespace
+
+Json toJson(const SurfaceDefects& defects, bool intersections) {
+  return {
+      {"duplicate_vertices", defects.duplicateVertices},
+      {"unreferenced_vertices", defects.unreferencedVertices},
+      {"degenerate_faces", defects.degenerateFaces},
+      {"sliver_faces", defects.sliverFaces},
+      {"duplicate_faces", defects.duplicateFaces},
+      {"boundary_edges", defects.boundaryEdges},
+      {"nonmanifold_edges", defects.nonManifoldEdges},
+      {"misoriented_edges", defects.misorientedEdges},
+      {"nonmanifold_vertices", defects.nonManifoldVertices},
+      {"holes", defects.holes},
+      {"components", defects.components},
+      {"orientable", defects.orientable},
+      {"watertight", defects.watertight},
+      {"genus", defects.genus ? Json(*defects.genus) : Json()},
+      {"self_intersections", intersections ? Json(defects.selfIntersections) : Json()},
+      {"self_intersections_complete", intersections && defects.selfIntersectionsComplete},
+  };
+}
 
 void describeTriangles(const std::string& path, const DefectOptions& options,
                        nlohmann::ordered_json& section, Session& session) {

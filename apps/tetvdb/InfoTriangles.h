@@ -13,4 +13,7 @@ namespace tetvdb::cli {
 void describeTriangles(const std::string& path, const DefectOptions& options,
                        nlohmann::ordered_json& section, Session& session);
 
+/// The "defects" of a report. Self-intersections are null where they were not counted.
+nlohmann::ordered_json toJson(const SurfaceDefects& defects, bool intersections);
+
 } // namespace tetvdb::cli

@@ -92,6 +92,22 @@ std::size_t parseBytes(const std::string& option, const std::string& text) {
   return static_cast<std::size_t>(number);
 }
 
+double parseLength(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 1 || !(numbers[0] > 0) || !std::isfinite(numbers[0]))
+    throw Error(Status::Usage, option, "'" + text + "' is not a length",
+                "give a number above zero");
+  return numbers[0];
+}
+
+InsideRule parseInsideRule(const std::string& name) {
+  if (name == "nonzero")
+    return InsideRule::NonZero;
+  if (name == "parity")
+    return InsideRule::Parity;
+  return name == "flood" ? InsideRule::Flood : InsideRule::Winding;
+}
+
 double parseSeconds(const std::string& option, const std::string& text) {
   std::string_view left = text;
   double number = 0;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Option values into numbers. Every function throws Error(Usage) that names the option.
+// Option values into numbers and rules. Every function throws Error(Usage) that names the option.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
 #include <string>
@@ -22,6 +23,12 @@ Vec3d parseVoxelSize(const std::string& option, const std::string& text);
 
 /// "500M", "4G", "1.5T" or a plain number of bytes; K, M, G and T are powers of 1024. Above zero.
 std::size_t parseBytes(const std::string& option, const std::string& text);
+
+/// A finite length above zero.
+double parseLength(const std::string& option, const std::string& text);
+
+/// "winding", "nonzero", "parity" or "flood"; the parser has seen to it that it is one of them.
+InsideRule parseInsideRule(const std::string& name);
 
 /// Seconds, above zero.
 double parseSeconds(const std::string& option, const std::string& text);

@@ -93,22 +93,6 @@ std::string_view pathName(OccupancyPath path) {
   return "auto";
 }
 
-InsideRule parseInside(const std::string& name) {
-  if (name == "nonzero")
-    return InsideRule::NonZero;
-  if (name == "parity")
-    return InsideRule::Parity;
-  return name == "flood" ? InsideRule::Flood : InsideRule::Winding;
-}
-
-double parseLength(const std::string& option, const std::string& text) {
-  const std::vector<double> numbers = parseNumbers(option, text);
-  if (numbers.size() != 1 || !(numbers[0] > 0) || !std::isfinite(numbers[0]))
-    throw Error(Status::Usage, option, "'" + text + "' is not a length",
-                "give a number above zero");
-  return numbers[0];
-}
-
 void parseBox(const std::string& text, CellFilter& filter) {
   const std::vector<double> numbers = parseNumbers("--bbox", text);
   if (numbers.size() != 6)
@@ -135,7 +119,7 @@ VoxelizeJob makeJob(const Options& options) {
   if (!options.bbox.empty())
     parseBox(options.bbox, job.filter);
   job.solid.method = options.mesher == "centroid" ? SolidMethod::Centroid : SolidMethod::Winding;
-  job.solid.inside = parseInside(options.inside);
+  job.solid.inside = parseInsideRule(options.inside);
   if (!options.shell.empty())
     job.solid.shell = parseLength("--shell", options.shell);
   if (!options.weld.empty())

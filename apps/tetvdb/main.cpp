@@ -32,6 +32,7 @@ const char* const kExamples = R"(Examples:
   tetvdb voxelize part.msh -o part.vdb --resolution 512
   tetvdb info part.msh part.vdb
   tetvdb compare a.vdb b.vdb
+  tetvdb repair broken.stl -o whole.stl
 
 Exit status: 0 done, 1 done but a promise was not met, 2 bad usage, 3 bad input or empty result,
 4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences.
@@ -51,7 +52,8 @@ std::string describeParseError(const CLI::ParseError& error, int argc, char** ar
   if (argc < 2)
     text = "a command is missing";
   else if (!known && argv[1][0] != '-')
-    text = "'" + std::string(argv[1]) + "' is no command; there are voxelize, info and compare";
+    text = "'" + std::string(argv[1]) +
+           "' is no command; there are voxelize, info, compare and repair";
   return text + "; see '" + help + "'";
 }
 
@@ -62,7 +64,7 @@ int runProgram(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {addVoxelize(program), addInfo(program),
-                                         addCompare(program)};
+                                         addCompare(program), addRepair(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) { // --help, --version

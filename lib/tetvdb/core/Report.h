@@ -17,7 +17,8 @@ struct StagePart {
   double seconds = 0;
 };
 
-/// One of `read`, `clean`, `tetrahedralize`, `voxelize`, `fields`, `upload`, `download`, `write`.
+/// One of `read`, `clean`, `check`, `tetrahedralize`, `voxelize`, `fields`, `extract`, `upload`,
+/// `download`, `write`.
 struct Stage {
   std::string name;
   double seconds = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
-#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshWriter.h"
@@ -10,13 +9,8 @@
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/volume/Grids.h"
 
-#include <algorithm>
-#include <cctype>
-#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
-#include <initializer_list>
-#include <string_view>
 #include <tbb/task_arena.h>
 #include <unistd.h>
 #include <utility>
@@ -25,33 +19,6 @@ namespace tetvdb {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lowerExtension(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-void requireExtension(const std::string& path, std::initializer_list<std::string_view> known,
-                      std::string_view advice) {
-  const std::string extension = lowerExtension(path);
-  if (std::find(known.begin(), known.end(), extension) != known.end())
-    return;
-  throw Error(Status::Usage, path,
-              extension.empty() ? "the output's name has no extension"
-                                : "cannot write files that end in '" + extension + "'",
-              advice);
-}
-
-void requireNoInput(const std::string& output, const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) {
-    std::error_code ignored;
-    if (fs::equivalent(output, input, ignored))
-      throw Error(Status::Usage, output, "is an input as well as the output",
-                  "choose another name");
-  }
-}
 
 void checkOutputs(const VoxelizeJob& job) {
   if (job.inputs.empty())
@@ -102,34 +69,6 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
   return first;
 }
 
-std::size_t residentBytes() {
-  std::size_t total = 0;
-  std::size_t resident = 0;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
-    if (std::fscanf(file, "%zu %zu", &total, &resident) != 2)
-      resident = 0;
-    std::fclose(file);
-  }
-  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-}
-
-std::string megabytes(std::size_t bytes) {
-  return std::to_string((bytes >> 20) + 1) + " MB";
-}
-
-// What --max-memory leaves for the voxels once the mesh is there.
-std::size_t memoryLeft(std::size_t limit) {
-  if (limit == 0)
-    return 0;
-  const std::size_t used = residentBytes();
-  if (used >= limit)
-    throw Error(Status::Limit, "",
-                "the mesh alone takes " + megabytes(used) + " of the " + megabytes(limit) +
-                    " allowed",
-                "raise --max-memory, or read a part with --region or --bbox");
-  return limit - used;
-}
-
 std::string fileNames(const std::vector<std::string>& paths) {
   std::string names;
   for (const std::string& path : paths) {
@@ -152,11 +91,6 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
   for (const auto& grid : volume.grids().all)
     if (grid->isType<openvdb::FloatGrid>())
       grid->setSaveFloatAsHalf(true);
-}
-
-OutputInfo written(const std::string& path) {
-  std::error_code ignored;
-  return {path, static_cast<std::uint64_t>(fs::file_size(path, ignored))};
 }
 
 TetMesh readAllTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
@@ -292,10 +226,6 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
 }
 
 } // namespace
-
-void requireWritable(const std::string& path) {
-  const AtomicFile probe(path);
-}
 
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress) {
   if (job.threads <= 0)

@@ -15,6 +15,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Volume.h"
@@ -53,11 +54,6 @@ struct VoxelizeJob {
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
 };
 
-struct OutputInfo {
-  std::string path;
-  std::uint64_t bytes = 0;
-};
-
 struct VoxelizeResult {
   std::vector<InputInfo> inputs;
   bool holdsTriangles = false; ///< rather than tets
@@ -79,9 +75,5 @@ struct VoxelizeResult {
 /// throw; no output file is touched then, unless the mesh output was already whole. Memory: the
 /// mesh, the grids, and estimateMemory() while voxelizing.
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress);
-
-/// Throws Error(Write) unless a file can be created at `path`: its folder exists and is writable,
-/// and it is no folder itself. Leaves nothing behind.
-void requireWritable(const std::string& path);
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/surface/ExtractSurface.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
 #include "tetvdb/surface/MarchingCubes.h"
 #include "tetvdb/surface/SimplifySurface.h"
 #include "tetvdb/surface/SolidSamples.h"
@@ -11,17 +12,31 @@
 
 namespace tetvdb {
 
-TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
-                            Progress& progress) {
+namespace {
+constexpr std::size_t kSimplifyBytes = 350; ///< a triangle, measured
+}
+
+TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options, Progress& progress,
+                            std::size_t* extracted) {
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "simplify", "must be a number of voxels, zero or more");
   const std::unique_ptr<SolidSamples> samples = solidSamples(volume, options.grid);
-  TriangleMesh mesh = marchCubes(*samples, options.original, progress);
+  TriangleMesh mesh = marchCubes(*samples, {options.original, options.distance}, progress);
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the grid has no inside, and so no surface");
+  if (extracted != nullptr)
+    *extracted = mesh.triangleCount();
   const Vec3d& size = samples->transform.voxelSize;
-  if (options.simplify > 0)
-    simplifySurface(mesh, options.simplify * *std::min_element(size.begin(), size.end()), progress);
+  if (options.simplify == 0)
+    return mesh;
+  const std::size_t memory = options.maxMemory > 0 ? options.maxMemory : availableBytes();
+  if (memory / kSimplifyBytes < mesh.triangleCount())
+    throw Error(Status::Limit, "",
+                "the surface has " + std::to_string(mesh.triangleCount()) +
+                    " triangles, too many to be simplified in memory",
+                "use larger voxels, or --simplify 0");
+  progress.stage("simplify");
+  simplifySurface(mesh, options.simplify * *std::min_element(size.begin(), size.end()), progress);
   return mesh;
 }
 

@@ -4,16 +4,14 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CubeTable.h"
+#include "tetvdb/surface/FloatPositions.h"
 #include "tetvdb/surface/TriangleScene.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <numeric>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 namespace tetvdb {
 namespace {
@@ -100,7 +98,7 @@ double entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
 
 class Marching {
 public:
-  Marching(const SolidSamples& samples, const TriangleScene* original, Progress& progress)
+  Marching(const SolidSamples& samples, const SampledShape& original, Progress& progress)
       : samples_(samples), original_(original), progress_(progress) {}
 
   TriangleMesh run() {
@@ -188,6 +186,19 @@ private:
     return world(index);
   }
 
+  // Where the distance to the scene passes the given one, by bisection.
+  template <class Position>
+  double passage(const Position& position, bool startInside) const {
+    double low = 0, high = 1;
+    for (int step = 0; step < 12; ++step) {
+      const double middle = (low + high) / 2;
+      const bool inside = original_.scene->closest(position(middle), original_.distance).distance <
+                          original_.distance;
+      (inside == startInside ? low : high) = middle;
+    }
+    return (low + high) / 2;
+  }
+
   void place(const Block& block, std::vector<Vec3d>& points) const {
     BlockSamples samples;
     samples_.load(block.origin, samples);
@@ -195,10 +206,12 @@ private:
     forEachVertex(block, [&](std::size_t vertex, const Vec3i& v, std::size_t axis) {
       const bool startInside = samples.isInside(v[0], v[1], v[2]);
       double t = 0.5;
-      if (original_ != nullptr) {
+      if (original_.distance > 0) {
+        t = passage([&](double at) { return onEdge(block, v, axis, at); }, startInside);
+      } else if (original_.scene != nullptr) {
         Vec3d direction{0, 0, 0};
         direction[axis] = samples_.transform.voxelSize[axis];
-        original_->crossings(onEdge(block, v, axis, 0), direction, 1, hits);
+        original_.scene->crossings(onEdge(block, v, axis, 0), direction, 1, hits);
         t = entrance(hits, startInside);
       } else if (samples_.hasHeights()) {
         const double start = samples.heightAt(v[0], v[1], v[2]);
@@ -269,29 +282,8 @@ private:
     return true;
   }
 
-  static std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
-    const auto rounded = [&](std::uint32_t v) {
-      return std::array<float, 3>{static_cast<float>(points[v][0]),
-                                  static_cast<float>(points[v][1]),
-                                  static_cast<float>(points[v][2])};
-    };
-    std::vector<std::uint32_t> order(points.size());
-    std::iota(order.begin(), order.end(), 0u);
-    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const auto p = rounded(a), q = rounded(b);
-      return p != q ? p < q : a < b;
-    });
-    std::vector<std::uint32_t> equal;
-    for (std::size_t i = 1; i < order.size(); ++i)
-      if (rounded(order[i - 1]) == rounded(order[i])) {
-        equal.push_back(order[i - 1]);
-        equal.push_back(order[i]);
-      }
-    return equal;
-  }
-
   const SolidSamples& samples_;
-  const TriangleScene* original_;
+  const SampledShape original_;
   Progress& progress_;
   std::vector<Block> blocks_;
   std::size_t triangles_ = 0;
@@ -299,7 +291,7 @@ private:
 
 } // namespace
 
-TriangleMesh marchCubes(const SolidSamples& samples, const TriangleScene* original,
+TriangleMesh marchCubes(const SolidSamples& samples, const SampledShape& original,
                         Progress& progress) {
   return Marching(samples, original, progress).run();
 }

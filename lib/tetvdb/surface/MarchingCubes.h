@@ -9,14 +9,20 @@ namespace tetvdb {
 
 class TriangleScene;
 
+/// What samples were taken of.
+struct SampledShape {
+  const TriangleScene* scene = nullptr; ///< null: unknown
+  double distance = 0;                  ///< above 0: what lies within this distance of the scene
+};
+
 /// The closed surface through every pair of neighbouring voxels of which one is inside, one vertex
-/// each: on `original` where the line between the voxels crosses it, else where the heights pass 0,
-/// else midway; always off the voxels by a twentieth of the distance. Manifold, no two vertices
+/// each: on the original where the line between the voxels crosses it, else where the heights pass
+/// 0, else midway; always off the voxels by a twentieth of the distance. Manifold, no two vertices
 /// equal even as 32-bit floats (docs/algorithms.md says why). Vertices and faces come block by
 /// block: the same for any number of threads. Empty where nothing is inside. Parallel, about 1 us
-/// a face with `original`, a third of it without. Throws Error(Limit) for 2^32 vertices or for a
+/// a face with an original, a third of it without. Throws Error(Limit) for 2^32 vertices or for a
 /// place so far from the origin that floats do not tell the vertices apart.
-TriangleMesh marchCubes(const SolidSamples& samples, const TriangleScene* original,
+TriangleMesh marchCubes(const SolidSamples& samples, const SampledShape& original,
                         Progress& progress);
 
 } // namespace tetvdb

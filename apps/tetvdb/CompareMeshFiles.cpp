@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CompareMeshFiles.h"
+
+#include "JsonReport.h"
+#include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/surface/CompareMeshes.h"
+#include "tetvdb/surface/TetSurface.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Meshes nearer than this times the diagonal are the same: what reading text costs.
+constexpr double kSame = 1e-9;
+
+TriangleMesh readSurface(const std::string& path, Session& session) {
+  InputInfo info;
+  TriangleMesh mesh;
+  if (holdsTriangles(path)) {
+    mesh = readSoup(path, &info, session.report, session.progress);
+  } else {
+    ReadOptions options;
+    options.attributes = false;
+    mesh = tetSurface(readTets(path, options, {}, &info, session.report, session.progress),
+                      session.progress);
+  }
+  session.sections["input"].push_back({{"path", path},
+                                       {"format", formatName(info.format)},
+                                       {"kind", info.tets > 0 ? "tets" : "triangles"},
+                                       {"vertices", info.vertices},
+                                       {"surface_triangles", mesh.triangleCount()}});
+  return mesh;
+}
+
+Json sectionOf(const OneSidedDistance& distance) {
+  return {{"mean", distance.mean},
+          {"rms", distance.rms},
+          {"largest", distance.largest},
+          {"where", distance.where}};
+}
+
+std::string textOf(const char* way, const OneSidedDistance& distance) {
+  return fmt::format("{}: mean {:.6g}, root mean square {:.6g}, largest {:.6g} at ({:.7g}, "
+                     "{:.7g}, {:.7g})\n",
+                     way, distance.mean, distance.rms, distance.largest, distance.where[0],
+                     distance.where[1], distance.where[2]);
+}
+
+} // namespace
+
+void compareMeshFiles(const std::string& a, const std::string& b, double tolerance,
+                      Session& session) {
+  session.sections["input"] = Json::array();
+  session.progress.stage("read");
+  const TriangleMesh first = readSurface(a, session), second = readSurface(b, session);
+  session.progress.stage("compare");
+  const MeshDistance distance = compareMeshes(first, second, {}, session.progress);
+  const bool same = distance.hausdorff <= std::max(tolerance, kSame * distance.diagonal);
+  session.sections["compare"] = {{"same", same},
+                                 {"a_to_b", sectionOf(distance.aToB)},
+                                 {"b_to_a", sectionOf(distance.bToA)},
+                                 {"hausdorff", distance.hausdorff},
+                                 {"diagonal", distance.diagonal},
+                                 {"samples", distance.aToB.points + distance.bToA.points}};
+  session.text =
+      textOf("A to B", distance.aToB) + textOf("B to A", distance.bToA) +
+      fmt::format("Hausdorff distance {:.6g}, {:.3g} of the diagonal {:.6g}\n", distance.hausdorff,
+                  distance.hausdorff / distance.diagonal, distance.diagonal) +
+      (same ? "same\n" : "different\n");
+  session.textIsSummary = true;
+  if (!same)
+    session.status = Status::Found;
+}
+
+} // namespace tetvdb::cli

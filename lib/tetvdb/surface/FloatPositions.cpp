@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/FloatPositions.h"
+
+#include <array>
+#include <numeric>
+#include <tbb/parallel_sort.h>
+
+namespace tetvdb {
+
+std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
+  const auto rounded = [&](std::uint32_t v) {
+    return std::array<float, 3>{static_cast<float>(points[v][0]), static_cast<float>(points[v][1]),
+                                static_cast<float>(points[v][2])};
+  };
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const auto p = rounded(a), q = rounded(b);
+    return p != q ? p < q : a < b;
+  });
+  std::vector<std::uint32_t> equal;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if ((i > 0 && rounded(order[i - 1]) == rounded(order[i])) ||
+        (i + 1 < order.size() && rounded(order[i + 1]) == rounded(order[i])))
+      equal.push_back(order[i]);
+  return equal;
+}
+
+} // namespace tetvdb

@@ -175,6 +175,26 @@ TEST(RimWinding, FarFromTheOrigin) {
   }
 }
 
+TEST(RimWinding, ManyPointsAtOnce) {
+  meshes::Random random(15);
+  const Surface s = wavySheet(25, kSize, [&] { return random.unit() < 0.8; });
+  const RimWinding rim(rimOf(s));
+  for (int i = 0; i < 50; ++i) {
+    const Point c = anyPoint(random, 1.5 * kSize);
+    const double reach = 1e6;
+    RimPoints points;
+    for (int k = 0; k < 37; ++k) {
+      points.x.push_back(c[0] + std::round(random.between(-0.57, 0.57) * reach));
+      points.y.push_back(c[1] + std::round(random.between(-0.57, 0.57) * reach));
+      points.z.push_back(c[2] + std::round(random.between(-0.57, 0.57) * reach));
+    }
+    rim.at({c[0], c[1], c[2]}, reach, points);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      EXPECT_NEAR(points.sum[k], rim.at({points.x[k], points.y[k], points.z[k]}),
+                  2 * kRimWindingError);
+  }
+}
+
 TEST(RimWinding, OrderOfEdgesHasNoPart) {
   meshes::Random random(6);
   const Surface s = wavySheet(20, kSize, [&] { return random.unit() < 0.8; });

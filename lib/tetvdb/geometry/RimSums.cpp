@@ -97,50 +97,76 @@ RimView from(const RimView& rim, std::size_t i) {
   return {rim.ax + i, rim.ay + i, rim.az + i, rim.bx + i, rim.by + i, rim.bz + i, rim.weight + i};
 }
 
-// weight * angleUp() of n edges; NaN where it takes angleUp() itself to tell.
+// weight * angleUp(); NaN where it takes angleUp() itself to tell.
 // The arc tangent: of the smaller over the larger, above tan(pi / 8) by
 // atan(t) = pi / 4 + atan((t - 1) / (t + 1)), then the power series, whose first term left out is
 // below 1e-11.
+TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, double by, double bz,
+                                   double weight) {
+  const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
+  const double la = std::sqrt(fa + az * az), lb = std::sqrt(fb + bz * bz);
+  const double ua = az < 0 ? fa / (la - az) : la + az;
+  const double ub = bz < 0 ? fb / (lb - bz) : lb + bz;
+  const double left = ax * by, right = ay * bx;
+  const double sine = left - right;
+  const double flat = ax * bx + ay * by;
+  const double cosine = ua * ub + flat;
+  const double y = std::abs(sine), x = std::abs(cosine);
+  const double low = y < x ? y : x, high = y < x ? x : y;
+  const bool steep = low > 0.41421356237309503 * high;
+  const double u = (steep ? low - high : low) / (steep ? low + high : high);
+  const double v = u * u;
+  double series = 1.0 / 25;
+  series = 1.0 / 23 - v * series;
+  series = 1.0 / 21 - v * series;
+  series = 1.0 / 19 - v * series;
+  series = 1.0 / 17 - v * series;
+  series = 1.0 / 15 - v * series;
+  series = 1.0 / 13 - v * series;
+  series = 1.0 / 11 - v * series;
+  series = 1.0 / 9 - v * series;
+  series = 1.0 / 7 - v * series;
+  series = 1.0 / 5 - v * series;
+  series = 1.0 / 3 - v * series;
+  series = 1.0 - v * series;
+  double angle = (steep ? kPi / 4 : 0.0) + u * series;
+  angle = y < x ? angle : kPi / 2 - angle;
+  angle = cosine < 0 ? kPi - angle : angle;
+  angle = sine < 0 ? -angle : angle;
+  const bool sure = y > kSure * (std::abs(left) + std::abs(right)) &&
+                    (y + x > 1e-9 * la * lb || flat + az * bz > 0);
+  return sure ? 2 * weight * angle : std::numeric_limits<double>::quiet_NaN();
+}
+
+// Of n edges, seen from one point.
 TETVDB_MULTIVERSION
-void weightedAngles(RimView e, std::size_t n, double px, double py, double pz,
-                    double* __restrict out) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double ax = e.ax[i] - px, ay = e.ay[i] - py, az = e.az[i] - pz;
-    const double bx = e.bx[i] - px, by = e.by[i] - py, bz = e.bz[i] - pz;
-    const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
-    const double la = std::sqrt(fa + az * az), lb = std::sqrt(fb + bz * bz);
-    const double ua = az < 0 ? fa / (la - az) : la + az;
-    const double ub = bz < 0 ? fb / (lb - bz) : lb + bz;
-    const double left = ax * by, right = ay * bx;
-    const double sine = left - right;
-    const double flat = ax * bx + ay * by;
-    const double cosine = ua * ub + flat;
-    const double y = std::abs(sine), x = std::abs(cosine);
-    const double low = y < x ? y : x, high = y < x ? x : y;
-    const bool steep = low > 0.41421356237309503 * high;
-    const double u = (steep ? low - high : low) / (steep ? low + high : high);
-    const double v = u * u;
-    double series = 1.0 / 25;
-    series = 1.0 / 23 - v * series;
-    series = 1.0 / 21 - v * series;
-    series = 1.0 / 19 - v * series;
-    series = 1.0 / 17 - v * series;
-    series = 1.0 / 15 - v * series;
-    series = 1.0 / 13 - v * series;
-    series = 1.0 / 11 - v * series;
-    series = 1.0 / 9 - v * series;
-    series = 1.0 / 7 - v * series;
-    series = 1.0 / 5 - v * series;
-    series = 1.0 / 3 - v * series;
-    series = 1.0 - v * series;
-    double angle = (steep ? kPi / 4 : 0.0) + u * series;
-    angle = y < x ? angle : kPi / 2 - angle;
-    angle = cosine < 0 ? kPi - angle : angle;
-    angle = sine < 0 ? -angle : angle;
-    const bool sure = y > kSure * (std::abs(left) + std::abs(right)) &&
-                      (y + x > 1e-9 * la * lb || flat + az * bz > 0);
-    out[i] = sure ? 2 * e.weight[i] * angle : std::numeric_limits<double>::quiet_NaN();
-  }
+void anglesOfEdges(RimView e, std::size_t n, double px, double py, double pz,
+                   double* __restrict out) {
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = weightedAngle(e.ax[i] - px, e.ay[i] - py, e.az[i] - pz, e.bx[i] - px, e.by[i] - py,
+                           e.bz[i] - pz, e.weight[i]);
+}
+
+// Of one edge, seen from n points.
+TETVDB_MULTIVERSION
+void anglesAtPoints(LatticePoint a, LatticePoint b, double weight, const double* x, const double* y,
+                    const double* z, std::size_t n, double* __restrict out) {
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = weightedAngle(a.x - x[i], a.y - y[i], a.z - z[i], b.x - x[i], b.y - y[i], b.z - z[i],
+                           weight);
+}
+
+// Adds values to sums; false where one of the values is NaN.
+TETVDB_MULTIVERSION
+bool addTo(double* __restrict sums, const double* __restrict values, std::size_t n) {
+  double check = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    check = values[i] == values[i] ? check : 1.0;
+  if (check != 0)
+    return false;
+  for (std::size_t i = 0; i < n; ++i)
+    sums[i] += values[i];
+  return true;
 }
 
 // Field of a straight current from a to b, seen from 0: a x b (|a| + |b|) / (|a||b| (|a||b| +
@@ -238,7 +264,7 @@ double sumAngles(RimView rim, std::size_t begin, std::size_t end, const LatticeP
   double sum = 0;
   for (std::size_t i = begin; i < end; i += kBlock) {
     const std::size_t n = std::min(kBlock, end - i);
-    weightedAngles(from(rim, i), n, p.x, p.y, p.z, angles);
+    anglesOfEdges(from(rim, i), n, p.x, p.y, p.z, angles);
     for (std::size_t k = 0; k < n; ++k)
       if (std::isnan(angles[k])) {
         const std::size_t e = i + k;
@@ -248,6 +274,21 @@ double sumAngles(RimView rim, std::size_t begin, std::size_t end, const LatticeP
     sum += sumOf(angles, n);
   }
   return sum;
+}
+
+void addAngles(const LatticePoint& a, const LatticePoint& b, double weight, RimPoints& points,
+               std::vector<double>& scratch) {
+  const std::size_t n = points.size();
+  anglesAtPoints(a, b, weight, points.x.data(), points.y.data(), points.z.data(), n,
+                 scratch.data());
+  if (addTo(points.sum.data(), scratch.data(), n))
+    return;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double x = points.x[i], y = points.y[i], z = points.z[i];
+    points.sum[i] += std::isnan(scratch[i]) ? weight * angleUp({a.x - x, a.y - y, a.z - z},
+                                                               {b.x - x, b.y - y, b.z - z})
+                                            : scratch[i];
+  }
 }
 
 Vec3d sumField(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p) {

@@ -61,6 +61,18 @@ double angleUp(const Vec3d& a, const Vec3d& b);
 /// Sum of weight * angleUp() over edges begin..end seen from p, each within 1e-10.
 double sumAngles(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p);
 
+/// Points that are looked from together, and a sum for each.
+struct RimPoints {
+  std::vector<double> x, y, z, sum;
+
+  std::size_t size() const { return x.size(); }
+};
+
+/// Adds weight * angleUp() of one edge, as seen from each of the points, to their sums. `scratch`
+/// is as long as the points.
+void addAngles(const LatticePoint& a, const LatticePoint& b, double weight, RimPoints& points,
+               std::vector<double>& scratch);
+
 /// The field of currents along edges begin..end, of the strength of their weights, at p: sum of the
 /// integrals of r x dl / |r|^3, r from p (Biot and Savart).
 Vec3d sumField(RimView rim, std::size_t begin, std::size_t end, const LatticePoint& p);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/RimWinding.h"
 
+#include "tetvdb/core/Multiversion.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +20,7 @@ constexpr std::size_t kWholePart = 8;
 // A cluster with more loose ends than this is opened instead of looked at from afar.
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
-constexpr double kClusterError = 1e-6;
+constexpr double kClusterError = 1e-5;
 
 using Vector = std::array<double, 3>;
 
@@ -268,7 +270,7 @@ void RimWinding::fillLooseEnds(Node& node) {
 // moments: the integral of n . r / |r|^3 with r = R + y, expanded to second order in y. The others
 // cancel but at loose ends. The sum is short of 4 pi where the cone passes straight below p; at()
 // sees to that.
-double RimWinding::coneFromAfar(const Node& node, const Vec3d& r) const {
+TETVDB_INLINE double RimWinding::coneFromAfar(const Node& node, const Vec3d& r) {
   const double inverse = 1 / norm(r);
   const double i2 = inverse * inverse, i3 = i2 * inverse, i5 = i3 * i2;
   const double x = r[0], y = r[1], z = r[2];
@@ -309,6 +311,51 @@ void RimWinding::walk(const Far& far, const Near& near) const {
     near(begin, end);
 }
 
+// How often the cluster's edges, with its loose ends joined to its centre, go around p seen along
+// z: signed crossings of a ray from p in direction x. p stands for (p.x + e, p.y + e^2).
+std::int64_t RimWinding::turnsAround(const Node& cluster, const LatticePoint& p) const {
+  double turns = 0;
+  const auto isAbove = [&](const LatticePoint& q) { return q.y > p.y; };
+  const auto cross = [&](const LatticePoint& a, const LatticePoint& b, double weight) {
+    if (isAbove(a) == isAbove(b))
+      return;
+    const double side = turn({a.x - p.x, a.y - p.y, a.z - p.z}, {b.x - p.x, b.y - p.y, b.z - p.z});
+    if (isAbove(b) ? side > 0 : side < 0)
+      turns += isAbove(b) ? weight : -weight;
+  };
+  const auto loose = [&](const Node& node, const auto& visit) {
+    for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
+      visit(looseEnds_[i]);
+  };
+  loose(cluster, [&](const LooseEnd& end) { cross(end.point, cluster.centre, end.weight); });
+  const auto first = static_cast<std::uint32_t>(&cluster - nodes_.data());
+  for (std::uint32_t index = first; index < cluster.skip;) {
+    const Node& node = nodes_[index];
+    if (node.boxMax.y <= p.y || node.boxMin.y > p.y || node.boxMax.x < p.x) {
+      index = node.skip;
+    } else if (node.boxMin.x > p.x) {
+      // Every crossing counts, so that all but the loose ends cancel.
+      loose(node, [&](const LooseEnd& end) { turns += isAbove(end.point) ? end.weight : 0; });
+      index = node.skip;
+    } else if (node.leaf) {
+      for (std::uint32_t i = node.begin; i != node.end; ++i)
+        cross(edges_.a(i), edges_.b(i), edges_.weight[i]);
+      index = node.skip;
+    } else {
+      ++index;
+    }
+  }
+  return static_cast<std::int64_t>(turns);
+}
+
+// Whether a cluster can be looked at from so far outside its ball.
+bool RimWinding::isFar(const Node& node, double distance) {
+  // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
+  const double ratio = node.radius / distance;
+  return distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
+         node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance;
+}
+
 double RimWinding::at(const LatticePoint& p) const {
   double angle = 0;
   LooseAngles loose(p);
@@ -316,15 +363,12 @@ double RimWinding::at(const LatticePoint& p) const {
       [&](const Node& node) {
         const Vector r = from(p, node.centre);
         const double distance = norm(r) - node.radius;
-        // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
-        const double ratio = node.radius / distance;
-        if (!(distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
-              node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance))
+        if (!isFar(node, distance))
           return false;
         const bool above = p.x >= node.boxMin.x && p.x <= node.boxMax.x && p.y >= node.boxMin.y &&
                            p.y <= node.boxMax.y && p.z >= node.boxMin.z;
         if (above)
-          return false;
+          angle += 4 * kPi * static_cast<double>(turnsAround(node, p));
         angle += coneFromAfar(node, r);
         for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
           loose.add(node.centre, looseEnds_[i].point, looseEnds_[i].weight);
@@ -334,6 +378,50 @@ double RimWinding::at(const LatticePoint& p) const {
         angle += sumAngles(edges_.view(), begin, end, p);
       });
   return (angle + loose.sum()) / (4 * kPi);
+}
+
+TETVDB_MULTIVERSION
+void RimWinding::addConeFromAfar(const Node& node, RimPoints& points) {
+  const std::size_t n = points.size();
+  const double *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
+  double* sum = points.sum.data();
+  for (std::size_t i = 0; i < n; ++i)
+    sum[i] +=
+        coneFromAfar(node, {node.centre.x - x[i], node.centre.y - y[i], node.centre.z - z[i]});
+}
+
+void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points) const {
+  points.sum.assign(points.size(), 0);
+  std::vector<double> scratch(points.size());
+  double turns = 0;
+  walk(
+      [&](const Node& node) {
+        if (!isFar(node, norm(from(centre, node.centre)) - node.radius - reach))
+          return false;
+        const bool above = centre.x + reach >= node.boxMin.x && centre.x - reach <= node.boxMax.x &&
+                           centre.y + reach >= node.boxMin.y && centre.y - reach <= node.boxMax.y &&
+                           centre.z + reach >= node.boxMin.z;
+        if (above)
+          for (std::size_t i = 0; i < points.size(); ++i) {
+            const bool sameColumn =
+                i > 0 && points.x[i] == points.x[i - 1] && points.y[i] == points.y[i - 1];
+            if (!sameColumn)
+              turns =
+                  4 * kPi *
+                  static_cast<double>(turnsAround(node, {points.x[i], points.y[i], points.z[i]}));
+            points.sum[i] += turns;
+          }
+        addConeFromAfar(node, points);
+        for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
+          addAngles(node.centre, looseEnds_[i].point, looseEnds_[i].weight, points, scratch);
+        return true;
+      },
+      [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t i = begin; i != end; ++i)
+          addAngles(edges_.a(i), edges_.b(i), edges_.weight[i], points, scratch);
+      });
+  for (double& sum : points.sum)
+    sum /= 4 * kPi;
 }
 
 // To first order in the edges' places within the cluster, r = R + y: the integral of

@@ -16,12 +16,22 @@ constexpr double kHalfVoxel = static_cast<double>(kUnitsPerVoxel) / 2;
 constexpr double kMargin = 3 * kRimWindingError;
 // Beyond these a box is split rather than predicted.
 constexpr double kMostUnsure = 0.03;
-constexpr std::size_t kMostCurtains = 64;
+constexpr std::size_t kMostCurtains = 1024;
+// Not split further.
+constexpr std::int64_t kSmallestBox = 4;
 
 LatticePoint centreOf(const std::array<std::int64_t, 3>& voxel) {
   return {static_cast<double>(voxel[0] * kUnitsPerVoxel),
           static_cast<double>(voxel[1] * kUnitsPerVoxel),
           static_cast<double>(voxel[2] * kUnitsPerVoxel)};
+}
+
+void set(RimBand::Leaf& leaf, const std::array<std::int64_t, 3>& origin,
+         const std::array<std::int64_t, 3>& voxel, double value) {
+  const auto x = static_cast<std::size_t>(voxel[0] - origin[0]);
+  const auto bit = static_cast<std::size_t>((voxel[1] - origin[1]) * 8 + voxel[2] - origin[2]);
+  leaf.flags[x] |= std::uint64_t(1) << bit;
+  leaf.values[x * 64 + bit] = value;
 }
 
 // Distance to the nearest half.
@@ -139,7 +149,8 @@ void RimBand::look(const Vec3i& firstVoxel, Leaf& leaf) const {
 }
 
 // Value and slope in a box's middle tell the nearest whole number at nearly all of its voxels, once
-// the bend is small; until then boxes are split. Across curtains the value jumps by whole numbers.
+// the bend is small; until then boxes are split, and small ones looked at voxel by voxel. Across
+// curtains the value jumps by whole numbers.
 void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size, Leaf& leaf) const {
   Middle middle;
   if (!mayPassHalf(first, size, middle))
@@ -147,10 +158,12 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
   const RimWinding::Slope& slope = middle.slope;
   const double unsure = middle.reach * (slope.error + slope.bend * middle.reach / 2);
   std::vector<std::uint32_t> curtains;
-  const bool predict =
-      unsure < kMostUnsure &&
-      rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel, kMostCurtains, curtains);
-  if (size > 2 && !predict) {
+  if (unsure < kMostUnsure && rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel,
+                                            kMostCurtains, curtains)) {
+    predict(origin, first, size, middle, curtains, leaf);
+    return;
+  }
+  if (size > kSmallestBox) {
     const std::int64_t half = size / 2;
     for (int child = 0; child < 8; ++child)
       look(origin,
@@ -159,27 +172,42 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
            half, leaf);
     return;
   }
-  if (predict && std::isnan(middle.winding))
-    middle.winding = rim_.at(middle.centre);
+  RimPoints points;
+  for (std::int64_t x = first[0]; x < first[0] + size; ++x)
+    for (std::int64_t y = first[1]; y < first[1] + size; ++y)
+      for (std::int64_t z = first[2]; z < first[2] + size; ++z) {
+        const LatticePoint p = centreOf({x, y, z});
+        points.x.push_back(p.x);
+        points.y.push_back(p.y);
+        points.z.push_back(p.z);
+      }
+  rim_.at(middle.centre, middle.reach, points);
+  std::size_t i = 0;
+  for (std::int64_t x = first[0]; x < first[0] + size; ++x)
+    for (std::int64_t y = first[1]; y < first[1] + size; ++y)
+      for (std::int64_t z = first[2]; z < first[2] + size; ++z)
+        set(leaf, origin, {x, y, z}, points.sum[i++]);
+}
+
+void RimBand::predict(const Corner& origin, const Corner& first, std::int64_t size,
+                      const Middle& middle, const std::vector<std::uint32_t>& curtains,
+                      Leaf& leaf) const {
+  const RimWinding::Slope& slope = middle.slope;
   const auto& g = slope.gradient;
+  const double winding = std::isnan(middle.winding) ? rim_.at(middle.centre) : middle.winding;
   for (std::int64_t x = first[0]; x < first[0] + size; ++x)
     for (std::int64_t y = first[1]; y < first[1] + size; ++y) {
       LatticePoint p = centreOf({x, y, first[2]});
       const double dx = p.x - middle.centre.x, dy = p.y - middle.centre.y;
-      const double here = middle.winding + g[0] * dx + g[1] * dy +
-                          (predict ? rim_.jump(middle.centre, p, curtains) : 0);
+      const double here = winding + g[0] * dx + g[1] * dy + rim_.jump(middle.centre, p, curtains);
       for (std::int64_t z = first[2]; z < first[2] + size; ++z) {
         p.z = static_cast<double>(z * kUnitsPerVoxel);
         const double dz = p.z - middle.centre.z;
         const double square = dx * dx + dy * dy + dz * dz;
         double value = here + g[2] * dz;
-        if (!predict ||
-            toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
+        if (toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
           value = rim_.at(p);
-        const auto i = static_cast<std::size_t>(x - origin[0]);
-        const auto bit = static_cast<std::size_t>((y - origin[1]) * 8 + z - origin[2]);
-        leaf.flags[i] |= std::uint64_t(1) << bit;
-        leaf.values[i * 64 + bit] = value;
+        set(leaf, origin, {x, y, z}, value);
       }
     }
 }

@@ -49,6 +49,8 @@ private:
   void descend(const Corner& first, std::int64_t size, std::int64_t smallest,
                const Visit& visit) const;
   void look(const Corner& origin, const Corner& first, std::int64_t size, Leaf& leaf) const;
+  void predict(const Corner& origin, const Corner& first, std::int64_t size, const Middle& middle,
+               const std::vector<std::uint32_t>& curtains, Leaf& leaf) const;
 
   const RimWinding& rim_;
 };

@@ -160,6 +160,29 @@ TEST(RimWinding, SheetFullOfHoles) {
                         kRimWindingError, 4);
 }
 
+// A tangle: triangles anywhere, none of which meet.
+TEST(RimWinding, ManyEdgesAreLookedAtRoughly) {
+  meshes::Random random(21);
+  Surface s;
+  for (int i = 0; i < 2000; ++i) {
+    const Point c = anyPoint(random, kSize);
+    for (int k = 0; k < 3; ++k) {
+      Point p = anyPoint(random, 0.2 * kSize);
+      for (std::size_t a = 0; a < 3; ++a)
+        p[a] = 2 * std::round((p[a] + c[a]) / 2);
+      s.points.push_back(p);
+    }
+    s.faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const RimWinding rim(rimOf(s));
+  ASSERT_TRUE(rim.rough());
+  for (int i = 0; i < 200; ++i) {
+    const Point p = anyPoint(random, 1.5 * kSize);
+    EXPECT_NEAR(crossingsBelow(s, p) + rim.at({p[0], p[1], p[2]}), windingBySolidAngles(s, p),
+                kRoughWindingError);
+  }
+}
+
 TEST(RimWinding, FarFromTheOrigin) {
   Surface s = wavySheet(10, kSize, [] { return true; });
   meshes::Random random(5);

@@ -21,6 +21,8 @@ constexpr std::size_t kWholePart = 8;
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
+// Of a tangle, clusters as many radii away are looked at from afar.
+constexpr double kRoughDistance = 2;
 
 using Vector = std::array<double, 3>;
 
@@ -349,7 +351,10 @@ std::int64_t RimWinding::turnsAround(const Node& cluster, const LatticePoint& p)
 }
 
 // Whether a cluster can be looked at from so far outside its ball.
-bool RimWinding::isFar(const Node& node, double distance) {
+bool RimWinding::isFar(const Node& node, double distance) const {
+  if (rough())
+    return distance > kRoughDistance * node.radius &&
+           node.looseEnd - node.looseBegin <= kMaxLooseEnds;
   // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
   const double ratio = node.radius / distance;
   return distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
@@ -443,20 +448,25 @@ Vec3d RimWinding::fieldFromAfar(const Node& node, const Vec3d& r) {
   return field;
 }
 
+// The edges of a tangle run every way: their shares add up like errors, not like sizes.
 double RimWinding::bend(const LatticePoint& centre, double reach) const {
-  double sum = 0;
+  double sum = 0, squares = 0;
+  const auto add = [&](double share) {
+    sum += share;
+    squares += share * share;
+  };
   walk(
       [&](const Node& node) {
         const double distance = distanceToBox(centre, node.boxMin, node.boxMax) - reach;
         if (!(distance > 3 * node.radius))
           return !std::isfinite(sum);
-        sum += 2 * node.length / (distance * distance * distance);
+        add(2 * node.length / (distance * distance * distance));
         return true;
       },
       [&](std::uint32_t begin, std::uint32_t end) {
-        sum += sumBend(edges_.view(), begin, end, centre, reach);
+        add(sumBend(edges_.view(), begin, end, centre, reach));
       });
-  return sum / (4 * kPi);
+  return (rough() ? std::sqrt(squares) : sum) / (4 * kPi);
 }
 
 RimWinding::Slope RimWinding::slope(const LatticePoint& centre, double reach) const {
@@ -539,7 +549,9 @@ RimWinding::Ball RimWinding::reach() const {
     return {{0, 0, 0}, 0};
   // The cone's solid angle from outside its ball is at most area / distance^2.
   const Node& root = nodes_.front();
-  return {root.centre, root.radius + std::sqrt(root.area / (4 * kPi * 0.45))};
+  const double area =
+      rough() ? root.area / std::sqrt(static_cast<double>(edges_.size())) : root.area;
+  return {root.centre, root.radius + std::sqrt(area / (4 * kPi * 0.45))};
 }
 
 } // namespace tetvdb

@@ -30,8 +30,13 @@ struct RimEdge {
   std::int32_t weight;
 };
 
-/// Error of RimWinding::at(), as a winding number.
+/// Error of RimWinding::at(), as a winding number, for rims of up to kManyRimEdges edges. Soups
+/// with longer rims are not open solids but tangles; of these clusters are looked at from nearer
+/// by, as the fast winding number does (Barill et al. 2018), and the error is about
+/// kRoughWindingError without being bounded.
 constexpr double kRimWindingError = 1e-3;
+constexpr double kRoughWindingError = 0.02;
+constexpr std::size_t kManyRimEdges = 4096;
 
 /// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
 /// part in any result.
@@ -42,6 +47,8 @@ public:
 
   bool empty() const { return edges_.size() == 0; }
   std::size_t edgeCount() const { return edges_.size(); }
+  /// Whether there are more than kManyRimEdges edges.
+  bool rough() const { return edges_.size() > kManyRimEdges; }
 
   /// s at `p` moved by (e, e^2, e^3), e -> 0+: the perturbed centre of the ownership rule. Within
   /// kRimWindingError. Exact in which side of the curtain p is on.
@@ -110,7 +117,7 @@ private:
   void fillLooseEnds(Node& node);
   static double coneFromAfar(const Node& node, const Vec3d& r);
   static void addConeFromAfar(const Node& node, RimPoints& points);
-  static bool isFar(const Node& node, double distance);
+  bool isFar(const Node& node, double distance) const;
   std::int64_t turnsAround(const Node& cluster, const LatticePoint& p) const;
   static Vec3d fieldFromAfar(const Node& node, const Vec3d& r);
   double bend(const LatticePoint& centre, double reach) const;

@@ -69,7 +69,7 @@ std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& bounda
   for (const auto& local : locals)
     all.insert(all.end(), local.begin(), local.end());
   if (fill.rim != nullptr)
-    for (const NodeIndex& node : RimBand(*fill.rim).nodes(progress))
+    for (const NodeIndex& node : RimBand(*fill.rim, progress).nodes())
       all.push_back({node[0], node[1], node[2], kRimInNode});
   tbb::parallel_sort(all.begin(), all.end());
   return all;
@@ -271,9 +271,9 @@ struct Scratch {
 class Stack {
 public:
   Stack(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill, NodeSink& sink,
-        bool splitNodes)
-      : mesh_(mesh), boundary_(boundary), fill_(fill), sink_(sink), carries_(kSlabsPerNode),
-        grain_(splitNodes ? 1 : kSlabsPerNode) {}
+        const Progress& progress, bool splitNodes)
+      : mesh_(mesh), boundary_(boundary), fill_(fill), sink_(sink), progress_(progress),
+        carries_(kSlabsPerNode), grain_(splitNodes ? 1 : kSlabsPerNode) {}
 
   using Pairs = const FaceInNode*;
 
@@ -330,7 +330,7 @@ private:
     std::bitset<4096> rimLeaves;
     for (Pairs p = begin; p != end; ++p)
       if (p->face == kRimInNode)
-        rimLeaves = RimBand(*fill_.rim).leaves({x, y, z});
+        rimLeaves = RimBand(*fill_.rim, progress_).leaves({x, y, z});
       else
         faces.push_back(prepare(mesh_, boundary_.faces[p->face]));
     const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize,
@@ -357,7 +357,7 @@ private:
           cleared = true;
           if (local.rim == nullptr)
             local.rim = std::make_unique<SlabRim>();
-          local.rim->look(RimBand(*fill_.rim), {x, y, z}, s, rimLeaves);
+          local.rim->look(RimBand(*fill_.rim, progress_), {x, y, z}, s, rimLeaves);
           rim = local.rim.get();
         }
         const bool any = cleared ? sumCrossings(crossings, fill_.rule, rim, carry)
@@ -383,6 +383,7 @@ private:
   const Boundary& boundary_;
   const FillOptions& fill_;
   NodeSink& sink_;
+  const Progress& progress_;
   std::vector<SlabCarry> carries_;
   std::size_t grain_;
 };
@@ -421,7 +422,7 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const 
       tbb::blocked_range<std::size_t>(0, starts.size() - 1, 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          Stack stack(mesh, boundary, fill, sink, splitNodes);
+          Stack stack(mesh, boundary, fill, sink, progress, splitNodes);
           stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], scratch);
           progress.update(static_cast<double>(++done) / static_cast<double>(starts.size()));
         }

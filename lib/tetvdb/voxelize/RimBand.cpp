@@ -54,6 +54,8 @@ std::int32_t nearestWinding(double winding) {
 }
 
 bool RimBand::mayPassHalf(const Corner& first, std::int64_t size, Middle& middle) const {
+  if (size >= kLeafSize)
+    progress_.check();
   const auto steps = static_cast<double>(size - 1);
   const LatticePoint low = centreOf(first);
   middle.centre = {low.x + steps * kHalfVoxel, low.y + steps * kHalfVoxel,
@@ -87,7 +89,7 @@ void RimBand::descend(const Corner& first, std::int64_t size, std::int64_t small
             half, smallest, visit);
 }
 
-std::vector<NodeIndex> RimBand::nodes(Progress& progress) const {
+std::vector<NodeIndex> RimBand::nodes() const {
   std::vector<NodeIndex> found;
   if (rim_.empty())
     return found;
@@ -115,7 +117,6 @@ std::vector<NodeIndex> RimBand::nodes(Progress& progress) const {
     descend({start[0] + (cube >> 2) * size, start[1] + (cube >> 1 & 1) * size,
              start[2] + (cube & 1) * size},
             size, kNodeSize, [&](const Corner& first) {
-              progress.check();
               for (const std::int64_t c : first)
                 if (c < -kLast * kNodeSize || c > kLast * kNodeSize)
                   throw Error(Status::Limit, "",

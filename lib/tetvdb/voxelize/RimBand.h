@@ -22,12 +22,12 @@ namespace tetvdb {
 /// the bound on its second derivative.
 class RimBand {
 public:
-  /// `rim` must outlive it.
-  explicit RimBand(const RimWinding& rim) : rim_(rim) {}
+  /// Both must outlive it; the methods throw as progress.check() does.
+  RimBand(const RimWinding& rim, const Progress& progress) : rim_(rim), progress_(progress) {}
 
   /// Nodes with voxels to look at, in order of (x, y, z). Throws Error(Limit) where they leave
   /// 32-bit index space.
-  std::vector<NodeIndex> nodes(Progress& progress) const;
+  std::vector<NodeIndex> nodes() const;
 
   /// Leaves of a node with voxels to look at: leaf (x, y, z) at bit (x * 16 + y) * 16 + z.
   std::bitset<4096> leaves(const NodeIndex& node) const;
@@ -53,6 +53,7 @@ private:
                const std::vector<std::uint32_t>& curtains, Leaf& leaf) const;
 
   const RimWinding& rim_;
+  const Progress& progress_;
 };
 
 /// The whole number nearest to a winding number, of a half (within kRimWindingError) the one nearer

@@ -166,6 +166,11 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                 "use --inside winding, which closes holes");
   else if (rule != FillRule::Odd && !rim.edges.empty())
     winding.emplace(windingOf(rim.edges, snapped));
+  if (winding && winding->rough())
+    report.warn("rough-winding",
+                fmt::format("the faces do not close at {} edges: their winding number is found to "
+                            "about {} only",
+                            rim.edges.size(), kRoughWindingError));
 
   timer.part("estimate");
   const double working = 24.0 * static_cast<double>(snapped.pointCount) +

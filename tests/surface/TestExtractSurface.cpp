@@ -261,6 +261,22 @@ TEST(ExtractSurface, VerticesLieOnTheOriginal) {
   EXPECT_EQ(mesh.triangles, midway.triangles);
 }
 
+TEST(ExtractSurface, FacesThroughVoxelCentresAreMet) {
+  // A third is no double: the far sides pass the voxels' centres by a rounding, either way.
+  const double h = 1.0 / 3;
+  const TriangleMesh cube = box({-2 * h, -2 * h, -2 * h}, {7 * h, 7 * h, 7 * h}, 3);
+  const TriangleScene scene(cube);
+  const Volume volume = volumeOf(
+      maskOf({-2, -2, -2}, {7, 7, 7}, [](int, int, int) { return true; }), {{h, h, h}, {0, 0, 0}});
+  for (const Vec3d& p : extract(volume, 0, &scene).points) {
+    double least = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (const double side : {-2 * h, 7 * h})
+        least = std::min(least, std::abs(p[axis] - side));
+    EXPECT_LT(least, 0.051 * h);
+  }
+}
+
 TEST(ExtractSurface, OfOverlappingShellsTheOuterCounts) {
   // Two boxes that overlap: their inner walls must not attract the surface.
   const TriangleMesh both =

@@ -17,6 +17,8 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMargin = 0.05; ///< of the way from voxel to voxel, at both ends
+/// What the way is drawn out by at both ends to cross faces that pass through a voxel's centre.
+constexpr double kReach = 1e-6;
 
 // A block's vertices: one on every crossed edge that begins in it.
 struct Block {
@@ -80,7 +82,7 @@ void count(const BlockSamples& samples, Block& block) {
 // face met. Midway where there is none.
 double entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
   if (hits.empty())
-    return 0.5;
+    return 0.5 + kReach;
   int depth = 0;
   double at = backward ? hits.back().t : hits.front().t;
   const auto pass = [&](const TriangleScene::Hit& hit) {
@@ -211,8 +213,9 @@ private:
       } else if (original_.scene != nullptr) {
         Vec3d direction{0, 0, 0};
         direction[axis] = samples_.transform.voxelSize[axis];
-        original_.scene->crossings(onEdge(block, v, axis, 0), direction, 1, hits);
-        t = entrance(hits, startInside);
+        original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach,
+                                   hits);
+        t = entrance(hits, startInside) - kReach;
       } else if (samples_.hasHeights()) {
         const double start = samples.heightAt(v[0], v[1], v[2]);
         const double end =

@@ -26,8 +26,10 @@ constexpr double kHeldBack = 0.7;
 constexpr double kLeastCosine = 0.5;    ///< of the angle by which a face may turn in one step
 constexpr double kLeastAgreement = 0.3; ///< cosine between a point's normal and its face's
 constexpr double kLeastShape = 0.02;    ///< height over longest side of a new face, unless it grows
-constexpr std::size_t kMaxFaces = 32;   ///< around a vertex
-constexpr int kTries = 4;               ///< neighbours that a vertex is tried to move onto
+constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex stand for
+constexpr double kOnFace = 0.01;      ///< square of the distance of a point that lies on its face
+constexpr std::size_t kMaxFaces = 32; ///< around a vertex
+constexpr int kTries = 4;             ///< neighbours that a vertex is tried to move onto
 // What a squared length adds to a squared distance when edges are ordered: flat parts keep
 // well-shaped triangles.
 constexpr double kLengthWeight = 1e-3;
@@ -267,6 +269,7 @@ private:
       return false;
     gone_.clear();
     owner_.clear();
+    squares_.clear();
     if (!assign(from))
       return false;
     bool near = true;
@@ -311,13 +314,18 @@ private:
       return false;
     gone_.push_back(v);
     owner_.push_back(owner);
+    squares_.push_back(nearest);
     return true;
   }
 
   void remove(std::uint32_t h) {
     const std::uint32_t from = s_.edges.start(h), to = s_.edges.end(h);
     s_.edges.forEachOut(from, [&](std::uint32_t o) { s_.firstGone[o / 3] = kNone; });
+    // On large flat faces every second point that lies on them does.
+    const bool many = gone_.size() > kManyPoints;
     for (std::size_t i = 0; i < gone_.size(); ++i) {
+      if (many && i % 2 == 1 && squares_[i] < kOnFace)
+        continue;
       s_.nextGone[gone_[i]] = s_.firstGone[owner_[i]];
       s_.firstGone[owner_[i]] = gone_[i];
     }
@@ -340,6 +348,7 @@ private:
   std::vector<std::uint32_t> neighbours_;
   std::vector<Face> faces_;
   std::vector<std::uint32_t> gone_, owner_;
+  std::vector<double> squares_; ///< of the distances from gone_ to owner_
 };
 
 double meanEdge(const Surface& surface) {

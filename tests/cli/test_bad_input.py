@@ -165,7 +165,6 @@ class BadOptions(CommandLineTest):
         self.refuse(2, "voxelize", "box.mesh", says="-o")
         self.refuse(2, "voxelize", "-o", "out.vdb")
         self.refuse(2, "compare", "box.mesh")
-        self.refuse(2, "compare", "box.mesh", "box.mesh", says="box.mesh")
         self.refuse(2, "info")
 
     def test_region_that_the_mesh_does_not_have(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What works: voxelize, info and compare as in the guide, and their reports."""
+"""What works: voxelize, info and compare of volumes as in the guide, and their reports."""
 
 import json
 import unittest

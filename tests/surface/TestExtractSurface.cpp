@@ -308,7 +308,7 @@ TEST(ExtractSurface, SimplifyingKeepsItsPromise) {
     const TriangleMesh fine = extract(volume), coarse = extract(volume, limit);
     EXPECT_EQ(manifoldDefect(coarse), "");
     EXPECT_EQ(eulerCharacteristic(coarse), 2);
-    EXPECT_LT(coarse.triangleCount(), fine.triangleCount() / 10);
+    EXPECT_LT(coarse.triangleCount(), fine.triangleCount() / 8);
     Progress progress;
     EXPECT_LE(compareMeshes(fine, coarse, {}, progress).hausdorff, limit);
   }

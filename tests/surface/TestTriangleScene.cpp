@@ -104,6 +104,8 @@ TEST(TriangleScene, ClosestPointsEqualBruteForce) {
       ASSERT_NEAR(closest.distance, expected, 1e-13 * (1 + expected) + 1e-15 * std::abs(shift[2]));
       ASSERT_NEAR(static_cast<double>(distanceTo(mesh, closest.triangle, p)), expected,
                   1e-13 * (1 + expected));
+      ASSERT_TRUE(scene.isWithin(p, closest.distance * (1 + 1e-9)));
+      ASSERT_FALSE(scene.isWithin(p, closest.distance * (1 - 1e-9)));
       const Vec3d& q = closest.point;
       ASSERT_NEAR(std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]), closest.distance,
                   1e-12 * (1 + expected) + 1e-9 * (shift[0] > 0));

@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint32_t kNone = HalfEdges::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The share of the tolerance that is held at the points looked at; between them lies the rest.
-constexpr double kHeldBack = 0.7;
+constexpr double kHeldBack = 0.65;
 constexpr double kLeastCosine = 0.5;    ///< of the angle by which a face may turn in one step
 constexpr double kLeastAgreement = 0.3; ///< cosine between a point's normal and its face's
 constexpr double kLeastShape = 0.02;    ///< height over longest side of a new face, unless it grows
@@ -33,6 +33,7 @@ constexpr int kTries = 4;             ///< neighbours that a vertex is tried to 
 // What a squared length adds to a squared distance when edges are ordered: flat parts keep
 // well-shaped triangles.
 constexpr double kLengthWeight = 1e-3;
+constexpr double kLongSide = 3;          ///< in mean edge lengths
 constexpr double kRegionEdges = 64;      ///< side of a region, in mean edge lengths
 constexpr std::size_t kSerial = 1 << 14; ///< vertices of meshes that are one region
 
@@ -62,6 +63,7 @@ struct Surface {
   const TriangleScene original; ///< in the mesh's own units
   Vec3d middle{0, 0, 0};        ///< of the box
   double tolerance;
+  double longSide = 0; ///< squared: a side that is looked at in more than its middle
   HalfEdges edges;
   std::vector<Vec3d> points;                 ///< vertices, then middles of edges
   std::vector<std::array<float, 3>> normals; ///< of unit length, at points
@@ -107,8 +109,7 @@ struct Surface {
 
   /// Whether a place of the new surface is near the old one.
   bool isNear(const Vec3d& p) const {
-    return original.closest(plus(middle, times(p, tolerance)), kHeldBack * tolerance).triangle !=
-           kNone;
+    return original.isWithin(plus(middle, times(p, tolerance)), kHeldBack * tolerance);
   }
 
 private:
@@ -281,12 +282,16 @@ private:
                                [&](const Face& face) { return isNearOriginal(face); });
   }
 
-  // Looks at the middle of a new face and along the side that is new as well.
+  // Looks at the middle of a new face and at the side that is new as well.
   bool isNearOriginal(const Face& face) const {
     const auto& [a, b, c] = face.corners;
-    for (const double t : {0.5, 0.25, 0.75})
-      if (!s_.isNear(plus(times(a, 1 - t), times(b, t))))
-        return false;
+    const Vec3d side = minus(b, a);
+    if (!s_.isNear(plus(a, times(side, 0.5))))
+      return false;
+    if (dot(side, side) > s_.longSide)
+      for (const double t : {0.25, 0.75})
+        if (!s_.isNear(plus(a, times(side, t))))
+          return false;
     return s_.isNear(times(plus(a, plus(b, c)), 1.0 / 3));
   }
 
@@ -383,8 +388,10 @@ std::vector<std::vector<std::uint32_t>> divide(Surface& surface, double side, do
 // Cubes first, then cubes that have the first ones' borders inside, then everything.
 void simplify(Surface& surface, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
+  const double edge = meanEdge(surface);
+  surface.longSide = kLongSide * kLongSide * edge * edge;
   if (surface.quadrics.size() > kSerial) {
-    const double side = kRegionEdges * meanEdge(surface);
+    const double side = kRegionEdges * edge;
     passes = {{side, 0.0}, {side, 0.5}};
   }
   passes.push_back({kInfinity, 0.0});

@@ -32,6 +32,7 @@ struct ClosestQuery {
   double bound;        ///< squared, world units: nearer than this only
   std::uint32_t triangle = 0xFFFFFFFFu;
   Vec3d offset{0, 0, 0};
+  bool any = false; ///< the first triangle found will do
 
   float radius() const {
     const double r = (std::sqrt(bound) * scale + slack) * (1 + 4e-6);
@@ -55,7 +56,7 @@ bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
   query.triangle = arguments->primID;
   if (tie)
     return false;
-  arguments->query->radius = query.radius();
+  arguments->query->radius = query.any ? 0 : query.radius();
   return true;
 }
 
@@ -92,6 +93,8 @@ struct TriangleScene::Impl {
   void build();
   Vec3d toScene(const Vec3d& p) const { return times(minus(p, centre), scale); }
   bool clip(const Vec3d& origin, const Vec3d& direction, double& t0, double& t1) const;
+  ClosestQuery queryAt(const Vec3d& p, double maxDistance) const;
+  void search(ClosestQuery& query) const;
 };
 
 void TriangleScene::Impl::fitBox() {
@@ -217,13 +220,8 @@ void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, doubl
   });
 }
 
-TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance) const {
-  Closest result;
-  if (impl_->mesh.triangles.empty() || !(maxDistance > 0))
-    return result;
-  const Vec3d at = impl_->toScene(p);
-  const double far = std::max({std::abs(at[0]), std::abs(at[1]), std::abs(at[2]), 1.0});
-  ClosestQuery closest{impl_->mesh, p, impl_->scale, kRounding * far, maxDistance * maxDistance};
+void TriangleScene::Impl::search(ClosestQuery& closest) const {
+  const Vec3d at = toScene(closest.point);
   RTCPointQuery query{};
   query.x = static_cast<float>(at[0]);
   query.y = static_cast<float>(at[1]);
@@ -231,13 +229,36 @@ TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance
   query.radius = closest.radius();
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(impl_->scene, &query, &context, visitClosest, &closest);
-  if (closest.triangle == 0xFFFFFFFFu)
+  rtcPointQuery(scene, &query, &context, visitClosest, &closest);
+}
+
+ClosestQuery TriangleScene::Impl::queryAt(const Vec3d& p, double maxDistance) const {
+  const Vec3d at = toScene(p);
+  const double far = std::max({std::abs(at[0]), std::abs(at[1]), std::abs(at[2]), 1.0});
+  return {mesh, p, scale, kRounding * far, maxDistance * maxDistance};
+}
+
+TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance) const {
+  Closest result;
+  if (impl_->mesh.triangles.empty() || !(maxDistance > 0))
     return result;
-  result.distance = std::sqrt(closest.bound);
-  result.triangle = closest.triangle;
-  result.point = plus(p, closest.offset);
+  ClosestQuery query = impl_->queryAt(p, maxDistance);
+  impl_->search(query);
+  if (query.triangle == 0xFFFFFFFFu)
+    return result;
+  result.distance = std::sqrt(query.bound);
+  result.triangle = query.triangle;
+  result.point = plus(p, query.offset);
   return result;
+}
+
+bool TriangleScene::isWithin(const Vec3d& p, double distance) const {
+  if (impl_->mesh.triangles.empty() || !(distance > 0))
+    return false;
+  ClosestQuery query = impl_->queryAt(p, distance);
+  query.any = true;
+  impl_->search(query);
+  return query.triangle != 0xFFFFFFFFu;
 }
 
 } // namespace tetvdb

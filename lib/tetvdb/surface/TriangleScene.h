@@ -43,6 +43,10 @@ public:
   Closest closest(const Vec3d& p,
                   double maxDistance = std::numeric_limits<double>::infinity()) const;
 
+  /// Whether a point of the mesh is nearer to `p` than `distance`; a few times faster than
+  /// closest().
+  bool isWithin(const Vec3d& p, double distance) const;
+
 private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

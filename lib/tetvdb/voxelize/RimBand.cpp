@@ -14,6 +14,9 @@ namespace {
 constexpr double kHalfVoxel = static_cast<double>(kUnitsPerVoxel) / 2;
 // Halves count as passed a little late (nearestWinding()), and at() has its error.
 constexpr double kMargin = 3 * kRimWindingError;
+// A winding number this close to a half is one: in the plane of a flat sheet it is but for
+// rounding.
+constexpr double kTie = kRimWindingError / 10;
 // Beyond these a box is split rather than predicted.
 constexpr double kMostUnsure = 0.03;
 constexpr std::size_t kMostCurtains = 1024;
@@ -49,7 +52,7 @@ struct RimBand::Middle {
 };
 
 std::int32_t nearestWinding(double winding) {
-  const double size = std::ceil(std::abs(winding) - 0.5 - kRimWindingError);
+  const double size = std::ceil(std::abs(winding) - 0.5 - kTie);
   return static_cast<std::int32_t>(winding < 0 ? -size : size);
 }
 

@@ -56,8 +56,8 @@ private:
   const Progress& progress_;
 };
 
-/// The whole number nearest to a winding number, of a half (within kRimWindingError) the one nearer
-/// to zero: what lies at most half around counts as outside.
+/// The whole number nearest to a winding number, of a half (within a tenth of kRimWindingError) the
+/// one nearer to zero: what lies at most half around counts as outside.
 std::int32_t nearestWinding(double winding);
 
 } // namespace tetvdb

@@ -17,6 +17,9 @@ const std::vector<Case>& allCases() {
       {"paths", "boundary path against tet path over sizes of tets", runPaths, false},
       {"write", "writing 1 M leaves against openvdb::io::File", runWrite, false},
       {"read", "reading 10^7 tets against a plain read of the bytes", runRead, false},
+      {"triangles", "a mask of closed and open triangles against OpenVDB's meshToVolume",
+       runTriangles, false},
+      {"readtri", "reading 200 MB of STL, OBJ, OFF and PLY", runReadTriangles, false},
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;

@@ -19,6 +19,7 @@ struct Setup {
   int shrink = 1;      ///< --shrink N: meshes of about N times fewer tets, to try things out
   std::string folder;  ///< an empty one for temporary files
   std::string program; ///< the tetvdb program
+  std::string mesh;    ///< of `triangles`: this file instead of spheres made here
   Launcher* launcher = nullptr;
 
   /// At most `most` rounds, for what takes long.
@@ -43,6 +44,12 @@ void runPaths(const Setup&, Tables&);
 void runWrite(const Setup&, Tables&);
 void runWrite5M(const Setup&, Tables&);
 void runRead(const Setup&, Tables&);
+void runTriangles(const Setup&, Tables&);
+void runReadTriangles(const Setup&, Tables&);
+
+/// What `triangles` has done in a process of its own, to see its memory: nothing, mask or
+/// meshToVolume; the mesh's name; resolution; --shrink; threads. Returns the exit status.
+int trianglesChild(const std::vector<std::string>& words);
 
 // What the cases share.
 

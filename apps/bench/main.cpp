@@ -85,6 +85,8 @@ int run(int argc, char** argv) {
   app.add_option("--folder", parent, "Where temporary files go")->capture_default_str();
   app.add_option("--program", setup.program, "The tetvdb program that `large` and `huge` run")
       ->capture_default_str();
+  app.add_option("--mesh", setup.mesh, "A file of triangles for `triangles` instead of its own")
+      ->check(CLI::ExistingFile);
   app.add_option("--shrink", setup.shrink, "So many times fewer tets and voxels, for a try")
       ->check(CLI::Range(1, 10000));
   app.footer(casesHelp());
@@ -149,6 +151,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    if (argc > 1 && std::string(argv[1]) == "--child")
+      return tetvdb::bench::trianglesChild({argv + 2, argv + argc});
     return tetvdb::bench::run(argc, argv);
   } catch (const std::exception& error) {
     std::cerr << error.what() << "\n";

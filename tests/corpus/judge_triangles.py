@@ -12,7 +12,7 @@ numbers come from winding_judge, which sums solid angles face by face. Of each f
   0.5: at voxels all over the box, beside the surface of the volume and beside the faces. Centres on
   a face (within 1e-5 voxel) are judged again, with the points on the lattice of 2^-20 voxel and the
   centre moved by (e, e^2, e^3), as docs/algorithms.md has it; only winding numbers within 1e-4 of
-  0.5 are left out, and they are counted;
+  0.5 are left out (0.02 where the program warns that it looked roughly), and they are counted;
 - where nothing was turned or dropped, the file's own faces have the same winding numbers.
 
 Meshes without an inside are in WITHOUT_INSIDE: no voxel may have one, and as a shell they must come
@@ -41,9 +41,11 @@ import tri_oracle
 
 PROGRAM = os.environ.get("TETVDB_PROGRAM", "tetvdb")
 JUDGE = os.environ.get("TETVDB_JUDGE", "winding_judge")
+THREADS = os.environ.get("TETVDB_JUDGE_THREADS", "1")  # of one call; files are judged side by side
 RESOLUTION = 64
 POINTS = 20000
 UNDECIDED = 1e-4  # winding numbers this near to 0.5 are not judged
+ROUGH = 0.02  # the same where the program says that it only looked roughly (warning rough-winding)
 TOUCHING = 1e-5  # voxels: centres this near to a face are judged on the lattice
 LATTICE = 2.0 ** 20
 
@@ -54,6 +56,7 @@ WITHOUT_INSIDE = {
     "geometry-central__lego.ply": "a plane figure",
     "lagrange__nonmanifold_vertex.obj": "two squares in a plane that meet at a corner",
     "lagrange__nonoriented_edge.obj": "two squares in a plane",
+    "lagrange__moebius-160-10.ply": "a strip with half a twist",
     "libigl-tests-data__annulus.obj": "a plane ring",
     "libigl-tests-data__sliver_tet.ply": "one tetrahedron, a sliver between voxel centres",
     "openfoam__multiCollapse.stl": "13 triangles in a plane",
@@ -138,7 +141,7 @@ def judge(mode, soup, points, folder):
         file.write(soup.points.tobytes())
         file.write(soup.triangles.tobytes())
         file.write(numpy.ascontiguousarray(points, dtype=numpy.float64).tobytes())
-    subprocess.run([JUDGE, mode, given, found, "1"], check=True)
+    subprocess.run([JUDGE, mode, given, found, THREADS], check=True)
     return numpy.fromfile(found, dtype=numpy.float64)
 
 
@@ -257,7 +260,12 @@ def choose_points(values, soup, count, seed):
     return chosen[((chosen >= 0) & (chosen < shape)).all(axis=1)]
 
 
-def compare(values, accessor, space, cleaned, facts, folder, seed):
+def undecided_within(report):
+    rough = any(warning["code"] == "rough-winding" for warning in report["warnings"])
+    return ROUGH if rough else UNDECIDED
+
+
+def compare(values, accessor, space, cleaned, margin, facts, folder, seed):
     """Active states against winding numbers."""
     soup = space.of(cleaned)
     points = choose_points(values, soup, POINTS, seed)
@@ -271,7 +279,7 @@ def compare(values, accessor, space, cleaned, facts, folder, seed):
         there = accessor.isValueOn(tuple(int(c) for c in point + space.base))
         require(there == on, "active state and value differ")
     facts["points"] = len(points)
-    undecided = numpy.abs(w - 0.5) <= UNDECIDED
+    undecided = numpy.abs(w - 0.5) <= margin
     differ = ((w > 0.5) != active) & ~undecided
     if differ.any():
         doubtful = points[differ]
@@ -280,7 +288,7 @@ def compare(values, accessor, space, cleaned, facts, folder, seed):
         moved = doubtful + numpy.array([2.0 ** -24, 2.0 ** -34, 2.0 ** -44])
         lattice = space.on_lattice(cleaned)
         again = judge("winding", lattice, moved, folder)
-        wrong = ((again > 0.5) != active[differ]) & (numpy.abs(again - 0.5) > UNDECIDED)
+        wrong = ((again > 0.5) != active[differ]) & (numpy.abs(again - 0.5) > margin)
         facts["on faces"] = len(doubtful)
         rim = soup.rim()
         if wrong.any() and len(rim.triangles):  # where the winding number jumps from any to any
@@ -289,7 +297,7 @@ def compare(values, accessor, space, cleaned, facts, folder, seed):
             wrong &= ~on_rim
         for i in wrong.nonzero()[0]:  # a plane may pass between the centre and where it was moved
             again[i] += jump(lattice, doubtful[i], moved[i], folder)
-            wrong[i] = (again[i] > 0.5) != active[differ][i] and abs(again[i] - 0.5) > UNDECIDED
+            wrong[i] = (again[i] > 0.5) != active[differ][i] and abs(again[i] - 0.5) > margin
         require_none(wrong, doubtful + space.base, again, "on faces")
     facts["undecided"] = int(undecided.sum())
     require(facts["undecided"] <= len(points) // 20, f"{facts['undecided']} points are undecided")
@@ -381,7 +389,8 @@ def judge_file(path):
         space = Space(cleaned, size, origin)
         space.cover(*grid.evalActiveVoxelBoundingBox())
         values = dense(grid, space)
-        points, w = compare(values, grid.getConstAccessor(), space, cleaned, facts, folder, seed)
+        points, w = compare(values, grid.getConstAccessor(), space, cleaned, undecided_within(report), facts,
+                            folder, seed)
         if report["mesh"]["closed"]:
             whole = numpy.abs(w - numpy.rint(w)) > 1e-6
             apart = judge("distance", space.of(cleaned), points[whole], folder) > TOUCHING if whole.any() else whole

@@ -209,8 +209,8 @@ void runReadTriangles(const Setup& setup, Tables& tables) {
     double target; ///< bytes a second
   };
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  for (const Sample& sample : {Sample{"sphere.stl", 4e6, 600e6}, Sample{"sphere.obj", 2.2e6, 200e6},
-                               Sample{"sphere.off", 2.2e6, 0}, Sample{"sphere.ply", 8e6, 0}}) {
+  for (const Sample& sample : {Sample{"sphere.stl", 4e6, 600e6}, Sample{"sphere.obj", 3.8e6, 200e6},
+                               Sample{"sphere.off", 3.8e6, 0}, Sample{"sphere.ply", 8e6, 0}}) {
     const std::string path = setup.folder + "/" + sample.name;
     const TriangleMesh mesh = bumpySphere(sample.faces / setup.shrink);
     {

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
 // Of a tangle, clusters as many radii away are looked at from afar.
-constexpr double kRoughDistance = 2;
+constexpr double kRoughDistance = 1;
 
 using Vector = std::array<double, 3>;
 
@@ -354,7 +354,7 @@ std::int64_t RimWinding::turnsAround(const Node& cluster, const LatticePoint& p)
 bool RimWinding::isFar(const Node& node, double distance) const {
   if (rough())
     return distance > kRoughDistance * node.radius &&
-           node.looseEnd - node.looseBegin <= kMaxLooseEnds;
+           node.looseEnd - node.looseBegin <= (node.end - node.begin) / 2;
   // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
   const double ratio = node.radius / distance;
   return distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&

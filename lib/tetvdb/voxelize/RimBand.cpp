@@ -19,6 +19,7 @@ constexpr double kMargin = 3 * kRimWindingError;
 constexpr double kTie = kRimWindingError / 10;
 // Beyond these a box is split rather than predicted.
 constexpr double kMostUnsure = 0.03;
+constexpr double kMostRough = 0.3;
 constexpr std::size_t kMostCurtains = 1024;
 // Not split further.
 constexpr std::int64_t kSmallestBox = 4;
@@ -161,9 +162,11 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
     return;
   const RimWinding::Slope& slope = middle.slope;
   const double unsure = middle.reach * (slope.error + slope.bend * middle.reach / 2);
+  // Small boxes of a tangle are taken by value and slope alone.
+  const double mostUnsure = rim_.rough() && size <= kSmallestBox ? kMostRough : kMostUnsure;
   std::vector<std::uint32_t> curtains;
-  if (unsure < kMostUnsure && rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel,
-                                            kMostCurtains, curtains)) {
+  if (unsure < mostUnsure && rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel,
+                                           kMostCurtains, curtains)) {
     predict(origin, first, size, middle, curtains, leaf);
     return;
   }
@@ -209,7 +212,8 @@ void RimBand::predict(const Corner& origin, const Corner& first, std::int64_t si
         const double dz = p.z - middle.centre.z;
         const double square = dx * dx + dy * dy + dz * dz;
         double value = here + g[2] * dz;
-        if (toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
+        if (!rim_.rough() &&
+            toHalf(value) <= slope.bend * square / 2 + slope.error * std::sqrt(square) + kMargin)
           value = rim_.at(p);
         set(leaf, origin, {x, y, z}, value);
       }

@@ -11,9 +11,9 @@ set -euo pipefail
 
 build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
   libblosc-dev libtbb-dev libnetcdf-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
-  libxxhash-dev libembree-dev libopenmesh-dev libassimp-dev libcli11-dev
+  libxxhash-dev libembree-dev libassimp-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
-test=(libgtest-dev librapidcheck-dev libbenchmark-dev python3 python3-openvdb libopenvdb-tools
+test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb libopenvdb-tools
   libnanovdb-tools)
 demo=(libopenvdb-tools)
 check=(clang clang-format-14 clang-tidy-14)

@@ -186,8 +186,6 @@ std::string methodText(const VoxelizeResult& result, const Options& options) {
     return "shell";
   if (options.mesher == "centroid")
     return "centroid";
-  if (options.inside == "flood")
-    return "flood";
   return result.counts.openEdges == 0 ? "signed crossings" : "winding number";
 }
 
@@ -327,8 +325,8 @@ void addSolidOptions(CLI::App& command, Options& options) {
   command
       .add_option("--inside", options.inside,
                   "What is inside triangles: winding number above 0.5 (default), of any sign "
-                  "(nonzero), odd (parity), or not reached from outside (flood)")
-      ->check(oneOf({"winding", "nonzero", "parity", "flood"}))
+                  "(nonzero) or odd (parity)")
+      ->check(oneOf({"winding", "nonzero", "parity"}))
       ->type_name("RULE");
   command
       .add_option("--shell", options.shell,

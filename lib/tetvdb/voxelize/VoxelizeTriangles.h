@@ -17,9 +17,8 @@ namespace tetvdb {
 enum class InsideRule : std::uint8_t {
   Winding, ///< winding number above 0.5
   NonZero, ///< winding number above 0.5 or below -0.5: whatever way the faces look
-  Parity,  ///< an odd number of faces between the centre and infinity: every edge must have an even
+  Parity   ///< an odd number of faces between the centre and infinity: every edge must have an even
            ///< number of faces
-  Flood    ///< not reachable from outside along voxel edges that no face crosses
 };
 
 /// How a solid is made of triangles.

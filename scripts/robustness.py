@@ -213,6 +213,7 @@ def summary(rows, version):
     refused = [r for r in rows if r.ours is None]
     exact = sum(r.ours == 1 for r in judged)
     lowest = min(judged, key=lambda r: r.ours)
+    worst = "" if lowest.ours == 1 else f", lowest {lowest.ours:.5f} ({lowest.name})"
     theirs = [r.openvdb or 0 for r in judged]
     closed = [r for r in judged if r.answer.startswith("crossings")]
     opened = [r for r in judged if not r.answer.startswith("crossings")]
@@ -227,7 +228,7 @@ cases of other libraries. `scripts/robustness.py` makes this page; TetVDB {versi
 - **Worst time** at {FINE}^3: {slowest.seconds:.1f} s ({slowest.name}); median {numpy.median([r.seconds for r in rows]):.2f} s.
   **Worst memory**: {largest.megabytes:.0f} MB ({largest.name}).
 - **Agreement** with brute force at {COARSE}^3, as intersection over union: TetVDB {mean(r.ours for r in judged):.6f} on average,
-  {exact} of {len(judged)} files exact, lowest {lowest.ours:.5f} ({lowest.name}). OpenVDB's meshToVolume: {mean(theirs):.3f} on average
+  {exact} of {len(judged)} files exact{worst}. OpenVDB's meshToVolume: {mean(theirs):.3f} on average
   ({mean(r.openvdb or 0 for r in closed):.3f} of the {len(closed)} closed files, {mean(r.openvdb or 0 for r in opened):.3f} of the {len(opened)} open ones); {sum(r.openvdb_failed for r in judged)} without an inside.
 - **PrusaSlicer** reads {sum('volume' in r.prusa for r in asked)} of the {len(asked)} files in its formats and calls {sum(r.prusa.startswith('manifold') for r in asked)} manifold.
 

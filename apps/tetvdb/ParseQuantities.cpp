@@ -105,7 +105,7 @@ InsideRule parseInsideRule(const std::string& name) {
     return InsideRule::NonZero;
   if (name == "parity")
     return InsideRule::Parity;
-  return InsideRule::Winding;
+  return name == "flood" ? InsideRule::Flood : InsideRule::Winding;
 }
 
 double parseSeconds(const std::string& option, const std::string& text) {

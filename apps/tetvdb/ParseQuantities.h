@@ -27,7 +27,7 @@ std::size_t parseBytes(const std::string& option, const std::string& text);
 /// A finite length above zero.
 double parseLength(const std::string& option, const std::string& text);
 
-/// "winding", "nonzero" or "parity"; the parser has seen to it that it is one of them.
+/// "winding", "nonzero", "parity" or "flood"; the parser has seen to it that it is one of them.
 InsideRule parseInsideRule(const std::string& name);
 
 /// Seconds, above zero.

@@ -180,11 +180,10 @@ void addMeshOptions(CLI::App& command, Options& options) {
       ->excludes(size);
   command.add_flag("--remesh", options.remesh, "Also if the mesh is in order already");
   command
-      .add_option(
-          "--inside", options.inside,
-          "What is inside: winding number above 0.5 (default), of any sign (nonzero) or odd "
-          "(parity)")
-      ->check(CLI::IsMember({"winding", "nonzero", "parity"}).description(""))
+      .add_option("--inside", options.inside,
+                  "What is inside: winding number above 0.5 (default), of any sign (nonzero), odd "
+                  "(parity), or not reached from outside (flood)")
+      ->check(CLI::IsMember({"winding", "nonzero", "parity", "flood"}).description(""))
       ->type_name("RULE");
   command
       .add_option("--shell", options.shell,

@@ -186,6 +186,8 @@ std::string methodText(const VoxelizeResult& result, const Options& options) {
     return "shell";
   if (options.mesher == "centroid")
     return "centroid";
+  if (options.inside == "flood")
+    return "flood";
   return result.counts.openEdges == 0 ? "signed crossings" : "winding number";
 }
 
@@ -325,8 +327,8 @@ void addSolidOptions(CLI::App& command, Options& options) {
   command
       .add_option("--inside", options.inside,
                   "What is inside triangles: winding number above 0.5 (default), of any sign "
-                  "(nonzero) or odd (parity)")
-      ->check(oneOf({"winding", "nonzero", "parity"}))
+                  "(nonzero), odd (parity), or not reached from outside (flood)")
+      ->check(oneOf({"winding", "nonzero", "parity", "flood"}))
       ->type_name("RULE");
   command
       .add_option("--shell", options.shell,

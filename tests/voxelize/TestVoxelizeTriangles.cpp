@@ -234,6 +234,84 @@ TEST(VoxelizeTriangles, InsideRules) {
       [](double w) { return std::abs(w) > 0.5; }, 10);
 }
 
+// Lines between neighbours that cross no face, by brute force from the corner of a small box.
+TEST(VoxelizeTriangles, FloodIsWhatCannotBeReached) {
+  SolidOptions flood;
+  flood.inside = InsideRule::Flood;
+  const TriangleMesh ball = meshes::sphere({0, 0, 0}, 1, 4);
+  const TriangleMesh cases[] = {
+      ball, // with a cavity, a ball aside that is inside out, and a flap
+      meshes::joined({ball, meshes::flipped(meshes::sphere({0.1, 0, 0}, 0.5, 2)),
+                      meshes::flipped(meshes::sphere({1.6, 0, 0}, 0.4, 2)), meshes::sheet(1, 1.3)}),
+      meshes::without(ball, [](std::size_t f) { return f == 17; }), // a hole that leaks
+      meshes::withFacesFlipped(ball, 0.4)};
+  // Whether a face crosses the line from p along an axis, by signs of volumes.
+  const auto volume = [](const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+    double m[3][3];
+    for (std::size_t k = 0; k < 3; ++k) {
+      m[0][k] = b[k] - a[k];
+      m[1][k] = c[k] - a[k];
+      m[2][k] = d[k] - a[k];
+    }
+    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+  };
+  int filled = 0;
+  for (const TriangleMesh& given : cases) {
+    const TriangleMesh mesh = generic(given);
+    VoxelizeOptions options = maskOf(0);
+    options.voxelSize = {0.15, 0.13, 0.14};
+    const Voxelization result = run(mesh, flood, options);
+    const auto accessor = maskGrid(result).getConstAccessor();
+    const auto crosses = [&](const Vec3d& p, std::size_t axis, double length) {
+      Vec3d q = p;
+      q[axis] += length;
+      for (std::size_t f = 0; f < mesh.triangleCount(); ++f) {
+        const Vec3d &a = mesh.points[mesh.triangles[3 * f]],
+                    &b = mesh.points[mesh.triangles[3 * f + 1]],
+                    &c = mesh.points[mesh.triangles[3 * f + 2]];
+        if ((volume(a, b, c, p) > 0) == (volume(a, b, c, q) > 0))
+          continue;
+        const bool ab = volume(p, q, a, b) > 0, bc = volume(p, q, b, c) > 0,
+                   ca = volume(p, q, c, a) > 0;
+        if (ab == bc && bc == ca)
+          return true;
+      }
+      return false;
+    };
+    constexpr int kLow = -10, kHigh = 18;
+    std::set<Voxel> reached{{kLow, kLow, kLow}};
+    std::vector<Voxel> stack{{kLow, kLow, kLow}};
+    while (!stack.empty()) {
+      const auto [x, y, z] = stack.back();
+      stack.pop_back();
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const int step : {-1, 1}) {
+          int n[3] = {x, y, z};
+          n[axis] += step;
+          if (n[axis] < kLow || n[axis] > kHigh || reached.count({n[0], n[1], n[2]}) != 0)
+            continue;
+          const Vec3d& h = options.voxelSize;
+          if (crosses({x * h[0], y * h[1], z * h[2]}, axis, step * h[axis]))
+            continue;
+          reached.insert({n[0], n[1], n[2]});
+          stack.push_back({n[0], n[1], n[2]});
+        }
+    }
+    int wrong = 0;
+    for (int x = kLow; x <= kHigh; ++x)
+      for (int y = kLow; y <= kHigh; ++y)
+        for (int z = kLow; z <= kHigh; ++z) {
+          const bool inside = reached.count({x, y, z}) == 0;
+          filled += inside;
+          wrong += inside != accessor.isValueOn(openvdb::Coord(x, y, z));
+        }
+    EXPECT_EQ(wrong, 0);
+  }
+  EXPECT_GT(filled, 3000);
+}
+
 TEST(VoxelizeTriangles, ParityNeedsNoOrientation) {
   SolidOptions parity;
   parity.inside = InsideRule::Parity;

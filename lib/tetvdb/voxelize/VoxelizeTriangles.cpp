@@ -6,6 +6,7 @@
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/FloodRaster.h"
 #include "tetvdb/voxelize/ShellRaster.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupRim.h"
@@ -107,6 +108,8 @@ std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
     return "no voxel centre lies in the shell";
   if (rim.edges.empty())
     return "no voxel centre lies inside the mesh";
+  if (solid.inside == InsideRule::Flood)
+    return "the outside reaches every voxel: the mesh leaks at this voxel size";
   return fmt::format("the mesh is open ({} open edges) and holds no inside: its winding number is "
                      "above 0.5 at no voxel centre",
                      rim.edges.size());
@@ -115,6 +118,8 @@ std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
 std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
   if (solid.shell > 0 || rim.edges.empty())
     return "use smaller voxels, or --allow-empty to write an empty grid";
+  if (solid.inside == InsideRule::Flood)
+    return "use --inside winding, which closes holes, or larger voxels";
   return "give the sheet a thickness with --shell T, or use smaller voxels";
 }
 
@@ -156,6 +161,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
     result.counts.openEdges = rim.edges.size();
   }
   const FillRule rule = fillRule(solid);
+  const bool flood = solid.method == SolidMethod::Winding && solid.inside == InsideRule::Flood;
   std::optional<RimWinding> winding;
   if (solid.method == SolidMethod::Centroid)
     closeToCentre(rim.edges, snapped, chain);
@@ -164,7 +170,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                 fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
                             rim.oddEdges),
                 "use --inside winding, which closes holes");
-  else if (rule != FillRule::Odd && !rim.edges.empty())
+  else if (!flood && rule != FillRule::Odd && !rim.edges.empty())
     winding.emplace(windingOf(rim.edges, snapped));
   if (winding && winding->rough())
     report.warn("rough-winding",
@@ -173,8 +179,11 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                             rim.edges.size(), kRoughWindingError));
 
   timer.part("estimate");
-  const double working = 24.0 * static_cast<double>(snapped.pointCount) +
-                         64.0 * static_cast<double>(chain.faces.size());
+  double working = 24.0 * static_cast<double>(snapped.pointCount) +
+                   64.0 * static_cast<double>(chain.faces.size());
+  if (flood) // columns of cells, with a margin of nodes
+    working += 96.0 * ((snapped.boxMax.x - snapped.boxMin.x) * kVoxelsPerUnit + 3 * kNodeSize) *
+               ((snapped.boxMax.y - snapped.boxMin.y) * kVoxelsPerUnit + 3 * kNodeSize);
   TreeEstimate estimate = estimateByBoundary(snapped, chain);
   if (solid.shell > 0) {
     const auto leaves = static_cast<double>(
@@ -189,6 +198,8 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
   TreeBuilder builder(options.grids, TetMesh());
   if (solid.shell > 0) {
     rasterizeShell(snapped, chain, result.transform.voxelSize, solid.shell / 2, builder, progress);
+  } else if (flood) {
+    rasterizeFlood(snapped, chain, TriangleScene(mesh), result.transform, builder, progress);
   } else {
     FillOptions fill;
     fill.rule = rule;

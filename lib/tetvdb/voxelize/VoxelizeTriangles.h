@@ -17,8 +17,10 @@ namespace tetvdb {
 enum class InsideRule : std::uint8_t {
   Winding, ///< winding number above 0.5
   NonZero, ///< winding number above 0.5 or below -0.5: whatever way the faces look
-  Parity   ///< an odd number of faces between the centre and infinity: every edge must have an even
+  Parity,  ///< an odd number of faces between the centre and infinity: every edge must have an even
            ///< number of faces
+  Flood    ///< not reachable from outside along lines between neighbouring centres that no face
+           ///< crosses: cavities are filled, and holes of a voxel or more leak
 };
 
 /// How a solid is made of triangles.

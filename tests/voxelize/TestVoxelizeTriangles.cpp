@@ -264,9 +264,10 @@ TEST(VoxelizeTriangles, FloodIsWhatCannotBeReached) {
     options.voxelSize = {0.15, 0.13, 0.14};
     const Voxelization result = run(mesh, flood, options);
     const auto accessor = maskGrid(result).getConstAccessor();
-    const auto crosses = [&](const Vec3d& p, std::size_t axis, double length) {
-      Vec3d q = p;
-      q[axis] += length;
+    const auto crosses = [&](Vec3d p, std::size_t axis, double length) {
+      Vec3d q = p; // both ends a hundredth farther out
+      q[axis] += 1.01 * length;
+      p[axis] -= 0.01 * length;
       for (std::size_t f = 0; f < mesh.triangleCount(); ++f) {
         const Vec3d &a = mesh.points[mesh.triangles[3 * f]],
                     &b = mesh.points[mesh.triangles[3 * f + 1]],

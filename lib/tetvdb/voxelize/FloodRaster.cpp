@@ -59,6 +59,10 @@ struct Cell {
   bool wall;
 };
 
+// Lines reach so far beyond their ends, in voxels, that no face slips between two of them: the
+// scene's floats know a place to 1e-7 of the box.
+constexpr double kOverlap = 0.01;
+
 constexpr std::int32_t kBelow = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t kAbove = std::numeric_limits<std::int32_t>::max();
 
@@ -161,9 +165,10 @@ private:
 
   // Whether the line from a voxel to its neighbour along `axis` is free.
   bool isFree(std::int32_t x, std::int32_t y, std::int32_t z, std::size_t axis, Hits& hits) const {
-    Vec3d way{0, 0, 0};
+    Vec3d from = world(x, y, z), way{0, 0, 0};
+    from[axis] -= kOverlap * transform_.voxelSize[axis];
     way[axis] = transform_.voxelSize[axis];
-    scene_.crossings(world(x, y, z), way, 1, hits);
+    scene_.crossings(from, way, 1 + 2 * kOverlap, hits);
     return hits.empty();
   }
 

@@ -455,6 +455,25 @@ TEST(VoxelizeTriangles, SheetsHaveNoInsideButAShell) {
   EXPECT_GT(countOf(run(meshes::sheet(), shell, options)), 40u * 40u * 4u);
 }
 
+// A wide sheet with a small bowl in it.
+TEST(VoxelizeTriangles, WarnsOfNextToNothing) {
+  const TriangleMesh ball = meshes::sphere({0.5, 0.5, 0}, 0.03, 6);
+  TriangleMesh mesh = meshes::without(
+      ball, [&](std::size_t f) { return ball.points[ball.triangles[3 * f]][2] > 0.015; });
+  const auto codes = [](const TriangleMesh& m) {
+    Report report;
+    Progress progress;
+    voxelize(m, {}, maskOf(100), report, progress);
+    std::set<std::string> found;
+    for (const Warning& warning : report.warnings)
+      found.insert(warning.code);
+    return found;
+  };
+  EXPECT_EQ(codes(mesh).count("nearly-empty"), 0u);
+  meshes::append(mesh, meshes::sheet(4, -0.5));
+  EXPECT_EQ(codes(mesh).count("nearly-empty"), 1u);
+}
+
 // A flat sheet at voxel centres: the winding number there is a half but for rounding.
 TEST(VoxelizeTriangles, FlatSheetsAreNotSpeckled) {
   VoxelizeOptions options = maskOf(0);

@@ -22,7 +22,7 @@ constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
 // Of a tangle, clusters as many radii away are looked at from afar.
-constexpr double kRoughDistance = 1;
+constexpr double kRoughDistance = 0.5;
 
 using Vector = std::array<double, 3>;
 

@@ -115,6 +115,15 @@ std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
                      rim.edges.size());
 }
 
+// An open mesh whose inside is next to nothing beside its faces is rather a sheet.
+void warnIfThin(std::uint64_t inside, double surface, Report& report) {
+  if (static_cast<double>(inside) < 0.02 * surface)
+    report.warn("nearly-empty",
+                fmt::format("only {} voxels are inside faces that pass through about {:.0f}: the "
+                            "mesh is rather a sheet, which --shell T gives a thickness",
+                            inside, surface));
+}
+
 std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
   if (solid.shell > 0 || rim.edges.empty())
     return "use smaller voxels, or --allow-empty to write an empty grid";
@@ -185,6 +194,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
     working += 96.0 * ((snapped.boxMax.x - snapped.boxMin.x) * kVoxelsPerUnit + 3 * kNodeSize) *
                ((snapped.boxMax.y - snapped.boxMin.y) * kVoxelsPerUnit + 3 * kNodeSize);
   TreeEstimate estimate = estimateByBoundary(snapped, chain);
+  const double surfaceVoxels = estimate.leaves * kLeafSize * kLeafSize;
   if (solid.shell > 0) {
     const auto leaves = static_cast<double>(
         estimateShellLeaves(snapped, chain, result.transform.voxelSize, solid.shell / 2));
@@ -213,6 +223,8 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
 
   if (!options.allowEmpty && result.volume.grids().all.front()->empty())
     throw Error(Status::Invalid, "", whyEmpty(rim, solid), emptyAdvice(rim, solid));
+  if (solid.shell == 0 && !rim.edges.empty())
+    warnIfThin(result.volume.grids().all.front()->activeVoxelCount(), surfaceVoxels, report);
   return result;
 }
 

@@ -245,7 +245,7 @@ cases of other libraries. `scripts/robustness.py` makes this page; TetVDB {versi
   values are below 0. It is made for closed surfaces. "none": it found no inside.
 - *PrusaSlicer*: `prusa-slicer --info`: manifold or how many open edges, and volume, for the formats it reads.
 - *Seconds and MB*: `tetvdb voxelize --grid mask --resolution {FINE}` as a whole process, wall time and peak resident
-  memory (`ru_maxrss`); an empty run takes about 35 MB. The machine (2 cores) had other work.
+  memory (`ru_maxrss`); an empty run takes about 35 MB. The machine (2 cores) was nearly idle.
 - *Defects* by `tetvdb info`: open, non-manifold and misoriented edges, degenerate and duplicate faces, pairs of faces that
   cross (`+`: at least).
 

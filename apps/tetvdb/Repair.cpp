@@ -1,33 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "InfoTriangles.h"
+#include "JobOptions.h"
 #include "JsonReport.h"
-#include "ParseQuantities.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/pipeline/RepairJob.h"
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 namespace tetvdb::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct Options : JobOptions {
   std::string input, output, grid;
-  std::string voxelSize, inside = "winding", shell, weld;
-  int resolution = 256;
   double simplify = 0.1;
   bool remesh = false;
-  int threads = 0;
-  std::string maxMemory, maxTime;
 };
 
 const char* const kExamples = R"(Examples:
@@ -51,25 +43,14 @@ RepairJob makeJob(const Options& options) {
   job.grid = options.grid;
   const MappedFile readable(options.input); // says so at once if the file is not there
   job.isVolume = signatureOf(options.input) != VolumeSignature::None;
-  if (!options.voxelSize.empty())
-    job.voxelSize = parseVoxelSize("--voxel-size", options.voxelSize);
-  if (options.resolution < 1)
-    throw Error(Status::Usage, "--resolution",
-                fmt::format("'{}' cannot be used", options.resolution),
-                "give a number of voxels above zero");
-  job.resolution = options.resolution;
+  setSize(options, job.voxelSize, job.resolution);
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
   job.remesh = options.remesh;
-  job.solid.inside = parseInsideRule(options.inside);
-  if (!options.shell.empty())
-    job.solid.shell = parseLength("--shell", options.shell);
-  if (!options.weld.empty())
-    job.clean.weldDistance = parseLength("--weld", options.weld);
-  if (!options.maxMemory.empty())
-    job.maxMemory = parseBytes("--max-memory", options.maxMemory);
-  job.threads = options.threads > 0 ? options.threads : tbb::this_task_arena::max_concurrency();
+  setTriangleRules(options, job.solid, job.clean);
+  job.maxMemory = memoryLimit(options);
+  job.threads = threadCount(options);
   return job;
 }
 
@@ -92,22 +73,12 @@ const char* nameOf(SolidSource source) {
   return kNames[static_cast<std::size_t>(source)];
 }
 
-Json cleanedOf(const CleanCounts& cleaned) {
-  return {{"welded_points", cleaned.weldedPoints},
-          {"unreferenced_points", cleaned.unreferencedPoints},
-          {"degenerate_faces", cleaned.degenerateFaces},
-          {"duplicate_faces", cleaned.duplicateFaces},
-          {"flipped_faces", cleaned.flippedFaces},
-          {"flipped_parts", cleaned.flippedParts},
-          {"inside_out", cleaned.insideOut}};
-}
-
 Json repairOf(const RepairResult& result) {
   const bool isMesh = result.source != SolidSource::Volume;
   const bool hasGrid = isMesh && result.remeshed;
   return {{"source", nameOf(result.source)},
           {"remeshed", result.remeshed},
-          {"cleaned", isMesh ? cleanedOf(result.cleaned) : Json()},
+          {"cleaned", isMesh ? toJson(result.cleaned) : Json()},
           {"verdict", isMesh ? Json(verdict(*result.before)) : Json()},
           {"defects", isMesh ? toJson(*result.before, true) : Json()},
           {"voxel_size", hasGrid ? Json(result.transform.voxelSize) : Json()},
@@ -143,18 +114,8 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
   const RepairJob job = makeJob(options);
   refuseWhatDoesNotApply(job, command);
   session.sections["threads"] = job.threads;
-  if (!options.maxTime.empty()) {
-    // A year is as good as for ever, and fits the clock.
-    const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
-    session.progress.setDeadline(Progress::Clock::now() +
-                                 std::chrono::duration_cast<Progress::Clock::duration>(
-                                     std::chrono::duration<double>(seconds)));
-  }
-  // Embree makes oneTBB complain on stderr about more threads than cores unless they are allowed.
-  const tbb::global_control allowed(
-      tbb::global_control::max_allowed_parallelism,
-      std::max(static_cast<std::size_t>(job.threads),
-               tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism)));
+  setDeadline(options, session.progress);
+  const AllowThreads allowed(job.threads);
   const RepairResult result = run(job, session.report, session.progress);
   Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
   if (result.source != SolidSource::Volume) {
@@ -166,47 +127,6 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
   session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
   session.text = summaryOf(result);
   session.textIsSummary = true;
-}
-
-void addMeshOptions(CLI::App& command, Options& options) {
-  CLI::Option* size =
-      command.add_option("--voxel-size", options.voxelSize, "A voxel's side, or one for each axis")
-          ->type_name("H|HX,HY,HZ")
-          ->check(notEmpty());
-  command
-      .add_option("--resolution", options.resolution,
-                  "Voxels along the longest side of the mesh (default 256)")
-      ->type_name("N")
-      ->excludes(size);
-  command.add_flag("--remesh", options.remesh, "Also if the mesh is in order already");
-  command
-      .add_option("--inside", options.inside,
-                  "What is inside: winding number above 0.5 (default), of any sign (nonzero), odd "
-                  "(parity), or not reached from outside (flood)")
-      ->check(CLI::IsMember({"winding", "nonzero", "parity", "flood"}).description(""))
-      ->type_name("RULE");
-  command
-      .add_option("--shell", options.shell,
-                  "No solid but a shell of thickness T around the triangles, for open sheets")
-      ->type_name("T")
-      ->check(notEmpty());
-  command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
-      ->type_name("D")
-      ->check(notEmpty());
-}
-
-void addLimitOptions(CLI::App& command, Options& options) {
-  command.add_option("--threads", options.threads, "Threads (default: one a core)")
-      ->check(CLI::Range(1, 4096).description(""))
-      ->type_name("N");
-  command
-      .add_option("--max-memory", options.maxMemory,
-                  "Refuse what needs more, such as 500M or 4G (default: what is free)")
-      ->type_name("BYTES")
-      ->check(notEmpty());
-  command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")
-      ->type_name("SECONDS")
-      ->check(notEmpty());
 }
 
 } // namespace
@@ -226,7 +146,9 @@ Command addRepair(CLI::App& program) {
   command->add_option("--grid", options->grid, "Grid of a volume (default: the first solid one)")
       ->type_name("NAME")
       ->check(notEmpty());
-  addMeshOptions(*command, *options);
+  addSizeOptions(*command, *options);
+  command->add_flag("--remesh", options->remesh, "Also if the mesh is in order already");
+  addTriangleOptions(*command, *options);
   command
       ->add_option("--simplify", options->simplify,
                    "Merge triangles while the surface moves no more than E voxels (default 0.1; 0: "

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "JobOptions.h"
 #include "JsonReport.h"
 #include "ParseQuantities.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <set>
 #include <string_view>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb::cli {
@@ -19,18 +18,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct Options : JobOptions {
   std::vector<std::string> inputs;
   std::string output, writeMesh;
-  std::string voxelSize, origin, bbox, maxMemory, maxTime;
-  int resolution = 256;
+  std::string origin, bbox;
   std::vector<std::string> grids{"density"};
   std::string device = "auto", path = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
-  int threads = 0;
   bool allowEmpty = false, half = false;
-  std::string mesher = "auto", inside = "winding", shell, weld;
+  std::string mesher = "auto";
   bool keepOrientation = false;
 };
 
@@ -119,30 +116,19 @@ VoxelizeJob makeJob(const Options& options) {
   if (!options.bbox.empty())
     parseBox(options.bbox, job.filter);
   job.solid.method = options.mesher == "centroid" ? SolidMethod::Centroid : SolidMethod::Winding;
-  job.solid.inside = parseInsideRule(options.inside);
-  if (!options.shell.empty())
-    job.solid.shell = parseLength("--shell", options.shell);
-  if (!options.weld.empty())
-    job.clean.weldDistance = parseLength("--weld", options.weld);
+  setTriangleRules(options, job.solid, job.clean);
   job.clean.orient = !options.keepOrientation;
   job.up = options.upAxis == "y" ? UpAxis::Y : UpAxis::Z;
-  if (!options.voxelSize.empty())
-    job.voxelize.voxelSize = parseVoxelSize("--voxel-size", options.voxelSize);
-  if (options.resolution < 1)
-    throw Error(Status::Usage, "--resolution",
-                fmt::format("'{}' cannot be used", options.resolution),
-                "give a number of voxels above zero");
-  job.voxelize.resolution = options.resolution;
+  setSize(options, job.voxelize.voxelSize, job.voxelize.resolution);
   if (!options.origin.empty())
     job.voxelize.origin = parsePoint("--origin", options.origin);
   job.voxelize.grids = parseGrids(options.grids);
   job.voxelize.path = parsePath(options.path);
   job.voxelize.allowEmpty = options.allowEmpty;
-  if (!options.maxMemory.empty())
-    job.maxMemory = parseBytes("--max-memory", options.maxMemory);
+  job.maxMemory = memoryLimit(options);
   job.units = options.units;
   job.half = options.half;
-  job.threads = options.threads;
+  job.threads = threadCount(options);
   return job;
 }
 
@@ -192,20 +178,12 @@ std::string methodText(const VoxelizeResult& result, const Options& options) {
 }
 
 Json trianglesOf(const VoxelizeResult& result, const Options& options) {
-  const CleanCounts& cleaned = result.cleaned;
   return {{"triangles", result.triangles},
           {"open_edges", result.counts.openEdges},
           {"closed", result.counts.openEdges == 0},
           {"method", methodText(result, options)},
           {"inside", options.inside},
-          {"cleaned",
-           {{"welded_points", cleaned.weldedPoints},
-            {"unreferenced_points", cleaned.unreferencedPoints},
-            {"degenerate_faces", cleaned.degenerateFaces},
-            {"duplicate_faces", cleaned.duplicateFaces},
-            {"flipped_faces", cleaned.flippedFaces},
-            {"flipped_parts", cleaned.flippedParts},
-            {"inside_out", cleaned.insideOut}}}};
+          {"cleaned", toJson(result.cleaned)}};
 }
 
 Json outputsOf(const VoxelizeResult& result) {
@@ -255,17 +233,10 @@ void prepareSections(const Options& options, Session& session) {
 
 void runVoxelize(const Options& options, Session& session) {
   prepareSections(options, session);
-  VoxelizeJob job = makeJob(options);
-  if (job.threads == 0)
-    job.threads = tbb::this_task_arena::max_concurrency();
+  const VoxelizeJob job = makeJob(options);
   session.sections["threads"] = job.threads;
-  if (!options.maxTime.empty()) {
-    // A year is as good as for ever, and fits the clock.
-    const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
-    session.progress.setDeadline(Progress::Clock::now() +
-                                 std::chrono::duration_cast<Progress::Clock::duration>(
-                                     std::chrono::duration<double>(seconds)));
-  }
+  setDeadline(options, session.progress);
+  const AllowThreads allowed(job.threads);
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections["input"] = inputsOf(result);
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
@@ -277,21 +248,6 @@ void runVoxelize(const Options& options, Session& session) {
 
 CLI::Validator oneOf(const std::set<std::string>& words) {
   return CLI::IsMember(words).description(""); // the help's type already lists the words
-}
-
-void addSizeOptions(CLI::App& command, Options& options) {
-  CLI::Option* size =
-      command.add_option("--voxel-size", options.voxelSize, "A voxel's side, or one for each axis")
-          ->type_name("H|HX,HY,HZ")
-          ->check(notEmpty());
-  command
-      .add_option("--resolution", options.resolution,
-                  "Voxels along the longest side of the mesh (default 256)")
-      ->type_name("N")
-      ->excludes(size);
-  command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
-      ->type_name("X,Y,Z")
-      ->check(notEmpty());
 }
 
 void addGridOptions(CLI::App& command, Options& options) {
@@ -324,20 +280,7 @@ void addSolidOptions(CLI::App& command, Options& options) {
                   "meshes")
       ->check(oneOf({"auto", "winding", "centroid"}))
       ->type_name("auto|winding|centroid");
-  command
-      .add_option("--inside", options.inside,
-                  "What is inside triangles: winding number above 0.5 (default), of any sign "
-                  "(nonzero), odd (parity), or not reached from outside (flood)")
-      ->check(oneOf({"winding", "nonzero", "parity", "flood"}))
-      ->type_name("RULE");
-  command
-      .add_option("--shell", options.shell,
-                  "No solid but a shell of thickness T around the triangles, for open sheets")
-      ->type_name("T")
-      ->check(notEmpty());
-  command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
-      ->type_name("D")
-      ->check(notEmpty());
+  addTriangleOptions(command, options);
   command.add_flag("--keep-orientation", options.keepOrientation,
                    "Do not turn triangles that look the wrong way");
 }
@@ -355,23 +298,6 @@ void addFilterOptions(CLI::App& command, Options& options) {
       ->type_name("NAME");
   command.add_option("--bbox", options.bbox, "Keep cells that meet this box of the input's space")
       ->type_name("x0,y0,z0,x1,y1,z1")
-      ->check(notEmpty());
-}
-
-void addLimitOptions(CLI::App& command, Options& options) {
-  command.add_option("--device", options.device, "Where to compute (default auto)")
-      ->check(oneOf({"auto", "cpu", "cuda"}))
-      ->type_name("auto|cpu|cuda");
-  command.add_option("--threads", options.threads, "Threads (default: one a core)")
-      ->check(CLI::Range(1, 4096).description(""))
-      ->type_name("N");
-  command
-      .add_option("--max-memory", options.maxMemory,
-                  "Refuse what needs more, such as 500M or 4G (default: what is free)")
-      ->type_name("BYTES")
-      ->check(notEmpty());
-  command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")
-      ->type_name("SECONDS")
       ->check(notEmpty());
 }
 
@@ -399,9 +325,15 @@ Command addVoxelize(CLI::App& program) {
       ->type_name("FILE")
       ->check(notEmpty());
   addSizeOptions(*command, *options);
+  command->add_option("--origin", options->origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
+      ->type_name("X,Y,Z")
+      ->check(notEmpty());
   addGridOptions(*command, *options);
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
+  command->add_option("--device", options->device, "Where to compute (default auto)")
+      ->check(oneOf({"auto", "cpu", "cuda"}))
+      ->type_name("auto|cpu|cuda");
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "JobOptions.h"
+
+#include "Commands.h"
+#include "ParseQuantities.h"
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+namespace tetvdb::cli {
+
+void addSizeOptions(CLI::App& command, JobOptions& options) {
+  CLI::Option* size =
+      command.add_option("--voxel-size", options.voxelSize, "A voxel's side, or one for each axis")
+          ->type_name("H|HX,HY,HZ")
+          ->check(notEmpty());
+  command
+      .add_option("--resolution", options.resolution,
+                  "Voxels along the longest side of the mesh (default 256)")
+      ->type_name("N")
+      ->excludes(size);
+}
+
+void addTriangleOptions(CLI::App& command, JobOptions& options) {
+  command
+      .add_option("--inside", options.inside,
+                  "What is inside triangles: winding number above 0.5 (default), of any sign "
+                  "(nonzero), odd (parity), or not reached from outside (flood)")
+      ->check(CLI::IsMember({"winding", "nonzero", "parity", "flood"}).description(""))
+      ->type_name("RULE");
+  command
+      .add_option("--shell", options.shell,
+                  "No solid but a shell of thickness T around the triangles, for open sheets")
+      ->type_name("T")
+      ->check(notEmpty());
+  command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
+      ->type_name("D")
+      ->check(notEmpty());
+}
+
+void addLimitOptions(CLI::App& command, JobOptions& options) {
+  command.add_option("--threads", options.threads, "Threads (default: one a core)")
+      ->check(CLI::Range(1, 4096).description(""))
+      ->type_name("N");
+  command
+      .add_option("--max-memory", options.maxMemory,
+                  "Refuse what needs more, such as 500M or 4G (default: what is free)")
+      ->type_name("BYTES")
+      ->check(notEmpty());
+  command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")
+      ->type_name("SECONDS")
+      ->check(notEmpty());
+}
+
+void setSize(const JobOptions& options, Vec3d& voxelSize, int& resolution) {
+  if (!options.voxelSize.empty())
+    voxelSize = parseVoxelSize("--voxel-size", options.voxelSize);
+  if (options.resolution < 1)
+    throw Error(Status::Usage, "--resolution",
+                fmt::format("'{}' cannot be used", options.resolution),
+                "give a number of voxels above zero");
+  resolution = options.resolution;
+}
+
+void setTriangleRules(const JobOptions& options, SolidOptions& solid, CleanOptions& clean) {
+  solid.inside = parseInsideRule(options.inside);
+  if (!options.shell.empty())
+    solid.shell = parseLength("--shell", options.shell);
+  if (!options.weld.empty())
+    clean.weldDistance = parseLength("--weld", options.weld);
+}
+
+std::size_t memoryLimit(const JobOptions& options) {
+  return options.maxMemory.empty() ? 0 : parseBytes("--max-memory", options.maxMemory);
+}
+
+int threadCount(const JobOptions& options) {
+  return options.threads == 0 ? tbb::this_task_arena::max_concurrency() : options.threads;
+}
+
+void setDeadline(const JobOptions& options, Progress& progress) {
+  if (options.maxTime.empty())
+    return;
+  // A year is as good as for ever, and fits the clock.
+  const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
+  progress.setDeadline(Progress::Clock::now() +
+                       std::chrono::duration_cast<Progress::Clock::duration>(
+                           std::chrono::duration<double>(seconds)));
+}
+
+AllowThreads::AllowThreads(int threads)
+    : control_(tbb::global_control::max_allowed_parallelism,
+               std::max(static_cast<std::size_t>(threads),
+                        tbb::global_control::active_value(
+                            tbb::global_control::max_allowed_parallelism))) {}
+
+nlohmann::ordered_json toJson(const CleanCounts& cleaned) {
+  return {{"welded_points", cleaned.weldedPoints},
+          {"unreferenced_points", cleaned.unreferencedPoints},
+          {"degenerate_faces", cleaned.degenerateFaces},
+          {"duplicate_faces", cleaned.duplicateFaces},
+          {"flipped_faces", cleaned.flippedFaces},
+          {"flipped_parts", cleaned.flippedParts},
+          {"inside_out", cleaned.insideOut}};
+}
+
+} // namespace tetvdb::cli

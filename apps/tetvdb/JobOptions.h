@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Options that commands which make solids share.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
+
+#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tbb/global_control.h>
+
+namespace tetvdb::cli {
+
+struct JobOptions {
+  std::string voxelSize;
+  int resolution = 256;
+  std::string inside = "winding", shell, weld;
+  int threads = 0;
+  std::string maxMemory, maxTime;
+};
+
+/// --voxel-size and --resolution.
+void addSizeOptions(CLI::App& command, JobOptions& options);
+/// --inside, --shell and --weld, for triangles.
+void addTriangleOptions(CLI::App& command, JobOptions& options);
+/// --threads, --max-memory and --max-time.
+void addLimitOptions(CLI::App& command, JobOptions& options);
+
+// What was given, checked; each throws Error(Usage).
+void setSize(const JobOptions& options, Vec3d& voxelSize, int& resolution);
+void setTriangleRules(const JobOptions& options, SolidOptions& solid, CleanOptions& clean);
+/// Bytes; 0 where nothing was given.
+std::size_t memoryLimit(const JobOptions& options);
+/// One a core where nothing was given.
+int threadCount(const JobOptions& options);
+void setDeadline(const JobOptions& options, Progress& progress);
+
+/// Allows that many threads while it lives: with Embree in the program oneTBB says on stderr where
+/// they are more than the cores.
+class AllowThreads {
+public:
+  explicit AllowThreads(int threads);
+
+private:
+  tbb::global_control control_;
+};
+
+/// What cleaning did, for the report.
+nlohmann::ordered_json toJson(const CleanCounts& cleaned);
+
+} // namespace tetvdb::cli

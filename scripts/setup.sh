@@ -13,8 +13,8 @@ build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev li
   libblosc-dev libtbb-dev libnetcdf-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
   libxxhash-dev libembree-dev libassimp-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
-test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb libopenvdb-tools
-  libnanovdb-tools)
+test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb
+  python3-numpy libopenvdb-tools libnanovdb-tools)
 demo=(libopenvdb-tools)
 check=(clang clang-format-14 clang-tidy-14)
 

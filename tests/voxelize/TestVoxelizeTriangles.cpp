@@ -313,6 +313,14 @@ TEST(VoxelizeTriangles, FloodIsWhatCannotBeReached) {
   EXPECT_GT(filled, 3000);
 }
 
+TEST(VoxelizeTriangles, FloodOfAMeshBetweenVoxelCentres) {
+  SolidOptions flood;
+  flood.inside = InsideRule::Flood;
+  VoxelizeOptions options = maskOf(0);
+  options.voxelSize = {1, 1, 1};
+  EXPECT_EQ(countOf(run(meshes::box({0.45, 0.45, 0.45}, {0.55, 0.55, 0.55}), flood, options)), 0u);
+}
+
 TEST(VoxelizeTriangles, ParityNeedsNoOrientation) {
   SolidOptions parity;
   parity.inside = InsideRule::Parity;

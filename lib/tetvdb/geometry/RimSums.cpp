@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,16 +13,6 @@ namespace tetvdb {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-double dot(const Vec3d& a, const Vec3d& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-double norm(const Vec3d& a) {
-  return std::sqrt(dot(a, a));
-}
-Vec3d cross(const Vec3d& a, const Vec3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 // A difference of two rounded products has the right sign beyond this share of their sizes.
 constexpr double kSure = 4.5e-16;
@@ -76,9 +67,9 @@ bool isBetween(const Vec3d& a, const Vec3d& b) {
 // great circle through the direction back, and up is at an angle to that half plane.
 double angleOnEdge(const Vec3d& a, const Vec3d& b) {
   Vec3d t{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  const double length = norm(t);
+  const double way = length(t);
   for (double& c : t)
-    c /= length;
+    c /= way;
   const bool alongX = t[1] == 0 && t[2] == 0;
   const Vec3d moved = alongX ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
   Vec3d back{0, 0, 0}, up{0, 0, 0};
@@ -254,7 +245,7 @@ double angleUp(const Vec3d& a, const Vec3d& b) {
   if (b[0] == 0 && b[1] == 0)
     return b[2] < 0 ? -angleFromPole(a) : 0.0;
   const double cosine = (above(a) * above(b)) + (a[0] * b[0] + a[1] * b[1]);
-  if (std::abs(sine) + std::abs(cosine) < 1e-9 * norm(a) * norm(b) && isBetween(a, b))
+  if (std::abs(sine) + std::abs(cosine) < 1e-9 * length(a) * length(b) && isBetween(a, b))
     return angleOnEdge(a, b);
   return 2 * std::atan2(sine, cosine);
 }

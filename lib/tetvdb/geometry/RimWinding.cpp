@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/RimWinding.h"
 
+#include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 namespace tetvdb {
@@ -24,21 +25,9 @@ constexpr double kClusterError = 1e-5;
 // Of a tangle, clusters as many radii away are looked at from afar.
 constexpr double kRoughDistance = 0.5;
 
-using Vector = std::array<double, 3>;
-
-Vector from(const LatticePoint& p, const LatticePoint& q) {
+Vec3d from(const LatticePoint& p, const LatticePoint& q) {
   return {q.x - p.x, q.y - p.y, q.z - p.z};
 }
-double dot(const Vector& a, const Vector& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-double norm(const Vector& a) {
-  return std::sqrt(dot(a, a));
-}
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 bool less(const LatticePoint& a, const LatticePoint& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
@@ -49,7 +38,7 @@ bool earlier(const RimEdge& e, const RimEdge& f) {
 
 double distanceToBox(const LatticePoint& p, const LatticePoint& low, const LatticePoint& high) {
   const auto outside = [](double x, double a, double b) { return std::max({a - x, x - b, 0.0}); };
-  return norm(
+  return length(
       {outside(p.x, low.x, high.x), outside(p.y, low.y, high.y), outside(p.z, low.z, high.z)});
 }
 
@@ -82,13 +71,7 @@ private:
 
 // Parts of the rim that hang together by their points, each named by its first edge.
 std::vector<std::uint32_t> connectedParts(const std::vector<RimEdge>& edges) {
-  std::vector<std::uint32_t> parent(edges.size());
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i)
-      i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets parts(edges.size());
   struct End {
     LatticePoint point;
     std::uint32_t edge;
@@ -103,15 +86,13 @@ std::vector<std::uint32_t> connectedParts(const std::vector<RimEdge>& edges) {
     return std::tie(e.point.x, e.point.y, e.point.z, e.edge) <
            std::tie(f.point.x, f.point.y, f.point.z, f.edge);
   });
-  for (std::size_t i = 1; i < ends.size(); ++i) {
-    if (less(ends[i - 1].point, ends[i].point))
-      continue;
-    const std::uint32_t p = root(ends[i - 1].edge), q = root(ends[i].edge);
-    parent[std::max(p, q)] = std::min(p, q);
-  }
+  for (std::size_t i = 1; i < ends.size(); ++i)
+    if (!less(ends[i - 1].point, ends[i].point))
+      parts.join(ends[i - 1].edge, ends[i].edge);
+  std::vector<std::uint32_t> part(edges.size());
   for (std::uint32_t i = 0; i < edges.size(); ++i)
-    parent[i] = root(i);
-  return parent;
+    part[i] = parts.find(i);
+  return part;
 }
 
 } // namespace
@@ -119,7 +100,7 @@ std::vector<std::uint32_t> connectedParts(const std::vector<RimEdge>& edges) {
 // What the tree's build moves about: an edge, or a small part of the rim as a whole.
 struct RimWinding::Item {
   std::vector<std::uint32_t> edges;
-  Vector middle;
+  Vec3d middle;
 };
 
 RimWinding::RimWinding(std::vector<RimEdge> edges) {
@@ -159,7 +140,7 @@ void RimWinding::build(Item* begin, Item* end, const std::vector<RimEdge>& edges
       for (const std::uint32_t e : item->edges)
         edges_.push(edges[e].a, edges[e].b, edges[e].weight);
   } else {
-    Vector low = begin->middle, high = begin->middle;
+    Vec3d low = begin->middle, high = begin->middle;
     for (const Item* item = begin; item != end; ++item)
       for (std::size_t k = 0; k < 3; ++k) {
         low[k] = std::min(low[k], item->middle[k]);
@@ -203,13 +184,13 @@ void RimWinding::fillMoments(Node& node) const {
   double second[3][3] = {};
   double third[3][3][3] = {};
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
-    const Vector a = from(node.centre, edges_.a(i)), b = from(node.centre, edges_.b(i));
+    const Vec3d a = from(node.centre, edges_.a(i)), b = from(node.centre, edges_.b(i));
     const double weight = edges_.weight[i];
-    const Vector sum{a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-    Vector n = cross(a, b);
-    node.radius = std::max({node.radius, norm(a), norm(b)});
-    node.area += norm(n) / 2 * std::abs(weight);
-    node.length += norm(from(edges_.a(i), edges_.b(i))) * std::abs(weight);
+    const Vec3d sum{a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+    Vec3d n = cross(a, b);
+    node.radius = std::max({node.radius, length(a), length(b)});
+    node.area += length(n) / 2 * std::abs(weight);
+    node.length += length(from(edges_.a(i), edges_.b(i))) * std::abs(weight);
     for (double& c : n)
       c *= weight / 2;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -273,7 +254,7 @@ void RimWinding::fillLooseEnds(Node& node) {
 // cancel but at loose ends. The sum is short of 4 pi where the cone passes straight below p; at()
 // sees to that.
 TETVDB_INLINE double RimWinding::coneFromAfar(const Node& node, const Vec3d& r) {
-  const double inverse = 1 / norm(r);
+  const double inverse = 1 / length(r);
   const double i2 = inverse * inverse, i3 = i2 * inverse, i5 = i3 * i2;
   const double x = r[0], y = r[1], z = r[2];
   const auto& q = node.quadrupole;
@@ -366,8 +347,8 @@ double RimWinding::at(const LatticePoint& p) const {
   LooseAngles loose(p);
   walk(
       [&](const Node& node) {
-        const Vector r = from(p, node.centre);
-        const double distance = norm(r) - node.radius;
+        const Vec3d r = from(p, node.centre);
+        const double distance = length(r) - node.radius;
         if (!isFar(node, distance))
           return false;
         const bool above = p.x >= node.boxMin.x && p.x <= node.boxMax.x && p.y >= node.boxMin.y &&
@@ -401,7 +382,7 @@ void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points)
   double turns = 0;
   walk(
       [&](const Node& node) {
-        if (!isFar(node, norm(from(centre, node.centre)) - node.radius - reach))
+        if (!isFar(node, length(from(centre, node.centre)) - node.radius - reach))
           return false;
         const bool above = centre.x + reach >= node.boxMin.x && centre.x - reach <= node.boxMax.x &&
                            centre.y + reach >= node.boxMin.y && centre.y - reach <= node.boxMax.y &&
@@ -432,16 +413,16 @@ void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points)
 // To first order in the edges' places within the cluster, r = R + y: the integral of
 // r x dl / |r|^3 = R x way / R^3 + sum over j of (d/dR_j (R / R^3)) x (sum of dl y_j).
 Vec3d RimWinding::fieldFromAfar(const Node& node, const Vec3d& r) {
-  const double inverse = 1 / norm(r);
+  const double inverse = 1 / length(r);
   const double i2 = inverse * inverse, i3 = i2 * inverse;
-  Vector field = cross(r, node.way);
+  Vec3d field = cross(r, node.way);
   for (double& c : field)
     c *= i3;
   for (std::size_t j = 0; j < 3; ++j) {
-    Vector change{0, 0, 0};
+    Vec3d change{0, 0, 0};
     for (std::size_t k = 0; k < 3; ++k)
       change[k] = ((k == j ? 1.0 : 0.0) - 3 * r[j] * r[k] * i2) * i3;
-    const Vector part = cross(change, {node.current[j], node.current[3 + j], node.current[6 + j]});
+    const Vec3d part = cross(change, {node.current[j], node.current[3 + j], node.current[6 + j]});
     for (std::size_t k = 0; k < 3; ++k)
       field[k] += part[k];
   }
@@ -474,14 +455,14 @@ RimWinding::Slope RimWinding::slope(const LatticePoint& centre, double reach) co
   slope.bend = bend(centre, reach);
   if (!std::isfinite(slope.bend))
     return slope;
-  const auto add = [&](const Vector& field) {
+  const auto add = [&](const Vec3d& field) {
     for (std::size_t k = 0; k < 3; ++k)
       slope.gradient[k] += field[k] / (4 * kPi);
   };
   walk(
       [&](const Node& node) {
-        const Vector r = from(centre, node.centre);
-        const double distance = norm(r) - node.radius;
+        const Vec3d r = from(centre, node.centre);
+        const double distance = length(r) - node.radius;
         // Second derivatives of r / |r|^3 are at most 6 / |r|^4, over 2!.
         const double square = distance * distance;
         const double error =
@@ -522,12 +503,12 @@ bool RimWinding::curtains(const LatticePoint& centre, double reach, std::size_t 
 // so that s jumps by the weight.
 std::int32_t RimWinding::jump(const LatticePoint& centre, const LatticePoint& p,
                               const std::vector<std::uint32_t>& edges) const {
-  const Vector way = from(centre, p);
+  const Vec3d way = from(centre, p);
   if (way[0] == 0 && way[1] == 0)
     return 0;
   double sum = 0;
   for (const std::uint32_t i : edges) {
-    const Vector a = from(centre, edges_.a(i)), b = from(centre, edges_.b(i));
+    const Vec3d a = from(centre, edges_.a(i)), b = from(centre, edges_.b(i));
     const double before = turn(a, b);
     const double after = turn(from(p, edges_.a(i)), from(p, edges_.b(i)));
     if (!((before < 0 && after > 0) || (before > 0 && after < 0)))

@@ -46,7 +46,6 @@ public:
   explicit RimWinding(std::vector<RimEdge> edges);
 
   bool empty() const { return edges_.size() == 0; }
-  std::size_t edgeCount() const { return edges_.size(); }
   /// Whether there are more than kManyRimEdges edges.
   bool rough() const { return edges_.size() > kManyRimEdges; }
 

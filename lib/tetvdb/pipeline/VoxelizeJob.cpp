@@ -93,36 +93,22 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
       grid->setSaveFloatAsHalf(true);
 }
 
-TetMesh readAllTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
-                    Progress& progress) {
+// Reads every input by read(path, info), and lays them together.
+template <typename Mesh, typename Read>
+Mesh readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress,
+             const Read& read) {
   StageTimer timer(report, "read");
   progress.stage("read");
-  std::vector<TetMesh> meshes;
+  std::vector<Mesh> meshes;
   for (const std::string& input : job.inputs) {
     InputInfo info;
     timer.part(input);
-    meshes.push_back(readTets(input, job.read, job.filter, &info, report, progress));
+    meshes.push_back(read(input, info));
     result.tets += info.tets;
     result.volume += info.statistics.volume;
     result.inputs.push_back(std::move(info));
   }
-  TetMesh mesh = mergeMeshes(std::move(meshes), report);
-  turnUp(mesh.points, job.up);
-  return mesh;
-}
-
-TriangleMesh readAllTriangles(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
-                              Progress& progress) {
-  StageTimer timer(report, "read");
-  progress.stage("read");
-  std::vector<TriangleMesh> meshes;
-  for (const std::string& input : job.inputs) {
-    InputInfo info;
-    timer.part(input);
-    meshes.push_back(readSoup(input, &info, report, progress));
-    result.inputs.push_back(std::move(info));
-  }
-  TriangleMesh mesh = mergeMeshes(std::move(meshes), report);
+  Mesh mesh = mergeMeshes(std::move(meshes), report);
   turnUp(mesh.points, job.up);
   return mesh;
 }
@@ -180,7 +166,10 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
 }
 
 void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress) {
-  TetMesh mesh = readAllTets(job, result, report, progress);
+  TetMesh mesh = readAll<TetMesh>(
+      job, result, report, progress, [&](const std::string& path, InputInfo& info) {
+        return readTets(path, job.read, job.filter, &info, report, progress);
+      });
   progress.check();
   Volume volume;
   if (!job.output.empty()) {
@@ -197,7 +186,10 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
 
 void runTriangles(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
                   Progress& progress) {
-  TriangleMesh mesh = readAllTriangles(job, result, report, progress);
+  TriangleMesh mesh = readAll<TriangleMesh>(job, result, report, progress,
+                                            [&](const std::string& path, InputInfo& info) {
+                                              return readSoup(path, &info, report, progress);
+                                            });
   progress.check();
   clean(job, mesh, result, report, progress);
   Volume volume;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/FacePatches.h"
 
-#include "tetvdb/surface/DisjointSets.h"
+#include "tetvdb/core/DisjointSets.h"
 
 namespace tetvdb {
 namespace {

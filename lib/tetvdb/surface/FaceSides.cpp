@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/FaceSides.h"
 
+#include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/surface/DisjointSets.h"
 #include "tetvdb/surface/PatchesAtEdge.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/SplitFans.h"
 
+#include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/surface/DisjointSets.h"
 #include "tetvdb/surface/EdgeTable.h"
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/SurfaceDefects.h"
 
+#include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/surface/DisjointSets.h"
 #include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FacePatches.h"

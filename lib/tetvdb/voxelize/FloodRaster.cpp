@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/FloodRaster.h"
 
+#include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/voxelize/ShellRaster.h"
 
@@ -10,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <numeric>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -100,8 +100,6 @@ public:
 
   // Node by node: what the outside has not reached.
   void write(NodeSink& sink) {
-    if (walls_.nodes().empty())
-      return;
     std::int32_t zLow = kAbove, zHigh = kBelow;
     for (const auto& [index, slabs] : walls_.nodes()) {
       zLow = std::min(zLow, index[2]);
@@ -195,8 +193,7 @@ private:
   }
 
   void joinCells() {
-    parent_.resize(starts_.back());
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    DisjointSets cells(starts_.back());
     tbb::enumerable_thread_specific<Joins> found;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, columns_.size(), 4096),
                       [&](const auto& range) {
@@ -213,28 +210,13 @@ private:
                       });
     for (const Joins& joins : found)
       for (const auto& [a, b] : joins)
-        join(a, b);
+        cells.join(a, b);
     // All columns are open above; the first one is free.
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      join(0, static_cast<std::uint32_t>(starts_[c + 1] - 1));
-    outside_ = root(0);
-  }
-
-  std::uint32_t root(std::uint32_t i) {
-    while (parent_[i] != i)
-      i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-  bool isOutside(std::size_t cell) const {
-    auto i = static_cast<std::uint32_t>(cell);
-    while (parent_[i] != i)
-      i = parent_[i];
-    return i == outside_;
+      cells.join(0, static_cast<std::uint32_t>(starts_[c + 1] - 1));
+    outside_.resize(starts_.back());
+    for (std::uint32_t i = 0; i < outside_.size(); ++i)
+      outside_[i] = cells.find(i) == 0;
   }
 
   void writeNode(const NodeIndex& index, NodeSink& sink) {
@@ -252,7 +234,7 @@ private:
         auto cell = std::lower_bound(cells.begin(), cells.end(), z0,
                                      [](const Cell& c, std::int32_t z) { return c.last < z; });
         for (; cell != cells.end() && cell->first < z0 + kNodeSize; ++cell) {
-          if (isOutside(starts_[column] + static_cast<std::size_t>(cell - cells.begin())))
+          if (outside_[starts_[column] + static_cast<std::size_t>(cell - cells.begin())])
             continue;
           any = true;
           setRun(bits->rows[row], std::max(cell->first, z0) - z0,
@@ -277,8 +259,7 @@ private:
   std::size_t width_ = 0;                                                  // columns along y
   std::vector<std::vector<Cell>> columns_;
   std::vector<std::size_t> starts_; // number of the first cell of every column
-  std::vector<std::uint32_t> parent_;
-  std::uint32_t outside_ = 0;
+  std::vector<bool> outside_;       // of every cell
 };
 
 } // namespace
@@ -288,6 +269,8 @@ void rasterizeFlood(const SnappedMesh& mesh, const Boundary& faces, const Triang
   const Vec3d& h = transform.voxelSize;
   BitNodes walls;
   rasterizeShell(mesh, faces, h, 0.5 * std::max({h[0], h[1], h[2]}) * (1 + 1e-6), walls, progress);
+  if (walls.nodes().empty())
+    return; // the mesh lies between voxel centres
   Flood flood(walls, scene, transform, progress);
   flood.run();
   flood.write(sink);

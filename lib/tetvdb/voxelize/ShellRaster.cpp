@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/ShellRaster.h"
 
+#include "tetvdb/geometry/VectorMath.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -16,16 +18,6 @@
 
 namespace tetvdb {
 namespace {
-
-Vec3d operator-(const Vec3d& a, const Vec3d& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-double dot(const Vec3d& a, const Vec3d& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vec3d cross(const Vec3d& a, const Vec3d& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 // Heights along a column; empty where low > high.
 struct Heights {
@@ -87,7 +79,7 @@ private:
   }
 
   Heights cylinder(const Vec3d& a, const Vec3d& b, double x, double y) const {
-    Vec3d u = b - a;
+    Vec3d u = minus(b, a);
     const double length = std::sqrt(dot(u, u));
     if (!(length > 0))
       return {};
@@ -121,8 +113,8 @@ private:
     heights.clip(radius_ - height, -normal_[2]);
     heights.clip(radius_ + height, normal_[2]);
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3d inward = cross(normal_, corners_[(i + 1) % 3] - corners_[i]);
-      heights.clip(dot(inward, w - corners_[i]), inward[2]);
+      const Vec3d inward = cross(normal_, minus(corners_[(i + 1) % 3], corners_[i]));
+      heights.clip(dot(inward, minus(w, corners_[i])), inward[2]);
     }
     return heights;
   }

@@ -60,6 +60,15 @@ std::string verdictOnClosed(const SurfaceDefects& defects) {
                                           : "the solid is clear all the same");
 }
 
+void addEdgesAndCrossings(const SurfaceDefects& defects, std::vector<std::string>& issues) {
+  if (defects.misorientedEdges > 0)
+    issues.push_back(count(defects.misorientedEdges, "edge", "edges") + " between opposite faces");
+  if (defects.nonManifoldEdges > 0)
+    issues.push_back(count(defects.nonManifoldEdges, "edge", "edges") + " of three faces or more");
+  if (defects.selfIntersections > 0)
+    issues.push_back(crossings(defects) + " that cross");
+}
+
 std::string verdictOnOpen(const SurfaceDefects& defects) {
   const std::string open =
       count(defects.boundaryEdges, "open edge", "open edges") +
@@ -75,24 +84,14 @@ std::string verdictOnOpen(const SurfaceDefects& defects) {
   std::vector<std::string> issues{open};
   if (defects.volume < -kLeastVolume * std::pow(defects.area, 1.5))
     issues.emplace_back("inside out");
-  if (defects.misorientedEdges > 0)
-    issues.push_back(count(defects.misorientedEdges, "edge", "edges") + " between opposite faces");
-  if (defects.nonManifoldEdges > 0)
-    issues.push_back(count(defects.nonManifoldEdges, "edge", "edges") + " of three faces or more");
-  if (defects.selfIntersections > 0)
-    issues.push_back(crossings(defects) + " that cross");
+  addEdgesAndCrossings(defects, issues);
   return "not watertight: " + joined(issues) + "; the solid is closed by winding number";
 }
 
 // Every edge has its faces, but these do not run along it as they should.
 std::string verdictOnUnbalanced(const SurfaceDefects& defects) {
   std::vector<std::string> issues;
-  if (defects.misorientedEdges > 0)
-    issues.push_back(count(defects.misorientedEdges, "edge", "edges") + " between opposite faces");
-  if (defects.nonManifoldEdges > 0)
-    issues.push_back(count(defects.nonManifoldEdges, "edge", "edges") + " of three faces or more");
-  if (defects.selfIntersections > 0)
-    issues.push_back(crossings(defects) + " that cross");
+  addEdgesAndCrossings(defects, issues);
   const char* advice = !defects.orientable ? "it has one side only and thus no inside"
                        : defects.nonManifoldEdges > 0
                            ? "faces are turned and the solid is found by winding number"

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The mesher's coordinates: whole numbers, kept in doubles.
+//
+// The model's box is mapped onto a lattice whose unit is a power of two, fine enough for 38 bits
+// along the longest side (about 4e-12 of it), and no finer than doubles resolve at the model's
+// distance from the origin. Differences of coordinates are then exact in doubles, orientations are
+// exact in 128 bits, and the way back to world space rounds nothing: a tet that is positive on the
+// lattice is positive in the file.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/Exact.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace tetvdb {
+
+/// Coordinates of lattice points are below this in magnitude.
+constexpr double kLatticeBound = static_cast<double>(std::int64_t(1) << 37);
+
+class WorkingLattice {
+public:
+  /// For points within `box` (world space, not empty); leaves room for a margin as wide as half
+  /// the box's longest side all around.
+  explicit WorkingLattice(const Box& box);
+
+  double unit() const { return unit_; } ///< world units: a power of two
+  /// The nearest lattice point.
+  Vec3d toLattice(const Vec3d& world) const;
+  /// Exact.
+  Vec3d toWorld(const Vec3d& lattice) const;
+
+private:
+  Vec3d origin_; // a lattice point of the lattice about 0
+  double unit_;
+};
+
+/// To the nearest lattice point.
+inline Vec3d roundToLattice(const Vec3d& p) {
+  return {std::nearbyint(p[0]), std::nearbyint(p[1]), std::nearbyint(p[2])};
+}
+
+/// The sign of orientDeterminant() where rounding hides it.
+int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+
+/// Six times the signed volume of the tet a, b, c, d, rounded: above 0 where d lies on the side
+/// that (b - a) x (c - a) points to.
+inline double orientDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+  const double wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
+  return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx);
+}
+
+/// The sign of the tet's volume, exact for lattice points. With exact differences every one of the
+/// six products is off by at most 2 roundings, and sums add 4 more: 8 * 2^-53 of their magnitudes.
+inline int latticeOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+  const double wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
+  const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
+  const double det = wx * (yz - zy) + wy * (zx - xz) + wz * (xy - yx);
+  const double size = std::abs(wx) * (std::abs(yz) + std::abs(zy)) +
+                      std::abs(wy) * (std::abs(zx) + std::abs(xz)) +
+                      std::abs(wz) * (std::abs(xy) + std::abs(yx));
+  constexpr double kError = 1e-15; // 8 * 2^-53 = 8.9e-16, rounded up
+  if (det > kError * size)
+    return 1;
+  if (det < -kError * size)
+    return -1;
+  return exactOrientation(a, b, c, d);
+}
+
+} // namespace tetvdb

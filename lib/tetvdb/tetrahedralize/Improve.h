@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Local improvement: fewer and better tets, the surface kept within the envelope.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/tetrahedralize/Envelope.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace tetvdb {
+
+/// Where tracked faces and rim edges must stay.
+struct Bounds {
+  const Envelope& surface;
+  const Envelope& rim; ///< empty where the input has no open edges
+  double radius;       ///< of both, lattice units
+};
+
+struct ImproveOptions {
+  double edgeLength = 0;   ///< target, lattice units
+  double smallestEdge = 0; ///< no edge is asked to be shorter than this, lattice units
+  double stopEnergy = 10;  ///< worst AMIPS energy to reach; 3 is the regular tet
+  int maxPasses = 80;
+};
+
+struct ImproveCounts {
+  int passes = 0;
+  double worstEnergy = 0, meanEnergy = 0; ///< over all tets
+  std::size_t splits = 0, collapses = 0, swaps = 0, moves = 0;
+};
+
+/// Collapses edges as long as tets become markedly fewer (by a hundredth and more a round), with no
+/// regard to length: the quick way to a mesh that is valid and small. A collapse may not leave a
+/// tet worse than the worst that was there, nor worse than kCoarsenEnergy where none was.
+ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progress);
+
+/// Passes of split, collapse, swap and smooth until the worst energy is at most `stopEnergy`, as
+/// section 3.5 of "Fast Tetrahedral Meshing in the Wild", with a sizing field. Every third pass
+/// `reinsert` is called, which may put further triangles in; it returns how many are missing, and
+/// passes go on while that falls. Parallel by TetParts; the same mesh for any number of threads.
+ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
+                      const std::function<std::size_t()>& reinsert, Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <algorithm>
+#include <cassert>
+#include <stdexcept>
+#include <string>
+
+namespace tetvdb {
+namespace {
+
+using Key = std::array<std::uint32_t, 3>;
+
+Key sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  if (a > b)
+    std::swap(a, b);
+  if (b > c)
+    std::swap(b, c);
+  if (a > b)
+    std::swap(a, b);
+  return {a, b, c};
+}
+
+Key faceKey(const std::array<std::uint32_t, 4>& corners, unsigned slot) {
+  const auto& face = kFaceCorners[slot];
+  return sorted(corners[face[0]], corners[face[1]], corners[face[2]]);
+}
+
+} // namespace
+
+std::uint32_t TetComplex::nextMark() const {
+  return ++mark_;
+}
+
+std::uint32_t TetComplex::addPoint(const Vec3d& at) {
+  Point point;
+  point.at = at;
+  points.push_back(point);
+  return static_cast<std::uint32_t>(points.size() - 1);
+}
+
+unsigned TetComplex::slotOf(std::uint32_t t, std::uint32_t other) const {
+  const auto& neighbours = tets[t].neighbours;
+  unsigned slot = 0;
+  while (neighbours[slot] != other) {
+    ++slot;
+    assert(slot < 4);
+  }
+  return slot;
+}
+
+void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out) const {
+  out.clear();
+  const std::uint32_t mark = nextMark();
+  auto& all = const_cast<std::vector<Tet>&>(tets); // the marks alone
+  const std::uint32_t first = points[point].tet;
+  all[first].mark = mark;
+  out.push_back(first);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Tet& tet = tets[out[i]];
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const std::uint32_t next = tet.neighbours[slot];
+      if (tet.corners[slot] == point || next >= kElsewhere || all[next].mark == mark)
+        continue;
+      all[next].mark = mark;
+      out.push_back(next);
+    }
+  }
+}
+
+std::uint32_t TetComplex::tetAtEdge(std::uint32_t a, std::uint32_t b) const {
+  star(a, stack_);
+  for (const std::uint32_t t : stack_)
+    if (tets[t].cornerOf(b) < 4)
+      return t;
+  return kNone;
+}
+
+bool TetComplex::ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
+                      std::vector<std::uint32_t>& ringPoints) const {
+  tetsAround.clear();
+  ringPoints.clear();
+  const std::uint32_t first = tetAtEdge(a, b);
+  if (first == kNone)
+    return false;
+  // Of the two other corners of a positive tet (a, b, p, q) the ring goes from p to q: p, q turn
+  // counter-clockwise about a -> b seen from b.
+  const auto others = [&](std::uint32_t t) {
+    const auto& corners = tets[t].corners;
+    const unsigned i = tets[t].cornerOf(a), j = tets[t].cornerOf(b);
+    unsigned k = 0;
+    while (k == i || k == j)
+      ++k;
+    unsigned l = k + 1;
+    while (l == i || l == j)
+      ++l;
+    // Parity of (i, j, k, l) as a permutation of (0, 1, 2, 3); k < l.
+    const unsigned inversions = (i > j) + (i > k) + (i > l) + (j > k) + (j > l);
+    return inversions % 2 == 0 ? std::array<std::uint32_t, 2>{corners[k], corners[l]}
+                               : std::array<std::uint32_t, 2>{corners[l], corners[k]};
+  };
+  std::uint32_t t = first;
+  for (;;) {
+    const auto [p, q] = others(t);
+    tetsAround.push_back(t);
+    ringPoints.push_back(p);
+    const std::uint32_t next = tets[t].neighbours[tets[t].cornerOf(p)];
+    if (next == first)
+      return true;
+    if (next >= kElsewhere) {
+      ringPoints.push_back(q);
+      return false;
+    }
+    t = next;
+  }
+}
+
+TetComplex::OpenFace& TetComplex::findFace(const Key& key) {
+  const std::size_t size = faces_.size() - 1;
+  std::size_t i = (key[0] * std::size_t(0x9E3779B1u) ^ key[1] * std::size_t(0x85EBCA6Bu) ^
+                   key[2] * std::size_t(0xC2B2AE35u));
+  i = (i ^ (i >> 17)) & size;
+  while (faces_[i].round == faceRound_ && faces_[i].key != key)
+    i = (i + 1) & size;
+  return faces_[i];
+}
+
+void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
+                         std::vector<std::uint32_t>* made) {
+  std::size_t room = 256;
+  while (room < 8 * (old.size() + fresh.size()))
+    room *= 2;
+  if (faces_.size() < room) {
+    faces_.assign(room, OpenFace{});
+    faceRound_ = 0;
+  }
+  ++faceRound_;
+  const std::uint32_t mark = nextMark();
+  for (const std::uint32_t t : old)
+    tets[t].mark = mark;
+  for (const std::uint32_t t : old) {
+    const Tet& tet = tets[t];
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const std::uint32_t next = tet.neighbours[slot];
+      if (next < kElsewhere && tets[next].mark == mark)
+        continue;
+      const Key key = faceKey(tet.corners, slot);
+      OpenFace& face = findFace(key);
+      face = {key,
+              next,
+              next < kElsewhere ? slotOf(next, t) : 0,
+              tet.chains[slot],
+              tet.tracked[slot],
+              true,
+              faceRound_};
+    }
+  }
+  for (const std::uint32_t t : old) {
+    for (const std::uint32_t corner : tets[t].corners)
+      points[corner].tet = kNone;
+    tets[t].corners[0] = kNone;
+    free_.push_back(t);
+  }
+  std::reverse(free_.end() - static_cast<std::ptrdiff_t>(old.size()), free_.end());
+  for (const NewTet& one : fresh) {
+    std::uint32_t t;
+    if (free_.empty()) {
+      t = static_cast<std::uint32_t>(tets.size());
+      tets.emplace_back();
+    } else {
+      t = free_.back();
+      free_.pop_back();
+    }
+    if (made != nullptr)
+      made->push_back(t);
+    Tet& tet = tets[t];
+    tet.corners = one.corners;
+    tet.chains = one.chains;
+    tet.tracked = one.tracked;
+    tet.energy = 0;
+    tet.mark = 0;
+    for (const std::uint32_t corner : one.corners)
+      points[corner].tet = t;
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const Key key = faceKey(one.corners, slot);
+      OpenFace& face = findFace(key);
+      if (face.round != faceRound_) {
+        face = {key, t, slot, 0, false, false, faceRound_};
+        tet.neighbours[slot] = kOutside;
+        continue;
+      }
+      tet.neighbours[slot] = face.tet;
+      if (face.border) {
+        tet.chains[slot] += face.chain;
+        tet.tracked[slot] = tet.tracked[slot] || face.tracked;
+      } else {
+        assert(tets[face.tet].chains[face.slot] == -tet.chains[slot]);
+      }
+      if (face.tet < kElsewhere) {
+        Tet& other = tets[face.tet];
+        other.neighbours[face.slot] = t;
+        other.chains[face.slot] = -tet.chains[slot];
+        other.tracked[face.slot] = tet.tracked[slot];
+      }
+    }
+  }
+}
+
+void TetComplex::verify() const {
+  const auto fail = [](const char* what, std::size_t where) {
+    throw std::logic_error(std::string(what) + " at " + std::to_string(where));
+  };
+  for (std::size_t t = 0; t < tets.size(); ++t) {
+    const Tet& tet = tets[t];
+    if (!tet.exists())
+      continue;
+    for (const std::uint32_t corner : tet.corners)
+      if (corner >= points.size() || !points[corner].exists())
+        fail("a tet has a point that is gone", t);
+    if (!isPositive(tet.corners))
+      fail("a tet is not positive", t);
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const std::uint32_t next = tet.neighbours[slot];
+      if (next >= kElsewhere)
+        continue;
+      const Tet& other = tets[next];
+      if (!other.exists())
+        fail("a neighbour is gone", t);
+      const auto back = std::find(other.neighbours.begin(), other.neighbours.end(),
+                                  static_cast<std::uint32_t>(t));
+      if (back == other.neighbours.end())
+        fail("neighbours do not agree", t);
+      const auto otherSlot = static_cast<unsigned>(back - other.neighbours.begin());
+      if (faceKey(tet.corners, slot) != faceKey(other.corners, otherSlot))
+        fail("neighbours do not share the face's points", t);
+      if (tet.chains[slot] != -other.chains[otherSlot] ||
+          tet.tracked[slot] != other.tracked[otherSlot])
+        fail("neighbours do not agree on what a face stands for", t);
+      if (tet.chains[slot] != 0 && !tet.tracked[slot])
+        fail("a face has a chain but is not tracked", t);
+    }
+  }
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if (points[p].exists() && (points[p].tet >= tets.size() ||
+                               tets[points[p].tet].cornerOf(static_cast<std::uint32_t>(p)) == 4))
+      fail("a point does not know its tet", p);
+}
+
+} // namespace tetvdb

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The mesh that the mesher works on: tets that know their neighbours, faces that know what they
+// stand for.
+//
+// Every change goes through replace(): a set of connected tets gives way to others that fill the
+// same room. Tets are positive and the mesh is conforming before and after.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/tetrahedralize/WorkingLattice.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// Signed multiplicities of the inputs' surfaces on a face, or winding numbers in a tet: digit k in
+/// base 2^bits (balanced, from -2^(bits-1) up) is that of input k. Sums and negatives are plain
+/// arithmetic.
+using Chain = std::int32_t;
+/// Inputs that one mesh can tell apart: 3 bits each, multiplicities of -4 to 3.
+constexpr std::size_t kMaxInputs = 10;
+/// Bits of a digit for that many inputs.
+constexpr int chainBits(std::size_t inputs) {
+  return inputs <= 1 ? 32 : static_cast<int>(32 / inputs);
+}
+/// The chain of weight 1 of an input.
+constexpr Chain unitChain(std::size_t input, std::size_t inputs) {
+  return input == 0 ? 1
+                    : static_cast<Chain>(std::uint32_t(1)
+                                         << (chainBits(inputs) * static_cast<int>(input)));
+}
+
+/// Corners of the face opposite corner i, counter-clockwise seen from outside a positive tet.
+constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceCorners{
+    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+
+class TetComplex {
+public:
+  static constexpr std::uint32_t kOutside = 0xFFFFFFFFu; ///< neighbour: beyond the box
+  /// Neighbours from here on, below kOutside, lie in another part (TetParts.h).
+  static constexpr std::uint32_t kElsewhere = 0x80000000u;
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+  struct alignas(64) Tet {
+    std::array<std::uint32_t, 4> corners; ///< [0] is kNone where the tet is gone
+    std::array<std::uint32_t, 4> neighbours;
+    /// Of the face opposite each corner: the surfaces that pass there, positive where they look out
+    /// of this tet. The winding number here is that of the neighbour plus this.
+    std::array<Chain, 4> chains;
+    std::array<bool, 4> tracked; ///< the face stands for input, if only for sheets that cancel
+    float energy;                ///< as the owner of the complex likes; replace() sets it to 0
+    std::uint32_t mark;          ///< private to TetComplex
+
+    bool exists() const { return corners[0] != kNone; }
+    /// Which corner a point is; 4: none.
+    unsigned cornerOf(std::uint32_t point) const {
+      return corners[0] == point   ? 0u
+             : corners[1] == point ? 1u
+             : corners[2] == point ? 2u
+             : corners[3] == point ? 3u
+                                   : 4u;
+    }
+  };
+
+  struct Point {
+    Vec3d at;                  ///< lattice point
+    std::uint32_t tet = kNone; ///< one that has it for a corner; kNone: the point is gone
+    bool fixed = false;        ///< on the box's sides or between parts: never moved or removed
+    bool rim = false;          ///< on an open edge of the input: stays within the rim's envelope
+    bool exists() const { return tet != kNone; }
+  };
+
+  std::vector<Point> points;
+  std::vector<Tet> tets;
+
+  const Vec3d& at(std::uint32_t point) const { return points[point].at; }
+  /// Tets that exist.
+  std::size_t tetCount() const { return tets.size() - free_.size(); }
+
+  /// A tet to put in: `corners` positive. What `chains` and `tracked` say of faces between two new
+  /// tets is what these faces get (both tets must say the same); on faces that border on old tets
+  /// it is added to what is there already.
+  struct NewTet {
+    std::array<std::uint32_t, 4> corners;
+    std::array<Chain, 4> chains{0, 0, 0, 0};
+    std::array<bool, 4> tracked{false, false, false, false};
+  };
+
+  /// Puts `fresh` in place of `old`, which fill the same room and have the same outer faces. New
+  /// tets take the old slots first; their numbers are appended to `made`, if given. Points that
+  /// lose all their tets are gone. Costs about 30 ns a face.
+  void replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
+               std::vector<std::uint32_t>* made = nullptr);
+
+  /// Adds a point without tets; it exists once replace() gives it some.
+  std::uint32_t addPoint(const Vec3d& at);
+
+  /// The tets around a point, in an order that depends on the mesh alone. Of a fixed point only
+  /// those that are connected within this part.
+  void star(std::uint32_t point, std::vector<std::uint32_t>& out) const;
+
+  /// The tets around edge a-b in turn, and the points opposite: tet i has ring points i and i + 1,
+  /// and the ring turns counter-clockwise seen from b. False, with the tets found, where the ring
+  /// is not closed, as on the box's sides and between parts; without tets where there is no edge.
+  bool ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
+            std::vector<std::uint32_t>& ringPoints) const;
+
+  /// A tet that has edge a-b, in this part; kNone: there is none.
+  std::uint32_t tetAtEdge(std::uint32_t a, std::uint32_t b) const;
+
+  /// Where tet `t` has neighbour `other`: 0..3.
+  unsigned slotOf(std::uint32_t t, std::uint32_t other) const;
+
+  /// Whether the tet is positive, exactly.
+  bool isPositive(const std::array<std::uint32_t, 4>& corners) const {
+    return latticeOrientation(at(corners[0]), at(corners[1]), at(corners[2]), at(corners[3])) > 0;
+  }
+
+  /// For tests and debug builds: every tet positive, neighbours mutual and over the same three
+  /// points with opposite chains and the same tracking, every point's tet its own. Throws
+  /// std::logic_error that says what is wrong. Linear.
+  void verify() const;
+
+private:
+  std::uint32_t nextMark() const;
+
+  std::vector<std::uint32_t> free_; // slots of tets that are gone
+  mutable std::uint32_t mark_ = 0;
+  mutable std::vector<std::uint32_t> stack_;
+  // Scratch of replace(): faces by their points.
+  struct OpenFace {
+    std::array<std::uint32_t, 3> key;
+    std::uint32_t tet, slot; // of the new tet; of the old neighbour where `border`
+    Chain chain;
+    bool tracked, border;
+    std::uint32_t round;
+  };
+  std::vector<OpenFace> faces_;
+  std::uint32_t faceRound_ = 0;
+  OpenFace& findFace(const std::array<std::uint32_t, 3>& key);
+
+  friend class TetParts;
+};
+
+} // namespace tetvdb

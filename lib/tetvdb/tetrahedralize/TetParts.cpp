@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/TetParts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint32_t kShared = 0xFFFFFFFEu;
+constexpr std::uint32_t kUnseen = 0xFFFFFFFFu;
+
+// Three frames, each turned against the others, so that no cut of one lies along one of another.
+constexpr double kFrames[TetParts::kRounds][3][3] = {
+    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+    {{2. / 3, 2. / 3, 1. / 3}, {-2. / 3, 1. / 3, 2. / 3}, {1. / 3, -2. / 3, 2. / 3}},
+    {{0.36, 0.48, -0.8}, {-0.8, 0.6, 0}, {0.48, 0.64, 0.6}}};
+
+struct Centre {
+  float at[3]; // along the frame's axes
+  std::uint32_t tet;
+};
+
+using Centres = std::vector<Centre>;
+
+// Halves first..last at the median of the longest axis, down to about `most` tets a part. Parts are
+// numbered from `base` on, as a complete binary tree of `levels` levels.
+void halve(Centres& centres, std::size_t first, std::size_t last, int levels,
+           std::vector<std::size_t>& ends, std::size_t base) {
+  if (levels == 0) {
+    ends[base + 1] = last;
+    return;
+  }
+  float low[3], high[3];
+  std::fill(low, low + 3, std::numeric_limits<float>::infinity());
+  std::fill(high, high + 3, -std::numeric_limits<float>::infinity());
+  for (std::size_t i = first; i < last; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], centres[i].at[axis]);
+      high[axis] = std::max(high[axis], centres[i].at[axis]);
+    }
+  int axis = 0;
+  for (int other = 1; other < 3; ++other)
+    if (high[other] - low[other] > high[axis] - low[axis])
+      axis = other;
+  const std::size_t middle = first + (last - first) / 2;
+  const auto at = [&](std::size_t i) { return centres.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(at(first), at(middle), at(last), [axis](const Centre& a, const Centre& b) {
+    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.tet < b.tet;
+  });
+  const std::size_t half = std::size_t(1) << (levels - 1);
+  tbb::parallel_invoke([&] { halve(centres, first, middle, levels - 1, ends, base); },
+                       [&] { halve(centres, middle, last, levels - 1, ends, base + half); });
+}
+
+} // namespace
+
+std::uint32_t TetParts::Part::local(std::uint32_t whole) const {
+  const auto found = std::lower_bound(pointOfWhole.begin(), pointOfWhole.end(), whole);
+  return found != pointOfWhole.end() && *found == whole
+             ? static_cast<std::uint32_t>(found - pointOfWhole.begin())
+             : TetComplex::kNone;
+}
+
+TetParts::TetParts(TetComplex& whole, int round, std::size_t tetsPerPart) : whole_(whole) {
+  int levels = 0;
+  if (round >= 0)
+    while (whole.tetCount() >> (levels + 1) >= tetsPerPart)
+      ++levels;
+  const std::size_t count = std::size_t(1) << levels;
+  parts_.resize(count);
+  if (count == 1) {
+    parts_[0].complex = std::move(whole_);
+    parts_[0].pointOfWhole.resize(parts_[0].complex.points.size());
+    std::iota(parts_[0].pointOfWhole.begin(), parts_[0].pointOfWhole.end(), 0u);
+    return;
+  }
+  Centres centres;
+  centres.reserve(whole.tetCount());
+  for (std::size_t t = 0; t < whole.tets.size(); ++t)
+    if (whole.tets[t].exists())
+      centres.push_back({{0, 0, 0}, static_cast<std::uint32_t>(t)});
+  const auto& frame = kFrames[round % kRounds];
+  tbb::parallel_for(std::size_t(0), centres.size(), [&](std::size_t i) {
+    Vec3d sum{0, 0, 0};
+    for (const std::uint32_t corner : whole.tets[centres[i].tet].corners)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        sum[axis] += whole.at(corner)[axis];
+    for (int axis = 0; axis < 3; ++axis)
+      centres[i].at[axis] = static_cast<float>(sum[0] * frame[axis][0] + sum[1] * frame[axis][1] +
+                                               sum[2] * frame[axis][2]);
+  });
+  std::vector<std::size_t> ends(count + 1, 0);
+  halve(centres, 0, centres.size(), levels, ends, 0);
+  partOfTet_.assign(whole.tets.size(), kUnseen);
+  slotInPart_.resize(whole.tets.size());
+  borders_.resize(whole.tets.size());
+  // Old numbers ascend within a part, so that neighbours in memory stay so.
+  std::vector<std::vector<std::uint32_t>> tetsOfPart(count);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) {
+    auto& mine = tetsOfPart[p];
+    mine.reserve(ends[p + 1] - ends[p]);
+    for (std::size_t i = ends[p]; i < ends[p + 1]; ++i)
+      mine.push_back(centres[i].tet);
+    std::sort(mine.begin(), mine.end());
+    for (std::size_t i = 0; i < mine.size(); ++i) {
+      partOfTet_[mine[i]] = static_cast<std::uint32_t>(p);
+      slotInPart_[mine[i]] = static_cast<std::uint32_t>(i);
+    }
+  });
+  partOfPoint_.assign(whole.points.size(), kUnseen);
+  for (std::size_t t = 0; t < whole.tets.size(); ++t) {
+    const auto& tet = whole.tets[t];
+    if (!tet.exists())
+      continue;
+    for (const std::uint32_t corner : tet.corners) {
+      std::uint32_t& part = partOfPoint_[corner];
+      part = part == kUnseen || part == partOfTet_[t] ? partOfTet_[t] : kShared;
+    }
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const std::uint32_t next = tet.neighbours[slot];
+      if (next == TetComplex::kOutside || partOfTet_[next] == partOfTet_[t])
+        continue;
+      // Numbered by the tet of lower number.
+      borders_[t][slot] = next > t
+                              ? static_cast<std::uint32_t>(borderCount_++)
+                              : borders_[next][whole.slotOf(next, static_cast<std::uint32_t>(t))];
+    }
+  }
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) { extract(p, tetsOfPart[p]); });
+  whole_.tets.clear();
+  whole_.free_.clear();
+}
+
+void TetParts::extract(std::size_t index, const std::vector<std::uint32_t>& mine) {
+  Part& part = parts_[index];
+  part.index = index;
+  auto& numbers = part.pointOfWhole;
+  for (const std::uint32_t t : mine)
+    for (const std::uint32_t corner : whole_.tets[t].corners)
+      numbers.push_back(corner);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  TetComplex& complex = part.complex;
+  complex.points.resize(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    complex.points[i] = whole_.points[numbers[i]];
+    complex.points[i].fixed = complex.points[i].fixed || partOfPoint_[numbers[i]] == kShared;
+  }
+  complex.tets.resize(mine.size());
+  for (std::size_t i = 0; i < mine.size(); ++i) {
+    const TetComplex::Tet& old = whole_.tets[mine[i]];
+    TetComplex::Tet& tet = complex.tets[i];
+    tet = old;
+    tet.mark = 0;
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      tet.corners[slot] = part.local(old.corners[slot]);
+      complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(i);
+      const std::uint32_t next = old.neighbours[slot];
+      if (next != TetComplex::kOutside)
+        tet.neighbours[slot] = partOfTet_[next] == index
+                                   ? slotInPart_[next]
+                                   : TetComplex::kElsewhere + borders_[mine[i]][slot];
+    }
+  }
+}
+
+void TetParts::run(const std::function<void(Part&)>& work, Progress& progress) {
+  tbb::parallel_for(
+      std::size_t(0), parts_.size(),
+      [&](std::size_t p) {
+        progress.check();
+        work(parts_[p]);
+      },
+      tbb::simple_partitioner());
+  join();
+}
+
+void TetParts::join() {
+  if (parts_.size() == 1) {
+    whole_ = std::move(parts_[0].complex);
+    parts_.clear();
+    return;
+  }
+  const std::size_t count = parts_.size();
+  // Where each part's tets and new points go.
+  std::vector<std::size_t> firstTet(count + 1, 0), firstPoint(count + 1, whole_.points.size());
+  for (std::size_t p = 0; p < count; ++p) {
+    firstTet[p + 1] = firstTet[p] + parts_[p].complex.tetCount();
+    firstPoint[p + 1] =
+        firstPoint[p] + parts_[p].complex.points.size() - parts_[p].pointOfWhole.size();
+  }
+  whole_.tets.resize(firstTet[count]);
+  whole_.points.resize(firstPoint[count]);
+  struct BorderEnd {
+    std::uint32_t tet, slot;
+  };
+  std::vector<std::array<BorderEnd, 2>> ends(borderCount_);
+  std::vector<std::uint8_t> seen(borderCount_, 0);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) {
+    Part& part = parts_[p];
+    const TetComplex& complex = part.complex;
+    const std::size_t old = part.pointOfWhole.size();
+    const auto pointOfWhole = [&](std::uint32_t point) {
+      return point < old ? part.pointOfWhole[point]
+                         : static_cast<std::uint32_t>(firstPoint[p] + point - old);
+    };
+    std::vector<std::uint32_t> numbers(complex.tets.size(), TetComplex::kNone);
+    auto next = static_cast<std::uint32_t>(firstTet[p]);
+    for (std::size_t t = 0; t < complex.tets.size(); ++t)
+      if (complex.tets[t].exists())
+        numbers[t] = next++;
+    for (std::size_t i = 0; i < complex.points.size(); ++i) {
+      const std::uint32_t whole = pointOfWhole(static_cast<std::uint32_t>(i));
+      if (i < old && partOfPoint_[whole] == kShared)
+        continue; // fixed: only its tet has changed, and the rim's flag
+      whole_.points[whole] = complex.points[i];
+      if (complex.points[i].exists())
+        whole_.points[whole].tet = numbers[complex.points[i].tet];
+    }
+    for (std::size_t t = 0; t < complex.tets.size(); ++t) {
+      if (numbers[t] == TetComplex::kNone)
+        continue;
+      TetComplex::Tet tet = complex.tets[t];
+      tet.mark = 0;
+      for (unsigned slot = 0; slot < 4; ++slot) {
+        tet.corners[slot] = pointOfWhole(tet.corners[slot]);
+        if (tet.neighbours[slot] < TetComplex::kElsewhere)
+          tet.neighbours[slot] = numbers[tet.neighbours[slot]];
+      }
+      whole_.tets[numbers[t]] = tet;
+    }
+    part.complex.points.shrink_to_fit();
+  });
+  // Faces between parts find one another; shared points take the last tet that has them and any
+  // part's word on the rim.
+  for (std::size_t t = 0; t < whole_.tets.size(); ++t) {
+    TetComplex::Tet& tet = whole_.tets[t];
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      if (tet.corners[slot] < partOfPoint_.size() && partOfPoint_[tet.corners[slot]] == kShared)
+        whole_.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(t);
+      const std::uint32_t next = tet.neighbours[slot];
+      if (next < TetComplex::kElsewhere || next == TetComplex::kOutside)
+        continue;
+      const std::size_t border = next - TetComplex::kElsewhere;
+      ends[border][seen[border]++] = {static_cast<std::uint32_t>(t), slot};
+    }
+  }
+  for (const auto& [a, b] : ends) {
+    whole_.tets[a.tet].neighbours[a.slot] = b.tet;
+    whole_.tets[b.tet].neighbours[b.slot] = a.tet;
+  }
+  for (const Part& part : parts_)
+    for (std::size_t i = 0; i < part.pointOfWhole.size(); ++i)
+      if (partOfPoint_[part.pointOfWhole[i]] == kShared && part.complex.points[i].rim)
+        whole_.points[part.pointOfWhole[i]].rim = true;
+  parts_.clear();
+}
+
+std::vector<std::uint32_t> dropGonePoints(TetComplex& complex) {
+  std::vector<std::uint32_t> numbers(complex.points.size(), TetComplex::kNone);
+  std::uint32_t next = 0;
+  for (std::size_t p = 0; p < complex.points.size(); ++p) {
+    if (!complex.points[p].exists())
+      continue;
+    numbers[p] = next;
+    complex.points[next++] = complex.points[p];
+  }
+  complex.points.resize(next);
+  for (TetComplex::Tet& tet : complex.tets)
+    if (tet.exists())
+      for (std::uint32_t& corner : tet.corners)
+        corner = numbers[corner];
+  return numbers;
+}
+
+} // namespace tetvdb

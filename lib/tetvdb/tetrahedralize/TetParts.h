@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Parallel work on one mesh that gives the same mesh for any number of threads.
+//
+// The tets are parted by the places of their centres into parts of some thousand tets, each a mesh
+// of its own. One task works on one part from beginning to end, serially; points that two parts
+// share are fixed there. The parts are then joined in order. How the mesh is parted depends on the
+// mesh alone; the next round parts it along other planes, so that what was fixed comes free.
+//
+//   for (int round = 0; round < TetParts::kRounds; ++round)
+//     TetParts(complex, round).run([&](TetParts::Part& part) { smooth(part.complex); }, progress);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace tetvdb {
+
+class TetParts {
+public:
+  static constexpr int kRounds = 3; ///< ways to part a mesh, of planes askew to one another
+  static constexpr std::size_t kTetsPerPart = 6000;
+
+  struct Part {
+    TetComplex complex;
+    /// Of the points that the part began with, their numbers in the whole mesh, ascending; points
+    /// that are added come after them.
+    std::vector<std::uint32_t> pointOfWhole;
+    std::size_t index = 0;
+
+    /// The part's number of a point of the whole mesh; TetComplex::kNone: it is not in the part.
+    std::uint32_t local(std::uint32_t pointOfWhole) const;
+  };
+
+  /// Parts of about `tetsPerPart` tets; one part, and no points fixed anew, for a mesh of less than
+  /// twice that or for round < 0. The whole mesh's tets move into the parts.
+  TetParts(TetComplex& whole, int round, std::size_t tetsPerPart = kTetsPerPart);
+
+  std::size_t count() const { return parts_.size(); }
+
+  /// Calls work(part) for every part, in parallel, and joins the parts: tets are numbered anew;
+  /// points keep their numbers, new ones follow in the order of parts. On an exception, as of
+  /// Progress, the whole mesh is lost.
+  void run(const std::function<void(Part&)>& work, Progress& progress);
+
+private:
+  void extract(std::size_t index, const std::vector<std::uint32_t>& tets);
+  void join();
+
+  TetComplex& whole_;
+  std::vector<Part> parts_;
+  std::vector<std::uint32_t> partOfTet_;
+  std::vector<std::uint32_t> slotInPart_;             // of tets of the whole mesh
+  std::vector<std::uint32_t> partOfPoint_;            // kShared: several
+  std::vector<std::array<std::uint32_t, 4>> borders_; // numbers of faces between parts, by tet
+  std::size_t borderCount_ = 0;
+};
+
+/// Numbers points 0, 1, ... in their order without those that are gone. Returns the new number of
+/// every old point, TetComplex::kNone for those.
+std::vector<std::uint32_t> dropGonePoints(TetComplex& complex);
+
+} // namespace tetvdb

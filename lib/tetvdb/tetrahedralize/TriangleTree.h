@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Triangles in a tree of four-wide boxes: what is near a point.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/VectorMath.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+
+/// A triangle with what a distance to it takes: two cache lines.
+struct alignas(128) NearTriangle {
+  Vec3d a, ab, ac;
+  double m00, m01, m11;       ///< inverse of the matrix of ab's and ac's dot products; 0 where thin
+  double perAb, perAc, perBc; ///< 1 over the edges' squared lengths; 0 for those of no length
+  std::uint32_t face;
+  std::uint32_t thin; ///< almost collinear: all of its edges are looked at
+
+  NearTriangle() = default;
+  NearTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, std::uint32_t face);
+
+  /// The squared distance of a point to a point of the triangle: to the nearest up to rounding, and
+  /// never too small by more than the rounding of coordinates.
+  double squaredDistance(const Vec3d& p) const {
+    const Vec3d ap = minus(p, a);
+    const double alongAb = dot(ap, ab), alongAc = dot(ap, ac);
+    const double s = m00 * alongAb - m01 * alongAc, t = m11 * alongAc - m01 * alongAb;
+    if (s > 0 && t > 0 && s + t < 1) {
+      const double inside = squareOf(ap, s, ab, t, ac);
+      return thin ? std::min(inside, toEdges(ap, alongAb, alongAc)) : inside;
+    }
+    if (thin)
+      return toEdges(ap, alongAb, alongAc);
+    // The nearest point lies on an edge that the point is beyond; at a corner there may be two.
+    double best = kFar;
+    if (s <= 0)
+      best = squareOf(ap, 0, ab, clamped(alongAc * perAc), ac);
+    if (t <= 0)
+      best = std::min(best, squareOf(ap, clamped(alongAb * perAb), ab, 0, ac));
+    if (s + t >= 1)
+      best = std::min(best, toBc(ap));
+    return best;
+  }
+
+private:
+  static constexpr double kFar = 1e300;
+  static double clamped(double u) { return u > 0 ? (u < 1 ? u : 1) : 0; }
+  static double squareOf(const Vec3d& p, double s, const Vec3d& u, double t, const Vec3d& v) {
+    const double x = p[0] - s * u[0] - t * v[0], y = p[1] - s * u[1] - t * v[1],
+                 z = p[2] - s * u[2] - t * v[2];
+    return x * x + y * y + z * z;
+  }
+  double toBc(const Vec3d& ap) const {
+    const Vec3d bp = minus(ap, ab), bc = minus(ac, ab);
+    return squareOf(bp, clamped(dot(bp, bc) * perBc), bc, 0, bc);
+  }
+  double toEdges(const Vec3d& ap, double alongAb, double alongAc) const {
+    return std::min({squareOf(ap, clamped(alongAb * perAb), ab, 0, ac),
+                     squareOf(ap, 0, ab, clamped(alongAc * perAc), ac), toBc(ap)});
+  }
+};
+
+/// Boxes are split where the surface area heuristic says (MacDonald and Booth, Heuristics for Ray
+/// Tracing Using Space Subdivision, 1990), and kept in floats, rounded outward: four of them are
+/// looked at at once, with vectors that every x86-64 has. The same tree for any number of threads;
+/// queries are thread-safe.
+class TriangleTree {
+public:
+  TriangleTree(const std::vector<Vec3d>& points,
+               const std::vector<std::array<std::uint32_t, 3>>& faces);
+
+  bool empty() const { return triangles_.empty(); }
+  const NearTriangle& triangle(std::uint32_t i) const { return triangles_[i]; }
+
+  /// Calls look(i, limit) for the triangles i whose box is within a squared distance of `limit`
+  /// from p, the nearer ones about first; look may lower `limit`, and ends the visit by returning
+  /// true. Returns whether it did.
+  template <typename Look>
+  bool visit(const Vec3d& p, double limit, const Look& look) const {
+    if (triangles_.empty())
+      return false;
+    const Point at{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    struct Entry {
+      float square;
+      std::uint32_t node;
+    };
+    Entry stack[kMaxDepth * 3 + 4];
+    std::size_t depth = 0;
+    stack[depth++] = {0, 0};
+    while (depth > 0) {
+      const Entry entry = stack[--depth];
+      if (entry.square > limit * kRounding)
+        continue;
+      const Node& node = nodes_[entry.node];
+      std::array<float, 4> squares;
+      node.squaredDistances(at, squares);
+      const std::size_t bottom = depth;
+      for (std::size_t lane = 0; lane < 4; ++lane) {
+        if (!(squares[lane] <= limit * kRounding))
+          continue;
+        const std::uint32_t child = node.child[lane];
+        if (child & kTriangle) {
+          if (look(child & ~kTriangle, limit))
+            return true;
+          continue;
+        }
+        // The nearest on top.
+        std::size_t place = depth++;
+        for (; place > bottom && stack[place - 1].square < squares[lane]; --place)
+          stack[place] = stack[place - 1];
+        stack[place] = {squares[lane], child};
+      }
+    }
+    return false;
+  }
+
+private:
+  using Float4 = float __attribute__((vector_size(16)));
+  using Point = std::array<float, 3>;
+  static constexpr std::uint32_t kTriangle = 0x80000000u;
+  static constexpr std::size_t kMaxDepth = 64;
+  // Of a squared distance of floats: three roundings of sums and products, and that of a point far
+  // outside of all boxes.
+  static constexpr double kRounding = 1 + 2e-6;
+
+  struct alignas(128) Node {
+    Float4 low[3], high[3];
+    std::uint32_t child[4]; ///< nodes, or triangles with kTriangle
+
+    void squaredDistances(const Point& p, std::array<float, 4>& squares) const {
+      Float4 sum{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const Float4 at = {p[axis], p[axis], p[axis], p[axis]};
+        const Float4 below = low[axis] - at, above = at - high[axis];
+        Float4 out = below > above ? below : above;
+        out = out > Float4{} ? out : Float4{};
+        sum += out * out;
+      }
+      for (std::size_t lane = 0; lane < 4; ++lane)
+        squares[lane] = sum[lane];
+    }
+  };
+  struct Builder;
+
+  std::vector<Node> nodes_; ///< the root first
+  std::vector<NearTriangle> triangles_;
+};
+
+} // namespace tetvdb

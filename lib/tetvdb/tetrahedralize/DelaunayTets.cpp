@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Bowyer-Watson: the tets whose spheres hold the new point strictly inside go, and the point is
+// joined to the faces around them.
+//   Spheres are judged exactly, which makes the cavity right without further ado. Let f be a face
+// between a tet t whose open ball holds the new point p and a tet n whose open ball does not. All
+// balls being empty so far, beyond f the ball of t lies within that of n, and in f's plane the two
+// are the same disc: so p lies strictly on t's side of f. Every face around the cavity thus sees p
+// strictly, a ray from p leaves the cavity once, and the new tets are positive, fill it, and leave
+// all balls empty. Tets with p on their rim hold it in their open balls, so they go too. What may
+// be in p's plane are faces on the box's sides: then p lies on that side, and the face is opened.
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/LargeVector.h"
+#include "tetvdb/tetrahedralize/BackgroundMesh.h"
+#include "tetvdb/tetrahedralize/InSphere.h"
+#include "tetvdb/tetrahedralize/InsertionOrder.h"
+#include "tetvdb/tetrahedralize/WorkingLattice.h"
+
+#include <algorithm>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+using Index = std::uint32_t;
+constexpr Index kNone = PlainTets::kNoTet;
+constexpr std::size_t kMostTets = std::size_t(1) << 30; // so that 4 * tet + face is an Index
+constexpr std::size_t kBoxCorners = 8;
+
+// A face of a tet, by the corner it lies opposite to, is 4 * tet + corner.
+struct Tet {
+  std::array<Index, 4> corners;
+  std::array<Index, 4> across; // the same face of the tet beyond, kNone on the box's sides
+};
+
+// Finds the other face over an edge among the new tets, each of which is asked for twice at most.
+class EdgeMatches {
+public:
+  // Forgets all; room for `edges` different ones.
+  void begin(std::size_t edges) {
+    if (slots_.size() < 2 * edges) {
+      std::size_t size = 256;
+      for (shift_ = 64 - 8; size < 2 * edges; --shift_)
+        size *= 2;
+      slots_.assign(size, {});
+      now_ = 0;
+    }
+    ++now_;
+  }
+  // The face that was given for that edge before, or kNone.
+  Index match(Index u, Index v, Index face) {
+    if (u > v)
+      std::swap(u, v);
+    const std::uint64_t edge = (std::uint64_t(u) << 32) | v;
+    const std::uint64_t spread =
+        (std::uint64_t(u) * 0x9E3779B97F4A7C15u) ^ (std::uint64_t(v) * 0xC2B2AE3D27D4EB4Fu);
+    for (std::size_t at = spread >> shift_;; at = (at + 1) & (slots_.size() - 1)) {
+      Slot& slot = slots_[at];
+      if (slot.stamp != now_) {
+        slot = {edge, face, now_};
+        return kNone;
+      }
+      if (slot.edge == edge)
+        return slot.face;
+    }
+  }
+
+private:
+  struct Slot {
+    std::uint64_t edge = 0;
+    Index face = 0;
+    Index stamp = 0;
+  };
+  std::vector<Slot> slots_;
+  int shift_ = 0;
+  Index now_ = 0;
+};
+
+class Delaunay {
+public:
+  // The box's six tets around its diagonal.
+  explicit Delaunay(LargeVector<Vec3d> points) : points_(std::move(points)) {
+    tets_.reserve(7 * points_.size());
+    constexpr Index kAxes[6][3] = {{1, 2, 4}, {2, 4, 1}, {4, 1, 2},
+                                   {1, 4, 2}, {4, 2, 1}, {2, 1, 4}};
+    for (const auto& axes : kAxes) {
+      const Index tet = append();
+      tets_[tet].corners = {0, axes[0], axes[0] + axes[1], 7};
+      if (tet >= 3) // odd permutations
+        std::swap(tets_[tet].corners[1], tets_[tet].corners[2]);
+    }
+    for (Index face = 0; face < 24; ++face)
+      for (Index other = 0; other < 24; ++other)
+        if (face / 4 != other / 4 && sortedCorners(face) == sortedCorners(other))
+          tets_[face / 4].across[face % 4] = other;
+  }
+
+  void insert(Index point) {
+    const Vec3d p = points_[point];
+    openCavity(locate(p), p);
+    fill(point);
+  }
+
+  // With the names the points have outside.
+  PlainTets take(const std::vector<Index>& names) const {
+    std::vector<Index> places(tets_.size(), 0);
+    for (const Index tet : free_)
+      places[tet] = kNone;
+    Index count = 0;
+    for (Index& place : places)
+      if (place != kNone)
+        place = count++;
+    PlainTets made;
+    made.tets.resize(count);
+    made.neighbours.resize(count);
+    tbb::parallel_for(std::size_t(0), tets_.size(), [&](std::size_t tet) {
+      if (places[tet] == kNone)
+        return;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Index across = tets_[tet].across[i];
+        made.tets[places[tet]][i] = names[tets_[tet].corners[i]];
+        made.neighbours[places[tet]][i] = across == kNone ? kNone : places[across / 4];
+      }
+    });
+    return made;
+  }
+
+private:
+  struct RimFace {
+    std::array<Index, 4> corners; // of the tet within the cavity, the new point in its place
+    Index corner;                 // that place
+    Index across;
+  };
+
+  std::array<Index, 3> sortedCorners(Index face) const {
+    std::array<Index, 3> corners{};
+    for (Index i = 1; i < 4; ++i)
+      corners[i - 1] = tets_[face / 4].corners[(face + i) % 4];
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  }
+
+  Index append() {
+    if (tets_.size() == kMostTets)
+      throw Error(Status::Limit, "", "too many points for one mesh", "simplify the input");
+    tets_.push_back({{}, {kNone, kNone, kNone, kNone}});
+    marks_.push_back(0);
+    return static_cast<Index>(tets_.size() - 1);
+  }
+
+  // Which side of the tet's face opposite `corner` p lies on: 1 is the tet's.
+  int side(const Tet& tet, std::size_t corner, const Vec3d& p) const {
+    std::array<const Vec3d*, 4> at{};
+    for (std::size_t i = 0; i < 4; ++i)
+      at[i] = &points_[tet.corners[i]];
+    at[corner] = &p;
+    return latticeOrientation(*at[0], *at[1], *at[2], *at[3]);
+  }
+
+  // A tet that holds p, from the last one on through faces that have p beyond them. Where spheres
+  // are tied such a walk can go in circles; a random choice among faces ends these (Devillers,
+  // Pion, Teillaud, "Walking in a triangulation", 2002).
+  Index locate(const Vec3d& p) {
+    Index tet = last_, from = kNone;
+    for (;;) {
+      random_ ^= random_ << 13; // Marsaglia, "Xorshift RNGs", 2003
+      random_ ^= random_ >> 17;
+      random_ ^= random_ << 5;
+      Index next = kNone;
+      int zeros = 0;
+      for (Index i = 0; i < 4; ++i) {
+        const Index corner = (random_ + i) % 4;
+        if (corner == from)
+          continue;
+        const int sign = side(tets_[tet], corner, p);
+        if (sign < 0) {
+          next = tets_[tet].across[corner];
+          break;
+        }
+        zeros += sign == 0;
+      }
+      if (next == kNone) {
+        if (zeros == 3)
+          throw Error(Status::Invalid, "", "a point to mesh is repeated");
+        return tet;
+      }
+      tet = next / 4;
+      from = next % 4;
+    }
+  }
+
+  // Gathers the tets that go, and the faces around them.
+  void openCavity(Index seed, const Vec3d& p) {
+    in_ += 2; // a mark is in_ where the tet goes, in_ + 1 where it was found to stay
+    const Index stays = in_ + 1;
+    cavity_.assign(1, seed);
+    rim_.clear();
+    marks_[seed] = in_;
+    for (std::size_t k = 0; k < cavity_.size(); ++k) {
+      const Tet& tet = tets_[cavity_[k]];
+      for (Index corner = 0; corner < 4; ++corner) {
+        const Index across = tet.across[corner];
+        if (across == kNone) {
+          if (side(tet, corner, p) == 0)
+            continue;
+        } else {
+          Index& mark = marks_[across / 4];
+          if (mark != in_ && mark != stays) {
+            const auto& c = tets_[across / 4].corners;
+            const bool goes =
+                liesInSphere(points_[c[0]], points_[c[1]], points_[c[2]], points_[c[3]], p);
+            mark = goes ? in_ : stays;
+            if (goes)
+              cavity_.push_back(across / 4);
+          }
+          if (mark == in_)
+            continue;
+        }
+        rim_.push_back({tet.corners, corner, across});
+      }
+    }
+  }
+
+  // Joins the point to the rim.
+  void fill(Index point) {
+    edges_.begin(3 * rim_.size());
+    std::size_t reused = 0;
+    for (RimFace& face : rim_) {
+      const Index tet = reused < cavity_.size() ? cavity_[reused++] : unusedTet();
+      face.corners[face.corner] = point;
+      Tet& made = tets_[tet];
+      made.corners = face.corners;
+      made.across[face.corner] = face.across;
+      if (face.across != kNone)
+        tets_[face.across / 4].across[face.across % 4] = 4 * tet + face.corner;
+      for (Index i = 1; i < 4; ++i) {
+        const Index opposite = (face.corner + i) % 4; // of the face over the other two
+        const Index u = made.corners[(face.corner + (i == 1 ? 2u : 1u)) % 4];
+        const Index v = made.corners[(face.corner + (i == 3 ? 2u : 3u)) % 4];
+        const Index other = edges_.match(u, v, 4 * tet + opposite);
+        made.across[opposite] = other;
+        if (other != kNone)
+          tets_[other / 4].across[other % 4] = 4 * tet + opposite;
+      }
+      last_ = tet;
+    }
+    free_.insert(free_.end(), cavity_.begin() + static_cast<std::ptrdiff_t>(reused), cavity_.end());
+  }
+
+  Index unusedTet() {
+    if (free_.empty())
+      return append();
+    const Index tet = free_.back();
+    free_.pop_back();
+    return tet;
+  }
+
+  LargeVector<Vec3d> points_;
+  LargeVector<Tet> tets_;
+  LargeVector<Index> marks_; // of every tet
+  std::vector<Index> free_;
+  std::vector<Index> cavity_;
+  std::vector<RimFace> rim_;
+  EdgeMatches edges_;
+  Index in_ = 0, last_ = 0, random_ = 0x2545F491u;
+};
+
+} // namespace
+
+PlainTets delaunayTets(const std::vector<Vec3d>& points, Progress& progress) {
+  if (points.size() > kMostTets)
+    throw Error(Status::Limit, "", "too many points for one mesh", "simplify the input");
+  // Points are renamed in the order they go in, so that neighbours lie near in memory.
+  std::vector<Index> names = {0, 1, 2, 3, 4, 5, 6, 7};
+  const std::vector<Index> order =
+      insertionOrder(points, kBoxCorners, Box{points.at(0), points.at(kBoxCorners - 1)});
+  names.insert(names.end(), order.begin(), order.end());
+  LargeVector<Vec3d> renamed(points.size());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    renamed[i] = points[names[i]];
+
+  Delaunay delaunay(std::move(renamed));
+  constexpr std::size_t kPointsPerCheck = 4096;
+  for (std::size_t i = kBoxCorners; i < points.size(); ++i) {
+    if (i % kPointsPerCheck == 0)
+      progress.check();
+    delaunay.insert(static_cast<Index>(i));
+  }
+  return delaunay.take(names);
+}
+
+} // namespace tetvdb

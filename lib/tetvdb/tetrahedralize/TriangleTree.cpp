@@ -99,7 +99,8 @@ struct TriangleTree::Builder {
     Box grown;
     std::uint32_t items = 0;
     for (std::size_t bin = kBins; bin-- > 1;) {
-      grown.add(inBin[bin]);
+      if (count[bin] > 0)
+        grown.add(inBin[bin]);
       items += count[bin];
       right[bin] = items > 0 ? halfArea(grown) * items : 0;
     }
@@ -108,7 +109,8 @@ struct TriangleTree::Builder {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = 0;
     for (std::size_t bin = 1; bin < kBins; ++bin) {
-      grown.add(inBin[bin - 1]);
+      if (count[bin - 1] > 0)
+        grown.add(inBin[bin - 1]);
       items += count[bin - 1];
       if (items == 0 || items == last - first)
         continue;

@@ -12,6 +12,9 @@
 #include <cstdint>
 #include <utility>
 #include <vector>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 namespace tetvdb {
 
@@ -86,67 +89,102 @@ public:
   bool visit(const Vec3d& p, double limit, const Look& look) const {
     if (triangles_.empty())
       return false;
-    const Point at{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-    struct Entry {
-      float square;
-      std::uint32_t node;
-    };
-    Entry stack[kMaxDepth * 3 + 4];
-    std::size_t depth = 0;
-    stack[depth++] = {0, 0};
-    while (depth > 0) {
-      const Entry entry = stack[--depth];
-      if (entry.square > limit * kRounding)
-        continue;
-      const Node& node = nodes_[entry.node];
-      std::array<float, 4> squares;
-      node.squaredDistances(at, squares);
-      const std::size_t bottom = depth;
-      for (std::size_t lane = 0; lane < 4; ++lane) {
-        if (!(squares[lane] <= limit * kRounding))
-          continue;
-        const std::uint32_t child = node.child[lane];
-        if (child & kTriangle) {
-          if (look(child & ~kTriangle, limit))
-            return true;
-          continue;
-        }
-        // The nearest on top.
-        std::size_t place = depth++;
-        for (; place > bottom && stack[place - 1].square < squares[lane]; --place)
-          stack[place] = stack[place - 1];
-        stack[place] = {squares[lane], child};
-      }
-    }
-    return false;
+    const Point at(p);
+    Stack stack;
+    return visitNode(at, 0, stack, limit, look) || visitStack(at, stack, limit, look);
   }
 
 private:
   using Float4 = float __attribute__((vector_size(16)));
-  using Point = std::array<float, 3>;
+  using Int4 = std::int32_t __attribute__((vector_size(16)));
   static constexpr std::uint32_t kTriangle = 0x80000000u;
   static constexpr std::size_t kMaxDepth = 64;
-  // Of a squared distance of floats: three roundings of sums and products, and that of a point far
-  // outside of all boxes.
-  static constexpr double kRounding = 1 + 2e-6;
+
+  struct Point {
+    Float4 x, y, z; ///< each four times
+    explicit Point(const Vec3d& p) : x(four(p[0])), y(four(p[1])), z(four(p[2])) {}
+    static Float4 four(double value) {
+      const auto v = static_cast<float>(value);
+      return Float4{v, v, v, v};
+    }
+  };
+
+  // Of a squared distance of floats: the roundings of differences, products and sums, and that of a
+  // point far outside of all boxes.
+  static float roundedUp(double square) { return static_cast<float>(square * (1 + 2e-6)); }
+
+  static std::uint32_t maskOf(const Int4& lanes) {
+#ifdef __SSE2__
+    return static_cast<std::uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(lanes)));
+#else
+    std::uint32_t mask = 0;
+    for (std::uint32_t lane = 0; lane < 4; ++lane)
+      mask |= (lanes[lane] != 0 ? 1u : 0u) << lane;
+    return mask;
+#endif
+  }
 
   struct alignas(128) Node {
     Float4 low[3], high[3];
     std::uint32_t child[4]; ///< nodes, or triangles with kTriangle
 
-    void squaredDistances(const Point& p, std::array<float, 4>& squares) const {
-      Float4 sum{};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const Float4 at = {p[axis], p[axis], p[axis], p[axis]};
-        const Float4 below = low[axis] - at, above = at - high[axis];
-        Float4 out = below > above ? below : above;
-        out = out > Float4{} ? out : Float4{};
-        sum += out * out;
-      }
-      for (std::size_t lane = 0; lane < 4; ++lane)
-        squares[lane] = sum[lane];
+    Float4 squaredDistances(const Point& p) const {
+      return square(p.x, low[0], high[0]) + square(p.y, low[1], high[1]) +
+             square(p.z, low[2], high[2]);
+    }
+    static Float4 square(const Float4& at, const Float4& low, const Float4& high) {
+      const Float4 below = low - at, above = at - high;
+      Float4 out = below > above ? below : above;
+      out = out > Float4{} ? out : Float4{};
+      return out * out;
     }
   };
+
+  struct Entry {
+    float square;
+    std::uint32_t node;
+  };
+  struct Stack {
+    Entry entries[kMaxDepth * 3 + 4];
+    std::size_t depth = 0;
+  };
+
+  // Looks at a node's triangles and puts its nodes onto the stack, the nearest on top.
+  template <typename Look>
+  bool visitNode(const Point& at, std::uint32_t number, Stack& stack, double& limit,
+                 const Look& look) const {
+    const Node& node = nodes_[number];
+    const Float4 squares = node.squaredDistances(at);
+    const float most = roundedUp(limit);
+    const std::size_t bottom = stack.depth;
+    for (std::uint32_t mask = maskOf(squares <= Float4{most, most, most, most}); mask != 0;
+         mask &= mask - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(mask));
+      const std::uint32_t child = node.child[lane];
+      if (child & kTriangle) {
+        if (look(child & ~kTriangle, limit))
+          return true;
+        continue;
+      }
+      const float square = squares[lane];
+      std::size_t place = stack.depth++;
+      for (; place > bottom && stack.entries[place - 1].square < square; --place)
+        stack.entries[place] = stack.entries[place - 1];
+      stack.entries[place] = {square, child};
+    }
+    return false;
+  }
+
+  template <typename Look>
+  bool visitStack(const Point& at, Stack& stack, double& limit, const Look& look) const {
+    while (stack.depth > 0) {
+      const Entry entry = stack.entries[--stack.depth];
+      if (entry.square <= roundedUp(limit) && visitNode(at, entry.node, stack, limit, look))
+        return true;
+    }
+    return false;
+  }
+
   struct Builder;
 
   std::vector<Node> nodes_; ///< the root first

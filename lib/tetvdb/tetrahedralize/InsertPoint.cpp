@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/InsertPoint.h"
+
+namespace tetvdb {
+
+// The child's face opposite `corner` is the parent's; its others have the new point, and the
+// callers say what those stand for that are parts of a face of the parent.
+void PointInsertion::addChild(std::uint32_t t, unsigned corner, std::uint32_t point) {
+  const TetComplex::Tet& tet = complex_.tets[t];
+  TetComplex::NewTet child;
+  child.corners = tet.corners;
+  child.corners[corner] = point;
+  fresh_.push_back(child);
+}
+
+std::uint32_t PointInsertion::commit(const Vec3d& at) {
+  const std::uint32_t point = complex_.addPoint(at);
+  for (const TetComplex::NewTet& tet : fresh_)
+    if (!complex_.isPositive(tet.corners)) {
+      complex_.points.pop_back();
+      return TetComplex::kNone;
+    }
+  complex_.replace(old_, fresh_);
+  return point;
+}
+
+std::uint32_t PointInsertion::intoEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at) {
+  if (!complex_.ring(a, b, old_, ring_))
+    return TetComplex::kNone;
+  const auto point = static_cast<std::uint32_t>(complex_.points.size());
+  fresh_.clear();
+  for (const std::uint32_t t : old_) {
+    const TetComplex::Tet& tet = complex_.tets[t];
+    const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
+    for (const unsigned corner : {i, j}) {
+      addChild(t, corner, point);
+      // The two faces through the edge are halved: those opposite the ring's points.
+      for (unsigned k = 0; k < 4; ++k)
+        if (k != i && k != j) {
+          fresh_.back().chains[k] = tet.chains[k];
+          fresh_.back().tracked[k] = tet.tracked[k];
+        }
+    }
+  }
+  return commit(at);
+}
+
+std::uint32_t PointInsertion::intoFace(std::uint32_t t, unsigned slot, const Vec3d& at) {
+  const std::uint32_t across = complex_.tets[t].neighbours[slot];
+  if (across >= TetComplex::kElsewhere)
+    return TetComplex::kNone;
+  const auto point = static_cast<std::uint32_t>(complex_.points.size());
+  old_ = {t, across};
+  fresh_.clear();
+  const unsigned slots[] = {slot, complex_.slotOf(across, t)};
+  for (int side = 0; side < 2; ++side) {
+    const TetComplex::Tet& tet = complex_.tets[old_[static_cast<std::size_t>(side)]];
+    for (unsigned corner = 0; corner < 4; ++corner) {
+      if (corner == slots[side])
+        continue;
+      addChild(old_[static_cast<std::size_t>(side)], corner, point);
+      fresh_.back().chains[slots[side]] = tet.chains[slots[side]];
+      fresh_.back().tracked[slots[side]] = tet.tracked[slots[side]];
+    }
+  }
+  return commit(at);
+}
+
+std::uint32_t PointInsertion::intoTet(std::uint32_t t, const Vec3d& at) {
+  const auto point = static_cast<std::uint32_t>(complex_.points.size());
+  old_ = {t};
+  fresh_.clear();
+  for (unsigned corner = 0; corner < 4; ++corner)
+    addChild(t, corner, point);
+  return commit(at);
+}
+
+} // namespace tetvdb

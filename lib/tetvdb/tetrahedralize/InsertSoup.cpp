@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/InsertSoup.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/TetParts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint32_t kNone = TetComplex::kNone;
+
+// Triangles that are lower than this many tolerances have no side of their own: the path of their
+// longest edge goes through their apex, and nothing is left to cover.
+constexpr double kFlat = 3;
+
+} // namespace
+
+// What a part has to do, and has done.
+struct SoupInsertion::PartWork {
+  const TetParts::Part* part = nullptr;
+  std::vector<std::uint32_t> faces; // of the soup, ascending
+  std::vector<std::uint32_t> done;
+  std::vector<std::uint32_t> pointOfWhole; // as Part's
+  std::size_t newPoints = 0;
+  InsertedPaths paths; // of points of the part
+};
+
+SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
+                             std::uint32_t firstPoint, double tolerance)
+    : soup_(soup), inputCount_(inputCount), firstPoint_(firstPoint), tolerance_(tolerance),
+      in_(soup.faces.size(), false), through_(soup.faces.size(), 3),
+      facesBegin_(soup.points.size() + 1, 0), facesOfPoint_(3 * soup.faces.size()) {
+  for (const auto& face : soup.faces)
+    for (const std::uint32_t point : face)
+      ++facesBegin_[point + 1];
+  for (std::size_t i = 0; i < soup.points.size(); ++i)
+    facesBegin_[i + 1] += facesBegin_[i];
+  std::vector<std::uint32_t> next(facesBegin_.begin(), facesBegin_.end() - 1);
+  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+    for (const std::uint32_t point : soup.faces[f])
+      facesOfPoint_[next[point]++] = static_cast<std::uint32_t>(f);
+  for (std::size_t f = 0; f < soup.faces.size(); ++f) {
+    std::array<Vec3d, 3> at;
+    for (std::size_t i = 0; i < 3; ++i)
+      at[i] = soup.points[soup.faces[f][i]];
+    unsigned apex = 0;
+    double longest = 0;
+    for (unsigned i = 0; i < 3; ++i) {
+      const double side = length(minus(at[(i + 2) % 3], at[(i + 1) % 3]));
+      if (side > longest) {
+        longest = side;
+        apex = i;
+      }
+    }
+    const double area = length(cross(minus(at[1], at[0]), minus(at[2], at[0])));
+    if (area <= kFlat * tolerance * longest)
+      through_[f] = static_cast<std::uint8_t>(apex);
+  }
+}
+
+std::array<std::uint32_t, 3> SoupInsertion::cornersOf(std::uint32_t face) const {
+  const auto& corners = soup_.faces[face];
+  return {corners[0] + firstPoint_, corners[1] + firstPoint_, corners[2] + firstPoint_};
+}
+
+Chain SoupInsertion::chainOf(std::uint32_t face) const {
+  return unitChain(soup_.inputs.empty() ? 0 : soup_.inputs[face], inputCount_);
+}
+
+void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
+  const TetParts::Part& part = *mine.part;
+  mine.pointOfWhole = part.pointOfWhole;
+  const auto isFace = [&](std::uint32_t whole) {
+    return whole >= firstPoint_ && whole - firstPoint_ < soup_.points.size();
+  };
+  // Faces of two corners and more that are the part's own, and the third in it.
+  for (std::uint32_t p = 0; p < part.pointOfWhole.size(); ++p) {
+    const std::uint32_t whole = part.pointOfWhole[p];
+    if (!isFace(whole) || complex.points[p].fixed)
+      continue;
+    const std::uint32_t point = whole - firstPoint_;
+    for (std::uint32_t i = facesBegin_[point]; i < facesBegin_[point + 1]; ++i) {
+      const std::uint32_t face = facesOfPoint_[i];
+      if (in_[face])
+        continue;
+      int free = 0;
+      bool first = true, here = true;
+      for (const std::uint32_t corner : cornersOf(face)) {
+        const std::uint32_t local = part.local(corner);
+        here = here && local != kNone;
+        if (local == kNone || complex.points[local].fixed)
+          continue;
+        ++free;
+        first = first && corner >= whole;
+      }
+      if (here && first && free >= 2)
+        mine.faces.push_back(face);
+    }
+  }
+  // Flat ones first: they say which way their longest edges go.
+  std::sort(mine.faces.begin(), mine.faces.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const bool flatA = through_[a] < 3, flatB = through_[b] < 3;
+    return flatA != flatB ? flatA : a < b;
+  });
+  TriangleInserter inserter(complex, mine.paths, tolerance_);
+  for (const std::uint32_t face : mine.faces) {
+    const auto whole = cornersOf(face);
+    std::array<std::uint32_t, 3> corners;
+    bool known = true;
+    for (std::size_t i = 0; i < 3; ++i)
+      corners[i] = part.local(whole[i]);
+    for (std::size_t i = 0; known && i < 3; ++i) {
+      const auto earlier = paths_.paths.find(edgeKey(whole[i], whole[(i + 1) % 3]));
+      if (earlier == paths_.paths.end())
+        continue;
+      std::vector<std::uint32_t> local;
+      for (const std::uint32_t point : earlier->second)
+        local.push_back(part.local(point));
+      known = std::find(local.begin(), local.end(), kNone) == local.end();
+      if (known)
+        mine.paths.paths.emplace(edgeKey(corners[i], corners[(i + 1) % 3]), std::move(local));
+    }
+    if (known &&
+        inserter.insert(corners, chainOf(face), through_[face]) == TriangleInserter::Result::In)
+      mine.done.push_back(face);
+  }
+  mine.newPoints = complex.points.size() - part.pointOfWhole.size();
+}
+
+void SoupInsertion::round(TetComplex& complex, int round, Progress& progress) {
+  const std::size_t before = complex.points.size();
+  TetParts parts(complex, round);
+  std::vector<PartWork> works(parts.count());
+  parts.run(
+      [&](TetParts::Part& part) {
+        works[part.index].part = &part;
+        work(works[part.index], part.complex);
+      },
+      progress);
+  collect(works, before);
+}
+
+// The parts' paths become paths of the whole mesh, halved where a part halved their edges.
+void SoupInsertion::collect(const std::vector<PartWork>& works, std::size_t pointsBefore) {
+  std::size_t base = pointsBefore;
+  for (const PartWork& mine : works) {
+    const auto whole = [&](std::uint32_t point) {
+      return point < mine.pointOfWhole.size()
+                 ? mine.pointOfWhole[point]
+                 : static_cast<std::uint32_t>(base + point - mine.pointOfWhole.size());
+    };
+    for (const auto& [edge, middle] : mine.paths.middles)
+      paths_.middles.emplace(edgeKey(whole(static_cast<std::uint32_t>(edge >> 32)),
+                                     whole(static_cast<std::uint32_t>(edge))),
+                             whole(middle));
+    for (const auto& [edge, path] : mine.paths.paths) {
+      std::vector<std::uint32_t> joined;
+      for (const std::uint32_t point : path)
+        joined.push_back(whole(point));
+      if (joined.front() > joined.back())
+        std::reverse(joined.begin(), joined.end());
+      paths_.paths.emplace(edgeKey(joined.front(), joined.back()), std::move(joined));
+    }
+    for (const std::uint32_t face : mine.done)
+      in_[face] = true;
+    base += mine.newPoints;
+  }
+  for (auto& [edge, path] : paths_.paths)
+    path = paths_.path(path.front(), path.back());
+  paths_.middles.clear();
+}
+
+void SoupInsertion::run(TetComplex& complex, Progress& progress) {
+  for (int r = 0; r < TetParts::kRounds; ++r)
+    round(complex, r, progress);
+  round(complex, -1, progress);
+  markRim(complex);
+}
+
+std::vector<std::uint32_t> SoupInsertion::missing() const {
+  std::vector<std::uint32_t> faces;
+  for (std::size_t f = 0; f < in_.size(); ++f)
+    if (!in_[f])
+      faces.push_back(static_cast<std::uint32_t>(f));
+  return faces;
+}
+
+void SoupInsertion::markRim(TetComplex& complex) const {
+  std::unordered_map<std::uint64_t, int> count;
+  for (std::size_t f = 0; f < in_.size(); ++f) {
+    const auto corners = cornersOf(static_cast<std::uint32_t>(f));
+    for (std::size_t i = 0; i < 3; ++i)
+      ++count[edgeKey(corners[i], corners[(i + 1) % 3])];
+  }
+  for (const auto& [edge, faces] : count)
+    if (faces == 1)
+      for (const std::uint32_t point :
+           paths_.path(static_cast<std::uint32_t>(edge >> 32), static_cast<std::uint32_t>(edge)))
+        complex.points[point].rim = true;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/tetrahedralize/LatticeSoup.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+#include "tetvdb/tetrahedralize/TriangleInserter.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// Puts the triangles of a soup into a mesh that has the soup's points among its own
+/// (TriangleInserter.h says how). Points on edges of a single face become rim points.
+class SoupInsertion {
+public:
+  /// Point i of the soup is point firstPoint + i of the mesh. `tolerance` in lattice units: how far
+  /// the faces of a triangle may be from it, by half. The soup must outlive this.
+  SoupInsertion(const LatticeSoup& soup, std::size_t inputCount, std::uint32_t firstPoint,
+                double tolerance);
+
+  /// Inserts what is not in yet. Parallel by TetParts, what lies across parts in rounds after; the
+  /// same mesh for any number of threads. About 10 us a triangle.
+  void run(TetComplex& complex, Progress& progress);
+
+  /// Faces that could not be inserted, ascending.
+  std::vector<std::uint32_t> missing() const;
+
+private:
+  struct PartWork;
+  void work(PartWork& mine, TetComplex& complex) const;
+  void round(TetComplex& complex, int round, Progress& progress);
+  void collect(const std::vector<PartWork>& works, std::size_t pointsBefore);
+  void markRim(TetComplex& complex) const;
+  std::array<std::uint32_t, 3> cornersOf(std::uint32_t face) const;
+  Chain chainOf(std::uint32_t face) const;
+
+  const LatticeSoup& soup_;
+  std::size_t inputCount_;
+  std::uint32_t firstPoint_;
+  double tolerance_;
+  std::vector<bool> in_;
+  std::vector<std::uint8_t> through_; // of TriangleInserter::insert()
+  std::vector<std::uint32_t> facesBegin_, facesOfPoint_;
+  InsertedPaths paths_; // middles are worked into the paths after each round
+};
+
+} // namespace tetvdb

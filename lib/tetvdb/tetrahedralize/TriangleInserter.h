@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/tetrahedralize/InsertPoint.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+
+/// Two points of an edge as one number, the same in both directions.
+inline std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t(a) << 32 | b : std::uint64_t(b) << 32 | a;
+}
+
+/// Edges of the mesh in place of edges of the input. A path goes from the lower point of the input
+/// edge to the higher. An edge of the mesh only ever gives way to its two halves (nothing is
+/// collapsed while triangles are inserted), so that a path stays as it was made, and the points
+/// that halved its edges since are looked up.
+struct InsertedPaths {
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> paths; ///< by edgeKey()
+  std::unordered_map<std::uint64_t, std::uint32_t> middles; ///< of edges that were halved
+
+  /// The path of an edge of the input, ends included, from a to b; empty where there is none.
+  std::vector<std::uint32_t> path(std::uint32_t a, std::uint32_t b) const;
+};
+
+/// Puts triangles into a mesh whose points include their corners, one by one.
+///
+/// A triangle's edges come first: from corner to corner along edges of the mesh, where these are
+/// within `tolerance` of the segment, through new points in faces and edges elsewhere. Then the
+/// inside, from the edges inward: about the edge at the front the face that lies within tolerance
+/// of the triangle is taken, or the tet that the triangle runs through is parted by a point in its
+/// far edge, until the front has closed. So every triangle becomes a disc of faces that ends
+/// exactly at its edges' paths, which it shares with its neighbours, and the faces of a closed soup
+/// are closed again. All corners of these faces are within twice the tolerance of the triangle:
+/// its neighbourhood is convex, so that the faces are too.
+/// Only splits happen, which keep the mesh valid; a triangle that fails leaves no more than some
+/// needless points. Serial.
+class TriangleInserter {
+public:
+  enum class Result : std::uint8_t {
+    In,
+    Elsewhere, ///< tets of another part are in the way
+    Failed     ///< a tet would not stay positive, or the front did not close
+  };
+
+  /// `tolerance` in lattice units, 2 or more.
+  TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance)
+      : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance) {}
+
+  /// `corners` are points of the complex. `chain` is what the triangle counts, on the side that it
+  /// looks away from. `through` is a corner that the path of the edge between the two others must
+  /// go through, 0 to 2, or 3: for triangles that are all but collinear.
+  Result insert(const std::array<std::uint32_t, 3>& corners, Chain chain, unsigned through);
+
+private:
+  struct Stop {
+    Result why;
+  };
+  void recover(std::uint32_t a, std::uint32_t b);
+  std::uint32_t nextOnSegment(std::uint32_t from, std::uint32_t a, std::uint32_t b);
+  void cover(const std::array<std::uint32_t, 3>& corners, Chain chain);
+  std::uint32_t faceAtFront(std::uint32_t u, std::uint32_t v);
+  bool isInside(const Vec3d& p) const;
+  double height(const Vec3d& p) const;
+  std::uint32_t splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
+  void mark(const std::vector<std::array<std::uint32_t, 3>>& faces, Chain chain);
+
+  TetComplex& complex_;
+  InsertedPaths& known_;
+  PointInsertion insert_;
+  double tolerance_;
+  // The triangle at work.
+  std::array<Vec3d, 3> at_{};
+  Vec3d normal_{0, 0, 0};         ///< of length 1
+  std::array<Vec3d, 3> inward_{}; ///< of each edge i, i + 1: in the plane, of length 1
+  std::vector<std::uint32_t> tets_, ring_;
+  std::unordered_map<std::uint64_t, int> front_; ///< directed edges: from << 32 | to
+  std::vector<std::uint32_t> onLoop_;            ///< sorted: points of the loop
+};
+
+} // namespace tetvdb

@@ -33,6 +33,9 @@ struct ImproveCounts {
   std::size_t splits = 0, collapses = 0, swaps = 0, moves = 0;
 };
 
+/// What coarsen() may make of a tet that was good.
+constexpr double kCoarsenEnergy = 300;
+
 /// Collapses edges as long as tets become markedly fewer (by a hundredth and more a round), with no
 /// regard to length: the quick way to a mesh that is valid and small. A collapse may not leave a
 /// tet worse than the worst that was there, nor worse than kCoarsenEnergy where none was.

@@ -29,7 +29,12 @@ Key faceKey(const std::array<std::uint32_t, 4>& corners, unsigned slot) {
 } // namespace
 
 std::uint32_t TetComplex::nextMark() const {
-  return ++mark_;
+  if (++mark_ == 0) {
+    for (Tet& tet : const_cast<std::vector<Tet>&>(tets)) // the marks alone
+      tet.mark = 0;
+    mark_ = 1;
+  }
+  return mark_;
 }
 
 std::uint32_t TetComplex::addPoint(const Vec3d& at) {
@@ -179,8 +184,10 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
     tet.tracked = one.tracked;
     tet.energy = 0;
     tet.mark = 0;
-    for (const std::uint32_t corner : one.corners)
+    for (const std::uint32_t corner : one.corners) {
       points[corner].tet = t;
+      points[corner].changed = 0xFF;
+    }
     for (unsigned slot = 0; slot < 4; ++slot) {
       const Key key = faceKey(one.corners, slot);
       OpenFace& face = findFace(key);
@@ -203,6 +210,49 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
         other.tracked[face.slot] = tet.tracked[slot];
       }
     }
+  }
+}
+
+void TetComplex::collapse(std::uint32_t from, std::uint32_t to,
+                          const std::vector<std::uint32_t>& star) {
+  const auto join = [this](std::uint32_t t, std::uint32_t gone, std::uint32_t next, Chain chain,
+                           bool isTracked) {
+    const unsigned slot = slotOf(t, gone);
+    tets[t].neighbours[slot] = next;
+    tets[t].chains[slot] = chain;
+    tets[t].tracked[slot] = isTracked;
+  };
+  for (const std::uint32_t t : star) {
+    Tet& tet = tets[t];
+    const unsigned i = tet.cornerOf(from), j = tet.cornerOf(to);
+    if (j == 4) {
+      tet.corners[i] = to;
+      tet.energy = 0;
+      for (const std::uint32_t corner : tet.corners)
+        points[corner].changed = 0xFF;
+      continue;
+    }
+    const std::uint32_t beyond = tet.neighbours[i], inside = tet.neighbours[j];
+    const Chain chain = tet.chains[i] - tet.chains[j];
+    const bool isTracked = tet.tracked[i] || tet.tracked[j];
+    join(inside, t, beyond, chain, isTracked);
+    if (beyond < kElsewhere)
+      join(beyond, t, inside, -chain, isTracked);
+    for (const std::uint32_t corner : tet.corners)
+      points[corner].tet = inside;
+    tet.corners[0] = kNone;
+    free_.push_back(t);
+  }
+  points[from].tet = kNone;
+}
+
+void TetComplex::move(std::uint32_t point, const Vec3d& to,
+                      const std::vector<std::uint32_t>& star) {
+  points[point].at = to;
+  for (const std::uint32_t t : star) {
+    tets[t].energy = 0;
+    for (const std::uint32_t corner : tets[t].corners)
+      points[corner].changed = 0xFF;
   }
 }
 

@@ -3,8 +3,8 @@
 // The mesh that the mesher works on: tets that know their neighbours, faces that know what they
 // stand for.
 //
-// Every change goes through replace(): a set of connected tets gives way to others that fill the
-// same room. Tets are positive and the mesh is conforming before and after.
+// Every change goes through replace(), collapse() or move(): a set of connected tets gives way to
+// others that fill the same room. Tets are positive and the mesh is conforming before and after.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -71,6 +71,9 @@ public:
     std::uint32_t tet = kNone; ///< one that has it for a corner; kNone: the point is gone
     bool fixed = false;        ///< on the box's sides or between parts: never moved or removed
     bool rim = false;          ///< on an open edge of the input: stays within the rim's envelope
+    /// Every change around the point sets all bits; who has tried in vain here clears his own.
+    std::uint8_t changed = 0xFF;
+    float spacing = 0; ///< target length of edges here, as the owner of the complex likes
     bool exists() const { return tet != kNone; }
   };
 
@@ -95,6 +98,18 @@ public:
   /// lose all their tets are gone. Costs about 30 ns a face.
   void replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
                std::vector<std::uint32_t>* made = nullptr);
+
+  /// Point `from` goes, and what it was a corner of gets `to` instead; tets with both vanish.
+  /// `star` is star(from), all of it in this part; `to` is joined to it by an edge; what stays has
+  /// to be positive. Where a tet (from, to, x, y) vanishes, the faces (from, x, y) and (to, x, y)
+  /// become one: their chains add up, as windings on both sides ask, and it is tracked where one
+  /// was. Not for pairs of which (to, x, y) lies between parts and (from, x, y) is tracked.
+  /// Energies become 0. Some ten ns a tet.
+  void collapse(std::uint32_t from, std::uint32_t to, const std::vector<std::uint32_t>& star);
+
+  /// Moves a point; all tets around it have to stay positive. `star` is star(point); energies
+  /// become 0.
+  void move(std::uint32_t point, const Vec3d& to, const std::vector<std::uint32_t>& star);
 
   /// Adds a point without tets; it exists once replace() gives it some.
   std::uint32_t addPoint(const Vec3d& at);

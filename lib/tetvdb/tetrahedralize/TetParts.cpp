@@ -255,8 +255,11 @@ void TetParts::join() {
   }
   for (const Part& part : parts_)
     for (std::size_t i = 0; i < part.pointOfWhole.size(); ++i)
-      if (partOfPoint_[part.pointOfWhole[i]] == kShared && part.complex.points[i].rim)
-        whole_.points[part.pointOfWhole[i]].rim = true;
+      if (partOfPoint_[part.pointOfWhole[i]] == kShared) {
+        TetComplex::Point& point = whole_.points[part.pointOfWhole[i]];
+        point.rim = point.rim || part.complex.points[i].rim;
+        point.changed = static_cast<std::uint8_t>(point.changed | part.complex.points[i].changed);
+      }
   parts_.clear();
 }
 

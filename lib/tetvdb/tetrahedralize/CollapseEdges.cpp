@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/CollapseEdges.h"
+
+#include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/TetEnergy.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+// A point of high valence has many edges and each of them many tets: only the shortest are tried.
+constexpr std::size_t kManyTets = 200, kFewSpokes = 16;
+
+} // namespace
+
+std::size_t EdgeCollapser::sweep() {
+  std::vector<float> shortest(complex_.points.size(), std::numeric_limits<float>::infinity());
+  for (const TetComplex::Tet& tet : complex_.tets) {
+    if (!tet.exists())
+      continue;
+    for (unsigned i = 0; i < 3; ++i)
+      for (unsigned j = i + 1; j < 4; ++j) {
+        const std::uint32_t a = tet.corners[i], b = tet.corners[j];
+        const Vec3d edge = minus(complex_.at(a), complex_.at(b));
+        const auto square = static_cast<float>(dot(edge, edge));
+        shortest[a] = std::min(shortest[a], square);
+        shortest[b] = std::min(shortest[b], square);
+      }
+  }
+  std::vector<std::pair<float, std::uint32_t>> order;
+  for (std::uint32_t p = 0; p < complex_.points.size(); ++p) {
+    const TetComplex::Point& point = complex_.points[p];
+    if (point.exists() && !point.fixed && (point.changed & kChanged))
+      order.push_back({shortest[p], p});
+  }
+  std::sort(order.begin(), order.end());
+  std::size_t gone = 0;
+  for (const auto& [square, p] : order)
+    gone += collapsePoint(p);
+  return gone;
+}
+
+bool EdgeCollapser::collapsePoint(std::uint32_t from) {
+  TetComplex::Point& point = complex_.points[from];
+  star_.gather(complex_, from);
+  order_ = star_.spokes();
+  if (star_.onSurface())
+    order_.erase(std::remove_if(order_.begin(), order_.end(),
+                                [](const PointStar::Spoke& spoke) { return spoke.sheets == 0; }),
+                 order_.end());
+  if (rules_.longest > 0)
+    order_.erase(std::remove_if(order_.begin(), order_.end(),
+                                [&](const PointStar::Spoke& spoke) {
+                                  const double longest =
+                                      rules_.longest / 2 *
+                                      (point.spacing + complex_.points[spoke.point].spacing);
+                                  return spoke.square > longest * longest;
+                                }),
+                 order_.end());
+  const auto isBefore = [](const PointStar::Spoke& a, const PointStar::Spoke& b) {
+    return a.square != b.square ? a.square < b.square : a.point < b.point;
+  };
+  std::sort(order_.begin(), order_.end(), isBefore);
+  if (star_.tets().size() > kManyTets && order_.size() > kFewSpokes)
+    order_.resize(kFewSpokes);
+  bool final = true;
+  for (const PointStar::Spoke& spoke : order_) {
+    ++tried_;
+    const Answer answer = mayCollapse(spoke.point);
+    if (answer == Answer::Yes) {
+      complex_.collapse(from, spoke.point, star_.tets());
+      return true;
+    }
+    final = final && answer == Answer::No;
+  }
+  if (final)
+    point.changed = static_cast<std::uint8_t>(point.changed & ~kChanged);
+  return false;
+}
+
+EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
+  if (!isShapely(to))
+    return Answer::No;
+  if (!star_.onSurface())
+    return Answer::Yes;
+  const auto spoke = std::find_if(star_.spokes().begin(), star_.spokes().end(),
+                                  [to](const PointStar::Spoke& s) { return s.point == to; });
+  if (!followsCurve(to, spoke->sheets))
+    return Answer::No;
+  const Answer topology = keepsTopology(to);
+  if (topology != Answer::Yes)
+    return topology;
+  return staysNear(to) ? Answer::Yes : Answer::No;
+}
+
+bool EdgeCollapser::isShapely(std::uint32_t to) const {
+  const EnergyLimit limit(std::max(rules_.energy, star_.worstEnergy()));
+  const Vec3d& at = complex_.at(to);
+  for (const PointStar::LinkFace& face : star_.faces()) {
+    if (face.corners[0] == to || face.corners[1] == to || face.corners[2] == to)
+      continue;
+    if (!limit.allows(at, face.a, face.b, face.c))
+      return false;
+  }
+  return true;
+}
+
+// Edges with one tracked face are rims, with three and more they are where sheets meet; both form
+// curves, whose ends and branches stay.
+bool EdgeCollapser::followsCurve(std::uint32_t to, std::uint32_t toSheets) const {
+  std::size_t onCurve = 0;
+  std::uint32_t kind = 2, far = to;
+  for (const PointStar::Spoke& spoke : star_.spokes()) {
+    if (spoke.sheets == 0 || spoke.sheets == 2)
+      continue;
+    if (++onCurve > 2 || (kind != 2 && spoke.sheets != kind))
+      return false;
+    kind = spoke.sheets;
+    if (spoke.point != to)
+      far = spoke.point;
+  }
+  if (onCurve == 0)
+    return !complex_.points[star_.point()].rim;
+  if (onCurve != 2 || toSheets != kind)
+    return false;
+  if (!complex_.points[star_.point()].rim)
+    return true;
+  return kind == 1 && complex_.points[to].rim && complex_.points[far].rim &&
+         bounds_.rim.contains(complex_.at(to), complex_.at(far), bounds_.radius);
+}
+
+EdgeCollapser::Answer EdgeCollapser::keepsTopology(std::uint32_t to) {
+  const std::uint32_t from = star_.point();
+  for (const std::uint32_t t : star_.tets()) {
+    const TetComplex::Tet& tet = complex_.tets[t];
+    const unsigned j = tet.cornerOf(to);
+    if (j == 4)
+      continue;
+    const unsigned i = tet.cornerOf(from);
+    if (tet.tracked[j]) {
+      if (tet.tracked[i])
+        return Answer::No;
+      if (tet.neighbours[i] >= TetComplex::kElsewhere)
+        return Answer::NotHere;
+    }
+    // Where (from, x) and (to, x) are edges of tracked faces, (from, to, x) is one of them.
+    for (unsigned k = 0; k < 4; ++k) {
+      if (k == i || k == j || tet.tracked[6 - i - j - k])
+        continue;
+      const std::uint32_t x = tet.corners[k];
+      bool isEdge = false;
+      for (const PointStar::Sheet& sheet : star_.sheets())
+        isEdge = isEdge || sheet.p == x || sheet.q == x;
+      if (!isEdge)
+        continue;
+      const Answer other = hasSheet(to, x, t);
+      if (other != Answer::No)
+        return other == Answer::Yes ? Answer::No : Answer::NotHere;
+    }
+  }
+  return Answer::Yes;
+}
+
+// Whether edge (a, b) of tet `start` is one of a tracked face.
+EdgeCollapser::Answer EdgeCollapser::hasSheet(std::uint32_t a, std::uint32_t b,
+                                              std::uint32_t start) const {
+  std::uint32_t t = start, last = TetComplex::kNone;
+  do {
+    const TetComplex::Tet& tet = complex_.tets[t];
+    const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
+    std::uint32_t next = TetComplex::kNone;
+    for (unsigned k = 0; k < 4; ++k) {
+      if (k == i || k == j)
+        continue;
+      if (tet.tracked[k])
+        return Answer::Yes;
+      if (tet.neighbours[k] != last && next == TetComplex::kNone)
+        next = tet.neighbours[k];
+    }
+    if (next >= TetComplex::kElsewhere)
+      return Answer::NotHere;
+    last = t;
+    t = next;
+  } while (t != start);
+  return Answer::No;
+}
+
+bool EdgeCollapser::staysNear(std::uint32_t to) {
+  const Vec3d& at = complex_.at(to);
+  newSheets_.clear();
+  for (const PointStar::Sheet& sheet : star_.sheets())
+    if (sheet.p != to && sheet.q != to)
+      newSheets_.push_back({complex_.at(sheet.p), complex_.at(sheet.q)});
+  const double square = bounds_.radius * bounds_.radius;
+  const auto isNear = [&](const Vec3d& p) {
+    for (const auto& [a, b] : newSheets_)
+      if (nearestOnTriangle(minus(at, p), minus(a, p), minus(b, p)).squared <= square)
+        return true;
+    return false;
+  };
+  const Vec3d& from = complex_.at(star_.point());
+  if (!isNear(from))
+    return false;
+  for (const PointStar::Spoke& spoke : star_.spokes())
+    if (spoke.sheets > 0 && spoke.point != to &&
+        !isNear(times(plus(from, complex_.at(spoke.point)), 0.5)))
+      return false;
+  for (const auto& [a, b] : newSheets_)
+    if (!bounds_.surface.contains(at, a, b, bounds_.radius))
+      return false;
+  return true;
+}
+
+} // namespace tetvdb

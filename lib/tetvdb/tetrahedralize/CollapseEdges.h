@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/tetrahedralize/Improve.h"
+#include "tetvdb/tetrahedralize/PointStar.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// Collapses edges of one part, serially: a point goes, what was around it takes one of its
+/// neighbours for a corner instead.
+///   The tracked faces keep their topology (the link condition of "Topology preserving edge
+/// contraction", Dey, Edelsbrunner, Guha, Nekhayev 1999, for the surface; for tets it holds by
+/// itself where all of them are positive): no hole opens, no thin wall is pressed together. They
+/// stay within the envelope, and the point that goes stays near to them, so that no spike is worn
+/// away.
+class EdgeCollapser {
+public:
+  struct Rules {
+    /// No tet may get worse than this, unless one around the point was.
+    double energy = 0;
+    /// Edges longer than this multiple of the spacing at their ends stay; 0: any length goes.
+    double longest = 0;
+  };
+
+  /// Bit of Point::changed.
+  static constexpr std::uint8_t kChanged = 1;
+
+  EdgeCollapser(TetComplex& complex, const Bounds& bounds, const Rules& rules)
+      : complex_(complex), bounds_(bounds), rules_(rules) {}
+
+  /// Tries every point that changed since it was last tried, those with the shortest edges first.
+  /// Returns how many went.
+  std::size_t sweep();
+
+  std::size_t tried() const { return tried_; } ///< candidates, that is edges and their direction
+
+private:
+  enum class Answer { No, NotHere, Yes }; ///< NotHere: perhaps in another part
+
+  bool collapsePoint(std::uint32_t from);
+  Answer mayCollapse(std::uint32_t to);
+  bool isShapely(std::uint32_t to) const;
+  bool followsCurve(std::uint32_t to, std::uint32_t toSheets) const;
+  Answer keepsTopology(std::uint32_t to);
+  Answer hasSheet(std::uint32_t a, std::uint32_t b, std::uint32_t start) const;
+  bool staysNear(std::uint32_t to);
+
+  TetComplex& complex_;
+  const Bounds& bounds_;
+  const Rules rules_;
+  std::size_t tried_ = 0;
+  PointStar star_;
+  std::vector<PointStar::Spoke> order_;
+  std::vector<std::array<Vec3d, 2>> newSheets_; // with `to`
+};
+
+} // namespace tetvdb

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/PointStar.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/TetEnergy.h"
+
+#include <algorithm>
+
+namespace tetvdb {
+
+void PointStar::gather(TetComplex& complex, std::uint32_t point) {
+  point_ = point;
+  faces_.clear();
+  sheets_.clear();
+  spokes_.clear();
+  worst_ = 0;
+  complex.star(point, tets_);
+  if (seen_.size() < complex.points.size()) {
+    seen_.resize(complex.points.size(), 0);
+    spokeOf_.resize(complex.points.size());
+  }
+  ++round_;
+  const Vec3d& centre = complex.at(point);
+  for (const std::uint32_t t : tets_) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    const unsigned i = tet.cornerOf(point);
+    const auto& around = kFaceCorners[i];
+    const std::array<std::uint32_t, 3> corners{tet.corners[around[0]], tet.corners[around[1]],
+                                               tet.corners[around[2]]};
+    faces_.push_back(
+        {complex.at(corners[0]), complex.at(corners[1]), complex.at(corners[2]), corners});
+    for (const std::uint32_t corner : corners) {
+      if (seen_[corner] == round_)
+        continue;
+      seen_[corner] = round_;
+      spokeOf_[corner] = static_cast<std::uint32_t>(spokes_.size());
+      const Vec3d spoke = minus(complex.at(corner), centre);
+      spokes_.push_back({corner, 0, dot(spoke, spoke)});
+    }
+    for (unsigned k = 0; k < 3; ++k) {
+      const unsigned slot = around[k];
+      // Both tets of the face are here: the lower one tells.
+      if (!tet.tracked[slot] || tet.neighbours[slot] < t)
+        continue;
+      const std::uint32_t p = corners[(k + 1) % 3], q = corners[(k + 2) % 3];
+      sheets_.push_back({p, q});
+      ++spokes_[spokeOf_[p]].sheets;
+      ++spokes_[spokeOf_[q]].sheets;
+    }
+    worst_ = std::max(worst_, static_cast<double>(energyOf(complex, t)));
+  }
+}
+
+} // namespace tetvdb

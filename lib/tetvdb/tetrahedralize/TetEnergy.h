@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How far a tet is from regular.
+//
+// The AMIPS energy tr(J^T J) / det(J)^(2/3), J being the map from the regular tet ("Computing
+// Locally Injective Mappings by Advanced MIPS", Fu, Liu, Guo 2015), does not ask for J: the sum P
+// of the squared lengths of six edges is proportional to the trace, as those of the regular tet add
+// up to a multiple of the identity. With six times the volume as det, energy^3 = P^3 / (16 det^2):
+// 3 for the regular tet.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tetvdb {
+
+/// Six times the volume of a tet, rounded once. For lattice points.
+double exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+
+/// Above this an energy's determinant is worked out exactly. Below, rounding leaves ten digits: of
+/// an energy E the determinant is P^1.5 / (4 E^1.5), its error within 1e-15 P^1.5.
+constexpr double kRoughEnergy = 1e4;
+
+/// The squared lengths' sum and the determinant of the tet (p, a, b, c).
+struct TetShape {
+  double squares, det;
+
+  TetShape(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d u = minus(a, p), v = minus(b, p), w = minus(c, p);
+    const Vec3d sum = plus(plus(u, v), w);
+    squares = 4 * (dot(u, u) + dot(v, v) + dot(w, w)) - dot(sum, sum);
+    det = dot(w, cross(u, v));
+  }
+  double cube() const { return squares * squares * squares / (16 * det * det); }
+};
+
+/// The energy of a tet of lattice points; infinity where it is not positive.
+inline double tetEnergy(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  TetShape shape(a, b, c, d);
+  constexpr double kRoughCube = kRoughEnergy * kRoughEnergy * kRoughEnergy;
+  if (!(shape.det > 0) || shape.cube() > kRoughCube)
+    shape.det = exactDeterminant(a, b, c, d);
+  return shape.det > 0 ? std::cbrt(shape.cube()) : std::numeric_limits<double>::infinity();
+}
+
+/// Whether tets (p, a, b, c) are positive and of no more than a certain energy: what a candidate
+/// asks most.
+class EnergyLimit {
+public:
+  explicit EnergyLimit(double energy)
+      : energy_(energy), cube16_(16 * cubed(std::min(energy, kRoughEnergy))) {}
+
+  double energy() const { return energy_; }
+  bool allows(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
+    // So good a tet is positive whatever the rounding.
+    const TetShape shape(p, a, b, c);
+    if (shape.det > 0 && cubed(shape.squares) <= cube16_ * (shape.det * shape.det))
+      return true;
+    return energy_ > kRoughEnergy && tetEnergy(p, a, b, c) <= energy_;
+  }
+
+private:
+  static double cubed(double x) { return x * x * x; }
+
+  double energy_, cube16_;
+};
+
+/// The tet's energy, which it keeps until it changes.
+inline float energyOf(TetComplex& complex, std::uint32_t t) {
+  TetComplex::Tet& tet = complex.tets[t];
+  if (tet.energy == 0)
+    tet.energy = static_cast<float>(
+        std::min(tetEnergy(complex.at(tet.corners[0]), complex.at(tet.corners[1]),
+                           complex.at(tet.corners[2]), complex.at(tet.corners[3])),
+                 static_cast<double>(std::numeric_limits<float>::max())));
+  return tet.energy;
+}
+
+} // namespace tetvdb

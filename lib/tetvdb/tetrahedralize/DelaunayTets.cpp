@@ -34,44 +34,47 @@ struct Tet {
   std::array<Index, 4> across; // the same face of the tet beyond, kNone on the box's sides
 };
 
-// Finds the other face over an edge among the new tets, each of which is asked for twice at most.
-class EdgeMatches {
+// The new tets' faces by their edges away from the new point, which two tets see in opposite
+// directions. Large and almost empty, so that branches are easily foretold.
+class EdgeTable {
 public:
-  // Forgets all; room for `edges` different ones.
+  // Forgets all; room for `edges`.
   void begin(std::size_t edges) {
-    if (slots_.size() < 2 * edges) {
-      std::size_t size = 256;
-      for (shift_ = 64 - 8; size < 2 * edges; --shift_)
+    if (slots_.size() < 4 * edges) {
+      std::size_t size = 1024;
+      for (shift_ = 64 - 10; size < 8 * edges; --shift_)
         size *= 2;
       slots_.assign(size, {});
       now_ = 0;
     }
     ++now_;
   }
-  // The face that was given for that edge before, or kNone.
-  Index match(Index u, Index v, Index face) {
-    if (u > v)
-      std::swap(u, v);
-    const std::uint64_t edge = (std::uint64_t(u) << 32) | v;
-    const std::uint64_t spread =
-        (std::uint64_t(u) * 0x9E3779B97F4A7C15u) ^ (std::uint64_t(v) * 0xC2B2AE3D27D4EB4Fu);
-    for (std::size_t at = spread >> shift_;; at = (at + 1) & (slots_.size() - 1)) {
-      Slot& slot = slots_[at];
-      if (slot.stamp != now_) {
-        slot = {edge, face, now_};
+  void add(Index from, Index to, Index face) {
+    std::size_t at = first(from, to);
+    while (slots_[at].stamp == now_)
+      at = (at + 1) & (slots_.size() - 1);
+    slots_[at] = {from, to, face, now_};
+  }
+  // kNone where there is none.
+  Index find(Index from, Index to) const {
+    for (std::size_t at = first(from, to);; at = (at + 1) & (slots_.size() - 1)) {
+      const Slot& slot = slots_[at];
+      if (slot.stamp != now_)
         return kNone;
-      }
-      if (slot.edge == edge)
+      if (slot.from == from && slot.to == to)
         return slot.face;
     }
   }
 
 private:
   struct Slot {
-    std::uint64_t edge = 0;
-    Index face = 0;
-    Index stamp = 0;
+    Index from = 0, to = 0, face = 0, stamp = 0;
   };
+  std::size_t first(Index from, Index to) const {
+    const std::uint64_t edge = (std::uint64_t(from) << 32) | to;
+    return (edge * 0x9E3779B97F4A7C15u) >> shift_;
+  }
+
   std::vector<Slot> slots_;
   int shift_ = 0;
   Index now_ = 0;
@@ -131,7 +134,14 @@ private:
     std::array<Index, 4> corners; // of the tet within the cavity, the new point in its place
     Index corner;                 // that place
     Index across;
+    Index tet; // the new one
   };
+  // Of the face opposite a corner: its corners, each with the edge from the next to the one after,
+  // all turning one way as seen from the corner whichever it is.
+  static constexpr Index kTurns[4][3][3] = {{{1, 2, 3}, {2, 3, 1}, {3, 1, 2}},
+                                            {{0, 3, 2}, {3, 2, 0}, {2, 0, 3}},
+                                            {{0, 1, 3}, {1, 3, 0}, {3, 0, 1}},
+                                            {{0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
 
   std::array<Index, 3> sortedCorners(Index face) const {
     std::array<Index, 3> corners{};
@@ -217,7 +227,7 @@ private:
           if (mark == in_)
             continue;
         }
-        rim_.push_back({tet.corners, corner, across});
+        rim_.push_back({tet.corners, corner, across, kNone});
       }
     }
   }
@@ -228,23 +238,19 @@ private:
     std::size_t reused = 0;
     for (RimFace& face : rim_) {
       const Index tet = reused < cavity_.size() ? cavity_[reused++] : unusedTet();
+      face.tet = tet;
       face.corners[face.corner] = point;
-      Tet& made = tets_[tet];
-      made.corners = face.corners;
-      made.across[face.corner] = face.across;
+      tets_[tet].corners = face.corners;
+      tets_[tet].across[face.corner] = face.across;
       if (face.across != kNone)
         tets_[face.across / 4].across[face.across % 4] = 4 * tet + face.corner;
-      for (Index i = 1; i < 4; ++i) {
-        const Index opposite = (face.corner + i) % 4; // of the face over the other two
-        const Index u = made.corners[(face.corner + (i == 1 ? 2u : 1u)) % 4];
-        const Index v = made.corners[(face.corner + (i == 3 ? 2u : 3u)) % 4];
-        const Index other = edges_.match(u, v, 4 * tet + opposite);
-        made.across[opposite] = other;
-        if (other != kNone)
-          tets_[other / 4].across[other % 4] = 4 * tet + opposite;
-      }
-      last_ = tet;
+      for (const auto& turn : kTurns[face.corner])
+        edges_.add(face.corners[turn[1]], face.corners[turn[2]], 4 * tet + turn[0]);
     }
+    for (const RimFace& face : rim_)
+      for (const auto& turn : kTurns[face.corner])
+        tets_[face.tet].across[turn[0]] = edges_.find(face.corners[turn[2]], face.corners[turn[1]]);
+    last_ = rim_.back().tet;
     free_.insert(free_.end(), cavity_.begin() + static_cast<std::ptrdiff_t>(reused), cavity_.end());
   }
 
@@ -262,7 +268,7 @@ private:
   std::vector<Index> free_;
   std::vector<Index> cavity_;
   std::vector<RimFace> rim_;
-  EdgeMatches edges_;
+  EdgeTable edges_;
   Index in_ = 0, last_ = 0, random_ = 0x2545F491u;
 };
 

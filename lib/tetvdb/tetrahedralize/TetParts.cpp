@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
@@ -56,6 +58,45 @@ void halve(Centres& centres, std::size_t first, std::size_t last, int levels,
                        [&] { halve(centres, middle, last, levels - 1, ends, base + half); });
 }
 
+// A part's number for every point of the whole mesh that it has.
+class PointNumbers {
+public:
+  PointNumbers() : slots_(std::size_t(1) << 12, {TetComplex::kNone, 0}) {}
+
+  /// Whether the point is new.
+  bool add(std::uint32_t whole) {
+    if (2 * size_ >= slots_.size())
+      grow();
+    auto& slot = slots_[find(whole)];
+    if (slot[0] == whole)
+      return false;
+    slot[0] = whole;
+    ++size_;
+    return true;
+  }
+  /// Of a point that was added.
+  std::uint32_t& operator[](std::uint32_t whole) { return slots_[find(whole)][1]; }
+
+private:
+  std::size_t find(std::uint32_t whole) const {
+    const std::size_t last = slots_.size() - 1;
+    std::size_t i = whole * std::size_t(0x9E3779B97F4A7C15u) >> 40 & last;
+    while (slots_[i][0] != whole && slots_[i][0] != TetComplex::kNone)
+      i = (i + 1) & last;
+    return i;
+  }
+  void grow() {
+    std::vector<std::array<std::uint32_t, 2>> old(2 * slots_.size(), {TetComplex::kNone, 0});
+    old.swap(slots_);
+    for (const auto& slot : old)
+      if (slot[0] != TetComplex::kNone)
+        slots_[find(slot[0])] = slot;
+  }
+
+  std::vector<std::array<std::uint32_t, 2>> slots_; // whole, part
+  std::size_t size_ = 0;
+};
+
 } // namespace
 
 std::uint32_t TetParts::Part::local(std::uint32_t whole) const {
@@ -84,33 +125,38 @@ TetParts::TetParts(TetComplex& whole, int round, std::size_t tetsPerPart) : whol
     if (whole.tets[t].exists())
       centres.push_back({{0, 0, 0}, static_cast<std::uint32_t>(t)});
   const auto& frame = kFrames[round % kRounds];
-  tbb::parallel_for(std::size_t(0), centres.size(), [&](std::size_t i) {
-    Vec3d sum{0, 0, 0};
-    for (const std::uint32_t corner : whole.tets[centres[i].tet].corners)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        sum[axis] += whole.at(corner)[axis];
-    for (int axis = 0; axis < 3; ++axis)
-      centres[i].at[axis] = static_cast<float>(sum[0] * frame[axis][0] + sum[1] * frame[axis][1] +
-                                               sum[2] * frame[axis][2]);
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, centres.size()), [&](const Range& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      Vec3d sum{0, 0, 0};
+      for (const std::uint32_t corner : whole.tets[centres[i].tet].corners)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          sum[axis] += whole.at(corner)[axis];
+      for (int axis = 0; axis < 3; ++axis)
+        centres[i].at[axis] = static_cast<float>(sum[0] * frame[axis][0] + sum[1] * frame[axis][1] +
+                                                 sum[2] * frame[axis][2]);
+    }
   });
   std::vector<std::size_t> ends(count + 1, 0);
   halve(centres, 0, centres.size(), levels, ends, 0);
   partOfTet_.assign(whole.tets.size(), kUnseen);
   slotInPart_.resize(whole.tets.size());
   borders_.resize(whole.tets.size());
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) {
+    for (std::size_t i = ends[p]; i < ends[p + 1]; ++i)
+      partOfTet_[centres[i].tet] = static_cast<std::uint32_t>(p);
+  });
   // Old numbers ascend within a part, so that neighbours in memory stay so.
   std::vector<std::vector<std::uint32_t>> tetsOfPart(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) {
-    auto& mine = tetsOfPart[p];
-    mine.reserve(ends[p + 1] - ends[p]);
-    for (std::size_t i = ends[p]; i < ends[p + 1]; ++i)
-      mine.push_back(centres[i].tet);
-    std::sort(mine.begin(), mine.end());
-    for (std::size_t i = 0; i < mine.size(); ++i) {
-      partOfTet_[mine[i]] = static_cast<std::uint32_t>(p);
-      slotInPart_[mine[i]] = static_cast<std::uint32_t>(i);
-    }
-  });
+  for (std::size_t p = 0; p < count; ++p)
+    tetsOfPart[p].reserve(ends[p + 1] - ends[p]);
+  for (std::size_t t = 0; t < whole.tets.size(); ++t) {
+    if (partOfTet_[t] == kUnseen)
+      continue;
+    auto& mine = tetsOfPart[partOfTet_[t]];
+    slotInPart_[t] = static_cast<std::uint32_t>(mine.size());
+    mine.push_back(static_cast<std::uint32_t>(t));
+  }
   partOfPoint_.assign(whole.points.size(), kUnseen);
   for (std::size_t t = 0; t < whole.tets.size(); ++t) {
     const auto& tet = whole.tets[t];
@@ -138,17 +184,19 @@ TetParts::TetParts(TetComplex& whole, int round, std::size_t tetsPerPart) : whol
 void TetParts::extract(std::size_t index, const std::vector<std::uint32_t>& mine) {
   Part& part = parts_[index];
   part.index = index;
-  auto& numbers = part.pointOfWhole;
+  auto& wholes = part.pointOfWhole;
+  PointNumbers numbers;
   for (const std::uint32_t t : mine)
     for (const std::uint32_t corner : whole_.tets[t].corners)
-      numbers.push_back(corner);
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+      if (numbers.add(corner))
+        wholes.push_back(corner);
+  std::sort(wholes.begin(), wholes.end());
   TetComplex& complex = part.complex;
-  complex.points.resize(numbers.size());
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    complex.points[i] = whole_.points[numbers[i]];
-    complex.points[i].fixed = complex.points[i].fixed || partOfPoint_[numbers[i]] == kShared;
+  complex.points.resize(wholes.size());
+  for (std::size_t i = 0; i < wholes.size(); ++i) {
+    numbers[wholes[i]] = static_cast<std::uint32_t>(i);
+    complex.points[i] = whole_.points[wholes[i]];
+    complex.points[i].fixed = complex.points[i].fixed || partOfPoint_[wholes[i]] == kShared;
   }
   complex.tets.resize(mine.size());
   for (std::size_t i = 0; i < mine.size(); ++i) {
@@ -157,7 +205,7 @@ void TetParts::extract(std::size_t index, const std::vector<std::uint32_t>& mine
     tet = old;
     tet.mark = 0;
     for (unsigned slot = 0; slot < 4; ++slot) {
-      tet.corners[slot] = part.local(old.corners[slot]);
+      tet.corners[slot] = numbers[old.corners[slot]];
       complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(i);
       const std::uint32_t next = old.neighbours[slot];
       if (next != TetComplex::kOutside)

@@ -37,16 +37,6 @@ Vec3d centreOf(const Piece<3>& piece) {
   return times(plus(plus(piece.at[0], piece.at[1]), piece.at[2]), 1.0 / 3);
 }
 
-std::array<Piece<2>, 2> parted(const Piece<2>& piece) {
-  const Vec3d middle = centreOf(piece);
-  return {{{{{piece.at[0], middle}}}, {{{middle, piece.at[1]}}}}};
-}
-std::array<Piece<3>, 4> parted(const Piece<3>& piece) {
-  const auto& [a, b, c] = piece.at;
-  const Vec3d ab = middleOf(a, b), bc = middleOf(b, c), ca = middleOf(c, a);
-  return {{{{{ab, bc, ca}}}, {{{a, ab, ca}}}, {{{ab, b, bc}}}, {{{ca, bc, c}}}}};
-}
-
 // Whether one triangle is near all corners: its neighbourhood is convex, so that all of the piece
 // is near it.
 template <std::size_t corners>
@@ -57,23 +47,59 @@ bool isNear(const Piece<corners>& piece, const NearTriangle& triangle, double li
   return true;
 }
 
+// Halves or quarters of a piece, but for those that one triangle is near all of.
+void addParts(const Piece<2>& piece, const NearTriangle& triangle, double limit,
+              std::vector<Piece<2>>& parts) {
+  const auto& [a, b] = piece.at;
+  const Vec3d ab = middleOf(a, b);
+  const auto isOut = [&](const Vec3d& p) { return !(triangle.squaredDistance(p) <= limit); };
+  const bool isMiddleOut = isOut(ab);
+  if (isMiddleOut || isOut(a))
+    parts.push_back({{a, ab}});
+  if (isMiddleOut || isOut(b))
+    parts.push_back({{ab, b}});
+}
+void addParts(const Piece<3>& piece, const NearTriangle& triangle, double limit,
+              std::vector<Piece<3>>& parts) {
+  const auto& [a, b, c] = piece.at;
+  const Vec3d ab = middleOf(a, b), bc = middleOf(b, c), ca = middleOf(c, a);
+  const auto isOut = [&](const Vec3d& p) { return !(triangle.squaredDistance(p) <= limit); };
+  const bool isAbOut = isOut(ab), isBcOut = isOut(bc), isCaOut = isOut(ca);
+  if (isAbOut || isBcOut || isCaOut)
+    parts.push_back({{ab, bc, ca}});
+  if (isAbOut || isCaOut || isOut(a))
+    parts.push_back({{a, ab, ca}});
+  if (isAbOut || isBcOut || isOut(b))
+    parts.push_back({{ab, b, bc}});
+  if (isBcOut || isCaOut || isOut(c))
+    parts.push_back({{ca, bc, c}});
+}
+
 template <std::size_t corners>
 bool containsPiece(const TriangleTree& tree, const Piece<corners>& whole, double limit) {
-  // Corners, each of which may meet the triangle that is near all of them.
-  for (std::size_t k = 0; k < corners; ++k) {
-    int tries = 0;
-    bool isIn = false, isWholeIn = false;
-    tree.visit(whole.at[k], limit, [&](std::uint32_t i, double&) {
-      const NearTriangle& triangle = tree.triangle(i);
-      if (!(triangle.squaredDistance(whole.at[k]) <= limit))
-        return false;
-      isIn = true;
-      isWholeIn = isNear(whole, triangle, limit);
-      return isWholeIn || ++tries == kTries || k > 0;
-    });
-    if (!isIn || isWholeIn)
-      return isWholeIn;
-  }
+  // Triangles near one corner may be near the others.
+  int tries = 0;
+  bool isIn = false, isWholeIn = false;
+  tree.visit(whole.at[0], limit, [&](std::uint32_t i, double&) {
+    const NearTriangle& triangle = tree.triangle(i);
+    if (!(triangle.squaredDistance(whole.at[0]) <= limit))
+      return false;
+    isIn = true;
+    isWholeIn = isNear(whole, triangle, limit);
+    return isWholeIn || ++tries == kTries;
+  });
+  if (!isIn || isWholeIn)
+    return isWholeIn;
+
+  Box box;
+  for (const Vec3d& corner : whole.at)
+    box.add(corner);
+  const TriangleTree::Cut cut(tree, box, std::sqrt(limit));
+  for (std::size_t k = 1; k < corners; ++k)
+    if (!tree.visit(cut, whole.at[k], limit, [&](std::uint32_t i, double&) {
+          return tree.triangle(i).squaredDistance(whole.at[k]) <= limit;
+        }))
+      return false;
 
   const double least = limit * Envelope::kSlack * Envelope::kSlack;
   thread_local std::vector<Piece<corners>> waiting;
@@ -90,7 +116,7 @@ bool containsPiece(const TriangleTree& tree, const Piece<corners>& whole, double
     // The triangle nearest to the centre, at distance d: if its neighbourhood does not hold the
     // piece, a corner is farther from it than the radius, and d + (centre to corner) exceeds it.
     std::uint32_t nearest = kNone;
-    const bool isIn = tree.visit(centre, limit, [&](std::uint32_t i, double& farthest) {
+    const bool isHeld = tree.visit(cut, centre, limit, [&](std::uint32_t i, double& farthest) {
       const NearTriangle& triangle = tree.triangle(i);
       const double square = triangle.squaredDistance(centre);
       if (!(square <= farthest))
@@ -99,7 +125,7 @@ bool containsPiece(const TriangleTree& tree, const Piece<corners>& whole, double
       nearest = i;
       return isNear(piece, triangle, limit);
     });
-    if (isIn)
+    if (isHeld)
       continue;
     if (nearest == kNone)
       return false;
@@ -110,9 +136,7 @@ bool containsPiece(const TriangleTree& tree, const Piece<corners>& whole, double
     }
     if (radius < least)
       return false;
-    for (const Piece<corners>& part : parted(piece))
-      if (!isNear(part, tree.triangle(nearest), limit))
-        waiting.push_back(part);
+    addParts(piece, tree.triangle(nearest), limit, waiting);
   }
   return true;
 }

@@ -223,4 +223,54 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& points,
   });
 }
 
+TriangleTree::Cut::Cut(const TriangleTree& tree, const Box& box, double reach) {
+  if (tree.empty())
+    return;
+  const Vec3d grow{reach, reach, reach};
+  const Point low(minus(box.low, grow)), high(plus(box.high, grow));
+  // Nodes whose children are looked at, the largest first; what does not fit stays a node.
+  constexpr std::size_t kLanes = 4 * kCutNodes;
+  struct Child {
+    const Node* parent;
+    std::size_t lane;
+  };
+  Child waiting[kLanes];
+  std::size_t first = 0, last = 0, lanes = 0;
+  const auto add = [&](const Child& child) {
+    Node& node = nodes_[lanes / 4];
+    const std::size_t lane = lanes++ % 4;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      node.low[axis][lane] = child.parent->low[axis][child.lane];
+      node.high[axis][lane] = child.parent->high[axis][child.lane];
+    }
+    node.child[lane] = child.parent->child[child.lane];
+  };
+  const auto open = [&](const Node& node) {
+    const Int4 meets = (node.low[0] <= high.x) & (node.low[1] <= high.y) & (node.low[2] <= high.z) &
+                       (node.high[0] >= low.x) & (node.high[1] >= low.y) & (node.high[2] >= low.z);
+    for (std::uint32_t mask = maskOf(meets); mask != 0; mask &= mask - 1) {
+      const Child child{&node, static_cast<std::size_t>(__builtin_ctz(mask))};
+      if (node.child[child.lane] & kTriangle)
+        add(child);
+      else
+        waiting[last++ % kLanes] = child;
+    }
+  };
+  open(tree.nodes_[0]);
+  while (first < last && lanes + (last - first) + 3 <= kLanes) {
+    const Child child = waiting[first++ % kLanes];
+    open(tree.nodes_[child.parent->child[child.lane]]);
+  }
+  while (first < last)
+    add(waiting[first++ % kLanes]);
+  // Lanes without a child are nowhere.
+  constexpr float kNowhere = std::numeric_limits<float>::infinity();
+  count_ = (lanes + 3) / 4;
+  for (; lanes % 4 != 0; ++lanes)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      nodes_[lanes / 4].low[axis][lanes % 4] = kNowhere;
+      nodes_[lanes / 4].high[axis][lanes % 4] = -kNowhere;
+    }
+}
+
 } // namespace tetvdb

@@ -3,7 +3,9 @@
 // Triangles in a tree of four-wide boxes: what is near a point.
 #pragma once
 
+#include "tetvdb/core/Multiversion.h"
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -31,7 +33,7 @@ struct alignas(128) NearTriangle {
 
   /// The squared distance of a point to a point of the triangle: to the nearest up to rounding, and
   /// never too small by more than the rounding of coordinates.
-  double squaredDistance(const Vec3d& p) const {
+  TETVDB_INLINE double squaredDistance(const Vec3d& p) const {
     const Vec3d ap = minus(p, a);
     const double alongAb = dot(ap, ab), alongAc = dot(ap, ac);
     const double s = m00 * alongAb - m01 * alongAc, t = m11 * alongAc - m01 * alongAb;
@@ -91,14 +93,21 @@ public:
       return false;
     const Point at(p);
     Stack stack;
-    return visitNode(at, 0, stack, limit, look) || visitStack(at, stack, limit, look);
+    addChildren(at, nodes_[0], stack, limit);
+    return visitStack(at, stack, limit, look);
   }
+
+  class Cut;
+  /// As above, of the triangles of a cut.
+  template <typename Look>
+  bool visit(const Cut& cut, const Vec3d& p, double limit, const Look& look) const;
 
 private:
   using Float4 = float __attribute__((vector_size(16)));
   using Int4 = std::int32_t __attribute__((vector_size(16)));
   static constexpr std::uint32_t kTriangle = 0x80000000u;
   static constexpr std::size_t kMaxDepth = 64;
+  static constexpr std::size_t kCutNodes = 16;
 
   struct Point {
     Float4 x, y, z; ///< each four times
@@ -142,44 +151,41 @@ private:
 
   struct Entry {
     float square;
-    std::uint32_t node;
+    std::uint32_t child;
   };
   struct Stack {
-    Entry entries[kMaxDepth * 3 + 4];
+    Entry entries[kMaxDepth * 3 + 4 + 4 * kCutNodes];
     std::size_t depth = 0;
   };
 
-  // Looks at a node's triangles and puts its nodes onto the stack, the nearest on top.
-  template <typename Look>
-  bool visitNode(const Point& at, std::uint32_t number, Stack& stack, double& limit,
-                 const Look& look) const {
-    const Node& node = nodes_[number];
+  // Puts what is near of a node's children onto the stack, the nearest on top.
+  static void addChildren(const Point& at, const Node& node, Stack& stack, double limit,
+                          std::size_t bottom) {
     const Float4 squares = node.squaredDistances(at);
     const float most = roundedUp(limit);
-    const std::size_t bottom = stack.depth;
     for (std::uint32_t mask = maskOf(squares <= Float4{most, most, most, most}); mask != 0;
          mask &= mask - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(mask));
-      const std::uint32_t child = node.child[lane];
-      if (child & kTriangle) {
-        if (look(child & ~kTriangle, limit))
-          return true;
-        continue;
-      }
       const float square = squares[lane];
       std::size_t place = stack.depth++;
       for (; place > bottom && stack.entries[place - 1].square < square; --place)
         stack.entries[place] = stack.entries[place - 1];
-      stack.entries[place] = {square, child};
+      stack.entries[place] = {square, node.child[lane]};
     }
-    return false;
+  }
+  static void addChildren(const Point& at, const Node& node, Stack& stack, double limit) {
+    addChildren(at, node, stack, limit, stack.depth);
   }
 
   template <typename Look>
   bool visitStack(const Point& at, Stack& stack, double& limit, const Look& look) const {
     while (stack.depth > 0) {
       const Entry entry = stack.entries[--stack.depth];
-      if (entry.square <= roundedUp(limit) && visitNode(at, entry.node, stack, limit, look))
+      if (!(entry.square <= roundedUp(limit)))
+        continue;
+      if (!(entry.child & kTriangle))
+        addChildren(at, nodes_[entry.child], stack, limit);
+      else if (look(entry.child & ~kTriangle, limit))
         return true;
     }
     return false;
@@ -190,5 +196,26 @@ private:
   std::vector<Node> nodes_; ///< the root first
   std::vector<NearTriangle> triangles_;
 };
+
+/// The part of a tree that meets a box: its triangles, or nodes where these are many. Visits that
+/// stay within `reach` of the box begin here instead of at the root.
+class TriangleTree::Cut {
+public:
+  Cut(const TriangleTree& tree, const Box& box, double reach);
+
+private:
+  friend class TriangleTree;
+  std::size_t count_ = 0;
+  Node nodes_[kCutNodes];
+};
+
+template <typename Look>
+bool TriangleTree::visit(const Cut& cut, const Vec3d& p, double limit, const Look& look) const {
+  const Point at(p);
+  Stack stack;
+  for (std::size_t i = 0; i < cut.count_; ++i)
+    addChildren(at, cut.nodes_[i], stack, limit, 0);
+  return visitStack(at, stack, limit, look);
+}
 
 } // namespace tetvdb

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/tetrahedralize/LatticeSoup.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// A soup that is being simplified: which faces are around a point, what may move, and the points
+/// of the original that faces stand for. Tasks that work on points of different parts, and change
+/// only faces whose three points are of their part, do not disturb one another.
+struct SoupSurface {
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+  /// Carried are the soup's points, once they are gone, and from the start the middles of edges
+  /// longer than `spacing`: between its ends an edge may have been bent away from.
+  SoupSurface(LatticeSoup soup, double spacing);
+
+  /// What is left, in its order.
+  LatticeSoup rest() const;
+
+  std::vector<Vec3d> points;
+  std::vector<std::array<std::uint32_t, 3>> faces; ///< of kNone: gone
+  std::vector<std::uint16_t> inputs;               ///< of faces; empty: all of input 0
+  std::vector<std::uint32_t> firstCorner;          ///< of a point; kNone: gone
+  std::vector<std::uint32_t> nextCorner;           ///< of a corner, 3 * face + k
+  std::vector<std::uint8_t> isFixed; ///< points whose faces are not one closed fan of one input
+  std::vector<std::uint32_t> part;   ///< of a point
+  std::vector<std::uint8_t> isDue;   ///< points whose edges are to be tried in the next round
+
+  std::vector<Vec3d> carried; ///< the soup's points, then middles of edges
+  std::vector<std::uint8_t> isCarried;
+  std::vector<std::uint32_t> firstCarried, nextCarried; ///< of a face, of a carried point
+
+  bool isGone(std::uint32_t face) const { return faces[face][0] == kNone; }
+  std::uint16_t inputOf(std::uint32_t face) const { return inputs.empty() ? 0 : inputs[face]; }
+
+  /// The faces around a point, up to `most` + 1 of them; those gone are unlinked on the way.
+  void findStar(std::uint32_t point, std::size_t most, std::vector<std::uint32_t>& star);
+  void link(std::uint32_t point, std::uint32_t corner) {
+    nextCorner[corner] = firstCorner[point];
+    firstCorner[point] = corner;
+  }
+  void unlink(std::uint32_t point, std::uint32_t corner);
+  void carry(std::uint32_t face, std::uint32_t point) {
+    nextCarried[point] = firstCarried[face];
+    firstCarried[face] = point;
+    isCarried[point] = 1;
+  }
+
+private:
+  bool isClosedFan(std::uint32_t point) const;
+};
+
+} // namespace tetvdb

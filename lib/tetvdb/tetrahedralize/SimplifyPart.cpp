@@ -136,13 +136,10 @@ void SimplifyPart::tryToCollapse(std::uint32_t a, std::uint32_t b) {
   if (keepMoves)
     addNewFaces(keep, starA_, gone);
   carried_.clear();
-  for (const auto* star : {&starA_, &starB_})
-    for (const std::uint32_t face : *star) {
-      if (star == &starB_ && std::find(shared_.begin(), shared_.end(), face) != shared_.end())
-        continue;
-      for (std::uint32_t p = s_.firstCarried[face]; p != kNone; p = s_.nextCarried[p])
-        carried_.push_back(p);
-    }
+  for (const std::uint32_t face : shared_)
+    addCarried(face);
+  for (const NewFace& changed : newFaces_)
+    addCarried(changed.face);
   for (const std::uint32_t v : {keep, gone})
     if (!s_.isCarried[v] && (v == gone || keepMoves))
       carried_.push_back(v);
@@ -249,6 +246,11 @@ Vec3d SimplifyPart::bestPlace(const Vec3d& middle) const {
       (b * sum[0] + (xx * zz - xz * xz) * sum[1] + (xy * xz - xx * yz) * sum[2]) / determinant,
       (c * sum[0] + (xy * xz - xx * yz) * sum[1] + (xx * yy - xy * xy) * sum[2]) / determinant};
   return roundToLattice(plus(middle, step));
+}
+
+void SimplifyPart::addCarried(std::uint32_t face) {
+  for (std::uint32_t p = s_.firstCarried[face]; p != kNone; p = s_.nextCarried[p])
+    carried_.push_back(p);
 }
 
 // Puts the moving corner there; what is cheap to know about the new faces.
@@ -391,8 +393,7 @@ bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
   for (std::size_t i = 0; i < 2; ++i) {
     const std::uint32_t number = i == 0 ? face : across;
     newFaces_.push_back({number, after[i], old[i], 0, 0});
-    for (std::uint32_t p = s_.firstCarried[number]; p != kNone; p = s_.nextCarried[p])
-      carried_.push_back(p);
+    addCarried(number);
   }
   if (!keepsCarried() || !isInEnvelope())
     return false;

@@ -57,6 +57,7 @@ private:
                    std::uint32_t other);
   Vec3d bestPlace(const Vec3d& middle) const;
   bool isGoodAt(const Vec3d& to);
+  void addCarried(std::uint32_t face);
   bool keepsCarried();
   bool isInEnvelope() const;
   void collapse(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/CollapseEdges.h"
 
-#include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -94,7 +93,7 @@ EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
   const Answer topology = keepsTopology(to);
   if (topology != Answer::Yes)
     return topology;
-  return staysNear(to) ? Answer::Yes : Answer::No;
+  return guard_.allows(complex_, star_, complex_.at(to), to) ? Answer::Yes : Answer::No;
 }
 
 bool EdgeCollapser::isShapely(std::uint32_t to) const {
@@ -187,32 +186,6 @@ EdgeCollapser::Answer EdgeCollapser::hasSheet(std::uint32_t a, std::uint32_t b,
     t = next;
   } while (t != start);
   return Answer::No;
-}
-
-bool EdgeCollapser::staysNear(std::uint32_t to) {
-  const Vec3d& at = complex_.at(to);
-  newSheets_.clear();
-  for (const PointStar::Sheet& sheet : star_.sheets())
-    if (sheet.p != to && sheet.q != to)
-      newSheets_.push_back({complex_.at(sheet.p), complex_.at(sheet.q)});
-  const double square = bounds_.radius * bounds_.radius;
-  const auto isNear = [&](const Vec3d& p) {
-    for (const auto& [a, b] : newSheets_)
-      if (nearestOnTriangle(minus(at, p), minus(a, p), minus(b, p)).squared <= square)
-        return true;
-    return false;
-  };
-  const Vec3d& from = complex_.at(star_.point());
-  if (!isNear(from))
-    return false;
-  for (const PointStar::Spoke& spoke : star_.spokes())
-    if (spoke.sheets > 0 && spoke.point != to &&
-        !isNear(times(plus(from, complex_.at(spoke.point)), 0.5)))
-      return false;
-  for (const auto& [a, b] : newSheets_)
-    if (!bounds_.surface.contains(at, a, b, bounds_.radius))
-      return false;
-  return true;
 }
 
 } // namespace tetvdb

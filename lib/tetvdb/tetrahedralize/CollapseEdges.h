@@ -3,6 +3,7 @@
 
 #include "tetvdb/tetrahedralize/Improve.h"
 #include "tetvdb/tetrahedralize/PointStar.h"
+#include "tetvdb/tetrahedralize/SurfaceGuard.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <cstddef>
@@ -31,7 +32,7 @@ public:
   static constexpr std::uint8_t kChanged = 1;
 
   EdgeCollapser(TetComplex& complex, const Bounds& bounds, const Rules& rules)
-      : complex_(complex), bounds_(bounds), rules_(rules) {}
+      : complex_(complex), bounds_(bounds), rules_(rules), guard_(bounds) {}
 
   /// Tries every point that changed since it was last tried, those with the shortest edges first.
   /// Returns how many went.
@@ -48,7 +49,6 @@ private:
   bool followsCurve(std::uint32_t to, std::uint32_t toSheets) const;
   Answer keepsTopology(std::uint32_t to);
   Answer hasSheet(std::uint32_t a, std::uint32_t b, std::uint32_t start) const;
-  bool staysNear(std::uint32_t to);
 
   TetComplex& complex_;
   const Bounds& bounds_;
@@ -56,7 +56,7 @@ private:
   std::size_t tried_ = 0;
   PointStar star_;
   std::vector<PointStar::Spoke> order_;
-  std::vector<std::array<Vec3d, 2>> newSheets_; // with `to`
+  SurfaceGuard guard_;
 };
 
 } // namespace tetvdb

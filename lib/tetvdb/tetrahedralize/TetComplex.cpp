@@ -82,10 +82,11 @@ std::uint32_t TetComplex::tetAtEdge(std::uint32_t a, std::uint32_t b) const {
 }
 
 bool TetComplex::ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
-                      std::vector<std::uint32_t>& ringPoints) const {
+                      std::vector<std::uint32_t>& ringPoints, std::uint32_t first) const {
   tetsAround.clear();
   ringPoints.clear();
-  const std::uint32_t first = tetAtEdge(a, b);
+  if (first == kNone)
+    first = tetAtEdge(a, b);
   if (first == kNone)
     return false;
   // Of the two other corners of a positive tet (a, b, p, q) the ring goes from p to q: p, q turn

@@ -121,8 +121,9 @@ public:
   /// The tets around edge a-b in turn, and the points opposite: tet i has ring points i and i + 1,
   /// and the ring turns counter-clockwise seen from b. False, with the tets found, where the ring
   /// is not closed, as on the box's sides and between parts; without tets where there is no edge.
+  /// `first`, a tet with this edge, saves the search for one.
   bool ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
-            std::vector<std::uint32_t>& ringPoints) const;
+            std::vector<std::uint32_t>& ringPoints, std::uint32_t first = kNone) const;
 
   /// A tet that has edge a-b, in this part; kNone: there is none.
   std::uint32_t tetAtEdge(std::uint32_t a, std::uint32_t b) const;

@@ -39,13 +39,17 @@ struct TetShape {
   double cube() const { return squares * squares * squares / (16 * det * det); }
 };
 
-/// The energy of a tet of lattice points; infinity where it is not positive.
-inline double tetEnergy(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+/// The cube of the energy of a tet of lattice points; infinity where it is not positive.
+inline double energyCube(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   TetShape shape(a, b, c, d);
   constexpr double kRoughCube = kRoughEnergy * kRoughEnergy * kRoughEnergy;
   if (!(shape.det > 0) || shape.cube() > kRoughCube)
     shape.det = exactDeterminant(a, b, c, d);
-  return shape.det > 0 ? std::cbrt(shape.cube()) : std::numeric_limits<double>::infinity();
+  return shape.det > 0 ? shape.cube() : std::numeric_limits<double>::infinity();
+}
+
+inline double tetEnergy(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  return std::cbrt(energyCube(a, b, c, d));
 }
 
 /// Whether tets (p, a, b, c) are positive and of no more than a certain energy: what a candidate

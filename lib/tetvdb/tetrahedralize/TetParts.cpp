@@ -177,6 +177,9 @@ TetParts::TetParts(TetComplex& whole, int round, std::size_t tetsPerPart) : whol
     }
   }
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t p) { extract(p, tetsOfPart[p]); });
+  for (std::size_t p = 0; p < whole.points.size(); ++p)
+    if (partOfPoint_[p] == kShared)
+      whole.points[p].changed = 0; // until a part says so
   whole_.tets.clear();
   whole_.free_.clear();
 }

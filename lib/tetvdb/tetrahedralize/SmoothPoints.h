@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/tetrahedralize/Improve.h"
+#include "tetvdb/tetrahedralize/PointStar.h"
+#include "tetvdb/tetrahedralize/SurfaceGuard.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tetvdb {
+
+/// Moves points of one part, serially, to where the tets around them are better.
+///   What is made small is the sum of the cubes of energies, f = P^3 / (16 det^2) each: the worst
+/// count most, and f is convex in the point as long as tets are positive. With p and d for the
+/// gradients of P and det, divided by P and det, the gradient is f (3 p - 2 d) and the matrix of
+/// second derivatives f (6 (p - d)(p - d)^T + 18 / P): positive, so that Newton's step leads down.
+class PointSmoother {
+public:
+  /// Bit of Point::changed.
+  static constexpr std::uint8_t kChanged = 4;
+
+  /// Only points with tets above `energy` move.
+  PointSmoother(TetComplex& complex, const Bounds& bounds, double energy)
+      : complex_(complex), bounds_(bounds), energy_(energy), guard_(bounds) {}
+
+  /// Moves every such point around which something changed since it last would not move. No tet
+  /// gets worse than the worst around the point, and the sum gets less. Returns how many moved.
+  std::size_t sweep();
+
+  std::size_t tried() const { return tried_; }
+
+private:
+  bool smooth(std::uint32_t point);
+  bool step(const Vec3d& at, Vec3d& move) const;
+  double cubes(const Vec3d& at) const;
+  void project(Vec3d& at) const;
+  bool keepsBounds(const Vec3d& at);
+
+  TetComplex& complex_;
+  const Bounds& bounds_;
+  const double energy_;
+  std::size_t tried_ = 0;
+  PointStar star_;
+  SurfaceGuard guard_;
+  std::array<std::uint32_t, 2> rim_{}; // the neighbours along the rim
+  bool onRim_ = false;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/tetrahedralize/Improve.h"
+#include "tetvdb/tetrahedralize/PointStar.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// Whether tracked faces may change, in both directions: they stay in the envelope, and what was
+/// there stays near to them, so that spikes and the like are not worn away.
+class SurfaceGuard {
+public:
+  explicit SurfaceGuard(const Bounds& bounds) : bounds_(bounds) {}
+
+  /// For the tracked faces around the star's point when it goes to `to`, those with corner
+  /// `vanishes` going for good. The old point and the middles of old edges have to be near.
+  bool allows(const TetComplex& complex, const PointStar& star, const Vec3d& to,
+              std::uint32_t vanishes = TetComplex::kNone);
+
+private:
+  const Bounds& bounds_;
+  std::vector<std::array<Vec3d, 2>> sheets_; // with `to`
+};
+
+} // namespace tetvdb

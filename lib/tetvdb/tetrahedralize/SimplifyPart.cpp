@@ -20,9 +20,8 @@ constexpr double kSliver = 0.1;
 constexpr double kFlat = 1e-7;
 constexpr double kLeastCosine = 0.2; ///< of the angle that a normal may turn by at a collapse
 constexpr double kHold = 1e-3;       ///< to the middle of an edge, beside the planes' 1
-constexpr std::size_t kPlaces = 1;
-constexpr double kCoplanar = 0.996; ///< cosine between faces whose edge may be swapped: 5 degrees
-constexpr double kBetter = 1.1;     ///< what a swap has to gain
+constexpr double kCoplanar = 0.996;  ///< cosine between faces whose edge may be swapped: 5 degrees
+constexpr double kBetter = 1.1;      ///< what a swap has to gain
 constexpr std::size_t kManyTimes = 64; ///< steps between looks at the clock
 
 Vec3d normalOf(const std::array<Vec3d, 3>& at) {
@@ -144,18 +143,11 @@ void SimplifyPart::tryToCollapse(std::uint32_t a, std::uint32_t b) {
     if (!s_.isCarried[v] && (v == gone || keepMoves))
       carried_.push_back(v);
 
-  const Vec3d pa = s_.points[keep], pb = s_.points[gone];
-  std::array<Vec3d, 3> places{pa, pb, pa};
-  std::size_t count = 1;
-  if (keepMoves) {
-    places = {bestPlace(times(plus(pa, pb), 0.5)), pa, pb};
-    count = kPlaces;
-  }
-  for (std::size_t i = 0; i < count; ++i)
-    if (isGoodAt(places[i]) && keepsCarried() && isInEnvelope()) {
-      collapse(keep, gone, places[i]);
-      return;
-    }
+  Vec3d place = s_.points[keep];
+  if (keepMoves)
+    place = bestPlace(times(plus(place, s_.points[gone]), 0.5));
+  if (isGoodAt(place) && keepsCarried() && isInEnvelope(keep, gone, place))
+    collapse(keep, gone, place);
 }
 
 // The link condition of Dey, Edelsbrunner, Guha and Nekhayev (Topology preserving edge contraction,
@@ -291,17 +283,68 @@ bool SimplifyPart::keepsCarried() {
   return true;
 }
 
-bool SimplifyPart::isInEnvelope() const {
+// Whether the new faces are in the envelope, and how far in. Asking the envelope is what takes the
+// time; where surfaces are flat, it is enough to know how far the old faces were from it.
+bool SimplifyPart::isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Vec3d& to) {
+  const bool keepMoves = !s_.isFixed[keep];
+  depth_ = 0;
+  Vec3d direction{0, 0, 0};
+  before_.clear();
+  after_.clear();
+  const auto addOld = [&](std::uint32_t face, std::uint32_t first) {
+    const auto& f = s_.faces[face];
+    const auto k = static_cast<std::size_t>(std::find(f.begin(), f.end(), first) - f.begin());
+    before_.faces.push_back(
+        {s_.points[f[k]], s_.points[f[(k + 1) % 3]], s_.points[f[(k + 2) % 3]]});
+    direction = plus(direction, normalOf(before_.faces.back()));
+    depth_ = std::max(depth_, s_.depth[face]);
+  };
+  for (const std::uint32_t face : starB_)
+    addOld(face, gone);
+  for (const std::uint32_t face : starA_)
+    if (keepMoves && std::find(shared_.begin(), shared_.end(), face) == shared_.end())
+      addOld(face, keep);
+  for (const NewFace& changed : newFaces_) {
+    const std::size_t k = changed.moving;
+    after_.faces.push_back({changed.at[k], changed.at[(k + 1) % 3], changed.at[(k + 2) % 3]});
+  }
+  const Vec3d &pa = s_.points[keep], &pb = s_.points[gone];
+  before_.points.push_back(pb);
+  for (const std::uint32_t v : neighboursB_) {
+    before_.edges.push_back({pb, s_.points[v], gone, v});
+    if (v != keep)
+      after_.edges.push_back({to, s_.points[v], keep, v});
+  }
+  if (keepMoves) {
+    before_.points.push_back(pa);
+    after_.points.push_back(to);
+    for (const std::uint32_t v : neighboursA_)
+      if (v != gone) {
+        before_.edges.push_back({pa, s_.points[v], kNone, v});
+        after_.edges.push_back({to, s_.points[v], keep, v});
+      }
+  }
+  if (depth_ < radius_ && goRoundOnce(keepMoves ? after_ : before_, direction))
+    depth_ += gapBetween(before_, after_, direction);
+  else
+    depth_ = 2 * radius_;
+  return depth_ <= radius_ || asksEnvelope();
+}
+
+bool SimplifyPart::asksEnvelope() {
+  depth_ = radius_;
   for (const NewFace& changed : newFaces_)
     if (!envelope_.contains(changed.at[0], changed.at[1], changed.at[2], radius_))
       return false;
   return true;
 }
 
-// Gives what was carried to the new faces.
+// Gives what was known of the old faces to the new ones.
 void SimplifyPart::dealOut() {
-  for (const NewFace& changed : newFaces_)
+  for (const NewFace& changed : newFaces_) {
     s_.firstCarried[changed.face] = kNone;
+    s_.depth[changed.face] = depth_;
+  }
   for (std::size_t i = 0; i < carried_.size(); ++i)
     s_.carry(nearestOf_[i], carried_[i]);
 }
@@ -395,7 +438,15 @@ bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
     newFaces_.push_back({number, after[i], old[i], 0, 0});
     addCarried(number);
   }
-  if (!keepsCarried() || !isInEnvelope())
+  depth_ = std::max(s_.depth[face], s_.depth[across]);
+  before_.clear();
+  after_.clear();
+  before_.faces.assign(before.begin(), before.end());
+  after_.faces.assign(after.begin(), after.end());
+  before_.edges.push_back({pa, pb, a, b});
+  after_.edges.push_back({pc, pd, c, d});
+  depth_ += gapBetween(before_, after_, plus(old[0], old[1]));
+  if (!keepsCarried() || !(depth_ <= radius_ || asksEnvelope()))
     return false;
   const auto moveCorner = [&](std::uint32_t of, std::size_t k, std::uint32_t to) {
     const auto number = static_cast<std::uint32_t>(3 * of + k);

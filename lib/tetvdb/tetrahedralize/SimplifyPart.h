@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/tetrahedralize/DiscGap.h"
 #include "tetvdb/tetrahedralize/Envelope.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/SoupSurface.h"
@@ -59,7 +60,8 @@ private:
   bool isGoodAt(const Vec3d& to);
   void addCarried(std::uint32_t face);
   bool keepsCarried();
-  bool isInEnvelope() const;
+  bool isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);
+  bool asksEnvelope();
   void collapse(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);
   void dealOut();
   void swapAt(std::uint32_t point);
@@ -76,6 +78,8 @@ private:
   std::vector<std::uint32_t> shared_; ///< faces of both ends
   std::vector<NewFace> newFaces_;
   double worstShape_ = 0; ///< of the faces before
+  double depth_ = 0;      ///< of the new faces, as in SoupSurface
+  Disc before_, after_;
   std::vector<NearTriangle> triangles_;
   std::vector<std::uint32_t> carried_;   ///< points that the old faces stood for
   std::vector<std::uint32_t> nearestOf_; ///< of each the new face

@@ -32,6 +32,8 @@ struct SoupSurface {
   std::vector<std::uint32_t> part;   ///< of a point
   std::vector<std::uint8_t> isDue;   ///< points whose edges are to be tried in the next round
 
+  std::vector<double> depth; ///< what a face is known to be no farther from the original than
+
   std::vector<Vec3d> carried; ///< the soup's points, then middles of edges
   std::vector<std::uint8_t> isCarried;
   std::vector<std::uint32_t> firstCarried, nextCarried; ///< of a face, of a carried point

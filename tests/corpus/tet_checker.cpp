@@ -4,8 +4,9 @@
 //
 //   tet_checker MESH INPUT EPSILON [SURFACE_SAMPLES [WINDING_SAMPLES [OVERLAP_SAMPLES]]]
 //
-// Reads tets of any format (region -1 is outside) and triangles, cleans these, prints what
-// tetrahedralize/TetMeshCheck.h finds as one line of JSON. Exit status: 0 valid, 1 not, 2 usage,
+// Reads tets of any format and triangles, cleans these, prints what tetrahedralize/TetMeshCheck.h
+// finds as one line of JSON. Where some tets have a region above 0, those that have none are
+// outside: formats lose a region of -1. Exit status: 0 valid, 1 not, 2 usage,
 // or what the library's errors say.
 #include "tetrahedralize/TetMeshCheck.h"
 #include "tetvdb/core/Error.h"
@@ -14,6 +15,8 @@
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/surface/CleanTriangles.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
@@ -33,6 +36,10 @@ int main(int argc, char** argv) {
     tetvdb::Report report;
     const tetvdb::TetMesh mesh =
         tetvdb::splitCells(tetvdb::readCells(argv[1], {}, report, progress), {}, report, progress);
+    if (std::any_of(mesh.regions.begin(), mesh.regions.end(),
+                    [](int region) { return region > 0; }))
+      for (std::int32_t& region : mesh.regions)
+        region = region > 0 ? region : -1;
     tetvdb::TriangleMesh input = tetvdb::readTriangles(argv[2], report, progress);
     tetvdb::cleanTriangles(input, {}, progress);
     const tetvdb::TetMeshCheck check = tetvdb::checkTetMesh(mesh, input, epsilon, samples);

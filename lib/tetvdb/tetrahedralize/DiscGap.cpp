@@ -32,26 +32,35 @@ double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-bool lookAlong(const std::vector<std::array<Vec3d, 3>>& faces, const Vec3d& direction) {
-  for (const auto& [a, b, c] : faces) {
-    const Vec3d normal = cross(minus(b, a), minus(c, a));
-    if (!(dot(normal, direction) > kLeastSine * length(normal)))
-      return false;
-  }
-  return true;
+// Whether two triangles in the plane have more than a rim in common: no edge of one has the other
+// on its outer side.
+bool overlap(const std::array<Vec3d, 3>& u, const std::array<Vec3d, 3>& v) {
+  const auto isApart = [](const std::array<Vec3d, 3>& p, const std::array<Vec3d, 3>& q) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (area(p[k], p[(k + 1) % 3], q[0]) <= 0 && area(p[k], p[(k + 1) % 3], q[1]) <= 0 &&
+          area(p[k], p[(k + 1) % 3], q[2]) <= 0)
+        return true;
+    return false;
+  };
+  return !isApart(u, v) && !isApart(v, u);
 }
 
-// How far p is from faces, all in the frame. Infinite where none is found, by rounding.
-double heightOver(const Vec3d& p, const std::vector<std::array<Vec3d, 3>>& faces,
-                  const Frame& frame, const Vec3d& origin) {
-  for (const auto& face : faces) {
-    const Vec3d a = frame.of(minus(face[0], origin)), b = frame.of(minus(face[1], origin)),
-                c = frame.of(minus(face[2], origin));
-    const double u = area(p, b, c), v = area(p, c, a), w = area(p, a, b);
-    if (u >= 0 && v >= 0 && w >= 0 && u + v + w > 0)
-      return std::abs((u * a[2] + v * b[2] + w * c[2]) / (u + v + w) - p[2]);
-  }
-  return kInfinity;
+// How far p is above or below a triangle; less than 0 where it is beside.
+double heightOver(const Vec3d& p, const std::array<Vec3d, 3>& at) {
+  const double u = area(p, at[1], at[2]), v = area(p, at[2], at[0]), w = area(p, at[0], at[1]);
+  if (!(u >= 0 && v >= 0 && w >= 0 && u + v + w > 0))
+    return -1;
+  return std::abs((u * at[0][2] + v * at[1][2] + w * at[2][2]) / (u + v + w) - p[2]);
+}
+
+// How far edges are from one another where they cross; 0 where they do not.
+double gapAtCrossing(const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+  const double ofR = area(p, q, r), ofS = area(p, q, s), ofP = area(r, s, p), ofQ = area(r, s, q);
+  if (!((ofR < 0) != (ofS < 0) && (ofP < 0) != (ofQ < 0)))
+    return 0;
+  const double here = p[2] + (q[2] - p[2]) * (ofP / (ofP - ofQ));
+  const double there = r[2] + (s[2] - r[2]) * (ofR / (ofR - ofS));
+  return std::abs(here - there);
 }
 
 } // namespace
@@ -61,39 +70,64 @@ bool goRoundOnce(const Disc& fan, const Vec3d& direction) {
     return false;
   const Frame frame(direction);
   int turns = 0;
-  for (const auto& [middle, from, to] : fan.faces)
+  for (const Disc::Face& face : fan.faces) {
+    const auto& [middle, from, to] = face.at;
     turns += dot(minus(from, middle), frame.y) < 0 && dot(minus(to, middle), frame.y) >= 0;
+  }
   return turns == 1;
 }
 
-double gapBetween(const Disc& before, const Disc& after, const Vec3d& direction) {
+void DiscGap::findDepths(const Disc& before, Disc& after, const Vec3d& direction) {
+  for (Disc::Face& face : after.faces)
+    face.depth = kInfinity;
   if (before.faces.empty() || !(dot(direction, direction) > 0))
-    return kInfinity;
+    return;
   const Frame frame(direction);
-  if (!lookAlong(before.faces, frame.z) || !lookAlong(after.faces, frame.z))
-    return kInfinity;
-  const Vec3d origin = before.faces[0][0];
-  double gap = 0;
-  for (const Vec3d& p : before.points)
-    gap = std::max(gap, heightOver(frame.of(minus(p, origin)), after.faces, frame, origin));
-  for (const Vec3d& p : after.points)
-    gap = std::max(gap, heightOver(frame.of(minus(p, origin)), before.faces, frame, origin));
-  for (const Disc::Edge& e : before.edges) {
-    const Vec3d p = frame.of(minus(e.from, origin)), q = frame.of(minus(e.to, origin));
-    for (const Disc::Edge& f : after.edges) {
-      if (e.a == f.a || e.a == f.b || e.b == f.a || e.b == f.b)
-        continue;
-      const Vec3d r = frame.of(minus(f.from, origin)), s = frame.of(minus(f.to, origin));
-      const double ofR = area(p, q, r), ofS = area(p, q, s), ofP = area(r, s, p),
-                   ofQ = area(r, s, q);
-      if (!((ofR < 0) != (ofS < 0) && (ofP < 0) != (ofQ < 0)))
-        continue;
-      const double here = p[2] + (q[2] - p[2]) * (ofP / (ofP - ofQ));
-      const double there = r[2] + (s[2] - r[2]) * (ofR / (ofR - ofS));
-      gap = std::max(gap, std::abs(here - there));
+  const Vec3d origin = before.faces[0].at[0];
+  const auto flatten = [&](const Disc& disc, std::vector<Flat>& flat) {
+    flat.clear();
+    for (const Disc::Face& face : disc.faces) {
+      const Vec3d normal = cross(minus(face.at[1], face.at[0]), minus(face.at[2], face.at[0]));
+      if (!(dot(normal, frame.z) > kLeastSine * length(normal)))
+        return false;
+      flat.emplace_back();
+      for (std::size_t k = 0; k < 3; ++k)
+        flat.back().at[k] = frame.of(minus(face.at[k], origin));
     }
+    return true;
+  };
+  if (!flatten(before, old_) || !flatten(after, made_))
+    return;
+  oldEdges_.clear();
+  for (const Disc::Edge& edge : before.edges)
+    oldEdges_.push_back({frame.of(minus(edge.from, origin)), frame.of(minus(edge.to, origin))});
+
+  double ofPoints = 0; // of points inside the new disc, which are corners of all of its faces
+  for (const Vec3d& point : after.points) {
+    const Vec3d p = frame.of(minus(point, origin));
+    double height = -1;
+    for (std::size_t i = 0; i < old_.size() && height < 0; ++i)
+      height = heightOver(p, old_[i].at);
+    ofPoints = std::max(ofPoints, height < 0 ? kInfinity : height);
   }
-  return gap;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    const auto& at = made_[i].at;
+    double gap = ofPoints, depth = 0;
+    for (const Vec3d& point : before.points)
+      gap = std::max(gap, heightOver(frame.of(minus(point, origin)), at));
+    for (std::size_t e = 0; e < oldEdges_.size(); ++e)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = after.faces[i].numbers[k], b = after.faces[i].numbers[(k + 1) % 3];
+        const Disc::Edge& edge = before.edges[e];
+        if (a != edge.a && a != edge.b && b != edge.a && b != edge.b)
+          gap = std::max(gap,
+                         gapAtCrossing(oldEdges_[e].from, oldEdges_[e].to, at[k], at[(k + 1) % 3]));
+      }
+    for (std::size_t j = 0; j < old_.size(); ++j)
+      if (before.faces[j].depth > depth && overlap(at, old_[j].at))
+        depth = before.faces[j].depth;
+    after.faces[i].depth = depth + gap;
+  }
 }
 
 } // namespace tetvdb

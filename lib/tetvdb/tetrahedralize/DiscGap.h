@@ -13,11 +13,16 @@ namespace tetvdb {
 
 /// Faces that fill a rim: with the edges inside, and the points inside.
 struct Disc {
+  struct Face {
+    std::array<Vec3d, 3> at;
+    std::array<std::uint32_t, 3> numbers; ///< of its points; rim points have the same in both discs
+    double depth; ///< that no point of it is farther than from something else
+  };
   struct Edge {
     Vec3d from, to;
-    std::uint32_t a, b; ///< their numbers: edges with one in common do not cross
+    std::uint32_t a, b; ///< numbers: edges with one in common do not cross
   };
-  std::vector<std::array<Vec3d, 3>> faces;
+  std::vector<Face> faces;
   std::vector<Edge> edges;
   std::vector<Vec3d> points;
 
@@ -32,10 +37,24 @@ struct Disc {
 /// is a simple polygon, and whatever faces with this rim all look along `direction` cover it once.
 bool goRoundOnce(const Disc& fan, const Vec3d& direction);
 
-/// The largest distance along `direction` between two discs with the same rim that both cover the
-/// same polygon once: no point of one is farther than that from the other. Infinite where a face
-/// does not look along `direction`. The distance is linear between the points where it is taken:
-/// points of one disc on the other, and crossings of their edges.
-double gapBetween(const Disc& before, const Disc& after, const Vec3d& direction);
+/// Of two discs with the same rim that cover the same polygon once, seen along `direction`: finds
+/// depths of the faces of one from those of the other's that they cover, and the distance along
+/// `direction` to these. Infinite where a face does not look along `direction`. That distance is
+/// linear between the points where it is taken: points of one disc on the other, and crossings of
+/// their edges.
+class DiscGap {
+public:
+  void findDepths(const Disc& before, Disc& after, const Vec3d& direction);
+
+private:
+  struct Flat {
+    std::array<Vec3d, 3> at;
+  };
+  struct FlatEdge {
+    Vec3d from, to;
+  };
+  std::vector<Flat> old_, made_;
+  std::vector<FlatEdge> oldEdges_;
+};
 
 } // namespace tetvdb

@@ -188,6 +188,7 @@ void SimplifyPart::addNewFaces(std::uint32_t point, const std::vector<std::uint3
     NewFace changed;
     changed.face = face;
     changed.moving = 0;
+    changed.depth = 0;
     bool isShared = false;
     for (std::size_t k = 0; k < 3; ++k) {
       changed.at[k] = s_.points[f[k]];
@@ -287,17 +288,19 @@ bool SimplifyPart::keepsCarried() {
 // time; where surfaces are flat, it is enough to know how far the old faces were from it.
 bool SimplifyPart::isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Vec3d& to) {
   const bool keepMoves = !s_.isFixed[keep];
-  depth_ = 0;
+  // The moved point has a number of its own: its edges may cross those of both ends.
+  const std::uint32_t moved = keepMoves ? kNone : keep;
   Vec3d direction{0, 0, 0};
   before_.clear();
   after_.clear();
   const auto addOld = [&](std::uint32_t face, std::uint32_t first) {
     const auto& f = s_.faces[face];
     const auto k = static_cast<std::size_t>(std::find(f.begin(), f.end(), first) - f.begin());
-    before_.faces.push_back(
-        {s_.points[f[k]], s_.points[f[(k + 1) % 3]], s_.points[f[(k + 2) % 3]]});
-    direction = plus(direction, normalOf(before_.faces.back()));
-    depth_ = std::max(depth_, s_.depth[face]);
+    const std::array<std::uint32_t, 3> numbers{f[k], f[(k + 1) % 3], f[(k + 2) % 3]};
+    before_.faces.push_back({{s_.points[numbers[0]], s_.points[numbers[1]], s_.points[numbers[2]]},
+                             numbers,
+                             s_.depth[face]});
+    direction = plus(direction, normalOf(before_.faces.back().at));
   };
   for (const std::uint32_t face : starB_)
     addOld(face, gone);
@@ -306,36 +309,36 @@ bool SimplifyPart::isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Ve
       addOld(face, keep);
   for (const NewFace& changed : newFaces_) {
     const std::size_t k = changed.moving;
-    after_.faces.push_back({changed.at[k], changed.at[(k + 1) % 3], changed.at[(k + 2) % 3]});
+    const auto& f = s_.faces[changed.face];
+    after_.faces.push_back({{changed.at[k], changed.at[(k + 1) % 3], changed.at[(k + 2) % 3]},
+                            {moved, f[(k + 1) % 3], f[(k + 2) % 3]},
+                            0});
   }
-  const Vec3d &pa = s_.points[keep], &pb = s_.points[gone];
-  before_.points.push_back(pb);
-  for (const std::uint32_t v : neighboursB_) {
-    before_.edges.push_back({pb, s_.points[v], gone, v});
-    if (v != keep)
-      after_.edges.push_back({to, s_.points[v], keep, v});
-  }
+  before_.points.push_back(s_.points[gone]);
+  for (const std::uint32_t v : neighboursB_)
+    before_.edges.push_back({s_.points[gone], s_.points[v], gone, v});
   if (keepMoves) {
-    before_.points.push_back(pa);
+    before_.points.push_back(s_.points[keep]);
     after_.points.push_back(to);
     for (const std::uint32_t v : neighboursA_)
-      if (v != gone) {
-        before_.edges.push_back({pa, s_.points[v], kNone, v});
-        after_.edges.push_back({to, s_.points[v], keep, v});
-      }
+      if (v != gone)
+        before_.edges.push_back({s_.points[keep], s_.points[v], keep, v});
   }
-  if (depth_ < radius_ && goRoundOnce(keepMoves ? after_ : before_, direction))
-    depth_ += gapBetween(before_, after_, direction);
-  else
-    depth_ = 2 * radius_;
-  return depth_ <= radius_ || asksEnvelope();
+  return goRoundOnce(keepMoves ? after_ : before_, direction) ? asksEnvelope(direction)
+                                                              : asksEnvelope({0, 0, 0});
 }
 
-bool SimplifyPart::asksEnvelope() {
-  depth_ = radius_;
-  for (const NewFace& changed : newFaces_)
-    if (!envelope_.contains(changed.at[0], changed.at[1], changed.at[2], radius_))
+bool SimplifyPart::asksEnvelope(const Vec3d& direction) {
+  gap_.findDepths(before_, after_, direction);
+  for (std::size_t i = 0; i < newFaces_.size(); ++i) {
+    const auto& [a, b, c] = newFaces_[i].at;
+    newFaces_[i].depth = after_.faces[i].depth;
+    if (newFaces_[i].depth <= radius_)
+      continue;
+    newFaces_[i].depth = radius_;
+    if (!envelope_.contains(a, b, c, radius_))
       return false;
+  }
   return true;
 }
 
@@ -343,7 +346,7 @@ bool SimplifyPart::asksEnvelope() {
 void SimplifyPart::dealOut() {
   for (const NewFace& changed : newFaces_) {
     s_.firstCarried[changed.face] = kNone;
-    s_.depth[changed.face] = depth_;
+    s_.depth[changed.face] = changed.depth;
   }
   for (std::size_t i = 0; i < carried_.size(); ++i)
     s_.carry(nearestOf_[i], carried_[i]);
@@ -435,18 +438,17 @@ bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
   carried_.clear();
   for (std::size_t i = 0; i < 2; ++i) {
     const std::uint32_t number = i == 0 ? face : across;
-    newFaces_.push_back({number, after[i], old[i], 0, 0});
+    newFaces_.push_back({number, after[i], old[i], 0, 0, 0});
     addCarried(number);
   }
-  depth_ = std::max(s_.depth[face], s_.depth[across]);
   before_.clear();
   after_.clear();
-  before_.faces.assign(before.begin(), before.end());
-  after_.faces.assign(after.begin(), after.end());
+  before_.faces.push_back({before[0], {a, b, c}, s_.depth[face]});
+  before_.faces.push_back({before[1], {b, a, d}, s_.depth[across]});
+  after_.faces.push_back({after[0], {a, d, c}, 0});
+  after_.faces.push_back({after[1], {b, c, d}, 0});
   before_.edges.push_back({pa, pb, a, b});
-  after_.edges.push_back({pc, pd, c, d});
-  depth_ += gapBetween(before_, after_, plus(old[0], old[1]));
-  if (!keepsCarried() || !(depth_ <= radius_ || asksEnvelope()))
+  if (!keepsCarried() || !asksEnvelope(plus(old[0], old[1])))
     return false;
   const auto moveCorner = [&](std::uint32_t of, std::size_t k, std::uint32_t to) {
     const auto number = static_cast<std::uint32_t>(3 * of + k);

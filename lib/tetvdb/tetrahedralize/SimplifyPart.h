@@ -43,6 +43,7 @@ private:
     Vec3d normal; ///< before, of twice the area's length
     double shape; ///< before
     std::size_t moving;
+    double depth; ///< as in SoupSurface
   };
 
   double square(std::uint32_t a, std::uint32_t b) const;
@@ -61,7 +62,7 @@ private:
   void addCarried(std::uint32_t face);
   bool keepsCarried();
   bool isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);
-  bool asksEnvelope();
+  bool asksEnvelope(const Vec3d& direction);
   void collapse(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);
   void dealOut();
   void swapAt(std::uint32_t point);
@@ -78,8 +79,8 @@ private:
   std::vector<std::uint32_t> shared_; ///< faces of both ends
   std::vector<NewFace> newFaces_;
   double worstShape_ = 0; ///< of the faces before
-  double depth_ = 0;      ///< of the new faces, as in SoupSurface
   Disc before_, after_;
+  DiscGap gap_;
   std::vector<NearTriangle> triangles_;
   std::vector<std::uint32_t> carried_;   ///< points that the old faces stood for
   std::vector<std::uint32_t> nearestOf_; ///< of each the new face

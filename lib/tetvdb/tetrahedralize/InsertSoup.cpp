@@ -16,6 +16,9 @@ constexpr std::uint32_t kNone = TetComplex::kNone;
 // longest edge goes through their apex, and nothing is left to cover.
 constexpr double kFlat = 3;
 
+// What counts as on a triangle: far above the rounding of points, far below what matters.
+constexpr double kReach = 5000, kLeastTolerance = 16;
+
 } // namespace
 
 // What a part has to do, and has done.
@@ -29,10 +32,12 @@ struct SoupInsertion::PartWork {
 };
 
 SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
-                             std::uint32_t firstPoint, double tolerance)
-    : soup_(soup), inputCount_(inputCount), firstPoint_(firstPoint), tolerance_(tolerance),
-      in_(soup.faces.size(), false), through_(soup.faces.size(), 3),
-      facesBegin_(soup.points.size() + 1, 0), facesOfPoint_(3 * soup.faces.size()) {
+                             std::uint32_t firstPoint, double reach)
+    : soup_(soup), inputCount_(inputCount), firstPoint_(firstPoint),
+      tolerance_(std::max(kLeastTolerance, reach / kReach)),
+      reach_(std::max(reach, 2 * kLeastTolerance)), in_(soup.faces.size(), false),
+      through_(soup.faces.size(), 3), facesBegin_(soup.points.size() + 1, 0),
+      facesOfPoint_(3 * soup.faces.size()) {
   for (const auto& face : soup.faces)
     for (const std::uint32_t point : face)
       ++facesBegin_[point + 1];
@@ -56,7 +61,7 @@ SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
       }
     }
     const double area = length(cross(minus(at[1], at[0]), minus(at[2], at[0])));
-    if (area <= kFlat * tolerance * longest)
+    if (area <= kFlat * tolerance_ * longest)
       through_[f] = static_cast<std::uint8_t>(apex);
   }
 }
@@ -105,7 +110,7 @@ void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
     const bool flatA = through_[a] < 3, flatB = through_[b] < 3;
     return flatA != flatB ? flatA : a < b;
   });
-  TriangleInserter inserter(complex, mine.paths, tolerance_);
+  TriangleInserter inserter(complex, mine.paths, tolerance_, reach_);
   for (const std::uint32_t face : mine.faces) {
     const auto whole = cornersOf(face);
     std::array<std::uint32_t, 3> corners;

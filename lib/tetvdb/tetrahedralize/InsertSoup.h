@@ -17,10 +17,11 @@ namespace tetvdb {
 /// (TriangleInserter.h says how). Points on edges of a single face become rim points.
 class SoupInsertion {
 public:
-  /// Point i of the soup is point firstPoint + i of the mesh. `tolerance` in lattice units: how far
-  /// the faces of a triangle may be from it, by half. The soup must outlive this.
+  /// Point i of the soup is point firstPoint + i of the mesh. `reach` in lattice units: how far the
+  /// faces of a triangle may be from it; most are nearer by some thousand times. The soup must
+  /// outlive this.
   SoupInsertion(const LatticeSoup& soup, std::size_t inputCount, std::uint32_t firstPoint,
-                double tolerance);
+                double reach);
 
   /// Inserts what is not in yet. Parallel by TetParts, what lies across parts in rounds after; the
   /// same mesh for any number of threads. About 10 us a triangle.
@@ -41,7 +42,7 @@ private:
   const LatticeSoup& soup_;
   std::size_t inputCount_;
   std::uint32_t firstPoint_;
-  double tolerance_;
+  double tolerance_, reach_;
   std::vector<bool> in_;
   std::vector<std::uint8_t> through_; // of TriangleInserter::insert()
   std::vector<std::uint32_t> facesBegin_, facesOfPoint_;

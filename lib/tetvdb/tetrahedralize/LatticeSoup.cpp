@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
 
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/WeldPoints.h"
 
 #include <algorithm>
@@ -89,12 +90,12 @@ void tidySoup(LatticeSoup& soup, Progress& progress) {
 }
 
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
-                        Progress& progress) {
+                        double grain, Progress& progress) {
   LatticeSoup soup;
   for (std::size_t input = 0; input < inputs.size(); ++input) {
     const auto base = static_cast<std::uint32_t>(soup.points.size());
     for (const Vec3d& p : inputs[input].points)
-      soup.points.push_back(lattice.toLattice(p));
+      soup.points.push_back(times(roundToLattice(times(lattice.toLattice(p), 1 / grain)), grain));
     const auto& corners = inputs[input].triangles;
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
       soup.faces.push_back({base + corners[i], base + corners[i + 1], base + corners[i + 2]});

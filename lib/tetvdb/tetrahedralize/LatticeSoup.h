@@ -21,11 +21,13 @@ struct LatticeSoup {
   std::vector<std::uint16_t> inputs; ///< of every face; empty: all of input 0
 };
 
-/// The inputs' triangles snapped to the lattice; what becomes equal or loses its area to a repeated
-/// point is dropped, and of an input's faces over the same three points pairs that look opposite
-/// ways go, one of the others stays. Faces keep the inputs' order.
+/// The inputs' triangles snapped to the lattice, to multiples of `grain` on it; what becomes equal
+/// or loses its area to a repeated point is dropped, and of an input's faces over the same three
+/// points pairs that look opposite ways go, one of the others stays. Faces keep the inputs' order.
+///   With a grain of many units faces that should be coplanar are off by many units: tets between
+/// them are thin, but not so thin that a point rounded to the lattice turns them over.
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
-                        Progress& progress);
+                        double grain, Progress& progress);
 
 /// Makes a soup keep its promises after points have moved: as latticeSoup() does.
 void tidySoup(LatticeSoup& soup, Progress& progress);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
 constexpr std::size_t kMostSteps = 100000; // along one edge, or about one front: far beyond need
+constexpr int kMostParts = 6;              // halvings of a triangle
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t(from) << 32 | to;
@@ -21,17 +23,18 @@ Vec3d unit(const Vec3d& v) {
   return size > 0 ? times(v, 1 / size) : v;
 }
 
-// The point of segment a-b nearest to p, its ends apart: between 1/1024 and 1023/1024 of the way.
+// The point of segment a-b nearest to p, its ends apart.
 Vec3d nearestWithin(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
   const Vec3d along = minus(b, a);
   const double s = dot(minus(p, a), along) / dot(along, along);
-  return roundToLattice(plus(a, times(along, std::clamp(s, 1. / 1024, 1023. / 1024))));
+  return roundToLattice(plus(a, times(along, std::clamp(s, 1e-6, 1 - 1e-6))));
 }
 
 } // namespace
 
 TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t, 3>& corners,
                                                   Chain chain, unsigned through) {
+  faceMiddles_.clear();
   try {
     for (unsigned i = 0; i < 3; ++i)
       if (through == 3 || i != (through + 1) % 3)
@@ -48,20 +51,20 @@ TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t
         known_.paths.emplace(edgeKey(a, b), std::move(joined));
       }
     }
-    cover(corners, chain);
+    std::vector<Face> faces;
+    cover({known_.path(corners[0], corners[1]), known_.path(corners[1], corners[2]),
+           known_.path(corners[2], corners[0])},
+          kMostParts, faces);
+    mark(std::move(faces), chain);
     return Result::In;
   } catch (const Stop& stop) {
     return stop.why;
   }
 }
 
-std::vector<std::uint32_t> InsertedPaths::path(std::uint32_t a, std::uint32_t b) const {
-  const auto found = paths.find(edgeKey(a, b));
-  if (found == paths.end())
-    return {};
-  std::vector<std::uint32_t> whole{found->second.front()};
-  // Edges still to go, the next one last.
-  std::vector<std::uint32_t> ahead(found->second.rbegin(), found->second.rend() - 1);
+std::vector<std::uint32_t> InsertedPaths::refined(const std::vector<std::uint32_t>& path) const {
+  std::vector<std::uint32_t> whole{path.front()};
+  std::vector<std::uint32_t> ahead(path.rbegin(), path.rend() - 1); // the next point last
   while (!ahead.empty()) {
     const auto middle = middles.find(edgeKey(whole.back(), ahead.back()));
     if (middle != middles.end()) {
@@ -71,6 +74,14 @@ std::vector<std::uint32_t> InsertedPaths::path(std::uint32_t a, std::uint32_t b)
       ahead.pop_back();
     }
   }
+  return whole;
+}
+
+std::vector<std::uint32_t> InsertedPaths::path(std::uint32_t a, std::uint32_t b) const {
+  const auto found = paths.find(edgeKey(a, b));
+  if (found == paths.end())
+    return {};
+  std::vector<std::uint32_t> whole = refined(found->second);
   if (whole.front() != a)
     std::reverse(whole.begin(), whole.end());
   return whole;
@@ -99,21 +110,26 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
   complex_.star(from, tets_);
   const Vec3d along = unit(minus(end, start));
   const double now = dot(minus(here, start), along), whole = length(minus(end, start));
-  // Along an edge that is there.
-  std::uint32_t best = kNone;
-  double farthest = now;
+  // Along an edge that is there: the longest within tolerance.
+  std::uint32_t best = kNone, detour = kNone;
+  double farthest = now, least = reach_ * reach_;
   for (const std::uint32_t t : tets_)
     for (const std::uint32_t q : complex_.tets[t].corners) {
       if (q == b)
         return b;
       const Vec3d offset = minus(complex_.at(q), start);
       const double s = dot(offset, along);
-      if (s <= farthest || s >= whole)
+      if (s <= now || s >= whole)
         continue;
       const Vec3d aside = minus(offset, times(along, s));
-      if (dot(aside, aside) <= tolerance_ * tolerance_) {
+      const double squared = dot(aside, aside);
+      if (squared <= tolerance_ * tolerance_ && s > farthest) {
         best = q;
         farthest = s;
+      }
+      if (squared < least) {
+        detour = q;
+        least = squared;
       }
     }
   if (best != kNone)
@@ -155,7 +171,15 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
       if (complex_.tets[t].neighbours[slot] >= TetComplex::kElsewhere)
         throw Stop{Result::Elsewhere};
       made = insert_.intoFace(t, slot, roundToLattice(cut));
+      if (made != kNone) {
+        Face key{face[0], face[1], face[2]};
+        std::sort(key.begin(), key.end());
+        faceMiddles_[key] = made;
+      }
     }
+    // Tets so flat that no lattice point parts them: by way of the point least aside.
+    if (made == kNone)
+      made = detour;
     if (made == kNone)
       throw Stop{Result::Failed};
     return made;
@@ -175,22 +199,78 @@ double TriangleInserter::height(const Vec3d& p) const {
   return dot(normal_, minus(p, at_[0]));
 }
 
-// In the triangle's plane, that is; with the tolerance.
-bool TriangleInserter::isInside(const Vec3d& p) const {
+// How far within the triangle's edges a point is, seen along the normal; below 0 outside.
+double TriangleInserter::inside(const Vec3d& p) const {
+  double least = std::numeric_limits<double>::infinity();
   for (unsigned i = 0; i < 3; ++i)
-    if (dot(inward_[i], minus(p, at_[i])) < -tolerance_)
-      return false;
-  return true;
+    least = std::min(least, dot(inward_[i], minus(p, at_[i])));
+  return least;
 }
 
-void TriangleInserter::cover(const std::array<std::uint32_t, 3>& corners, Chain chain) {
-  for (unsigned i = 0; i < 3; ++i)
-    at_[i] = complex_.at(corners[i]);
+void TriangleInserter::setTriangle(const std::array<Path, 3>& sides) {
+  onLoop_.clear();
+  for (unsigned i = 0; i < 3; ++i) {
+    at_[i] = complex_.at(sides[i].front());
+    onLoop_.insert(onLoop_.end(), sides[i].begin(), sides[i].end() - 1);
+  }
+  std::sort(onLoop_.begin(), onLoop_.end());
   normal_ = unit(cross(minus(at_[1], at_[0]), minus(at_[2], at_[0])));
   for (unsigned i = 0; i < 3; ++i)
     inward_[i] = unit(cross(normal_, minus(at_[(i + 1) % 3], at_[i])));
+}
+
+// A triangle whose front does not close, as happens where other faces lie within tolerance of it
+// without being part of it, is parted from the middle of its longest side: the halves are flatter
+// against the paths that they end at.
+void TriangleInserter::cover(std::array<Path, 3> sides, int depth, std::vector<Face>& faces) {
+  for (Path& side : sides)
+    side = known_.refined(side);
+  const std::size_t before = faces.size();
+  try {
+    closeFront(sides, faces);
+    return;
+  } catch (const Stop& stop) {
+    if (stop.why != Result::Failed || depth == 0)
+      throw;
+  }
+  faces.resize(before);
+  unsigned longest = 0;
+  double length2 = 0;
+  for (unsigned i = 0; i < 3; ++i) {
+    const Vec3d along = minus(complex_.at(sides[i].back()), complex_.at(sides[i].front()));
+    if (dot(along, along) > length2) {
+      length2 = dot(along, along);
+      longest = i;
+    }
+  }
+  Path& side = sides[longest];
+  side = known_.refined(side);
+  const Vec3d middle = times(plus(complex_.at(side.front()), complex_.at(side.back())), 0.5);
+  if (side.size() == 2) {
+    if (splitEdge(side[0], side[1], middle) == kNone)
+      throw Stop{Result::Failed};
+    side = known_.refined(side);
+  }
+  std::size_t best = 1;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k + 1 < side.size(); ++k) {
+    const Vec3d offset = minus(complex_.at(side[k]), middle);
+    if (dot(offset, offset) < nearest) {
+      nearest = dot(offset, offset);
+      best = k;
+    }
+  }
+  const std::uint32_t apex = sides[(longest + 1) % 3].back(), cut = side[best];
+  recover(apex, cut);
+  const auto half = side.begin() + static_cast<std::ptrdiff_t>(best);
+  const Path first(side.begin(), half + 1), second(half, side.end());
+  cover({first, known_.path(cut, apex), sides[(longest + 2) % 3]}, depth - 1, faces);
+  cover({second, sides[(longest + 1) % 3], known_.path(apex, cut)}, depth - 1, faces);
+}
+
+void TriangleInserter::closeFront(const std::array<Path, 3>& sides, std::vector<Face>& faces) {
+  setTriangle(sides);
   front_.clear();
-  onLoop_.clear();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ahead;
   const auto add = [&](std::uint32_t u, std::uint32_t v) {
     const auto back = front_.find(directed(v, u));
@@ -201,18 +281,13 @@ void TriangleInserter::cover(const std::array<std::uint32_t, 3>& corners, Chain 
     ++front_[directed(u, v)];
     ahead.emplace_back(u, v);
   };
-  for (unsigned i = 0; i < 3; ++i) {
-    const std::vector<std::uint32_t> side = known_.path(corners[i], corners[(i + 1) % 3]);
-    for (std::size_t k = 0; k + 1 < side.size(); ++k) {
+  for (const Path& side : sides)
+    for (std::size_t k = 0; k + 1 < side.size(); ++k)
       add(side[k], side[k + 1]);
-      onLoop_.push_back(side[k]);
-    }
-  }
-  std::sort(onLoop_.begin(), onLoop_.end());
-  std::vector<std::array<std::uint32_t, 3>> faces;
-  for (std::size_t step = 0; !ahead.empty(); ++step) {
-    if (step > kMostSteps)
-      throw Stop{Result::Failed};
+  // Twice the area that is left. What is taken beyond lies upon itself.
+  double room = 1.5 * length(cross(minus(at_[1], at_[0]), minus(at_[2], at_[0]))) +
+                2 * tolerance_ * (length(minus(at_[1], at_[0])) + length(minus(at_[2], at_[0])));
+  while (!ahead.empty()) {
     const auto [u, v] = ahead.back();
     ahead.pop_back();
     const auto open = front_.find(directed(u, v));
@@ -221,10 +296,13 @@ void TriangleInserter::cover(const std::array<std::uint32_t, 3>& corners, Chain 
     --open->second;
     const std::uint32_t w = faceAtFront(u, v);
     faces.push_back({u, v, w});
+    room -=
+        length(cross(minus(complex_.at(v), complex_.at(u)), minus(complex_.at(w), complex_.at(u))));
+    if (room < 0 || faces.size() > kMostSteps)
+      throw Stop{Result::Failed};
     add(u, w);
     add(w, v);
   }
-  mark(faces, chain);
 }
 
 // The third point of the face that goes on to the left of front edge u -> v.
@@ -232,20 +310,22 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   const bool closed = complex_.ring(u, v, tets_, ring_);
   if (ring_.empty())
     throw Stop{Result::Elsewhere};
-  const Vec3d from = complex_.at(u);
-  const Vec3d left = unit(cross(normal_, minus(complex_.at(v), from)));
+  // Seen along the edge: left in the triangle's plane, up out of it. The edge itself may be off the
+  // plane by the tolerance.
+  const Vec3d from = complex_.at(u), along = unit(minus(complex_.at(v), from));
+  const Vec3d left = unit(cross(normal_, along)), up = cross(along, left);
   const auto leftward = [&](std::uint32_t p) { return dot(left, minus(complex_.at(p), from)); };
+  const auto upward = [&](std::uint32_t p) { return dot(up, minus(complex_.at(p), from)); };
   // A point within tolerance of the triangle, on the left: the one straightest ahead.
   std::uint32_t best = kNone;
   double straightest = 0;
   for (const std::uint32_t p : ring_) {
     const Vec3d& at = complex_.at(p);
-    const double aside = leftward(p), up = height(at);
+    const double aside = leftward(p);
     const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
-    if (aside <= 0 || (!isLoop && (std::abs(up) > tolerance_ || !isInside(at))) ||
-        std::abs(up) > 2 * tolerance_)
+    if (aside <= 0 || (!isLoop && (std::abs(height(at)) > tolerance_ || inside(at) < tolerance_)))
       continue;
-    const double straight = aside / std::hypot(aside, up);
+    const double straight = aside / std::hypot(aside, upward(p));
     if (straight > straightest) {
       straightest = straight;
       best = p;
@@ -257,14 +337,14 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   const std::size_t pairs = closed ? ring_.size() : ring_.size() - 1;
   for (std::size_t i = 0; i < pairs; ++i) {
     const std::uint32_t p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-    const double up = height(complex_.at(p)), down = height(complex_.at(q));
-    if ((up > 0) == (down > 0))
+    const double above = upward(p), below = upward(q);
+    if ((above > 0) == (below > 0))
       continue;
-    const double s = up / (up - down);
+    const double s = above / (above - below);
     const Vec3d cut = plus(complex_.at(p), times(minus(complex_.at(q), complex_.at(p)), s));
     if (dot(left, minus(cut, from)) <= 0)
       continue;
-    if (!isInside(cut))
+    if (inside(cut) < -tolerance_)
       throw Stop{Result::Failed};
     const std::uint32_t made = splitEdge(p, q, cut);
     if (made == kNone)
@@ -274,39 +354,56 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   throw Stop{closed ? Result::Failed : Result::Elsewhere};
 }
 
-void TriangleInserter::mark(const std::vector<std::array<std::uint32_t, 3>>& faces, Chain chain) {
+void TriangleInserter::mark(std::vector<Face> faces, Chain chain) {
   struct Side {
     std::uint32_t tet;
     unsigned slot;
+    Chain chain;
   };
   std::vector<Side> sides;
-  for (const auto& [u, v, w] : faces) {
+  while (!faces.empty()) {
+    const Face face = faces.back();
+    faces.pop_back();
+    // Parts that were made later may have cut it.
+    const auto [u, v, w] = face;
+    if (const auto middle = known_.middles.find(edgeKey(u, v)); middle != known_.middles.end()) {
+      faces.push_back({u, middle->second, w});
+      faces.push_back({middle->second, v, w});
+      continue;
+    }
+    if (known_.middles.count(edgeKey(v, w)) + known_.middles.count(edgeKey(w, u)) > 0) {
+      faces.push_back({v, w, u});
+      continue;
+    }
+    Face key = face;
+    std::sort(key.begin(), key.end());
+    if (const auto middle = faceMiddles_.find(key); middle != faceMiddles_.end()) {
+      for (const Face& part :
+           {Face{u, v, middle->second}, Face{v, w, middle->second}, Face{w, u, middle->second}})
+        faces.push_back(part);
+      continue;
+    }
     complex_.ring(u, v, tets_, ring_);
-    std::size_t found = tets_.size();
-    for (std::size_t i = 0; i < tets_.size() && found == tets_.size(); ++i)
-      if (complex_.tets[tets_[i]].cornerOf(w) < 4)
-        found = i;
-    if (found == tets_.size())
+    const auto found = std::find_if(tets_.begin(), tets_.end(), [&, third = w](std::uint32_t t) {
+      return complex_.tets[t].cornerOf(third) < 4;
+    });
+    if (found == tets_.end())
       throw Stop{Result::Elsewhere};
-    const std::uint32_t t = tets_[found];
-    const TetComplex::Tet& tet = complex_.tets[t];
+    const TetComplex::Tet& tet = complex_.tets[*found];
     unsigned slot = 0;
     while (tet.corners[slot] == u || tet.corners[slot] == v || tet.corners[slot] == w)
       ++slot;
     if (tet.neighbours[slot] >= TetComplex::kElsewhere)
       throw Stop{Result::Elsewhere};
-    sides.push_back({t, slot});
-  }
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const auto [t, slot] = sides[i];
-    TetComplex::Tet& tet = complex_.tets[t];
     // A face that turns as the tet's own does, seen from outside, looks out of it.
     const auto& corners = kFaceCorners[slot];
-    const auto first =
-        std::find(faces[i].begin(), faces[i].end(), tet.corners[corners[0]]) - faces[i].begin();
-    const bool looksOut =
-        faces[i][static_cast<std::size_t>(first + 1) % 3] == tet.corners[corners[1]];
-    const Chain here = looksOut ? chain : -chain;
+    const auto first = static_cast<std::size_t>(
+        std::find(face.begin(), face.end(), tet.corners[corners[0]]) - face.begin());
+    const bool looksOut = face[(first + 1) % 3] == tet.corners[corners[1]];
+    sides.push_back({*found, slot, looksOut ? chain : -chain});
+  }
+  for (const auto& [t, slot, here] : sides) {
+    TetComplex::Tet& tet = complex_.tets[t];
     tet.chains[slot] += here;
     tet.tracked[slot] = true;
     TetComplex::Tet& other = complex_.tets[tet.neighbours[slot]];

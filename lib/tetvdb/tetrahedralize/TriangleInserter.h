@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -27,6 +28,8 @@ struct InsertedPaths {
 
   /// The path of an edge of the input, ends included, from a to b; empty where there is none.
   std::vector<std::uint32_t> path(std::uint32_t a, std::uint32_t b) const;
+  /// A path as it is now, its edges halved where they were.
+  std::vector<std::uint32_t> refined(const std::vector<std::uint32_t>& path) const;
 };
 
 /// Puts triangles into a mesh whose points include their corners, one by one.
@@ -49,9 +52,10 @@ public:
     Failed     ///< a tet would not stay positive, or the front did not close
   };
 
-  /// `tolerance` in lattice units, 2 or more.
-  TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance)
-      : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance) {}
+  /// Lattice units, 2 <= tolerance <= reach. Paths go up to `reach` aside where tets are so flat
+  /// that they cannot be parted.
+  TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance, double reach)
+      : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance), reach_(reach) {}
 
   /// `corners` are points of the complex. `chain` is what the triangle counts, on the side that it
   /// looks away from. `through` is a corner that the path of the edge between the two others must
@@ -59,29 +63,37 @@ public:
   Result insert(const std::array<std::uint32_t, 3>& corners, Chain chain, unsigned through);
 
 private:
+  using Path = std::vector<std::uint32_t>;
+  using Face = std::array<std::uint32_t, 3>;
   struct Stop {
     Result why;
   };
+
   void recover(std::uint32_t a, std::uint32_t b);
   std::uint32_t nextOnSegment(std::uint32_t from, std::uint32_t a, std::uint32_t b);
-  void cover(const std::array<std::uint32_t, 3>& corners, Chain chain);
-  std::uint32_t faceAtFront(std::uint32_t u, std::uint32_t v);
-  bool isInside(const Vec3d& p) const;
-  double height(const Vec3d& p) const;
   std::uint32_t splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
-  void mark(const std::vector<std::array<std::uint32_t, 3>>& faces, Chain chain);
+
+  void cover(std::array<Path, 3> sides, int depth, std::vector<Face>& faces);
+  void closeFront(const std::array<Path, 3>& sides, std::vector<Face>& faces);
+  std::uint32_t faceAtFront(std::uint32_t u, std::uint32_t v);
+  void setTriangle(const std::array<Path, 3>& sides);
+  double height(const Vec3d& p) const;
+  double inside(const Vec3d& p) const;
+
+  void mark(std::vector<Face> faces, Chain chain);
 
   TetComplex& complex_;
   InsertedPaths& known_;
   PointInsertion insert_;
-  double tolerance_;
-  // The triangle at work.
+  double tolerance_, reach_;
+  // The triangle at work, or the part of it.
   std::array<Vec3d, 3> at_{};
-  Vec3d normal_{0, 0, 0};         ///< of length 1
-  std::array<Vec3d, 3> inward_{}; ///< of each edge i, i + 1: in the plane, of length 1
-  std::vector<std::uint32_t> tets_, ring_;
+  Vec3d normal_{0, 0, 0};             ///< of length 1
+  std::array<Vec3d, 3> inward_{};     ///< of each edge i, i + 1: in the plane, of length 1
+  std::vector<std::uint32_t> onLoop_; ///< sorted: points of the loop
   std::unordered_map<std::uint64_t, int> front_; ///< directed edges: from << 32 | to
-  std::vector<std::uint32_t> onLoop_;            ///< sorted: points of the loop
+  std::map<Face, std::uint32_t> faceMiddles_;    ///< points put in faces since insert() began
+  std::vector<std::uint32_t> tets_, ring_;
 };
 
 } // namespace tetvdb

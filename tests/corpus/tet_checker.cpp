@@ -6,8 +6,8 @@
 //
 // Reads tets of any format and triangles, cleans these, prints what tetrahedralize/TetMeshCheck.h
 // finds as one line of JSON. Where some tets have a region above 0, those that have none are
-// outside: formats lose a region of -1. Exit status: 0 valid, 1 not, 2 usage,
-// or what the library's errors say.
+// outside: formats lose a region of -1. Exit status: 0 valid, 1 not, 2 usage, or what the library's
+// errors say.
 #include "tetrahedralize/TetMeshCheck.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/MeshReader.h"
@@ -34,7 +34,7 @@ int main(int argc, char** argv) {
   try {
     tetvdb::Progress progress;
     tetvdb::Report report;
-    const tetvdb::TetMesh mesh =
+    tetvdb::TetMesh mesh =
         tetvdb::splitCells(tetvdb::readCells(argv[1], {}, report, progress), {}, report, progress);
     if (std::any_of(mesh.regions.begin(), mesh.regions.end(),
                     [](int region) { return region > 0; }))

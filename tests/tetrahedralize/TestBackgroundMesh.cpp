@@ -369,8 +369,8 @@ TEST(BackgroundPoints, AnyShapeOfBox) {
   Progress progress;
   for (const Vec3d& size : {Vec3d{1, 0, 0}, Vec3d{5, 3, 2}, Vec3d{0, 1e10, 0}, Vec3d{1e11, 3e5, 2},
                             Vec3d{1e10, 1e10, 10}, Vec3d{40, 40, 40}})
-    for (const double margin : {0.0, 1.5, 1e9})
-      for (const double spacing : {0.0, 1e5, 1e12}) {
+    for (const double margin : {0.0, 1.5, 1e8})
+      for (const double spacing : {1e9, 1e12}) {
         LatticeSoup soup;
         soup.points = {{0, 0, 0}, size};
         soup.faces = {{0, 1, 1}};
@@ -380,6 +380,16 @@ TEST(BackgroundPoints, AnyShapeOfBox) {
         if (points.size() < 20000)
           expectFillsBox(points, delaunayTets(points, progress));
       }
+}
+
+TEST(BackgroundPoints, NoMoreThanEnoughOfThem) {
+  Progress progress;
+  const LatticeSoup soup = someSoup(1e8);
+  for (const double spacing : {0.0, 1.0, 1e6}) {
+    const std::size_t count = backgroundPoints(soup, 1e8, spacing, 1e7, progress).size();
+    EXPECT_GT(count, 150000u);
+    EXPECT_LE(count, 200000u + 8 + soup.points.size());
+  }
 }
 
 TEST(BackgroundPoints, TheSameEachTime) {

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/Tetrahedralize.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/BackgroundMesh.h"
+#include "tetvdb/tetrahedralize/Classify.h"
+#include "tetvdb/tetrahedralize/Envelope.h"
+#include "tetvdb/tetrahedralize/Improve.h"
+#include "tetvdb/tetrahedralize/InsertSoup.h"
+#include "tetvdb/tetrahedralize/LatticeSoup.h"
+#include "tetvdb/tetrahedralize/Regions.h"
+#include "tetvdb/tetrahedralize/SimplifySoup.h"
+#include "tetvdb/tetrahedralize/TetComplex.h"
+#include "tetvdb/tetrahedralize/TwoSidedCheck.h"
+#include "tetvdb/tetrahedralize/WorkingLattice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <unordered_map>
+
+namespace tetvdb {
+namespace {
+
+// Shares of epsilon: what simplification may use up, so that improvement still has room to move,
+// and how far a triangle's faces may be from it where tets are too flat to part.
+constexpr double kSimplifyShare = 0.6, kReachShare = 0.1;
+// Input points are snapped to this part of epsilon or less (latticeSoup()).
+constexpr double kGrainShare = 1.0 / 8192;
+// A lattice unit must be small against epsilon.
+constexpr double kLeastEpsilon = 4096;
+// Memory of the whole work for a triangle, with what its points become. Measured.
+constexpr double kBytesPerFace = 6000;
+
+struct Lengths {
+  double diagonal, epsilon, edge; // world
+};
+
+Box boxOf(const std::vector<TriangleMesh>& inputs) {
+  Box box;
+  for (const TriangleMesh& mesh : inputs)
+    for (const std::uint32_t corner : mesh.triangles)
+      box.add(mesh.points[corner]);
+  return box;
+}
+
+Lengths checkLengths(const Box& box, const TetrahedralizeOptions& options) {
+  Lengths lengths{};
+  lengths.diagonal = length(minus(box.high, box.low));
+  if (!(lengths.diagonal > 0))
+    throw Error(Status::Invalid, "", "all points of the mesh are the same",
+                "there is nothing to fill with tets");
+  const auto isLength = [](double l) { return std::isfinite(l) && l >= 0; };
+  if (!isLength(options.epsilon))
+    throw Error(Status::Usage, "--epsilon", "is not a length above 0");
+  if (!isLength(options.edgeLength))
+    throw Error(Status::Usage, "--edge-length", "is not a length above 0");
+  lengths.epsilon = options.epsilon > 0 ? options.epsilon : 1e-3 * lengths.diagonal;
+  lengths.edge = options.edgeLength > 0 ? options.edgeLength : lengths.diagonal / 20;
+  if (lengths.epsilon > 0.1 * lengths.diagonal)
+    throw Error(Status::Usage, "--epsilon",
+                fmt::format("{:.6g} is more than a tenth of the model's diagonal, {:.6g}",
+                            lengths.epsilon, lengths.diagonal),
+                "nothing of the model would be left; 1e-3d is a usual choice");
+  return lengths;
+}
+
+// Edges of one face.
+std::vector<std::array<std::uint32_t, 3>> rimOf(const LatticeSoup& soup) {
+  std::unordered_map<std::uint64_t, int> count;
+  for (const auto& face : soup.faces)
+    for (std::size_t i = 0; i < 3; ++i)
+      ++count[edgeKey(face[i], face[(i + 1) % 3])];
+  std::vector<std::array<std::uint32_t, 3>> rim;
+  for (const auto& face : soup.faces)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (count[edgeKey(face[i], face[(i + 1) % 3])] == 1)
+        rim.push_back({face[i], face[(i + 1) % 3], face[(i + 1) % 3]});
+  return rim;
+}
+
+TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
+  TetComplex complex;
+  complex.points.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    complex.points[i].at = points[i];
+  complex.tets.resize(plain.tets.size());
+  for (std::size_t t = 0; t < plain.tets.size(); ++t) {
+    TetComplex::Tet& tet = complex.tets[t];
+    tet.corners = plain.tets[t];
+    tet.neighbours = plain.neighbours[t];
+    tet.chains = {0, 0, 0, 0};
+    tet.tracked = {false, false, false, false};
+    tet.energy = 0;
+    tet.mark = 0;
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(t);
+      if (tet.neighbours[slot] == TetComplex::kOutside)
+        for (const unsigned corner : kFaceCorners[slot])
+          complex.points[tet.corners[corner]].fixed = true;
+    }
+  }
+  return complex;
+}
+
+void assertValid([[maybe_unused]] const TetComplex& complex) {
+#ifndef NDEBUG
+  complex.verify();
+#endif
+}
+
+void warnOfLoss(const Tetrahedralization& made, double epsilon, Report& report) {
+  const TwoSidedCheck& check = made.check;
+  if (made.notInserted > 0) {
+    report.partial = true;
+    report.warn("not-inserted",
+                fmt::format("{} of {} triangles of the simplified mesh are not faces of the tets; "
+                            "they count for what is inside",
+                            made.notInserted, made.simplifiedFaces));
+  }
+  if (check.lostPoints > 0) {
+    report.partial = true;
+    report.warn("lost-surface",
+                fmt::format("{} of {} points sampled on the input are farther than epsilon {:.6g} "
+                            "from the tets' surface, {:.6g} at most; try a smaller epsilon",
+                            check.lostPoints, check.owedPoints, epsilon, check.inToOut));
+  }
+}
+
+} // namespace
+
+Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
+                                  const TetrahedralizeOptions& options, Report& report,
+                                  Progress& progress) {
+  if (inputs.empty())
+    throw Error(Status::Usage, "", "no mesh was given");
+  if (inputs.size() > kMaxInputs)
+    throw Error(
+        Status::Usage, "",
+        fmt::format("{} meshes were given; {} can be told apart", inputs.size(), kMaxInputs),
+        "join some of them into one file");
+  const Box box = boxOf(inputs);
+  if (!(box.low[0] <= box.high[0]))
+    throw Error(Status::Invalid, "", "the mesh has no triangles");
+  const Lengths lengths = checkLengths(box, options);
+  StageTimer timer(report, "tetrahedralize");
+  Tetrahedralization made;
+  made.epsilonAsked = lengths.epsilon;
+  made.edgeLength = lengths.edge;
+
+  timer.part("snap");
+  progress.stage("snap");
+  const WorkingLattice lattice(box);
+  const double epsilon = lengths.epsilon / lattice.unit();
+  if (epsilon < kLeastEpsilon)
+    throw Error(Status::Usage, "--epsilon",
+                fmt::format("{:.6g} is too small: coordinates of this model are told apart to "
+                            "{:.6g}",
+                            lengths.epsilon, lattice.unit()),
+                fmt::format("take {:.6g} or more, or move the model nearer to the origin",
+                            kLeastEpsilon * lattice.unit()));
+  const double grain = std::exp2(std::max(0.0, std::floor(std::log2(epsilon * kGrainShare))));
+  LatticeSoup soup = latticeSoup(inputs, lattice, grain, progress);
+  if (soup.faces.empty())
+    throw Error(Status::Invalid, "", "no triangle of the mesh has an area",
+                "there is nothing to fill with tets");
+  if (options.maxMemory > 0 && static_cast<double>(soup.faces.size()) * kBytesPerFace >
+                                   static_cast<double>(options.maxMemory))
+    throw Error(Status::Limit, "",
+                fmt::format("meshing {} triangles takes about {:.1f} GB", soup.faces.size(),
+                            static_cast<double>(soup.faces.size()) * kBytesPerFace / 1e9),
+                "raise --max-memory");
+
+  timer.part("envelope");
+  progress.stage("envelope");
+  // Snapping has moved points by half a grain's diagonal at most.
+  const double radius = epsilon - grain;
+  const Envelope surface(soup.points, soup.faces, radius);
+  const Envelope rim(soup.points, rimOf(soup), radius);
+
+  timer.part("simplify");
+  progress.stage("simplify");
+  simplifySoup(soup, surface, kSimplifyShare * radius, progress);
+  made.simplifiedFaces = soup.faces.size();
+
+  timer.part("background");
+  progress.stage("background");
+  const double edge = lengths.edge / lattice.unit();
+  const double spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
+  const std::vector<Vec3d> points =
+      backgroundPoints(soup, std::max(spacing, 2 * epsilon), spacing, 10 * epsilon, progress);
+  TetComplex complex = startComplex(points, delaunayTets(points, progress));
+  assertValid(complex);
+
+  timer.part("insert");
+  progress.stage("insert");
+  constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
+  SoupInsertion insertion(soup, inputs.size(), kFirstSoupPoint, kReachShare * radius);
+  insertion.run(complex, progress);
+  assertValid(complex);
+  const std::vector<std::uint32_t> missing = insertion.missing();
+  made.notInserted = missing.size();
+  made.insertedFaces = soup.faces.size() - missing.size();
+
+  timer.part("improve");
+  progress.stage("improve");
+  const Bounds bounds{surface, rim, radius};
+  ImproveCounts counts;
+  if (options.stopEnergy > 0) {
+    ImproveOptions wish;
+    wish.edgeLength = edge;
+    wish.smallestEdge = epsilon;
+    wish.stopEnergy = options.stopEnergy;
+    wish.maxPasses = options.maxPasses;
+    counts = improve(
+        complex, bounds, wish, [&] { return missing.size(); }, progress);
+  } else {
+    counts = coarsen(complex, bounds, progress);
+  }
+  assertValid(complex);
+  made.passes = counts.passes;
+  made.worstEnergy = counts.worstEnergy;
+  made.meanEnergy = counts.meanEnergy;
+
+  timer.part("classify");
+  progress.stage("classify");
+  const std::vector<std::uint16_t> inside =
+      insideOf(complex, inputs.size(), soup, missing, progress);
+  made.mesh =
+      keptTets(complex, inside, inputs.size(), options.boolean, options.keepOutside, lattice);
+  if (made.mesh.tets.empty() || std::all_of(made.mesh.regions.begin(), made.mesh.regions.end(),
+                                            [](std::int32_t r) { return r == kOutsideRegion; }))
+    throw Error(Status::Invalid, "", "nothing is inside: the triangles are sheets without volume",
+                "give them thickness with voxelize --shell, or check the mesh with info");
+
+  timer.part("check");
+  progress.stage("check");
+  const LostSurface lost =
+      checkBothSides(made.mesh, inputs, options.boolean, lengths.epsilon, progress);
+  made.check = lost.figures;
+  warnOfLoss(made, lengths.epsilon, report);
+  return made;
+}
+
+} // namespace tetvdb

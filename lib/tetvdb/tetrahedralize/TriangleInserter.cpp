@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
 constexpr std::size_t kMostSteps = 100000; // along one edge, or about one front: far beyond need
+constexpr int kMostFlips = 4;              // along one edge
 constexpr int kMostParts = 6;              // halvings of a triangle
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
@@ -95,6 +96,7 @@ void TriangleInserter::recover(std::uint32_t a, std::uint32_t b) {
   // Both parts that share an edge would make a path of their own.
   if (complex_.points[a].fixed && complex_.points[b].fixed)
     throw Stop{Result::Elsewhere};
+  flips_ = 0;
   std::vector<std::uint32_t> made{a};
   for (std::size_t step = 0; made.back() != b; ++step) {
     if (step > kMostSteps)
@@ -177,7 +179,12 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
         faceMiddles_[key] = made;
       }
     }
-    // Tets so flat that no lattice point parts them: by way of the point least aside.
+    // Tets so flat that no lattice point parts them: without the face, or by way of the point least
+    // aside.
+    if (made == kNone && flips_ < kMostFlips && openFace(t, slot)) {
+      ++flips_;
+      return nextOnSegment(from, a, b);
+    }
     if (made == kNone)
       made = detour;
     if (made == kNone)
@@ -185,6 +192,27 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
     return made;
   }
   throw Stop{complex_.points[from].fixed ? Result::Elsewhere : Result::Failed};
+}
+
+// Tets t and its neighbour across a face that stands for nothing give way to three about the edge
+// between their far corners. False where these would not be positive.
+bool TriangleInserter::openFace(std::uint32_t t, unsigned slot) {
+  const TetComplex::Tet& tet = complex_.tets[t];
+  if (tet.tracked[slot])
+    return false;
+  const std::uint32_t across = tet.neighbours[slot], near = tet.corners[slot];
+  const std::uint32_t far = complex_.tets[across].corners[complex_.slotOf(across, t)];
+  std::vector<TetComplex::NewTet> fresh(3);
+  for (unsigned i = 0; i < 3; ++i) {
+    // The face turns counter-clockwise seen from the far corner.
+    fresh[i].corners = {tet.corners[kFaceCorners[slot][i]],
+                        tet.corners[kFaceCorners[slot][(i + 1) % 3]], far, near};
+    std::swap(fresh[i].corners[2], fresh[i].corners[3]);
+    if (!complex_.isPositive(fresh[i].corners))
+      return false;
+  }
+  complex_.replace({t, across}, fresh);
+  return true;
 }
 
 std::uint32_t TriangleInserter::splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at) {
@@ -322,11 +350,12 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   for (const std::uint32_t p : ring_) {
     const Vec3d& at = complex_.at(p);
     const double aside = leftward(p);
-    const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
-    if (aside <= 0 || (!isLoop && (std::abs(height(at)) > tolerance_ || inside(at) < tolerance_)))
+    if (aside <= 0)
       continue;
     const double straight = aside / std::hypot(aside, upward(p));
-    if (straight > straightest) {
+    const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
+    if (straight > straightest &&
+        (isLoop || (std::abs(height(at)) <= tolerance_ && inside(at) >= tolerance_))) {
       straightest = straight;
       best = p;
     }

@@ -71,6 +71,7 @@ private:
 
   void recover(std::uint32_t a, std::uint32_t b);
   std::uint32_t nextOnSegment(std::uint32_t from, std::uint32_t a, std::uint32_t b);
+  bool openFace(std::uint32_t t, unsigned slot);
   std::uint32_t splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
 
   void cover(std::array<Path, 3> sides, int depth, std::vector<Face>& faces);
@@ -86,6 +87,7 @@ private:
   InsertedPaths& known_;
   PointInsertion insert_;
   double tolerance_, reach_;
+  int flips_ = 0;
   // The triangle at work, or the part of it.
   std::array<Vec3d, 3> at_{};
   Vec3d normal_{0, 0, 0};             ///< of length 1

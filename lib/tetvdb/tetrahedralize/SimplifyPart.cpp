@@ -135,13 +135,14 @@ void SimplifyPart::tryToCollapse(std::uint32_t a, std::uint32_t b) {
   if (keepMoves)
     addNewFaces(keep, starA_, gone);
   carried_.clear();
+  // What is likely to be lost comes first.
+  for (const std::uint32_t v : {keep, gone})
+    if (!s_.isCarried[v] && (v == gone || keepMoves))
+      carried_.push_back(v);
   for (const std::uint32_t face : shared_)
     addCarried(face);
   for (const NewFace& changed : newFaces_)
     addCarried(changed.face);
-  for (const std::uint32_t v : {keep, gone})
-    if (!s_.isCarried[v] && (v == gone || keepMoves))
-      carried_.push_back(v);
 
   Vec3d place = s_.points[keep];
   if (keepMoves)

@@ -18,7 +18,7 @@ using Points = std::vector<std::uint32_t>;
 
 constexpr std::size_t kPartPoints = 3000; ///< at most; most of them away from the part's border
 constexpr int kMaxRounds = 10;
-constexpr double kWorthwhile = 0.005; ///< the share of points that a round has to remove
+constexpr double kWorthwhile = 0.02; ///< the share of points that a round has to remove
 // Where parts are cut, round by round: borders never lie where the last ones did.
 constexpr std::array<double, 4> kCuts{0.5, 0.36, 0.64, 0.43};
 

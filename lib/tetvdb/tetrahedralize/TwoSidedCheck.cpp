@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/TwoSidedCheck.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/TriangleScene.h"
+#include "tetvdb/tetrahedralize/ChainWinding.h"
+#include "tetvdb/tetrahedralize/RegionSurface.h"
+#include "tetvdb/tetrahedralize/Regions.h"
+#include "tetvdb/tetrahedralize/SurfaceSamples.h"
+#include "tetvdb/tetrahedralize/WorkingLattice.h"
+#include "tetvdb/voxelize/SoupRim.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kSamples = 100000; // of one surface, or half as many and all centroids
+constexpr double kMaxCentroids = 50000;
+constexpr std::size_t kPointsInBox = 65536;
+constexpr double kSamplesPerSquare = 4; // of side epsilon
+constexpr double kFewestSamples = 1000;
+// A rim with as many edges halves the number of samples; more than that many times fewer is never
+// asked for.
+constexpr double kRimEdges = 1000, kFewerAtMost = 4;
+// How near to a whole number a winding number is where the tets' surface is to be near to the
+// input.
+constexpr double kWhole = 0.2;
+// Distances are compared with epsilon up to rounding.
+constexpr double kRounding = 1e-9;
+
+using Points = std::vector<Vec3d>;
+
+class InputWindings {
+public:
+  InputWindings(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
+                Progress& progress);
+
+  /// Bit k: within input k.
+  std::vector<std::uint16_t> masksAt(const Points& points, Progress& progress) const;
+  /// Whether every input's winding number is near a whole number.
+  std::vector<bool> areWhole(const Points& points, Progress& progress) const;
+  double fewer() const { return fewer_; } ///< how many times fewer samples than usual
+
+private:
+  std::vector<double> at(std::size_t input, const Points& points, Progress& progress) const;
+
+  const WorkingLattice& lattice_;
+  std::vector<std::unique_ptr<ChainWinding>> windings_;
+  std::vector<bool> isOpen_;
+  double fewer_ = 1;
+};
+
+LatticePoint latticePoint(const WorkingLattice& lattice, const Vec3d& world) {
+  const Vec3d p = lattice.toLattice(world);
+  return {p[0], p[1], p[2]};
+}
+
+std::vector<ChainWinding::Face> facesOf(const TriangleMesh& mesh, std::size_t count,
+                                        const WorkingLattice& lattice) {
+  std::vector<ChainWinding::Face> faces(count);
+  const auto at = [&](std::size_t corner) {
+    return latticePoint(lattice, mesh.points[mesh.triangles[corner]]);
+  };
+  for (std::size_t i = 0; i < count; ++i)
+    faces[i] = {at(3 * i), at(3 * i + 1), at(3 * i + 2), 1};
+  return faces;
+}
+
+InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
+                             Progress& progress)
+    : lattice_(lattice) {
+  for (const TriangleMesh& mesh : inputs) {
+    std::vector<RimEdge> rim;
+    for (const IndexedRimEdge& edge : soupRim(mesh.triangles, progress).edges)
+      rim.push_back({latticePoint(lattice, mesh.points[edge.a]),
+                     latticePoint(lattice, mesh.points[edge.b]), edge.weight});
+    isOpen_.push_back(!rim.empty());
+    fewer_ += static_cast<double>(rim.size()) / kRimEdges;
+    windings_.push_back(std::make_unique<ChainWinding>(facesOf(mesh, mesh.triangleCount(), lattice),
+                                                       std::move(rim)));
+    progress.check();
+  }
+  fewer_ = std::min(fewer_, kFewerAtMost);
+}
+
+std::vector<double> InputWindings::at(std::size_t input, const Points& points,
+                                      Progress& progress) const {
+  std::vector<LatticePoint> places;
+  places.reserve(points.size());
+  for (const Vec3d& p : points)
+    places.push_back(latticePoint(lattice_, p));
+  return windings_[input]->at(places, progress);
+}
+
+std::vector<std::uint16_t> InputWindings::masksAt(const Points& points, Progress& progress) const {
+  std::vector<std::uint16_t> masks(points.size(), 0);
+  for (std::size_t input = 0; input < windings_.size(); ++input) {
+    const std::vector<double> winding = at(input, points, progress);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (winding[i] > 0.5)
+        masks[i] = static_cast<std::uint16_t>(masks[i] | 1u << input);
+  }
+  return masks;
+}
+
+std::vector<bool> InputWindings::areWhole(const Points& points, Progress& progress) const {
+  std::vector<bool> whole(points.size(), true);
+  for (std::size_t input = 0; input < windings_.size(); ++input) {
+    if (!isOpen_[input])
+      continue;
+    const std::vector<double> winding = at(input, points, progress);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (std::abs(winding[i] - std::nearbyint(winding[i])) > kWhole)
+        whole[i] = false;
+  }
+  return whole;
+}
+
+// All inputs' triangles, and which input each range of them comes from.
+struct JoinedInputs {
+  TriangleMesh mesh;
+  std::vector<std::size_t> begins; ///< first triangle of each input
+};
+
+JoinedInputs joined(const std::vector<TriangleMesh>& inputs) {
+  JoinedInputs all;
+  for (const TriangleMesh& input : inputs) {
+    const auto first = static_cast<std::uint32_t>(all.mesh.points.size());
+    all.begins.push_back(all.mesh.triangleCount());
+    all.mesh.points.insert(all.mesh.points.end(), input.points.begin(), input.points.end());
+    for (const std::uint32_t corner : input.triangles)
+      all.mesh.triangles.push_back(first + corner);
+  }
+  return all;
+}
+
+double areaOf(const TriangleMesh& mesh) {
+  double twice = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    const Vec3d& a = mesh.points[mesh.triangles[i]];
+    twice += length(cross(minus(mesh.points[mesh.triangles[i + 1]], a),
+                          minus(mesh.points[mesh.triangles[i + 2]], a)));
+  }
+  return twice / 2;
+}
+
+std::vector<SurfaceSample> samplesOf(const TriangleMesh& mesh, double epsilon, double fewer) {
+  const double most = kSamplesPerSquare * areaOf(mesh) / (epsilon * epsilon);
+  const bool centroids = static_cast<double>(mesh.triangleCount()) * fewer <= kMaxCentroids;
+  double count = (centroids ? kSamples / 2 : kSamples) / fewer;
+  if (most < count)
+    count = std::max(most, kFewestSamples);
+  return sampleSurface(mesh, static_cast<std::size_t>(count), centroids);
+}
+
+std::vector<double> distances(const TriangleScene& scene, const std::vector<SurfaceSample>& samples,
+                              Progress& progress) {
+  std::vector<double> distance(samples.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 256),
+                    [&](const auto& range) {
+                      progress.check();
+                      for (std::size_t i = range.begin(); i != range.end(); ++i)
+                        distance[i] = scene.closest(samples[i].at).distance;
+                    });
+  return distance;
+}
+
+// Samples of the input whose sides half an epsilon off belong to different regions.
+std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSample> samples,
+                                const InputWindings& windings, std::size_t inputCount,
+                                Boolean boolean, double epsilon, Progress& progress) {
+  Points sides;
+  sides.reserve(2 * samples.size());
+  for (const SurfaceSample& sample : samples) {
+    const std::uint32_t* corners = mesh.triangles.data() + std::size_t(3) * sample.triangle;
+    const Vec3d& a = mesh.points[corners[0]];
+    const Vec3d normal =
+        cross(minus(mesh.points[corners[1]], a), minus(mesh.points[corners[2]], a));
+    const Vec3d off = times(normal, epsilon / 2 / length(normal));
+    sides.push_back(plus(sample.at, off));
+    sides.push_back(minus(sample.at, off));
+  }
+  const std::vector<std::uint16_t> masks = windings.masksAt(sides, progress);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    if (regionOf(masks[2 * i], inputCount, boolean) !=
+        regionOf(masks[2 * i + 1], inputCount, boolean))
+      samples[count++] = samples[i];
+  samples.resize(count);
+  return samples;
+}
+
+void checkVolume(const RegionSurface& surface, const InputWindings& windings,
+                 const WorkingLattice& lattice, const Box& box, std::size_t inputCount,
+                 Boolean boolean, Progress& progress, LostSurface& found) {
+  Points points;
+  std::vector<LatticePoint> places;
+  for (std::size_t i = 0; i < kPointsInBox; ++i) {
+    points.push_back(pointInBox(box, i));
+    places.push_back(latticePoint(lattice, points.back()));
+  }
+  const std::vector<std::uint16_t> masks = windings.masksAt(points, progress);
+  const ChainWinding tets(facesOf(surface.mesh, surface.outerFaces, lattice), {});
+  const std::vector<double> covered = tets.at(places, progress);
+  double more = 0, differ = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool byInputs = regionOf(masks[i], inputCount, boolean) != kOutsideRegion;
+    const bool byTets = covered[i] > 0.5;
+    more += (byInputs ? 1 : 0) - (byTets ? 1 : 0);
+    differ += byInputs != byTets ? 1 : 0;
+  }
+  double whole = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    whole *= box.high[axis] - box.low[axis];
+  const double n = static_cast<double>(kPointsInBox);
+  found.figures.volume = surface.volume;
+  found.figures.windingVolume = surface.volume + whole * more / n;
+  found.volumeError = whole * std::sqrt(differ) / n;
+}
+
+} // namespace
+
+LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
+                           Boolean boolean, double epsilon, Progress& progress) {
+  LostSurface found;
+  const JoinedInputs input = joined(inputs);
+  const RegionSurface surface = regionSurface(mesh, progress);
+  Box box;
+  for (const TriangleMesh* part : {&input.mesh, &surface.mesh})
+    for (const std::uint32_t corner : part->triangles)
+      box.add(part->points[corner]);
+  if (input.mesh.triangles.empty() && surface.mesh.triangles.empty())
+    return found;
+  const WorkingLattice lattice(box);
+  const InputWindings windings(inputs, lattice, progress);
+  const TriangleScene inputScene(input.mesh), surfaceScene(surface.mesh);
+
+  const std::vector<SurfaceSample> inSamples =
+      owed(input.mesh, samplesOf(input.mesh, epsilon, windings.fewer()), windings, inputs.size(),
+           boolean, epsilon, progress);
+  found.figures.owedPoints = inSamples.size();
+  const std::vector<double> inDistances = distances(surfaceScene, inSamples, progress);
+  for (std::size_t i = 0; i < inSamples.size(); ++i) {
+    found.figures.inToOut = std::max(found.figures.inToOut, inDistances[i]);
+    if (!(inDistances[i] > epsilon * (1 + kRounding)))
+      continue;
+    const auto number = static_cast<std::size_t>(
+        std::upper_bound(input.begins.begin(), input.begins.end(), inSamples[i].triangle) -
+        input.begins.begin() - 1);
+    found.lost.push_back(
+        {inSamples[i].at, static_cast<std::uint32_t>(number),
+         static_cast<std::uint32_t>(inSamples[i].triangle - input.begins[number])});
+  }
+  found.figures.lostPoints = found.lost.size();
+
+  const std::vector<SurfaceSample> outSamples = samplesOf(surface.mesh, epsilon, windings.fewer());
+  Points outPoints;
+  for (const SurfaceSample& sample : outSamples)
+    outPoints.push_back(sample.at);
+  const std::vector<bool> whole = windings.areWhole(outPoints, progress);
+  const std::vector<double> outDistances = distances(inputScene, outSamples, progress);
+  for (std::size_t i = 0; i < outSamples.size(); ++i)
+    if (whole[i])
+      found.figures.outToIn = std::max(found.figures.outToIn, outDistances[i]);
+
+  checkVolume(surface, windings, lattice, box, inputs.size(), boolean, progress, found);
+  return found;
+}
+
+} // namespace tetvdb

@@ -112,22 +112,25 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
   complex_.star(from, tets_);
   const Vec3d along = unit(minus(end, start));
   const double now = dot(minus(here, start), along), whole = length(minus(end, start));
-  // Along an edge that is there: the longest within tolerance.
+  // Along an edge that is there: the shortest within tolerance, so that no point is passed by.
   std::uint32_t best = kNone, detour = kNone;
-  double farthest = now, least = reach_ * reach_;
+  bool neighbour = false;
+  double nearest = whole, least = reach_ * reach_;
   for (const std::uint32_t t : tets_)
     for (const std::uint32_t q : complex_.tets[t].corners) {
-      if (q == b)
-        return b;
       const Vec3d offset = minus(complex_.at(q), start);
       const double s = dot(offset, along);
+      if (q == b) {
+        neighbour = true;
+        continue;
+      }
       if (s <= now || s >= whole)
         continue;
       const Vec3d aside = minus(offset, times(along, s));
       const double squared = dot(aside, aside);
-      if (squared <= tolerance_ * tolerance_ && s > farthest) {
+      if (squared <= tolerance_ * tolerance_ && s < nearest) {
         best = q;
-        farthest = s;
+        nearest = s;
       }
       if (squared < least) {
         detour = q;
@@ -136,6 +139,8 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
     }
   if (best != kNone)
     return best;
+  if (neighbour)
+    return b;
   // Through the face of the star that the segment leaves by.
   const Vec3d& target = complex_.at(b);
   for (const std::uint32_t t : tets_) {
@@ -155,14 +160,14 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
                  after = std::abs(orientDeterminant(p, q, r, target));
     const Vec3d cut = plus(here, times(minus(target, here), before / (before + after)));
     // Close to one of its edges the edge is cut instead: no flat tets.
-    double nearest = 4 * tolerance_ * tolerance_;
+    double closest = 4 * tolerance_ * tolerance_;
     unsigned edge = 3;
     for (unsigned i = 0; i < 3; ++i) {
       const Vec3d on = nearestWithin(complex_.at(face[i]), complex_.at(face[(i + 1) % 3]), cut);
       const Vec3d offset = minus(on, cut);
       const Vec3d aside = minus(minus(on, start), times(along, dot(minus(on, start), along)));
-      if (dot(offset, offset) < nearest && dot(aside, aside) <= tolerance_ * tolerance_) {
-        nearest = dot(offset, offset);
+      if (dot(offset, offset) < closest && dot(aside, aside) <= tolerance_ * tolerance_) {
+        closest = dot(offset, offset);
         edge = i;
       }
     }
@@ -340,19 +345,19 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
     throw Stop{Result::Elsewhere};
   // Seen along the edge: left in the triangle's plane, up out of it. The edge itself may be off the
   // plane by the tolerance.
-  const Vec3d from = complex_.at(u), along = unit(minus(complex_.at(v), from));
-  const Vec3d left = unit(cross(normal_, along)), up = cross(along, left);
-  const auto leftward = [&](std::uint32_t p) { return dot(left, minus(complex_.at(p), from)); };
-  const auto upward = [&](std::uint32_t p) { return dot(up, minus(complex_.at(p), from)); };
+  const Vec3d from = complex_.at(u);
+  const Vec3d left = unit(cross(normal_, minus(complex_.at(v), from)));
+  const double level = (height(from) + height(complex_.at(v))) / 2;
+  const auto leftward = [&](const Vec3d& p) { return dot(left, minus(p, from)); };
   // A point within tolerance of the triangle, on the left: the one straightest ahead.
   std::uint32_t best = kNone;
   double straightest = 0;
   for (const std::uint32_t p : ring_) {
     const Vec3d& at = complex_.at(p);
-    const double aside = leftward(p);
+    const double aside = leftward(at);
     if (aside <= 0)
       continue;
-    const double straight = aside / std::hypot(aside, upward(p));
+    const double straight = aside / std::hypot(aside, height(at) - level);
     const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
     if (straight > straightest &&
         (isLoop || (std::abs(height(at)) <= tolerance_ && inside(at) >= tolerance_))) {
@@ -362,24 +367,28 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   }
   if (best != kNone)
     return best;
-  // Else the triangle runs through one of the tets, between two points of the ring.
+  // Else the triangle runs through one of the tets, between two points of the ring. Cuts are made
+  // in the plane, so that errors do not add up from edge to edge; at the edge's own level only
+  // where the plane passes it by.
   const std::size_t pairs = closed ? ring_.size() : ring_.size() - 1;
-  for (std::size_t i = 0; i < pairs; ++i) {
-    const std::uint32_t p = ring_[i], q = ring_[(i + 1) % ring_.size()];
-    const double above = upward(p), below = upward(q);
-    if ((above > 0) == (below > 0))
-      continue;
-    const double s = above / (above - below);
-    const Vec3d cut = plus(complex_.at(p), times(minus(complex_.at(q), complex_.at(p)), s));
-    if (dot(left, minus(cut, from)) <= 0)
-      continue;
-    if (inside(cut) < -tolerance_)
-      throw Stop{Result::Failed};
-    const std::uint32_t made = splitEdge(p, q, cut);
-    if (made == kNone)
-      throw Stop{complex_.ring(p, q, tets_, ring_) ? Result::Failed : Result::Elsewhere};
-    return made;
-  }
+  for (const double cutLevel : {0.0, level})
+    for (std::size_t i = 0; i < pairs; ++i) {
+      const std::uint32_t p = ring_[i], q = ring_[(i + 1) % ring_.size()];
+      const double above = height(complex_.at(p)) - cutLevel;
+      const double below = height(complex_.at(q)) - cutLevel;
+      if ((above > 0) == (below > 0))
+        continue;
+      const double s = above / (above - below);
+      const Vec3d cut = plus(complex_.at(p), times(minus(complex_.at(q), complex_.at(p)), s));
+      if (leftward(cut) <= 0)
+        continue;
+      if (inside(cut) < -tolerance_)
+        throw Stop{Result::Failed};
+      const std::uint32_t made = splitEdge(p, q, cut);
+      if (made == kNone)
+        throw Stop{complex_.ring(p, q, tets_, ring_) ? Result::Failed : Result::Elsewhere};
+      return made;
+    }
   throw Stop{closed ? Result::Failed : Result::Elsewhere};
 }
 

@@ -161,13 +161,13 @@ def examine(path, ours, judge):
         if os.path.exists(old):
             os.remove(old)
     status, row.seconds, row.megabytes, said = measure(
-        [ours.program, "voxelize", path, "-o", fine, "--grid", "mask", "--resolution", str(FINE), "-q",
-         "--max-time", str(TIME)])
+        [ours.program, "voxelize", path, "-o", fine, "--mesher", "winding", "--grid", "mask", "--resolution",
+         str(FINE), "-q", "--max-time", str(TIME)])
     if status in (0, 1):
         row.voxels = pyopenvdb.readAll(fine)[0][0].activeVoxelCount()
     row.prusa = prusa(path)
-    report = ours.report("voxelize", str(path), "-o", coarse, "--grid", "mask", "--resolution", str(COARSE),
-                         "--write-mesh", off)
+    report = ours.report("voxelize", str(path), "-o", coarse, "--mesher", "winding", "--grid", "mask", "--resolution",
+                         str(COARSE), "--write-mesh", off)
     if report["status"] not in (0, 1):
         sentence = re.sub(rf"^tetvdb: |{re.escape(str(path))}(:\d+)?: ", "", report["error"])
         row.answer = sentence.split(";")[0]
@@ -244,7 +244,7 @@ cases of other libraries. `scripts/robustness.py` makes this page; TetVDB {versi
 - *meshToVolume*: `FloatGrid.createLevelSetFromPolygons` of OpenVDB's Python module, half-width 3; inside is where
   values are below 0. It is made for closed surfaces. "none": it found no inside.
 - *PrusaSlicer*: `prusa-slicer --info`: manifold or how many open edges, and volume, for the formats it reads.
-- *Seconds and MB*: `tetvdb voxelize --grid mask --resolution {FINE}` as a whole process, wall time and peak resident
+- *Seconds and MB*: `tetvdb voxelize --mesher winding --grid mask --resolution {FINE}` as a whole process, wall time and peak resident
   memory (`ru_maxrss`); an empty run takes about 35 MB. The machine (2 cores) was nearly idle.
 - *Defects* by `tetvdb info`: open, non-manifold and misoriented edges, degenerate and duplicate faces, pairs of faces that
   cross (`+`: at least).

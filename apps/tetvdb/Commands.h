@@ -19,6 +19,7 @@ struct Command {
 };
 
 Command addVoxelize(CLI::App& program);
+Command addTetrahedralize(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);

@@ -24,7 +24,7 @@ void addSizeOptions(CLI::App& command, JobOptions& options) {
       ->excludes(size);
 }
 
-void addTriangleOptions(CLI::App& command, JobOptions& options) {
+void addInsideOptions(CLI::App& command, JobOptions& options) {
   command
       .add_option("--inside", options.inside,
                   "What is inside triangles: winding number above 0.5 (default), of any sign "
@@ -36,8 +36,23 @@ void addTriangleOptions(CLI::App& command, JobOptions& options) {
                   "No solid but a shell of thickness T around the triangles, for open sheets")
       ->type_name("T")
       ->check(notEmpty());
+}
+
+void addWeldOption(CLI::App& command, JobOptions& options) {
   command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
       ->type_name("D")
+      ->check(notEmpty());
+}
+
+void addCleaningOptions(CLI::App& command, JobOptions& options) {
+  addWeldOption(command, options);
+  command.add_flag("--keep-orientation", options.keepOrientation,
+                   "Do not turn triangles that look the wrong way");
+}
+
+void addEpsilonOption(CLI::App& command, JobOptions& options, const std::string& description) {
+  command.add_option("--epsilon", options.epsilon, description)
+      ->type_name("E|Ed|Ev")
       ->check(notEmpty());
 }
 
@@ -65,10 +80,14 @@ void setSize(const JobOptions& options, Vec3d& voxelSize, int& resolution) {
   resolution = options.resolution;
 }
 
-void setTriangleRules(const JobOptions& options, SolidOptions& solid, CleanOptions& clean) {
+void setInside(const JobOptions& options, SolidOptions& solid) {
   solid.inside = parseInsideRule(options.inside);
   if (!options.shell.empty())
     solid.shell = parseLength("--shell", options.shell);
+}
+
+void setCleaning(const JobOptions& options, CleanOptions& clean) {
+  clean.orient = !options.keepOrientation;
   if (!options.weld.empty())
     clean.weldDistance = parseLength("--weld", options.weld);
 }

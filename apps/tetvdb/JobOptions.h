@@ -20,20 +20,29 @@ struct JobOptions {
   std::string voxelSize;
   int resolution = 256;
   std::string inside = "winding", shell, weld;
+  bool keepOrientation = false;
+  std::string epsilon;
   int threads = 0;
   std::string maxMemory, maxTime;
 };
 
 /// --voxel-size and --resolution.
 void addSizeOptions(CLI::App& command, JobOptions& options);
-/// --inside, --shell and --weld, for triangles.
-void addTriangleOptions(CLI::App& command, JobOptions& options);
+/// --inside and --shell, for triangles.
+void addInsideOptions(CLI::App& command, JobOptions& options);
+/// --weld, for triangles.
+void addWeldOption(CLI::App& command, JobOptions& options);
+/// --weld and --keep-orientation, for triangles.
+void addCleaningOptions(CLI::App& command, JobOptions& options);
+/// --epsilon; the command says what it means and parses it.
+void addEpsilonOption(CLI::App& command, JobOptions& options, const std::string& description);
 /// --threads, --max-memory and --max-time.
 void addLimitOptions(CLI::App& command, JobOptions& options);
 
 // What was given, checked; each throws Error(Usage).
 void setSize(const JobOptions& options, Vec3d& voxelSize, int& resolution);
-void setTriangleRules(const JobOptions& options, SolidOptions& solid, CleanOptions& clean);
+void setInside(const JobOptions& options, SolidOptions& solid);
+void setCleaning(const JobOptions& options, CleanOptions& clean);
 /// Bytes; 0 where nothing was given.
 std::size_t memoryLimit(const JobOptions& options);
 /// One a core where nothing was given.

@@ -100,12 +100,38 @@ double parseLength(const std::string& option, const std::string& text) {
   return numbers[0];
 }
 
+RelativeLength parseRelativeLength(const std::string& option, const std::string& text,
+                                   Voxels voxels) {
+  const std::string advice =
+      voxels == Voxels::Known
+          ? "give a number above zero: a length, a part of the diagonal (1e-3d) or voxels (0.5v)"
+          : "give a number above zero: a length, or a part of the diagonal (1e-3d)";
+  std::string_view left = text;
+  RelativeLength length;
+  if (!takeNumber(left, length.value) || !(length.value > 0) || !std::isfinite(length.value))
+    refuse(option, text, advice);
+  if (left == "d")
+    length.unit = RelativeLength::Unit::Diagonal;
+  else if (left == "v" && voxels == Voxels::Known)
+    length.unit = RelativeLength::Unit::Voxel;
+  else if (!left.empty())
+    refuse(option, text, advice);
+  return length;
+}
+
 InsideRule parseInsideRule(const std::string& name) {
   if (name == "nonzero")
     return InsideRule::NonZero;
   if (name == "parity")
     return InsideRule::Parity;
   return name == "flood" ? InsideRule::Flood : InsideRule::Winding;
+}
+
+Mesher parseMesher(const std::string& name) {
+  for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding, Mesher::Centroid})
+    if (name == nameOf(mesher))
+      return mesher;
+  return Mesher::Auto;
 }
 
 double parseSeconds(const std::string& option, const std::string& text) {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/pipeline/ChooseMesher.h"
+#include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
@@ -27,8 +29,17 @@ std::size_t parseBytes(const std::string& option, const std::string& text);
 /// A finite length above zero.
 double parseLength(const std::string& option, const std::string& text);
 
+enum class Voxels : bool { None, Known };
+
+/// A finite length above zero: "0.5", "1e-3d" (of the diagonal) or, where voxels are known, "0.5v".
+RelativeLength parseRelativeLength(const std::string& option, const std::string& text,
+                                   Voxels voxels);
+
 /// "winding", "nonzero", "parity" or "flood"; the parser has seen to it that it is one of them.
 InsideRule parseInsideRule(const std::string& name);
+
+/// "auto", "envelope", "winding" or "centroid", likewise.
+Mesher parseMesher(const std::string& name);
 
 /// Seconds, above zero.
 double parseSeconds(const std::string& option, const std::string& text);

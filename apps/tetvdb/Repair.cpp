@@ -48,7 +48,8 @@ RepairJob makeJob(const Options& options) {
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
   job.remesh = options.remesh;
-  setTriangleRules(options, job.solid, job.clean);
+  setInside(options, job.solid);
+  setCleaning(options, job.clean);
   job.maxMemory = memoryLimit(options);
   job.threads = threadCount(options);
   return job;
@@ -148,7 +149,8 @@ Command addRepair(CLI::App& program) {
       ->check(notEmpty());
   addSizeOptions(*command, *options);
   command->add_flag("--remesh", options->remesh, "Also if the mesh is in order already");
-  addTriangleOptions(*command, *options);
+  addInsideOptions(*command, *options);
+  addWeldOption(*command, *options);
   command
       ->add_option("--simplify", options->simplify,
                    "Merge triangles while the surface moves no more than E voxels (default 0.1; 0: "

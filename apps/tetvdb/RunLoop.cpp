@@ -81,6 +81,8 @@ void printNotes(const Session& session) {
     fmt::print(stderr, "tetvdb: warning: {}\n", oneLine(warning.text));
   if (!session.options.verbose)
     return;
+  for (const std::string& note : session.notes)
+    fmt::print(stderr, "tetvdb: {}\n", oneLine(note));
   for (const Stage& stage : session.report.stages) {
     fmt::print(stderr, "tetvdb: {} took {:.3f} s, peak memory {:.0f} MB\n", stage.name,
                stage.seconds, static_cast<double>(stage.peakBytes) / 1e6);

@@ -31,6 +31,7 @@ struct Session {
   std::string text;                ///< the result for people, for stdout
   bool textIsSummary = false;      ///< -q leaves it out
   Status status = Status::Ok;      ///< Found where a comparison found something
+  std::vector<std::string> notes;  ///< lines for stderr with -v
   std::vector<std::string> errors; ///< lines for stderr from a command that went on after an error
 };
 

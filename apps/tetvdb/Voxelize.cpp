@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "MeshReport.h"
 #include "ParseQuantities.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
@@ -28,7 +29,6 @@ struct Options : JobOptions {
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
-  bool keepOrientation = false;
 };
 
 const char* const kExamples = R"(Examples:
@@ -44,6 +44,8 @@ const char* const kExamples = R"(Examples:
       converts the mesh, without a volume
   tetvdb voxelize broken.stl -o solid.vdb --resolution 1024 --grid mask
       triangles with any defect; holes are closed where the winding number passes 0.5
+  tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
+      by way of tets within half a voxel of the triangles, which are written as well
   tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
       an open sheet as a shell, 0.4 units thick
 
@@ -115,9 +117,11 @@ VoxelizeJob makeJob(const Options& options) {
   job.filter.exclude = options.exclude;
   if (!options.bbox.empty())
     parseBox(options.bbox, job.filter);
-  job.solid.method = options.mesher == "centroid" ? SolidMethod::Centroid : SolidMethod::Winding;
-  setTriangleRules(options, job.solid, job.clean);
-  job.clean.orient = !options.keepOrientation;
+  job.mesher = parseMesher(options.mesher);
+  if (!options.epsilon.empty())
+    job.epsilon = parseRelativeLength("--epsilon", options.epsilon, Voxels::Known);
+  setInside(options, job.solid);
+  setCleaning(options, job.clean);
   job.up = options.upAxis == "y" ? UpAxis::Y : UpAxis::Z;
   setSize(options, job.voxelize.voxelSize, job.voxelize.resolution);
   if (!options.origin.empty())
@@ -170,20 +174,30 @@ Json tetsOf(const VoxelizeResult& result) {
 std::string methodText(const VoxelizeResult& result, const Options& options) {
   if (!options.shell.empty())
     return "shell";
-  if (options.mesher == "centroid")
-    return "centroid";
+  if (result.mesher && result.mesher->road != Mesher::Winding)
+    return nameOf(result.mesher->road);
   if (options.inside == "flood")
     return "flood";
-  return result.counts.openEdges == 0 ? "signed crossings" : "winding number";
+  return result.openEdges == 0 ? "signed crossings" : "winding number";
 }
 
 Json trianglesOf(const VoxelizeResult& result, const Options& options) {
-  return {{"triangles", result.triangles},
-          {"open_edges", result.counts.openEdges},
-          {"closed", result.counts.openEdges == 0},
-          {"method", methodText(result, options)},
-          {"inside", options.inside},
-          {"cleaned", toJson(result.cleaned)}};
+  Json mesh = {{"triangles", result.triangles},
+               {"open_edges", result.openEdges},
+               {"closed", result.openEdges == 0},
+               {"method", methodText(result, options)},
+               {"mesher", result.mesher ? Json({{"road", nameOf(result.mesher->road)},
+                                                {"why", result.mesher->why}})
+                                        : Json()},
+               {"inside", options.inside},
+               {"cleaned", toJson(result.cleaned)}};
+  if (!result.made)
+    return mesh;
+  mesh.update(toJson(*result.made));
+  mesh["flipped"] = result.counts.flipped;
+  mesh["dropped"] = result.counts.dropped;
+  mesh["path"] = pathName(result.path);
+  return mesh;
 }
 
 Json outputsOf(const VoxelizeResult& result) {
@@ -209,9 +223,11 @@ std::string summaryOf(const VoxelizeResult& result, const Options& options, cons
                         static_cast<double>(output.bytes) / 1e6,
                         result.holdsTriangles ? result.triangles : result.tets,
                         result.holdsTriangles ? "triangles" : "tets", seconds);
-  if (result.holdsTriangles && result.counts.openEdges > 0 && options.shell.empty())
-    text += fmt::format("  {} open edges: closed by {}\n", result.counts.openEdges,
-                        methodText(result, options));
+  if (result.made)
+    text += textOf(*result.made);
+  if (result.holdsTriangles && result.openEdges > 0 && options.shell.empty())
+    text += fmt::format("  {} open edges: closed by {}\n", result.openEdges,
+                        result.made ? "winding number" : methodText(result, options));
   for (const GridInfo& grid : result.grids)
     text +=
         fmt::format("  {} ({}): {} active voxels of {}, {} leaves, {} tiles, volume {:.6g}\n",
@@ -243,6 +259,9 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["grids"] = toJson(result.grids);
   session.sections["output"] = outputsOf(result);
   session.text = summaryOf(result, options, session.report);
+  if (result.mesher)
+    session.notes.push_back(
+        fmt::format("mesher: {}, since {}", nameOf(result.mesher->road), result.mesher->why));
   session.textIsSummary = true;
 }
 
@@ -275,14 +294,17 @@ void addGridOptions(CLI::App& command, Options& options) {
 void addSolidOptions(CLI::App& command, Options& options) {
   command
       .add_option("--mesher", options.mesher,
-                  "How triangles become a solid: auto (default) and winding close holes where the "
-                  "winding number passes 0.5; centroid joins every face to the centre, for closed "
-                  "meshes")
-      ->check(oneOf({"auto", "winding", "centroid"}))
-      ->type_name("auto|winding|centroid");
-  addTriangleOptions(command, options);
-  command.add_flag("--keep-orientation", options.keepOrientation,
-                   "Do not turn triangles that look the wrong way");
+                  "How triangles become a solid: envelope makes tets within epsilon; winding asks "
+                  "the winding number at every voxel; auto (default) takes the first where tets "
+                  "are asked for or half a voxel is 1e-3 of the diagonal or more; centroid joins "
+                  "every face to the centre, for closed meshes")
+      ->check(oneOf({"auto", "envelope", "winding", "centroid"}))
+      ->type_name("auto|envelope|winding|centroid");
+  addEpsilonOption(command, options,
+                   "How far the tets' surface may be from the triangles: a length, a part of the "
+                   "diagonal (1e-3d) or voxels (default 0.5v)");
+  addInsideOptions(command, options);
+  addCleaningOptions(command, options);
 }
 
 void addFilterOptions(CLI::App& command, Options& options) {
@@ -320,8 +342,8 @@ Command addVoxelize(CLI::App& program) {
   command
       ->add_option(
           "--write-mesh", options->writeMesh,
-          "Write the tets as well, or alone: .msh, .mesh or .vtu; of triangles the cleaned "
-          "ones: .stl, .obj, .ply, .off or .3mf")
+          "Write the tets as well, or alone: .msh, .mesh or .vtu; or the cleaned triangles: .stl, "
+          ".obj, .ply, .off or .3mf")
       ->type_name("FILE")
       ->check(notEmpty());
   addSizeOptions(*command, *options);

@@ -30,6 +30,7 @@ namespace {
 
 const char* const kExamples = R"(Examples:
   tetvdb voxelize part.msh -o part.vdb --resolution 512
+  tetvdb tetrahedralize broken.stl -o solid.msh
   tetvdb info part.msh part.vdb
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
@@ -53,7 +54,7 @@ std::string describeParseError(const CLI::ParseError& error, int argc, char** ar
     text = "a command is missing";
   else if (!known && argv[1][0] != '-')
     text = "'" + std::string(argv[1]) +
-           "' is no command; there are voxelize, info, compare and repair";
+           "' is no command; there are voxelize, tetrahedralize, info, compare and repair";
   return text + "; see '" + help + "'";
 }
 
@@ -63,8 +64,8 @@ int runProgram(int argc, char** argv) {
   program.set_version_flag("--version", std::string("tetvdb ") + version());
   program.require_subcommand(1);
   program.footer(kExamples);
-  const std::vector<Command> commands = {addVoxelize(program), addInfo(program),
-                                         addCompare(program), addRepair(program)};
+  const std::vector<Command> commands = {addVoxelize(program), addTetrahedralize(program),
+                                         addInfo(program), addCompare(program), addRepair(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) { // --help, --version

@@ -325,7 +325,8 @@ def compare_raw(raw, cleaned, space, points, w, report, facts, folder):
 def voxelize(path, folder, *options):
     report = os.path.join(folder, "report.json")
     done = subprocess.run(
-        [PROGRAM, "voxelize", path, "--threads", "1", "--grid", "mask", "--json", report, "-q", *options],
+        [PROGRAM, "voxelize", path, "--mesher", "winding", "--threads", "1", "--grid", "mask", "--json", report, "-q",
+         *options],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     text = {}
     if os.path.exists(report):

@@ -18,6 +18,7 @@ TetMesh cornerTet() {
 TEST(TetStatistics, MeasuresWhatTetsUse) {
   const TetStatistics statistics = measure(cornerTet());
   EXPECT_DOUBLE_EQ(statistics.volume, 4.0);
+  EXPECT_DOUBLE_EQ(statistics.boxVolume, 24.0);
   EXPECT_EQ(statistics.boxMin, (Vec3d{0, 0, 0}));
   EXPECT_EQ(statistics.boxMax, (Vec3d{2, 3, 4})); // the fifth point belongs to no tet
   EXPECT_EQ(statistics.inverted, 0u);
@@ -30,6 +31,7 @@ TEST(TetStatistics, CountsInvertedAndFlat) {
   mesh.tets.insert(mesh.tets.end(), {0, 2, 1, 3, 0, 1, 2, 4, 0, 0, 1, 2});
   const TetStatistics statistics = measure(mesh);
   EXPECT_DOUBLE_EQ(statistics.volume, 8.0);
+  EXPECT_DOUBLE_EQ(statistics.boxVolume, 48.0); // of flat tets in a plane of the axes: none
   EXPECT_EQ(statistics.inverted, 1u);
   EXPECT_EQ(statistics.flat, 2u);
 }

@@ -176,6 +176,7 @@ TEST_F(RepairJobTest, VolumesAreTheirSurface) {
   voxels.inputs = {write("ball.ply", sphere({0, 0, 0}, 1, 20))};
   voxels.output = path("ball.vdb");
   voxels.voxelize.resolution = 40;
+  voxels.mesher = Mesher::Winding;
   run(voxels, report_, progress_);
   RepairJob wanted;
   wanted.input = voxels.output;

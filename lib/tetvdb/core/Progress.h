@@ -21,7 +21,7 @@
 namespace tetvdb {
 
 /// Shared between the thread that waits and the threads that work: every method is thread-safe,
-/// apart from onReport() and setDeadline(), which are called before the work begins.
+/// apart from onReport() and setDeadline(), which are called while no work is under way.
 class Progress {
 public:
   using Clock = std::chrono::steady_clock;
@@ -31,6 +31,7 @@ public:
   void onReport(Callback callback) { callback_ = std::move(callback); }
   /// From `deadline` on, check() throws.
   void setDeadline(Clock::time_point deadline) { deadline_ = deadline; }
+  Clock::time_point deadline() const { return deadline_; } ///< max() where there is none
 
   /// Asks the job to stop; async-signal-safe.
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }

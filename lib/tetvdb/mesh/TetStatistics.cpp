@@ -34,13 +34,16 @@ struct Sum {
 
   void add(const TetMesh& mesh, std::size_t tet) {
     const std::uint32_t* corner = &mesh.tets[4 * tet];
-    for (int k = 0; k < 4; ++k) {
-      const Vec3d& p = mesh.points[corner[k]];
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        total.boxMin[axis] = std::min(total.boxMin[axis], p[axis]);
-        total.boxMax[axis] = std::max(total.boxMax[axis], p[axis]);
-      }
+    double boxVolume = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [low, high] =
+          std::minmax({mesh.points[corner[0]][axis], mesh.points[corner[1]][axis],
+                       mesh.points[corner[2]][axis], mesh.points[corner[3]][axis]});
+      total.boxMin[axis] = std::min(total.boxMin[axis], low);
+      total.boxMax[axis] = std::max(total.boxMax[axis], high);
+      boxVolume *= high - low;
     }
+    total.boxVolume += boxVolume;
     const Vec3d& origin = mesh.points[corner[0]];
     const Vec3d u = minus(mesh.points[corner[1]], origin);
     const Vec3d v = minus(mesh.points[corner[2]], origin);
@@ -60,6 +63,7 @@ struct Sum {
       total.boxMax[axis] = std::max(total.boxMax[axis], other.total.boxMax[axis]);
     }
     total.volume += other.total.volume;
+    total.boxVolume += other.total.boxVolume;
     total.inverted += other.total.inverted;
     total.flat += other.total.flat;
   }

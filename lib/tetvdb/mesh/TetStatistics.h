@@ -14,6 +14,7 @@ struct TetStatistics {
   Vec3d boxMin{0, 0, 0}; ///< over the points that tets use
   Vec3d boxMax{0, 0, 0};
   double volume = 0;          ///< sum of the tets' volumes, each taken positive
+  double boxVolume = 0;       ///< sum of the volumes of the tets' own boxes
   std::uint64_t inverted = 0; ///< tets of negative volume (VTK's order of nodes is positive)
   std::uint64_t flat = 0;     ///< tets whose volume is zero, as far as doubles can tell
 };

@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 #include <unistd.h>
 
 namespace tetvdb {
@@ -42,6 +43,19 @@ std::string megabytes(std::size_t bytes) {
 OutputInfo written(const std::string& path) {
   std::error_code ignored;
   return {path, static_cast<std::uint64_t>(fs::file_size(path, ignored))};
+}
+
+std::vector<std::string> uniqueStems(const std::vector<std::string>& paths) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const std::string& path : paths) {
+    const std::string stem = fs::path(path).stem().string();
+    std::string name = stem;
+    for (int n = 2; !taken.insert(name).second; ++n)
+      name = stem + "_" + std::to_string(n);
+    names.push_back(name);
+  }
+  return names;
 }
 
 void requireExtension(const std::string& path, std::initializer_list<std::string_view> known,

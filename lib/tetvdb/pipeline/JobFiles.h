@@ -20,6 +20,9 @@ struct OutputInfo {
 /// A file that was written just now.
 OutputInfo written(const std::string& path);
 
+/// Files' names without folder and extension; "_2" and so on is added where one comes again.
+std::vector<std::string> uniqueStems(const std::vector<std::string>& paths);
+
 /// Throws Error(Usage) with `advice` unless the path ends in one of `known`, in any case.
 void requireExtension(const std::string& path, std::initializer_list<std::string_view> known,
                       std::string_view advice);

@@ -103,8 +103,8 @@ TetMesh mergeMeshes(std::vector<TetMesh>&& meshes, Report& report) {
 TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report) {
   if (meshes.empty())
     return {};
+  const bool oneUnit = haveOneUnit(meshes, report);
   TriangleMesh all = std::move(meshes.front());
-  bool sameUnits = true;
   for (std::size_t i = 1; i < meshes.size(); ++i) {
     const TriangleMesh& mesh = meshes[i];
     if (mesh.points.size() > kMostElements - all.points.size())
@@ -116,13 +116,20 @@ TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report) {
     for (const std::uint32_t v : mesh.triangles)
       all.triangles.push_back(first + v);
     all.faceCount += mesh.faceCount;
-    sameUnits = sameUnits && mesh.units == all.units;
   }
-  if (!sameUnits) {
-    report.warn("mixed-units", "the inputs are in different units; lengths are taken as they are");
+  if (!oneUnit)
     all.units.clear();
-  }
   return all;
+}
+
+bool haveOneUnit(const std::vector<TriangleMesh>& meshes, Report& report) {
+  for (const TriangleMesh& mesh : meshes) {
+    if (mesh.units == meshes.front().units)
+      continue;
+    report.warn("mixed-units", "the inputs are in different units; lengths are taken as they are");
+    return false;
+  }
+  return true;
 }
 
 } // namespace tetvdb

@@ -21,4 +21,7 @@ TetMesh mergeMeshes(std::vector<TetMesh>&& meshes, Report& report);
 /// `report` gets a warning, since lengths are not changed.
 TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report);
 
+/// Whether all meshes have the same units; `report` gets a warning where they differ.
+bool haveOneUnit(const std::vector<TriangleMesh>& meshes, Report& report);
+
 } // namespace tetvdb

@@ -6,9 +6,14 @@
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
+#include "tetvdb/pipeline/MeshWithinLimits.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/SoupRim.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -62,10 +67,9 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
                  filter.boxMax == none.boxMax))
     throw Error(Status::Usage, "--region, --exclude, --bbox",
                 "choose cells of a solid mesh; the input is triangles", "leave them out");
-  if (!job.meshOutput.empty() && first != writesTriangles(job.meshOutput))
-    throw Error(Status::Usage, job.meshOutput,
-                first ? "cannot hold the triangles of the input" : "cannot hold tetrahedra",
-                first ? "name it .stl, .obj, .ply, .off or .3mf" : "name it .msh, .mesh or .vtu");
+  if (!job.meshOutput.empty() && !first && writesTriangles(job.meshOutput))
+    throw Error(Status::Usage, job.meshOutput, "cannot hold tetrahedra",
+                "name it .msh, .mesh or .vtu");
   return first;
 }
 
@@ -93,10 +97,10 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
       grid->setSaveFloatAsHalf(true);
 }
 
-// Reads every input by read(path, info), and lays them together.
+// Reads every input by read(path, info).
 template <typename Mesh, typename Read>
-Mesh readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress,
-             const Read& read) {
+std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
+                          Progress& progress, const Read& read) {
   StageTimer timer(report, "read");
   progress.stage("read");
   std::vector<Mesh> meshes;
@@ -104,29 +108,12 @@ Mesh readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
     InputInfo info;
     timer.part(input);
     meshes.push_back(read(input, info));
+    turnUp(meshes.back().points, job.up);
     result.tets += info.tets;
     result.volume += info.statistics.volume;
     result.inputs.push_back(std::move(info));
   }
-  Mesh mesh = mergeMeshes(std::move(meshes), report);
-  turnUp(mesh.points, job.up);
-  return mesh;
-}
-
-void clean(const VoxelizeJob& job, TriangleMesh& mesh, VoxelizeResult& result, Report& report,
-           Progress& progress) {
-  StageTimer timer(report, "clean");
-  progress.stage("clean");
-  result.cleaned = cleanTriangles(mesh, job.clean, progress);
-  result.triangles = mesh.triangleCount();
-  if (mesh.triangles.empty())
-    throw Error(Status::Invalid, "",
-                "every face of the mesh is degenerate: two of its corners coincide");
-  if (result.cleaned.insideOut)
-    report.warn("inside-out", "the mesh was inside out and was turned");
-  else if (result.cleaned.flippedFaces > 0)
-    report.warn("flipped-faces", fmt::format("{} of {} faces looked the wrong way and were turned",
-                                             result.cleaned.flippedFaces, result.triangles));
+  return meshes;
 }
 
 template <typename Voxelize>
@@ -166,10 +153,12 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
 }
 
 void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress) {
-  TetMesh mesh = readAll<TetMesh>(
-      job, result, report, progress, [&](const std::string& path, InputInfo& info) {
-        return readTets(path, job.read, job.filter, &info, report, progress);
-      });
+  TetMesh mesh = mergeMeshes(readAll<TetMesh>(job, result, report, progress,
+                                              [&](const std::string& path, InputInfo& info) {
+                                                return readTets(path, job.read, job.filter, &info,
+                                                                report, progress);
+                                              }),
+                             report);
   progress.check();
   Volume volume;
   if (!job.output.empty()) {
@@ -184,36 +173,159 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
       job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, result, report, progress);
 }
 
-void runTriangles(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
-                  Progress& progress) {
-  TriangleMesh mesh = readAll<TriangleMesh>(job, result, report, progress,
-                                            [&](const std::string& path, InputInfo& info) {
-                                              return readSoup(path, &info, report, progress);
-                                            });
-  progress.check();
-  clean(job, mesh, result, report, progress);
-  Volume volume;
-  if (!job.output.empty()) {
-    volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
-      return voxelize(mesh, job.solid, options, report, progress);
-    });
-    if (job.units.empty() && !mesh.units.empty())
-      volume.metadata["units"] = mesh.units;
+void add(CleanCounts& sum, const CleanCounts& more) {
+  sum.weldedPoints += more.weldedPoints;
+  sum.unreferencedPoints += more.unreferencedPoints;
+  sum.degenerateFaces += more.degenerateFaces;
+  sum.duplicateFaces += more.duplicateFaces;
+  sum.flippedFaces += more.flippedFaces;
+  sum.flippedParts += more.flippedParts;
+  sum.insideOut = sum.insideOut || more.insideOut;
+}
+
+// From triangles to a volume, to tets, or to both.
+class TriangleRun {
+public:
+  TriangleRun(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress)
+      : job_(job), result_(result), report_(report), progress_(progress) {}
+
+  void run() {
+    checkMesher(job_);
+    read();
+    progress_.check();
+    clean();
+    if (!job_.output.empty() || needsTets(job_))
+      takeRoad();
+    Volume volume;
+    if (!job_.output.empty()) {
+      volume = makeVolume(job_, result_,
+                          [&](const VoxelizeOptions& options) { return voxelizeSolid(options); });
+      if (job_.units.empty() && !units_.empty())
+        volume.metadata["units"] = units_;
+    }
+    progress_.check();
+    writeOutputs(
+        job_, [&] { writeMesh(); }, volume, result_, report_, progress_);
   }
-  progress.check();
-  writeOutputs(
-      job, [&] { writeTriangles(job.meshOutput, mesh, progress); }, volume, result, report,
-      progress);
+
+private:
+  void read() {
+    meshes_ = readAll<TriangleMesh>(job_, result_, report_, progress_,
+                                    [&](const std::string& path, InputInfo& info) {
+                                      return readSoup(path, &info, report_, progress_);
+                                    });
+    const auto& grids = job_.voxelize.grids;
+    const bool asMaterials = !job_.output.empty() && std::find(grids.begin(), grids.end(),
+                                                               GridKind::Material) != grids.end();
+    if (!asMaterials) {
+      TriangleMesh all = mergeMeshes(std::move(meshes_), report_);
+      meshes_.clear();
+      meshes_.push_back(std::move(all));
+      units_ = meshes_.front().units;
+    } else if (haveOneUnit(meshes_, report_)) {
+      units_ = meshes_.front().units;
+    }
+  }
+
+  void clean() {
+    StageTimer timer(report_, "clean");
+    progress_.stage("clean");
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+      const std::string name = meshes_.size() == 1 ? "" : job_.inputs[i];
+      add(result_.cleaned, cleanInput(meshes_[i], name, job_.clean, report_, progress_));
+      result_.triangles += meshes_[i].triangleCount();
+    }
+  }
+
+  void takeRoad() {
+    const WorldBox box = boxOf(meshes_);
+    transform_ = chooseTransform(box, job_.voxelize);
+    MesherChoice& choice =
+        result_.mesher.emplace(chooseMesher(job_, diagonalOf(box), transform_.voxelSize));
+    if (choice.road != Mesher::Envelope)
+      return;
+    TetrahedralizeOptions options;
+    options.epsilon = choice.epsilon;
+    options.maxMemory = job_.maxMemory == 0 ? availableBytes() : memoryLeft(job_.maxMemory);
+    progress_.stage("tetrahedralize");
+    MesherStop stop;
+    std::optional<Tetrahedralization> made;
+    if (needsTets(job_))
+      made = tetrahedralize(meshes_, options, report_, progress_);
+    else
+      made = meshWithinLimits(meshes_, options, stop, report_, progress_);
+    if (!made) {
+      choice = {Mesher::Winding, "the envelope mesher was stopped: " + stop.why, 0};
+      report_.warn("fell-back", "the envelope mesher was stopped, since " + stop.why +
+                                    "; the winding number decides what is inside instead");
+      report_.partial = report_.partial || stop.status != Status::Invalid;
+      return;
+    }
+    takeTets(std::move(*made));
+  }
+
+  void takeTets(Tetrahedralization&& made) {
+    result_.made = summarize(std::move(made), tets_);
+    result_.tets = result_.made->tets;
+    result_.volume = result_.made->statistics.volume;
+    if (meshes_.size() == job_.inputs.size())
+      for (const std::string& name : uniqueStems(job_.inputs))
+        tets_.regionNames[static_cast<std::int32_t>(tets_.regionNames.size()) + 1] = name;
+    for (const TriangleMesh& mesh : meshes_)
+      result_.openEdges += soupRim(mesh.triangles, progress_).edges.size();
+    if (job_.meshOutput.empty() || !writesTriangles(job_.meshOutput))
+      meshes_ = {}; // their memory serves the grids
+  }
+
+  Voxelization voxelizeSolid(VoxelizeOptions options) {
+    if (result_.mesher->road != Mesher::Envelope) {
+      SolidOptions solid = job_.solid;
+      solid.method =
+          result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
+      Voxelization made = voxelize(meshes_.front(), solid, options, report_, progress_);
+      result_.openEdges = made.counts.openEdges;
+      return made;
+    }
+    // By the triangles' box, so that voxels lie where they lie on the other roads.
+    options.voxelSize = transform_.voxelSize;
+    options.origin = transform_.origin;
+    reportOrigin(transform_, job_.voxelize, report_);
+    return voxelize(tets_, options, report_, progress_);
+  }
+
+  void writeMesh() {
+    if (!writesTriangles(job_.meshOutput))
+      return writeTetMesh(job_.meshOutput, tets_, progress_);
+    Report told; // of mixed units, when the files were read
+    writeTriangles(job_.meshOutput, mergeMeshes(std::move(meshes_), told), progress_);
+  }
+
+  const VoxelizeJob& job_;
+  VoxelizeResult& result_;
+  Report& report_;
+  Progress& progress_;
+  std::vector<TriangleMesh> meshes_; ///< one, or one a material
+  std::string units_;
+  GridTransform transform_;
+  TetMesh tets_;
+};
+
+void refuseMesherForTets(const VoxelizeJob& job) {
+  if (job.mesher == Mesher::Envelope || job.epsilon.value > 0)
+    throw Error(Status::Usage, job.epsilon.value > 0 ? "--epsilon" : "--mesher envelope",
+                "is for triangles; the input is tetrahedra", "leave it out");
 }
 
 VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progress) {
   VoxelizeResult result;
   checkOutputs(job);
   result.holdsTriangles = inputsHoldTriangles(job);
-  if (result.holdsTriangles)
-    runTriangles(job, result, report, progress);
-  else
+  if (result.holdsTriangles) {
+    TriangleRun(job, result, report, progress).run();
+  } else {
+    refuseMesherForTets(job);
     runTets(job, result, report, progress);
+  }
   return result;
 }
 

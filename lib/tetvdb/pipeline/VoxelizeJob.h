@@ -15,8 +15,11 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/pipeline/MeshSummary.h"
 #include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/Voxelize.h"
@@ -24,6 +27,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,12 +45,14 @@ struct VoxelizeJob {
   ReadOptions read;
   CellFilter filter;  ///< of tets; in the inputs' own axes, before `up`
   CleanOptions clean; ///< of triangles
-  SolidOptions solid; ///< of triangles
+  SolidOptions solid; ///< of triangles; its method is overruled by `mesher`
+  Mesher mesher = Mesher::Auto;
+  RelativeLength epsilon; ///< of the envelope mesher; 0: half a voxel
   UpAxis up = UpAxis::Z;
   VoxelizeOptions voxelize; ///< in the output's axes; its maxMemory is overruled by the job's
   std::string output;       ///< .vdb or .nvdb; empty: no volume is made
-  /// .msh, .mesh or .vtu that receives the tets; .stl, .obj, .ply, .off or .3mf for the cleaned
-  /// triangles; empty: none.
+  /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
+  /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
   std::string units;         ///< stored as metadata "units"; no lengths are changed
   bool half = false;         ///< float grids are stored with 16 bits a value
@@ -58,9 +64,12 @@ struct VoxelizeResult {
   std::vector<InputInfo> inputs;
   bool holdsTriangles = false; ///< rather than tets
   std::size_t tets = 0;
-  std::size_t triangles = 0; ///< after cleaning
-  double volume = 0;         ///< of the tets, world units cubed
-  CleanCounts cleaned;       ///< of triangles
+  std::size_t triangles = 0;          ///< after cleaning
+  double volume = 0;                  ///< of the tets, world units cubed
+  CleanCounts cleaned;                ///< of triangles
+  std::size_t openEdges = 0;          ///< of triangles: edges at which the faces do not close
+  std::optional<MesherChoice> mesher; ///< of triangles: the road taken in the end, if any was
+  std::optional<MeshSummary> made;    ///< by the envelope mesher
   SnapCounts counts;
   GridTransform transform;
   OccupancyPath path = OccupancyPath::Auto;
@@ -68,12 +77,17 @@ struct VoxelizeResult {
   std::vector<OutputInfo> outputs;
 };
 
-/// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Outputs
-/// are checked before any work: their extensions (Error(Usage)) and folders (Error(Write)). Adds
-/// stages "read", "clean" (triangles), "voxelize" and "write" to `report`. Tets and triangles in
-/// one job are Error(Usage), and so are filters of cells for triangles. Throws what the steps
-/// throw; no output file is touched then, unless the mesh output was already whole. Memory: the
-/// mesh, the grids, and estimateMemory() while voxelizing.
+/// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Triangles
+/// take the road that chooseMesher() says; where the envelope mesher runs out of time or memory, or
+/// finds nothing inside, and no tets are needed, the winding number takes over, with a warning
+/// ("fell-back") and, but for the last, `partial` in the report. Several inputs of triangles are
+/// merged before they are cleaned; for the grid "material" each is a material of its own, the first
+/// input's number being 1. Outputs are checked before any work: their extensions (Error(Usage)) and
+/// folders (Error(Write)). Adds stages "read", "clean" (triangles), "tetrahedralize" (the envelope
+/// mesher), "voxelize" and "write" to `report`. Tets and triangles in one job are Error(Usage), and
+/// so are filters of cells for triangles. Throws what the steps throw; no output file is touched
+/// then, unless the mesh output was already whole. Memory: the mesh, the grids, and
+/// estimateMemory() while voxelizing.
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/ChooseMesher.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace tetvdb {
+namespace {
+
+// The smallest epsilon, in diagonals, that is chosen without being asked for.
+constexpr double kLeastEpsilon = 1e-3;
+
+bool asksForGrid(const VoxelizeJob& job, GridKind kind) {
+  const auto& grids = job.voxelize.grids;
+  return !job.output.empty() && std::find(grids.begin(), grids.end(), kind) != grids.end();
+}
+
+bool asksForTetFile(const VoxelizeJob& job) {
+  return !job.meshOutput.empty() && !writesTriangles(job.meshOutput);
+}
+
+// What asks for tets; empty where nothing does.
+std::string tetsFor(const VoxelizeJob& job) {
+  if (asksForGrid(job, GridKind::TetId))
+    return "--grid tet_id";
+  if (asksForGrid(job, GridKind::Material))
+    return "--grid material";
+  if (asksForTetFile(job))
+    return "--write-mesh " + job.meshOutput;
+  return job.epsilon.value > 0 ? "--epsilon" : "";
+}
+
+// What only the direct road can do; empty where nothing asks for it.
+std::string directFor(const VoxelizeJob& job) {
+  if (job.solid.shell > 0)
+    return "--shell";
+  return job.solid.inside == InsideRule::Winding ? "" : "--inside";
+}
+
+} // namespace
+
+std::string nameOf(Mesher mesher) {
+  constexpr const char* kNames[] = {"auto", "envelope", "winding", "centroid"};
+  return kNames[static_cast<std::size_t>(mesher)];
+}
+
+bool needsTets(const VoxelizeJob& job) {
+  return asksForGrid(job, GridKind::TetId) || asksForGrid(job, GridKind::Material) ||
+         asksForTetFile(job);
+}
+
+void checkMesher(const VoxelizeJob& job) {
+  const std::string tets = tetsFor(job), direct = directFor(job);
+  if (job.mesher == Mesher::Winding || job.mesher == Mesher::Centroid) {
+    if (!tets.empty())
+      throw Error(Status::Usage, tets,
+                  "is for tets, which --mesher " + nameOf(job.mesher) + " does not make",
+                  "use --mesher envelope");
+    return;
+  }
+  if (direct.empty())
+    return;
+  if (!tets.empty())
+    throw Error(Status::Usage, tets, "is for tets, which " + direct + " does not make",
+                "leave one of them out");
+  if (job.mesher == Mesher::Envelope)
+    throw Error(Status::Usage, direct, "does not go with --mesher envelope",
+                "use --mesher winding");
+}
+
+MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& voxelSize) {
+  const double voxel = std::min({voxelSize[0], voxelSize[1], voxelSize[2]});
+  const double half = voxel / 2;
+  const double epsilon = job.epsilon.value > 0 ? job.epsilon.inWorld(diagonal, voxel) : half;
+  if (job.mesher == Mesher::Envelope)
+    return {Mesher::Envelope, "asked for", epsilon};
+  if (job.mesher != Mesher::Auto)
+    return {job.mesher, "asked for", 0};
+  if (const std::string tets = tetsFor(job); !tets.empty())
+    return {Mesher::Envelope, tets + " needs tets", epsilon};
+  if (const std::string direct = directFor(job); !direct.empty())
+    return {Mesher::Winding, direct + " needs no tets", 0};
+  const std::string size = fmt::format("half a voxel is {:.3g} of the diagonal", half / diagonal);
+  if (half >= kLeastEpsilon * diagonal)
+    return {Mesher::Envelope, size + fmt::format(", at least {}", kLeastEpsilon), epsilon};
+  return {Mesher::Winding, size + fmt::format(", below {}", kLeastEpsilon), 0};
+}
+
+} // namespace tetvdb

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/CleanInput.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace tetvdb {
+
+CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanOptions& options,
+                       Report& report, Progress& progress) {
+  const CleanCounts counts = cleanTriangles(mesh, options, progress);
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, name,
+                "every face of the mesh is degenerate: two of its corners coincide");
+  const std::string where = name.empty() ? "" : name + ": ";
+  if (counts.insideOut)
+    report.warn("inside-out", where + "the mesh was inside out and was turned");
+  else if (counts.flippedFaces > 0)
+    report.warn("flipped-faces",
+                fmt::format("{}{} of {} faces looked the wrong way and were turned", where,
+                            counts.flippedFaces, mesh.triangleCount()));
+  return counts;
+}
+
+WorldBox boxOf(const std::vector<TriangleMesh>& meshes) {
+  WorldBox all;
+  for (const TriangleMesh& mesh : meshes) {
+    const WorldBox box = boxOfUsed(mesh.points, mesh.triangles);
+    for (std::size_t k = 0; k < 3; ++k) {
+      all.min[k] = std::min(all.min[k], box.min[k]);
+      all.max[k] = std::max(all.max[k], box.max[k]);
+    }
+    all.finite = all.finite && box.finite;
+  }
+  return all;
+}
+
+double diagonalOf(const WorldBox& box) {
+  return std::hypot(box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]);
+}
+
+} // namespace tetvdb

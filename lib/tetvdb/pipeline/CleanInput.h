@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// cleanTriangles(), with warnings ("inside-out", "flipped-faces") about what it turned. Messages
+/// begin with `name` where it is not empty. Throws Error(Invalid) where no face is left.
+CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanOptions& options,
+                       Report& report, Progress& progress);
+
+/// The box around the faces of all meshes.
+WorldBox boxOf(const std::vector<TriangleMesh>& meshes);
+double diagonalOf(const WorldBox& box);
+
+} // namespace tetvdb

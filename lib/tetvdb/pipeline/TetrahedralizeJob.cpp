@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/TetrahedralizeJob.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/pipeline/MergeMeshes.h"
+
+#include <algorithm>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+void checkJob(const TetrahedralizeJob& job) {
+  if (job.inputs.empty())
+    throw Error(Status::Usage, "", "no input was given");
+  if (job.output.empty())
+    throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.msh");
+  requireExtension(job.output, {".msh", ".mesh", ".vtu"}, "name it .msh, .mesh or .vtu");
+  requireNoInput(job.output, job.inputs);
+  requireWritable(job.output);
+  for (const RelativeLength& length : {job.epsilon, job.edgeLength})
+    if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
+      throw Error(Status::Usage, "--epsilon, --edge-length",
+                  "are given in voxels, but no voxels are made",
+                  "give a length, or a part of the diagonal such as 1e-3d");
+}
+
+std::vector<TriangleMesh> readAll(const TetrahedralizeJob& job, TetrahedralizeResult& result,
+                                  Report& report, Progress& progress) {
+  StageTimer timer(report, "read");
+  progress.stage("read");
+  for (const std::string& input : job.inputs)
+    if (!holdsTriangles(input))
+      throw Error(Status::Usage, input, "holds no triangles",
+                  "give .stl, .obj, .ply, .off or .3mf files; 'tetvdb repair' makes one of the "
+                  "surface of tetrahedra");
+  std::vector<TriangleMesh> meshes;
+  for (const std::string& input : job.inputs) {
+    InputInfo info;
+    timer.part(input);
+    meshes.push_back(readSoup(input, &info, report, progress));
+    result.inputs.push_back(std::move(info));
+  }
+  haveOneUnit(meshes, report);
+  return meshes;
+}
+
+void cleanAll(const TetrahedralizeJob& job, std::vector<TriangleMesh>& meshes,
+              TetrahedralizeResult& result, Report& report, Progress& progress) {
+  StageTimer timer(report, "clean");
+  progress.stage("clean");
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    timer.part(job.inputs[i]);
+    result.cleaned.push_back(cleanInput(meshes[i], job.inputs[i], job.clean, report, progress));
+    result.cleanedFaces.push_back(meshes[i].triangleCount());
+  }
+}
+
+std::map<std::int32_t, std::string> regionNames(const TetrahedralizeJob& job) {
+  switch (job.mesher.boolean) {
+  case Boolean::Materials:
+    break;
+  case Boolean::Union:
+    return {{1, "union"}};
+  case Boolean::Difference:
+    return {{1, "difference"}};
+  case Boolean::Intersection:
+    return {{1, "intersection"}};
+  }
+  std::map<std::int32_t, std::string> names;
+  for (const std::string& name : uniqueStems(job.inputs))
+    names[static_cast<std::int32_t>(names.size()) + 1] = name;
+  return names;
+}
+
+TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progress& progress) {
+  checkJob(job);
+  TetrahedralizeResult result;
+  std::vector<TriangleMesh> meshes = readAll(job, result, report, progress);
+  progress.check();
+  cleanAll(job, meshes, result, report, progress);
+
+  TetrahedralizeOptions options = job.mesher;
+  const double diagonal = diagonalOf(boxOf(meshes));
+  options.epsilon = job.epsilon.inWorld(diagonal, 0);
+  options.edgeLength = job.edgeLength.inWorld(diagonal, 0);
+  options.maxMemory = job.maxMemory == 0 ? availableBytes() : memoryLeft(job.maxMemory);
+  progress.stage("tetrahedralize");
+  Tetrahedralization made = tetrahedralize(meshes, options, report, progress);
+  meshes = {};
+
+  progress.check();
+  StageTimer timer(report, "write");
+  progress.stage("write");
+  TetMesh mesh;
+  std::replace(made.mesh.regions.begin(), made.mesh.regions.end(), -1, 0);
+  result.mesh = summarize(std::move(made), mesh);
+  result.regionNames = regionNames(job);
+  mesh.regionNames = result.regionNames;
+  writeTetMesh(job.output, mesh, progress);
+  result.output = written(job.output);
+  return result;
+}
+
+} // namespace
+
+TetrahedralizeResult run(const TetrahedralizeJob& job, Report& report, Progress& progress) {
+  if (job.threads <= 0)
+    return runHere(job, report, progress);
+  tbb::task_arena arena(job.threads);
+  return arena.execute([&] { return runHere(job, report, progress); });
+}
+
+} // namespace tetvdb

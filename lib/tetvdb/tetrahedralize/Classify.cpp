@@ -16,14 +16,8 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kTetsPerCheck = 65536;
-// A tet's centre is a fourth of the sum of its corners: whole on a lattice four times as fine.
-constexpr double kFiner = 4;
 // Tets that are looked at together: at first, and how many fewer if in vain, and at last.
 constexpr std::ptrdiff_t kMostTogether = 256, kFewer = 4, kLeastTogether = 16;
-
-LatticePoint latticePoint(const Vec3d& p) {
-  return {p[0], p[1], p[2]};
-}
 
 /// Calls step(from, slot, to) for tets that are reached from those in `open`; whether `to` is to be
 /// gone on from is its answer.
@@ -96,13 +90,11 @@ public:
 private:
   static constexpr std::uint32_t kNotCalm = 0xFFFFFFFFu, kCalm = 0xFFFFFFFEu; // or the region's
 
-  static ChainWinding windingOf(const InputChains& chains, const InputChain& chain);
   static BoxTree missingFaces(const InputChains& chains, const InputChain& chain);
   struct Item {
     Vec3d centre; ///< four times as fine
     std::uint32_t tet;
   };
-  Vec3d cornerSum(std::uint32_t tet) const;
   void findCalm(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t together);
   bool isCalm(std::ptrdiff_t begin, std::ptrdiff_t end) const;
   void findRegions();
@@ -121,27 +113,13 @@ private:
 OpenInput::OpenInput(const TetComplex& complex, const InputChains& chains, std::size_t input,
                      Progress& progress)
     : complex_(complex), input_(input), inputCount_(chains.inputs.size()), progress_(progress),
-      winding_(windingOf(chains, chains.inputs[input])),
-      missing_(missingFaces(chains, chains.inputs[input])), region_(complex.tets.size(), kNotCalm),
-      relative_(complex.tets.size(), 0) {
+      winding_(chainWinding(chains, input)), missing_(missingFaces(chains, chains.inputs[input])),
+      region_(complex.tets.size(), kNotCalm), relative_(complex.tets.size(), 0) {
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
-    if (complex.tets[t].exists())
-      items_.push_back({cornerSum(t), t});
-}
-
-ChainWinding OpenInput::windingOf(const InputChains& chains, const InputChain& chain) {
-  const auto at = [&](std::uint32_t point) {
-    return latticePoint(times(chains.points[point], kFiner));
-  };
-  std::vector<ChainWinding::Face> faces;
-  faces.reserve(chain.faces.size());
-  for (const InputChain::Face& face : chain.faces)
-    faces.push_back({at(face.corners[0]), at(face.corners[1]), at(face.corners[2]), face.weight});
-  std::vector<RimEdge> rim;
-  rim.reserve(chain.boundary.size());
-  for (const InputChain::Edge& edge : chain.boundary)
-    rim.push_back({at(edge.a), at(edge.b), edge.weight});
-  return ChainWinding(std::move(faces), std::move(rim));
+    if (complex.tets[t].exists()) {
+      const LatticePoint centre = tetCentre(complex, complex.tets[t]);
+      items_.push_back({{centre.x, centre.y, centre.z}, t});
+    }
 }
 
 BoxTree OpenInput::missingFaces(const InputChains& chains, const InputChain& chain) {
@@ -150,13 +128,6 @@ BoxTree OpenInput::missingFaces(const InputChains& chains, const InputChain& cha
     for (const std::uint32_t corner : chain.faces[chain.missingBegin + i].corners)
       boxes[i].add(chains.points[corner]);
   return BoxTree(std::move(boxes));
-}
-
-Vec3d OpenInput::cornerSum(std::uint32_t tet) const {
-  Vec3d sum{0, 0, 0};
-  for (const std::uint32_t corner : complex_.tets[tet].corners)
-    sum = plus(sum, complex_.at(corner));
-  return sum;
 }
 
 // Whether one can follow the winding number through these tets: along ways within the tets it only
@@ -170,8 +141,9 @@ bool OpenInput::isCalm(std::ptrdiff_t begin, std::ptrdiff_t end) const {
   bool hasMissing = false;
   missing_.visit([&](const Box& other) { return other.meets(box); },
                  [&](std::uint32_t) { return hasMissing = true; });
-  const Vec3d half = times(minus(box.high, box.low), 0.5 * kFiner);
-  return !hasMissing && winding_.staysRound(plus(times(box.low, kFiner), half), length(half));
+  const Vec3d half = times(minus(box.high, box.low), 0.5 * kCentreLattice);
+  return !hasMissing &&
+         winding_.staysRound(plus(times(box.low, kCentreLattice), half), length(half));
 }
 
 void OpenInput::findCalm(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t together) {
@@ -229,11 +201,11 @@ void OpenInput::classify(std::vector<std::uint16_t>& inside) {
   findRegions();
   std::vector<LatticePoint> asked; // of regions, then of tets that belong to none
   for (const std::uint32_t tet : firstTet_)
-    asked.push_back(latticePoint(cornerSum(tet)));
+    asked.push_back(tetCentre(complex_, complex_.tets[tet]));
   std::size_t next = asked.size();
   for (const Item& item : items_)
     if (region_[item.tet] == kNotCalm)
-      asked.push_back(latticePoint(item.centre));
+      asked.push_back({item.centre[0], item.centre[1], item.centre[2]});
   const std::vector<double> winding = winding_.at(asked, progress_);
   for (const Item& item : items_) {
     const std::uint32_t region = region_[item.tet];
@@ -253,8 +225,7 @@ std::vector<std::uint16_t> insideOf(const TetComplex& complex, std::size_t input
   const InputChains chains = inputChains(complex, inputCount, soup, missing, progress);
   std::vector<bool> isClosed(inputCount, false);
   for (std::size_t input = 0; input < inputCount; ++input) {
-    const InputChain& chain = chains.inputs[input];
-    isClosed[input] = chain.boundary.empty() && chain.missingBegin == chain.faces.size();
+    isClosed[input] = chains.inputs[input].isFlooded();
     if (!isClosed[input])
       OpenInput(complex, chains, input, progress).classify(inside);
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <tbb/parallel_sort.h>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -127,6 +128,23 @@ InputChains inputChains(const TetComplex& complex, std::size_t inputCount, const
     progress.check();
   }
   return chains;
+}
+
+ChainWinding chainWinding(const InputChains& chains, std::size_t input) {
+  const InputChain& chain = chains.inputs[input];
+  const auto at = [&](std::uint32_t point) {
+    const Vec3d& p = chains.points[point];
+    return LatticePoint{kCentreLattice * p[0], kCentreLattice * p[1], kCentreLattice * p[2]};
+  };
+  std::vector<ChainWinding::Face> faces;
+  faces.reserve(chain.faces.size());
+  for (const InputChain::Face& face : chain.faces)
+    faces.push_back({at(face.corners[0]), at(face.corners[1]), at(face.corners[2]), face.weight});
+  std::vector<RimEdge> rim;
+  rim.reserve(chain.boundary.size());
+  for (const InputChain::Edge& edge : chain.boundary)
+    rim.push_back({at(edge.a), at(edge.b), edge.weight});
+  return ChainWinding(std::move(faces), std::move(rim));
 }
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/tetrahedralize/ChainWinding.h"
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
@@ -31,6 +32,9 @@ struct InputChain {
     std::int32_t weight; ///< > 0
   };
   std::vector<Edge> boundary; ///< none: the chain is closed
+
+  /// Closed, and all of it in the mesh: the winding number is the same all over a tet.
+  bool isFlooded() const { return boundary.empty() && missingBegin == faces.size(); }
 };
 
 struct InputChains {
@@ -45,5 +49,22 @@ struct InputChains {
 /// tet and 0.3 us a face.
 InputChains inputChains(const TetComplex& complex, std::size_t inputCount, const LatticeSoup& soup,
                         const std::vector<std::uint32_t>& missing, Progress& progress);
+
+/// What ChainWinding's coordinates are multiplied by: a tet's centre is a fourth of the sum of its
+/// corners.
+constexpr double kCentreLattice = 4;
+
+/// The winding number of an input's chain, by points in units of kCentreLattice.
+ChainWinding chainWinding(const InputChains& chains, std::size_t input);
+
+/// The centre of a tet, in the same units: the sum of its corners.
+inline LatticePoint tetCentre(const TetComplex& complex, const TetComplex::Tet& tet) {
+  LatticePoint sum{0, 0, 0};
+  for (const std::uint32_t corner : tet.corners) {
+    const Vec3d& at = complex.at(corner);
+    sum = {sum.x + at[0], sum.y + at[1], sum.z + at[2]};
+  }
+  return sum;
+}
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/tetrahedralize/CollapseEdges.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/SheetEdge.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
 #include <algorithm>
@@ -54,10 +55,7 @@ bool EdgeCollapser::collapsePoint(std::uint32_t from) {
   if (rules_.longest > 0)
     order_.erase(std::remove_if(order_.begin(), order_.end(),
                                 [&](const PointStar::Spoke& spoke) {
-                                  const double longest =
-                                      rules_.longest / 2 *
-                                      (point.spacing + complex_.points[spoke.point].spacing);
-                                  return spoke.square > longest * longest;
+                                  return spoke.square > rules_.longest * rules_.longest;
                                 }),
                  order_.end());
   const auto isBefore = [](const PointStar::Spoke& a, const PointStar::Spoke& b) {
@@ -82,6 +80,8 @@ bool EdgeCollapser::collapsePoint(std::uint32_t from) {
 }
 
 EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
+  if (rules_.longestNew > 0 && makesLong(to))
+    return Answer::No;
   if (!isShapely(to))
     return Answer::No;
   if (!star_.onSurface())
@@ -94,6 +94,15 @@ EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
   if (topology != Answer::Yes)
     return topology;
   return guard_.allows(complex_, star_, complex_.at(to), to) ? Answer::Yes : Answer::No;
+}
+
+bool EdgeCollapser::makesLong(std::uint32_t to) const {
+  for (const PointStar::Spoke& spoke : star_.spokes()) {
+    const Vec3d edge = minus(complex_.at(to), complex_.at(spoke.point));
+    if (dot(edge, edge) > rules_.longestNew * rules_.longestNew)
+      return true;
+  }
+  return false;
 }
 
 bool EdgeCollapser::isShapely(std::uint32_t to) const {
@@ -156,36 +165,12 @@ EdgeCollapser::Answer EdgeCollapser::keepsTopology(std::uint32_t to) {
         isEdge = isEdge || sheet.p == x || sheet.q == x;
       if (!isEdge)
         continue;
-      const Answer other = hasSheet(to, x, t);
-      if (other != Answer::No)
-        return other == Answer::Yes ? Answer::No : Answer::NotHere;
+      const OnSheet other = edgeOnSheet(complex_, to, x, t);
+      if (other != OnSheet::No)
+        return other == OnSheet::Yes ? Answer::No : Answer::NotHere;
     }
   }
   return Answer::Yes;
-}
-
-// Whether edge (a, b) of tet `start` is one of a tracked face.
-EdgeCollapser::Answer EdgeCollapser::hasSheet(std::uint32_t a, std::uint32_t b,
-                                              std::uint32_t start) const {
-  std::uint32_t t = start, last = TetComplex::kNone;
-  do {
-    const TetComplex::Tet& tet = complex_.tets[t];
-    const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
-    std::uint32_t next = TetComplex::kNone;
-    for (unsigned k = 0; k < 4; ++k) {
-      if (k == i || k == j)
-        continue;
-      if (tet.tracked[k])
-        return Answer::Yes;
-      if (tet.neighbours[k] != last && next == TetComplex::kNone)
-        next = tet.neighbours[k];
-    }
-    if (next >= TetComplex::kElsewhere)
-      return Answer::NotHere;
-    last = t;
-    t = next;
-  } while (t != start);
-  return Answer::No;
 }
 
 } // namespace tetvdb

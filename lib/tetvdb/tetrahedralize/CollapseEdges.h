@@ -24,8 +24,10 @@ public:
   struct Rules {
     /// No tet may get worse than this, unless one around the point was.
     double energy = 0;
-    /// Edges longer than this multiple of the spacing at their ends stay; 0: any length goes.
+    /// Edges longer than this stay; 0: any length goes.
     double longest = 0;
+    /// No edge may get longer than this; 0: any length.
+    double longestNew = 0;
   };
 
   /// Bit of Point::changed.
@@ -45,10 +47,10 @@ private:
 
   bool collapsePoint(std::uint32_t from);
   Answer mayCollapse(std::uint32_t to);
+  bool makesLong(std::uint32_t to) const;
   bool isShapely(std::uint32_t to) const;
   bool followsCurve(std::uint32_t to, std::uint32_t toSheets) const;
   Answer keepsTopology(std::uint32_t to);
-  Answer hasSheet(std::uint32_t a, std::uint32_t b, std::uint32_t start) const;
 
   TetComplex& complex_;
   const Bounds& bounds_;

@@ -41,10 +41,12 @@ constexpr double kCoarsenEnergy = 300;
 /// tet worse than the worst that was there, nor worse than kCoarsenEnergy where none was.
 ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progress);
 
-/// Passes of split, collapse, swap and smooth until the worst energy is at most `stopEnergy`, as
-/// section 3.5 of "Fast Tetrahedral Meshing in the Wild", with a sizing field. Every third pass
-/// `reinsert` is called, which may put further triangles in; it returns how many are missing, and
-/// passes go on while that falls. Parallel by TetParts; the same mesh for any number of threads.
+/// Passes of split, collapse, swap and smooth until the worst energy is at most `stopEnergy`, after
+/// section 3.5 of "Fast Tetrahedral Meshing in the Wild". In place of a sizing field single edges
+/// of bad tets are split where that makes them better at once, and where nothing does, whatever
+/// comes of it. First and every third pass `reinsert` is called, if given, which may put further
+/// triangles in; it returns how many are missing. Ends early where the same few tets stay bad.
+/// Parallel by TetParts; the same mesh for any number of threads.
 ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
                       const std::function<std::size_t()>& reinsert, Progress& progress);
 

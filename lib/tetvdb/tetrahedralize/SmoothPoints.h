@@ -13,10 +13,6 @@
 namespace tetvdb {
 
 /// Moves points of one part, serially, to where the tets around them are better.
-///   What is made small is the sum of the cubes of energies, f = P^3 / (16 det^2) each: the worst
-/// count most, and f is convex in the point as long as tets are positive. With p and d for the
-/// gradients of P and det, divided by P and det, the gradient is f (3 p - 2 d) and the matrix of
-/// second derivatives f (6 (p - d)(p - d)^T + 18 / P): positive, so that Newton's step leads down.
 class PointSmoother {
 public:
   /// Bit of Point::changed.
@@ -34,8 +30,6 @@ public:
 
 private:
   bool smooth(std::uint32_t point);
-  bool step(const Vec3d& at, Vec3d& move) const;
-  double cubes(const Vec3d& at) const;
   void project(Vec3d& at) const;
   bool keepsBounds(const Vec3d& at);
 

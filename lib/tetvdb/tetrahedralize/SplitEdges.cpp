@@ -2,10 +2,14 @@
 #include "tetvdb/tetrahedralize/SplitEdges.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/PlacePoint.h"
+#include "tetvdb/tetrahedralize/TetEnergy.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -29,24 +33,102 @@ class EdgeSplitter {
 public:
   explicit EdgeSplitter(TetComplex& complex) : complex_(complex) {}
 
+  /// In the middle.
   bool split(const LongEdge& edge) {
     const auto& tet = complex_.tets[edge.tet];
     const bool isThere = tet.exists() && tet.cornerOf(edge.a) < 4 && tet.cornerOf(edge.b) < 4;
-    if (!complex_.ring(edge.a, edge.b, around_, ring_, isThere ? edge.tet : TetComplex::kNone))
+    if (!gather(edge.a, edge.b, isThere ? edge.tet : TetComplex::kNone))
       return false;
-    const Vec3d middle = roundToLattice(times(plus(complex_.at(edge.a), complex_.at(edge.b)), 0.5));
+    const Vec3d at = middle();
+    for (const PointStar::LinkFace& face : faces_)
+      if (latticeOrientation(at, face.a, face.b, face.c) <= 0)
+        return false;
+    put(at);
+    return true;
+  }
+
+  /// Of the tet's edges the one that gains most, if any gains enough.
+  bool splitBest(std::uint32_t t) {
+    constexpr double kGain = 0.9;
+    const auto corners = complex_.tets[t].corners;
+    double best = 1;
+    std::uint32_t bestA = TetComplex::kNone, bestB = TetComplex::kNone;
+    Vec3d bestAt{0, 0, 0};
+    for (unsigned i = 0; i < 3; ++i)
+      for (unsigned j = i + 1; j < 4; ++j) {
+        if (!gather(corners[i], corners[j], t))
+          continue;
+        Vec3d at = middle();
+        double worst = 0;
+        for (const std::uint32_t around : around_)
+          worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        double sum = sumOfCubes(faces_, at, kInfinity);
+        if (sheets_ == 0 && sum < kInfinity)
+          sum = descend(faces_, kInfinity, sum, at, [](Vec3d&) {});
+        if (!(sum < kInfinity))
+          continue;
+        double now = 0;
+        for (const PointStar::LinkFace& face : faces_)
+          now = std::max(now, energyCube(at, face.a, face.b, face.c));
+        const double gain = std::cbrt(now) / worst;
+        if (gain < best) {
+          best = gain;
+          bestA = corners[i];
+          bestB = corners[j];
+          bestAt = at;
+        }
+      }
+    if (best > kGain)
+      return false;
+    gather(bestA, bestB, t);
+    put(bestAt);
+    return true;
+  }
+
+private:
+  // What is around the edge; false where it is not all here.
+  bool gather(std::uint32_t a, std::uint32_t b, std::uint32_t first) {
+    if (!complex_.ring(a, b, around_, ring_, first)) {
+      if (!around_.empty())
+        for (const std::uint32_t end : {a, b})
+          complex_.points[end].changed =
+              static_cast<std::uint8_t>(complex_.points[end].changed | kSplitChanged);
+      return false;
+    }
+    a_ = a;
+    b_ = b;
+    faces_.clear();
+    sheets_ = 0;
+    for (const std::uint32_t t : around_) {
+      const TetComplex::Tet& tet = complex_.tets[t];
+      for (const unsigned slot : {tet.cornerOf(a), tet.cornerOf(b)}) {
+        const auto& corner = kFaceCorners[slot];
+        const std::array<std::uint32_t, 3> corners{tet.corners[corner[0]], tet.corners[corner[1]],
+                                                   tet.corners[corner[2]]};
+        faces_.push_back(
+            {complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]), corners});
+      }
+      for (unsigned k = 0; k < 4; ++k)
+        sheets_ += tet.tracked[k] && tet.corners[k] != a && tet.corners[k] != b;
+    }
+    return true;
+  }
+
+  Vec3d middle() const {
+    return roundToLattice(times(plus(complex_.at(a_), complex_.at(b_)), 0.5));
+  }
+
+  void put(const Vec3d& at) {
     const auto newPoint = static_cast<std::uint32_t>(complex_.points.size());
     fresh_.clear();
-    std::size_t sheets = 0;
     for (const std::uint32_t t : around_) {
       const TetComplex::Tet& old = complex_.tets[t];
-      const unsigned i = old.cornerOf(edge.a), j = old.cornerOf(edge.b);
+      const unsigned i = old.cornerOf(a_), j = old.cornerOf(b_);
       for (const unsigned replaced : {i, j}) {
         TetComplex::NewTet one;
         one.corners = old.corners;
         one.corners[replaced] = newPoint;
-        if (!isPositive(one.corners, newPoint, middle))
-          return false;
         for (unsigned k = 0; k < 4; ++k)
           if (k != i && k != j) {
             one.chains[k] = old.chains[k];
@@ -54,32 +136,38 @@ public:
           }
         fresh_.push_back(one);
       }
-      for (unsigned k = 0; k < 4; ++k)
-        sheets += k != i && k != j && old.tracked[k];
     }
     TetComplex::Point point;
-    const auto &a = complex_.points[edge.a], &b = complex_.points[edge.b];
-    point.at = middle;
-    point.spacing = (a.spacing + b.spacing) / 2;
-    point.rim = a.rim && b.rim && sheets == 2; // both tets of the only tracked face
+    const auto &a = complex_.points[a_], &b = complex_.points[b_];
+    point.at = at;
+    point.rim = a.rim && b.rim && sheets_ == 2; // both tets of the only tracked face
     complex_.points.push_back(point);
     complex_.replace(around_, fresh_);
-    return true;
-  }
-
-private:
-  bool isPositive(const std::array<std::uint32_t, 4>& corners, std::uint32_t newPoint,
-                  const Vec3d& middle) const {
-    std::array<Vec3d, 4> at;
-    for (std::size_t i = 0; i < 4; ++i)
-      at[i] = corners[i] == newPoint ? middle : complex_.at(corners[i]);
-    return latticeOrientation(at[0], at[1], at[2], at[3]) > 0;
   }
 
   TetComplex& complex_;
   std::vector<std::uint32_t> around_, ring_;
   std::vector<TetComplex::NewTet> fresh_;
+  std::vector<PointStar::LinkFace> faces_; // around the new point
+  std::uint32_t a_ = 0, b_ = 0;
+  std::size_t sheets_ = 0; // tracked faces at the edge, counted from both sides
 };
+
+LongEdge longEdge(const TetComplex& complex, std::uint32_t t, unsigned i, unsigned j) {
+  const auto [a, b] = std::minmax(complex.tets[t].corners[i], complex.tets[t].corners[j]);
+  const Vec3d edge = minus(complex.at(a), complex.at(b));
+  return {dot(edge, edge), a, b, t};
+}
+
+std::size_t splitAll(TetComplex& complex, std::vector<LongEdge>& edges) {
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  EdgeSplitter splitter(complex);
+  std::size_t splits = 0;
+  for (const LongEdge& edge : edges)
+    splits += splitter.split(edge);
+  return splits;
+}
 
 } // namespace
 
@@ -91,20 +179,51 @@ std::size_t splitEdges(TetComplex& complex, double longest) {
       continue;
     for (unsigned i = 0; i < 3; ++i)
       for (unsigned j = i + 1; j < 4; ++j) {
-        const auto [a, b] = std::minmax(tet.corners[i], tet.corners[j]);
-        const Vec3d edge = minus(complex.at(a), complex.at(b));
-        const double square = dot(edge, edge);
-        const double most = longest / 2 * (complex.points[a].spacing + complex.points[b].spacing);
-        if (square > most * most)
-          edges.push_back({square, a, b, t});
+        const LongEdge edge = longEdge(complex, t, i, j);
+        if (edge.square > longest * longest)
+          edges.push_back(edge);
       }
   }
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return splitAll(complex, edges);
+}
+
+std::size_t splitStuckTets(TetComplex& complex, double energy, double shortest, std::size_t rank) {
+  std::vector<LongEdge> edges;
+  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
+    if (!complex.tets[t].exists() || energyOf(complex, t) <= energy)
+      continue;
+    std::array<LongEdge, 6> ofTet;
+    std::size_t count = 0;
+    for (unsigned i = 0; i < 3; ++i)
+      for (unsigned j = i + 1; j < 4; ++j)
+        ofTet[count++] = longEdge(complex, t, i, j);
+    std::sort(ofTet.begin(), ofTet.end());
+    if (ofTet[rank].square > shortest * shortest)
+      edges.push_back(ofTet[rank]);
+  }
+  return splitAll(complex, edges);
+}
+
+std::size_t splitBadTets(TetComplex& complex, double energy) {
+  std::vector<std::pair<float, std::uint32_t>> order;
+  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    if (!tet.exists())
+      continue;
+    bool changed = false;
+    for (const std::uint32_t corner : tet.corners)
+      changed = changed || (complex.points[corner].changed & kSplitChanged);
+    if (changed && energyOf(complex, t) > energy)
+      order.push_back({-tet.energy, t});
+  }
+  for (TetComplex::Point& point : complex.points)
+    point.changed = static_cast<std::uint8_t>(point.changed & ~kSplitChanged);
+  std::sort(order.begin(), order.end());
   EdgeSplitter splitter(complex);
   std::size_t splits = 0;
-  for (const LongEdge& edge : edges)
-    splits += splitter.split(edge);
+  for (const auto& [worst, t] : order)
+    if (complex.tets[t].exists() && energyOf(complex, t) == -worst)
+      splits += splitter.splitBest(t);
   return splits;
 }
 

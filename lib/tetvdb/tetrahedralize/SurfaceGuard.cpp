@@ -32,4 +32,19 @@ bool SurfaceGuard::allows(const TetComplex& complex, const PointStar& star, cons
   return true;
 }
 
+bool SurfaceGuard::allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c,
+                              const Vec3d& d) const {
+  // Of the old faces the old edge is farthest from the new ones.
+  for (const double s : {0.5, 0.25, 0.75}) {
+    const Vec3d p = plus(times(a, 1 - s), times(b, s));
+    if (nearestOnTriangle(minus(a, p), minus(c, p), minus(d, p)).squared >
+            bounds_.radius * bounds_.radius &&
+        nearestOnTriangle(minus(b, p), minus(c, p), minus(d, p)).squared >
+            bounds_.radius * bounds_.radius)
+      return false;
+  }
+  return bounds_.surface.contains(a, c, d, bounds_.radius) &&
+         bounds_.surface.contains(b, c, d, bounds_.radius);
+}
+
 } // namespace tetvdb

@@ -22,6 +22,9 @@ public:
   bool allows(const TetComplex& complex, const PointStar& star, const Vec3d& to,
               std::uint32_t vanishes = TetComplex::kNone);
 
+  /// For the tracked faces (a, b, c) and (a, b, d) that give way to (a, c, d) and (b, c, d).
+  bool allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
+
 private:
   const Bounds& bounds_;
   std::vector<std::array<Vec3d, 2>> sheets_; // with `to`

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/SwapEdges.h"
 
+#include "tetvdb/tetrahedralize/SheetEdge.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
 #include <algorithm>
@@ -61,33 +62,114 @@ void EdgeSwapper::tryAgain(std::uint32_t point) {
 
 void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
   const TetComplex::Tet& tet = complex_.tets[t];
-  for (unsigned k = 0; k < 4; ++k)
-    if (k != i && k != j && tet.tracked[k])
-      return;
   ++tried_;
   a_ = tet.corners[i];
   b_ = tet.corners[j];
-  if (!complex_.ring(a_, b_, tetsAround_, ringPoints_, t)) {
-    // Perhaps in another part.
-    tryAgain(a_);
-    tryAgain(b_);
-    return;
-  }
-  const std::size_t count = ringPoints_.size();
-  if (count > kMostAround)
-    return;
-  double worst = 0;
-  for (const std::uint32_t around : tetsAround_) {
-    const TetComplex::Tet& other = complex_.tets[around];
-    for (unsigned k = 0; k < 4; ++k)
-      if (other.tracked[k] && other.corners[k] != a_ && other.corners[k] != b_)
+  const double most = tet.energy;
+  tetsAround_.clear();
+  ringPoints_.clear();
+  std::size_t sheets = 0;
+  std::array<std::size_t, 2> ends{0, 0};
+  for (std::uint32_t next = t;;) {
+    const TetComplex::Tet& around = complex_.tets[next];
+    const auto [k, l] = kEdgeOthers[around.cornerOf(a_)][around.cornerOf(b_)];
+    // The face at the first of its two points around.
+    if (around.tracked[l]) {
+      if (sheets == 2)
         return;
-    worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
+      ends[sheets++] = ringPoints_.size();
+    }
+    tetsAround_.push_back(next);
+    ringPoints_.push_back(around.corners[k]);
+    next = around.neighbours[k];
+    if (next == t)
+      break;
+    if (next >= TetComplex::kElsewhere) {
+      // Perhaps in another part.
+      tryAgain(a_);
+      tryAgain(b_);
+      return;
+    }
+    // The worst tet around the edge is the one that tries.
+    const double energy = energyOf(complex_, next);
+    if (energy > most || (energy == most && next < t) || tetsAround_.size() == kMostAround)
+      return;
   }
-  const double limit = std::min(best_.cube, cubeOf(kGain * worst));
-  for (std::size_t first = count - 1; first-- > 0;) {
+  const double limit = std::min(best_.cube, cubeOf(kGain * most));
+  if (sheets == 0)
+    tryInside(limit);
+  else if (sheets == 2)
+    tryOnSurface(ends[0], ends[1], limit);
+}
+
+void EdgeSwapper::tryInside(double limit) {
+  const std::size_t count = ringPoints_.size();
+  const double cube = triangulate(0, count - 1, limit);
+  if (!(cube < limit))
+    return;
+  best_.cube = cube;
+  best_.old = tetsAround_;
+  best_.fresh.clear();
+  addTriangles(0, count - 1);
+}
+
+// Points c and d, where the two tracked faces at the edge end, become joined instead; the points
+// around are parted there.
+void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
+  const std::size_t count = ringPoints_.size();
+  const auto chainOf = [&](std::size_t tet, std::size_t point) {
+    const TetComplex::Tet& around = complex_.tets[tetsAround_[tet]];
+    return around.chains[around.cornerOf(ringPoints_[point])];
+  };
+  // Seen from the tets between c and d: out through (a, b, c), out through (a, b, d).
+  const Chain chain = chainOf(c, (c + 1) % count);
+  if (chainOf(d - 1, d - 1) != chain)
+    return;
+  // Where one tet alone is between c and d, the new tracked faces are its other two.
+  const std::uint32_t first = ringPoints_[c], second = ringPoints_[d];
+  if (d - c == 1 || count - (d - c) == 1) {
+    const std::uint32_t alone = tetsAround_[d - c == 1 ? c : d];
+    const TetComplex::Tet& tet = complex_.tets[alone];
+    for (const std::uint32_t end : {a_, b_}) {
+      const unsigned slot = tet.cornerOf(end);
+      if (tet.tracked[slot] || tet.neighbours[slot] >= TetComplex::kElsewhere)
+        return;
+    }
+    if (edgeOnSheet(complex_, first, second, alone) != OnSheet::No)
+      return;
+  }
+  // So that c comes first: the other side follows round.
+  std::rotate(ringPoints_.begin(), ringPoints_.begin() + static_cast<std::ptrdiff_t>(c),
+              ringPoints_.end());
+  ringPoints_.push_back(first);
+  const std::size_t middle = d - c;
+  const double cube = std::max(triangulate(0, middle, limit), triangulate(middle, count, limit));
+  if (!(cube < limit) ||
+      !guard_.allowsFlip(complex_.at(a_), complex_.at(b_), complex_.at(first), complex_.at(second)))
+    return;
+  best_.cube = cube;
+  best_.old = tetsAround_;
+  best_.fresh.clear();
+  const auto addSide = [&](std::size_t from, std::size_t to, Chain out) {
+    const std::size_t base = best_.fresh.size();
+    addTriangles(from, to);
+    if (to - from < 2)
+      return;
+    // The first two are over the triangle at c and d; its apex is their second and third corner.
+    for (std::size_t k = 0; k < 2; ++k) {
+      best_.fresh[base + k].chains[k + 1] = out;
+      best_.fresh[base + k].tracked[k + 1] = true;
+    }
+  };
+  addSide(0, middle, chain);
+  addSide(middle, count, -chain);
+}
+
+// The least worst cube over the polygon of points from..to; infinity where none is below `limit`.
+double EdgeSwapper::triangulate(std::size_t from, std::size_t to, double limit) {
+  for (std::size_t first = to; first-- > from;) {
     cost_[first][first + 1] = 0;
-    for (std::size_t last = first + 2; last < count; ++last) {
+    for (std::size_t last = first + 2; last <= to; ++last) {
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = first + 1; k < last; ++k) {
         double cost = std::max(cost_[first][k], cost_[k][last]);
@@ -102,12 +184,7 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
       cost_[first][last] = least;
     }
   }
-  if (!(cost_[0][count - 1] < limit))
-    return;
-  best_.cube = cost_[0][count - 1];
-  best_.old = tetsAround_;
-  best_.fresh.clear();
-  addTriangles(0, count - 1);
+  return cost_[from][to];
 }
 
 // Of the tets over triangle (i, k, j), counter-clockwise seen from b.

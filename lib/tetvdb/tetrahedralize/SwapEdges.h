@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/tetrahedralize/SurfaceGuard.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <array>
@@ -11,8 +12,8 @@
 namespace tetvdb {
 
 /// Swaps edges and faces of one part, serially: the tets around an edge give way to others over the
-/// same points without it, two tets with a common face to three with a common edge. Edges and faces
-/// that are tracked stay.
+/// same points without it, two tets with a common face to three with a common edge. Tracked faces
+/// stay, but where exactly two of them have an edge they may become the two across, within bounds.
 ///   Of the triangulations of the points around an edge the one whose worst tet is best is found by
 /// dynamic programming over polygons, as for triangulations of least cost (Klincsek 1980; for tets
 /// Shewchuk, "Two Discrete Optimization Algorithms for the Topological Improvement of Tetrahedral
@@ -23,7 +24,8 @@ public:
   static constexpr std::uint8_t kChanged = 2;
 
   /// Only tets above `energy` are worth a swap.
-  EdgeSwapper(TetComplex& complex, double energy) : complex_(complex), energy_(energy) {}
+  EdgeSwapper(TetComplex& complex, const Bounds& bounds, double energy)
+      : complex_(complex), energy_(energy), guard_(bounds) {}
 
   /// Tries every such tet around which something changed since it was last tried, the worst first.
   /// A swap makes the worst of the tets that it concerns better. Returns how many there were.
@@ -43,6 +45,9 @@ private:
   bool swapAt(std::uint32_t t);
   void tryAgain(std::uint32_t point);
   void tryEdge(std::uint32_t t, unsigned i, unsigned j);
+  void tryInside(double limit);
+  void tryOnSurface(std::size_t c, std::size_t d, double limit);
+  double triangulate(std::size_t from, std::size_t to, double limit);
   void tryFace(std::uint32_t t, unsigned slot);
   double trianglesCube(std::size_t i, std::size_t k, std::size_t j) const;
   void addTriangles(std::size_t i, std::size_t j);
@@ -50,11 +55,13 @@ private:
   TetComplex& complex_;
   const double energy_;
   std::size_t tried_ = 0;
+  SurfaceGuard guard_;
   Swap best_;
   std::uint32_t a_ = 0, b_ = 0; // the edge
   std::vector<std::uint32_t> tetsAround_, ringPoints_;
-  std::array<std::array<double, kMostAround>, kMostAround> cost_{}; // of the polygon from i to j
-  std::array<std::array<std::uint8_t, kMostAround>, kMostAround> apex_{};
+  std::array<std::array<double, kMostAround + 1>, kMostAround + 1>
+      cost_{}; // of the polygon from i to j
+  std::array<std::array<std::uint8_t, kMostAround + 1>, kMostAround + 1> apex_{};
 };
 
 } // namespace tetvdb

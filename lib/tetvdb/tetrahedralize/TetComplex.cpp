@@ -89,32 +89,17 @@ bool TetComplex::ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_
     first = tetAtEdge(a, b);
   if (first == kNone)
     return false;
-  // Of the two other corners of a positive tet (a, b, p, q) the ring goes from p to q: p, q turn
-  // counter-clockwise about a -> b seen from b.
-  const auto others = [&](std::uint32_t t) {
-    const auto& corners = tets[t].corners;
-    const unsigned i = tets[t].cornerOf(a), j = tets[t].cornerOf(b);
-    unsigned k = 0;
-    while (k == i || k == j)
-      ++k;
-    unsigned l = k + 1;
-    while (l == i || l == j)
-      ++l;
-    // Parity of (i, j, k, l) as a permutation of (0, 1, 2, 3); k < l.
-    const unsigned inversions = (i > j) + (i > k) + (i > l) + (j > k) + (j > l);
-    return inversions % 2 == 0 ? std::array<std::uint32_t, 2>{corners[k], corners[l]}
-                               : std::array<std::uint32_t, 2>{corners[l], corners[k]};
-  };
   std::uint32_t t = first;
   for (;;) {
-    const auto [p, q] = others(t);
+    const Tet& tet = tets[t];
+    const auto [k, l] = kEdgeOthers[tet.cornerOf(a)][tet.cornerOf(b)];
     tetsAround.push_back(t);
-    ringPoints.push_back(p);
-    const std::uint32_t next = tets[t].neighbours[tets[t].cornerOf(p)];
+    ringPoints.push_back(tet.corners[k]);
+    const std::uint32_t next = tet.neighbours[k];
     if (next == first)
       return true;
     if (next >= kElsewhere) {
-      ringPoints.push_back(q);
+      ringPoints.push_back(tet.corners[l]);
       return false;
     }
     t = next;

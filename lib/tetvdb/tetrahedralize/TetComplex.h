@@ -38,6 +38,14 @@ constexpr Chain unitChain(std::size_t input, std::size_t inputs) {
 constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceCorners{
     {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
+/// The corners k, l that make (i, j, k, l) an even permutation: for a positive tet the tet of these
+/// corners in this order is positive too. Nothing for i = j.
+constexpr std::array<std::array<std::array<std::uint8_t, 2>, 4>, 4> kEdgeOthers{
+    {{{{0, 0}, {2, 3}, {3, 1}, {1, 2}}},
+     {{{3, 2}, {0, 0}, {0, 3}, {2, 0}}},
+     {{{1, 3}, {3, 0}, {0, 0}, {0, 1}}},
+     {{{2, 1}, {0, 2}, {1, 0}, {0, 0}}}}};
+
 class TetComplex {
 public:
   static constexpr std::uint32_t kOutside = 0xFFFFFFFFu; ///< neighbour: beyond the box
@@ -73,7 +81,6 @@ public:
     bool rim = false;          ///< on an open edge of the input: stays within the rim's envelope
     /// Every change around the point sets all bits; who has tried in vain here clears his own.
     std::uint8_t changed = 0xFF;
-    float spacing = 0; ///< target length of edges here, as the owner of the complex likes
     bool exists() const { return tet != kNone; }
   };
 

@@ -84,6 +84,8 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
     next = around.neighbours[k];
     if (next == t)
       break;
+    if (next == TetComplex::kOutside)
+      return;
     if (next >= TetComplex::kElsewhere) {
       // Perhaps in another part.
       tryAgain(a_);

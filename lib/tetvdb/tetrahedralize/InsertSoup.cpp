@@ -17,7 +17,7 @@ constexpr std::uint32_t kNone = TetComplex::kNone;
 constexpr double kFlat = 3;
 
 // What counts as on a triangle: far above the rounding of points, far below what matters.
-constexpr double kReach = 5000, kLeastTolerance = 16;
+constexpr double kReach = 100, kLeastTolerance = 16;
 
 } // namespace
 

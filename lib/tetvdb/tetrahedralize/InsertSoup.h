@@ -18,7 +18,7 @@ namespace tetvdb {
 class SoupInsertion {
 public:
   /// Point i of the soup is point firstPoint + i of the mesh. `reach` in lattice units: how far the
-  /// faces of a triangle may be from it; most are nearer by some thousand times. The soup must
+  /// faces of a triangle may be from it; most are nearer by a hundred times. The soup must
   /// outlive this.
   SoupInsertion(const LatticeSoup& soup, std::size_t inputCount, std::uint32_t firstPoint,
                 double reach);

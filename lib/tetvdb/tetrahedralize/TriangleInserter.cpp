@@ -11,9 +11,10 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
-constexpr std::size_t kMostSteps = 100000; // along one edge, or about one front: far beyond need
-constexpr int kMostFlips = 4;              // along one edge
-constexpr int kMostParts = 6;              // halvings of a triangle
+constexpr std::size_t kMostSteps = 50000; // along one edge, or about one front: far beyond need
+constexpr double kNoise = 4;  // tolerances: a direction over less than this says nothing
+constexpr int kMostFlips = 4; // along one edge
+constexpr int kMostParts = 6; // halvings of a triangle
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t(from) << 32 | to;
@@ -22,6 +23,11 @@ std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
 Vec3d unit(const Vec3d& v) {
   const double size = length(v);
   return size > 0 ? times(v, 1 / size) : v;
+}
+
+std::array<std::uint32_t, 3> sortedFace(std::array<std::uint32_t, 3> face) {
+  std::sort(face.begin(), face.end());
+  return face;
 }
 
 // The point of segment a-b nearest to p, its ends apart.
@@ -179,9 +185,7 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
         throw Stop{Result::Elsewhere};
       made = insert_.intoFace(t, slot, roundToLattice(cut));
       if (made != kNone) {
-        Face key{face[0], face[1], face[2]};
-        std::sort(key.begin(), key.end());
-        faceMiddles_[key] = made;
+        faceMiddles_[sortedFace({face[0], face[1], face[2]})] = made;
       }
     }
     // Tets so flat that no lattice point parts them: without the face, or by way of the point least
@@ -304,6 +308,7 @@ void TriangleInserter::cover(std::array<Path, 3> sides, int depth, std::vector<F
 void TriangleInserter::closeFront(const std::array<Path, 3>& sides, std::vector<Face>& faces) {
   setTriangle(sides);
   front_.clear();
+  taken_.clear();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ahead;
   const auto add = [&](std::uint32_t u, std::uint32_t v) {
     const auto back = front_.find(directed(v, u));
@@ -329,6 +334,7 @@ void TriangleInserter::closeFront(const std::array<Path, 3>& sides, std::vector<
     --open->second;
     const std::uint32_t w = faceAtFront(u, v);
     faces.push_back({u, v, w});
+    taken_.insert(sortedFace(faces.back()));
     room -=
         length(cross(minus(complex_.at(v), complex_.at(u)), minus(complex_.at(w), complex_.at(u))));
     if (room < 0 || faces.size() > kMostSteps)
@@ -349,18 +355,26 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   const Vec3d left = unit(cross(normal_, minus(complex_.at(v), from)));
   const double level = (height(from) + height(complex_.at(v))) / 2;
   const auto leftward = [&](const Vec3d& p) { return dot(left, minus(p, from)); };
-  // A point within tolerance of the triangle, on the left: the one straightest ahead.
+  // A point within tolerance of the triangle, on the left: the one straightest ahead, or one beside
+  // the edge's line, where sides are noise, that both new edges would meet the front with.
+  const auto isOpen = [&](std::uint32_t start, std::uint32_t end) {
+    const auto found = front_.find(directed(start, end));
+    return found != front_.end() && found->second > 0;
+  };
   std::uint32_t best = kNone;
   double straightest = 0;
   for (const std::uint32_t p : ring_) {
     const Vec3d& at = complex_.at(p);
     const double aside = leftward(at);
-    if (aside <= 0)
+    const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
+    if (!isLoop && (std::abs(height(at)) > tolerance_ || inside(at) < tolerance_))
+      continue;
+    if (isLoop && std::abs(aside) < kNoise * tolerance_ && isOpen(v, p) && isOpen(p, u))
+      return p;
+    if (aside <= 0 || taken_.count(sortedFace({u, v, p})) > 0)
       continue;
     const double straight = aside / std::hypot(aside, height(at) - level);
-    const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
-    if (straight > straightest &&
-        (isLoop || (std::abs(height(at)) <= tolerance_ && inside(at) >= tolerance_))) {
+    if (straight > straightest) {
       straightest = straight;
       best = p;
     }
@@ -413,9 +427,7 @@ void TriangleInserter::mark(std::vector<Face> faces, Chain chain) {
       faces.push_back({v, w, u});
       continue;
     }
-    Face key = face;
-    std::sort(key.begin(), key.end());
-    if (const auto middle = faceMiddles_.find(key); middle != faceMiddles_.end()) {
+    if (const auto middle = faceMiddles_.find(sortedFace(face)); middle != faceMiddles_.end()) {
       for (const Face& part :
            {Face{u, v, middle->second}, Face{v, w, middle->second}, Face{w, u, middle->second}})
         faces.push_back(part);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -94,6 +95,7 @@ private:
   std::array<Vec3d, 3> inward_{};     ///< of each edge i, i + 1: in the plane, of length 1
   std::vector<std::uint32_t> onLoop_; ///< sorted: points of the loop
   std::unordered_map<std::uint64_t, int> front_; ///< directed edges: from << 32 | to
+  std::set<Face> taken_;                         ///< faces of the front's disc, sorted
   std::map<Face, std::uint32_t> faceMiddles_;    ///< points put in faces since insert() began
   std::vector<std::uint32_t> tets_, ring_;
 };

@@ -10,6 +10,7 @@
 #include "tetvdb/tetrahedralize/Improve.h"
 #include "tetvdb/tetrahedralize/InsertSoup.h"
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
+#include "tetvdb/tetrahedralize/RefineHoles.h"
 #include "tetvdb/tetrahedralize/Regions.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
@@ -31,6 +32,14 @@ constexpr double kSimplifyShare = 0.6, kReachShare = 0.1;
 constexpr double kGrainShare = 1.0 / 8192;
 // A lattice unit must be small against epsilon.
 constexpr double kLeastEpsilon = 4096;
+// What closes a hole is cut from tets of this share of the target length, as long as there are not
+// more of them.
+constexpr double kHoleShare = 0.5;
+constexpr std::size_t kMostHoleTets = 60000;
+// Where no more than one in so many owed points is lost, what is around them is kept as it was
+// inserted, and improvement begins anew, so often at most.
+constexpr std::size_t kFewLost = 20;
+constexpr int kMostMends = 2;
 // Memory of the whole work for a triangle, with what its points become. Measured.
 constexpr double kBytesPerFace = 6000;
 
@@ -109,6 +118,88 @@ void assertValid([[maybe_unused]] const TetComplex& complex) {
 #ifndef NDEBUG
   complex.verify();
 #endif
+}
+
+// What the steps after insertion work on.
+struct Work {
+  const std::vector<TriangleMesh>& inputs;
+  const TetrahedralizeOptions& options;
+  const Lengths& lengths;
+  const WorkingLattice& lattice;
+  const LatticeSoup& soup;
+  const Envelope& surface;
+  const Envelope& rim;
+  const std::vector<std::uint32_t>& missing;
+  double radius; // lattice units
+};
+
+// Improves the mesh, takes what is inside of it and looks at it from both sides.
+LostSurface finish(const Work& work, TetComplex& complex, Tetrahedralization& made,
+                   StageTimer& timer, Progress& progress) {
+  const TetrahedralizeOptions& options = work.options;
+  const std::size_t count = work.inputs.size();
+  const double edge = work.lengths.edge / work.lattice.unit();
+  timer.part("improve");
+  progress.stage("improve");
+  const Bounds bounds{work.surface, work.rim, work.radius};
+  ImproveCounts counts;
+  if (options.stopEnergy > 0) {
+    ImproveOptions wish;
+    wish.edgeLength = edge;
+    wish.smallestEdge = work.radius;
+    wish.stopEnergy = options.stopEnergy;
+    wish.maxPasses = options.maxPasses;
+    counts = improve(
+        complex, bounds, wish, [&] { return work.missing.size(); }, progress);
+  } else {
+    counts = coarsen(complex, bounds, progress);
+  }
+  assertValid(complex);
+  made.passes = counts.passes;
+  made.worstEnergy = counts.worstEnergy;
+  made.meanEnergy = counts.meanEnergy;
+
+  timer.part("classify");
+  progress.stage("classify");
+  std::vector<std::uint16_t> inside = insideOf(complex, count, work.soup, work.missing, progress);
+  refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMostHoleTets, inside,
+              progress);
+  assertValid(complex);
+  made.mesh = keptTets(complex, inside, count, options.boolean, options.keepOutside, work.lattice);
+  const auto& regions = made.mesh.regions;
+  if (std::all_of(regions.begin(), regions.end(),
+                  [](std::int32_t region) { return region == kOutsideRegion; }))
+    throw Error(Status::Invalid, "", "nothing is inside: the triangles are sheets without volume",
+                "give them thickness with voxelize --shell, or check the mesh with info");
+
+  timer.part("check");
+  progress.stage("check");
+  LostSurface lost =
+      checkBothSides(made.mesh, work.inputs, options.boolean, work.lengths.epsilon, progress);
+  made.check = lost.figures;
+  return lost;
+}
+
+// Fixes the surface's points near what was lost, so that it is not lost again.
+void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, double distance,
+              const WorkingLattice& lattice) {
+  if (lost.empty())
+    return;
+  std::vector<Vec3d> points;
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  for (const LostSurface::Point& point : lost) {
+    const auto i = static_cast<std::uint32_t>(points.size());
+    points.push_back(lattice.toLattice(point.at));
+    faces.push_back({i, i, i});
+  }
+  const Envelope near(points, faces, distance);
+  for (const TetComplex::Tet& tet : complex.tets)
+    for (unsigned slot = 0; tet.exists() && slot < 4; ++slot)
+      if (tet.tracked[slot])
+        for (const unsigned corner : kFaceCorners[slot]) {
+          TetComplex::Point& point = complex.points[tet.corners[corner]];
+          point.fixed = point.fixed || near.contains(point.at, distance);
+        }
 }
 
 void warnOfLoss(const Tetrahedralization& made, double epsilon, Report& report) {
@@ -204,42 +295,17 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   made.notInserted = missing.size();
   made.insertedFaces = soup.faces.size() - missing.size();
 
-  timer.part("improve");
-  progress.stage("improve");
-  const Bounds bounds{surface, rim, radius};
-  ImproveCounts counts;
-  if (options.stopEnergy > 0) {
-    ImproveOptions wish;
-    wish.edgeLength = edge;
-    wish.smallestEdge = epsilon;
-    wish.stopEnergy = options.stopEnergy;
-    wish.maxPasses = options.maxPasses;
-    counts = improve(
-        complex, bounds, wish, [&] { return missing.size(); }, progress);
-  } else {
-    counts = coarsen(complex, bounds, progress);
+  const Work work{inputs, options, lengths, lattice, soup, surface, rim, missing, radius};
+  std::vector<LostSurface::Point> kept;
+  for (int round = 0;; ++round) {
+    const bool last = round == kMostMends;
+    TetComplex mesh = last ? std::move(complex) : complex;
+    keepNear(mesh, kept, 4 * radius, lattice);
+    const LostSurface lost = finish(work, mesh, made, timer, progress);
+    if (last || lost.lost.empty() || lost.lost.size() > lost.figures.owedPoints / kFewLost)
+      break;
+    kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
   }
-  assertValid(complex);
-  made.passes = counts.passes;
-  made.worstEnergy = counts.worstEnergy;
-  made.meanEnergy = counts.meanEnergy;
-
-  timer.part("classify");
-  progress.stage("classify");
-  const std::vector<std::uint16_t> inside =
-      insideOf(complex, inputs.size(), soup, missing, progress);
-  made.mesh =
-      keptTets(complex, inside, inputs.size(), options.boolean, options.keepOutside, lattice);
-  if (made.mesh.tets.empty() || std::all_of(made.mesh.regions.begin(), made.mesh.regions.end(),
-                                            [](std::int32_t r) { return r == kOutsideRegion; }))
-    throw Error(Status::Invalid, "", "nothing is inside: the triangles are sheets without volume",
-                "give them thickness with voxelize --shell, or check the mesh with info");
-
-  timer.part("check");
-  progress.stage("check");
-  const LostSurface lost =
-      checkBothSides(made.mesh, inputs, options.boolean, lengths.epsilon, progress);
-  made.check = lost.figures;
   warnOfLoss(made, lengths.epsilon, report);
   return made;
 }

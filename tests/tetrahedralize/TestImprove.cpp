@@ -5,6 +5,7 @@
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <gtest/gtest.h>
@@ -215,6 +216,16 @@ TEST(Coarsen, SpikesStay) {
   coarsen(kept.complex, kept.bounds, progress);
   kept.expect();
   EXPECT_LE(farthest(kept.surface, trackedFaces(kept.complex), 2), 1.5 * kRadius);
+}
+
+// One hundredth of less than a hundred tets is none.
+TEST(Coarsen, EndsOnFewTets) {
+  Kept kept(cubeMesh(3, kStep, 0.1, ballAt({1.5 * kStep, 1.5 * kStep, 1.5 * kStep}, kStep)),
+            0.3 * kStep);
+  Progress progress;
+  progress.setDeadline(Progress::Clock::now() + std::chrono::minutes(1));
+  EXPECT_NO_THROW(coarsen(kept.complex, kept.bounds, progress));
+  EXPECT_LT(kept.complex.tetCount(), 100u);
 }
 
 TEST(Coarsen, SameForAnyNumberOfThreads) {

@@ -20,6 +20,9 @@ constexpr int kTries = 8;
 // Parts wait in the order of their size, so that what is out is found before much is looked at
 // closely; of more than that, the newest comes first, so that memory stays small.
 constexpr std::size_t kWaiting = 512;
+// Some ten milliseconds. A candidate in the wedge between two far-off triangles is parted into
+// (1 / kSlack)^2 pieces and more; one that lies over that many triangles is best not made either.
+constexpr std::size_t kMostPieces = 20000;
 
 // Corners of a piece, and of one that is cut: rounding apart it gets one more, and where rounding
 // makes it change sides six times, three more.
@@ -193,7 +196,10 @@ bool containsPiece(const TriangleTree& tree, const Piece& whole, double limit) {
   const double least = limit * Envelope::kSlack * Envelope::kSlack;
   thread_local std::vector<Piece> waiting;
   waiting.assign(1, whole);
+  std::size_t looked = 0;
   for (std::size_t oldest = 0; oldest < waiting.size();) {
+    if (++looked > kMostPieces)
+      return false;
     Piece piece;
     if (waiting.size() - oldest < kWaiting) {
       piece = waiting[oldest++];

@@ -88,12 +88,15 @@ void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOption
           mine.splits += splitStuckTets(part.complex, options.stopEnergy, options.smallestEdge,
                                         static_cast<std::size_t>(step.stuck - 1) % 6);
         }
+        progress.check();
         EdgeSwapper swapper(part.complex, bounds, above);
         PointSmoother smoother(part.complex, bounds, above);
         for (int sweep = 0; sweep < kSweeps; ++sweep)
           mine.swaps += swapper.sweep();
+        progress.check();
         for (int sweep = 0; sweep < kSweeps; ++sweep)
           mine.moves += smoother.sweep();
+        progress.check();
         mine.splits += splitBadTets(part.complex, options.stopEnergy);
         mine.swaps += swapper.sweep();
         mine.moves += smoother.sweep();
@@ -123,6 +126,7 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
           EdgeCollapser collapser(part.complex, bounds, rules);
           std::size_t last = part.complex.tetCount();
           for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+            progress.check();
             collapses[part.index] += collapser.sweep();
             const std::size_t now = part.complex.tetCount();
             if (last - now <= last / 100)
@@ -134,7 +138,7 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
     for (const std::size_t count : collapses)
       counts.collapses += count;
     ++counts.passes;
-    if (before - complex.tetCount() < before / 100)
+    if (before - complex.tetCount() <= before / 100)
       break;
   }
   countEnergies(complex, 0, counts);

@@ -220,8 +220,7 @@ TEST(Coarsen, SpikesStay) {
 
 // One hundredth of less than a hundred tets is none.
 TEST(Coarsen, EndsOnFewTets) {
-  Kept kept(cubeMesh(3, kStep, 0.1, ballAt({1.5 * kStep, 1.5 * kStep, 1.5 * kStep}, kStep)),
-            0.3 * kStep);
+  Kept kept(cubeMesh(2, kStep, 0.1, ballAt({kStep, kStep, kStep}, 0.8 * kStep)), 0.3 * kStep);
   Progress progress;
   progress.setDeadline(Progress::Clock::now() + std::chrono::minutes(1));
   EXPECT_NO_THROW(coarsen(kept.complex, kept.bounds, progress));

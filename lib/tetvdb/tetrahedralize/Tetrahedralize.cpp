@@ -29,7 +29,7 @@ namespace {
 // and how far a triangle's faces may be from it where tets are too flat to part.
 constexpr double kSimplifyShare = 0.6, kReachShare = 0.1;
 // Input points are snapped to this part of epsilon or less (latticeSoup()).
-constexpr double kGrainShare = 1.0 / 8192;
+constexpr double kGrainShare = 1.0 / (1 << 24);
 // A lattice unit must be small against epsilon.
 constexpr double kLeastEpsilon = 4096;
 // What closes a hole is cut from tets of this share of the target length, as long as there are not

@@ -31,7 +31,7 @@ constexpr double kSimplifyShare = 0.6, kReachShare = 0.1;
 // Input points are snapped to this part of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
 // A lattice unit must be small against epsilon.
-constexpr double kLeastEpsilon = 4096;
+constexpr double kLeastEpsilon = 256;
 // What closes a hole is cut from tets of this share of the target length, as long as there are not
 // more of them.
 constexpr double kHoleShare = 0.5;
@@ -155,7 +155,7 @@ LostSurface finish(const Work& work, TetComplex& complex, Tetrahedralization& ma
     counts = coarsen(complex, bounds, progress);
   }
   assertValid(complex);
-  made.passes = counts.passes;
+  made.passes = options.stopEnergy > 0 ? counts.passes : 0;
   made.worstEnergy = counts.worstEnergy;
   made.meanEnergy = counts.meanEnergy;
 

@@ -97,6 +97,19 @@ TEST(TwoSidedCheck, FindsWhatIsLost) {
   EXPECT_NEAR(found.volumeError, std::sqrt(0.0625 / 65536), 1e-4);
 }
 
+TEST(TwoSidedCheck, FindsALostCorner) {
+  // Of the block that is not there the cube's corner alone is farther than epsilon from the rest.
+  const double side = 1.0 / 16;
+  const TetMesh mesh = grid(16, [&](const Vec3d& p) {
+    return p[0] > 1 - side && p[1] > 1 - side && p[2] > 1 - side ? 0 : 1;
+  });
+  const LostSurface found = check(mesh, {meshes::box()}, Boolean::Materials, 0.99 * side);
+  ASSERT_EQ(found.lost.size(), 1u);
+  EXPECT_EQ(found.lost[0].at, (Vec3d{1, 1, 1}));
+  EXPECT_NEAR(found.figures.inToOut, side, 1e-9);
+  EXPECT_EQ(check(mesh, {meshes::box()}, Boolean::Materials, 1.01 * side).figures.lostPoints, 0u);
+}
+
 TEST(TwoSidedCheck, FindsTetsThatStandOut) {
   const LostSurface found = check(unitCube(), {meshes::box({0, 0, 0}, {1, 1, 0.9})});
   EXPECT_NEAR(found.figures.outToIn, 0.1, 1e-9);
@@ -223,6 +236,49 @@ TEST(TwoSidedCheck, HolesAreClosedFarFromTheInput) {
               4 * found.volumeError + 2 / std::sqrt(double(kPoints)) * 0.5);
   // The closed cube's tets are judged everywhere.
   EXPECT_NEAR(check(unitCube(), {meshes::box({0, 0, 0}, {1, 1, 0.5})}).figures.outToIn, 0.5, 1e-2);
+}
+
+TEST(TwoSidedCheck, WhatIsBesideARimIsNotOwed) {
+  // An open box without its upper part: lost are the walls there, as far as it is clear that they
+  // part inside from outside.
+  const TriangleMesh cube = meshes::box({0, 0, 0}, {1, 1, 1}, 8);
+  const TriangleMesh open = meshes::without(cube, [&](std::size_t face) {
+    double least = 1;
+    for (std::size_t k = 0; k < 3; ++k)
+      least = std::min(least, cube.points[cube.triangles[3 * face + k]][2]);
+    return least == 1;
+  });
+  constexpr double kHeight = 0.5;
+  const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[2] < kHeight ? 1 : 0; });
+  const LostSurface found = check(mesh, {open});
+  // By brute force, at points of the wall x = 0: how many are owed, and the nearest to 0.5 of all.
+  const auto doubt = [&](double y, double z) {
+    double least = 1;
+    for (const double x : {-kEpsilon / 2, kEpsilon / 2})
+      least = std::min(least, std::abs(meshes::windingNumberAt(open, {x, y, z}) - 0.5));
+    return least;
+  };
+  meshes::Random random(1);
+  constexpr int kPoints = 2000;
+  int isOwed = 0, isLost = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double y = random.unit(), z = random.unit();
+    if (doubt(y, z) < 0.2)
+      continue;
+    ++isOwed;
+    isLost += z > kHeight + kEpsilon;
+  }
+  EXPECT_LT(isOwed, 0.99 * kPoints);
+  EXPECT_GT(isLost, 0.1 * kPoints);
+  EXPECT_NEAR(double(found.figures.lostPoints) / double(found.figures.owedPoints),
+              4.0 * isLost / (4.0 * isOwed + kPoints), 0.02);
+  std::size_t onWall = 0;
+  for (const LostSurface::Point& point : found.lost) {
+    if (point.at[0] != 0 || ++onWall % 20 != 0 || point.at[1] == 0 || point.at[1] == 1)
+      continue;
+    EXPECT_GT(doubt(point.at[1], point.at[2]), 0.2 - 0.01);
+  }
+  EXPECT_GT(onWall, 400u);
 }
 
 TEST(TwoSidedCheck, IsTheSameWhateverItsPlace) {

@@ -22,6 +22,7 @@ namespace {
 
 constexpr double kSamples = 100000; // of one surface, or half as many and all centroids
 constexpr double kMaxCentroids = 50000;
+constexpr double kMaxCorners = 50000; // of the inputs, which are the first to be lost
 constexpr std::size_t kPointsInBox = 65536;
 constexpr double kSamplesPerSquare = 4; // of side epsilon
 constexpr double kFewestSamples = 1000;
@@ -31,6 +32,11 @@ constexpr double kRimEdges = 1000, kFewerAtMost = 4;
 // How near to a whole number a winding number is where the tets' surface is to be near to the
 // input.
 constexpr double kWhole = 0.2;
+// How far from 0.5 a winding number has to be for which side is which to be beyond doubt.
+constexpr double kClear = 0.2;
+// Sides of a triangle are looked at from this part of epsilon away from its rim, where other faces
+// begin: beside a box's corner one of them would lie on the next face.
+constexpr double kFromRim = 1.0 / 64;
 // Distances are compared with epsilon up to rounding.
 constexpr double kRounding = 1e-9;
 
@@ -41,8 +47,11 @@ public:
   InputWindings(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
                 Progress& progress);
 
-  /// Bit k: within input k.
-  std::vector<std::uint16_t> masksAt(const Points& points, Progress& progress) const;
+  struct Place {
+    std::uint16_t mask = 0; ///< bit k: within input k
+    bool clear = true;      ///< no winding number is near 0.5
+  };
+  std::vector<Place> placesOf(const Points& points, Progress& progress) const;
   /// Whether every input's winding number is near a whole number.
   std::vector<bool> areWhole(const Points& points, Progress& progress) const;
   double fewer() const { return fewer_; } ///< how many times fewer samples than usual
@@ -98,15 +107,19 @@ std::vector<double> InputWindings::at(std::size_t input, const Points& points,
   return windings_[input]->at(places, progress);
 }
 
-std::vector<std::uint16_t> InputWindings::masksAt(const Points& points, Progress& progress) const {
-  std::vector<std::uint16_t> masks(points.size(), 0);
+std::vector<InputWindings::Place> InputWindings::placesOf(const Points& points,
+                                                          Progress& progress) const {
+  std::vector<Place> places(points.size());
   for (std::size_t input = 0; input < windings_.size(); ++input) {
     const std::vector<double> winding = at(input, points, progress);
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t i = 0; i < points.size(); ++i) {
       if (winding[i] > 0.5)
-        masks[i] = static_cast<std::uint16_t>(masks[i] | 1u << input);
+        places[i].mask = static_cast<std::uint16_t>(places[i].mask | 1u << input);
+      if (isOpen_[input] && std::abs(winding[i] - 0.5) < kClear)
+        places[i].clear = false;
+    }
   }
-  return masks;
+  return places;
 }
 
 std::vector<bool> InputWindings::areWhole(const Points& points, Progress& progress) const {
@@ -159,6 +172,32 @@ std::vector<SurfaceSample> samplesOf(const TriangleMesh& mesh, double epsilon, d
   return sampleSurface(mesh, static_cast<std::size_t>(count), centroids);
 }
 
+// Corners of triangles, each with the largest one that has it.
+void addCorners(const TriangleMesh& mesh, double fewer, std::vector<SurfaceSample>& samples) {
+  std::vector<double> largest(mesh.points.size(), 0);
+  std::vector<std::uint32_t> triangleOf(mesh.points.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const std::size_t t = i / 3;
+    const Vec3d& a = mesh.points[mesh.triangles[3 * t]];
+    const Vec3d normal = cross(minus(mesh.points[mesh.triangles[3 * t + 1]], a),
+                               minus(mesh.points[mesh.triangles[3 * t + 2]], a));
+    const std::uint32_t corner = mesh.triangles[i];
+    if (dot(normal, normal) > largest[corner]) {
+      largest[corner] = dot(normal, normal);
+      triangleOf[corner] = static_cast<std::uint32_t>(t);
+    }
+  }
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t p = 0; p < mesh.points.size(); ++p)
+    if (largest[p] > 0)
+      corners.push_back(p);
+  const std::size_t count = std::min(corners.size(), static_cast<std::size_t>(kMaxCorners / fewer));
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t corner = corners[i * corners.size() / count];
+    samples.push_back({mesh.points[corner], triangleOf[corner]});
+  }
+}
+
 std::vector<double> distances(const TriangleScene& scene, const std::vector<SurfaceSample>& samples,
                               Progress& progress) {
   std::vector<double> distance(samples.size());
@@ -171,7 +210,7 @@ std::vector<double> distances(const TriangleScene& scene, const std::vector<Surf
   return distance;
 }
 
-// Samples of the input whose sides half an epsilon off belong to different regions.
+// Samples of the input whose sides half an epsilon off clearly belong to different regions.
 std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSample> samples,
                                 const InputWindings& windings, std::size_t inputCount,
                                 Boolean boolean, double epsilon, Progress& progress) {
@@ -179,19 +218,24 @@ std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSam
   sides.reserve(2 * samples.size());
   for (const SurfaceSample& sample : samples) {
     const std::uint32_t* corners = mesh.triangles.data() + std::size_t(3) * sample.triangle;
-    const Vec3d& a = mesh.points[corners[0]];
-    const Vec3d normal =
-        cross(minus(mesh.points[corners[1]], a), minus(mesh.points[corners[2]], a));
+    const Vec3d &a = mesh.points[corners[0]], &b = mesh.points[corners[1]],
+                &c = mesh.points[corners[2]];
+    const Vec3d normal = cross(minus(b, a), minus(c, a));
     const Vec3d off = times(normal, epsilon / 2 / length(normal));
-    sides.push_back(plus(sample.at, off));
-    sides.push_back(minus(sample.at, off));
+    const Vec3d inward = minus(times(plus(plus(a, b), c), 1.0 / 3), sample.at);
+    const double share = kFromRim * epsilon / std::max(length(inward), kFromRim * epsilon);
+    const Vec3d from = plus(sample.at, times(inward, share));
+    sides.push_back(plus(from, off));
+    sides.push_back(minus(from, off));
   }
-  const std::vector<std::uint16_t> masks = windings.masksAt(sides, progress);
+  const std::vector<InputWindings::Place> places = windings.placesOf(sides, progress);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    if (regionOf(masks[2 * i], inputCount, boolean) !=
-        regionOf(masks[2 * i + 1], inputCount, boolean))
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const InputWindings::Place &above = places[2 * i], &below = places[2 * i + 1];
+    if (above.clear && below.clear &&
+        regionOf(above.mask, inputCount, boolean) != regionOf(below.mask, inputCount, boolean))
       samples[count++] = samples[i];
+  }
   samples.resize(count);
   return samples;
 }
@@ -200,17 +244,17 @@ void checkVolume(const RegionSurface& surface, const InputWindings& windings,
                  const WorkingLattice& lattice, const Box& box, std::size_t inputCount,
                  Boolean boolean, Progress& progress, LostSurface& found) {
   Points points;
-  std::vector<LatticePoint> places;
+  std::vector<LatticePoint> onLattice;
   for (std::size_t i = 0; i < kPointsInBox; ++i) {
     points.push_back(pointInBox(box, i));
-    places.push_back(latticePoint(lattice, points.back()));
+    onLattice.push_back(latticePoint(lattice, points.back()));
   }
-  const std::vector<std::uint16_t> masks = windings.masksAt(points, progress);
+  const std::vector<InputWindings::Place> places = windings.placesOf(points, progress);
   const ChainWinding tets(facesOf(surface.mesh, surface.outerFaces, lattice), {});
-  const std::vector<double> covered = tets.at(places, progress);
+  const std::vector<double> covered = tets.at(onLattice, progress);
   double more = 0, differ = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool byInputs = regionOf(masks[i], inputCount, boolean) != kOutsideRegion;
+    const bool byInputs = regionOf(places[i].mask, inputCount, boolean) != kOutsideRegion;
     const bool byTets = covered[i] > 0.5;
     more += (byInputs ? 1 : 0) - (byTets ? 1 : 0);
     differ += byInputs != byTets ? 1 : 0;
@@ -241,9 +285,10 @@ LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>&
   const InputWindings windings(inputs, lattice, progress);
   const TriangleScene inputScene(input.mesh), surfaceScene(surface.mesh);
 
-  const std::vector<SurfaceSample> inSamples =
-      owed(input.mesh, samplesOf(input.mesh, epsilon, windings.fewer()), windings, inputs.size(),
-           boolean, epsilon, progress);
+  std::vector<SurfaceSample> inSamples = samplesOf(input.mesh, epsilon, windings.fewer());
+  addCorners(input.mesh, windings.fewer(), inSamples);
+  inSamples =
+      owed(input.mesh, std::move(inSamples), windings, inputs.size(), boolean, epsilon, progress);
   found.figures.owedPoints = inSamples.size();
   const std::vector<double> inDistances = distances(surfaceScene, inSamples, progress);
   for (std::size_t i = 0; i < inSamples.size(); ++i) {

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <unordered_map>
 
 namespace tetvdb {
@@ -297,13 +298,16 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
 
   const Work work{inputs, options, lengths, lattice, soup, surface, rim, missing, radius};
   std::vector<LostSurface::Point> kept;
+  std::size_t before = std::numeric_limits<std::size_t>::max(); // lost points
   for (int round = 0;; ++round) {
     const bool last = round == kMostMends;
     TetComplex mesh = last ? std::move(complex) : complex;
     keepNear(mesh, kept, 4 * radius, lattice);
     const LostSurface lost = finish(work, mesh, made, timer, progress);
-    if (last || lost.lost.empty() || lost.lost.size() > lost.figures.owedPoints / kFewLost)
+    if (last || lost.lost.empty() || lost.lost.size() >= before ||
+        lost.lost.size() > lost.figures.owedPoints / kFewLost)
       break;
+    before = lost.lost.size();
     kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
   }
   warnOfLoss(made, lengths.epsilon, report);

@@ -33,7 +33,7 @@ Inserted inserted(const std::vector<TriangleMesh> &meshes,
   const Int128 volume = volumeOf(made.complex);
   SoupInsertion insertion(made.soup, made.inputs, kFirst, reach);
   Progress progress;
-  insertion.run(made.complex, progress);
+  insertion.run(made.complex, {}, progress);
   made.missing = insertion.missing();
   EXPECT_NO_THROW(made.complex.verify());
   EXPECT_TRUE(volumeOf(made.complex) == volume);
@@ -362,7 +362,7 @@ TEST(SoupInsertion, StopsWhenCancelled) {
   SoupInsertion insertion(soup, 1, kFirst, kReach);
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(insertion.run(complex, progress), Error);
+  EXPECT_THROW(insertion.run(complex, {}, progress), Error);
 }
 
 } // namespace

@@ -77,7 +77,6 @@ Chain SoupInsertion::chainOf(std::uint32_t face) const {
 
 void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
   const TetParts::Part& part = *mine.part;
-  mine.pointOfWhole = part.pointOfWhole;
   const auto isFace = [&](std::uint32_t whole) {
     return whole >= firstPoint_ && whole - firstPoint_ < soup_.points.size();
   };
@@ -105,6 +104,12 @@ void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
         mine.faces.push_back(face);
     }
   }
+  insert(mine, complex);
+}
+
+void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
+  const TetParts::Part& part = *mine.part;
+  mine.pointOfWhole = part.pointOfWhole;
   // Flat ones first: they say which way their longest edges go.
   std::sort(mine.faces.begin(), mine.faces.end(), [&](std::uint32_t a, std::uint32_t b) {
     const bool flatA = through_[a] < 3, flatB = through_[b] < 3;
@@ -178,7 +183,25 @@ void SoupInsertion::collect(const std::vector<PartWork>& works, std::size_t poin
   paths_.middles.clear();
 }
 
-void SoupInsertion::run(TetComplex& complex, Progress& progress) {
+void SoupInsertion::insertFirst(TetComplex& complex, const std::vector<std::uint32_t>& first,
+                                Progress& progress) {
+  const std::size_t before = complex.points.size();
+  std::vector<PartWork> works(1);
+  works[0].faces = first;
+  TetParts(complex, -1)
+      .run(
+          [&](TetParts::Part& part) {
+            works[0].part = &part;
+            insert(works[0], part.complex);
+          },
+          progress);
+  collect(works, before);
+}
+
+void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& first,
+                        Progress& progress) {
+  if (!first.empty())
+    insertFirst(complex, first, progress);
   for (int r = 0; r < TetParts::kRounds; ++r)
     round(complex, r, progress);
   round(complex, -1, progress);

@@ -41,6 +41,9 @@ constexpr std::size_t kMostHoleTets = 60000;
 // inserted, and improvement begins anew, so often at most.
 constexpr std::size_t kFewLost = 20;
 constexpr int kMostMends = 2;
+// Tries at inserting all faces, while the mesh is not larger than this.
+constexpr int kMostInsertions = 5;
+constexpr std::size_t kTooManyTets = 1000000;
 // Memory of the whole work for a triangle, with what its points become. Measured.
 constexpr double kBytesPerFace = 6000;
 
@@ -119,6 +122,35 @@ void assertValid([[maybe_unused]] const TetComplex& complex) {
 #ifndef NDEBUG
   complex.verify();
 #endif
+}
+
+struct Insertion {
+  TetComplex complex;
+  std::vector<std::uint32_t> missing; // faces of the soup
+};
+
+// Where faces are missing they go first in another try; the best one counts.
+Insertion insertSoup(const LatticeSoup& soup, std::size_t inputCount,
+                     const std::vector<Vec3d>& points, const PlainTets& background, double reach,
+                     Progress& progress) {
+  constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
+  Insertion best;
+  std::vector<std::uint32_t> first;
+  for (int attempt = 0; attempt < kMostInsertions; ++attempt) {
+    Insertion next{startComplex(points, background), {}};
+    SoupInsertion insertion(soup, inputCount, kFirstSoupPoint, reach);
+    insertion.run(next.complex, first, progress);
+    next.missing = insertion.missing();
+    const std::vector<std::uint32_t> missing = next.missing;
+    if (attempt == 0 || next.missing.size() < best.missing.size())
+      best = std::move(next);
+    if (best.missing.empty() || best.complex.tetCount() > kTooManyTets)
+      break;
+    for (const std::uint32_t face : missing)
+      if (std::find(first.begin(), first.end(), face) == first.end())
+        first.push_back(face);
+  }
+  return best;
 }
 
 // What the steps after insertion work on.
@@ -283,16 +315,13 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const double spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
   const std::vector<Vec3d> points =
       backgroundPoints(soup, std::max(spacing, 2 * epsilon), spacing, 10 * epsilon, progress);
-  TetComplex complex = startComplex(points, delaunayTets(points, progress));
-  assertValid(complex);
+  const PlainTets background = delaunayTets(points, progress);
 
   timer.part("insert");
   progress.stage("insert");
-  constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
-  SoupInsertion insertion(soup, inputs.size(), kFirstSoupPoint, kReachShare * radius);
-  insertion.run(complex, progress);
+  auto [complex, missing] =
+      insertSoup(soup, inputs.size(), points, background, kReachShare * radius, progress);
   assertValid(complex);
-  const std::vector<std::uint32_t> missing = insertion.missing();
   made.notInserted = missing.size();
   made.insertedFaces = soup.faces.size() - missing.size();
 

@@ -262,6 +262,16 @@ bool Envelope::empty() const {
   return impl_->tree.empty();
 }
 
+std::vector<std::array<Vec3d, 3>> Envelope::faces() const {
+  std::vector<std::array<Vec3d, 3>> faces;
+  faces.reserve(impl_->tree.size());
+  for (std::uint32_t i = 0; i < impl_->tree.size(); ++i) {
+    const NearTriangle& triangle = impl_->tree.triangle(i);
+    faces.push_back({triangle.a, plus(triangle.a, triangle.ab), plus(triangle.a, triangle.ac)});
+  }
+  return faces;
+}
+
 bool Envelope::contains(const Vec3d& p, double radius) const {
   const double limit = radius * radius * kSafety;
   const TriangleTree& tree = impl_->tree;

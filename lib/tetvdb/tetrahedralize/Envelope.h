@@ -35,6 +35,8 @@ public:
 
   double epsilon() const;
   bool empty() const; ///< no faces: contains nothing
+  /// Corners of the faces, in an order of its own.
+  std::vector<std::array<Vec3d, 3>> faces() const;
 
   /// Whether a point, a segment, a triangle lies within `radius` of the faces. 0 < radius <=
   /// epsilon().

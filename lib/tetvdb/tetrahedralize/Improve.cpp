@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -52,6 +53,16 @@ std::size_t countEnergies(TetComplex& complex, double limit, ImproveCounts& coun
 std::size_t tetsPerPart(const TetComplex&) {
   return TetParts::kTetsPerPart;
 }
+
+// Bounds with landmarks.
+struct BoundsOnBothSides {
+  std::unique_ptr<const Landmarks> own;
+  Bounds bounds;
+
+  explicit BoundsOnBothSides(const Bounds& given)
+      : own(given.landmarks ? nullptr : new Landmarks(given.surface, given.radius)),
+        bounds{given.surface, given.rim, given.radius, own ? own.get() : given.landmarks} {}
+};
 
 constexpr int kRoundsAPass = 2;
 
@@ -112,7 +123,9 @@ void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOption
 
 } // namespace
 
-ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progress) {
+ImproveCounts coarsen(TetComplex& complex, const Bounds& given, Progress& progress) {
+  const BoundsOnBothSides bothSides(given);
+  const Bounds& bounds = bothSides.bounds;
   constexpr int kMostSweeps = 4;
   ImproveCounts counts;
   EdgeCollapser::Rules rules;
@@ -145,8 +158,10 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
   return counts;
 }
 
-ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
+ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOptions& options,
                       const std::function<std::size_t()>& reinsert, Progress& progress) {
+  const BoundsOnBothSides bothSides(given);
+  const Bounds& bounds = bothSides.bounds;
   ImproveCounts counts;
   for (TetComplex::Point& point : complex.points)
     point.changed = 0xFF; // other rules may have been in force

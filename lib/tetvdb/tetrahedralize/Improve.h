@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/tetrahedralize/Envelope.h"
+#include "tetvdb/tetrahedralize/Landmarks.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <cstddef>
@@ -18,6 +19,9 @@ struct Bounds {
   const Envelope& surface;
   const Envelope& rim; ///< empty where the input has no open edges
   double radius;       ///< of both, lattice units
+  /// Of `surface`: what must stay near to tracked faces. coarsen() and improve() make their own
+  /// where there are none.
+  const Landmarks* landmarks = nullptr;
 };
 
 struct ImproveOptions {

@@ -29,11 +29,18 @@ bool SurfaceGuard::allows(const TetComplex& complex, const PointStar& star, cons
   for (const auto& [a, b] : sheets_)
     if (!bounds_.surface.contains(to, a, b, bounds_.radius))
       return false;
-  return true;
+  if (bounds_.landmarks == nullptr)
+    return true;
+  before_.clear();
+  after_.clear();
+  for (const PointStar::Sheet& sheet : star.sheets())
+    before_.push_back({from, complex.at(sheet.p), complex.at(sheet.q)});
+  for (const auto& [a, b] : sheets_)
+    after_.push_back({to, a, b});
+  return bounds_.landmarks->keeps(before_, after_);
 }
 
-bool SurfaceGuard::allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c,
-                              const Vec3d& d) const {
+bool SurfaceGuard::allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   // Of the old faces the old edge is farthest from the new ones.
   for (const double s : {0.5, 0.25, 0.75}) {
     const Vec3d p = plus(times(a, 1 - s), times(b, s));
@@ -43,8 +50,14 @@ bool SurfaceGuard::allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c,
             bounds_.radius * bounds_.radius)
       return false;
   }
-  return bounds_.surface.contains(a, c, d, bounds_.radius) &&
-         bounds_.surface.contains(b, c, d, bounds_.radius);
+  if (!bounds_.surface.contains(a, c, d, bounds_.radius) ||
+      !bounds_.surface.contains(b, c, d, bounds_.radius))
+    return false;
+  if (bounds_.landmarks == nullptr)
+    return true;
+  before_.assign({{a, b, c}, {a, b, d}});
+  after_.assign({{a, c, d}, {b, c, d}});
+  return bounds_.landmarks->keeps(before_, after_);
 }
 
 } // namespace tetvdb

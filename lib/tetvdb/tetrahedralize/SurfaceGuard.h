@@ -18,16 +18,18 @@ public:
   explicit SurfaceGuard(const Bounds& bounds) : bounds_(bounds) {}
 
   /// For the tracked faces around the star's point when it goes to `to`, those with corner
-  /// `vanishes` going for good. The old point and the middles of old edges have to be near.
+  /// `vanishes` going for good. The old point and the middles of old edges have to be near, and
+  /// landmarks.
   bool allows(const TetComplex& complex, const PointStar& star, const Vec3d& to,
               std::uint32_t vanishes = TetComplex::kNone);
 
   /// For the tracked faces (a, b, c) and (a, b, d) that give way to (a, c, d) and (b, c, d).
-  bool allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) const;
+  bool allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
 private:
   const Bounds& bounds_;
   std::vector<std::array<Vec3d, 2>> sheets_; // with `to`
+  std::vector<Landmarks::Face> before_, after_;
 };
 
 } // namespace tetvdb

@@ -82,6 +82,7 @@ public:
                const std::vector<std::array<std::uint32_t, 3>>& faces);
 
   bool empty() const { return triangles_.empty(); }
+  std::uint32_t size() const { return static_cast<std::uint32_t>(triangles_.size()); }
   const NearTriangle& triangle(std::uint32_t i) const { return triangles_[i]; }
 
   /// Calls look(i, limit) for the triangles i whose box is within a squared distance of `limit`

@@ -215,7 +215,7 @@ TEST(Coarsen, SpikesStay) {
   Progress progress;
   coarsen(kept.complex, kept.bounds, progress);
   kept.expect();
-  EXPECT_LE(farthest(kept.surface, trackedFaces(kept.complex), 2), 1.5 * kRadius);
+  EXPECT_LE(farthest(kept.surface, trackedFaces(kept.complex), 2), kRadius);
 }
 
 // One hundredth of less than a hundred tets is none.

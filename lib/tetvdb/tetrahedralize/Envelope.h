@@ -35,7 +35,7 @@ public:
 
   double epsilon() const;
   bool empty() const; ///< no faces: contains nothing
-  /// Corners of the faces, in an order of its own.
+  /// Corners of the faces, in an order of its own; exact where they are lattice points.
   std::vector<std::array<Vec3d, 3>> faces() const;
 
   /// Whether a point, a segment, a triangle lies within `radius` of the faces. 0 < radius <=

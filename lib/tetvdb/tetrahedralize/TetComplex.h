@@ -132,7 +132,11 @@ public:
   bool ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
             std::vector<std::uint32_t>& ringPoints, std::uint32_t first = kNone) const;
 
-  /// A tet that has edge a-b, in this part; kNone: there is none.
+  /// Whether there are more than `count` tets around a point; no more than these are looked at.
+  bool hasMoreTets(std::uint32_t point, std::size_t count) const;
+
+  /// A tet that has edge a-b, in this part; kNone: there is none. Linear in the tets around the
+  /// point that has fewer.
   std::uint32_t tetAtEdge(std::uint32_t a, std::uint32_t b) const;
 
   /// Where tet `t` has neighbour `other`: 0..3.
@@ -153,7 +157,7 @@ private:
 
   std::vector<std::uint32_t> free_; // slots of tets that are gone
   mutable std::uint32_t mark_ = 0;
-  mutable std::vector<std::uint32_t> stack_;
+  mutable std::vector<std::uint32_t> stack_, otherStack_;
   // Scratch of replace(): faces by their points.
   struct OpenFace {
     std::array<std::uint32_t, 3> key;

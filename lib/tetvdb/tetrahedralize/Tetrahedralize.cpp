@@ -36,13 +36,13 @@ constexpr double kLeastEpsilon = 256;
 // What closes a hole is cut from tets of this share of the target length, as long as there are not
 // more of them.
 constexpr double kHoleShare = 0.5;
-constexpr std::size_t kMostHoleTets = 60000;
+constexpr std::size_t kMostHoleTets = 25000;
 // Where no more than one in so many owed points is lost, what is around them is kept as it was
 // inserted, and improvement begins anew, so often at most.
 constexpr std::size_t kFewLost = 20;
 constexpr int kMostMends = 2;
 // Tries at inserting all faces, while the mesh is not larger than this.
-constexpr int kMostInsertions = 5;
+constexpr int kMostInsertions = 4;
 constexpr std::size_t kTooManyTets = 1000000;
 // Memory of the whole work for a triangle, with what its points become. Measured.
 constexpr double kBytesPerFace = 6000;
@@ -329,7 +329,9 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   std::vector<LostSurface::Point> kept;
   std::size_t before = std::numeric_limits<std::size_t>::max(); // lost points
   for (int round = 0;; ++round) {
-    const bool last = round == kMostMends;
+    // Around open edges what is lost is lost to the winding number; energies suffer from fixed
+    // points.
+    const bool last = round == kMostMends || !rim.empty() || options.stopEnergy > 0;
     TetComplex mesh = last ? std::move(complex) : complex;
     keepNear(mesh, kept, 4 * radius, lattice);
     const LostSurface lost = finish(work, mesh, made, timer, progress);

@@ -12,9 +12,10 @@ namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
 constexpr std::size_t kMostSteps = 50000; // along one edge, or about one front: far beyond need
-constexpr double kNoise = 4;  // tolerances: a direction over less than this says nothing
-constexpr int kMostFlips = 4; // along one edge
-constexpr int kMostParts = 6; // halvings of a triangle
+constexpr double kNoise = 4;      // tolerances: a direction over less than this says nothing
+constexpr std::size_t kHub = 100; // tets around a point
+constexpr int kMostFlips = 4;     // along one edge
+constexpr int kMostParts = 6;     // halvings of a triangle
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
   return std::uint64_t(from) << 32 | to;
@@ -103,12 +104,17 @@ void TriangleInserter::recover(std::uint32_t a, std::uint32_t b) {
   if (complex_.points[a].fixed && complex_.points[b].fixed)
     throw Stop{Result::Elsewhere};
   flips_ = 0;
-  std::vector<std::uint32_t> made{a};
-  for (std::size_t step = 0; made.back() != b; ++step) {
+  // Away from hubs: every step looks at all tets around a point.
+  const bool turn = complex_.hasMoreTets(a, kHub) && !complex_.hasMoreTets(b, kHub);
+  const std::uint32_t start = turn ? b : a, end = turn ? a : b;
+  std::vector<std::uint32_t> made{start};
+  for (std::size_t step = 0; made.back() != end; ++step) {
     if (step > kMostSteps)
       throw Stop{Result::Failed};
-    made.push_back(nextOnSegment(made.back(), a, b));
+    made.push_back(nextOnSegment(made.back(), start, end));
   }
+  if (turn)
+    std::reverse(made.begin(), made.end());
   known_.paths.emplace(edgeKey(a, b), std::move(made));
 }
 

@@ -9,9 +9,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kReach = 0x1p20; // lattice units: 2e-4 of a unit of the meshes
-constexpr double kGrain =
-    kReach / 1024; // what soups are snapped to, as the mesher does it
+constexpr double kReach = 0x1p20;        // lattice units: 2e-4 of a unit of the meshes
+constexpr double kGrain = kReach / 1024; // what soups are snapped to, as the mesher does it
 constexpr std::uint32_t kFirst = 8;
 
 struct Inserted {
@@ -22,9 +21,8 @@ struct Inserted {
   std::vector<std::uint32_t> missing;
 };
 
-Inserted inserted(const std::vector<TriangleMesh> &meshes,
-                  double spacing = 0.25, double reach = kReach,
-                  double grain = kGrain) {
+Inserted inserted(const std::vector<TriangleMesh>& meshes, double spacing = 0.25,
+                  double reach = kReach, double grain = kGrain) {
   Inserted made;
   made.soup = soupOf(meshes, grain);
   made.inputs = meshes.size();
@@ -40,46 +38,42 @@ Inserted inserted(const std::vector<TriangleMesh> &meshes,
   return made;
 }
 
-std::array<Vec3d, 3> cornersOf(const std::vector<Vec3d> &points,
-                               const std::array<std::uint32_t, 3> &face) {
+std::array<Vec3d, 3> cornersOf(const std::vector<Vec3d>& points,
+                               const std::array<std::uint32_t, 3>& face) {
   return {points[face[0]], points[face[1]], points[face[2]]};
 }
 
-Vec3d within(const std::array<Vec3d, 3> &f, double s, double t) {
-  return plus(f[0],
-              plus(times(minus(f[1], f[0]), s), times(minus(f[2], f[0]), t)));
+Vec3d within(const std::array<Vec3d, 3>& f, double s, double t) {
+  return plus(f[0], plus(times(minus(f[1], f[0]), s), times(minus(f[2], f[0]), t)));
 }
 
 // All triangles are in, their faces near them, and they near their faces.
-void expectNear(const Inserted &made) {
+void expectNear(const Inserted& made) {
   EXPECT_EQ(made.missing.size(), 0u);
   const TrackedFaces surface = trackedFaces(made.complex);
   FaceDistances toSoup, toFaces;
-  for (const auto &face : made.soup.faces)
+  for (const auto& face : made.soup.faces)
     toSoup.add(cornersOf(made.soup.points, face));
-  for (const auto &face : surface.faces)
+  for (const auto& face : surface.faces)
     toFaces.add(cornersOf(surface.points, face));
   double out = 0, in = 0;
   std::set<std::uint32_t> corners;
-  for (const auto &face : surface.faces) {
+  for (const auto& face : surface.faces) {
     corners.insert(face.begin(), face.end());
-    out = std::max(
-        out, toSoup(within(cornersOf(surface.points, face), 1 / 3.0, 1 / 3.0)));
+    out = std::max(out, toSoup(within(cornersOf(surface.points, face), 1 / 3.0, 1 / 3.0)));
   }
   for (const std::uint32_t p : corners)
     out = std::max(out, toSoup(surface.points[p]));
-  for (const auto &face : made.soup.faces)
-    for (const auto &[s, t] :
-         {std::pair{1 / 3.0, 1 / 3.0}, std::pair{0.5, 0.0}, {0.1, 0.7}})
-      in = std::max(in,
-                    toFaces(within(cornersOf(made.soup.points, face), s, t)));
+  for (const auto& face : made.soup.faces)
+    for (const auto& [s, t] : {std::pair{1 / 3.0, 1 / 3.0}, std::pair{0.5, 0.0}, {0.1, 0.7}})
+      in = std::max(in, toFaces(within(cornersOf(made.soup.points, face), s, t)));
   EXPECT_LE(out, made.reach);
   EXPECT_LE(in, made.reach);
 }
 
 // Of an input: closed edge by edge, and the volume that the soup's faces
 // enclose, with signs.
-void expectSolid(const Inserted &made) {
+void expectSolid(const Inserted& made) {
   const TrackedFaces surface = trackedFaces(made.complex);
   expectClosed(surface, true);
   for (std::size_t input = 0; input < made.inputs; ++input) {
@@ -90,24 +84,20 @@ void expectSolid(const Inserted &made) {
         continue;
       const auto face = cornersOf(made.soup.points, made.soup.faces[f]);
       expected += sixfoldVolume(face);
-      area +=
-          length(cross(minus(face[1], face[0]), minus(face[2], face[0]))) / 2;
+      area += length(cross(minus(face[1], face[0]), minus(face[2], face[0]))) / 2;
     }
     for (std::size_t f = 0; f < surface.faces.size(); ++f)
       actual += digitOf(surface.chains[f], input, made.inputs) *
                 sixfoldVolume(cornersOf(surface.points, surface.faces[f]));
-    EXPECT_LE(std::abs(static_cast<double>(actual - expected)),
-              6 * area * made.reach);
-    EXPECT_GT(static_cast<double>(actual), 6 * area * made.reach)
-        << "encloses nothing to speak of";
+    EXPECT_LE(std::abs(static_cast<double>(actual - expected)), 6 * area * made.reach);
+    EXPECT_GT(static_cast<double>(actual), 6 * area * made.reach) << "encloses nothing to speak of";
   }
 }
 
 // In tets away from the soup: summed along faces from the box's side, against
 // solid angles.
-void expectWinding(const Inserted &made,
-                   const std::vector<TriangleMesh> &meshes) {
-  const auto &tets = made.complex.tets;
+void expectWinding(const Inserted& made, const std::vector<TriangleMesh>& meshes) {
+  const auto& tets = made.complex.tets;
   std::vector<Chain> winding(tets.size(), 0);
   std::vector<char> known(tets.size(), 0);
   std::vector<std::uint32_t> ahead;
@@ -134,7 +124,7 @@ void expectWinding(const Inserted &made,
     }
   }
   FaceDistances toSoup;
-  for (const auto &face : made.soup.faces)
+  for (const auto& face : made.soup.faces)
     toSoup.add(cornersOf(made.soup.points, face));
   std::size_t judged = 0;
   for (std::size_t t = 0; t < tets.size(); t += 1 + tets.size() / 400) {
@@ -145,15 +135,13 @@ void expectWinding(const Inserted &made,
       continue;
     ++judged;
     for (std::size_t input = 0; input < made.inputs; ++input)
-      EXPECT_NEAR(
-          digitOf(winding[t], input, made.inputs),
-          meshes::windingNumberAt(meshes[input], times(centre, 1 / kSoupScale)),
-          1e-3);
+      EXPECT_NEAR(digitOf(winding[t], input, made.inputs),
+                  meshes::windingNumberAt(meshes[input], times(centre, 1 / kSoupScale)), 1e-3);
   }
   EXPECT_GT(judged, 50u);
 }
 
-void expectAllOf(const std::vector<TriangleMesh> &meshes, double spacing = 0.25,
+void expectAllOf(const std::vector<TriangleMesh>& meshes, double spacing = 0.25,
                  double reach = kReach, double grain = kGrain) {
   const Inserted made = inserted(meshes, spacing, reach, grain);
   expectNear(made);
@@ -162,8 +150,8 @@ void expectAllOf(const std::vector<TriangleMesh> &meshes, double spacing = 0.25,
 }
 
 // So that nothing is aligned with axes.
-TriangleMesh turned(const TriangleMesh &mesh, const Vec3d &offset = {0, 0, 0}) {
-  return meshes::moved(mesh, [&](const Vec3d &p) {
+TriangleMesh turned(const TriangleMesh& mesh, const Vec3d& offset = {0, 0, 0}) {
+  return meshes::moved(mesh, [&](const Vec3d& p) {
     const double c = std::cos(0.7), s = std::sin(0.7);
     const Vec3d q{c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
     return plus({q[0], c * q[1] - s * q[2], s * q[1] + c * q[2]}, offset);
@@ -171,15 +159,13 @@ TriangleMesh turned(const TriangleMesh &mesh, const Vec3d &offset = {0, 0, 0}) {
 }
 
 // Each face in three, from a point so near to one of its edges.
-TriangleMesh withCaps(const TriangleMesh &mesh, double share) {
+TriangleMesh withCaps(const TriangleMesh& mesh, double share) {
   TriangleMesh capped;
   capped.points = mesh.points;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    const std::uint32_t a = mesh.triangles[i], b = mesh.triangles[i + 1],
-                        c = mesh.triangles[i + 2];
+    const std::uint32_t a = mesh.triangles[i], b = mesh.triangles[i + 1], c = mesh.triangles[i + 2];
     const auto n = static_cast<std::uint32_t>(capped.points.size());
-    const std::array<Vec3d, 3> f{mesh.points[a], mesh.points[b],
-                                 mesh.points[c]};
+    const std::array<Vec3d, 3> f{mesh.points[a], mesh.points[b], mesh.points[c]};
     capped.points.push_back(within(f, 0.4, share));
     meshes::addTriangle(capped, a, b, n);
     meshes::addTriangle(capped, b, c, n);
@@ -196,8 +182,7 @@ TriangleMesh randomTets(int count, std::uint64_t seed) {
     for (int k = 0; k < 4; ++k)
       tet.points.push_back({random.unit(), random.unit(), random.unit()});
     tet.triangles = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
-    meshes::append(mesh,
-                   meshes::signedVolume(tet) > 0 ? tet : meshes::flipped(tet));
+    meshes::append(mesh, meshes::signedVolume(tet) > 0 ? tet : meshes::flipped(tet));
   }
   return mesh;
 }
@@ -215,34 +200,28 @@ TEST(SoupInsertion, WithAReachOfAFewUnits) {
 }
 
 TEST(SoupInsertion, OverlappingSolids) {
-  expectAllOf({meshes::joined({meshes::sphere({0, 0, 0}, 1, 8),
-                               meshes::sphere({0.7, 0.3, 0.2}, 0.9, 8)})});
-  expectAllOf({meshes::joined(
-      {meshes::box({0, 0, 0}, {1, 1, 1}, 2),
-       turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2), {0.3, 0.4, 0.2})})});
-  expectAllOf({meshes::joined(
-      {meshes::torus(), turned(meshes::torus(), {0.4, 0.2, 0})})});
+  expectAllOf(
+      {meshes::joined({meshes::sphere({0, 0, 0}, 1, 8), meshes::sphere({0.7, 0.3, 0.2}, 0.9, 8)})});
+  expectAllOf({meshes::joined({meshes::box({0, 0, 0}, {1, 1, 1}, 2),
+                               turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2), {0.3, 0.4, 0.2})})});
+  expectAllOf({meshes::joined({meshes::torus(), turned(meshes::torus(), {0.4, 0.2, 0})})});
 }
 
 TEST(SoupInsertion, CoplanarFacesThatOverlap) {
   // Two faces of each in the same planes, looking the same way.
-  const TriangleMesh mesh =
-      meshes::joined({meshes::box({0, 0, 0}, {1, 1, 1}, 2),
-                      meshes::box({0.31, 0.17, 0}, {1.31, 1.17, 1}, 3)});
+  const TriangleMesh mesh = meshes::joined(
+      {meshes::box({0, 0, 0}, {1, 1, 1}, 2), meshes::box({0.31, 0.17, 0}, {1.31, 1.17, 1}, 3)});
   expectAllOf({mesh});
   expectAllOf({turned(mesh)}, 0.25, kReach, 1);
   // Nearly coplanar.
-  expectAllOf({meshes::joined(
-      {meshes::box({0, 0, 0}, {1, 1, 1}, 2),
-       meshes::box({0.31, 0.17, 1e-9}, {1.31, 1.17, 1 + 1e-9}, 3)})});
+  expectAllOf({meshes::joined({meshes::box({0, 0, 0}, {1, 1, 1}, 2),
+                               meshes::box({0.31, 0.17, 1e-9}, {1.31, 1.17, 1 + 1e-9}, 3)})});
 }
 
 TEST(SoupInsertion, SolidsThatTouch) {
   const TriangleMesh mesh = meshes::box({0, 0, 0}, {1, 1, 1}, 2);
-  for (const Vec3d &offset :
-       {Vec3d{1, 0, 0}, Vec3d{1, 0.3, 0.2}, Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
-    const auto other =
-        meshes::moved(mesh, [&](const Vec3d &p) { return plus(p, offset); });
+  for (const Vec3d& offset : {Vec3d{1, 0, 0}, Vec3d{1, 0.3, 0.2}, Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
+    const auto other = meshes::moved(mesh, [&](const Vec3d& p) { return plus(p, offset); });
     expectAllOf({meshes::joined({mesh, other})});
     expectAllOf({turned(meshes::joined({mesh, other}))}, 0.25, kReach, 1);
   }
@@ -251,24 +230,20 @@ TEST(SoupInsertion, SolidsThatTouch) {
 TEST(SoupInsertion, InputsThatShareFaces) {
   const TriangleMesh mesh = meshes::sphere({0, 0, 0}, 1, 6);
   expectAllOf({mesh, mesh});
-  expectAllOf({mesh, meshes::sphere({0.5, 0, 0}, 1, 6),
-               turned(meshes::box(), {0.2, 0, 0})});
+  expectAllOf({mesh, meshes::sphere({0.5, 0, 0}, 1, 6), turned(meshes::box(), {0.2, 0, 0})});
   // A wall between two materials.
-  expectAllOf({meshes::box({0, 0, 0}, {1, 1, 1}, 3),
-               meshes::box({1, 0, 0}, {2, 1, 1}, 3)});
+  expectAllOf({meshes::box({0, 0, 0}, {1, 1, 1}, 3), meshes::box({1, 0, 0}, {2, 1, 1}, 3)});
 }
 
 TEST(SoupInsertion, NeedlesAndCaps) {
   for (const double share : {1e-3, 1e-8, 1e-9}) {
     expectAllOf({withCaps(meshes::box({0, 0, 0}, {1, 1, 1}, 2), share)});
-    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)},
-                0.25, kReach, 1);
+    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)}, 0.25, kReach, 1);
   }
   // Needles a thousandth, a millionth as wide as long.
   for (const double width : {1e-3, 1e-6})
     expectAllOf({meshes::joined(
-        {meshes::box(),
-         turned(meshes::box({0, 0, 0}, {width, width, 1}), {0.5, 0.5, 0.5})})});
+        {meshes::box(), turned(meshes::box({0, 0, 0}, {width, width, 1}), {0.5, 0.5, 0.5})})});
 }
 
 TEST(SoupInsertion, FansOfTwoHundredTriangles) {
@@ -279,9 +254,9 @@ TEST(SoupInsertion, FansOfTwoHundredTriangles) {
 
 TEST(SoupInsertion, OneHugeTriangleUnderThousandsOfSmallOnes) {
   // The small box stands on the plate's one top face, coplanar with it.
-  const Inserted made = inserted(
-      {meshes::joined({meshes::box({-2, -2, -0.2}, {3, 3, 0}),
-                       meshes::box({0.3, 0.2, 0}, {0.45, 0.35, 0.1}, 16)})});
+  const Inserted made =
+      inserted({meshes::joined({meshes::box({-2, -2, -0.2}, {3, 3, 0}),
+                                meshes::box({0.3, 0.2, 0}, {0.45, 0.35, 0.1}, 16)})});
   EXPECT_EQ(made.missing.size(), 0u);
   expectSolid(made);
 }
@@ -296,23 +271,21 @@ TEST(SoupInsertion, OpenEdgesAreMarked) {
   const std::vector<TriangleMesh> soups = {
       meshes::sheet(4), turned(meshes::sheet(4)), meshes::moebius(),
       meshes::cylinder(1, 1, 32, false),
-      meshes::without(meshes::sphere({0, 0, 0}, 1, 8),
-                      [](std::size_t f) { return f < 80; }),
+      meshes::without(meshes::sphere({0, 0, 0}, 1, 8), [](std::size_t f) { return f < 80; }),
       // Across one another.
       meshes::joined({meshes::sheet(3, 0.5), turned(meshes::sheet(3, 0.2))})};
-  for (const TriangleMesh &mesh : soups) {
+  for (const TriangleMesh& mesh : soups) {
     const Inserted made = inserted({mesh});
     expectNear(made);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-    for (const auto &face : made.soup.faces)
+    for (const auto& face : made.soup.faces)
       for (std::size_t i = 0; i < 3; ++i)
         ++edges[std::minmax(face[i], face[(i + 1) % 3])];
     FaceDistances toRim;
     std::size_t open = 0;
-    for (const auto &[edge, faces] : edges)
+    for (const auto& [edge, faces] : edges)
       if (faces == 1) {
-        const Vec3d &a = made.soup.points[edge.first],
-                    &b = made.soup.points[edge.second];
+        const Vec3d &a = made.soup.points[edge.first], &b = made.soup.points[edge.second];
         toRim.add({a, b, b});
         ++open;
         EXPECT_TRUE(made.complex.points[edge.first + kFirst].rim);
@@ -320,7 +293,7 @@ TEST(SoupInsertion, OpenEdgesAreMarked) {
       }
     EXPECT_GT(open, 10u);
     double farthest = 0;
-    for (const auto &point : made.complex.points)
+    for (const auto& point : made.complex.points)
       if (point.rim)
         farthest = std::max(farthest, toRim(point.at));
     EXPECT_LE(farthest, made.reach);
@@ -328,28 +301,26 @@ TEST(SoupInsertion, OpenEdgesAreMarked) {
     // ends also within.)
     const TrackedFaces surface = trackedFaces(made.complex);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> sums;
-    for (const auto &face : surface.faces)
+    for (const auto& face : surface.faces)
       for (std::size_t i = 0; i < 3; ++i)
         ++sums[std::minmax(face[i], face[(i + 1) % 3])];
-    for (const auto &[edge, faces] : sums)
+    for (const auto& [edge, faces] : sums)
       if (faces == 1) {
         EXPECT_TRUE(made.complex.points[edge.first].rim);
         EXPECT_TRUE(made.complex.points[edge.second].rim);
       }
   }
   const Inserted closed = inserted({meshes::sphere()});
-  for (const auto &point : closed.complex.points)
+  for (const auto& point : closed.complex.points)
     EXPECT_FALSE(point.rim);
 }
 
 TEST(SoupInsertion, TheSameMeshForAnyNumberOfThreads) {
   const std::vector<TriangleMesh> meshes = {
-      meshes::joined({meshes::sphere({0, 0, 0}, 1, 20),
-                      meshes::sphere({0.7, 0.3, 0.2}, 0.9, 20)}),
+      meshes::joined({meshes::sphere({0, 0, 0}, 1, 20), meshes::sphere({0.7, 0.3, 0.2}, 0.9, 20)}),
       turned(meshes::box({0, 0, 0}, {1, 1, 1}, 4))};
   const auto bytes = [&](int threads) {
-    return onThreads(threads,
-                     [&] { return bytesOf(inserted(meshes, 0.1).complex); });
+    return onThreads(threads, [&] { return bytesOf(inserted(meshes, 0.1).complex); });
   };
   const std::string once = bytes(1);
   for (const int threads : {1, 2, 8})

@@ -13,21 +13,21 @@
 namespace tetvdb {
 namespace {
 
-WorkingLattice latticeOf(const std::vector<TriangleMesh> &inputs) {
+WorkingLattice latticeOf(const std::vector<TriangleMesh>& inputs) {
   Box box;
-  for (const TriangleMesh &mesh : inputs)
-    for (const Vec3d &p : mesh.points)
+  for (const TriangleMesh& mesh : inputs)
+    for (const Vec3d& p : mesh.points)
       box.add(p);
   return WorkingLattice(box);
 }
 
-LatticeSoup snapped(const std::vector<TriangleMesh> &inputs, double grain = 1) {
+LatticeSoup snapped(const std::vector<TriangleMesh>& inputs, double grain = 1) {
   Progress progress;
   return latticeSoup(inputs, latticeOf(inputs), grain, progress);
 }
 
 // What LatticeSoup.h promises of any soup.
-void expectTidy(const LatticeSoup &soup) {
+void expectTidy(const LatticeSoup& soup) {
   std::set<Vec3d> points(soup.points.begin(), soup.points.end());
   EXPECT_EQ(points.size(), soup.points.size());
   std::vector<char> used(soup.points.size(), 0);
@@ -42,19 +42,16 @@ void expectTidy(const LatticeSoup &soup) {
     std::sort(face.begin(), face.end());
     EXPECT_TRUE(face[0] != face[1] && face[1] != face[2]);
     EXPECT_TRUE(
-        faces
-            .insert(
-                {soup.inputs.empty() ? std::uint16_t(0) : soup.inputs[f], face})
-            .second);
+        faces.insert({soup.inputs.empty() ? std::uint16_t(0) : soup.inputs[f], face}).second);
   }
   EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
 }
 
-double volumeOf(const LatticeSoup &soup, double unit) {
+double volumeOf(const LatticeSoup& soup, double unit) {
   TriangleMesh mesh;
-  for (const Vec3d &p : soup.points)
+  for (const Vec3d& p : soup.points)
     mesh.points.push_back(times(p, unit));
-  for (const auto &f : soup.faces)
+  for (const auto& f : soup.faces)
     meshes::addTriangle(mesh, f[0], f[1], f[2]);
   return meshes::signedVolume(mesh);
 }
@@ -88,7 +85,7 @@ TEST(LatticeSoup, PutsPointsOnTheGrain) {
   for (const double grain : {1.0, 2.0, 1024.0, 0x1p30}) {
     const LatticeSoup soup = snapped({mesh}, grain);
     expectTidy(soup);
-    for (const Vec3d &p : soup.points)
+    for (const Vec3d& p : soup.points)
       for (const double coordinate : p)
         EXPECT_EQ(std::fmod(coordinate, grain), 0);
     // A coarse grain merges points, and the surface stays closed: its volume is
@@ -96,8 +93,7 @@ TEST(LatticeSoup, PutsPointsOnTheGrain) {
     EXPECT_NEAR(volumeOf(soup, lattice.unit()) / meshes::signedVolume(mesh), 1,
                 20 * grain * lattice.unit());
   }
-  EXPECT_LT(snapped({meshes::sphere({0, 0, 0}, 1, 60)}, 0x1p32).points.size(),
-            6000u);
+  EXPECT_LT(snapped({meshes::sphere({0, 0, 0}, 1, 60)}, 0x1p32).points.size(), 6000u);
 }
 
 TEST(LatticeSoup, OfFacesOverTheSamePointsTheSurplusDecides) {
@@ -113,7 +109,7 @@ TEST(LatticeSoup, OfFacesOverTheSamePointsTheSurplusDecides) {
       const LatticeSoup soup = snapped({mesh});
       expectTidy(soup);
       std::size_t ups = 0, downs = 0;
-      for (const auto &f : soup.faces) {
+      for (const auto& f : soup.faces) {
         const Vec3d normal = cross(minus(soup.points[f[1]], soup.points[f[0]]),
                                    minus(soup.points[f[2]], soup.points[f[0]]));
         (normal[2] > 0 ? ups : downs) += 1;
@@ -169,7 +165,7 @@ TEST(LatticeSoup, TidyingMovedPointsMergesThem) {
   EXPECT_EQ(soup.faces.size(), faces - 2);
   // A whole soup that falls flat onto its mirror image is gone.
   LatticeSoup flat = snapped({meshes::sphere({0, 0, 0}, 1, 8)});
-  for (Vec3d &p : flat.points)
+  for (Vec3d& p : flat.points)
     p[2] = 0;
   tidySoup(flat, progress);
   expectTidy(flat);
@@ -181,13 +177,12 @@ TEST(LatticeSoup, TidyingMovedPointsMergesThem) {
 TEST(LatticeSoup, FarFromTheOriginSnapsToWhatDoublesTellApart) {
   const Vec3d far{1e8, -1e8, 1e8};
   const TriangleMesh mesh =
-      meshes::moved(meshes::sphere({0, 0, 0}, 1, 6),
-                    [&](const Vec3d &p) { return plus(p, far); });
+      meshes::moved(meshes::sphere({0, 0, 0}, 1, 6), [&](const Vec3d& p) { return plus(p, far); });
   const WorkingLattice lattice = latticeOf({mesh});
   const LatticeSoup soup = snapped({mesh});
   expectTidy(soup);
   ASSERT_EQ(soup.points.size(), mesh.points.size());
-  for (const Vec3d &p : soup.points) {
+  for (const Vec3d& p : soup.points) {
     const Vec3d offset = minus(lattice.toWorld(p), far);
     EXPECT_NEAR(length(offset), 1, 1e-6);
   }

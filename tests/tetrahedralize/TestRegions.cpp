@@ -11,19 +11,13 @@ TEST(Regions, RulesByTheirTruthTables) {
   // Bits of inputs 0, 1, 2; what each rule says of them.
   for (std::uint16_t mask = 0; mask < 8; ++mask) {
     const bool a = (mask & 1) != 0, b = (mask & 2) != 0, c = (mask & 4) != 0;
-    EXPECT_EQ(regionOf(mask, 3, Boolean::Materials), a   ? 1
-                                                     : b ? 2
-                                                     : c ? 3
-                                                         : kOutsideRegion);
-    EXPECT_EQ(regionOf(mask, 3, Boolean::Union),
-              a || b || c ? 1 : kOutsideRegion);
-    EXPECT_EQ(regionOf(mask, 3, Boolean::Difference),
-              a && !b && !c ? 1 : kOutsideRegion);
-    EXPECT_EQ(regionOf(mask, 3, Boolean::Intersection),
-              a && b && c ? 1 : kOutsideRegion);
+    EXPECT_EQ(regionOf(mask, 3, Boolean::Materials), a ? 1 : b ? 2 : c ? 3 : kOutsideRegion);
+    EXPECT_EQ(regionOf(mask, 3, Boolean::Union), a || b || c ? 1 : kOutsideRegion);
+    EXPECT_EQ(regionOf(mask, 3, Boolean::Difference), a && !b && !c ? 1 : kOutsideRegion);
+    EXPECT_EQ(regionOf(mask, 3, Boolean::Intersection), a && b && c ? 1 : kOutsideRegion);
   }
-  for (const Boolean rule : {Boolean::Materials, Boolean::Union,
-                             Boolean::Difference, Boolean::Intersection}) {
+  for (const Boolean rule :
+       {Boolean::Materials, Boolean::Union, Boolean::Difference, Boolean::Intersection}) {
     EXPECT_EQ(regionOf(1, 1, rule), 1);
     EXPECT_EQ(regionOf(0, 1, rule), kOutsideRegion);
   }
@@ -54,11 +48,10 @@ WorkingLattice someLattice() {
 TEST(Regions, KeepsTetsOfARegionInTheirOrder) {
   const Marked marked;
   const WorkingLattice lattice = someLattice();
-  for (const Boolean rule : {Boolean::Materials, Boolean::Union,
-                             Boolean::Difference, Boolean::Intersection})
+  for (const Boolean rule :
+       {Boolean::Materials, Boolean::Union, Boolean::Difference, Boolean::Intersection})
     for (const bool outside : {false, true}) {
-      const TetMesh mesh =
-          keptTets(marked.complex, marked.inside, 2, rule, outside, lattice);
+      const TetMesh mesh = keptTets(marked.complex, marked.inside, 2, rule, outside, lattice);
       std::size_t next = 0;
       std::vector<char> used(mesh.points.size(), 0);
       for (std::size_t t = 0; t < marked.complex.tets.size(); ++t) {
@@ -81,8 +74,7 @@ TEST(Regions, KeepsTetsOfARegionInTheirOrder) {
       EXPECT_EQ(mesh.cellCount, next);
       EXPECT_EQ(mesh.regions.size(), next);
       EXPECT_TRUE(mesh.cellOfTet.empty());
-      EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0)
-          << "points of no tet";
+      EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0) << "points of no tet";
       EXPECT_GT(next, 0u);
     }
 }
@@ -90,8 +82,7 @@ TEST(Regions, KeepsTetsOfARegionInTheirOrder) {
 TEST(Regions, OfNothingNothingIsKept) {
   const Marked marked;
   const std::vector<std::uint16_t> none(marked.inside.size(), 0);
-  const TetMesh mesh =
-      keptTets(marked.complex, none, 2, Boolean::Union, false, someLattice());
+  const TetMesh mesh = keptTets(marked.complex, none, 2, Boolean::Union, false, someLattice());
   EXPECT_TRUE(mesh.tets.empty() && mesh.points.empty() && mesh.regions.empty());
 }
 

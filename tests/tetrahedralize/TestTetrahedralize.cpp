@@ -14,17 +14,16 @@ using meshes::joined;
 using meshes::signedVolume;
 using meshes::sphere;
 
-TriangleMesh turned(const TriangleMesh &mesh, double angle = 0.7,
-                    const Vec3d &by = {0, 0, 0}) {
+TriangleMesh turned(const TriangleMesh& mesh, double angle = 0.7, const Vec3d& by = {0, 0, 0}) {
   const double c = std::cos(angle), s = std::sin(angle);
-  return meshes::moved(mesh, [&](const Vec3d &p) {
+  return meshes::moved(mesh, [&](const Vec3d& p) {
     const Vec3d q{c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]};
     return plus({q[0], c * q[1] - s * q[2], s * q[1] + c * q[2]}, by);
   });
 }
 
-TriangleMesh shifted(const TriangleMesh &mesh, const Vec3d &by) {
-  return meshes::moved(mesh, [&](const Vec3d &p) { return plus(p, by); });
+TriangleMesh shifted(const TriangleMesh& mesh, const Vec3d& by) {
+  return meshes::moved(mesh, [&](const Vec3d& p) { return plus(p, by); });
 }
 
 TriangleMesh cone(double radius, double height, int around) {
@@ -43,10 +42,10 @@ TriangleMesh cone(double radius, double height, int around) {
 }
 
 // A prism of height 1 over a polygon that is seen whole from 0.
-TriangleMesh prism(const std::vector<std::array<double, 2>> &polygon) {
+TriangleMesh prism(const std::vector<std::array<double, 2>>& polygon) {
   TriangleMesh mesh;
   mesh.points = {{0, 0, 0}, {0, 0, 1}};
-  for (const auto &[x, y] : polygon) {
+  for (const auto& [x, y] : polygon) {
     mesh.points.push_back({x, y, 0});
     mesh.points.push_back({x, y, 1});
   }
@@ -64,35 +63,30 @@ TriangleMesh prism(const std::vector<std::array<double, 2>> &polygon) {
 TEST(Tetrahedralize, CleanSolids) {
   expectSolid(box(), 1);
   expectSolid(box({0, 0, 0}, {1, 2, 3}, 4), 6);
-  for (const TriangleMesh &mesh :
+  for (const TriangleMesh& mesh :
        {sphere({0, 0, 0}, 1, 12), meshes::torus(), turned(meshes::torus()),
         meshes::cylinder(1, 2, 40), turned(box({0, 0, 0}, {1, 1, 1}, 5))})
     expectSolid(mesh, signedVolume(mesh));
 }
 
 TEST(Tetrahedralize, SolidsThatOverlapAreOne) {
-  expectSolid(joined({box(), box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125})}),
-              2 - 0.5 * 0.75 * 0.875);
-  expectSolid(
-      joined({sphere({0, 0, 0}, 1, 8), turned(box(), 0.7, {0.3, 0.2, 0.1})}));
+  expectSolid(joined({box(), box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125})}), 2 - 0.5 * 0.75 * 0.875);
+  expectSolid(joined({sphere({0, 0, 0}, 1, 8), turned(box(), 0.7, {0.3, 0.2, 0.1})}));
   // The same plane, the same way; the walls nearly coincide.
-  expectSolid(joined({box(), box({0.5, 0.25, 0}, {1.5, 1.25, 1})}),
-              2 - 0.5 * 0.75);
-  expectSolid(joined({box(), box({0.5, 0.25, 1e-9}, {1.5, 1.25, 1 + 1e-9})}),
-              2 - 0.5 * 0.75);
+  expectSolid(joined({box(), box({0.5, 0.25, 0}, {1.5, 1.25, 1})}), 2 - 0.5 * 0.75);
+  expectSolid(joined({box(), box({0.5, 0.25, 1e-9}, {1.5, 1.25, 1 + 1e-9})}), 2 - 0.5 * 0.75);
 }
 
 TEST(Tetrahedralize, ATubeThroughItself) {
   // Along a figure of eight: where the tube meets itself the winding number
   // is 2.
-  const TriangleMesh mesh =
-      meshes::moved(meshes::torus(1, 0.2, 48, 12), [](const Vec3d &p) {
-        const double u = std::atan2(p[1], p[0]), r = std::hypot(p[0], p[1]) - 1;
-        const Vec3d along{std::cos(u), std::cos(2 * u), 0};
-        const double size = length(along);
-        return Vec3d{std::sin(u) + r * along[1] / size,
-                     std::sin(2 * u) / 2 - r * along[0] / size, p[2]};
-      });
+  const TriangleMesh mesh = meshes::moved(meshes::torus(1, 0.2, 48, 12), [](const Vec3d& p) {
+    const double u = std::atan2(p[1], p[0]), r = std::hypot(p[0], p[1]) - 1;
+    const Vec3d along{std::cos(u), std::cos(2 * u), 0};
+    const double size = length(along);
+    return Vec3d{std::sin(u) + r * along[1] / size, std::sin(2 * u) / 2 - r * along[0] / size,
+                 p[2]};
+  });
   expectSolid(mesh);
 }
 
@@ -101,22 +95,19 @@ TEST(Tetrahedralize, SoupsOfTheSameSolid) {
   const double volume = signedVolume(mesh);
   TriangleMesh wall = joined({box(), meshes::flipped(box())});
   wall.triangles.resize(3 * 13); // one face once more, turned round
-  for (const TriangleMesh &same :
-       {meshes::unwelded(mesh), meshes::flipped(mesh),
-        meshes::shuffledFaces(mesh), meshes::withFacesFlipped(mesh, 0.05),
-        meshes::withFacesFlipped(mesh, 0.3), joined({mesh, mesh})})
+  for (const TriangleMesh& same :
+       {meshes::unwelded(mesh), meshes::flipped(mesh), meshes::shuffledFaces(mesh),
+        meshes::withFacesFlipped(mesh, 0.05), meshes::withFacesFlipped(mesh, 0.3),
+        joined({mesh, mesh})})
     expectSolid(same, volume);
-  expectSolid(joined({mesh, meshes::flipped(shifted(mesh, {3, 0, 0}))}),
-              2 * volume);
+  expectSolid(joined({mesh, meshes::flipped(shifted(mesh, {3, 0, 0}))}), 2 * volume);
   (void)madeTets({wall}, {}); // a hole or none: no crash
 }
 
 TEST(Tetrahedralize, Holes) {
-  expectSolid(meshes::without(box({0, 0, 0}, {1, 1, 1}, 3),
-                              [](std::size_t f) { return f < 18; }));
+  expectSolid(meshes::without(box({0, 0, 0}, {1, 1, 1}, 3), [](std::size_t f) { return f < 18; }));
   for (const std::size_t hole : {6, 150})
-    expectSolid(meshes::without(sphere({0, 0, 0}, 1, 8),
-                                [&](std::size_t f) { return f < hole; }));
+    expectSolid(meshes::without(sphere({0, 0, 0}, 1, 8), [&](std::size_t f) { return f < hole; }));
   expectSolid(meshes::cylinder(1, 3, 32, false));
 }
 
@@ -124,11 +115,10 @@ TEST(Tetrahedralize, SheetsAreSaidToBeSheets) {
   TriangleMesh triangle;
   triangle.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3}};
   triangle.triangles = {0, 1, 2};
-  for (const TriangleMesh &mesh :
-       {meshes::sheet(4), turned(meshes::sheet(4)), triangle,
-        meshes::moved(sphere(), [](const Vec3d &p) {
-          return Vec3d{p[0], p[1], 0};
-        })}) {
+  for (const TriangleMesh& mesh : {meshes::sheet(4), turned(meshes::sheet(4)), triangle,
+                                   meshes::moved(sphere(), [](const Vec3d& p) {
+                                     return Vec3d{p[0], p[1], 0};
+                                   })}) {
     const MadeTets made = madeTets({mesh}, {});
     EXPECT_EQ(made.error, Status::Invalid) << made.message;
   }
@@ -136,26 +126,24 @@ TEST(Tetrahedralize, SheetsAreSaidToBeSheets) {
 
 TEST(Tetrahedralize, WhatIsNotAManifold) {
   expectSolid(joined({box(), box({1, 1, 0}, {2, 2, 1})}),
-              2); // an edge in common
+              2);                                             // an edge in common
   expectSolid(joined({box(), box({1, 1, 1}, {2, 2, 2})}), 2); // a point
   expectSolid(joined({box(), box({1, 0, 0}, {2, 1, 1})}), 2); // a face
   expectSolid(joined({box(), box({1, 0.3, 0.2}, {2, 1.3, 1.2})}),
               2); // parts of faces
   // T-junctions: one side of the box is cut finer than those about it.
   const auto notLow = [](std::size_t f) { return f >= 32; };
-  expectSolid(
-      joined({meshes::without(box(), [](std::size_t f) { return f < 2; }),
-              meshes::without(box({0, 0, 0}, {1, 1, 1}, 4), notLow)}),
-      1);
+  expectSolid(joined({meshes::without(box(), [](std::size_t f) { return f < 2; }),
+                      meshes::without(box({0, 0, 0}, {1, 1, 1}, 4), notLow)}),
+              1);
 }
 
 TEST(Tetrahedralize, FinsAddNoVolume) {
   const TriangleMesh fin = shifted(meshes::sheet(3), {0.5, 0.1, 0.45});
-  for (const TriangleMesh &mesh :
-       {joined({box(), fin}),
-        joined({box(), meshes::moved(fin, [](const Vec3d &p) {
-                  return Vec3d{0.2 + 0.3 * p[0], 0.2 + 0.3 * p[1], p[2]};
-                })})}) {
+  for (const TriangleMesh& mesh :
+       {joined({box(), fin}), joined({box(), meshes::moved(fin, [](const Vec3d& p) {
+                                        return Vec3d{0.2 + 0.3 * p[0], 0.2 + 0.3 * p[1], p[2]};
+                                      })})}) {
     const MadeTets made = expectSolid(mesh);
     EXPECT_NEAR(made.result.check.volume, 1, 0.02);
   }
@@ -171,11 +159,9 @@ TEST(Tetrahedralize, InnerWallsOfFiveSheets) {
 }
 
 TEST(Tetrahedralize, NestedShells) {
-  const TriangleMesh large = sphere({0, 0, 0}, 1, 8),
-                     middle = sphere({0, 0, 0}, 0.6, 6),
+  const TriangleMesh large = sphere({0, 0, 0}, 1, 8), middle = sphere({0, 0, 0}, 0.6, 6),
                      small = sphere({0, 0, 0}, 0.3, 4);
-  const double v = signedVolume(large), w = signedVolume(middle),
-               u = signedVolume(small);
+  const double v = signedVolume(large), w = signedVolume(middle), u = signedVolume(small);
   expectSolid(joined({large, meshes::flipped(middle)}), v - w);
   expectSolid(joined({large, middle}), v);
   expectSolid(joined({large, meshes::flipped(middle), small}), v - w + u);
@@ -190,12 +176,10 @@ TEST(Tetrahedralize, DegenerateFaces) {
     capped.points = mesh.points;
     for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
       const auto n = static_cast<std::uint32_t>(capped.points.size());
-      const std::array<std::uint32_t, 3> f{
-          mesh.triangles[i], mesh.triangles[i + 1], mesh.triangles[i + 2]};
-      const Vec3d &a = mesh.points[f[0]], &b = mesh.points[f[1]],
-                  &c = mesh.points[f[2]];
-      capped.points.push_back(
-          plus(times(a, 0.6 - share), plus(times(b, 0.4), times(c, share))));
+      const std::array<std::uint32_t, 3> f{mesh.triangles[i], mesh.triangles[i + 1],
+                                           mesh.triangles[i + 2]};
+      const Vec3d &a = mesh.points[f[0]], &b = mesh.points[f[1]], &c = mesh.points[f[2]];
+      capped.points.push_back(plus(times(a, 0.6 - share), plus(times(b, 0.4), times(c, share))));
       meshes::addTriangle(capped, f[0], f[1], n);
       meshes::addTriangle(capped, f[1], f[2], n);
       meshes::addTriangle(capped, f[2], f[0], n);
@@ -237,12 +221,12 @@ TEST(Tetrahedralize, GapsWiderThanTwoEpsilonStay) {
   options.epsilon = 2e-3;
   for (const double gap : {10.0, 4.0, 0.5}) {
     const double right = 1 + gap * options.epsilon;
-    const MadeTets made = expectSolid(
-        joined({box(), box({right, 0, 0}, {right + 1, 1, 1})}), 2, options);
+    const MadeTets made =
+        expectSolid(joined({box(), box({right, 0, 0}, {right + 1, 1, 1})}), 2, options);
     if (gap < 2 || made.error)
       continue;
     // No tet lies in the gap.
-    const TetMesh &mesh = made.result.mesh;
+    const TetMesh& mesh = made.result.mesh;
     for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
       double x = 0;
       for (std::size_t k = 0; k < 4; ++k)
@@ -256,9 +240,8 @@ TEST(Tetrahedralize, SizesAndPlaces) {
   const TriangleMesh mesh = turned(meshes::torus(1, 0.4, 20, 10));
   const double volume = signedVolume(mesh);
   for (const double factor : {1e8, 1e-8})
-    expectSolid(
-        meshes::moved(mesh, [&](const Vec3d &p) { return times(p, factor); }),
-        volume * factor * factor * factor);
+    expectSolid(meshes::moved(mesh, [&](const Vec3d& p) { return times(p, factor); }),
+                volume * factor * factor * factor);
   for (const double far : {1e6, -1e8})
     expectSolid(shifted(mesh, {far, -far, far}), volume);
   TetrahedralizeOptions options;
@@ -267,9 +250,8 @@ TEST(Tetrahedralize, SizesAndPlaces) {
 }
 
 TEST(Tetrahedralize, SharpTips) {
-  for (const TriangleMesh &mesh :
-       {cone(0.2, 2, 24), cone(1, 0.1, 24),
-        prism({{-0.5, -0.009}, {0.5, 0}, {-0.5, 0.009}})}) // 1 degree
+  for (const TriangleMesh& mesh : {cone(0.2, 2, 24), cone(1, 0.1, 24),
+                                   prism({{-0.5, -0.009}, {0.5, 0}, {-0.5, 0.009}})}) // 1 degree
     expectSolid(mesh, signedVolume(mesh));
   std::vector<std::array<double, 2>> star, gear;
   for (int i = 0; i < 24; ++i) {
@@ -278,7 +260,7 @@ TEST(Tetrahedralize, SharpTips) {
     star.push_back({r * std::cos(u), r * std::sin(u)});
     gear.push_back({g * std::cos(u), g * std::sin(u)});
   }
-  for (const auto &polygon : {star, gear}) {
+  for (const auto& polygon : {star, gear}) {
     const TriangleMesh mesh = turned(prism(polygon));
     expectSolid(mesh, signedVolume(mesh));
   }
@@ -287,7 +269,7 @@ TEST(Tetrahedralize, SharpTips) {
 TEST(Tetrahedralize, DetailBelowEpsilonGoes) {
   meshes::Random random(1);
   TriangleMesh mesh = sphere({0, 0, 0}, 1, 24);
-  for (Vec3d &p : mesh.points)
+  for (Vec3d& p : mesh.points)
     p = times(p, 1 + 2e-3 * (random.unit() - 0.5));
   TetrahedralizeOptions options;
   options.epsilon = 1e-2;
@@ -298,22 +280,18 @@ TEST(Tetrahedralize, DetailBelowEpsilonGoes) {
 TEST(Tetrahedralize, ManyParts) {
   TriangleMesh mesh;
   for (int i = 0; i < 216; ++i)
-    meshes::append(
-        mesh,
-        sphere({double(i % 6), double(i / 6 % 6), double(i / 36)}, 0.4, 2));
+    meshes::append(mesh, sphere({double(i % 6), double(i / 6 % 6), double(i / 36)}, 0.4, 2));
   expectSolid(mesh, signedVolume(mesh));
 }
 
 TEST(Tetrahedralize, HugeTrianglesBesideSmallOnes) {
-  expectSolid(joined({box({-2, -2, -0.2}, {3, 3, 0}),
-                      box({0.3, 0.2, 0}, {0.45, 0.35, 0.1}, 8)}));
-  expectSolid(turned(joined({box({-2, -2, -0.2}, {3, 3, 0}),
-                             box({0.3, 0.2, -0.05}, {0.45, 0.35, 0.1}, 8)})));
+  expectSolid(joined({box({-2, -2, -0.2}, {3, 3, 0}), box({0.3, 0.2, 0}, {0.45, 0.35, 0.1}, 8)}));
+  expectSolid(turned(
+      joined({box({-2, -2, -0.2}, {3, 3, 0}), box({0.3, 0.2, -0.05}, {0.45, 0.35, 0.1}, 8)})));
 }
 
 TEST(Tetrahedralize, FansOfHundredsOfTriangles) {
-  for (const TriangleMesh &mesh :
-       {meshes::cylinder(1, 1, 200), cone(1, 1, 300)})
+  for (const TriangleMesh& mesh : {meshes::cylinder(1, 1, 200), cone(1, 1, 300)})
     expectSolid(mesh, signedVolume(mesh));
 }
 

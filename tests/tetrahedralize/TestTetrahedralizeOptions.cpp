@@ -25,35 +25,31 @@ TetrahedralizeOptions withEpsilon(double epsilon) {
   return options;
 }
 
-double volumeOf(const TetMesh &mesh, std::int32_t region) {
+double volumeOf(const TetMesh& mesh, std::int32_t region) {
   double sum = 0;
   for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
     if (mesh.regions[t] != region)
       continue;
-    const Vec3d &a = mesh.points[mesh.tets[4 * t]];
-    const auto to = [&](std::size_t k) {
-      return minus(mesh.points[mesh.tets[4 * t + k]], a);
-    };
+    const Vec3d& a = mesh.points[mesh.tets[4 * t]];
+    const auto to = [&](std::size_t k) { return minus(mesh.points[mesh.tets[4 * t + k]], a); };
     sum += dot(cross(to(1), to(2)), to(3)) / 6;
   }
   return sum;
 }
 
 // Equal bytes are equal meshes: no number is -0 or NaN in one of them alone.
-std::string bytesOf(const Tetrahedralization &made) {
-  const auto bytes = [](const auto &values) {
-    return std::string(reinterpret_cast<const char *>(values.data()),
+std::string bytesOf(const Tetrahedralization& made) {
+  const auto bytes = [](const auto& values) {
+    return std::string(reinterpret_cast<const char*>(values.data()),
                        values.size() * sizeof(values[0]));
   };
-  return bytes(made.mesh.points) + bytes(made.mesh.tets) +
-         bytes(made.mesh.regions);
+  return bytes(made.mesh.points) + bytes(made.mesh.tets) + bytes(made.mesh.regions);
 }
 
 TEST(TetrahedralizeOptions, LengthsThatMakeNoSense) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (const double wrong :
-       {-1.0, -1e-300, kNan, kInfinity, 1.0, 1e300, 1e-300, 1e-12}) {
+  for (const double wrong : {-1.0, -1e-300, kNan, kInfinity, 1.0, 1e300, 1e-300, 1e-12}) {
     const MadeTets made = madeTets({box()}, withEpsilon(wrong));
     EXPECT_EQ(made.error, Status::Usage) << wrong << made.message;
   }
@@ -74,8 +70,7 @@ TEST(TetrahedralizeOptions, SmallAndLargeEpsilon) {
   const TriangleMesh mesh = sphere({0, 0, 0}, 1, 10);
   std::size_t faces = std::numeric_limits<std::size_t>::max();
   for (const double epsilon : {1e-6, 1e-4, 1e-2, 0.1}) {
-    const MadeTets made =
-        expectSolid(mesh, signedVolume(mesh), withEpsilon(epsilon));
+    const MadeTets made = expectSolid(mesh, signedVolume(mesh), withEpsilon(epsilon));
     EXPECT_LE(made.result.boundaryFaces, faces) << epsilon;
     faces = made.result.boundaryFaces;
   }
@@ -84,12 +79,11 @@ TEST(TetrahedralizeOptions, SmallAndLargeEpsilon) {
 TEST(TetrahedralizeOptions, InputsThatAreNone) {
   EXPECT_EQ(madeTets({}, {}).error, Status::Usage);
   EXPECT_EQ(madeTets({TriangleMesh{}}, {}).error, Status::Invalid);
-  EXPECT_EQ(madeTets(std::vector<TriangleMesh>(11, box()), {}).error,
-            Status::Usage);
+  EXPECT_EQ(madeTets(std::vector<TriangleMesh>(11, box()), {}).error, Status::Usage);
   // All in one point, all on one line.
   for (const double length : {0.0, 1.0}) {
     TriangleMesh mesh = sphere();
-    for (Vec3d &p : mesh.points)
+    for (Vec3d& p : mesh.points)
       p = {length * p[0], length * p[0], 2 * length * p[0]};
     EXPECT_EQ(madeTets({mesh}, {}).error, Status::Invalid);
   }
@@ -101,33 +95,29 @@ TEST(TetrahedralizeOptions, InputsThatAreNone) {
 TEST(TetrahedralizeOptions, TheSameTetsForAnyNumberOfThreadsAndEveryTime) {
   const std::vector<TriangleMesh> inputs = {
       joined({sphere({0, 0, 0}, 1, 16), meshes::torus()}),
-      meshes::without(sphere({0.5, 0.5, 0}, 1, 12),
-                      [](std::size_t f) { return f < 20; })};
+      meshes::without(sphere({0.5, 0.5, 0}, 1, 12), [](std::size_t f) { return f < 20; })};
   for (const double stop : {0.0, 30.0}) {
     TetrahedralizeOptions options;
     options.stopEnergy = stop;
     options.maxPasses = 4;
     std::string first;
     for (const int threads : {1, 1, 2, 8}) {
-      const tbb::global_control limit(
-          tbb::global_control::max_allowed_parallelism,
-          static_cast<std::size_t>(threads));
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                      static_cast<std::size_t>(threads));
       tbb::task_arena arena(threads);
-      const std::string bytes = arena.execute(
-          [&] { return bytesOf(madeTets(inputs, options).result); });
+      const std::string bytes =
+          arena.execute([&] { return bytesOf(madeTets(inputs, options).result); });
       EXPECT_FALSE(bytes.empty());
       if (first.empty())
         first = bytes;
-      EXPECT_TRUE(bytes == first)
-          << threads << " threads, stop energy " << stop;
+      EXPECT_TRUE(bytes == first) << threads << " threads, stop energy " << stop;
     }
   }
 }
 
 TEST(TetrahedralizeOptions, BooleansOfTwo) {
-  const std::vector<TriangleMesh> inputs = {
-      box({0, 0, 0}, {1, 1, 1}, 2),
-      box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125}, 3)};
+  const std::vector<TriangleMesh> inputs = {box({0, 0, 0}, {1, 1, 1}, 2),
+                                            box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125}, 3)};
   const double common = 0.5 * 0.75 * 0.875, slack = 12 * 3e-3;
   TetrahedralizeOptions options;
   const auto made = [&](Boolean rule) {
@@ -146,13 +136,12 @@ TEST(TetrahedralizeOptions, BooleansOfTwo) {
 }
 
 TEST(TetrahedralizeOptions, BooleansOfThree) {
-  const std::vector<TriangleMesh> inputs = {sphere({0, 0, 0}, 1, 8),
-                                            box({0, 0, 0}, {2, 2, 2}, 2),
+  const std::vector<TriangleMesh> inputs = {sphere({0, 0, 0}, 1, 8), box({0, 0, 0}, {2, 2, 2}, 2),
                                             sphere({0.5, 0, 0}, 0.9, 8)};
   TetrahedralizeOptions options;
   std::map<Boolean, TetMesh> made;
-  for (const Boolean rule : {Boolean::Materials, Boolean::Union,
-                             Boolean::Difference, Boolean::Intersection}) {
+  for (const Boolean rule :
+       {Boolean::Materials, Boolean::Union, Boolean::Difference, Boolean::Intersection}) {
     options.boolean = rule;
     MadeTets result = madeTets(inputs, options);
     EXPECT_FALSE(result.error) << result.message;
@@ -181,7 +170,7 @@ TEST(TetrahedralizeOptions, BooleansOfThree) {
       expected[{Boolean::Intersection, 1}] += share;
   }
   EXPECT_EQ(expected.size(), 6u);
-  for (const auto &[which, volume] : expected) // four standard deviations
+  for (const auto& [which, volume] : expected) // four standard deviations
     EXPECT_NEAR(volumeOf(made[which.first], which.second), volume,
                 4 * std::sqrt(27.0 / kPoints * volume) + 0.05);
   // Materials fill what the union does.
@@ -192,9 +181,8 @@ TEST(TetrahedralizeOptions, BooleansOfThree) {
 }
 
 TEST(TetrahedralizeOptions, MaterialsThatShareAWall) {
-  const std::vector<TriangleMesh> inputs = {box({0, 0, 0}, {1, 1, 1}, 2),
-                                            box({1, 0, 0}, {2, 1, 1}, 2),
-                                            sphere({1, 0.5, 0.5}, 0.3)};
+  const std::vector<TriangleMesh> inputs = {
+      box({0, 0, 0}, {1, 1, 1}, 2), box({1, 0, 0}, {2, 1, 1}, 2), sphere({1, 0.5, 0.5}, 0.3)};
   const MadeTets made = madeTets(inputs, {});
   ASSERT_FALSE(made.error) << made.message;
   EXPECT_NEAR(volumeOf(made.result.mesh, 1), 1, 0.02);
@@ -209,11 +197,9 @@ TEST(TetrahedralizeOptions, MaterialsThatShareAWall) {
 TEST(TetrahedralizeOptions, BooleansThatLeaveNothing) {
   TetrahedralizeOptions options;
   options.boolean = Boolean::Intersection;
-  EXPECT_EQ(madeTets({box(), box({2, 0, 0}, {3, 1, 1})}, options).error,
-            Status::Invalid);
+  EXPECT_EQ(madeTets({box(), box({2, 0, 0}, {3, 1, 1})}, options).error, Status::Invalid);
   options.boolean = Boolean::Difference;
-  EXPECT_EQ(madeTets({box(), box({-1, -1, -1}, {2, 2, 2})}, options).error,
-            Status::Invalid);
+  EXPECT_EQ(madeTets({box(), box({-1, -1, -1}, {2, 2, 2})}, options).error, Status::Invalid);
 }
 
 TEST(TetrahedralizeOptions, WhatIsOutsideFillsABox) {
@@ -223,26 +209,24 @@ TEST(TetrahedralizeOptions, WhatIsOutsideFillsABox) {
   const MadeTets made = madeTets({mesh}, options);
   ASSERT_FALSE(made.error) << made.message;
   expectNoFaults(checkOf(made));
-  const TetMesh &tets = made.result.mesh;
+  const TetMesh& tets = made.result.mesh;
   EXPECT_EQ(std::set<std::int32_t>(tets.regions.begin(), tets.regions.end()),
             (std::set<std::int32_t>{-1, 1}));
   Vec3d low{9, 9, 9}, high{-9, -9, -9};
-  for (const Vec3d &p : tets.points)
+  for (const Vec3d& p : tets.points)
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::min(low[axis], p[axis]);
       high[axis] = std::max(high[axis], p[axis]);
     }
-  const double whole =
-      (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
+  const double whole = (high[0] - low[0]) * (high[1] - low[1]) * (high[2] - low[2]);
   EXPECT_NEAR(volumeOf(tets, 1) + volumeOf(tets, -1), whole, 1e-9 * whole);
   EXPECT_LT(low[0], -1);
   EXPECT_GT(high[2], 1);
 }
 
 TEST(TetrahedralizeOptions, StopEnergyIsReached) {
-  for (const TriangleMesh &mesh :
-       {box(), sphere({0, 0, 0}, 1, 8), meshes::torus(),
-        meshes::cylinder(1, 2, 24)}) {
+  for (const TriangleMesh& mesh :
+       {box(), sphere({0, 0, 0}, 1, 8), meshes::torus(), meshes::cylinder(1, 2, 24)}) {
     TetrahedralizeOptions options;
     options.stopEnergy = 10;
     const MadeTets made = expectSolid(mesh, signedVolume(mesh), options);
@@ -269,7 +253,7 @@ TEST(TetrahedralizeOptions, CancelledAtEachStage) {
     (void)tetrahedralize({mesh}, options, report, progress);
   }
   EXPECT_GE(stages.size(), 8u);
-  for (const std::string &at : stages) {
+  for (const std::string& at : stages) {
     Progress progress;
     Report report;
     std::set<std::string> later;
@@ -282,12 +266,11 @@ TEST(TetrahedralizeOptions, CancelledAtEachStage) {
     try {
       (void)tetrahedralize({mesh}, options, report, progress);
       ADD_FAILURE() << "cancelled in " << at << ", and made";
-    } catch (const Error &error) {
+    } catch (const Error& error) {
       EXPECT_EQ(error.status(), Status::Cancelled) << at;
     }
     // Stages of a moment do not look.
-    EXPECT_LE(later.size(), 1u)
-        << "cancelled in " << at << ", went on to " << *later.begin();
+    EXPECT_LE(later.size(), 1u) << "cancelled in " << at << ", went on to " << *later.begin();
     EXPECT_FALSE(report.partial);
   }
 }
@@ -299,7 +282,7 @@ TEST(TetrahedralizeOptions, PastTheDeadline) {
   try {
     (void)tetrahedralize({sphere()}, {}, report, progress);
     ADD_FAILURE();
-  } catch (const Error &error) {
+  } catch (const Error& error) {
     EXPECT_EQ(error.status(), Status::Cancelled);
   }
 }

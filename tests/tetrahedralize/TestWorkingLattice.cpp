@@ -10,7 +10,7 @@
 namespace tetvdb {
 namespace {
 
-Box boxAt(const Vec3d &low, const Vec3d &high) {
+Box boxAt(const Vec3d& low, const Vec3d& high) {
   Box box;
   box.add(low);
   box.add(high);
@@ -29,7 +29,7 @@ std::vector<Box> boxes() {
           boxAt({0, 0, 0}, {1e-200, 1e-200, 0})};
 }
 
-Vec3d within(const Box &box, std::mt19937_64 &random, double margin) {
+Vec3d within(const Box& box, std::mt19937_64& random, double margin) {
   std::uniform_real_distribution<double> along(-margin, 1 + margin);
   Vec3d p{};
   double side = 0;
@@ -43,7 +43,7 @@ Vec3d within(const Box &box, std::mt19937_64 &random, double margin) {
 }
 
 TEST(WorkingLattice, UnitsArePowersOfTwo) {
-  for (const Box &box : boxes()) {
+  for (const Box& box : boxes()) {
     int exponent = 0;
     EXPECT_EQ(std::frexp(WorkingLattice(box).unit(), &exponent), 0.5);
   }
@@ -51,7 +51,7 @@ TEST(WorkingLattice, UnitsArePowersOfTwo) {
 
 TEST(WorkingLattice, PointsAreWholeAndNearAndWithinBounds) {
   std::mt19937_64 random(1);
-  for (const Box &box : boxes()) {
+  for (const Box& box : boxes()) {
     const WorkingLattice lattice(box);
     for (int i = 0; i < 1000; ++i) {
       const Vec3d p = within(box, random, 0.5);
@@ -68,14 +68,13 @@ TEST(WorkingLattice, PointsAreWholeAndNearAndWithinBounds) {
 
 TEST(WorkingLattice, TheWayBackRoundsNothing) {
   std::mt19937_64 random(2);
-  std::uniform_int_distribution<std::int64_t> anywhere(
-      -(std::int64_t(1) << 37) + 1, (std::int64_t(1) << 37) - 1);
-  for (const Box &box : boxes()) {
+  std::uniform_int_distribution<std::int64_t> anywhere(-(std::int64_t(1) << 37) + 1,
+                                                       (std::int64_t(1) << 37) - 1);
+  for (const Box& box : boxes()) {
     const WorkingLattice lattice(box);
     const Vec3d origin = lattice.toWorld({0, 0, 0});
     for (int i = 0; i < 1000; ++i) {
-      const Vec3d on{double(anywhere(random)), double(anywhere(random)),
-                     double(anywhere(random))};
+      const Vec3d on{double(anywhere(random)), double(anywhere(random)), double(anywhere(random))};
       const Vec3d world = lattice.toWorld(on);
       EXPECT_EQ(lattice.toLattice(world), on);
       // Differences in world space are the lattice's, exactly: by whole numbers
@@ -83,8 +82,8 @@ TEST(WorkingLattice, TheWayBackRoundsNothing) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         using exact_volume::Whole;
         const int unit = std::ilogb(lattice.unit());
-        const Whole rest = Whole(world[axis], unit) -
-                           Whole(origin[axis], unit) - Whole(on[axis], 0);
+        const Whole rest =
+            Whole(world[axis], unit) - Whole(origin[axis], unit) - Whole(on[axis], 0);
         EXPECT_EQ(rest.sign(), 0);
       }
     }
@@ -92,23 +91,20 @@ TEST(WorkingLattice, TheWayBackRoundsNothing) {
 }
 
 TEST(WorkingLattice, IsFineEnough) {
-  for (const Box &box : boxes()) {
+  for (const Box& box : boxes()) {
     double side = 0, far = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       side = std::max(side, box.high[axis] - box.low[axis]);
       far = std::max({far, std::abs(box.low[axis]), std::abs(box.high[axis])});
     }
-    EXPECT_LE(WorkingLattice(box).unit(),
-              std::max(side * 0x1p-36, (far + side) * 0x1p-50));
+    EXPECT_LE(WorkingLattice(box).unit(), std::max(side * 0x1p-36, (far + side) * 0x1p-50));
   }
 }
 
-void expectSign(const Vec3d &a, const Vec3d &b, const Vec3d &c,
-                const Vec3d &d) {
+void expectSign(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   // Both count where d lies on the side that (b - a) x (c - a) points to.
-  const int expected =
-      exact_volume::signByWholes({a[0], a[1], a[2]}, {b[0], b[1], b[2]},
-                                 {c[0], c[1], c[2]}, {d[0], d[1], d[2]});
+  const int expected = exact_volume::signByWholes({a[0], a[1], a[2]}, {b[0], b[1], b[2]},
+                                                  {c[0], c[1], c[2]}, {d[0], d[1], d[2]});
   ASSERT_EQ(latticeOrientation(a, b, c, d), expected);
   ASSERT_EQ(exactOrientation(a, b, c, d), expected);
   ASSERT_EQ(latticeOrientation(b, a, c, d), -expected);
@@ -121,7 +117,7 @@ TEST(LatticeOrientation, IsExactForRandomTets) {
     const double size = std::ldexp(1.0, 2 + i % 36);
     std::uniform_real_distribution<double> along(-size, size);
     std::array<Vec3d, 4> p;
-    for (Vec3d &q : p)
+    for (Vec3d& q : p)
       q = roundToLattice({along(random), along(random), along(random)});
     expectSign(p[0], p[1], p[2], p[3]);
   }
@@ -136,19 +132,16 @@ TEST(LatticeOrientation, IsExactNearPlanes) {
   int zeros = 0, signs = 0;
   for (int i = 0; i < 4000; ++i) {
     std::array<Vec3d, 4> p;
-    for (Vec3d &q : p)
+    for (Vec3d& q : p)
       q = roundToLattice({along(random), along(random), along(random)});
     const double s = share(random) / 2, t = share(random) / 2;
     for (std::size_t axis = 0; axis < 3; ++axis)
-      p[3][axis] = std::nearbyint(p[0][axis] * (1 - s - t) + p[1][axis] * s +
-                                  p[2][axis] * t);
-    if (i % 3 ==
-        0) // on the plane: the corner of a parallelogram of even numbers
+      p[3][axis] = std::nearbyint(p[0][axis] * (1 - s - t) + p[1][axis] * s + p[2][axis] * t);
+    if (i % 3 == 0) // on the plane: the corner of a parallelogram of even numbers
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (std::size_t k = 0; k < 3; ++k)
           p[k][axis] = std::nearbyint(p[k][axis] / 8) * 2;
-        p[3][axis] = p[1][axis] + p[2][axis] - p[0][axis] +
-                     (i % 2 == 0 && axis == 1 ? 1 : 0);
+        p[3][axis] = p[1][axis] + p[2][axis] - p[0][axis] + (i % 2 == 0 && axis == 1 ? 1 : 0);
       }
     expectSign(p[0], p[1], p[2], p[3]);
     const int sign = latticeOrientation(p[0], p[1], p[2], p[3]);
@@ -162,14 +155,14 @@ TEST(LatticeOrientation, IsExactAtTheCornersOfTheLattice) {
   std::vector<Vec3d> corners;
   const double most = kLatticeBound - 1;
   for (int i = 0; i < 8; ++i)
-    corners.push_back({(i & 1) != 0 ? most : -most, (i & 2) != 0 ? most : -most,
-                       (i & 4) != 0 ? most : -most});
+    corners.push_back(
+        {(i & 1) != 0 ? most : -most, (i & 2) != 0 ? most : -most, (i & 4) != 0 ? most : -most});
   corners.push_back({0, 0, 0});
   corners.push_back({1, 0, 0});
-  for (const Vec3d &a : corners)
-    for (const Vec3d &b : corners)
-      for (const Vec3d &c : corners)
-        for (const Vec3d &d : corners)
+  for (const Vec3d& a : corners)
+    for (const Vec3d& b : corners)
+      for (const Vec3d& c : corners)
+        for (const Vec3d& d : corners)
           expectSign(a, b, c, d);
 }
 

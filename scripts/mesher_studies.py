@@ -16,6 +16,7 @@ import os
 import pathlib
 import resource
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -238,6 +239,11 @@ def mean(values):
     return sum(values) / len(values) if values else float("nan")
 
 
+def middle(values):
+    values = [v for v in values if v is not None]
+    return statistics.median(values) if values else float("nan")
+
+
 def percentile(values, share):
     values = sorted(values)
     return values[min(len(values) - 1, int(share * len(values)))]
@@ -258,7 +264,7 @@ def wall(seconds):
 
 
 MEANINGS = {0: "done, every promise met", 1: "done, a promise not met (a face left out, a part lost: said)",
-            3: "nothing to mesh (no inside, or unreadable), said in a sentence", 4: "memory limit", 5: "time limit"}
+            3: "nothing to mesh (no inside, or unreadable), said in a sentence", 4: "memory limit", 5: "time limit", TOO_LATE: "time limit overlooked, ended from outside"}
 
 
 def success_text(rows, arguments, tetgen):
@@ -278,6 +284,9 @@ def success_text(rows, arguments, tetgen):
              f"without a lost point: {sum(r['lost'] == 0 for r in meshed)}.",
              f"- **tet_checker** judged {len(checked)} meshes of fewer than {CHECKED_FACES} faces: "
              + ", ".join(f"{n} {word}" for word, n in sorted(faults.items(), key=lambda f: (-f[1], f[0]))) + "."]
+    codes = [w["code"] for r in meshed if r["status"] == 1 for w in r["warnings"]]
+    lines.append("- **Warnings** of the meshes with status 1 (a file may have several): "
+                 + ", ".join(f"{codes.count(c)} {c}" for c in sorted(set(codes), key=lambda c: (-codes.count(c), c))) + ".")
     lines += ["", table(("", "median", "90 %", "95 %", "99 %", "largest"),
                         [[title] + [form(percentile([r[key] for r in rows], p)) for p in (0.5, 0.9, 0.95, 0.99, 1)]
                          for title, key, form in (("seconds", "seconds", wall),
@@ -327,13 +336,22 @@ def epsilon_text(rows):
         values = [r["iou"] for r in runs if r.get("iou") is not None]
         return [f"{epsilon:g}", f"{mean(r.get('epsilon_in_voxels') for r in runs):.2f}", f"{mean(values):.4f}",
                 f"{min(values, default=float('nan')):.4f}", f"{mean(r.get('seconds') for r in runs):.2f}",
-                f"{mean(r.get('tets') for r in runs):.0f}", sum(r.get("status") == 0 for r in runs)]
+                f"{middle(r.get('tets') for r in runs):.0f}", sum(r.get("status") == 0 for r in runs)]
+
+    def up_to(least):
+        """The largest epsilon up to which every model's IoU is at least this."""
+        kept = list(itertools.takewhile(lambda e: all((at(row, e).get("iou") or 0) >= least for row in rows), EPSILONS))
+        return f"{kept[-1]:g}" if kept else "no epsilon"
 
     each = [[row["name"], row.get("faces", "")] + ["-" if at(row, e).get("iou") is None else f"{at(row, e)['iou']:.4f}"
                                                    for e in EPSILONS] for row in rows]
     return "\n\n".join((
-        table(("epsilon / diagonal", "in voxels", "mean IoU", "least IoU", "mean s", "mean tets",
+        table(("epsilon / diagonal", "in voxels", "mean IoU", "least IoU", "mean s", "median tets",
                f"status 0, of {len(rows)}"), [line(e) for e in EPSILONS]),
+        f"Every model is above 0.99 up to {up_to(0.99)}, above 0.95 up to {up_to(0.95)} and "
+        f"above 0.9 up to {up_to(0.9)}.\nParts thinner than twice epsilon may vanish, for their two sides are then within "
+        "epsilon of each other's\nplace: models of thin parts fall first. Of status 1 are meshes that leave faces out or lose "
+        "points, and say so.",
         "IoU model by model:",
         table(("model", "faces", *(f"{e:g}" for e in EPSILONS)), each)))
 
@@ -344,18 +362,19 @@ def augmentation_text(rows):
                     and value is not None)
 
     lines = [[f"{e:g}", f"{mean(1 - v for v in (at(row, e).get('iou') for row in rows) if v is not None):.4f}",
-              f"{others(e):.4f}", f"{mean(at(row, e).get('tets') for row in rows):.0f}",
+              f"{others(e):.4f}", f"{middle(at(row, e).get('tets') for row in rows):.0f}",
               f"{mean(at(row, e).get('seconds') for row in rows):.2f}"] for e in AUGMENTING]
     return table(("epsilon / diagonal", "1 - IoU with the exact shape", "mean 1 - IoU with the other epsilons",
-                  "mean tets", "mean s"), lines)
+                  "median tets", "mean s"), lines)
 
 
 def augmentation_words(rows):
     least, most = AUGMENTING[0], AUGMENTING[-1]
+    tets = {e: f"{middle(at(row, e).get('tets') for row in rows):.0f}" for e in (least, most)}
     return f"""Differences stay within epsilon of the surface, holes aside, and every shape can be had again, for the mesher is
-deterministic: one varies epsilon, not a seed. From {least:g} to {most:g} the tets go from {mean(at(row, least).get('tets') for row in rows):.0f} to
-{mean(at(row, most).get('tets') for row in rows):.0f} on average; where they become few, flat parts tilt and thin ones vanish, so that the largest epsilon is a
-matter of what the learner is to take for the same thing."""
+deterministic: one varies epsilon, not a seed. The median number of tets
+goes from {tets[least]} at {least:g} to {tets[most]} at {most:g}; as tets become few, flat parts tilt and thin ones
+vanish, so that how large epsilon may be depends on what the learner is to take for the same thing."""
 
 
 def quality_text(rows):
@@ -381,9 +400,10 @@ def quality_text(rows):
     return "\n\n".join(parts)
 
 
-def page(version, arguments, tetgen, success, epsilon, quality):
+def page(version, arguments, tetgen, files, success, epsilon, quality):
     limit = f"{arguments.limit:.0f} s"
     short = "" if arguments.limit >= 1200 else " where the paper gave 1200 s"
+    part = "" if len(success) == files else f"(the smallest of {files}) "
     parts = [f"""# The paper's studies, repeated
 
 How triangles become tets within epsilon: the experiments of "Robust Voxelization and Visualization by Improved
@@ -393,7 +413,7 @@ Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), done again with `tetvd
     if success:
         parts += [f"""## Success
 
-{len(success)} triangle files as they are found, default options (epsilon 1e-3 of the diagonal), a limit of {limit}
+{len(success)} {part}triangle files as they are found, default options (epsilon 1e-3 of the diagonal), a limit of {limit}
 a file{short}. "Status" is the program's exit status.""", success_text(success, arguments, tetgen)]
     if epsilon:
         parts += [f"""## Error bounds
@@ -431,6 +451,7 @@ def main():
     parser.add_argument("--limit", type=float, default=1200, help="seconds a file may take (default %(default)s)")
     parser.add_argument("--tetgen-limit", type=float, help="seconds TetGen may take (default: as --limit)")
     parser.add_argument("--only", default=",".join(STUDIES), help="studies to do (default %(default)s)")
+    parser.add_argument("--smallest", type=int, help="how many files, small ones first (default: all)")
     parser.add_argument("--models", help="files for epsilon and quality, with commas (default: "
                         f"{MODELS} closed clean ones of 1000 to 30000 faces)")
     parser.add_argument("--results", type=pathlib.Path, help="where measurements are kept, a JSON object a line")
@@ -452,14 +473,14 @@ def main():
                 made[study].append(row)
                 print(f"{study} {len(made[study])}/{len(those)} {path.name}", file=sys.stderr, flush=True)
 
-        do("success", paths, examine)
+        do("success", paths[:arguments.smallest], examine)
         if "epsilon" in studies or "quality" in studies:
             models = [arguments.folder / name for name in arguments.models.split(",")] if arguments.models else \
                 choose_models(bench, paths)
             do("epsilon", models, study_epsilon)
             do("quality", models, study_quality)
         version = subprocess.run([bench.program, "--version"], stdout=subprocess.PIPE, text=True).stdout.split()[-1]
-        text = page(version, arguments, bench.tetgen, *(made[study] for study in STUDIES))
+        text = page(version, arguments, bench.tetgen, len(paths), *(made[study] for study in STUDIES))
     if arguments.out:
         arguments.out.write_text(text)
     else:

@@ -410,10 +410,12 @@ How triangles become tets within epsilon: the experiments of "Robust Voxelizatio
 Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), done again with `tetvdb tetrahedralize`.
 `scripts/mesher_studies.py` makes this page; TetVDB {version}.
 [robustness.md](robustness.md) tells of the winding road on the same kind of files."""]
+    if arguments.note:
+        parts.append(arguments.note)
     if success:
         parts += [f"""## Success
 
-{len(success)} {part}triangle files as they are found, default options (epsilon 1e-3 of the diagonal), a limit of {limit}
+{len(success)} triangle files {part}as they are found, default options (epsilon 1e-3 of the diagonal), a limit of {limit}
 a file{short}. "Status" is the program's exit status.""", success_text(success, arguments, tetgen)]
     if epsilon:
         parts += [f"""## Error bounds
@@ -454,6 +456,7 @@ def main():
     parser.add_argument("--smallest", type=int, help="how many files, small ones first (default: all)")
     parser.add_argument("--models", help="files for epsilon and quality, with commas (default: "
                         f"{MODELS} closed clean ones of 1000 to 30000 faces)")
+    parser.add_argument("--note", help="a paragraph for the head of the page: which state was measured, on what")
     parser.add_argument("--results", type=pathlib.Path, help="where measurements are kept, a JSON object a line")
     arguments = parser.parse_args()
     studies = arguments.only.split(",")

@@ -222,6 +222,7 @@ def summary(rows, version):
 
 {len(rows)} triangle files as they are found: prints, scans, CAD exports, game models, regression
 cases of other libraries. `scripts/robustness.py` makes this page; TetVDB {version}.
+This is the winding road; [meshing.md](meshing.md) tells how `tetrahedralize` fares on such files.
 
 - **Answered: {sum(r.answered for r in rows)} of {len(rows)}.** {len(judged)} became a solid; {len(refused)} were refused with one sentence,
   for they cannot be read or have no inside at {COARSE} voxels (sheets, for which `--shell` is the advice).

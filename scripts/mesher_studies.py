@@ -298,7 +298,7 @@ def success_text(rows, arguments, tetgen):
         lines += ["", f"Beside TetGen (`tetgen -p` on the cleaned triangles, limit {arguments.tetgen_limit or arguments.limit:.0f} s), "
                   f"over the {len(solid)} files that hold a solid, and the paper's own figures (3000 models of Thingi10k, 20 minutes):", "",
                   table(("", "TetVDB", "TetGen", "the paper's mesher", "TetGen in the paper"),
-                        [("tets", f"{ours} ({percent(ours, len(solid))})",
+                        [("tets (TetVDB: status 0 or 1)", f"{ours} ({percent(ours, len(solid))})",
                           f"{outcomes.count('ok')} ({percent(outcomes.count('ok'), len(solid))})", "99.4 %", "59.1 %"),
                          ("too late", sum(r["status"] in (5, TOO_LATE) for r in solid), outcomes.count("too late"), 10, 46),
                          ("no outcome", sum(r["status"] not in (0, 1, 5, TOO_LATE) for r in solid),

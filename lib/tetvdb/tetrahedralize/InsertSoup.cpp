@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/InsertSoup.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/TetParts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <unordered_map>
 
 namespace tetvdb {
 namespace {
@@ -16,6 +19,14 @@ constexpr std::uint32_t kNone = TetComplex::kNone;
 // longest edge goes through their apex, and nothing is left to cover.
 constexpr double kFlat = 3;
 
+// Faces that go in together: fewer do as well one by one, of more all would be looked through for
+// every point.
+constexpr std::size_t kLeastInFlat = 12;
+constexpr std::size_t kMostInFlat = 2000;
+
+// Tets of a part, or of the whole in the last round.
+constexpr std::size_t kMostTets = 20000000;
+
 // What counts as on a triangle: far above the rounding of points, far below what matters.
 constexpr double kReach = 100, kLeastTolerance = 16;
 
@@ -25,6 +36,7 @@ constexpr double kReach = 100, kLeastTolerance = 16;
 struct SoupInsertion::PartWork {
   const TetParts::Part* part = nullptr;
   std::vector<std::uint32_t> faces; // of the soup, ascending
+  bool last = false;                // there is no other part, now or later
   std::vector<std::uint32_t> done;
   std::vector<std::uint32_t> pointOfWhole; // as Part's
   std::size_t newPoints = 0;
@@ -64,6 +76,69 @@ SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
     if (area <= kFlat * tolerance_ * longest)
       through_[f] = static_cast<std::uint8_t>(apex);
   }
+  findFlats();
+}
+
+// Grown from the lowest face on, as long as points are in its plane.
+void SoupInsertion::findFlats() {
+  std::unordered_map<std::uint64_t, std::array<std::uint32_t, 3>> facesAtEdge; // two and a count
+  for (std::size_t f = 0; f < soup_.faces.size(); ++f)
+    for (std::size_t i = 0; i < 3; ++i) {
+      auto& edge = facesAtEdge[edgeKey(soup_.faces[f][i], soup_.faces[f][(i + 1) % 3])];
+      if (edge[2] < 2)
+        edge[edge[2]] = static_cast<std::uint32_t>(f);
+      ++edge[2];
+    }
+  // Faces beside one that is all but collinear go alone: its own path may lead around it.
+  std::vector<bool> apart(soup_.faces.size(), false);
+  for (const auto& [key, edge] : facesAtEdge)
+    if (edge[2] >= 2 && (through_[edge[0]] < 3 || through_[edge[1]] < 3))
+      apart[edge[0]] = apart[edge[1]] = true;
+  flatOf_.assign(soup_.faces.size(), kNone);
+  for (std::uint32_t seed = 0; seed < soup_.faces.size(); ++seed) {
+    if (flatOf_[seed] != kNone || through_[seed] < 3 || apart[seed])
+      continue;
+    const Vec3d& origin = soup_.points[soup_.faces[seed][0]];
+    const Vec3d area = areaOf(seed);
+    const Vec3d normal = times(area, 1 / length(area));
+    const auto number = static_cast<std::uint32_t>(flats_.size());
+    std::vector<std::uint32_t> grown{seed};
+    flatOf_[seed] = number;
+    for (std::size_t next = 0; next < grown.size() && grown.size() < kMostInFlat; ++next)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto& corners = soup_.faces[grown[next]];
+        const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+        const auto& edge = facesAtEdge[edgeKey(a, b)];
+        if (edge[2] != 2)
+          continue;
+        const std::uint32_t other = edge[0] == grown[next] ? edge[1] : edge[0];
+        if (flatOf_[other] != kNone || through_[other] < 3 || apart[other] ||
+            chainOf(other) != chainOf(seed) || !(dot(areaOf(other), normal) > 0))
+          continue;
+        const auto& there = soup_.faces[other];
+        const bool inPlane = std::all_of(there.begin(), there.end(), [&](std::uint32_t p) {
+          return std::abs(dot(normal, minus(soup_.points[p], origin))) <= tolerance_ / 4;
+        });
+        const auto at = std::find(there.begin(), there.end(), b) - there.begin();
+        if (!inPlane || there[static_cast<std::size_t>(at + 1) % 3] != a)
+          continue; // that does not run along the edge the other way
+        flatOf_[other] = number;
+        grown.push_back(other);
+      }
+    if (grown.size() < kLeastInFlat) {
+      for (const std::uint32_t face : grown)
+        flatOf_[face] = kNone;
+      continue;
+    }
+    std::sort(grown.begin(), grown.end());
+    flats_.push_back(std::move(grown));
+  }
+}
+
+Vec3d SoupInsertion::areaOf(std::uint32_t face) const {
+  const Vec3d& origin = soup_.points[soup_.faces[face][0]];
+  return cross(minus(soup_.points[soup_.faces[face][1]], origin),
+               minus(soup_.points[soup_.faces[face][2]], origin));
 }
 
 std::array<std::uint32_t, 3> SoupInsertion::cornersOf(std::uint32_t face) const {
@@ -116,27 +191,63 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
     return flatA != flatB ? flatA : a < b;
   });
   TriangleInserter inserter(complex, mine.paths, tolerance_, reach_);
-  for (const std::uint32_t face : mine.faces) {
+  // Corners as points of the part, and the paths of edges that are known. False where some of it is
+  // in another part.
+  const auto bring = [&](std::uint32_t face, std::array<std::uint32_t, 3>& corners) {
     const auto whole = cornersOf(face);
-    std::array<std::uint32_t, 3> corners;
-    bool known = true;
-    for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3; ++i) {
       corners[i] = part.local(whole[i]);
-    for (std::size_t i = 0; known && i < 3; ++i) {
+      if (corners[i] == kNone)
+        return false;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
       const auto earlier = paths_.paths.find(edgeKey(whole[i], whole[(i + 1) % 3]));
       if (earlier == paths_.paths.end())
         continue;
       std::vector<std::uint32_t> local;
       for (const std::uint32_t point : earlier->second)
         local.push_back(part.local(point));
-      known = std::find(local.begin(), local.end(), kNone) == local.end();
-      if (known)
-        mine.paths.paths.emplace(edgeKey(corners[i], corners[(i + 1) % 3]), std::move(local));
+      if (std::find(local.begin(), local.end(), kNone) != local.end())
+        return false;
+      mine.paths.paths.emplace(edgeKey(corners[i], corners[(i + 1) % 3]), std::move(local));
     }
-    if (known &&
+    return true;
+  };
+  const std::set<std::uint32_t> here(mine.faces.begin(), mine.faces.end());
+  std::set<std::uint32_t> done;
+  std::unordered_map<std::uint32_t, bool> alone; // flats, whether their faces go in one by one
+  for (const std::uint32_t face : mine.faces) {
+    if (done.count(face) > 0)
+      continue;
+    const std::uint32_t flat = flatOf_[face];
+    if (flat != kNone) {
+      const auto [known, isNew] = alone.emplace(flat, false);
+      if (isNew) {
+        const auto& faces = flats_[flat];
+        std::vector<std::array<std::uint32_t, 3>> corners(faces.size());
+        bool all = true;
+        for (std::size_t i = 0; all && i < faces.size(); ++i)
+          all =
+              here.count(faces[i]) > 0 && done.count(faces[i]) == 0 && bring(faces[i], corners[i]);
+        if (all && inserter.insertFlat(corners, chainOf(face)) == TriangleInserter::Result::In) {
+          done.insert(faces.begin(), faces.end());
+          continue;
+        }
+        known->second = all || mine.last;
+      }
+      if (!known->second)
+        continue; // perhaps in another round
+    }
+    std::array<std::uint32_t, 3> corners;
+    if (bring(face, corners) &&
         inserter.insert(corners, chainOf(face), through_[face]) == TriangleInserter::Result::In)
-      mine.done.push_back(face);
+      done.insert(face);
+    if (complex.tetCount() > kMostTets)
+      throw Error(Status::Limit, "",
+                  "the triangles cut one another into more pieces than can be meshed",
+                  "a larger epsilon may help; voxelize --mesher winding does without tets");
   }
+  mine.done.assign(done.begin(), done.end());
   mine.newPoints = complex.points.size() - part.pointOfWhole.size();
 }
 
@@ -147,6 +258,7 @@ void SoupInsertion::round(TetComplex& complex, int round, Progress& progress) {
   parts.run(
       [&](TetParts::Part& part) {
         works[part.index].part = &part;
+        works[part.index].last = round < 0;
         work(works[part.index], part.complex);
       },
       progress);
@@ -187,6 +299,7 @@ void SoupInsertion::insertFirst(TetComplex& complex, const std::vector<std::uint
                                 Progress& progress) {
   const std::size_t before = complex.points.size();
   std::vector<PartWork> works(1);
+  works[0].last = true;
   works[0].faces = first;
   TetParts(complex, -1)
       .run(

@@ -14,7 +14,9 @@
 namespace tetvdb {
 
 /// Puts the triangles of a soup into a mesh that has the soup's points among its own
-/// (TriangleInserter.h says how). Points on edges of a single face become rim points.
+/// (TriangleInserter.h says how). Faces in one plane that are connected across edges of no other
+/// face go in as one: a fan would otherwise cut the tets in its plane to pieces, each of its edges
+/// those that the others left. Points on edges of a single face become rim points.
 class SoupInsertion {
 public:
   /// Point i of the soup is point firstPoint + i of the mesh. `reach` in lattice units: how far the
@@ -35,6 +37,7 @@ private:
   struct PartWork;
   void work(PartWork& mine, TetComplex& complex) const;
   void insert(PartWork& mine, TetComplex& complex) const;
+  void findFlats();
   void round(TetComplex& complex, int round, Progress& progress);
   void insertFirst(TetComplex& complex, const std::vector<std::uint32_t>& first,
                    Progress& progress);
@@ -42,6 +45,7 @@ private:
   void markRim(TetComplex& complex) const;
   std::array<std::uint32_t, 3> cornersOf(std::uint32_t face) const;
   Chain chainOf(std::uint32_t face) const;
+  Vec3d areaOf(std::uint32_t face) const; ///< twice, along the normal
 
   const LatticeSoup& soup_;
   std::size_t inputCount_;
@@ -50,6 +54,8 @@ private:
   std::vector<bool> in_;
   std::vector<std::uint8_t> through_; // of TriangleInserter::insert()
   std::vector<std::uint32_t> facesBegin_, facesOfPoint_;
+  std::vector<std::uint32_t> flatOf_;             // of a face; kNone: on its own
+  std::vector<std::vector<std::uint32_t>> flats_; // faces in one plane, ascending
   InsertedPaths paths_; // middles are worked into the paths after each round
 };
 

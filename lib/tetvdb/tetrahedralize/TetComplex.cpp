@@ -90,41 +90,11 @@ bool TetComplex::hasMoreTets(std::uint32_t point, std::size_t count) const {
 }
 
 std::uint32_t TetComplex::tetAtEdge(std::uint32_t a, std::uint32_t b) const {
-  // Around both points in turn, so that the one with fewer tets sets the cost.
-  auto& all = const_cast<std::vector<Tet>&>(tets); // the marks alone
-  const std::uint32_t ends[2] = {a, b};
-  const std::uint32_t marks[2] = {nextMark(), nextMark()};
-  std::vector<std::uint32_t>* seen[2] = {&stack_, &otherStack_};
-  for (int side = 0; side < 2; ++side) {
-    seen[side]->clear();
-    seen[side]->push_back(points[ends[side]].tet);
-    if (tets[points[ends[side]].tet].cornerOf(ends[1 - side]) < 4)
-      return points[ends[side]].tet;
-  }
-  // All tets around a point are found in this way unless it is fixed (star()).
-  const auto isDone = [&](int side, std::size_t i) { return i >= seen[side]->size(); };
-  for (std::size_t i = 0;; ++i) {
-    for (int side = 0; side < 2; ++side)
-      if (isDone(side, i) && (!points[ends[side]].fixed || isDone(1 - side, i)))
-        return kNone;
-    for (int side = 0; side < 2; ++side) {
-      if (isDone(side, i))
-        continue;
-      const std::uint32_t t = (*seen[side])[i];
-      all[t].mark = marks[side];
-      for (unsigned slot = 0; slot < 4; ++slot) {
-        const std::uint32_t next = tets[t].neighbours[slot];
-        if (tets[t].corners[slot] == ends[side] || next >= kElsewhere ||
-            all[next].mark == marks[side])
-          continue;
-        // A tet around both ends is the one that is looked for: marks do not collide before.
-        if (tets[next].cornerOf(ends[1 - side]) < 4)
-          return next;
-        all[next].mark = marks[side];
-        seen[side]->push_back(next);
-      }
-    }
-  }
+  star(a, stack_);
+  for (const std::uint32_t t : stack_)
+    if (tets[t].cornerOf(b) < 4)
+      return t;
+  return kNone;
 }
 
 bool TetComplex::ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,

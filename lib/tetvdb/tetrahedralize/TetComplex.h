@@ -135,8 +135,7 @@ public:
   /// Whether there are more than `count` tets around a point; no more than these are looked at.
   bool hasMoreTets(std::uint32_t point, std::size_t count) const;
 
-  /// A tet that has edge a-b, in this part; kNone: there is none. Linear in the tets around the
-  /// point that has fewer.
+  /// A tet that has edge a-b, in this part; kNone: there is none.
   std::uint32_t tetAtEdge(std::uint32_t a, std::uint32_t b) const;
 
   /// Where tet `t` has neighbour `other`: 0..3.
@@ -157,7 +156,7 @@ private:
 
   std::vector<std::uint32_t> free_; // slots of tets that are gone
   mutable std::uint32_t mark_ = 0;
-  mutable std::vector<std::uint32_t> stack_, otherStack_;
+  mutable std::vector<std::uint32_t> stack_;
   // Scratch of replace(): faces by their points.
   struct OpenFace {
     std::array<std::uint32_t, 3> key;

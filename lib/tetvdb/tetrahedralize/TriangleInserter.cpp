@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/TriangleInserter.h"
 
+#include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -43,6 +44,7 @@ Vec3d nearestWithin(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
 TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t, 3>& corners,
                                                   Chain chain, unsigned through) {
   faceMiddles_.clear();
+  flat_.clear();
   try {
     for (unsigned i = 0; i < 3; ++i)
       if (through == 3 || i != (through + 1) % 3)
@@ -63,6 +65,33 @@ TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t
     cover({known_.path(corners[0], corners[1]), known_.path(corners[1], corners[2]),
            known_.path(corners[2], corners[0])},
           kMostParts, faces);
+    mark(std::move(faces), chain);
+    return Result::In;
+  } catch (const Stop& stop) {
+    return stop.why;
+  }
+}
+
+TriangleInserter::Result
+TriangleInserter::insertFlat(const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                             Chain chain) {
+  faceMiddles_.clear();
+  try {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> around;
+    for (const Face& face : triangles)
+      for (unsigned i = 0; i < 3; ++i)
+        if (around.erase({face[(i + 1) % 3], face[i]}) == 0)
+          around.emplace(face[i], face[(i + 1) % 3]);
+    std::vector<Path> sides;
+    border_.clear();
+    for (const auto& [a, b] : around) {
+      recover(a, b);
+      border_.push_back({complex_.at(a), complex_.at(b)});
+    }
+    for (const auto& [a, b] : around)
+      sides.push_back(known_.path(a, b));
+    std::vector<Face> faces;
+    closeFront(sides, setFlat(triangles), faces);
     mark(std::move(faces), chain);
     return Result::In;
   } catch (const Stop& stop) {
@@ -245,21 +274,49 @@ double TriangleInserter::height(const Vec3d& p) const {
 // How far within the triangle's edges a point is, seen along the normal; below 0 outside.
 double TriangleInserter::inside(const Vec3d& p) const {
   double least = std::numeric_limits<double>::infinity();
-  for (unsigned i = 0; i < 3; ++i)
-    least = std::min(least, dot(inward_[i], minus(p, at_[i])));
-  return least;
+  if (flat_.empty()) {
+    for (unsigned i = 0; i < 3; ++i)
+      least = std::min(least, dot(inward_[i], minus(p, at_[i])));
+    return least;
+  }
+  const Vec3d on = minus(p, times(normal_, height(p)));
+  for (const auto& [a, b] : border_)
+    least = std::min(least, nearestOnSegment(minus(a, on), minus(b, on)).squared);
+  const auto holds = [&](const std::array<Vec3d, 3>& triangle) {
+    for (unsigned i = 0; i < 3; ++i)
+      if (dot(normal_, cross(minus(triangle[(i + 1) % 3], triangle[i]), minus(on, triangle[i]))) <
+          0)
+        return false;
+    return true;
+  };
+  const bool within = std::any_of(flat_.begin(), flat_.end(), holds);
+  return within ? std::sqrt(least) : -std::sqrt(least);
 }
 
-void TriangleInserter::setTriangle(const std::array<Path, 3>& sides) {
-  onLoop_.clear();
-  for (unsigned i = 0; i < 3; ++i) {
+// Returns twice the area that faces may have, with something to spare: what goes beyond lies upon
+// itself.
+double TriangleInserter::setTriangle(const std::array<Path, 3>& sides) {
+  for (unsigned i = 0; i < 3; ++i)
     at_[i] = complex_.at(sides[i].front());
-    onLoop_.insert(onLoop_.end(), sides[i].begin(), sides[i].end() - 1);
-  }
-  std::sort(onLoop_.begin(), onLoop_.end());
-  normal_ = unit(cross(minus(at_[1], at_[0]), minus(at_[2], at_[0])));
+  const Vec3d area = cross(minus(at_[1], at_[0]), minus(at_[2], at_[0]));
+  normal_ = unit(area);
   for (unsigned i = 0; i < 3; ++i)
     inward_[i] = unit(cross(normal_, minus(at_[(i + 1) % 3], at_[i])));
+  return 1.5 * length(area) +
+         2 * tolerance_ * (length(minus(at_[1], at_[0])) + length(minus(at_[2], at_[0])));
+}
+
+double TriangleInserter::setFlat(const std::vector<Face>& triangles) {
+  flat_.clear();
+  Vec3d sum{0, 0, 0};
+  for (const Face& face : triangles) {
+    flat_.push_back({complex_.at(face[0]), complex_.at(face[1]), complex_.at(face[2])});
+    sum = plus(sum, cross(minus(flat_.back()[1], flat_.back()[0]),
+                          minus(flat_.back()[2], flat_.back()[0])));
+  }
+  at_ = flat_.front();
+  normal_ = unit(sum);
+  return 1.5 * length(sum);
 }
 
 // A triangle whose front does not close, as happens where other faces lie within tolerance of it
@@ -270,7 +327,7 @@ void TriangleInserter::cover(std::array<Path, 3> sides, int depth, std::vector<F
     side = known_.refined(side);
   const std::size_t before = faces.size();
   try {
-    closeFront(sides, faces);
+    closeFront({sides.begin(), sides.end()}, setTriangle(sides), faces);
     return;
   } catch (const Stop& stop) {
     if (stop.why != Result::Failed || depth == 0)
@@ -311,8 +368,12 @@ void TriangleInserter::cover(std::array<Path, 3> sides, int depth, std::vector<F
   cover({second, sides[(longest + 1) % 3], known_.path(apex, cut)}, depth - 1, faces);
 }
 
-void TriangleInserter::closeFront(const std::array<Path, 3>& sides, std::vector<Face>& faces) {
-  setTriangle(sides);
+void TriangleInserter::closeFront(const std::vector<Path>& sides, double room,
+                                  std::vector<Face>& faces) {
+  onLoop_.clear();
+  for (const Path& side : sides)
+    onLoop_.insert(onLoop_.end(), side.begin(), side.end() - 1);
+  std::sort(onLoop_.begin(), onLoop_.end());
   front_.clear();
   taken_.clear();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ahead;
@@ -328,9 +389,6 @@ void TriangleInserter::closeFront(const std::array<Path, 3>& sides, std::vector<
   for (const Path& side : sides)
     for (std::size_t k = 0; k + 1 < side.size(); ++k)
       add(side[k], side[k + 1]);
-  // Twice the area that is left. What is taken beyond lies upon itself.
-  double room = 1.5 * length(cross(minus(at_[1], at_[0]), minus(at_[2], at_[0]))) +
-                2 * tolerance_ * (length(minus(at_[1], at_[0])) + length(minus(at_[2], at_[0])));
   while (!ahead.empty()) {
     const auto [u, v] = ahead.back();
     ahead.pop_back();

@@ -63,6 +63,10 @@ public:
   /// go through, 0 to 2, or 3: for triangles that are all but collinear.
   Result insert(const std::array<std::uint32_t, 3>& corners, Chain chain, unsigned through);
 
+  /// The same for triangles that lie in a plane and are connected across edges, as one face: what
+  /// is between them need not become edges of the mesh.
+  Result insertFlat(const std::vector<std::array<std::uint32_t, 3>>& triangles, Chain chain);
+
 private:
   using Path = std::vector<std::uint32_t>;
   using Face = std::array<std::uint32_t, 3>;
@@ -76,9 +80,10 @@ private:
   std::uint32_t splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
 
   void cover(std::array<Path, 3> sides, int depth, std::vector<Face>& faces);
-  void closeFront(const std::array<Path, 3>& sides, std::vector<Face>& faces);
+  void closeFront(const std::vector<Path>& sides, double room, std::vector<Face>& faces);
   std::uint32_t faceAtFront(std::uint32_t u, std::uint32_t v);
-  void setTriangle(const std::array<Path, 3>& sides);
+  double setTriangle(const std::array<Path, 3>& sides);
+  double setFlat(const std::vector<Face>& triangles);
   double height(const Vec3d& p) const;
   double inside(const Vec3d& p) const;
 
@@ -89,11 +94,13 @@ private:
   PointInsertion insert_;
   double tolerance_, reach_;
   int flips_ = 0;
-  // The triangle at work, or the part of it.
+  // The triangle at work, or the part of it; of flat faces all triangles and the edges around them.
   std::array<Vec3d, 3> at_{};
-  Vec3d normal_{0, 0, 0};             ///< of length 1
-  std::array<Vec3d, 3> inward_{};     ///< of each edge i, i + 1: in the plane, of length 1
-  std::vector<std::uint32_t> onLoop_; ///< sorted: points of the loop
+  Vec3d normal_{0, 0, 0};                  ///< of length 1
+  std::array<Vec3d, 3> inward_{};          ///< of each edge i, i + 1: in the plane, of length 1
+  std::vector<std::array<Vec3d, 3>> flat_; ///< empty: the triangle
+  std::vector<std::array<Vec3d, 2>> border_;
+  std::vector<std::uint32_t> onLoop_;            ///< sorted: points of the loop
   std::unordered_map<std::uint64_t, int> front_; ///< directed edges: from << 32 | to
   std::set<Face> taken_;                         ///< faces of the front's disc, sorted
   std::map<Face, std::uint32_t> faceMiddles_;    ///< points put in faces since insert() began

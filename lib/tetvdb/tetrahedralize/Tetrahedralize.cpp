@@ -44,6 +44,8 @@ constexpr int kMostMends = 2;
 // Tries at inserting all faces, while the mesh is not larger than this.
 constexpr int kMostInsertions = 4;
 constexpr std::size_t kTooManyTets = 1000000;
+// Said where energies, and the tets' volume against the input's, are farther off than this.
+constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
 // Memory of the whole work for a triangle, with what its points become. Measured.
 constexpr double kBytesPerFace = 6000;
 
@@ -235,8 +237,21 @@ void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, 
         }
 }
 
-void warnOfLoss(const Tetrahedralization& made, double epsilon, Report& report) {
+void warnOfLoss(const Tetrahedralization& made, const TetrahedralizeOptions& options,
+                double epsilon, Report& report) {
   const TwoSidedCheck& check = made.check;
+  if (options.stopEnergy > 0 && made.worstEnergy > kEnergySlack * options.stopEnergy) {
+    report.partial = true;
+    report.warn("energy", fmt::format("the worst tet has energy {:.4g}, more than the {:.4g} asked "
+                                      "for, after {} passes",
+                                      made.worstEnergy, options.stopEnergy, made.passes));
+  }
+  if (std::abs(check.volume - check.windingVolume) > kVolumeSlack * check.windingVolume) {
+    report.partial = true;
+    report.warn("volume", fmt::format("the tets fill {:.6g}, the input {:.6g}; a smaller epsilon "
+                                      "keeps thin parts",
+                                      check.volume, check.windingVolume));
+  }
   if (made.notInserted > 0) {
     report.partial = true;
     report.warn("not-inserted",
@@ -341,7 +356,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
     before = lost.lost.size();
     kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
   }
-  warnOfLoss(made, lengths.epsilon, report);
+  warnOfLoss(made, options, lengths.epsilon, report);
   return made;
 }
 

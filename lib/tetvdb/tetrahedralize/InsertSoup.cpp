@@ -35,6 +35,7 @@ constexpr double kReach = 100, kLeastTolerance = 16;
 // What a part has to do, and has done.
 struct SoupInsertion::PartWork {
   const TetParts::Part* part = nullptr;
+  const Progress* progress = nullptr;
   std::vector<std::uint32_t> faces; // of the soup, ascending
   bool last = false;                // there is no other part, now or later
   std::vector<std::uint32_t> done;
@@ -217,6 +218,7 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
   std::set<std::uint32_t> done;
   std::unordered_map<std::uint32_t, bool> alone; // flats, whether their faces go in one by one
   for (const std::uint32_t face : mine.faces) {
+    mine.progress->check();
     if (done.count(face) > 0)
       continue;
     const std::uint32_t flat = flatOf_[face];
@@ -258,6 +260,7 @@ void SoupInsertion::round(TetComplex& complex, int round, Progress& progress) {
   parts.run(
       [&](TetParts::Part& part) {
         works[part.index].part = &part;
+        works[part.index].progress = &progress;
         works[part.index].last = round < 0;
         work(works[part.index], part.complex);
       },
@@ -305,6 +308,7 @@ void SoupInsertion::insertFirst(TetComplex& complex, const std::vector<std::uint
       .run(
           [&](TetParts::Part& part) {
             works[0].part = &part;
+            works[0].progress = &progress;
             insert(works[0], part.complex);
           },
           progress);

@@ -24,8 +24,8 @@ constexpr double kFlat = 3;
 constexpr std::size_t kLeastInFlat = 12;
 constexpr std::size_t kMostInFlat = 2000;
 
-// Tets of a part, or of the whole in the last round.
-constexpr std::size_t kMostTets = 20000000;
+// Tets of a part, or of the whole in the last round; beyond, it only gets slower.
+constexpr std::size_t kMostTets = 1500000, kMostTetsOfFace = 40;
 
 // What counts as on a triangle: far above the rounding of points, far below what matters.
 constexpr double kReach = 100, kLeastTolerance = 16;
@@ -244,7 +244,7 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
     if (bring(face, corners) &&
         inserter.insert(corners, chainOf(face), through_[face]) == TriangleInserter::Result::In)
       done.insert(face);
-    if (complex.tetCount() > kMostTets)
+    if (complex.tetCount() > kMostTets + kMostTetsOfFace * soup_.faces.size())
       throw Error(Status::Limit, "",
                   "the triangles cut one another into more pieces than can be meshed",
                   "a larger epsilon may help; voxelize --mesher winding does without tets");

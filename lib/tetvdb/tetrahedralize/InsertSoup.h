@@ -28,6 +28,7 @@ public:
   /// Inserts what is not in yet; `first` before all others, which is worth a try for faces that
   /// were missing: the earlier, the fewer tets are in the way. Parallel by TetParts, what lies
   /// across parts in rounds after; the same mesh for any number of threads. About 10 us a triangle.
+  /// Throws Error(Limit) where the triangles cut one another into millions of tets.
   void run(TetComplex& complex, const std::vector<std::uint32_t>& first, Progress& progress);
 
   /// Faces that could not be inserted, ascending.

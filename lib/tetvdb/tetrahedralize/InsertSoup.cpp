@@ -151,7 +151,7 @@ Chain SoupInsertion::chainOf(std::uint32_t face) const {
   return unitChain(soup_.inputs.empty() ? 0 : soup_.inputs[face], inputCount_);
 }
 
-void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
+void SoupInsertion::findFaces(PartWork& mine, const TetComplex& complex) const {
   const TetParts::Part& part = *mine.part;
   const auto isFace = [&](std::uint32_t whole) {
     return whole >= firstPoint_ && whole - firstPoint_ < soup_.points.size();
@@ -180,7 +180,6 @@ void SoupInsertion::work(PartWork& mine, TetComplex& complex) const {
         mine.faces.push_back(face);
     }
   }
-  insert(mine, complex);
 }
 
 void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
@@ -253,16 +252,22 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
   mine.newPoints = complex.points.size() - part.pointOfWhole.size();
 }
 
-void SoupInsertion::round(TetComplex& complex, int round, Progress& progress) {
+// Of all faces where none are named.
+void SoupInsertion::round(TetComplex& complex, int round, const std::vector<std::uint32_t>& named,
+                          Progress& progress) {
   const std::size_t before = complex.points.size();
   TetParts parts(complex, round);
   std::vector<PartWork> works(parts.count());
   parts.run(
       [&](TetParts::Part& part) {
-        works[part.index].part = &part;
-        works[part.index].progress = &progress;
-        works[part.index].last = round < 0;
-        work(works[part.index], part.complex);
+        PartWork& mine = works[part.index];
+        mine.part = &part;
+        mine.progress = &progress;
+        mine.last = round < 0;
+        mine.faces = named;
+        if (named.empty())
+          findFaces(mine, part.complex);
+        insert(mine, part.complex);
       },
       progress);
   collect(works, before);
@@ -298,30 +303,13 @@ void SoupInsertion::collect(const std::vector<PartWork>& works, std::size_t poin
   paths_.middles.clear();
 }
 
-void SoupInsertion::insertFirst(TetComplex& complex, const std::vector<std::uint32_t>& first,
-                                Progress& progress) {
-  const std::size_t before = complex.points.size();
-  std::vector<PartWork> works(1);
-  works[0].last = true;
-  works[0].faces = first;
-  TetParts(complex, -1)
-      .run(
-          [&](TetParts::Part& part) {
-            works[0].part = &part;
-            works[0].progress = &progress;
-            insert(works[0], part.complex);
-          },
-          progress);
-  collect(works, before);
-}
-
 void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& first,
                         Progress& progress) {
   if (!first.empty())
-    insertFirst(complex, first, progress);
+    round(complex, -1, first, progress);
   for (int r = 0; r < TetParts::kRounds; ++r)
-    round(complex, r, progress);
-  round(complex, -1, progress);
+    round(complex, r, {}, progress);
+  round(complex, -1, {}, progress);
   markRim(complex);
 }
 
@@ -334,17 +322,9 @@ std::vector<std::uint32_t> SoupInsertion::missing() const {
 }
 
 void SoupInsertion::markRim(TetComplex& complex) const {
-  std::unordered_map<std::uint64_t, int> count;
-  for (std::size_t f = 0; f < in_.size(); ++f) {
-    const auto corners = cornersOf(static_cast<std::uint32_t>(f));
-    for (std::size_t i = 0; i < 3; ++i)
-      ++count[edgeKey(corners[i], corners[(i + 1) % 3])];
-  }
-  for (const auto& [edge, faces] : count)
-    if (faces == 1)
-      for (const std::uint32_t point :
-           paths_.path(static_cast<std::uint32_t>(edge >> 32), static_cast<std::uint32_t>(edge)))
-        complex.points[point].rim = true;
+  for (const auto& [a, b] : openEdges(soup_))
+    for (const std::uint32_t point : paths_.path(a + firstPoint_, b + firstPoint_))
+      complex.points[point].rim = true;
 }
 
 } // namespace tetvdb

@@ -36,12 +36,11 @@ public:
 
 private:
   struct PartWork;
-  void work(PartWork& mine, TetComplex& complex) const;
+  void findFaces(PartWork& mine, const TetComplex& complex) const;
   void insert(PartWork& mine, TetComplex& complex) const;
   void findFlats();
-  void round(TetComplex& complex, int round, Progress& progress);
-  void insertFirst(TetComplex& complex, const std::vector<std::uint32_t>& first,
-                   Progress& progress);
+  void round(TetComplex& complex, int round, const std::vector<std::uint32_t>& named,
+             Progress& progress);
   void collect(const std::vector<PartWork>& works, std::size_t pointsBefore);
   void markRim(TetComplex& complex) const;
   std::array<std::uint32_t, 3> cornersOf(std::uint32_t face) const;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 namespace tetvdb {
@@ -55,6 +56,19 @@ std::vector<std::uint8_t> keptFaces(const LatticeSoup& soup) {
 }
 
 } // namespace
+
+std::vector<std::array<std::uint32_t, 2>> openEdges(const LatticeSoup& soup) {
+  std::unordered_map<std::uint64_t, int> count;
+  for (const Face& face : soup.faces)
+    for (std::size_t i = 0; i < 3; ++i)
+      ++count[edgeKey(face[i], face[(i + 1) % 3])];
+  std::vector<std::array<std::uint32_t, 2>> open;
+  for (const Face& face : soup.faces)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (count[edgeKey(face[i], face[(i + 1) % 3])] == 1)
+        open.push_back({face[i], face[(i + 1) % 3]});
+  return open;
+}
 
 void tidySoup(LatticeSoup& soup, Progress& progress) {
   const std::vector<std::uint32_t> first = weldPoints(soup.points, 0, progress);

@@ -21,11 +21,19 @@ struct LatticeSoup {
   std::vector<std::uint16_t> inputs; ///< of every face; empty: all of input 0
 };
 
+/// Two points of an edge as one number, the same in both directions.
+inline std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t(a) << 32 | b : std::uint64_t(b) << 32 | a;
+}
+
+/// The edges of a single face, by face.
+std::vector<std::array<std::uint32_t, 2>> openEdges(const LatticeSoup& soup);
+
 /// The inputs' triangles snapped to the lattice, to multiples of `grain` on it; what becomes equal
 /// or loses its area to a repeated point is dropped, and of an input's faces over the same three
 /// points pairs that look opposite ways go, one of the others stays. Faces keep the inputs' order.
-///   With a grain of many units faces that should be coplanar are off by many units: tets between
-/// them are thin, but not so thin that a point rounded to the lattice turns them over.
+///   Faces that should be coplanar are off by about a grain, which has to be well below what
+/// insertion takes for on a triangle.
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
                         double grain, Progress& progress);
 

@@ -54,14 +54,15 @@ unsigned TetComplex::slotOf(std::uint32_t t, std::uint32_t other) const {
   return slot;
 }
 
-void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out) const {
+void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out,
+                      std::size_t enough) const {
   out.clear();
   const std::uint32_t mark = nextMark();
   auto& all = const_cast<std::vector<Tet>&>(tets); // the marks alone
   const std::uint32_t first = points[point].tet;
   all[first].mark = mark;
   out.push_back(first);
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  for (std::size_t i = 0; i < out.size() && out.size() <= enough; ++i) {
     const Tet& tet = tets[out[i]];
     for (unsigned slot = 0; slot < 4; ++slot) {
       const std::uint32_t next = tet.neighbours[slot];
@@ -74,18 +75,7 @@ void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out) cons
 }
 
 bool TetComplex::hasMoreTets(std::uint32_t point, std::size_t count) const {
-  auto& all = const_cast<std::vector<Tet>&>(tets); // the marks alone
-  const std::uint32_t mark = nextMark();
-  stack_.assign(1, points[point].tet);
-  all[stack_[0]].mark = mark;
-  for (std::size_t i = 0; i < stack_.size() && stack_.size() <= count; ++i)
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tets[stack_[i]].neighbours[slot];
-      if (tets[stack_[i]].corners[slot] == point || next >= kElsewhere || all[next].mark == mark)
-        continue;
-      all[next].mark = mark;
-      stack_.push_back(next);
-    }
+  star(point, stack_, count);
   return stack_.size() > count;
 }
 

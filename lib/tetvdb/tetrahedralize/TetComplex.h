@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tetvdb {
@@ -122,8 +123,9 @@ public:
   std::uint32_t addPoint(const Vec3d& at);
 
   /// The tets around a point, in an order that depends on the mesh alone. Of a fixed point only
-  /// those that are connected within this part.
-  void star(std::uint32_t point, std::vector<std::uint32_t>& out) const;
+  /// those that are connected within this part. Ends once there are more than `enough`.
+  void star(std::uint32_t point, std::vector<std::uint32_t>& out,
+            std::size_t enough = std::numeric_limits<std::size_t>::max()) const;
 
   /// The tets around edge a-b in turn, and the points opposite: tet i has ring points i and i + 1,
   /// and the ring turns counter-clockwise seen from b. False, with the tets found, where the ring

@@ -19,9 +19,6 @@
 
 namespace tetvdb {
 
-/// Six times the volume of a tet, rounded once. For lattice points.
-double exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
-
 /// Above this an energy's determinant is worked out exactly. Below, rounding leaves ten digits: of
 /// an energy E the determinant is P^1.5 / (4 E^1.5), its error within 1e-15 P^1.5.
 constexpr double kRoughEnergy = 1e4;
@@ -44,7 +41,7 @@ inline double energyCube(const Vec3d& a, const Vec3d& b, const Vec3d& c, const V
   TetShape shape(a, b, c, d);
   constexpr double kRoughCube = kRoughEnergy * kRoughEnergy * kRoughEnergy;
   if (!(shape.det > 0) || shape.cube() > kRoughCube)
-    shape.det = exactDeterminant(a, b, c, d);
+    shape.det = static_cast<double>(exactDeterminant(a, b, c, d));
   return shape.det > 0 ? shape.cube() : std::numeric_limits<double>::infinity();
 }
 

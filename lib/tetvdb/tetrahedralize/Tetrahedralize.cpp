@@ -21,7 +21,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <unordered_map>
 
 namespace tetvdb {
 namespace {
@@ -46,7 +45,8 @@ constexpr int kMostInsertions = 4;
 constexpr std::size_t kTooManyTets = 1000000;
 // Said where energies, and the tets' volume against the input's, are farther off than this.
 constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
-// Memory of the whole work for a triangle, with what its points become. Measured.
+// Memory of the whole work for a triangle: more than any model took so far that is not very small
+// or cut to pieces by itself.
 constexpr double kBytesPerFace = 6000;
 
 struct Lengths {
@@ -82,17 +82,11 @@ Lengths checkLengths(const Box& box, const TetrahedralizeOptions& options) {
   return lengths;
 }
 
-// Edges of one face.
+// Open edges as triangles without area, for an envelope.
 std::vector<std::array<std::uint32_t, 3>> rimOf(const LatticeSoup& soup) {
-  std::unordered_map<std::uint64_t, int> count;
-  for (const auto& face : soup.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      ++count[edgeKey(face[i], face[(i + 1) % 3])];
   std::vector<std::array<std::uint32_t, 3>> rim;
-  for (const auto& face : soup.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (count[edgeKey(face[i], face[(i + 1) % 3])] == 1)
-        rim.push_back({face[i], face[(i + 1) % 3], face[(i + 1) % 3]});
+  for (const auto& [a, b] : openEdges(soup))
+    rim.push_back({a, b, b});
   return rim;
 }
 

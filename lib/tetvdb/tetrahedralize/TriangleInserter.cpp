@@ -219,9 +219,8 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
       if (complex_.tets[t].neighbours[slot] >= TetComplex::kElsewhere)
         throw Stop{Result::Elsewhere};
       made = insert_.intoFace(t, slot, roundToLattice(cut));
-      if (made != kNone) {
+      if (made != kNone)
         faceMiddles_[sortedFace({face[0], face[1], face[2]})] = made;
-      }
     }
     // Tets so flat that no lattice point parts them: without the face, or by way of the point least
     // aside.
@@ -250,8 +249,7 @@ bool TriangleInserter::openFace(std::uint32_t t, unsigned slot) {
   for (unsigned i = 0; i < 3; ++i) {
     // The face turns counter-clockwise seen from the far corner.
     fresh[i].corners = {tet.corners[kFaceCorners[slot][i]],
-                        tet.corners[kFaceCorners[slot][(i + 1) % 3]], far, near};
-    std::swap(fresh[i].corners[2], fresh[i].corners[3]);
+                        tet.corners[kFaceCorners[slot][(i + 1) % 3]], near, far};
     if (!complex_.isPositive(fresh[i].corners))
       return false;
   }

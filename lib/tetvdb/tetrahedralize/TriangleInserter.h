@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tetvdb/tetrahedralize/InsertPoint.h"
+#include "tetvdb/tetrahedralize/LatticeSoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <array>
@@ -13,11 +14,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-/// Two points of an edge as one number, the same in both directions.
-inline std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) {
-  return a < b ? std::uint64_t(a) << 32 | b : std::uint64_t(b) << 32 | a;
-}
 
 /// Edges of the mesh in place of edges of the input. A path goes from the lower point of the input
 /// edge to the higher. An edge of the mesh only ever gives way to its two halves (nothing is

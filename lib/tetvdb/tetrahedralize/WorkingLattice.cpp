@@ -34,7 +34,7 @@ Vec3d WorkingLattice::toWorld(const Vec3d& lattice) const {
           origin_[2] + lattice[2] * unit_};
 }
 
-int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+Int128 exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   // Differences have 38 bits and a sign: 114 bits for a product, 117 for the sum of six.
   const auto difference = [&](const Vec3d& p, std::size_t axis) {
     return static_cast<Int128>(static_cast<std::int64_t>(p[axis] - a[axis]));
@@ -42,7 +42,7 @@ int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d
   const Int128 ux = difference(b, 0), uy = difference(b, 1), uz = difference(b, 2);
   const Int128 vx = difference(c, 0), vy = difference(c, 1), vz = difference(c, 2);
   const Int128 wx = difference(d, 0), wy = difference(d, 1), wz = difference(d, 2);
-  return signOf(wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx));
+  return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx);
 }
 
 } // namespace tetvdb

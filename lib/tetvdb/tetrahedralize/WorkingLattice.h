@@ -43,8 +43,8 @@ inline Vec3d roundToLattice(const Vec3d& p) {
   return {std::nearbyint(p[0]), std::nearbyint(p[1]), std::nearbyint(p[2])};
 }
 
-/// The sign of orientDeterminant() where rounding hides it.
-int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+/// Six times the signed volume of the tet a, b, c, d of lattice points, exactly.
+Int128 exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
 /// Six times the signed volume of the tet a, b, c, d, rounded: above 0 where d lies on the side
 /// that (b - a) x (c - a) points to.
@@ -71,7 +71,7 @@ inline int latticeOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, co
     return 1;
   if (det < -kError * size)
     return -1;
-  return exactOrientation(a, b, c, d);
+  return signOf(exactDeterminant(a, b, c, d));
 }
 
 } // namespace tetvdb

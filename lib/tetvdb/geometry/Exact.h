@@ -3,6 +3,8 @@
 // Exact integer arithmetic on the sub-voxel lattice.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
+
 #include <cstdint>
 
 namespace tetvdb {
@@ -11,21 +13,21 @@ namespace tetvdb {
 /// value is at most 2 L^3, and L <= 2^40 (DESIGN: 2^20 voxels of 2^20 units).
 __extension__ typedef __int128 Int128;
 
-inline int signOf(Int128 v) {
+TETVDB_HD inline int signOf(Int128 v) {
   return (v > 0) - (v < 0);
 }
-inline int signOf(double v) {
+TETVDB_HD inline int signOf(double v) {
   return (v > 0) - (v < 0);
 }
 
 /// Greatest integer not above num / den, den > 0.
-inline Int128 floorDivide(Int128 num, Int128 den) {
+TETVDB_HD inline Int128 floorDivide(Int128 num, Int128 den) {
   const Int128 q = num / den;
   return q * den > num ? q - 1 : q;
 }
 
 /// Least integer not below num / den, den > 0.
-inline Int128 ceilDivide(Int128 num, Int128 den) {
+TETVDB_HD inline Int128 ceilDivide(Int128 num, Int128 den) {
   const Int128 q = num / den;
   return q * den < num ? q + 1 : q;
 }

@@ -3,6 +3,7 @@
 // The sub-voxel lattice: vertices are snapped to it once, every later decision is exact on it.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Vec3.h"
 
 #include <cmath>
@@ -25,19 +26,19 @@ struct LatticePoint {
 
 /// World to lattice along one axis, by IEEE doubles in this order: the same number on every machine
 /// and device that neither fuses nor reorders.
-inline double snapToLattice(double world, double origin, double voxelSize) {
+TETVDB_HD inline double snapToLattice(double world, double origin, double voxelSize) {
   return static_cast<double>(
       std::llrint((world - origin) / voxelSize * static_cast<double>(kUnitsPerVoxel)));
 }
 
 /// First voxel centre at or above a lattice coordinate.
-inline std::int64_t ceilVoxel(double lattice) {
+TETVDB_HD inline std::int64_t ceilVoxel(double lattice) {
   const auto v = static_cast<std::int64_t>(lattice);
   return (v + kUnitsPerVoxel - 1) >> kLatticeBits;
 }
 
 /// Last voxel centre at or below a lattice coordinate.
-inline std::int64_t floorVoxel(double lattice) {
+TETVDB_HD inline std::int64_t floorVoxel(double lattice) {
   return static_cast<std::int64_t>(lattice) >> kLatticeBits;
 }
 

@@ -13,6 +13,7 @@
 // proofs.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/geometry/Lattice.h"
 
@@ -24,7 +25,7 @@ namespace tetvdb {
 /// Sign of n . (e, e^2, e^3) for e -> 0+: whether the perturbed centre moves into the half-space
 /// with inward normal n when the centre lies on its plane. 0 only for n = 0.
 template <typename T>
-constexpr int tieSign(T nx, T ny, T nz) {
+TETVDB_HD constexpr int tieSign(T nx, T ny, T nz) {
   if (nx != 0)
     return nx > 0 ? 1 : -1;
   if (ny != 0)
@@ -38,29 +39,29 @@ struct ExactVector {
   Int128 x, y, z;
 };
 
-inline ExactVector difference(const LatticePoint& a, const LatticePoint& b) {
+TETVDB_HD inline ExactVector difference(const LatticePoint& a, const LatticePoint& b) {
   return {static_cast<std::int64_t>(a.x - b.x), static_cast<std::int64_t>(a.y - b.y),
           static_cast<std::int64_t>(a.z - b.z)};
 }
 
-inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
+TETVDB_HD inline ExactVector cross(const ExactVector& a, const ExactVector& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-inline Int128 dot(const ExactVector& a, const ExactVector& b) {
+TETVDB_HD inline Int128 dot(const ExactVector& a, const ExactVector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 /// Normal of triangle abc: to the side from which a, b, c turn counter-clockwise.
-inline ExactVector triangleNormal(const LatticePoint& a, const LatticePoint& b,
-                                  const LatticePoint& c) {
+TETVDB_HD inline ExactVector triangleNormal(const LatticePoint& a, const LatticePoint& b,
+                                            const LatticePoint& c) {
   return cross(difference(b, a), difference(c, a));
 }
 
 /// Six times the signed volume of tet abcd: positive where d lies on the side of triangle abc that
 /// its normal points to. Exact for extents up to kMaxTetExtent.
-inline Int128 orientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                          const LatticePoint& d) {
+TETVDB_HD inline Int128 orientation(const LatticePoint& a, const LatticePoint& b,
+                                    const LatticePoint& c, const LatticePoint& d) {
   return dot(triangleNormal(a, b, c), difference(d, a));
 }
 
@@ -73,8 +74,8 @@ inline LatticePoint voxelCentre(const Vec3i& voxel) {
 
 /// Side of the perturbed centre with respect to the plane of triangle abc: +1 on the side of its
 /// normal, -1 on the other, 0 only for a degenerate triangle.
-inline int perturbedSide(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                         const LatticePoint& centre) {
+TETVDB_HD inline int perturbedSide(const LatticePoint& a, const LatticePoint& b,
+                                   const LatticePoint& c, const LatticePoint& centre) {
   const ExactVector n = triangleNormal(a, b, c);
   const int sign = signOf(dot(n, difference(centre, a)));
   return sign != 0 ? sign : tieSign(n.x, n.y, n.z);

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CudaBackend.h"
+#include "Pipeline.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace tetvdb::nano {
+namespace {
+
+/// Pinned host memory that only grows.
+class PinnedMemory {
+public:
+  PinnedMemory() = default;
+  ~PinnedMemory() { cudaFreeHost(base_); }
+  PinnedMemory(const PinnedMemory&) = delete;
+  PinnedMemory& operator=(const PinnedMemory&) = delete;
+
+  unsigned char* atLeast(u64 bytes) {
+    if (bytes > size_) {
+      cudaFreeHost(base_);
+      base_ = nullptr;
+      size_ = 0;
+      ++calls_;
+      // An eighth more, so that models of about one size do not make it grow again and again.
+      const u64 size = bytes + bytes / 8 + 4096;
+      check(cudaHostAlloc(reinterpret_cast<void**>(&base_), size, cudaHostAllocDefault),
+            "out of pinned memory");
+      size_ = size;
+    }
+    return base_;
+  }
+  u64 calls() const { return calls_; }
+
+private:
+  unsigned char* base_ = nullptr;
+  u64 size_ = 0, calls_ = 0;
+};
+
+bool isPinned(const void* p) {
+  cudaPointerAttributes attributes{};
+  if (cudaPointerGetAttributes(&attributes, p) != cudaSuccess) {
+    cudaGetLastError();
+    return false;
+  }
+  return attributes.type == cudaMemoryTypeHost;
+}
+
+class Events {
+public:
+  Events() {
+    for (cudaEvent_t& e : events_)
+      check(cudaEventCreate(&e), "event");
+  }
+  ~Events() {
+    for (cudaEvent_t e : events_)
+      cudaEventDestroy(e);
+  }
+  void record(int i, cudaStream_t stream) { check(cudaEventRecord(events_[i], stream), "event"); }
+  double seconds(int from, int to) const {
+    float ms = 0;
+    check(cudaEventElapsedTime(&ms, events_[from], events_[to]), "event");
+    return ms * 1e-3;
+  }
+
+private:
+  cudaEvent_t events_[4] = {};
+};
+
+} // namespace
+
+bool deviceSupport() {
+  return true;
+}
+
+std::vector<std::string> listDevices(std::string& why) {
+  int count = 0;
+  const cudaError_t status = cudaGetDeviceCount(&count);
+  if (status != cudaSuccess) {
+    cudaGetLastError();
+    why = cudaGetErrorString(status);
+    return {};
+  }
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) {
+    cudaDeviceProp properties{};
+    if (cudaGetDeviceProperties(&properties, i) == cudaSuccess)
+      names.push_back(properties.name);
+  }
+  if (names.empty())
+    why = "no CUDA device";
+  return names;
+}
+
+void* allocatePinned(std::size_t bytes) {
+  void* p = nullptr;
+  check(cudaHostAlloc(&p, bytes, cudaHostAllocDefault), "out of pinned memory");
+  return p;
+}
+
+void freePinned(void* p) noexcept {
+  cudaFreeHost(p);
+}
+
+struct DeviceVoxelizer::State {
+  explicit State(int number) : device(number) {
+    std::string why;
+    const auto names = listDevices(why);
+    if (number < 0 || number >= static_cast<int>(names.size()))
+      throw Error(Status::Device, "--device cuda:" + std::to_string(number),
+                  names.empty() ? why
+                                : "there are only " + std::to_string(names.size()) + " devices",
+                  "use --device cpu");
+    check(cudaSetDevice(device), "device");
+    backend = std::make_unique<CudaBackend>();
+    events = std::make_unique<Events>();
+  }
+
+  // From pageable memory by way of pinned halves, so that copying in and copying over overlap.
+  void copyUp(void* to, const void* from, u64 bytes) {
+    if (bytes == 0)
+      return;
+    const cudaStream_t stream = backend->stream();
+    if (isPinned(from)) {
+      check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream), "upload");
+      return;
+    }
+    constexpr u64 kHalf = u64(8) << 20;
+    unsigned char* staging = uploadStaging.atLeast(2 * kHalf);
+    for (u64 done = 0; done < bytes; done += kHalf) {
+      const int half = static_cast<int>(done / kHalf % 2);
+      if (halfDone[half] == nullptr)
+        check(cudaEventCreateWithFlags(&halfDone[half], cudaEventDisableTiming), "event");
+      else
+        check(cudaEventSynchronize(halfDone[half]), "upload");
+      const u64 size = std::min(kHalf, bytes - done);
+      unsigned char* place = staging + half * kHalf;
+      std::memcpy(place, static_cast<const unsigned char*>(from) + done, size);
+      check(cudaMemcpyAsync(static_cast<unsigned char*>(to) + done, place, size,
+                            cudaMemcpyHostToDevice, stream),
+            "upload");
+      check(cudaEventRecord(halfDone[half], stream), "upload");
+    }
+  }
+
+  template <typename T>
+  T* uploaded(const T* from, u64 n) {
+    if (from == nullptr)
+      return nullptr;
+    T* to = backend->alloc<T>(n);
+    copyUp(to, from, n * sizeof(T));
+    return to;
+  }
+
+  ~State() {
+    for (cudaEvent_t e : halfDone)
+      if (e != nullptr)
+        cudaEventDestroy(e);
+    for (void* p : kept)
+      cudaFree(p);
+  }
+
+  int device;
+  std::unique_ptr<CudaBackend> backend;
+  std::unique_ptr<Events> events;
+  PinnedMemory uploadStaging, download;
+  cudaEvent_t halfDone[2] = {};
+  std::vector<void*> kept;
+  Times times;
+};
+
+DeviceVoxelizer::DeviceVoxelizer(int device) : state_(std::make_unique<State>(device)) {}
+DeviceVoxelizer::~DeviceVoxelizer() {
+  cudaSetDevice(state_->device);
+}
+
+MeshView DeviceVoxelizer::keep(const MeshView& mesh) {
+  State& s = *state_;
+  check(cudaSetDevice(s.device), "device");
+  const auto place = [&](const void* from, u64 bytes) -> void* {
+    if (from == nullptr)
+      return nullptr;
+    void* p = nullptr;
+    check(cudaMalloc(&p, std::max<u64>(bytes, 1)), "out of memory");
+    s.kept.push_back(p);
+    s.copyUp(p, from, bytes);
+    return p;
+  };
+  MeshView view = mesh;
+  view.points = static_cast<const double*>(place(mesh.points, mesh.pointCount * 24));
+  view.tets = static_cast<const std::uint32_t*>(place(mesh.tets, mesh.tetCount * 16));
+  view.values = static_cast<const std::int32_t*>(place(mesh.values, mesh.tetCount * 4));
+  check(cudaStreamSynchronize(s.backend->stream()), "upload");
+  return view;
+}
+
+Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
+  State& s = *state_;
+  check(cudaSetDevice(s.device), "device");
+  s.backend->pool().takeBack();
+  const cudaStream_t stream = s.backend->stream();
+  s.events->record(0, stream);
+  MeshView view = mesh;
+  if (!job.resident) {
+    view.points = s.uploaded(mesh.points, 3 * mesh.pointCount);
+    view.tets = s.uploaded(mesh.tets, 4 * mesh.tetCount);
+    view.values = s.uploaded(mesh.values, mesh.tetCount);
+  }
+  s.events->record(1, stream);
+  Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
+  result.device = result.bytes;
+  result.bytes = nullptr;
+  s.events->record(2, stream);
+  if (job.download) {
+    unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
+    check(cudaMemcpyAsync(host, result.device, result.counts.bufferBytes, cudaMemcpyDeviceToHost,
+                          stream),
+          "download");
+    result.bytes = host;
+  }
+  s.events->record(3, stream);
+  check(cudaStreamSynchronize(stream), "a kernel failed");
+  s.times = {s.events->seconds(0, 1), s.events->seconds(1, 2), s.events->seconds(2, 3)};
+  return result;
+}
+
+Times DeviceVoxelizer::times() const {
+  return state_->times;
+}
+
+std::uint64_t DeviceVoxelizer::allocations() const {
+  return state_->backend->pool().calls() + state_->uploadStaging.calls() +
+         state_->download.calls() + state_->kept.size();
+}
+
+std::uint64_t DeviceVoxelizer::deviceBytes() const {
+  return state_->backend->pool().held();
+}
+
+} // namespace tetvdb::nano

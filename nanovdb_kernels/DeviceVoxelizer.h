@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Tetrahedra into NanoVDB grids on a GPU: plain arrays in, a NanoVDB buffer out. The grid is bit
+// for bit the one that voxelize/Voxelize.h makes on the CPU. No type of CUDA or NanoVDB is in here.
+//
+//   tetvdb::nano::DeviceVoxelizer voxelizer(0);
+//   tetvdb::nano::Job job;
+//   job.kind = tetvdb::nano::GridType::Mask;
+//   job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = 0.01;
+//   tetvdb::nano::Result result = voxelizer.run({points, pointCount, tets, tetCount}, job);
+//   // result.bytes: a NanoVDB grid
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tetvdb::nano {
+
+/// A mesh in host memory, or in the device's (Job::resident).
+struct MeshView {
+  const double* points = nullptr; ///< x, y, z each, world units
+  std::uint64_t pointCount = 0;
+  const std::uint32_t* tets = nullptr; ///< four indices each
+  std::uint64_t tetCount = 0;
+  const std::int32_t* values = nullptr; ///< of every tet, for GridType::Owner; null: its number
+};
+
+enum class GridType : std::uint8_t {
+  Mask,  ///< NanoVDB's ValueMask: active voxels, no values; 96 bytes a leaf
+  Bool,  ///< bool, true inside
+  Fog,   ///< float, 1 inside, 0 outside, class fog volume
+  Owner, ///< int32: the value of the tet that owns the voxel (where tets overlap, the one of lowest
+         ///< number), background -1
+};
+
+/// How occupancy is found; the grid is the same.
+enum class Road : std::uint8_t {
+  Auto,     ///< whichever a cost estimate finds faster
+  Boundary, ///< signed crossings of the boundary faces
+  Tets      ///< every tet rasterised into a dense array of leaf masks; for small grids
+};
+
+struct Job {
+  GridType type = GridType::Fog;
+  Road road = Road::Auto;
+  double voxelSize[3] = {1, 1, 1}; ///< world units
+  double origin[3] = {0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
+  std::string name = "density";    ///< at most 255 bytes
+  bool resident = false;           ///< the mesh's arrays are in the device's memory
+  bool download = true;            ///< false: the buffer stays on the device
+};
+
+struct Counts {
+  std::uint64_t flipped = 0;       ///< tets of negative volume, taken as turned round
+  std::uint64_t dropped = 0;       ///< tets without volume on the lattice
+  std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
+  std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;
+  std::uint64_t bufferBytes = 0;
+  Road road = Road::Tets; ///< the one taken
+};
+
+/// Valid until the voxelizer that made it runs again or is destroyed.
+struct Result {
+  const unsigned char* bytes =
+      nullptr; ///< the grid in host memory, aligned to 64 bytes; null where not downloaded
+  const unsigned char* device = nullptr; ///< the grid in the device's memory; null for the twin
+  Counts counts;
+};
+
+/// Seconds of the last run, by device events.
+struct Times {
+  double upload = 0, build = 0, download = 0;
+};
+
+/// The same steps from the same source, on one thread of the host: an oracle for tests, many times
+/// slower than voxelize(). Throws as DeviceVoxelizer does, but for the device.
+class HostTwin {
+public:
+  HostTwin();
+  ~HostTwin();
+  Result run(const MeshView& mesh, const Job& job);
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Whether this build has device code at all.
+bool deviceSupport();
+
+/// Names of the devices that can be used, in CUDA's order; empty where there is none, the reason in
+/// `why` (no driver, one that is too old, no device).
+std::vector<std::string> listDevices(std::string& why);
+
+/// Host memory that uploads are fastest from. Throws Error(Device, Limit).
+void* allocatePinned(std::size_t bytes);
+void freePinned(void* p) noexcept;
+
+/// Runs one model after another on one device. Memory on the device and pinned memory on the host
+/// are kept from run to run and only grow, so that a second model of the same size allocates
+/// nothing. Not for use by several threads at once; two objects are independent.
+class DeviceVoxelizer {
+public:
+  /// Throws Error(Device) where the device is not there or its driver is too old.
+  explicit DeviceVoxelizer(int device = 0);
+  ~DeviceVoxelizer();
+  DeviceVoxelizer(const DeviceVoxelizer&) = delete;
+  DeviceVoxelizer& operator=(const DeviceVoxelizer&) = delete;
+
+  /// Copies a mesh to the device, for jobs with `resident`; kept as long as this object.
+  MeshView keep(const MeshView& mesh);
+
+  /// Throws Error(Invalid) for coordinates that are not finite and indices without a point,
+  /// Error(Limit) for memory, 32-bit index space, a tet longer than 2^20 voxels, 2^32 nodes of a
+  /// level or more and grids beyond 2^63 leaves across, Error(Device) where the device fails.
+  Result run(const MeshView& mesh, const Job& job);
+
+  /// Of the last run.
+  Times times() const;
+  /// Calls to the device's allocator since the object was made.
+  std::uint64_t allocations() const;
+  /// Bytes held on the device.
+  std::uint64_t deviceBytes() const;
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+} // namespace tetvdb::nano

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Runs the kernels' source on the host, one item after another: the twin that tests compare.
+#pragma once
+
+#include "Team.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <new>
+#include <numeric>
+#include <vector>
+
+namespace tetvdb::nano {
+
+class HostBackend {
+public:
+  /// Memory is handed out with a pattern that no kernel writes, so that reading what was not
+  /// written shows.
+  template <typename T>
+  T* alloc(u64 n) {
+    const u64 bytes = (n * sizeof(T) + 63) / 64 * 64 + 64;
+    blocks_.emplace_back(static_cast<unsigned char*>(::operator new(bytes, std::align_val_t(64))));
+    std::memset(blocks_.back().get(), 0xA5, bytes);
+    return reinterpret_cast<T*>(blocks_.back().get());
+  }
+  void release() { blocks_.clear(); }
+  u8* output(u64 bytes) { return alloc<u8>(bytes); }
+
+  void zero(void* p, u64 bytes) { std::memset(p, 0, bytes); }
+  void fill(void* p, int byte, u64 bytes) { std::memset(p, byte, bytes); }
+  template <typename T>
+  T read(const T* p) {
+    return *p;
+  }
+  template <typename T>
+  void upload(T* to, const T* from, u64 n) {
+    std::copy_n(from, n, to);
+  }
+
+  template <typename F>
+  void forEach(u64 n, const F& f) {
+    for (u64 i = 0; i < n; ++i)
+      f(i);
+  }
+  template <typename Shared, typename F>
+  void forTeams(u64 n, int, const F& f) {
+    const auto shared = std::make_unique<Shared>();
+    for (u64 i = 0; i < n; ++i)
+      f(Team(), i, *shared);
+  }
+  /// offsets[i] = counts[0] + ... + counts[i - 1], i up to n.
+  void scan(const u32* counts, u64* offsets, u64 n) {
+    u64 sum = 0;
+    for (u64 i = 0; i < n; ++i) {
+      offsets[i] = sum;
+      sum += counts[i];
+    }
+    offsets[n] = sum;
+  }
+  /// By the lowest `bits` bits of the keys; equal keys keep their order. The arrays may be swapped
+  /// for others.
+  void sort(u64*& keys, u32*& values, u64 n, int) {
+    std::vector<u32> order(n);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return keys[a] < keys[b]; });
+    u64* newKeys = alloc<u64>(n);
+    u32* newValues = alloc<u32>(n);
+    for (u64 i = 0; i < n; ++i) {
+      newKeys[i] = keys[order[i]];
+      newValues[i] = values[order[i]];
+    }
+    keys = newKeys;
+    values = newValues;
+  }
+
+private:
+  struct Free {
+    void operator()(unsigned char* p) const { ::operator delete(p, std::align_val_t(64)); }
+  };
+  std::vector<std::unique_ptr<unsigned char, Free>> blocks_;
+};
+
+} // namespace tetvdb::nano

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Nodes of all levels as numbers, in two orders: by columns (x, y, then z: a column's nodes follow
+// one another upward), and by the tree (a node's children follow one another as in its table).
+#pragma once
+
+#include "Team.h"
+
+namespace tetvdb::nano {
+
+/// Leaf coordinates (voxels / 8) within the root tiles that a mesh meets.
+struct KeySpace {
+  i64 base[3]; ///< leaf coordinate of the first root tile, a multiple of 512
+  int bits[3]; ///< 2^bits leaves along the axis, at least 9
+  int total() const { return bits[0] + bits[1] + bits[2]; }
+};
+
+struct Place {
+  u64 x, y, z; // relative to the base
+};
+
+/// log2 of the leaves along a node: leaf, lower, upper.
+TETVDB_HD constexpr int levelShift(int level) {
+  return level == 0 ? 0 : level == 1 ? 4 : 9;
+}
+
+TETVDB_HD inline u64 columnKey(const KeySpace& s, int level, const Place& p) {
+  const int shift = levelShift(level);
+  const int z = s.bits[2] - shift, y = s.bits[1] - shift;
+  return (p.x << (y + z)) | (p.y << z) | p.z;
+}
+
+/// Bits of a column key that say where along the column.
+TETVDB_HD inline int heightBits(const KeySpace& s, int level) {
+  return s.bits[2] - levelShift(level);
+}
+
+TETVDB_HD inline Place placeOfColumnKey(const KeySpace& s, int level, u64 key) {
+  const int shift = levelShift(level);
+  const int z = s.bits[2] - shift, y = s.bits[1] - shift;
+  return {key >> (y + z), (key >> z) & ((u64(1) << y) - 1), key & ((u64(1) << z) - 1)};
+}
+
+/// A node's place in its parent's table.
+TETVDB_HD inline u64 tableIndex(const Place& p, int log2) {
+  const u64 m = (u64(1) << log2) - 1;
+  return (((p.x & m) << log2 | (p.y & m)) << log2) | (p.z & m);
+}
+
+TETVDB_HD inline u64 treeKey(const KeySpace& s, int level, const Place& p) {
+  if (level == 2)
+    return columnKey(s, 2, p);
+  if (level == 1)
+    return columnKey(s, 2, {p.x >> 5, p.y >> 5, p.z >> 5}) << 15 | tableIndex(p, 5);
+  return treeKey(s, 1, {p.x >> 4, p.y >> 4, p.z >> 4}) << 12 | tableIndex(p, 4);
+}
+
+TETVDB_HD inline Place placeOfTreeKey(const KeySpace& s, int level, u64 key) {
+  if (level == 2)
+    return placeOfColumnKey(s, 2, key);
+  const int log2 = level == 1 ? 5 : 4;
+  const Place parent = placeOfTreeKey(s, level + 1, key >> (3 * log2));
+  const u64 m = (u64(1) << log2) - 1;
+  return {parent.x << log2 | (key >> (2 * log2) & m), parent.y << log2 | (key >> log2 & m),
+          parent.z << log2 | (key & m)};
+}
+
+/// First voxel of a node.
+TETVDB_HD inline void originOf(const KeySpace& s, int level, const Place& p, i32 (&origin)[3]) {
+  const int shift = levelShift(level);
+  origin[0] = static_cast<i32>((s.base[0] + static_cast<i64>(p.x << shift)) * 8);
+  origin[1] = static_cast<i32>((s.base[1] + static_cast<i64>(p.y << shift)) * 8);
+  origin[2] = static_cast<i32>((s.base[2] + static_cast<i64>(p.z << shift)) * 8);
+}
+
+} // namespace tetvdb::nano

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What stands in for the device code in a build without nvcc.
+#include "DeviceVoxelizer.h"
+#include "tetvdb/core/Error.h"
+
+namespace tetvdb::nano {
+
+struct DeviceVoxelizer::State {};
+
+namespace {
+[[noreturn]] void refuse() {
+  throw Error(Status::Device, "--device cuda", "this build has no GPU support",
+              "use --device auto or cpu");
+}
+} // namespace
+
+bool deviceSupport() {
+  return false;
+}
+
+std::vector<std::string> listDevices(std::string& why) {
+  why = "this build has no GPU support";
+  return {};
+}
+
+void* allocatePinned(std::size_t) {
+  refuse();
+}
+void freePinned(void*) noexcept {}
+
+DeviceVoxelizer::DeviceVoxelizer(int) {
+  refuse();
+}
+DeviceVoxelizer::~DeviceVoxelizer() = default;
+MeshView DeviceVoxelizer::keep(const MeshView&) {
+  refuse();
+}
+Result DeviceVoxelizer::run(const MeshView&, const Job&) {
+  refuse();
+}
+Times DeviceVoxelizer::times() const {
+  return {};
+}
+std::uint64_t DeviceVoxelizer::allocations() const {
+  return 0;
+}
+std::uint64_t DeviceVoxelizer::deviceBytes() const {
+  return 0;
+}
+
+} // namespace tetvdb::nano

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Leaves from boundary faces: signed crossings along the z columns, added up from below.
+// (face, 128 x 128 columns) -> (face, 8 x 8 columns) -> (face, leaf) pairs by count, scan and fill,
+// sorted by leaf; a team walks up each column of leaves with the counts of its 64 columns.
+#pragma once
+
+#include "BoundaryFaces.h"
+
+namespace tetvdb::nano {
+
+/// Leaf masks and the state at the leaf's top, by slot.
+struct LeafMasks {
+  u64* mask = nullptr; ///< eight words a slot: word x, bit 8 y + z
+  u64* top = nullptr;  ///< bit 8 x + y
+};
+
+struct WriteLeafGap {
+  u64* mask;
+  TETVDB_HD void operator()(u64 slot, const u64* top) const {
+    for (int x = 0; x < 8; ++x) {
+      u64 word = 0;
+      for (int y = 0; y < 8; ++y)
+        if (*top >> (8 * x + y) & 1)
+          word |= u64(0xFF) << (8 * y);
+      mask[8 * slot + static_cast<u64>(x)] = word;
+    }
+  }
+};
+
+template <typename Backend>
+struct GrowLeaves {
+  Backend& b;
+  LeafMasks& leaves;
+  u64 made;
+  WriteLeafGap operator()(u64 slots) const {
+    leaves.mask = grown(b, leaves.mask, 8 * made, 8 * slots);
+    return {leaves.mask};
+  }
+};
+
+struct WalkShared {
+  i32 delta[512]; // signed crossings at a voxel: [64 columns][8]
+  i32 count[64];  // tets around, below the leaf
+  u8 run[64];     // the column's bits
+  u8 inside[64];
+  u32 any, all;
+};
+
+template <typename Backend>
+class FaceRasterizer {
+public:
+  FaceRasterizer(Backend& backend, const KeySpace& space) : b_(backend), space_(space) {}
+
+  Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, LeafMasks& leaves) {
+    prepare(points, faces, faceCount);
+    pairs(faceCount);
+    return walk(leaves);
+  }
+
+  // Public for nvcc alone, as in LevelBuilder.
+
+  void prepare(const LatticePoint* points, const Face* faces, u64 faceCount) {
+    columns_ = b_.template alloc<FaceColumns>(faceCount);
+    FaceColumns* columns = columns_;
+    b_.forEach(
+        faceCount, TETVDB_KERNEL(u64 i) {
+          const Face f = faces[i];
+          columns[i] = prepareFace(points[f.a], points[f.b], points[f.c], f.weight);
+        });
+  }
+
+  // Makes the sorted pairs: pairKey_, pairFace_, pairCount_.
+  void pairs(u64 faceCount) {
+    const FaceColumns* columns = columns_;
+    const KeySpace space = space_;
+    // Blocks of 128 x 128 columns in the face's box.
+    u32* count = b_.template alloc<u32>(faceCount + 1);
+    u64* offset = b_.template alloc<u64>(faceCount + 1);
+    b_.forEach(
+        faceCount + 1, TETVDB_KERNEL(u64 i) {
+          if (i == faceCount || !columns[i].crosses) {
+            count[i] = 0;
+            return;
+          }
+          const FaceColumns& f = columns[i];
+          count[i] = static_cast<u32>(((f.xMax >> 7) - (f.xMin >> 7) + 1) *
+                                      ((f.yMax >> 7) - (f.yMin >> 7) + 1));
+        });
+    b_.scan(count, offset, faceCount);
+    const u64 blocks = b_.read(offset + faceCount);
+    // Columns of leaves in the part of the box that lies in a block.
+    u32* blockFace = b_.template alloc<u32>(blocks);
+    u32* leafColumns = b_.template alloc<u32>(blocks + 1);
+    u64* columnOffset = b_.template alloc<u64>(blocks + 1);
+    b_.forEach(
+        blocks + 1, TETVDB_KERNEL(u64 i) {
+          leafColumns[i] = 0;
+          if (i == blocks)
+            return;
+          const u64 face = ownerOf(offset, faceCount, i);
+          blockFace[i] = static_cast<u32>(face);
+          const FaceColumns& f = columns[face];
+          i32 box[4];
+          blockBox(f, i - offset[face], box);
+          i64 low, high;
+          if (crossingRange(f, box[0], box[1], box[2], box[3], low, high))
+            leafColumns[i] = static_cast<u32>(((box[1] >> 3) - (box[0] >> 3) + 1) *
+                                              ((box[3] >> 3) - (box[2] >> 3) + 1));
+        });
+    b_.scan(leafColumns, columnOffset, blocks);
+    const u64 candidates = b_.read(columnOffset + blocks);
+    // Leaves of each of these.
+    u32* leafCount = b_.template alloc<u32>(candidates + 1);
+    u64* pairOffset = b_.template alloc<u64>(candidates + 1);
+    u64* firstKey = b_.template alloc<u64>(candidates);
+    u32* candidateFace = b_.template alloc<u32>(candidates);
+    b_.forEach(
+        candidates + 1, TETVDB_KERNEL(u64 i) {
+          leafCount[i] = 0;
+          if (i == candidates)
+            return;
+          const u64 block = ownerOf(columnOffset, blocks, i);
+          const u64 face = blockFace[block];
+          const FaceColumns& f = columns[face];
+          i32 box[4];
+          blockBox(f, block - offset[face], box);
+          const u64 k = i - columnOffset[block];
+          const u64 rows = static_cast<u64>((box[3] >> 3) - (box[2] >> 3) + 1);
+          const i64 x = (box[0] >> 3) + static_cast<i64>(k / rows);
+          const i64 y = (box[2] >> 3) + static_cast<i64>(k % rows);
+          i64 low, high;
+          candidateFace[i] = static_cast<u32>(face);
+          firstKey[i] = 0;
+          if (!crossingRange(f, x * 8, x * 8 + 7, y * 8, y * 8 + 7, low, high))
+            return;
+          low >>= 3;
+          high >>= 3;
+          leafCount[i] = static_cast<u32>(high - low + 1);
+          firstKey[i] =
+              columnKey(space, 0,
+                        {static_cast<u64>(x - space.base[0]), static_cast<u64>(y - space.base[1]),
+                         static_cast<u64>(low - space.base[2])});
+        });
+    b_.scan(leafCount, pairOffset, candidates);
+    pairCount_ = b_.read(pairOffset + candidates);
+    pairKey_ = b_.template alloc<u64>(pairCount_);
+    pairFace_ = b_.template alloc<u32>(pairCount_);
+    u64* pairKey = pairKey_;
+    u32* pairFace = pairFace_;
+    b_.forEach(
+        candidates, TETVDB_KERNEL(u64 i) {
+          for (u32 k = 0; k < leafCount[i]; ++k) {
+            pairKey[pairOffset[i] + k] = firstKey[i] + k;
+            pairFace[pairOffset[i] + k] = candidateFace[i];
+          }
+        });
+    b_.sort(pairKey_, pairFace_, pairCount_, space_.total());
+  }
+
+  // Box (x0, x1, y0, y1, inclusive) of the columns of a face in its k-th block.
+  TETVDB_HD static void blockBox(const FaceColumns& f, u64 k, i32 (&box)[4]) {
+    const u64 rows = static_cast<u64>((f.yMax >> 7) - (f.yMin >> 7) + 1);
+    const i32 x = (f.xMin >> 7) + static_cast<i32>(k / rows);
+    const i32 y = (f.yMin >> 7) + static_cast<i32>(k % rows);
+    box[0] = x * 128 > f.xMin ? x * 128 : f.xMin;
+    box[1] = x * 128 + 127 < f.xMax ? x * 128 + 127 : f.xMax;
+    box[2] = y * 128 > f.yMin ? y * 128 : f.yMin;
+    box[3] = y * 128 + 127 < f.yMax ? y * 128 + 127 : f.yMax;
+  }
+
+  Entries walk(LeafMasks& leaves) {
+    const u64 n = pairCount_;
+    const u64* pairKey = pairKey_;
+    const int height = heightBits(space_, 0);
+    u32* head = b_.template alloc<u32>(n + 1);
+    u64* rank = b_.template alloc<u64>(n + 1);
+    b_.forEach(
+        n + 1,
+        TETVDB_KERNEL(u64 i) { head[i] = i < n && (i == 0 || pairKey[i] != pairKey[i - 1]); });
+    b_.scan(head, rank, n);
+    Entries e;
+    e.count = e.slots = b_.read(rank + n);
+    e.key = b_.template alloc<u64>(e.count);
+    e.slot = b_.template alloc<u32>(e.count);
+    e.state = b_.template alloc<u8>(e.count);
+    u64* begin = b_.template alloc<u64>(e.count + 1);
+    u64* keys = e.key;
+    u32* slots = e.slot;
+    const u64 leafCount = e.count;
+    b_.forEach(
+        n + 1, TETVDB_KERNEL(u64 i) {
+          if (i == n) {
+            begin[leafCount] = n;
+          } else if (head[i]) {
+            begin[rank[i]] = i;
+            keys[rank[i]] = pairKey[i];
+            slots[rank[i]] = static_cast<u32>(rank[i]);
+          }
+        });
+    u32* columnHead = b_.template alloc<u32>(leafCount + 1);
+    u64* columnRank = b_.template alloc<u64>(leafCount + 1);
+    b_.forEach(
+        leafCount + 1, TETVDB_KERNEL(u64 i) {
+          columnHead[i] = i < leafCount && (i == 0 || keys[i] >> height != keys[i - 1] >> height);
+        });
+    b_.scan(columnHead, columnRank, leafCount);
+    const u64 columnCount = b_.read(columnRank + leafCount);
+    u64* columnBegin = b_.template alloc<u64>(columnCount + 1);
+    b_.forEach(
+        leafCount + 1, TETVDB_KERNEL(u64 i) {
+          if (i == leafCount)
+            columnBegin[columnCount] = leafCount;
+          else if (columnHead[i])
+            columnBegin[columnRank[i]] = i;
+        });
+    leaves.mask = b_.template alloc<u64>(8 * leafCount);
+    leaves.top = b_.template alloc<u64>(leafCount);
+    // Many faces a column: a larger team shares them.
+    const int teamSize = n > 128 * columnCount ? 256 : 32;
+    rasterizeColumns(columnBegin, columnCount, begin, e, leaves, teamSize);
+    return e;
+  }
+
+  void rasterizeColumns(const u64* columnBegin, u64 columnCount, const u64* begin, Entries& e,
+                        const LeafMasks& leaves, int teamSize) {
+    const FaceColumns* columns = columns_;
+    const u32* pairFace = pairFace_;
+    const u64* keys = e.key;
+    u8* states = e.state;
+    u64 *masks = leaves.mask, *tops = leaves.top;
+    const KeySpace space = space_;
+    b_.template forTeams<WalkShared>(
+        columnCount, teamSize, TETVDB_KERNEL(const Team& team, u64 column, WalkShared& s) {
+          for (int c = team.rank(); c < 64; c += team.size())
+            s.count[c] = 0;
+          const u64 first = columnBegin[column], end = columnBegin[column + 1];
+          for (u64 leaf = first; leaf < end; ++leaf) {
+            for (int i = team.rank(); i < 512; i += team.size())
+              s.delta[i] = 0;
+            if (team.rank() == 0)
+              s.any = s.all = 0;
+            team.sync();
+            i32 origin[3];
+            originOf(space, 0, placeOfColumnKey(space, 0, keys[leaf]), origin);
+            const u64 pairBegin = begin[leaf], pairEnd = begin[leaf + 1];
+            if (pairEnd - pairBegin <= 8) {
+              for (u64 k = pairBegin; k < pairEnd; ++k) {
+                const FaceColumns& f = columns[pairFace[k]];
+                for (int c = team.rank(); c < 64; c += team.size())
+                  addCrossing(f, origin, c >> 3, c & 7, s.delta);
+              }
+            } else {
+              for (u64 k = pairBegin + static_cast<u64>(team.rank()); k < pairEnd;
+                   k += static_cast<u64>(team.size())) {
+                const FaceColumns& f = columns[pairFace[k]];
+                const i32 xLow = f.xMin - origin[0], xHigh = f.xMax - origin[0];
+                const i32 yLow = f.yMin - origin[1], yHigh = f.yMax - origin[1];
+                for (int x = xLow > 0 ? xLow : 0; x <= (xHigh < 7 ? xHigh : 7); ++x)
+                  for (int y = yLow > 0 ? yLow : 0; y <= (yHigh < 7 ? yHigh : 7); ++y)
+                    addCrossing(f, origin, x, y, s.delta);
+              }
+            }
+            team.sync();
+            for (int c = team.rank(); c < 64; c += team.size()) {
+              i32 count = s.count[c];
+              u32 run = 0;
+              for (int z = 0; z < 8; ++z) {
+                count += s.delta[c * 8 + z];
+                run |= u32(count > 0) << z;
+              }
+              s.count[c] = count;
+              s.run[c] = static_cast<u8>(run);
+              s.inside[c] = count > 0;
+              if (run != 0)
+                orInto(&s.any, 1u);
+              if (run != 0xFF)
+                orInto(&s.all, 1u);
+            }
+            team.sync();
+            for (int x = team.rank(); x < 8; x += team.size()) {
+              u64 word = 0;
+              for (int y = 0; y < 8; ++y)
+                word |= u64(s.run[8 * x + y]) << (8 * y);
+              masks[8 * leaf + static_cast<u64>(x)] = word;
+            }
+            if (team.rank() == 0) {
+              u64 top = 0;
+              for (int c = 0; c < 64; ++c)
+                top |= u64(s.inside[c]) << c;
+              tops[leaf] = top;
+              states[leaf] = s.any == 0 ? kEmpty : s.all == 0 ? kFull : kNode;
+            }
+            team.sync();
+          }
+        });
+  }
+
+  TETVDB_HD static void addCrossing(const FaceColumns& f, const i32 (&origin)[3], int x, int y,
+                                    i32* delta) {
+    const i64 vx = origin[0] + x, vy = origin[1] + y;
+    if (vx < f.xMin || vx > f.xMax || vy < f.yMin || vy > f.yMax || !crossesColumn(f, vx, vy))
+      return;
+    const i64 z = crossingFrom(f, vx, vy, origin[2], 8);
+    if (z >= 0 && z < 8)
+      addTo(&delta[(x * 8 + y) * 8 + static_cast<int>(z)], f.weight);
+  }
+
+private:
+  Backend& b_;
+  KeySpace space_;
+  FaceColumns* columns_ = nullptr;
+  u64* pairKey_ = nullptr;
+  u32* pairFace_ = nullptr;
+  u64 pairCount_ = 0;
+};
+
+} // namespace tetvdb::nano

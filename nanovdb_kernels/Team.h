@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What lets one source run as a kernel and as its host twin. Work that threads share is written as
+// phases over a team: every member does its part of a loop, all meet at sync(), and what passes
+// from one phase to the next lies in memory that the team shares. On the device a team is a thread
+// block; on the host it has one member, who does everything.
+#pragma once
+
+#include "tetvdb/core/HostDevice.h"
+
+#include <cstdint>
+
+// A lambda that the backends below can run.
+#if defined(__CUDACC__)
+#define TETVDB_KERNEL [=] __device__
+#else
+#define TETVDB_KERNEL [=]
+#endif
+
+namespace tetvdb::nano {
+
+using u8 = std::uint8_t;
+using u16 = std::uint16_t;
+using u32 = std::uint32_t;
+using u64 = std::uint64_t;
+using i32 = std::int32_t;
+using i64 = std::int64_t;
+
+struct Team {
+#if defined(__CUDA_ARCH__)
+  __device__ int rank() const {
+    return static_cast<int>(threadIdx.x);
+  }
+  __device__ int size() const {
+    return static_cast<int>(blockDim.x);
+  }
+  __device__ void sync() const {
+    __syncthreads();
+  }
+#else
+  TETVDB_HD int rank() const {
+    return 0;
+  }
+  TETVDB_HD int size() const {
+    return 1;
+  }
+  TETVDB_HD void sync() const {}
+#endif
+};
+
+// Atomics whose result does not depend on the order: sums, unions, bounds of integers.
+
+TETVDB_HD inline i32 addTo(i32* p, i32 v) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(p, v);
+#else
+  const i32 old = *p;
+  *p += v;
+  return old;
+#endif
+}
+
+TETVDB_HD inline u64 addTo(u64* p, u64 v) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(v));
+#else
+  const u64 old = *p;
+  *p += v;
+  return old;
+#endif
+}
+
+TETVDB_HD inline void orInto(u32* p, u32 v) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(p, v);
+#else
+  *p |= v;
+#endif
+}
+
+TETVDB_HD inline void orInto(u64* p, u64 v) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(v));
+#else
+  *p |= v;
+#endif
+}
+
+TETVDB_HD inline void minInto(u32* p, u32 v) {
+#if defined(__CUDA_ARCH__)
+  atomicMin(p, v);
+#else
+  *p = v < *p ? v : *p;
+#endif
+}
+
+TETVDB_HD inline void minInto(i32* p, i32 v) {
+#if defined(__CUDA_ARCH__)
+  atomicMin(p, v);
+#else
+  *p = v < *p ? v : *p;
+#endif
+}
+
+TETVDB_HD inline void maxInto(i32* p, i32 v) {
+#if defined(__CUDA_ARCH__)
+  atomicMax(p, v);
+#else
+  *p = v > *p ? v : *p;
+#endif
+}
+
+TETVDB_HD inline void minInto(i64* p, i64 v) {
+#if defined(__CUDA_ARCH__)
+  atomicMin(reinterpret_cast<long long*>(p), static_cast<long long>(v));
+#else
+  *p = v < *p ? v : *p;
+#endif
+}
+
+TETVDB_HD inline void maxInto(i64* p, i64 v) {
+#if defined(__CUDA_ARCH__)
+  atomicMax(reinterpret_cast<long long*>(p), static_cast<long long>(v));
+#else
+  *p = v > *p ? v : *p;
+#endif
+}
+
+/// Puts v where `expected` is; returns what was there.
+TETVDB_HD inline u64 exchangeIf(u64* p, u64 expected, u64 v) {
+#if defined(__CUDA_ARCH__)
+  return atomicCAS(reinterpret_cast<unsigned long long*>(p),
+                   static_cast<unsigned long long>(expected), static_cast<unsigned long long>(v));
+#else
+  const u64 old = *p;
+  if (old == expected)
+    *p = v;
+  return old;
+#endif
+}
+
+TETVDB_HD inline int bitCount(u64 v) {
+#if defined(__CUDA_ARCH__)
+  return __popcll(static_cast<long long>(v));
+#else
+  return __builtin_popcountll(v);
+#endif
+}
+
+/// Position of the lowest, or the highest, set bit of v != 0.
+TETVDB_HD inline int lowestBit(u64 v) {
+#if defined(__CUDA_ARCH__)
+  return __ffsll(static_cast<long long>(v)) - 1;
+#else
+  return __builtin_ctzll(v);
+#endif
+}
+TETVDB_HD inline int highestBit(u64 v) {
+#if defined(__CUDA_ARCH__)
+  return 63 - __clzll(static_cast<long long>(v));
+#else
+  return 63 - __builtin_clzll(v);
+#endif
+}
+
+/// Greatest i with offsets[i] <= value; offsets ascend from offsets[0] <= value, and value <
+/// offsets[n].
+TETVDB_HD inline u64 ownerOf(const u64* offsets, u64 n, u64 value) {
+  u64 low = 0, high = n;
+  while (high - low > 1) {
+    const u64 mid = low + (high - low) / 2;
+    if (offsets[mid] <= value)
+      low = mid;
+    else
+      high = mid;
+  }
+  return low;
+}
+
+} // namespace tetvdb::nano

@@ -1,0 +1,657 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The NanoVDB buffer: grid, tree, root, upper nodes, lower nodes, leaves, breadth first, each level
+// in tree order, so that a child's place follows from the bits before it.
+#pragma once
+
+#include "Crc32.h"
+#include "NanoLayout.h"
+#include "RasterizeTets.h"
+
+namespace tetvdb::nano {
+
+/// Values of the grid as bits.
+struct GridValues {
+  u32 inside, background;
+};
+
+/// Sums over a node's active values, for int grids.
+struct Moments {
+  double count, mean, squares; ///< squares: of the distances from the mean
+};
+
+/// Chan, Golub and LeVeque's update; in a fixed order the result is fixed.
+TETVDB_HD inline void addMoments(Moments& a, const Moments& b) {
+  if (b.count == 0)
+    return;
+  const double count = a.count + b.count, distance = b.mean - a.mean;
+  a.squares = a.squares + b.squares + distance * distance * (a.count * b.count / count);
+  a.mean = a.mean + distance * (b.count / count);
+  a.count = count;
+}
+
+/// Where the nodes of a buffer begin, bytes.
+struct BufferLayout {
+  u64 root, upper, lower, leaf, size;
+  u64 rootTiles, uppers, lowers, leaves;
+  Kind kind;
+};
+
+constexpr int kParts = 32; // of sums of doubles, so that their order is fixed
+
+template <int kLog2>
+struct WriteShared {
+  static constexpr int kWords = (1 << (3 * kLog2)) / 64;
+  u64 child[kWords], tile[kWords];
+  u32 before[kWords];
+  i32 low[3], high[3];
+  i32 minValue, maxValue;
+  u64 voxels, tiles;
+  Moments part[kParts];
+};
+
+struct HeadShared {
+  i32 low[3], high[3];
+  i32 minValue, maxValue;
+  u64 voxels;
+  u32 crc[kParts];
+  Moments part[kParts];
+};
+
+/// What the nodes of a level are made from, and what the level above needs to know of them.
+struct LevelNodes {
+  const u64* index = nullptr;    ///< by place in tree order: number of the node
+  const u32* nodeSlot = nullptr; ///< by number
+  const u64* key = nullptr;      ///< by number: tree key
+  u64* voxels = nullptr;         ///< by number: active voxels
+  Moments* moments = nullptr;    ///< by number; int grids
+};
+
+template <typename Backend>
+class GridWriter {
+public:
+  GridWriter(Backend& backend, const KeySpace& space, Kind kind, const GridValues& values)
+      : b_(backend), space_(space), kind_(kind), values_(values) {}
+
+  /// Numbers the nodes of all levels and sizes the buffer.
+  BufferLayout lay(const Entries& leaves, const Entries& lowers, const Entries& uppers) {
+    BufferLayout l;
+    l.kind = kind_;
+    number(leaves, leaf_, kNode);
+    number(lowers, lower_, kNode);
+    number(uppers, upper_, kNode);
+    u32* some = b_.template alloc<u32>(uppers.count + 1);
+    u64* rank = b_.template alloc<u64>(uppers.count + 1);
+    const u32 *positions = uppers.position, *slots = uppers.slot;
+    const u8* states = uppers.state;
+    const u64 n = uppers.count;
+    b_.forEach(
+        n + 1, TETVDB_KERNEL(u64 j) { some[j] = j < n && states[slots[positions[j]]] != kEmpty; });
+    b_.scan(some, rank, n);
+    tileRank_ = rank;
+    l.leaves = b_.read(leaf_.index + leaves.count);
+    l.lowers = b_.read(lower_.index + lowers.count);
+    l.uppers = b_.read(upper_.index + uppers.count);
+    l.rootTiles = b_.read(rank + n);
+    l.root = sizeof(GridHeader) + sizeof(TreeHeader);
+    l.upper = l.root + sizeof(RootHeader) + l.rootTiles * sizeof(RootTile);
+    l.lower = l.upper + l.uppers * sizeof(UpperNode);
+    l.leaf = l.lower + l.lowers * sizeof(LowerNode);
+    l.size = l.leaf + l.leaves * leafSize(kind_);
+    takeSlots(leaves, leaf_, l.leaves);
+    takeSlots(lowers, lower_, l.lowers);
+    takeSlots(uppers, upper_, l.uppers);
+    return l;
+  }
+
+  /// Numbers of leaves by entry, kNoTet where there is none, for TetRasterizer's second pass.
+  const u32* leafNumbers(const Entries& leaves) {
+    u32* numbers = b_.template alloc<u32>(leaves.count);
+    const u64* index = leaf_.index;
+    const u32 *positions = leaves.position, *slots = leaves.slot;
+    const u8* states = leaves.state;
+    b_.forEach(
+        leaves.count, TETVDB_KERNEL(u64 j) {
+          const u32 slot = slots[positions[j]];
+          numbers[slot] = states[slot] == kNode ? static_cast<u32>(index[j]) : kNoTet;
+        });
+    return numbers;
+  }
+
+  void write(u8* buffer, const BufferLayout& l, const GridHeader& header, const Entries& leaves,
+             const LeafMasks& leafMasks, const i32* table, const Entries& lowers,
+             const NodeMasks<4>& lowerMasks, const Entries& uppers,
+             const NodeMasks<5>& upperMasks) {
+    totals_ = b_.template alloc<u64>(4);
+    b_.zero(totals_, 4 * sizeof(u64));
+    writeLeaves(buffer, l, leafMasks.mask, table);
+    if (kind_ == Kind::Int32)
+      summarizeLeaves(buffer, l);
+    writeNodes<4>(buffer, l, 1, lowers, lowerMasks, leaves, lower_, leaf_);
+    writeNodes<5>(buffer, l, 2, uppers, upperMasks, lowers, upper_, lower_);
+    writeHead(buffer, l, header, uppers);
+  }
+
+  // Public for nvcc alone, as in LevelBuilder.
+
+  void number(const Entries& e, LevelNodes& nodes, u8 which) {
+    u32* some = b_.template alloc<u32>(e.count + 1);
+    u64* index = b_.template alloc<u64>(e.count + 1);
+    const u32 *positions = e.position, *slots = e.slot;
+    const u8* states = e.state;
+    const u64 n = e.count;
+    b_.forEach(
+        n + 1, TETVDB_KERNEL(u64 j) { some[j] = j < n && states[slots[positions[j]]] == which; });
+    b_.scan(some, index, n);
+    nodes.index = index;
+  }
+
+  void takeSlots(const Entries& e, LevelNodes& nodes, u64 count) {
+    u32* nodeSlot = b_.template alloc<u32>(count);
+    nodes.nodeSlot = nodeSlot;
+    nodes.voxels = b_.template alloc<u64>(count);
+    nodes.moments = kind_ == Kind::Int32 ? b_.template alloc<Moments>(count) : nullptr;
+    const u64* index = nodes.index;
+    const u32 *positions = e.position, *slots = e.slot;
+    const u8* states = e.state;
+    u64* placeKey = b_.template alloc<u64>(count);
+    nodes.key = placeKey;
+    const u64* treeKeys = e.treeKey;
+    b_.forEach(
+        e.count, TETVDB_KERNEL(u64 j) {
+          const u32 slot = slots[positions[j]];
+          if (states[slot] != kNode)
+            return;
+          nodeSlot[index[j]] = slot;
+          placeKey[index[j]] = treeKeys[j];
+        });
+  }
+
+  // The first 16 bytes of a leaf: box of the active voxels, and the flag that there are some.
+  TETVDB_HD static void leafBox(const u64* mask, const i32 (&origin)[3], LeafHead& head) {
+    u64 any = 0;
+    int xLow = 8, xHigh = 0;
+    for (int x = 0; x < 8; ++x)
+      if (mask[x] != 0) {
+        any |= mask[x];
+        xLow = x < xLow ? x : xLow;
+        xHigh = x;
+      }
+    u32 z = 0;
+    for (int y = 0; y < 8; ++y)
+      z |= static_cast<u32>(any >> (8 * y)) & 0xFF;
+    const int yLow = lowestBit(any) >> 3, yHigh = highestBit(any) >> 3;
+    const int zLow = lowestBit(z), zHigh = highestBit(z);
+    head.boxMin[0] = origin[0] + xLow;
+    head.boxMin[1] = origin[1] + yLow;
+    head.boxMin[2] = origin[2] + zLow;
+    head.boxSize[0] = static_cast<u8>(xHigh - xLow);
+    head.boxSize[1] = static_cast<u8>(yHigh - yLow);
+    head.boxSize[2] = static_cast<u8>(zHigh - zLow);
+    head.flags = 2;
+  }
+
+  // A thread a word of eight bytes, so that writes are together.
+  void writeLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const i32* table) {
+    const u64 words = leafSize(kind_) / 8;
+    const Kind kind = kind_;
+    const GridValues values = values_;
+    const KeySpace space = space_;
+    const u32* nodeSlot = leaf_.nodeSlot;
+    const u64* keys = leaf_.key;
+    u64* voxels = leaf_.voxels;
+    u64* out = reinterpret_cast<u64*>(buffer + l.leaf);
+    const bool tableToo = kind_ != Kind::Int32 || table != nullptr;
+    b_.forEach(
+        l.leaves * words, TETVDB_KERNEL(u64 i) {
+          const u64 leaf = i / words;
+          const u32 w = static_cast<u32>(i - leaf * words);
+          const u64 slot = nodeSlot[leaf];
+          const u64* mask = masks + 8 * slot;
+          if (w < 2) {
+            union {
+              LeafHead head;
+              u64 word[2];
+            } u;
+            i32 origin[3];
+            originOf(space, 0, placeOfTreeKey(space, 0, keys[leaf]), origin);
+            leafBox(mask, origin, u.head);
+            out[i] = u.word[w];
+            if (w == 0) {
+              u64 count = 0;
+              for (int k = 0; k < 8; ++k)
+                count += static_cast<u64>(bitCount(mask[k]));
+              voxels[leaf] = count;
+            }
+          } else if (w < 10) {
+            out[i] = mask[w - 2];
+          } else if (kind == Kind::Mask) {
+            out[i] = 0;
+          } else if (kind == Kind::Bool) {
+            out[i] = w < 18 ? mask[w - 10] : 0;
+          } else if (w == 10) {
+            out[i] = u64(values.inside) << 32 | values.inside;
+          } else if (w == 11) {
+            out[i] = values.inside; // the average; no deviation
+          } else if (kind == Kind::Int32) {
+            if (tableToo) {
+              const u32* from = reinterpret_cast<const u32*>(table) + 512 * slot + 2 * (w - 12);
+              out[i] = u64(from[1]) << 32 | from[0];
+            }
+          } else {
+            const u32 bit = 2 * (w - 12);
+            const u64 two = mask[bit >> 6] >> (bit & 63) & 3;
+            out[i] = u64((two & 2) != 0 ? values.inside : values.background) << 32 |
+                     ((two & 1) != 0 ? values.inside : values.background);
+          }
+        });
+  }
+
+  template <typename Shared>
+  TETVDB_HD static Moments sumParts(Shared& s) {
+    Moments sum{0, 0, 0};
+    for (int p = 0; p < kParts; ++p)
+      addMoments(sum, s.part[p]);
+    return sum;
+  }
+
+  TETVDB_HD static NodeValues valuesOf(i32 min, i32 max, const Moments& m) {
+    return {static_cast<u32>(min), static_cast<u32>(max), static_cast<float>(m.mean),
+            static_cast<float>(sqrt(m.squares / m.count))};
+  }
+
+  // Smallest and largest value, average and deviation of int leaves.
+  void summarizeLeaves(u8* buffer, const BufferLayout& l) {
+    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leaf);
+    Moments* moments = leaf_.moments;
+    b_.template forTeams<WriteShared<3>>(
+        l.leaves, kParts, TETVDB_KERNEL(const Team& team, u64 leaf, WriteShared<3>& s) {
+          ValueLeaf& node = out[leaf];
+          if (team.rank() == 0) {
+            s.minValue = 0x7FFFFFFF;
+            s.maxValue = -0x7FFFFFFF - 1;
+          }
+          team.sync();
+          for (int p = team.rank(); p < kParts; p += team.size()) {
+            i64 sum = 0;
+            i32 low = 0x7FFFFFFF, high = -0x7FFFFFFF - 1, count = 0;
+            for (int i = p; i < 512; i += kParts)
+              if (node.head.mask[i >> 6] >> (i & 63) & 1) {
+                const i32 v = static_cast<i32>(node.table[i]);
+                sum += v;
+                ++count;
+                low = v < low ? v : low;
+                high = v > high ? v : high;
+              }
+            Moments part{static_cast<double>(count), 0, 0};
+            if (count > 0) {
+              part.mean = static_cast<double>(sum) / count;
+              for (int i = p; i < 512; i += kParts)
+                if (node.head.mask[i >> 6] >> (i & 63) & 1) {
+                  const double d = static_cast<double>(static_cast<i32>(node.table[i])) - part.mean;
+                  part.squares += d * d;
+                }
+              minInto(&s.minValue, low);
+              maxInto(&s.maxValue, high);
+            }
+            s.part[p] = part;
+          }
+          team.sync();
+          if (team.rank() == 0) {
+            moments[leaf] = sumParts(s);
+            node.values = valuesOf(s.minValue, s.maxValue, moments[leaf]);
+          }
+          team.sync();
+        });
+  }
+
+  template <int kLog2>
+  void writeNodes(u8* buffer, const BufferLayout& l, int level, const Entries& e,
+                  const NodeMasks<kLog2>& masks, const Entries& children, LevelNodes& nodes,
+                  const LevelNodes& below) {
+    using Node = InternalNode<kLog2>;
+    using Shared = WriteShared<kLog2>;
+    constexpr int kWords = Shared::kWords;
+    const u64 count = level == 1 ? l.lowers : l.uppers;
+    const u64 at = level == 1 ? l.lower : l.upper, childAt = level == 1 ? l.leaf : l.lower;
+    const u64 childSize = level == 1 ? leafSize(kind_) : sizeof(LowerNode);
+    const int childSide = level == 1 ? 8 : 128;
+    const u64 *childMask = masks.child, *tileMask = masks.tile, *begin = masks.begin;
+    const u64 made = masks.made;
+    const u32* nodeSlot = nodes.nodeSlot;
+    const u64* keys = nodes.key;
+    u64* voxels = nodes.voxels;
+    Moments* moments = nodes.moments;
+    const u64 *childIndex = below.index, *childVoxels = below.voxels;
+    const Moments* childMoments = below.moments;
+    const u32 *childPositions = children.position, *childSlots = children.slot;
+    const u8* childStates = children.state;
+    const i32* childValues = children.value;
+    const u64* childKeys = children.treeKey;
+    const Kind kind = kind_;
+    const GridValues values = values_;
+    const KeySpace space = space_;
+    u64* totals = totals_;
+    (void)e;
+    b_.template forTeams<Shared>(
+        count, 256, TETVDB_KERNEL(const Team& team, u64 number, Shared& s) {
+          const u64 slot = nodeSlot[number];
+          Node& node = *reinterpret_cast<Node*>(buffer + at + number * sizeof(Node));
+          i32 origin[3];
+          originOf(space, level, placeOfTreeKey(space, level, keys[number]), origin);
+          for (int w = team.rank(); w < kWords; w += team.size()) {
+            s.child[w] = childMask[slot * kWords + static_cast<u64>(w)];
+            s.tile[w] = tileMask[slot * kWords + static_cast<u64>(w)];
+            node.childMask[w] = s.child[w];
+            node.valueMask[w] = s.tile[w];
+          }
+          if (team.rank() == 0) {
+            for (int a = 0; a < 3; ++a) {
+              s.low[a] = 0x7FFFFFFF;
+              s.high[a] = -0x7FFFFFFF - 1;
+            }
+            s.minValue = 0x7FFFFFFF;
+            s.maxValue = -0x7FFFFFFF - 1;
+            s.voxels = s.tiles = 0;
+          }
+          team.sync();
+          if (team.rank() == 0) {
+            u32 sum = 0;
+            for (int w = 0; w < kWords; ++w) {
+              s.before[w] = sum;
+              sum += static_cast<u32>(bitCount(s.child[w]));
+            }
+          }
+          team.sync();
+          const u64 first = slot < made ? begin[slot] : 0, end = slot < made ? begin[slot + 1] : 0;
+          const u64 firstChild = slot < made ? childIndex[first] : 0;
+          const u64 toChildren = childAt - (at + number * sizeof(Node));
+          for (int i = team.rank(); i < static_cast<int>(Node::kChildren); i += team.size()) {
+            const u64 bit = u64(1) << (i & 63), child = s.child[i >> 6];
+            u64 entry = (s.tile[i >> 6] & bit) != 0 ? values.inside : values.background;
+            if ((child & bit) != 0) {
+              const u64 index =
+                  firstChild + s.before[i >> 6] + static_cast<u64>(bitCount(child & (bit - 1)));
+              entry = toChildren + index * childSize;
+            }
+            node.table[i] = entry;
+          }
+          // Tiles: their box, and how many.
+          for (int w = team.rank(); w < kWords; w += team.size()) {
+            const u64 tile = s.tile[w];
+            if (tile == 0)
+              continue;
+            addTo(&s.tiles, static_cast<u64>(bitCount(tile)));
+            for (int half = 0; half < 64; half += 1 << kLog2) {
+              const u64 run = tile >> half & (kLog2 == 4 ? 0xFFFFull : 0xFFFFFFFFull);
+              if (run == 0)
+                continue;
+              const int n = w * 64 + half, x = n >> (2 * kLog2),
+                        y = n >> kLog2 & ((1 << kLog2) - 1);
+              const int from[3] = {x, y, lowestBit(run)}, to[3] = {x, y, highestBit(run)};
+              for (int a = 0; a < 3; ++a) {
+                minInto(&s.low[a], origin[a] + from[a] * childSide);
+                maxInto(&s.high[a], origin[a] + to[a] * childSide + childSide - 1);
+              }
+            }
+          }
+          team.sync();
+          const double tileVoxels = static_cast<double>(childSide) * childSide * childSide;
+          for (int p = team.rank(); p < kParts; p += team.size()) {
+            i32 low[3] = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF};
+            i32 high[3] = {-0x7FFFFFFF - 1, -0x7FFFFFFF - 1, -0x7FFFFFFF - 1};
+            u64 sum = 0;
+            i32 minValue = 0x7FFFFFFF, maxValue = -0x7FFFFFFF - 1;
+            Moments part{0, 0, 0};
+            for (u64 j = first + static_cast<u64>(p); j < end; j += kParts) {
+              const u32 childSlot = childSlots[childPositions[j]];
+              const u8 state = childStates[childSlot];
+              if (state == kNode) {
+                const u64 child = childIndex[j];
+                const u8* bytes = buffer + childAt + child * childSize;
+                i32 from[3], to[3];
+                if (level == 1) {
+                  const LeafHead& leaf = *reinterpret_cast<const LeafHead*>(bytes);
+                  for (int a = 0; a < 3; ++a) {
+                    from[a] = leaf.boxMin[a];
+                    to[a] = leaf.boxMin[a] + leaf.boxSize[a];
+                  }
+                } else {
+                  const LowerNode& lower = *reinterpret_cast<const LowerNode*>(bytes);
+                  for (int a = 0; a < 3; ++a) {
+                    from[a] = lower.boxMin[a];
+                    to[a] = lower.boxMax[a];
+                  }
+                }
+                for (int a = 0; a < 3; ++a) {
+                  low[a] = from[a] < low[a] ? from[a] : low[a];
+                  high[a] = to[a] > high[a] ? to[a] : high[a];
+                }
+                sum += childVoxels[child];
+                if (kind == Kind::Int32) {
+                  const NodeValues& v = level == 1
+                                            ? reinterpret_cast<const ValueLeaf*>(bytes)->values
+                                            : reinterpret_cast<const LowerNode*>(bytes)->values;
+                  const i32 least = static_cast<i32>(v.min), most = static_cast<i32>(v.max);
+                  minValue = least < minValue ? least : minValue;
+                  maxValue = most > maxValue ? most : maxValue;
+                  addMoments(part, childMoments[child]);
+                }
+              } else if (state == kFull && kind == Kind::Int32) {
+                const i32 v = childValues[childSlot];
+                node.table[childKeys[j] & (Node::kChildren - 1)] = static_cast<u32>(v);
+                minValue = v < minValue ? v : minValue;
+                maxValue = v > maxValue ? v : maxValue;
+                addMoments(part, {tileVoxels, static_cast<double>(v), 0});
+              }
+            }
+            for (int a = 0; a < 3; ++a) {
+              minInto(&s.low[a], low[a]);
+              maxInto(&s.high[a], high[a]);
+            }
+            minInto(&s.minValue, minValue);
+            maxInto(&s.maxValue, maxValue);
+            if (sum != 0)
+              addTo(&s.voxels, sum);
+            s.part[p] = part;
+          }
+          team.sync();
+          if (team.rank() == 0) {
+            for (int a = 0; a < 3; ++a) {
+              node.boxMin[a] = s.low[a];
+              node.boxMax[a] = s.high[a];
+            }
+            node.flags = 2;
+            const u64 side = static_cast<u64>(childSide);
+            voxels[number] = s.voxels + s.tiles * side * side * side;
+            addTo(totals + level, s.tiles);
+            node.values = {0, 0, 0, 0};
+            if (kind == Kind::Float) {
+              union {
+                u32 bits;
+                float value;
+              } u{values.inside};
+              node.values = {values.inside, values.inside, u.value, 0};
+            } else if (kind == Kind::Int32) {
+              moments[number] = sumParts(s);
+              node.values = valuesOf(s.minValue, s.maxValue, moments[number]);
+            }
+            for (u32& word : node.padding)
+              word = 0;
+          }
+          team.sync();
+        });
+  }
+
+  void writeHead(u8* buffer, const BufferLayout& l, const GridHeader& header,
+                 const Entries& uppers) {
+    const u32 *positions = uppers.position, *slots = uppers.slot;
+    const u8* states = uppers.state;
+    const i32* tileValues = uppers.value;
+    const u64* keys = uppers.treeKey;
+    const u64 *tileRank = tileRank_, *index = upper_.index, *upperVoxels = upper_.voxels;
+    const Moments* upperMoments = upper_.moments;
+    const u64* totals = totals_;
+    const u64 n = uppers.count;
+    const Kind kind = kind_;
+    const GridValues values = values_;
+    const KeySpace space = space_;
+    b_.template forTeams<HeadShared>(
+        1, kParts, TETVDB_KERNEL(const Team& team, u64, HeadShared& s) {
+          auto& root = *reinterpret_cast<RootHeader*>(buffer + l.root);
+          auto* tiles = reinterpret_cast<RootTile*>(buffer + l.root + sizeof(RootHeader));
+          if (team.rank() == 0) {
+            for (int a = 0; a < 3; ++a) {
+              s.low[a] = 0x7FFFFFFF;
+              s.high[a] = -0x7FFFFFFF - 1;
+            }
+            s.minValue = 0x7FFFFFFF;
+            s.maxValue = -0x7FFFFFFF - 1;
+            s.voxels = 0;
+          }
+          team.sync();
+          for (int p = team.rank(); p < kParts; p += team.size()) {
+            Moments part{0, 0, 0};
+            for (u64 j = static_cast<u64>(p); j < n; j += kParts) {
+              const u32 slot = slots[positions[j]];
+              if (states[slot] == kEmpty)
+                continue;
+              i32 origin[3];
+              originOf(space, 2, placeOfTreeKey(space, 2, keys[j]), origin);
+              RootTile tile{};
+              tile.key = u64(u32(origin[0]) >> 12) << 42 | u64(u32(origin[1]) >> 12) << 21 |
+                         u64(u32(origin[2]) >> 12);
+              i32 from[3], to[3];
+              u64 voxels = u64(1) << 36;
+              if (states[slot] == kNode) {
+                const u64 at = l.upper + index[j] * sizeof(UpperNode);
+                const auto& upper = *reinterpret_cast<const UpperNode*>(buffer + at);
+                tile.child = static_cast<i64>(at - l.root);
+                for (int a = 0; a < 3; ++a) {
+                  from[a] = upper.boxMin[a];
+                  to[a] = upper.boxMax[a];
+                }
+                voxels = upperVoxels[index[j]];
+                if (kind == Kind::Int32) {
+                  addMoments(part, upperMoments[index[j]]);
+                  minInto(&s.minValue, static_cast<i32>(upper.values.min));
+                  maxInto(&s.maxValue, static_cast<i32>(upper.values.max));
+                }
+              } else {
+                tile.state = 1;
+                tile.value = values.inside;
+                if (kind == Kind::Int32) {
+                  tile.value = static_cast<u32>(tileValues[slot]);
+                  addMoments(part, {static_cast<double>(voxels),
+                                    static_cast<double>(tileValues[slot]), 0});
+                  minInto(&s.minValue, tileValues[slot]);
+                  maxInto(&s.maxValue, tileValues[slot]);
+                }
+                for (int a = 0; a < 3; ++a) {
+                  from[a] = origin[a];
+                  to[a] = origin[a] + 4095;
+                }
+              }
+              for (int a = 0; a < 3; ++a) {
+                minInto(&s.low[a], from[a]);
+                maxInto(&s.high[a], to[a]);
+              }
+              addTo(&s.voxels, voxels);
+              tiles[tileRank[j]] = tile;
+            }
+            s.part[p] = part;
+          }
+          team.sync();
+          if (team.rank() == 0) {
+            const bool empty = l.rootTiles == 0;
+            root = RootHeader{};
+            for (int a = 0; a < 3; ++a) {
+              root.boxMin[a] = empty ? 0x7FFFFFFF : s.low[a];
+              root.boxMax[a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
+            }
+            root.tableSize = static_cast<u32>(l.rootTiles);
+            root.values[0] = values.background;
+            if (kind == Kind::Float || kind == Kind::Int32) {
+              union {
+                u32 bits;
+                float value;
+              } average, deviation;
+              u32 min = values.inside, max = values.inside;
+              average.bits = values.inside;
+              deviation.bits = 0;
+              if (empty) {
+                min = max = values.background;
+                average.bits = 0;
+              } else if (kind == Kind::Int32) {
+                const NodeValues v = valuesOf(s.minValue, s.maxValue, sumParts(s));
+                min = v.min;
+                max = v.max;
+                average.value = v.average;
+                deviation.value = v.deviation;
+              }
+              root.values[1] = min;
+              root.values[2] = max;
+              root.values[3] = average.bits;
+              root.values[4] = deviation.bits;
+            }
+            auto& grid = *reinterpret_cast<GridHeader*>(buffer);
+            grid = header;
+            grid.gridSize = l.size;
+            if (!empty) {
+              grid.flags |= 2;
+              for (int a = 0; a < 3; ++a) {
+                grid.worldBox[a] = grid.mapTranslation[a] + grid.mapMatrix[4 * a] * s.low[a];
+                grid.worldBox[3 + a] = grid.mapTranslation[a] +
+                                       grid.mapMatrix[4 * a] * (static_cast<double>(s.high[a]) + 1);
+              }
+            }
+            auto& tree = *reinterpret_cast<TreeHeader*>(buffer + sizeof(GridHeader));
+            tree = TreeHeader{};
+            tree.nodeOffset[0] = l.leaf - sizeof(GridHeader);
+            tree.nodeOffset[1] = l.lower - sizeof(GridHeader);
+            tree.nodeOffset[2] = l.upper - sizeof(GridHeader);
+            tree.nodeOffset[3] = l.root - sizeof(GridHeader);
+            tree.nodeCount[0] = static_cast<u32>(l.leaves);
+            tree.nodeCount[1] = static_cast<u32>(l.lowers);
+            tree.nodeCount[2] = static_cast<u32>(l.uppers);
+            tree.tileCount[0] = static_cast<u32>(totals[1]);
+            tree.tileCount[1] = static_cast<u32>(totals[2]);
+            tree.tileCount[2] = static_cast<u32>(l.rootTiles - l.uppers);
+            tree.voxelCount = s.voxels;
+          }
+          team.sync();
+          // NanoVDB's partial checksum: grid, tree and root but for magic and checksum.
+          const u64 size = l.upper - 16, chunk = (size + kParts - 1) / kParts;
+          for (int p = team.rank(); p < kParts; p += team.size()) {
+            const u64 from =
+                static_cast<u64>(p) * chunk < size ? static_cast<u64>(p) * chunk : size;
+            const u64 to = from + chunk < size ? from + chunk : size;
+            s.crc[p] = crcOf(buffer + 16 + from, to - from);
+          }
+          team.sync();
+          if (team.rank() == 0) {
+            u32 crc = 0xFFFFFFFFu;
+            u64 done = 0;
+            for (int p = 0; p < kParts; ++p) {
+              const u64 length = size - done < chunk ? size - done : chunk;
+              crc = crcMultiply(crcPower(length), crc) ^ s.crc[p];
+              done += length;
+            }
+            reinterpret_cast<GridHeader*>(buffer)->checksum =
+                u64(0xFFFFFFFFu) << 32 | (crc ^ 0xFFFFFFFFu);
+          }
+          team.sync();
+        });
+  }
+
+private:
+  Backend& b_;
+  KeySpace space_;
+  Kind kind_;
+  GridValues values_;
+  LevelNodes leaf_, lower_, upper_;
+  const u64* tileRank_ = nullptr;
+  u64* totals_ = nullptr;
+};
+
+} // namespace tetvdb::nano

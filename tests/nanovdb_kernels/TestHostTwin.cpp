@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The device's steps, run by their twin on the host, against the CPU's voxelize(), which shares no
+// code with them but the exact predicates.
+#include "Meshes.h"
+#include "nanovdb_kernels/DeviceVoxelizer.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <gtest/gtest.h>
+#include <limits>
+#include <rapidcheck/gtest.h>
+
+namespace {
+
+using namespace tetvdb;
+using meshes::kuhnGrid;
+using nano::GridType;
+using nano::Road;
+
+nano::MeshView viewOf(const TetMesh& mesh) {
+  return {mesh.points.empty() ? nullptr : mesh.points[0].data(), mesh.points.size(),
+          mesh.tets.data(), mesh.tetCount(), nullptr};
+}
+
+std::string cpuHash(const TetMesh& mesh, GridKind kind, const GridTransform& transform) {
+  VoxelizeOptions options;
+  options.voxelSize = transform.voxelSize;
+  options.origin = transform.origin;
+  options.grids = {kind};
+  options.allowEmpty = true;
+  Report report;
+  Progress progress;
+  const Voxelization v = voxelize(mesh, options, report, progress);
+  EXPECT_EQ(v.transform.origin, transform.origin);
+  return hash(v.volume);
+}
+
+nano::Job jobFor(GridType type, Road road, const GridTransform& transform) {
+  nano::Job job;
+  job.type = type;
+  job.road = road;
+  for (std::size_t k = 0; k < 3; ++k) {
+    job.voxelSize[k] = transform.voxelSize[k];
+    job.origin[k] = transform.origin[k];
+  }
+  job.name = type == GridType::Fog ? "density" : type == GridType::Owner ? "tet_id" : "mask";
+  return job;
+}
+
+std::string hashOf(const nano::Result& result) {
+  auto grids = std::make_shared<GridSet>();
+  grids->all.push_back(gridOfNano(result.bytes));
+  return hash(Volume(std::move(grids)));
+}
+
+std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
+  nano::HostTwin twin;
+  return hashOf(twin.run(viewOf(mesh), job));
+}
+
+// All kinds of grid and all roads that take the mesh.
+void expectSame(const TetMesh& mesh, const GridTransform& transform = {}, bool dense = true) {
+  const std::string mask = cpuHash(mesh, GridKind::Mask, transform);
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Boundary, transform)), mask);
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Bool, Road::Boundary, transform)), mask);
+  if (dense) {
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Tets, transform)), mask);
+  }
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Road::Boundary, transform)),
+            cpuHash(mesh, GridKind::Density, transform));
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Owner, Road::Auto, transform)),
+            cpuHash(mesh, GridKind::TetId, transform));
+}
+
+TEST(HostTwin, LatticeWhereEveryCentreIsATie) {
+  for (int cell : {1, 3, 8})
+    expectSame(meshes::scaled(kuhnGrid(3, 3, 3), cell));
+}
+
+TEST(HostTwin, NegativeCoordinatesAndAnisotropicVoxels) {
+  expectSame(meshes::scaled(kuhnGrid(3, 4, 5), 7.3, {-20.1, -5000.7, 3.3}),
+             {{0.9, 1.1, 1.7}, {0.25, -3, 8}});
+}
+
+TEST(HostTwin, OverlapsFlipsAndFlatTets) {
+  expectSame(meshes::soup(300, 40, 9, 1, 5));
+  expectSame(meshes::rounded(meshes::soup(300, 20, 5, 2, 5), 0.5));
+}
+
+TEST(HostTwin, DuplicatedTets) {
+  const TetMesh mesh = meshes::jittered(kuhnGrid(4, 4, 4), 0.3, 3);
+  expectSame(meshes::scaled(meshes::joined(mesh, mesh), 4));
+}
+
+TEST(HostTwin, TetsFarBelowAVoxel) {
+  expectSame(meshes::scaled(meshes::jittered(kuhnGrid(12, 12, 12), 0.3, 4), 0.3));
+}
+
+TEST(HostTwin, GiantsAcrossNodes) {
+  expectSame(meshes::scaled(kuhnGrid(1, 1, 1), 300, {-40, -30, -20}));
+  expectSame(meshes::soup(4, 300, 200, 6));
+}
+
+TEST(HostTwin, TinyAndLargeTetsInOneMesh) {
+  expectSame(meshes::joined(meshes::soup(400, 100, 0.7, 7), meshes::soup(3, 100, 90, 8)));
+}
+
+// Tiles of every level, and gaps whose columns differ: a box that ends at leaf and node borders.
+TEST(HostTwin, TilesAtEveryLevel) {
+  const auto occupancy = [](const TetMesh& mesh) {
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Road::Boundary, {})),
+              cpuHash(mesh, GridKind::Density, {}));
+  };
+  occupancy(meshes::scaled(kuhnGrid(1, 1, 1), 256));
+  occupancy(meshes::scaled(kuhnGrid(1, 1, 1), 256, {0.5, 0.5, 0.5}));
+  occupancy(meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{p[0] * 200, p[1] * 72, p[2] * 1000};
+  }));
+  occupancy(meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{p[0] * 20 + 3, p[1] * 12 + 1, p[2] * 9000 - 4100};
+  }));
+  // A root tile, and striped upper nodes above one another; the walls lie between leaves.
+  occupancy(meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{p[0] * 4504 - 200, p[1] * 4400 - 104, p[2] * 9000 - 4500};
+  }));
+}
+
+TEST(HostTwin, BallAndShuffledBall) {
+  const TetMesh ball = meshes::ball(8, 60, {3, -70, 100});
+  expectSame(ball);
+  expectSame(meshes::shuffled(ball, 9));
+}
+
+RC_GTEST_PROP(HostTwinProperties, Soups, ()) {
+  const auto count = static_cast<std::size_t>(*rc::gen::inRange(1, 40));
+  const auto seed = static_cast<std::uint64_t>(*rc::gen::inRange(0, 1 << 30));
+  const double size = *rc::gen::element(1.0, 10.0, 60.0), tet = *rc::gen::element(0.3, 2.0, 25.0);
+  TetMesh mesh = meshes::soup(count, size, tet, seed, 2);
+  if (*rc::gen::inRange(0, 2) == 1)
+    mesh = meshes::rounded(std::move(mesh), *rc::gen::element(1.0, 0.5, 0.125));
+  expectSame(mesh);
+}
+
+TEST(HostTwin, EmptyGrids) {
+  const TetMesh speck = meshes::scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5});
+  expectSame(speck);
+  nano::HostTwin twin;
+  EXPECT_EQ(twin.run(viewOf(TetMesh()), jobFor(GridType::Mask, Road::Auto, {})).counts.leaves, 0u);
+}
+
+TEST(HostTwin, ValuesOfTets) {
+  const TetMesh mesh = meshes::scaled(kuhnGrid(4, 4, 4), 9);
+  TetMesh cells = mesh;
+  cells.regions.resize(mesh.tetCount());
+  for (std::size_t t = 0; t < mesh.tetCount(); ++t)
+    cells.regions[t] = static_cast<std::int32_t>(t / 200) - 1;
+  nano::HostTwin twin;
+  nano::MeshView view = viewOf(mesh);
+  view.values = cells.regions.data();
+  nano::Job job = jobFor(GridType::Owner, Road::Auto, {});
+  job.name = "material";
+  EXPECT_EQ(hashOf(twin.run(view, job)), cpuHash(cells, GridKind::Material, {}));
+}
+
+TEST(HostTwin, CountsFlipsAndDrops) {
+  nano::HostTwin twin;
+  TetMesh mesh = meshes::soup(50, 10, 3, 11, 7);
+  Report report;
+  Progress progress;
+  VoxelizeOptions options;
+  options.voxelSize = {1, 1, 1};
+  const SnapCounts expected = voxelize(mesh, options, report, progress).counts;
+  const nano::Counts counts =
+      twin.run(viewOf(mesh), jobFor(GridType::Mask, Road::Boundary, {})).counts;
+  EXPECT_EQ(counts.flipped, expected.flipped);
+  EXPECT_EQ(counts.dropped, expected.dropped);
+}
+
+TEST(HostTwin, RefusesWhatItCannotDo) {
+  const auto statusOf = [](const TetMesh& mesh, double voxel = 1) {
+    nano::HostTwin twin;
+    try {
+      twin.run(viewOf(mesh),
+               jobFor(GridType::Mask, Road::Boundary, {{voxel, voxel, voxel}, {0, 0, 0}}));
+    } catch (const Error& e) {
+      return e.status();
+    }
+    return Status::Ok;
+  };
+  TetMesh mesh = kuhnGrid(1, 1, 1);
+  EXPECT_EQ(statusOf(mesh), Status::Ok);
+  EXPECT_EQ(statusOf(mesh, 1e-7), Status::Limit); // a tet of 10^7 voxels
+  EXPECT_EQ(statusOf(mesh, -1), Status::Usage);
+  mesh.points[3][1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(statusOf(mesh), Status::Limit);
+  mesh = kuhnGrid(1, 1, 1);
+  mesh.tets[5] = 8;
+  EXPECT_EQ(statusOf(mesh), Status::Invalid);
+}
+
+} // namespace

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The layout against NanoVDB's own headers and validator.
+#include "Meshes.h"
+#include "nanovdb_kernels/Crc32.h"
+#include "nanovdb_kernels/DeviceVoxelizer.h"
+#include "nanovdb_kernels/NanoLayout.h"
+#include "tetvdb/io/NvdbLayout.h"
+
+#if __has_include(<nanovdb/tools/GridValidator.h>)
+#include <nanovdb/tools/GridStats.h>
+#include <nanovdb/tools/GridValidator.h>
+#else
+#include <nanovdb/util/GridStats.h>
+#include <nanovdb/util/GridValidator.h>
+#endif
+
+#include <cstring>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tetvdb;
+using nano::GridType;
+
+template <typename T>
+void expectNodes(std::size_t leaf) {
+  EXPECT_EQ(sizeof(nanovdb::NanoLeaf<T>), leaf);
+  EXPECT_EQ(sizeof(nanovdb::NanoLower<T>), sizeof(nano::LowerNode));
+  EXPECT_EQ(sizeof(nanovdb::NanoUpper<T>), sizeof(nano::UpperNode));
+  EXPECT_EQ(sizeof(nanovdb::NanoRoot<T>), sizeof(nano::RootHeader));
+  EXPECT_EQ(sizeof(typename nanovdb::NanoRoot<T>::DataType::Tile), sizeof(nano::RootTile));
+}
+
+TEST(NanoLayout, SizesAreNanoVDBs) {
+  EXPECT_EQ(sizeof(nanovdb::GridData), sizeof(nano::GridHeader));
+  expectNodes<float>(sizeof(nano::ValueLeaf));
+  expectNodes<std::int32_t>(sizeof(nano::ValueLeaf));
+  expectNodes<bool>(sizeof(nano::BoolLeaf));
+  expectNodes<nanovdb::ValueMask>(sizeof(nano::MaskLeaf));
+}
+
+TEST(Crc32, OfPartsIsThatOfTheWhole) {
+  const char* text = "123456789";
+  const auto* bytes = reinterpret_cast<const nano::u8*>(text);
+  nano::u32 crc = 0xFFFFFFFFu;
+  crc = nano::crcMultiply(nano::crcPower(4), crc) ^ nano::crcOf(bytes, 4);
+  crc = nano::crcMultiply(nano::crcPower(5), crc) ^ nano::crcOf(bytes + 4, 5);
+  EXPECT_EQ(crc ^ 0xFFFFFFFFu, 0xCBF43926u); // the check value of CRC-32
+}
+
+// The buffer is valid for NanoVDB, checksum included, and its statistics are what NanoVDB's own
+// pass over the nodes makes of them.
+template <typename T>
+void expectValid(const TetMesh& mesh, GridType type) {
+  nano::HostTwin twin;
+  nano::Job job;
+  job.type = type;
+  job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = 0.5;
+  job.origin[0] = 3;
+  const nano::Result result = twin.run(
+      {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(), nullptr}, job);
+  auto* grid = reinterpret_cast<nanovdb::NanoGrid<T>*>(const_cast<unsigned char*>(result.bytes));
+  EXPECT_EQ(nanovdb::GridValidator<T>::check(*grid, true), "");
+  EXPECT_EQ(grid->gridSize(), result.counts.bufferBytes);
+
+  std::vector<unsigned char> copy(result.counts.bufferBytes + 64);
+  auto* bytes = reinterpret_cast<unsigned char*>(
+      (reinterpret_cast<std::uintptr_t>(copy.data()) + 63) / 64 * 64);
+  std::memcpy(bytes, result.bytes, result.counts.bufferBytes);
+  auto* other = reinterpret_cast<nanovdb::NanoGrid<T>*>(bytes);
+  nanovdb::gridStats(*other, nanovdb::StatsMode::All);
+  EXPECT_EQ(other->data()->mFlags, grid->data()->mFlags);
+  EXPECT_EQ(other->worldBBox()[0], grid->worldBBox()[0]);
+  EXPECT_EQ(other->worldBBox()[1], grid->worldBBox()[1]);
+  std::uint64_t voxels = 0;
+  const auto compare = [&](const auto& a, const auto& b) {
+    EXPECT_EQ(a.bbox().min(), b.bbox().min());
+    EXPECT_EQ(a.bbox().max(), b.bbox().max());
+    EXPECT_EQ(a.minimum(), b.minimum());
+    EXPECT_EQ(a.maximum(), b.maximum());
+    if constexpr (!std::is_same_v<T, bool> && !std::is_same_v<T, nanovdb::ValueMask>) {
+      const auto near = [](double x, double y) {
+        return std::abs(x - y) <= 1e-5 * (1 + std::abs(x));
+      };
+      EXPECT_TRUE(near(a.average(), b.average())) << a.average() << " " << b.average();
+      EXPECT_TRUE(near(a.stdDeviation(), b.stdDeviation()))
+          << a.stdDeviation() << " " << b.stdDeviation();
+    }
+  };
+  compare(grid->tree().root(), other->tree().root());
+  const auto& tree = grid->tree();
+  for (std::uint32_t i = 0; i < tree.nodeCount(2); ++i)
+    compare(tree.template getFirstNode<2>()[i], other->tree().template getFirstNode<2>()[i]);
+  for (std::uint32_t i = 0; i < tree.nodeCount(1); ++i)
+    compare(tree.template getFirstNode<1>()[i], other->tree().template getFirstNode<1>()[i]);
+  for (std::uint32_t i = 0; i < tree.nodeCount(0); ++i)
+    compare(tree.template getFirstNode<0>()[i], other->tree().template getFirstNode<0>()[i]);
+  for (auto it = tree.root().beginChild(); it; ++it)
+    for (auto lower = it->beginChild(); lower; ++lower) {
+      for (auto leaf = lower->beginChild(); leaf; ++leaf)
+        voxels += leaf->valueMask().countOn();
+      voxels += 512ull * lower->valueMask().countOn();
+    }
+  for (auto it = tree.root().beginChild(); it; ++it)
+    voxels += 2097152ull * it->valueMask().countOn();
+  EXPECT_EQ(tree.activeVoxelCount(), voxels);
+}
+
+TEST(NanoLayout, BuffersAreValidAndTheirStatisticsRight) {
+  const TetMesh ball = meshes::ball(6, 150, {10, -20, 70});
+  expectValid<float>(ball, GridType::Fog);
+  expectValid<bool>(ball, GridType::Bool);
+  expectValid<nanovdb::ValueMask>(ball, GridType::Mask);
+  expectValid<std::int32_t>(meshes::ball(4, 40, {10, -20, 70}), GridType::Owner);
+}
+
+} // namespace

@@ -12,6 +12,7 @@
 #include <cuda/functional>
 #include <cuda_runtime.h>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetvdb::nano {
@@ -101,6 +102,8 @@ public:
           "no pinned memory");
   }
   ~CudaBackend() {
+    for (const Stage& s : stages_)
+      cudaEventDestroy(s.begin);
     cudaFreeHost(pinned_);
     cudaStreamDestroy(stream_);
   }
@@ -109,6 +112,28 @@ public:
 
   cudaStream_t stream() const { return stream_; }
   DevicePool& pool() { return pool_; }
+
+  /// From here on time counts for `name`; "" ends the last.
+  void stage(const char* name) {
+    if (used_ == stages_.size()) {
+      stages_.push_back({});
+      check(cudaEventCreate(&stages_.back().begin), "event");
+    }
+    stages_[used_].name = name;
+    check(cudaEventRecord(stages_[used_].begin, stream_), "event");
+    ++used_;
+  }
+  void clearStages() { used_ = 0; }
+  /// Of the stages since they were cleared; the stream must be done.
+  std::vector<std::pair<std::string, double>> stageSeconds() const {
+    std::vector<std::pair<std::string, double>> result;
+    for (std::size_t i = 0; i + 1 < used_; ++i) {
+      float ms = 0;
+      check(cudaEventElapsedTime(&ms, stages_[i].begin, stages_[i + 1].begin), "event");
+      result.emplace_back(stages_[i].name, ms * 1e-3);
+    }
+    return result;
+  }
 
   template <typename T>
   T* alloc(u64 n) {
@@ -173,6 +198,12 @@ public:
   }
 
 private:
+  struct Stage {
+    const char* name = "";
+    cudaEvent_t begin = nullptr;
+  };
+  std::vector<Stage> stages_;
+  std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr;
   void* pinned_ = nullptr;
   DevicePool pool_;

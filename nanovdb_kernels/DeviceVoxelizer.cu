@@ -198,6 +198,7 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
   State& s = *state_;
   check(cudaSetDevice(s.device), "device");
   s.backend->pool().takeBack();
+  s.backend->clearStages();
   const cudaStream_t stream = s.backend->stream();
   s.events->record(0, stream);
   MeshView view = mesh;
@@ -220,7 +221,8 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
   }
   s.events->record(3, stream);
   check(cudaStreamSynchronize(stream), "a kernel failed");
-  s.times = {s.events->seconds(0, 1), s.events->seconds(1, 2), s.events->seconds(2, 3)};
+  s.times = {s.events->seconds(0, 1), s.events->seconds(1, 2), s.events->seconds(2, 3),
+             s.backend->stageSeconds()};
   return result;
 }
 

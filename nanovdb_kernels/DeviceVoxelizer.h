@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetvdb::nano {
@@ -73,6 +74,7 @@ struct Result {
 /// Seconds of the last run, by device events.
 struct Times {
   double upload = 0, build = 0, download = 0;
+  std::vector<std::pair<std::string, double>> parts; ///< of `build`, by name
 };
 
 /// The same steps from the same source, on one thread of the host: an oracle for tests, many times

@@ -26,6 +26,7 @@ public:
     return reinterpret_cast<T*>(blocks_.back().get());
   }
   void release() { blocks_.clear(); }
+  void stage(const char*) {}
   u8* output(u64 bytes) { return alloc<u8>(bytes); }
 
   void zero(void* p, u64 bytes) { std::memset(p, 0, bytes); }

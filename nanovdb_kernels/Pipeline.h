@@ -16,6 +16,13 @@ namespace tetvdb::nano {
 
 constexpr double kMaxVoxel = 2147475456.0; // as SnappedMesh.cpp has it
 
+/// What the first steps find, read together.
+struct Findings {
+  i64 low[3], high[3]; ///< box of the points, lattice units
+  u64 flipped, flat;
+  u32 errors;
+};
+
 struct SnapShared {
   i64 low[3], high[3];
 };
@@ -29,13 +36,14 @@ public:
   /// Builds; the buffer is the backend's memory. `mesh` lies where the backend computes.
   Result run() {
     checkJob();
+    b_.stage("snap");
     begin();
     snap();
     chooseSpace();
     Result result;
     Counts& counts = result.counts;
-    counts.flipped = b_.read(counters_);
-    counts.dropped = b_.read(counters_ + 1);
+    counts.flipped = found_.flipped;
+    counts.dropped = found_.flat;
 
     Entries leaves;
     LeafMasks masks;
@@ -49,6 +57,7 @@ public:
       throw Error(Status::Limit, "", "the grid is too large for the road by tets on the device",
                   "take the road by the boundary");
     const bool carries = !owners && !dense;
+    b_.stage(owners || dense ? "rasterize" : "boundary");
     if (owners) {
       leaves = tets.runOwners(mesh_.values, masks, table, true);
     } else if (dense) {
@@ -57,10 +66,12 @@ public:
       u64 faceCount = 0;
       const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
       counts.boundaryFaces = faceCount;
+      b_.stage("rasterize");
       leaves = FaceRasterizer<Backend>(b_, space_).run(points_, faces, faceCount, masks);
     }
     counts.road = carries ? Road::Boundary : Road::Tets;
 
+    b_.stage("levels");
     LevelBuilder<Backend> levels(b_, space_, carries, errors_);
     NodeMasks<4> lowerMasks;
     NodeMasks<5> upperMasks;
@@ -77,6 +88,7 @@ public:
     if (b_.read(errors_) & kNotClosed)
       throw std::logic_error("the boundary does not close: crossings were lost");
 
+    b_.stage("tree");
     const Kind kind = kindOf(job_.type);
     GridWriter<Backend> writer(b_, space_, kind, valuesOf(job_.type));
     const BufferLayout layout = writer.lay(leaves, lowers, uppers);
@@ -84,6 +96,7 @@ public:
     u8* buffer = b_.output(layout.size);
     writer.write(buffer, layout, makeHeader(kind), leaves, masks, table, lowers, lowerMasks, uppers,
                  upperMasks);
+    b_.stage("");
     counts.leaves = layout.leaves;
     counts.lowerNodes = layout.lowers;
     counts.upperNodes = layout.uppers;
@@ -96,16 +109,17 @@ public:
   // Public for nvcc alone, as in LevelBuilder.
 
   void begin() {
-    errors_ = b_.template alloc<u32>(4);
-    counters_ = b_.template alloc<u64>(2);
-    box_ = b_.template alloc<i64>(6);
-    b_.zero(errors_, 16);
-    b_.zero(counters_, 16);
-    i64* box = box_;
+    findings_ = b_.template alloc<Findings>(1);
+    errors_ = &findings_->errors;
+    Findings* findings = findings_;
     b_.forEach(
-        3, TETVDB_KERNEL(u64 k) {
-          box[k] = i64(1) << 62;
-          box[3 + k] = -(i64(1) << 62);
+        1, TETVDB_KERNEL(u64) {
+          for (int k = 0; k < 3; ++k) {
+            findings->low[k] = i64(1) << 62;
+            findings->high[k] = -(i64(1) << 62);
+          }
+          findings->flipped = findings->flat = 0;
+          findings->errors = 0;
         });
   }
 
@@ -117,7 +131,7 @@ public:
     const double ox = job_.origin[0], oy = job_.origin[1], oz = job_.origin[2];
     const double hx = job_.voxelSize[0], hy = job_.voxelSize[1], hz = job_.voxelSize[2];
     u32* errors = errors_;
-    i64* box = box_;
+    Findings* findings = findings_;
     constexpr u64 kPerTeam = 2048;
     b_.template forTeams<SnapShared>(
         (n + kPerTeam - 1) / kPerTeam, 256,
@@ -158,17 +172,18 @@ public:
             }
           team.sync();
           for (int k = team.rank(); k < 3; k += team.size()) {
-            minInto(&box[k], s.low[k]);
-            maxInto(&box[3 + k], s.high[k]);
+            minInto(&findings->low[k], s.low[k]);
+            maxInto(&findings->high[k], s.high[k]);
           }
           team.sync();
         });
     signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
-    orientTets(b_, points_, n, mesh_.tets, mesh_.tetCount, signs_, counters_, errors_);
+    orientTets(b_, points_, n, mesh_.tets, mesh_.tetCount, signs_, &findings_->flipped, errors_);
   }
 
   void chooseSpace() {
-    const u32 errors = b_.read(errors_);
+    found_ = b_.read(findings_);
+    const u32 errors = found_.errors;
     if (errors & kBadIndex)
       throw Error(Status::Invalid, "", "a tet refers to a point that is not there");
     if (errors & kBadPoint)
@@ -178,7 +193,7 @@ public:
     if (errors & kLongTet)
       throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
     for (int k = 0; k < 3; ++k) {
-      i64 low = b_.read(box_ + k), high = b_.read(box_ + 3 + k);
+      i64 low = found_.low[k], high = found_.high[k];
       if (low > high)
         low = high = 0;
       // A crossing counts from at most one voxel above the box.
@@ -273,8 +288,8 @@ private:
   LatticePoint* points_ = nullptr;
   std::int8_t* signs_ = nullptr;
   u32* errors_ = nullptr;
-  u64* counters_ = nullptr;
-  i64* box_ = nullptr;
+  Findings* findings_ = nullptr; // the backend's
+  Findings found_{};
 };
 
 } // namespace tetvdb::nano

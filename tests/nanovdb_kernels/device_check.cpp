@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Runs on a machine with a GPU: grids from the device against those of the CPU, by hash, and
+// against the host's twin, byte for byte; and what the device refuses. Arguments: mesh files or
+// folders of them; --small leaves out what is slow under compute-sanitizer. Exit status 1 if
+// anything differs.
+#include "Meshes.h"
+#include "nanovdb_kernels/DeviceVoxelizer.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace tetvdb;
+using nano::GridType;
+using nano::Road;
+
+int checks = 0, failures = 0;
+
+void expect(bool good, const std::string& what) {
+  ++checks;
+  if (good)
+    return;
+  ++failures;
+  std::printf("DIFFERS: %s\n", what.c_str());
+}
+
+nano::MeshView viewOf(const TetMesh& mesh) {
+  return {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(), nullptr};
+}
+
+std::string cpuHash(const TetMesh& mesh, GridKind kind, const GridTransform& transform) {
+  VoxelizeOptions options;
+  options.voxelSize = transform.voxelSize;
+  options.origin = transform.origin;
+  options.grids = {kind};
+  options.allowEmpty = true;
+  Report report;
+  Progress progress;
+  return hash(voxelize(mesh, options, report, progress).volume);
+}
+
+std::string hashOf(const nano::Result& result) {
+  auto grids = std::make_shared<GridSet>();
+  grids->all.push_back(gridOfNano(result.bytes));
+  return hash(Volume(std::move(grids)));
+}
+
+void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMesh& mesh,
+             const GridTransform& transform, bool twinToo) {
+  struct Case {
+    const char* name;
+    GridType type;
+    Road road;
+    GridKind kind;
+  };
+  for (const Case& c : {Case{"mask by boundary", GridType::Mask, Road::Boundary, GridKind::Mask},
+                        Case{"mask by tets", GridType::Mask, Road::Tets, GridKind::Mask},
+                        Case{"bool", GridType::Bool, Road::Auto, GridKind::Mask},
+                        Case{"fog", GridType::Fog, Road::Boundary, GridKind::Density},
+                        Case{"owner", GridType::Owner, Road::Auto, GridKind::TetId}}) {
+    nano::Job job;
+    job.type = c.type;
+    job.road = c.road;
+    for (std::size_t k = 0; k < 3; ++k) {
+      job.voxelSize[k] = transform.voxelSize[k];
+      job.origin[k] = transform.origin[k];
+    }
+    job.name = c.type == GridType::Fog ? "density" : c.type == GridType::Owner ? "tet_id" : "mask";
+    const std::string what = name + ", " + c.name;
+    try {
+      const nano::Result result = device.run(viewOf(mesh), job);
+      expect(hashOf(result) == cpuHash(mesh, c.kind, transform), what + ": CPU");
+      if (!twinToo)
+        continue;
+      nano::HostTwin twin;
+      const nano::Result other = twin.run(viewOf(mesh), job);
+      expect(other.counts.bufferBytes == result.counts.bufferBytes &&
+                 std::memcmp(other.bytes, result.bytes, result.counts.bufferBytes) == 0,
+             what + ": twin");
+    } catch (const std::exception& e) {
+      expect(false, what + ": " + e.what());
+    }
+  }
+}
+
+void madeMeshes(nano::DeviceVoxelizer& device, bool small) {
+  using namespace meshes;
+  const auto check = [&](const std::string& name, const TetMesh& mesh,
+                         const GridTransform& transform = {}) {
+    compare(device, name, mesh, transform, true);
+  };
+  for (int cell : {1, 3, 8})
+    check("lattice of ties", scaled(kuhnGrid(3, 3, 3), cell));
+  check("negative, anisotropic", scaled(kuhnGrid(3, 4, 5), 7.3, {-20.1, -5000.7, 3.3}),
+        {{0.9, 1.1, 1.7}, {0.25, -3, 8}});
+  check("overlaps, flips, flat tets", soup(300, 40, 9, 1, 5));
+  check("rounded soup", rounded(soup(300, 20, 5, 2, 5), 0.5));
+  const TetMesh twice = jittered(kuhnGrid(4, 4, 4), 0.3, 3);
+  check("duplicated tets", scaled(joined(twice, twice), 4));
+  check("far below a voxel", scaled(jittered(kuhnGrid(12, 12, 12), 0.3, 4), 0.3));
+  check("tiny and large", joined(soup(400, 100, 0.7, 7), soup(3, 100, 90, 8)));
+  check("nothing inside", scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5}));
+  for (std::uint64_t seed = 0; seed < (small ? 4u : 60u); ++seed) {
+    TetMesh mesh = soup(1 + seed * 7 % 40, seed % 3 == 0 ? 1 : 20 * double(seed % 3),
+                        seed % 2 == 0 ? 2 : 25, seed, 2);
+    if (seed % 4 > 1)
+      mesh = rounded(std::move(mesh), seed % 8 > 3 ? 1 : 0.125);
+    check("soup " + std::to_string(seed), mesh);
+  }
+  if (small)
+    return;
+  check("giant soup", soup(4, 300, 200, 6));
+  check("one cube", scaled(kuhnGrid(1, 1, 1), 300, {-40, -30, -20}));
+  check("ball", ball(8, 60, {3, -70, 100}));
+  check("shuffled ball", shuffled(ball(8, 60, {3, -70, 100}), 9));
+  const TetMesh large = ball(30, 400, {1000, 5, -3000});
+  compare(device, "larger ball", large, {}, false);
+  const auto box = [](const Vec3d& size, const Vec3d& low) {
+    return mapped(kuhnGrid(1, 1, 1), [=](const Vec3d& p) {
+      return Vec3d{p[0] * size[0] + low[0], p[1] * size[1] + low[1], p[2] * size[2] + low[2]};
+    });
+  };
+  nano::Job job;
+  for (const TetMesh& mesh : {box({20, 12, 9000}, {3, 1, -4100}), box({200, 72, 1000}, {0, 0, 0}),
+                              box({4504, 4400, 9000}, {-200, -104, -4500})})
+    expect(hashOf(device.run(viewOf(mesh), job)) == cpuHash(mesh, GridKind::Density, {}),
+           "tiles of every level");
+  // The same bits again, also after other models have used the memory.
+  const nano::Job mask;
+  const std::string first = hashOf(device.run(viewOf(large), mask));
+  device.run(viewOf(twice), mask);
+  const std::uint64_t before = device.allocations();
+  expect(hashOf(device.run(viewOf(large), mask)) == first, "once more");
+  expect(device.allocations() == before, "no allocation for a model of the same size");
+}
+
+template <typename F>
+bool refuses(Status status, const F& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.status() == status;
+  }
+  return false;
+}
+
+void refusals(nano::DeviceVoxelizer& device) {
+  expect(refuses(Status::Device, [] { nano::DeviceVoxelizer none(99); }), "device 99");
+  TetMesh mesh = meshes::kuhnGrid(1, 1, 1);
+  nano::Job job;
+  job.voxelSize[0] = 1e-7;
+  expect(refuses(Status::Limit, [&] { device.run(viewOf(mesh), job); }), "a tet that is too long");
+  mesh.tets[5] = 8;
+  expect(refuses(Status::Invalid, [&] { device.run(viewOf(mesh), {}); }), "a bad index");
+  mesh = meshes::kuhnGrid(1, 1, 1);
+  mesh.points[3][1] = std::numeric_limits<double>::quiet_NaN();
+  expect(refuses(Status::Limit, [&] { device.run(viewOf(mesh), {}); }), "not a number");
+  // The device goes on after all that.
+  compare(device, "after refusals", meshes::scaled(meshes::kuhnGrid(2, 2, 2), 5), {}, true);
+}
+
+void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
+  TetMesh mesh;
+  try {
+    Report report;
+    Progress progress;
+    if (holdsTriangles(path))
+      return;
+    mesh = readTets(path, {}, {}, nullptr, report, progress);
+  } catch (const Error&) {
+    return; // not a mesh of tets, or a broken one
+  }
+  if (mesh.tets.empty())
+    return;
+  for (int resolution : {64, 300}) {
+    VoxelizeOptions options;
+    options.resolution = resolution;
+    compare(device, path + " at " + std::to_string(resolution), mesh,
+            chooseTransform(mesh, options), false);
+  }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  bool small = false;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]) == "--small")
+      small = true;
+    else if (std::filesystem::is_directory(argv[i]))
+      for (const auto& entry : std::filesystem::directory_iterator(argv[i]))
+        files.push_back(entry.path().string());
+    else
+      files.push_back(argv[i]);
+  }
+  std::string why;
+  if (nano::listDevices(why).empty()) {
+    std::printf("no device: %s\n", why.c_str());
+    return 77;
+  }
+  nano::DeviceVoxelizer device(0);
+  madeMeshes(device, small);
+  if (!small)
+    refusals(device);
+  for (const std::string& file : files)
+    corpusFile(device, file);
+  std::printf("%d checks, %d failures\n", checks, failures);
+  return failures == 0 ? 0 : 1;
+}

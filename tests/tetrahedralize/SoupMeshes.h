@@ -57,7 +57,7 @@ inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain 
 /// Delaunay tets, their neighbours found again by a map of faces; the box's sides are fixed.
 inline TetComplex complexOf(const std::vector<Vec3d>& points) {
   Progress progress;
-  const PlainTets plain = delaunayTets(points, progress);
+  const PlainTets plain = delaunayTets(points, 1, progress);
   TetComplex complex;
   for (const Vec3d& p : points)
     complex.addPoint(p);

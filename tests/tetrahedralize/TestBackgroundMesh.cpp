@@ -156,7 +156,7 @@ TEST(DelaunayTets, BoxAlone) {
   Progress progress;
   for (const Vec3d& size : {Vec3d{1, 1, 1}, Vec3d{2, 3, 1e10}, Vec3d{1e11, 1, 1}}) {
     const std::vector<Vec3d> points = boxed({{0, 0, 0}, size}, 0);
-    const PlainTets made = delaunayTets(points, progress);
+    const PlainTets made = delaunayTets(points, 1, progress);
     EXPECT_EQ(made.tets.size(), 6u);
     expectFillsBox(points, made);
   }
@@ -166,7 +166,7 @@ TEST(DelaunayTets, SpheresOfRandomPointsAreEmpty) {
   Progress progress;
   for (const double extent : {20.0, 1000.0, kFar}) { // dense ones have many cospherical points
     const std::vector<Vec3d> points = boxed(randomPoints(600, -extent, extent), 10);
-    const PlainTets made = delaunayTets(points, progress);
+    const PlainTets made = delaunayTets(points, 1, progress);
     expectFillsBox(points, made);
     EXPECT_EQ(pointsInSpheres(points, made), 0u);
   }
@@ -175,7 +175,7 @@ TEST(DelaunayTets, SpheresOfRandomPointsAreEmpty) {
 TEST(DelaunayTets, ManyRandomPoints) {
   Progress progress;
   const std::vector<Vec3d> points = boxed(randomPoints(60000, -kFar, kFar), 0);
-  expectFillsBox(points, delaunayTets(points, progress));
+  expectFillsBox(points, delaunayTets(points, 1, progress));
 }
 
 TEST(DelaunayTets, RegularGrids) {
@@ -189,7 +189,7 @@ TEST(DelaunayTets, RegularGrids) {
     // Without a margin the grid lies on the box's sides, edges and corners too.
     for (const double grow : {0.0, 1.0, 5 * step}) {
       const std::vector<Vec3d> points = boxed(grid, grow);
-      const PlainTets made = delaunayTets(points, progress);
+      const PlainTets made = delaunayTets(points, 1, progress);
       expectFillsBox(points, made);
       if (grow == 0) { // five or six to a cube, and a few slivers
         EXPECT_NEAR(static_cast<double>(made.tets.size()), 5.5 * 19 * 20 * 21, 0.5 * 19 * 20 * 21);
@@ -211,7 +211,7 @@ TEST(DelaunayTets, CoplanarPoints) {
   for (const auto* sheet : {&level, &skew, &exactlySkew})
     for (const double grow : {1.0, 1e8}) {
       const std::vector<Vec3d> points = boxed(*sheet, grow);
-      expectFillsBox(points, delaunayTets(points, progress));
+      expectFillsBox(points, delaunayTets(points, 1, progress));
     }
 }
 
@@ -229,7 +229,7 @@ TEST(DelaunayTets, CollinearPoints) {
       if (grow == 0 && line == &along)
         continue; // no box
       const std::vector<Vec3d> points = boxed(*line, grow);
-      expectFillsBox(points, delaunayTets(points, progress));
+      expectFillsBox(points, delaunayTets(points, 1, progress));
     }
 }
 
@@ -249,10 +249,10 @@ TEST(DelaunayTets, CosphericalPoints) {
     }
   ASSERT_GT(sphere.size(), 500u);
   const std::vector<Vec3d> hollow = boxed(sphere, 10);
-  expectFillsBox(hollow, delaunayTets(hollow, progress));
+  expectFillsBox(hollow, delaunayTets(hollow, 1, progress));
   sphere.push_back({0, 0, 0});
   const std::vector<Vec3d> centred = boxed(sphere, 0);
-  expectFillsBox(centred, delaunayTets(centred, progress));
+  expectFillsBox(centred, delaunayTets(centred, 1, progress));
 }
 
 TEST(DelaunayTets, ClustersOfUnitDistanceFarApart) {
@@ -264,7 +264,7 @@ TEST(DelaunayTets, ClustersOfUnitDistanceFarApart) {
         clusters.push_back({cx + p[0], cy + p[1], p[2]});
   for (const double grow : {0.0, 1.0, kFar / 2}) {
     const std::vector<Vec3d> points = boxed(clusters, grow);
-    expectFillsBox(points, delaunayTets(points, progress));
+    expectFillsBox(points, delaunayTets(points, 1, progress));
   }
 }
 
@@ -279,14 +279,15 @@ TEST(DelaunayTets, PointsOnTheBox) {
   inside.push_back({0, 0, 0});
   inside.push_back({1000, 1000, 1000});
   const std::vector<Vec3d> points = boxed(inside, 0);
-  const PlainTets made = delaunayTets(points, progress);
+  const PlainTets made = delaunayTets(points, 1, progress);
   expectFillsBox(points, made);
 }
 
 TEST(DelaunayTets, TheSameEachTime) {
   Progress progress;
   const std::vector<Vec3d> points = boxed(randomPoints(5000, 0, 100), 1);
-  const PlainTets first = delaunayTets(points, progress), second = delaunayTets(points, progress);
+  const PlainTets first = delaunayTets(points, 1, progress),
+                  second = delaunayTets(points, 1, progress);
   EXPECT_EQ(first.tets, second.tets);
   EXPECT_EQ(first.neighbours, second.neighbours);
 }
@@ -295,14 +296,14 @@ TEST(DelaunayTets, ARepeatedPointIsAnError) {
   Progress progress;
   std::vector<Vec3d> points = boxed(randomPoints(100, 0, 1000), 1);
   points.push_back(points[50]);
-  EXPECT_THROW(delaunayTets(points, progress), Error);
+  EXPECT_THROW(delaunayTets(points, 1, progress), Error);
 }
 
 TEST(DelaunayTets, CanBeCancelled) {
   Progress progress;
   progress.cancel();
   const std::vector<Vec3d> points = boxed(randomPoints(10000, 0, 1e6), 1);
-  EXPECT_THROW(delaunayTets(points, progress), Error);
+  EXPECT_THROW(delaunayTets(points, 1, progress), Error);
 }
 
 // A sheet, a spike and a point-like triangle.
@@ -362,7 +363,7 @@ TEST(BackgroundPoints, FillTheBoxAwayFromTheSoup) {
       least = std::min(least, length(minus(p, q)));
     EXPECT_LT(least, 1.0 * kSpacing);
   }
-  expectFillsBox(points, delaunayTets(points, progress));
+  expectFillsBox(points, delaunayTets(points, 1, progress));
 }
 
 TEST(BackgroundPoints, AnyShapeOfBox) {
@@ -378,7 +379,7 @@ TEST(BackgroundPoints, AnyShapeOfBox) {
         EXPECT_LE(points.size(), 200010u);
         EXPECT_EQ(std::set<Vec3d>(points.begin(), points.end()).size(), points.size());
         if (points.size() < 20000)
-          expectFillsBox(points, delaunayTets(points, progress));
+          expectFillsBox(points, delaunayTets(points, 1, progress));
       }
 }
 

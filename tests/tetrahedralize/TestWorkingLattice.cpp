@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ExactVolume.h"
+#include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
 #include <cmath>
@@ -68,8 +70,8 @@ TEST(WorkingLattice, PointsAreWholeAndNearAndWithinBounds) {
 
 TEST(WorkingLattice, TheWayBackRoundsNothing) {
   std::mt19937_64 random(2);
-  std::uniform_int_distribution<std::int64_t> anywhere(-(std::int64_t(1) << 37) + 1,
-                                                       (std::int64_t(1) << 37) - 1);
+  std::uniform_int_distribution<std::int64_t> anywhere(-(std::int64_t(1) << 47) + 1,
+                                                       (std::int64_t(1) << 47) - 1);
   for (const Box& box : boxes()) {
     const WorkingLattice lattice(box);
     const Vec3d origin = lattice.toWorld({0, 0, 0});
@@ -97,7 +99,47 @@ TEST(WorkingLattice, IsFineEnough) {
       side = std::max(side, box.high[axis] - box.low[axis]);
       far = std::max({far, std::abs(box.low[axis]), std::abs(box.high[axis])});
     }
-    EXPECT_LE(WorkingLattice(box).unit(), std::max(side * 0x1p-36, (far + side) * 0x1p-50));
+    EXPECT_LE(WorkingLattice(box).unit(), std::max(side * 0x1p-46, (far + side) * 0x1p-50));
+  }
+}
+
+// What delaunayTets() needs of points, and no more than is lost anyway far off.
+TEST(WorkingLattice, CoarsePointsHave38Bits) {
+  for (const Box& box : boxes()) {
+    const WorkingLattice lattice(box);
+    EXPECT_EQ(std::exp2(std::ilogb(lattice.coarse())), lattice.coarse());
+    EXPECT_GE(lattice.coarse(), 1);
+    double side = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      side = std::max(side, box.high[axis] - box.low[axis]);
+    const double steps = side / lattice.unit() / lattice.coarse();
+    EXPECT_LE(steps, 0x1p37);
+    EXPECT_GT(steps, lattice.coarse() > 1 ? 0x1p35 : 0);
+  }
+}
+
+// Small ones fit 128 bits; scaled by powers of two they carry through all of the digits.
+TEST(LatticeOrientation, TheDeterminantIsTheExactOneRounded) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 2000; ++i) {
+    const double size = std::ldexp(1.0, 1 + i % 24);
+    std::uniform_real_distribution<double> along(-size, size);
+    std::array<Vec3d, 4> p;
+    for (Vec3d& q : p)
+      q = roundToLattice({along(random), along(random), along(random)});
+    Int128 d[3][3];
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        d[k][axis] = static_cast<std::int64_t>(p[k + 1][axis] - p[0][axis]);
+    const Int128 whole = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) -
+                         d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
+                         d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
+    for (const double scale : {1.0, 0x1p11, 0x1p22}) {
+      const double expected = static_cast<double>(whole) * scale * scale * scale;
+      EXPECT_NEAR(exactDeterminant(times(p[0], scale), times(p[1], scale), times(p[2], scale),
+                                   times(p[3], scale)),
+                  expected, std::abs(expected) * 0x1p-51);
+    }
   }
 }
 
@@ -114,7 +156,7 @@ TEST(LatticeOrientation, IsExactForRandomTets) {
   std::mt19937_64 random(3);
   for (int i = 0; i < 4000; ++i) {
     // From a few units to the whole lattice.
-    const double size = std::ldexp(1.0, 2 + i % 36);
+    const double size = std::ldexp(1.0, 2 + i % 46);
     std::uniform_real_distribution<double> along(-size, size);
     std::array<Vec3d, 4> p;
     for (Vec3d& q : p)

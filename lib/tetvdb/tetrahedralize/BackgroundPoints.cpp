@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMostPoints = 200000; // whatever the spacing asks for
 constexpr double kShake = 0.1;         // of a cell
-// Cells narrower than this could round two points to one.
+// Grains: cells narrower than this could round two points to one.
 constexpr double kNarrowest = 16;
 
 // Whether no triangle is nearer to a point than a given distance.
@@ -65,15 +65,15 @@ private:
 };
 
 // Cells along each axis.
-std::array<std::size_t, 3> countCells(const Box& box, double spacing) {
+std::array<std::size_t, 3> countCells(const Box& box, double spacing, double grain) {
   std::array<std::size_t, 3> cells{};
   // As many points as the cubic lattice of that spacing: two to a cell.
-  for (double cell = std::max(spacing, 1.0) * std::cbrt(2.0);; cell *= 1.05) {
+  for (double cell = std::max(spacing, grain) * std::cbrt(2.0);; cell *= 1.05) {
     double corners = 1, centres = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double side = box.high[axis] - box.low[axis];
       const double count =
-          std::max(1.0, std::floor(std::min(side / cell + 0.5, side / kNarrowest)));
+          std::max(1.0, std::floor(std::min(side / cell + 0.5, side / (kNarrowest * grain))));
       centres *= count;
       corners *= count + 1;
       cells[axis] = static_cast<std::size_t>(std::min(count, kMostPoints));
@@ -90,7 +90,8 @@ std::vector<Vec3d> backgroundPoints(const LatticeSoup& soup, double margin, doub
   Box box;
   for (const Vec3d& p : soup.points)
     box.add(p);
-  const double grow = std::max(std::ceil(margin), 1.0); // the corners are no points of the soup
+  // The corners are no points of the soup.
+  const double grow = std::max(std::ceil(margin / soup.grain), 1.0) * soup.grain;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     box.low[axis] -= grow;
     box.high[axis] += grow;
@@ -102,7 +103,7 @@ std::vector<Vec3d> backgroundPoints(const LatticeSoup& soup, double margin, doub
   points.insert(points.end(), soup.points.begin(), soup.points.end());
 
   // In half cells: all even are corners, all odd are centres.
-  const std::array<std::size_t, 3> cells = countCells(box, spacing);
+  const std::array<std::size_t, 3> cells = countCells(box, spacing, soup.grain);
   std::vector<Vec3d> between;
   for (std::size_t z = 0; z <= 2 * cells[2]; ++z)
     for (std::size_t y = z % 2; y <= 2 * cells[1]; y += 2)
@@ -115,19 +116,18 @@ std::vector<Vec3d> backgroundPoints(const LatticeSoup& soup, double margin, doub
           const double cell = (box.high[axis] - box.low[axis]) / static_cast<double>(cells[axis]);
           const double shift = static_cast<double>(random & 0xFFFFFu) / 0x80000 - 1; // [-1, 1)
           random >>= 20;
-          p[axis] = std::nearbyint(box.low[axis] +
-                                   cell * (0.5 * static_cast<double>(at[axis]) + kShake * shift));
+          p[axis] = box.low[axis] + cell * (0.5 * static_cast<double>(at[axis]) + kShake * shift);
           if (at[axis] == 0 || at[axis] == 2 * cells[axis]) {
             p[axis] = at[axis] == 0 ? box.low[axis] : box.high[axis];
             ++sides;
           }
         }
         if (sides < 3)
-          between.push_back(p);
+          between.push_back(roundToGrain(p, soup.grain));
       }
 
-  // Never nearer than a unit, so that no point is one of the soup's.
-  const Clearance clear(soup, std::max(clearance, 1.0));
+  // Never nearer than a grain, so that no point is one of the soup's.
+  const Clearance clear(soup, std::max(clearance, soup.grain));
   std::vector<std::uint8_t> kept(between.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, between.size(), 256),
                     [&](const auto& range) {

@@ -274,7 +274,7 @@ private:
 
 } // namespace
 
-PlainTets delaunayTets(const std::vector<Vec3d>& points, Progress& progress) {
+PlainTets delaunayTets(const std::vector<Vec3d>& points, double grain, Progress& progress) {
   if (points.size() > kMostTets)
     throw Error(Status::Limit, "", "too many points for one mesh", "simplify the input");
   // Points are renamed in the order they go in, so that neighbours lie near in memory.
@@ -284,7 +284,8 @@ PlainTets delaunayTets(const std::vector<Vec3d>& points, Progress& progress) {
   names.insert(names.end(), order.begin(), order.end());
   LargeVector<Vec3d> renamed(points.size());
   for (std::size_t i = 0; i < names.size(); ++i)
-    renamed[i] = points[names[i]];
+    renamed[i] = {points[names[i]][0] / grain, points[names[i]][1] / grain,
+                  points[names[i]][2] / grain};
 
   Delaunay delaunay(std::move(renamed));
   constexpr std::size_t kPointsPerCheck = 4096;

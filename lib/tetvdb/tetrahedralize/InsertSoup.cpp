@@ -28,7 +28,7 @@ constexpr std::size_t kMostInFlat = 2000;
 constexpr std::size_t kMostTets = 1500000, kMostTetsOfFace = 40;
 
 // What counts as on a triangle: far above the rounding of points, far below what matters.
-constexpr double kReach = 100, kLeastTolerance = 16;
+constexpr double kReach = 1e4, kLeastTolerance = 16;
 
 } // namespace
 

@@ -106,10 +106,11 @@ void tidySoup(LatticeSoup& soup, Progress& progress) {
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
                         double grain, Progress& progress) {
   LatticeSoup soup;
+  soup.grain = grain;
   for (std::size_t input = 0; input < inputs.size(); ++input) {
     const auto base = static_cast<std::uint32_t>(soup.points.size());
     for (const Vec3d& p : inputs[input].points)
-      soup.points.push_back(times(roundToLattice(times(lattice.toLattice(p), 1 / grain)), grain));
+      soup.points.push_back(roundToGrain(lattice.toLattice(p), grain));
     const auto& corners = inputs[input].triangles;
     for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
       soup.faces.push_back({base + corners[i], base + corners[i + 1], base + corners[i + 2]});

@@ -17,6 +17,7 @@ namespace tetvdb {
 /// two faces over the same three points. Faces may be collinear, cross each other and end anywhere.
 struct LatticeSoup {
   std::vector<Vec3d> points; ///< lattice points (WorkingLattice.h)
+  double grain = 1;          ///< that their coordinates are multiples of: a power of two
   std::vector<std::array<std::uint32_t, 3>> faces;
   std::vector<std::uint16_t> inputs; ///< of every face; empty: all of input 0
 };

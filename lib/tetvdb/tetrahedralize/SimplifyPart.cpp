@@ -216,7 +216,7 @@ Vec3d SimplifyPart::bestPlace(const Vec3d& middle) const {
   for (const NewFace& changed : newFaces_)
     scale = std::max(scale, dot(changed.normal, changed.normal));
   if (!(scale > 0))
-    return roundToLattice(middle);
+    return roundToGrain(middle, s_.grain);
   for (const NewFace& changed : newFaces_) {
     const Vec3d n = times(changed.normal, 1 / std::sqrt(scale));
     const double height = dot(n, minus(changed.at[0], middle));
@@ -239,7 +239,7 @@ Vec3d SimplifyPart::bestPlace(const Vec3d& middle) const {
       (a * sum[0] + b * sum[1] + c * sum[2]) / determinant,
       (b * sum[0] + (xx * zz - xz * xz) * sum[1] + (xy * xz - xx * yz) * sum[2]) / determinant,
       (c * sum[0] + (xy * xz - xx * yz) * sum[1] + (xx * yy - xy * xy) * sum[2]) / determinant};
-  return roundToLattice(plus(middle, step));
+  return roundToGrain(plus(middle, step), s_.grain);
 }
 
 void SimplifyPart::addCarried(std::uint32_t face) {

@@ -10,11 +10,11 @@
 namespace tetvdb {
 
 SoupSurface::SoupSurface(LatticeSoup soup, double spacing)
-    : points(std::move(soup.points)), faces(std::move(soup.faces)), inputs(std::move(soup.inputs)),
-      firstCorner(points.size(), kNone), nextCorner(3 * faces.size()), isFixed(points.size()),
-      part(points.size(), 0), isDue(points.size(), 1), depth(faces.size(), 0), carried(points),
-      isCarried(points.size(), 0), firstCarried(faces.size(), kNone),
-      nextCarried(points.size(), kNone) {
+    : points(std::move(soup.points)), grain(soup.grain), faces(std::move(soup.faces)),
+      inputs(std::move(soup.inputs)), firstCorner(points.size(), kNone),
+      nextCorner(3 * faces.size()), isFixed(points.size()), part(points.size(), 0),
+      isDue(points.size(), 1), depth(faces.size(), 0), carried(points), isCarried(points.size(), 0),
+      firstCarried(faces.size(), kNone), nextCarried(points.size(), kNone) {
   for (auto corner = static_cast<std::uint32_t>(nextCorner.size()); corner-- > 0;)
     link(faces[corner / 3][corner % 3], corner);
   for (std::uint32_t face = 0; face < faces.size(); ++face)
@@ -86,6 +86,7 @@ void SoupSurface::unlink(std::uint32_t point, std::uint32_t corner) {
 
 LatticeSoup SoupSurface::rest() const {
   LatticeSoup soup;
+  soup.grain = grain;
   std::vector<std::uint32_t> number(points.size(), kNone);
   for (std::uint32_t face = 0; face < faces.size(); ++face)
     if (!isGone(face)) {

@@ -24,6 +24,7 @@ struct SoupSurface {
   LatticeSoup rest() const;
 
   std::vector<Vec3d> points;
+  double grain;                                    ///< as the soup's
   std::vector<std::array<std::uint32_t, 3>> faces; ///< of kNone: gone
   std::vector<std::uint16_t> inputs;               ///< of faces; empty: all of input 0
   std::vector<std::uint32_t> firstCorner;          ///< of a point; kNone: gone

@@ -41,7 +41,7 @@ inline double energyCube(const Vec3d& a, const Vec3d& b, const Vec3d& c, const V
   TetShape shape(a, b, c, d);
   constexpr double kRoughCube = kRoughEnergy * kRoughEnergy * kRoughEnergy;
   if (!(shape.det > 0) || shape.cube() > kRoughCube)
-    shape.det = static_cast<double>(exactDeterminant(a, b, c, d));
+    shape.det = exactDeterminant(a, b, c, d);
   return shape.det > 0 ? shape.cube() : std::numeric_limits<double>::infinity();
 }
 

@@ -4,11 +4,10 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/tetrahedralize/BackgroundMesh.h"
 #include "tetvdb/tetrahedralize/Classify.h"
 #include "tetvdb/tetrahedralize/Envelope.h"
 #include "tetvdb/tetrahedralize/Improve.h"
-#include "tetvdb/tetrahedralize/InsertSoup.h"
+#include "tetvdb/tetrahedralize/InsertSurface.h"
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
 #include "tetvdb/tetrahedralize/RefineHoles.h"
 #include "tetvdb/tetrahedralize/Regions.h"
@@ -26,11 +25,12 @@ namespace tetvdb {
 namespace {
 
 // Shares of epsilon: what simplification may use up, so that improvement still has room to move,
-// and how far a triangle's faces may be from it where tets are too flat to part.
-constexpr double kSimplifyShare = 0.6, kReachShare = 0.1;
+// how far points may be moved where faces do not go in otherwise, and how far a triangle's faces
+// may be from it where tets are too flat to part.
+constexpr double kSimplifyShare = 0.6, kShakeShare = 0.25, kReachShare = 0.1;
 // Input points are snapped to this part of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
-// A lattice unit must be small against epsilon.
+// What tells input points apart must be small against epsilon.
 constexpr double kLeastEpsilon = 256;
 // What closes a hole is cut from tets of this share of the target length, as long as there are not
 // more of them.
@@ -40,9 +40,6 @@ constexpr std::size_t kMostHoleTets = 25000;
 // inserted, and improvement begins anew, so often at most.
 constexpr std::size_t kFewLost = 20;
 constexpr int kMostMends = 2;
-// Tries at inserting all faces, while the mesh is not larger than this.
-constexpr int kMostInsertions = 4;
-constexpr std::size_t kTooManyTets = 1000000;
 // Said where energies, and the tets' volume against the input's, are farther off than this.
 constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
 // Memory of the whole work for a triangle: more than any model took so far that is not very small
@@ -90,63 +87,10 @@ std::vector<std::array<std::uint32_t, 3>> rimOf(const LatticeSoup& soup) {
   return rim;
 }
 
-TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
-  TetComplex complex;
-  complex.points.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i)
-    complex.points[i].at = points[i];
-  complex.tets.resize(plain.tets.size());
-  for (std::size_t t = 0; t < plain.tets.size(); ++t) {
-    TetComplex::Tet& tet = complex.tets[t];
-    tet.corners = plain.tets[t];
-    tet.neighbours = plain.neighbours[t];
-    tet.chains = {0, 0, 0, 0};
-    tet.tracked = {false, false, false, false};
-    tet.energy = 0;
-    tet.mark = 0;
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(t);
-      if (tet.neighbours[slot] == TetComplex::kOutside)
-        for (const unsigned corner : kFaceCorners[slot])
-          complex.points[tet.corners[corner]].fixed = true;
-    }
-  }
-  return complex;
-}
-
 void assertValid([[maybe_unused]] const TetComplex& complex) {
 #ifndef NDEBUG
   complex.verify();
 #endif
-}
-
-struct Insertion {
-  TetComplex complex;
-  std::vector<std::uint32_t> missing; // faces of the soup
-};
-
-// Where faces are missing they go first in another try; the best one counts.
-Insertion insertSoup(const LatticeSoup& soup, std::size_t inputCount,
-                     const std::vector<Vec3d>& points, const PlainTets& background, double reach,
-                     Progress& progress) {
-  constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
-  Insertion best;
-  std::vector<std::uint32_t> first;
-  for (int attempt = 0; attempt < kMostInsertions; ++attempt) {
-    Insertion next{startComplex(points, background), {}};
-    SoupInsertion insertion(soup, inputCount, kFirstSoupPoint, reach);
-    insertion.run(next.complex, first, progress);
-    next.missing = insertion.missing();
-    const std::vector<std::uint32_t> missing = next.missing;
-    if (attempt == 0 || next.missing.size() < best.missing.size())
-      best = std::move(next);
-    if (best.missing.empty() || best.complex.tetCount() > kTooManyTets)
-      break;
-    for (const std::uint32_t face : missing)
-      if (std::find(first.begin(), first.end(), face) == first.end())
-        first.push_back(face);
-  }
-  return best;
 }
 
 // What the steps after insertion work on.
@@ -287,14 +231,15 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   progress.stage("snap");
   const WorkingLattice lattice(box);
   const double epsilon = lengths.epsilon / lattice.unit();
-  if (epsilon < kLeastEpsilon)
+  if (epsilon < kLeastEpsilon * lattice.coarse())
     throw Error(Status::Usage, "--epsilon",
                 fmt::format("{:.6g} is too small: coordinates of this model are told apart to "
                             "{:.6g}",
-                            lengths.epsilon, lattice.unit()),
+                            lengths.epsilon, lattice.coarse() * lattice.unit()),
                 fmt::format("take {:.6g} or more, or move the model nearer to the origin",
-                            kLeastEpsilon * lattice.unit()));
-  const double grain = std::exp2(std::max(0.0, std::floor(std::log2(epsilon * kGrainShare))));
+                            kLeastEpsilon * lattice.coarse() * lattice.unit()));
+  const double grain =
+      std::max(lattice.coarse(), std::exp2(std::floor(std::log2(epsilon * kGrainShare))));
   LatticeSoup soup = latticeSoup(inputs, lattice, grain, progress);
   if (soup.faces.empty())
     throw Error(Status::Invalid, "", "no triangle of the mesh has an area",
@@ -318,18 +263,18 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   simplifySoup(soup, surface, kSimplifyShare * radius, progress);
   made.simplifiedFaces = soup.faces.size();
 
-  timer.part("background");
-  progress.stage("background");
   const double edge = lengths.edge / lattice.unit();
-  const double spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
-  const std::vector<Vec3d> points =
-      backgroundPoints(soup, std::max(spacing, 2 * epsilon), spacing, 10 * epsilon, progress);
-  const PlainTets background = delaunayTets(points, progress);
-
-  timer.part("insert");
-  progress.stage("insert");
-  auto [complex, missing] =
-      insertSoup(soup, inputs.size(), points, background, kReachShare * radius, progress);
+  InsertSurfaceOptions lengthsOfIt;
+  lengthsOfIt.spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
+  lengthsOfIt.margin = std::max(lengthsOfIt.spacing, 2 * epsilon);
+  lengthsOfIt.clearance = 10 * epsilon;
+  lengthsOfIt.shake = kShakeShare * radius;
+  lengthsOfIt.reach = kReachShare * radius;
+  InsertedSurface inserted =
+      insertSurface(std::move(soup), inputs.size(), lengthsOfIt, timer, progress);
+  soup = std::move(inserted.soup);
+  TetComplex complex = std::move(inserted.complex);
+  const std::vector<std::uint32_t> missing = std::move(inserted.missing);
   assertValid(complex);
   made.notInserted = missing.size();
   made.insertedFaces = soup.faces.size() - missing.size();

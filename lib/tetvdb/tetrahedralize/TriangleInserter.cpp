@@ -423,25 +423,28 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
     const auto found = front_.find(directed(start, end));
     return found != front_.end() && found->second > 0;
   };
-  std::uint32_t best = kNone;
-  double straightest = 0;
-  for (const std::uint32_t p : ring_) {
-    const Vec3d& at = complex_.at(p);
-    const double aside = leftward(at);
-    const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
-    if (!isLoop && (std::abs(height(at)) > tolerance_ || inside(at) < tolerance_))
-      continue;
-    if (isLoop && std::abs(aside) < kNoise * tolerance_ && isOpen(v, p) && isOpen(p, u))
-      return p;
-    if (aside <= 0 || taken_.count(sortedFace({u, v, p})) > 0)
-      continue;
-    const double straight = aside / std::hypot(aside, height(at) - level);
-    if (straight > straightest) {
-      straightest = straight;
-      best = p;
+  const auto pointWithin = [&](double tolerance) {
+    std::uint32_t best = kNone;
+    double straightest = 0;
+    for (const std::uint32_t p : ring_) {
+      const Vec3d& at = complex_.at(p);
+      const double aside = leftward(at);
+      const bool isLoop = std::binary_search(onLoop_.begin(), onLoop_.end(), p);
+      if (!isLoop && (std::abs(height(at)) > tolerance || inside(at) < tolerance_))
+        continue;
+      if (isLoop && std::abs(aside) < kNoise * tolerance_ && isOpen(v, p) && isOpen(p, u))
+        return p;
+      if (aside <= 0 || taken_.count(sortedFace({u, v, p})) > 0)
+        continue;
+      const double straight = aside / std::hypot(aside, height(at) - level);
+      if (straight > straightest) {
+        straightest = straight;
+        best = p;
+      }
     }
-  }
-  if (best != kNone)
+    return best;
+  };
+  if (const std::uint32_t best = pointWithin(tolerance_); best != kNone)
     return best;
   // Else the triangle runs through one of the tets, between two points of the ring. Cuts are made
   // in the plane, so that errors do not add up from edge to edge; at the edge's own level only
@@ -461,6 +464,10 @@ std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
       if (inside(cut) < -tolerance_)
         throw Stop{Result::Failed};
       const std::uint32_t made = splitEdge(p, q, cut);
+      // Tets so flat that no lattice point parts them: by way of a point that is there.
+      for (double wide = 4 * tolerance_; made == kNone && wide <= reach_; wide *= 4)
+        if (const std::uint32_t best = pointWithin(wide); best != kNone)
+          return best;
       if (made == kNone)
         throw Stop{complex_.ring(p, q, tets_, ring_) ? Result::Failed : Result::Elsewhere};
       return made;

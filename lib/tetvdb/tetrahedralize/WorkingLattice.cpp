@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
+#include "tetvdb/geometry/Exact.h"
+
 #include <algorithm>
 #include <array>
 
@@ -12,12 +14,14 @@ WorkingLattice::WorkingLattice(const Box& box) {
     side = std::max(side, box.high[axis] - box.low[axis]);
     far = std::max({far, std::abs(box.low[axis]), std::abs(box.high[axis])});
   }
-  // Coordinates reach to one side from the centre, margin included: 2^37 with 37 bits a side. World
+  // Coordinates reach to one side from the centre, margin included: 2^47 with 47 bits a side. World
   // coordinates need 53 bits at most, up to twice as far out.
   int sideBits = 0, farBits = 0;
   std::frexp(std::max(side, 1e-300), &sideBits);
   std::frexp(std::max(2 * (far + side), 1e-300), &farBits);
-  unit_ = std::ldexp(1.0, std::max(sideBits - 37, farBits - 52));
+  const int unitBits = std::max(sideBits - 47, farBits - 52);
+  unit_ = std::ldexp(1.0, unitBits);
+  coarse_ = std::ldexp(1.0, std::max(0, sideBits - 37 - unitBits));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double centre = box.low[axis] / 2 + box.high[axis] / 2;
     origin_[axis] = std::nearbyint(centre / unit_) * unit_;
@@ -25,8 +29,10 @@ WorkingLattice::WorkingLattice(const Box& box) {
 }
 
 Vec3d WorkingLattice::toLattice(const Vec3d& world) const {
-  return roundToLattice({(world[0] - origin_[0]) / unit_, (world[1] - origin_[1]) / unit_,
-                         (world[2] - origin_[2]) / unit_});
+  // The origin is whole in units, so that the rounding of the quotient is the only one.
+  const Vec3d whole = roundToLattice({world[0] / unit_, world[1] / unit_, world[2] / unit_});
+  return {whole[0] - origin_[0] / unit_, whole[1] - origin_[1] / unit_,
+          whole[2] - origin_[2] / unit_};
 }
 
 Vec3d WorkingLattice::toWorld(const Vec3d& lattice) const {
@@ -34,15 +40,33 @@ Vec3d WorkingLattice::toWorld(const Vec3d& lattice) const {
           origin_[2] + lattice[2] * unit_};
 }
 
-Int128 exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  // Differences have 38 bits and a sign: 114 bits for a product, 117 for the sum of six.
+double exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  // Differences have 48 bits and a sign, minors of two 98.
   const auto difference = [&](const Vec3d& p, std::size_t axis) {
     return static_cast<Int128>(static_cast<std::int64_t>(p[axis] - a[axis]));
   };
   const Int128 ux = difference(b, 0), uy = difference(b, 1), uz = difference(b, 2);
   const Int128 vx = difference(c, 0), vy = difference(c, 1), vz = difference(c, 2);
-  const Int128 wx = difference(d, 0), wy = difference(d, 1), wz = difference(d, 2);
-  return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx);
+  // high 2^64 + low, the low parts of products below 2^112.
+  constexpr int kDigit = 64;
+  constexpr Int128 kMask = (Int128(1) << kDigit) - 1;
+  Int128 high = 0, low = 0;
+  const auto add = [&](Int128 w, Int128 minor) {
+    high += w * (minor >> kDigit);
+    low += w * (minor & kMask);
+  };
+  add(difference(d, 0), uy * vz - uz * vy);
+  add(difference(d, 1), uz * vx - ux * vz);
+  add(difference(d, 2), ux * vy - uy * vx);
+  high += low >> kDigit;
+  low &= kMask;
+  const bool negative = high < 0;
+  if (negative) {
+    high = -high - (low != 0 ? 1 : 0);
+    low = low != 0 ? (kMask + 1) - low : 0;
+  }
+  const double size = static_cast<double>(high) * 0x1p64 + static_cast<double>(low);
+  return negative ? -size : size;
 }
 
 } // namespace tetvdb

@@ -2,16 +2,17 @@
 //
 // The mesher's coordinates: whole numbers, kept in doubles.
 //
-// The model's box is mapped onto a lattice whose unit is a power of two, fine enough for 38 bits
-// along the longest side (about 4e-12 of it), and no finer than doubles resolve at the model's
+// The model's box is mapped onto a lattice whose unit is a power of two, fine enough for 48 bits
+// along the longest side (about 4e-15 of it), and no finer than doubles resolve at the model's
 // distance from the origin. Differences of coordinates are then exact in doubles, orientations are
-// exact in 128 bits, and the way back to world space rounds nothing: a tet that is positive on the
+// exact in 192 bits, and the way back to world space rounds nothing: a tet that is positive on the
 // lattice is positive in the file.
+//   The soup's points lie on every 1024th point of it at most, so that insertion has room to put
+// points between faces that all but touch.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/BoxTree.h"
-#include "tetvdb/geometry/Exact.h"
 
 #include <cmath>
 #include <cstdint>
@@ -19,7 +20,7 @@
 namespace tetvdb {
 
 /// Coordinates of lattice points are below this in magnitude.
-constexpr double kLatticeBound = static_cast<double>(std::int64_t(1) << 37);
+constexpr double kLatticeBound = static_cast<double>(std::int64_t(1) << 47);
 
 class WorkingLattice {
 public:
@@ -28,6 +29,9 @@ public:
   explicit WorkingLattice(const Box& box);
 
   double unit() const { return unit_; } ///< world units: a power of two
+  /// Lattice units, a power of two: the multiples of it have 38 bits along the longest side, few
+  /// enough for exact spheres (InSphere.h).
+  double coarse() const { return coarse_; }
   /// The nearest lattice point.
   Vec3d toLattice(const Vec3d& world) const;
   /// Exact.
@@ -35,7 +39,7 @@ public:
 
 private:
   Vec3d origin_; // a lattice point of the lattice about 0
-  double unit_;
+  double unit_, coarse_;
 };
 
 /// To the nearest lattice point.
@@ -43,8 +47,15 @@ inline Vec3d roundToLattice(const Vec3d& p) {
   return {std::nearbyint(p[0]), std::nearbyint(p[1]), std::nearbyint(p[2])};
 }
 
-/// Six times the signed volume of the tet a, b, c, d of lattice points, exactly.
-Int128 exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
+/// To the nearest lattice point that is a multiple of `grain`, a power of two.
+inline Vec3d roundToGrain(const Vec3d& p, double grain) {
+  const Vec3d whole = roundToLattice({p[0] / grain, p[1] / grain, p[2] / grain});
+  return {whole[0] * grain, whole[1] * grain, whole[2] * grain};
+}
+
+/// Six times the signed volume of the tet a, b, c, d of lattice points: the exact value,
+/// rounded to 2^-52 of it, so that its sign is exact.
+double exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
 /// Six times the signed volume of the tet a, b, c, d, rounded: above 0 where d lies on the side
 /// that (b - a) x (c - a) points to.
@@ -71,7 +82,8 @@ inline int latticeOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, co
     return 1;
   if (det < -kError * size)
     return -1;
-  return signOf(exactDeterminant(a, b, c, d));
+  const double exact = exactDeterminant(a, b, c, d);
+  return (exact > 0) - (exact < 0);
 }
 
 } // namespace tetvdb

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/InsertSurface.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/tetrahedralize/BackgroundMesh.h"
+#include "tetvdb/tetrahedralize/InsertSoup.h"
+#include "tetvdb/tetrahedralize/ShakeSoup.h"
+
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
+// The soup as it is, with its pieces moved, and with its points moved, differently each time.
+constexpr int kPieces = 1, kVariants = 6;
+constexpr std::size_t kFew = 16;
+constexpr int kTries = 3;
+
+TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
+  TetComplex complex;
+  complex.points.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    complex.points[i].at = points[i];
+  complex.tets.resize(plain.tets.size());
+  for (std::size_t t = 0; t < plain.tets.size(); ++t) {
+    TetComplex::Tet& tet = complex.tets[t];
+    tet.corners = plain.tets[t];
+    tet.neighbours = plain.neighbours[t];
+    tet.chains = {0, 0, 0, 0};
+    tet.tracked = {false, false, false, false};
+    tet.energy = 0;
+    tet.mark = 0;
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(t);
+      if (tet.neighbours[slot] == TetComplex::kOutside)
+        for (const unsigned corner : kFaceCorners[slot])
+          complex.points[tet.corners[corner]].fixed = true;
+    }
+  }
+  return complex;
+}
+
+// Where few faces do not go in, these go first in another try.
+void insertAll(InsertedSurface& surface, std::size_t inputCount, double reach,
+               const std::vector<Vec3d>& points, const PlainTets& background, Progress& progress) {
+  std::vector<std::uint32_t> first;
+  for (int number = 0; number < kTries; ++number) {
+    TetComplex complex = startComplex(points, background);
+    SoupInsertion insertion(surface.soup, inputCount, kFirstSoupPoint, reach);
+    insertion.run(complex, first, progress);
+    std::vector<std::uint32_t> missing = insertion.missing();
+    if (number > 0 && missing.size() >= surface.missing.size())
+      return;
+    surface.complex = std::move(complex);
+    surface.missing = std::move(missing);
+    if (surface.missing.empty() || surface.missing.size() > kFew)
+      return;
+    first.insert(first.end(), surface.missing.begin(), surface.missing.end());
+  }
+}
+
+} // namespace
+
+InsertedSurface insertSurface(LatticeSoup soup, std::size_t inputCount,
+                              const InsertSurfaceOptions& options, StageTimer& timer,
+                              Progress& progress) {
+  InsertedSurface best;
+  bool found = false;
+  for (int variant = 0; variant < kVariants && !(found && best.missing.empty()); ++variant) {
+    InsertedSurface next;
+    next.soup = variant == 0
+                    ? soup
+                    : shakenSoup(soup, options.shake, variant == kPieces, unsigned(variant));
+    timer.part("background");
+    progress.stage("background");
+    const std::vector<Vec3d> points =
+        backgroundPoints(next.soup, options.margin, options.spacing, options.clearance, progress);
+    const PlainTets background = delaunayTets(points, soup.grain, progress);
+    timer.part("insert");
+    progress.stage("insert");
+    try {
+      insertAll(next, inputCount, options.reach, points, background, progress);
+    } catch (const Error& error) {
+      // Another variant may be cut less.
+      if (error.status() != Status::Limit || (variant == kVariants - 1 && !found))
+        throw;
+      continue;
+    }
+    if (!found || next.missing.size() < best.missing.size())
+      best = std::move(next);
+    found = true;
+  }
+  return best;
+}
+
+} // namespace tetvdb

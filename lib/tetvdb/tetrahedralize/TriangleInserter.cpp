@@ -15,7 +15,8 @@ constexpr std::uint32_t kNone = TetComplex::kNone;
 constexpr std::size_t kMostSteps = 50000; // along one edge, or about one front: far beyond need
 constexpr double kNoise = 4;      // tolerances: a direction over less than this says nothing
 constexpr std::size_t kHub = 100; // tets around a point
-constexpr int kMostFlips = 4;     // along one edge
+constexpr int kMostFlips = 100;   // along one edge
+constexpr double kNotFlat = 100;  // tolerances: a tet higher than that can be cut again and again
 constexpr int kMostParts = 6;     // halvings of a triangle
 
 std::uint64_t directed(std::uint32_t from, std::uint32_t to) {
@@ -45,6 +46,7 @@ TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t
                                                   Chain chain, unsigned through) {
   faceMiddles_.clear();
   flat_.clear();
+  mayFlip_ = true;
   try {
     for (unsigned i = 0; i < 3; ++i)
       if (through == 3 || i != (through + 1) % 3)
@@ -76,6 +78,7 @@ TriangleInserter::Result
 TriangleInserter::insertFlat(const std::vector<std::array<std::uint32_t, 3>>& triangles,
                              Chain chain) {
   faceMiddles_.clear();
+  mayFlip_ = true;
   try {
     std::set<std::pair<std::uint32_t, std::uint32_t>> around;
     for (const Face& face : triangles)
@@ -215,6 +218,12 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
     std::uint32_t made = kNone;
     if (edge < 3)
       made = splitEdge(face[edge], face[(edge + 1) % 3], cut);
+    // Where the face can be done without, no point is needed: those in the sides of long thin
+    // triangles would be cut by all the others.
+    if (made == kNone && mayFlip_ && flips_ < kMostFlips && openFace(t, slot)) {
+      ++flips_;
+      return nextOnSegment(from, a, b);
+    }
     if (made == kNone) {
       if (complex_.tets[t].neighbours[slot] >= TetComplex::kElsewhere)
         throw Stop{Result::Elsewhere};
@@ -222,12 +231,7 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
       if (made != kNone)
         faceMiddles_[sortedFace({face[0], face[1], face[2]})] = made;
     }
-    // Tets so flat that no lattice point parts them: without the face, or by way of the point least
-    // aside.
-    if (made == kNone && flips_ < kMostFlips && openFace(t, slot)) {
-      ++flips_;
-      return nextOnSegment(from, a, b);
-    }
+    // Tets so flat that no lattice point parts them: by way of the point least aside.
     if (made == kNone)
       made = detour;
     if (made == kNone)
@@ -237,11 +241,24 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
   throw Stop{complex_.points[from].fixed ? Result::Elsewhere : Result::Failed};
 }
 
+// Of the tet over its largest face.
+double TriangleInserter::heightOf(const std::array<std::uint32_t, 4>& corners) const {
+  double largest = 0;
+  for (const auto& face : kFaceCorners) {
+    const Vec3d& base = complex_.at(corners[face[0]]);
+    largest = std::max(largest, length(cross(minus(complex_.at(corners[face[1]]), base),
+                                             minus(complex_.at(corners[face[2]]), base))));
+  }
+  return exactDeterminant(complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]),
+                          complex_.at(corners[3])) /
+         largest;
+}
+
 // Tets t and its neighbour across a face that stands for nothing give way to three about the edge
-// between their far corners. False where these would not be positive.
+// between their far corners. False where these would be flat, or flatter than those.
 bool TriangleInserter::openFace(std::uint32_t t, unsigned slot) {
   const TetComplex::Tet& tet = complex_.tets[t];
-  if (tet.tracked[slot])
+  if (tet.tracked[slot] || tet.neighbours[slot] >= TetComplex::kElsewhere)
     return false;
   const std::uint32_t across = tet.neighbours[slot], near = tet.corners[slot];
   const std::uint32_t far = complex_.tets[across].corners[complex_.slotOf(across, t)];
@@ -253,6 +270,10 @@ bool TriangleInserter::openFace(std::uint32_t t, unsigned slot) {
     if (!complex_.isPositive(fresh[i].corners))
       return false;
   }
+  const double flattest = std::min(heightOf(tet.corners), heightOf(complex_.tets[across].corners));
+  for (const TetComplex::NewTet& made : fresh)
+    if (heightOf(made.corners) < std::min(flattest, kNotFlat * tolerance_))
+      return false;
   complex_.replace({t, across}, fresh);
   return true;
 }
@@ -341,6 +362,7 @@ void TriangleInserter::cover(std::array<Path, 3> sides, int depth, std::vector<F
       longest = i;
     }
   }
+  mayFlip_ = false; // faces of the part that has closed might go
   Path& side = sides[longest];
   side = known_.refined(side);
   const Vec3d middle = times(plus(complex_.at(side.front()), complex_.at(side.back())), 0.5);

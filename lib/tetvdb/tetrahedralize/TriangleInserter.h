@@ -32,15 +32,16 @@ struct InsertedPaths {
 /// Puts triangles into a mesh whose points include their corners, one by one.
 ///
 /// A triangle's edges come first: from corner to corner along edges of the mesh, where these are
-/// within `tolerance` of the segment, through new points in faces and edges elsewhere. Then the
+/// within `tolerance` of the segment; elsewhere faces in the way are swapped for edges, or get a
+/// new point, in their inside or in an edge. Then the
 /// inside, from the edges inward: about the edge at the front the face that lies within tolerance
 /// of the triangle is taken, or the tet that the triangle runs through is parted by a point in its
 /// far edge, until the front has closed. So every triangle becomes a disc of faces that ends
 /// exactly at its edges' paths, which it shares with its neighbours, and the faces of a closed soup
 /// are closed again. All corners of these faces are within twice the tolerance of the triangle:
 /// its neighbourhood is convex, so that the faces are too.
-/// Only splits happen, which keep the mesh valid; a triangle that fails leaves no more than some
-/// needless points. Serial.
+/// Only splits and swaps happen, which keep the mesh valid; a triangle that fails leaves no more
+/// than some needless points. Serial.
 class TriangleInserter {
 public:
   enum class Result : std::uint8_t {
@@ -73,6 +74,7 @@ private:
   void recover(std::uint32_t a, std::uint32_t b);
   std::uint32_t nextOnSegment(std::uint32_t from, std::uint32_t a, std::uint32_t b);
   bool openFace(std::uint32_t t, unsigned slot);
+  double heightOf(const std::array<std::uint32_t, 4>& corners) const;
   std::uint32_t splitEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
 
   void cover(std::array<Path, 3> sides, int depth, std::vector<Face>& faces);
@@ -90,6 +92,7 @@ private:
   PointInsertion insert_;
   double tolerance_, reach_;
   int flips_ = 0;
+  bool mayFlip_ = true;
   // The triangle at work, or the part of it; of flat faces all triangles and the edges around them.
   std::array<Vec3d, 3> at_{};
   Vec3d normal_{0, 0, 0};                  ///< of length 1

@@ -35,6 +35,22 @@ TEST(Landmarks, AreCornersAndPointsOfSharpEdges) {
   EXPECT_EQ(Landmarks(Envelope({}, {}, 1), 1).size(), 0u);
 }
 
+TEST(Landmarks, MorePointsCanBeKept) {
+  constexpr double kRadius = 0.1;
+  const Envelope cube = envelopeOf(meshes::box(), kRadius);
+  const Vec3d inMidSide{0.5, 0.5, 1};
+  const Landmarks without(cube, 2), with(cube, 2, {inMidSide});
+  EXPECT_EQ(with.size(), without.size() + 1);
+  const std::vector<Face> before{{{{0.4, 0.4, 1}, {0.6, 0.4, 1}, {0.5, 0.6, 1}}}};
+  const auto lower = [](double by) {
+    return std::vector<Face>{{{{0.4, 0.4, 1 - by}, {0.6, 0.4, 1 - by}, {0.5, 0.6, 1 - by}}}};
+  };
+  const Landmarks near(cube, kRadius, {inMidSide});
+  EXPECT_TRUE(near.keeps(before, lower(0.97 * kRadius)));
+  EXPECT_FALSE(near.keeps(before, lower(0.99 * kRadius)));
+  EXPECT_TRUE(Landmarks(cube, kRadius).keeps(before, lower(0.99 * kRadius)));
+}
+
 TEST(Landmarks, ACornerIsKeptToTheCubesNotToWhatBecameOfIt) {
   constexpr double kRadius = 0.1;
   const Envelope cube = envelopeOf(meshes::box(), kRadius);

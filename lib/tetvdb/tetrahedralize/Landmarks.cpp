@@ -49,7 +49,8 @@ double squareTo(const Vec3d& p, const std::vector<Landmarks::Face>& faces) {
 
 } // namespace
 
-Landmarks::Landmarks(const Envelope& surface, double radius) : radius_(radius) {
+Landmarks::Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more)
+    : radius_(radius), points_(more) {
   std::vector<EdgeOfFace> edges;
   for (const Face& face : surface.faces())
     for (std::size_t k = 0; k < 3; ++k) {

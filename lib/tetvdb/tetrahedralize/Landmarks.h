@@ -24,7 +24,8 @@ public:
 
   /// Of the envelope's faces; along edges one every `radius`, or half a million evenly where these
   /// would be more. n log n in faces and landmarks, about a second for a million.
-  Landmarks(const Envelope& surface, double radius);
+  /// `more` are points to be kept besides.
+  Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more = {});
 
   std::size_t size() const { return points_.size(); }
 

@@ -28,7 +28,7 @@ struct Slopes {
 double sumOfCubes(const std::vector<PointStar::LinkFace>& faces, const Vec3d& at, double limit) {
   double sum = 0;
   for (const PointStar::LinkFace& face : faces) {
-    const double cube = energyCube(at, face.a, face.b, face.c);
+    const double cube = face.weight * energyCube(at, face.a, face.b, face.c);
     if (!(cube <= limit))
       return std::numeric_limits<double>::infinity();
     sum += cube;
@@ -43,7 +43,8 @@ bool newtonStep(const std::vector<PointStar::LinkFace>& faces, const Vec3d& at, 
     const Slopes slopes(at, face);
     if (!(slopes.det > 0))
       return false;
-    const double f = slopes.squares * slopes.squares * slopes.squares / (slopes.det * slopes.det);
+    const double f =
+        face.weight * slopes.squares * slopes.squares * slopes.squares / (slopes.det * slopes.det);
     const Vec3d p = times(slopes.ofSquares, 1 / slopes.squares);
     const Vec3d d = times(slopes.ofDet, 1 / slopes.det);
     const Vec3d q = minus(p, d);

@@ -27,8 +27,8 @@ void PointStar::gather(TetComplex& complex, std::uint32_t point) {
     const auto& around = kFaceCorners[i];
     const std::array<std::uint32_t, 3> corners{tet.corners[around[0]], tet.corners[around[1]],
                                                tet.corners[around[2]]};
-    faces_.push_back(
-        {complex.at(corners[0]), complex.at(corners[1]), complex.at(corners[2]), corners});
+    faces_.push_back({complex.at(corners[0]), complex.at(corners[1]), complex.at(corners[2]),
+                      corners, cubedWeight(tet)});
     for (const std::uint32_t corner : corners) {
       if (seen_[corner] == round_)
         continue;

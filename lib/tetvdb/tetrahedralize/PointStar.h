@@ -18,6 +18,7 @@ public:
   struct LinkFace {
     Vec3d a, b, c;
     std::array<std::uint32_t, 3> corners;
+    double weight = 1; ///< of the tet, cubed
   };
   /// A tracked face (point, p, q).
   struct Sheet {

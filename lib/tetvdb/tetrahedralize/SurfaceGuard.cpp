@@ -60,4 +60,12 @@ bool SurfaceGuard::allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, co
   return bounds_.landmarks->keeps(before_, after_);
 }
 
+bool SurfaceGuard::allowsExchange(const std::vector<Landmarks::Face>& before,
+                                  const std::vector<Landmarks::Face>& after) const {
+  for (const auto& [a, b, c] : after)
+    if (!bounds_.surface.contains(a, b, c, bounds_.radius))
+      return false;
+  return bounds_.landmarks == nullptr || bounds_.landmarks->keeps(before, after);
+}
+
 } // namespace tetvdb

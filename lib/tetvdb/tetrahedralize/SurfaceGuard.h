@@ -26,6 +26,11 @@ public:
   /// For the tracked faces (a, b, c) and (a, b, d) that give way to (a, c, d) and (b, c, d).
   bool allowsFlip(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d);
 
+  /// For tracked faces `before` that give way to `after`, the other faces of the same flat tet or
+  /// tets; these are no farther from them than the radius.
+  bool allowsExchange(const std::vector<Landmarks::Face>& before,
+                      const std::vector<Landmarks::Face>& after) const;
+
 private:
   const Bounds& bounds_;
   std::vector<std::array<Vec3d, 2>> sheets_; // with `to`

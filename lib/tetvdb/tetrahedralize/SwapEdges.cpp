@@ -106,13 +106,14 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
 
 void EdgeSwapper::tryInside(double limit) {
   const std::size_t count = ringPoints_.size();
-  const double cube = triangulate(0, count - 1, limit);
+  const float weight = complex_.tets[tetsAround_[0]].weight;
+  const double cube = triangulate(0, count - 1, weight, limit);
   if (!(cube < limit))
     return;
   best_.cube = cube;
   best_.old = tetsAround_;
   best_.fresh.clear();
-  addTriangles(0, count - 1);
+  addTriangles(0, count - 1, weight);
 }
 
 // Points c and d, where the two tracked faces at the edge end, become joined instead; the points
@@ -145,16 +146,19 @@ void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
               ringPoints_.end());
   ringPoints_.push_back(first);
   const std::size_t middle = d - c;
-  const double cube = std::max(triangulate(0, middle, limit), triangulate(middle, count, limit));
+  const float weights[2] = {complex_.tets[tetsAround_[c]].weight,
+                            complex_.tets[tetsAround_[d % count]].weight};
+  const double cube = std::max(triangulate(0, middle, weights[0], limit),
+                               triangulate(middle, count, weights[1], limit));
   if (!(cube < limit) ||
       !guard_.allowsFlip(complex_.at(a_), complex_.at(b_), complex_.at(first), complex_.at(second)))
     return;
   best_.cube = cube;
   best_.old = tetsAround_;
   best_.fresh.clear();
-  const auto addSide = [&](std::size_t from, std::size_t to, Chain out) {
+  const auto addSide = [&](std::size_t from, std::size_t to, Chain out, float weight) {
     const std::size_t base = best_.fresh.size();
-    addTriangles(from, to);
+    addTriangles(from, to, weight);
     if (to - from < 2)
       return;
     // The first two are over the triangle at c and d; its apex is their second and third corner.
@@ -163,12 +167,13 @@ void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
       best_.fresh[base + k].tracked[k + 1] = true;
     }
   };
-  addSide(0, middle, chain);
-  addSide(middle, count, -chain);
+  addSide(0, middle, chain, weights[0]);
+  addSide(middle, count, -chain, weights[1]);
 }
 
 // The least worst cube over the polygon of points from..to; infinity where none is below `limit`.
-double EdgeSwapper::triangulate(std::size_t from, std::size_t to, double limit) {
+double EdgeSwapper::triangulate(std::size_t from, std::size_t to, float weight, double limit) {
+  const double cubed = static_cast<double>(weight) * weight * weight;
   for (std::size_t first = to; first-- > from;) {
     cost_[first][first + 1] = 0;
     for (std::size_t last = first + 2; last <= to; ++last) {
@@ -177,7 +182,7 @@ double EdgeSwapper::triangulate(std::size_t from, std::size_t to, double limit) 
         double cost = std::max(cost_[first][k], cost_[k][last]);
         if (cost >= std::min(limit, least))
           continue;
-        cost = std::max(cost, trianglesCube(first, k, last));
+        cost = std::max(cost, cubed * trianglesCube(first, k, last));
         if (cost >= least)
           continue;
         least = cost;
@@ -196,17 +201,18 @@ double EdgeSwapper::trianglesCube(std::size_t i, std::size_t k, std::size_t j) c
   return std::max(energyCube(p, q, r, complex_.at(b_)), energyCube(p, r, q, complex_.at(a_)));
 }
 
-void EdgeSwapper::addTriangles(std::size_t i, std::size_t j) {
+void EdgeSwapper::addTriangles(std::size_t i, std::size_t j, float weight) {
   if (j - i < 2)
     return;
   const std::size_t k = apex_[i][j];
   TetComplex::NewTet one;
+  one.weight = weight;
   one.corners = {ringPoints_[i], ringPoints_[k], ringPoints_[j], b_};
   best_.fresh.push_back(one);
   one.corners = {ringPoints_[i], ringPoints_[j], ringPoints_[k], a_};
   best_.fresh.push_back(one);
-  addTriangles(i, k);
-  addTriangles(k, j);
+  addTriangles(i, k, weight);
+  addTriangles(k, j, weight);
 }
 
 void EdgeSwapper::tryFace(std::uint32_t t, unsigned slot) {
@@ -231,8 +237,9 @@ void EdgeSwapper::tryFace(std::uint32_t t, unsigned slot) {
     const std::uint32_t p = tet.corners[kFaceCorners[slot][k]];
     const std::uint32_t q = tet.corners[kFaceCorners[slot][(k + 1) % 3]];
     fresh[k].corners = {p, q, top, bottom};
-    cube = std::max(
-        cube, energyCube(complex_.at(p), complex_.at(q), complex_.at(top), complex_.at(bottom)));
+    fresh[k].weight = tet.weight;
+    cube = std::max(cube, cubedWeight(tet) * energyCube(complex_.at(p), complex_.at(q),
+                                                        complex_.at(top), complex_.at(bottom)));
     if (!(cube < limit))
       return;
   }

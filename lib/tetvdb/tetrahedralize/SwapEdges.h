@@ -47,10 +47,10 @@ private:
   void tryEdge(std::uint32_t t, unsigned i, unsigned j);
   void tryInside(double limit);
   void tryOnSurface(std::size_t c, std::size_t d, double limit);
-  double triangulate(std::size_t from, std::size_t to, double limit);
+  double triangulate(std::size_t from, std::size_t to, float weight, double limit);
   void tryFace(std::uint32_t t, unsigned slot);
   double trianglesCube(std::size_t i, std::size_t k, std::size_t j) const;
-  void addTriangles(std::size_t i, std::size_t j);
+  void addTriangles(std::size_t i, std::size_t j, float weight);
 
   TetComplex& complex_;
   const double energy_;

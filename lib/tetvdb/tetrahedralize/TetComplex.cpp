@@ -176,6 +176,7 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
     tet.tracked = one.tracked;
     tet.energy = 0;
     tet.mark = 0;
+    tet.weight = one.weight;
     for (const std::uint32_t corner : one.corners) {
       points[corner].tet = t;
       points[corner].changed = 0xFF;
@@ -246,6 +247,26 @@ void TetComplex::move(std::uint32_t point, const Vec3d& to,
     for (const std::uint32_t corner : tets[t].corners)
       points[corner].changed = 0xFF;
   }
+}
+
+void TetComplex::crossOver(std::uint32_t t, float weight) {
+  Tet& tet = tets[t];
+  Chain out = 0;
+  for (unsigned slot = 0; slot < 4; ++slot)
+    if (tet.tracked[slot])
+      out = tet.chains[slot];
+  for (unsigned slot = 0; slot < 4; ++slot) {
+    const std::uint32_t next = tet.neighbours[slot];
+    tet.chains[slot] -= out;
+    tet.tracked[slot] = !tet.tracked[slot];
+    assert(next < kElsewhere && (tet.tracked[slot] || tet.chains[slot] == 0));
+    const unsigned back = slotOf(next, t);
+    tets[next].chains[back] = -tet.chains[slot];
+    tets[next].tracked[back] = tet.tracked[slot];
+    points[tet.corners[slot]].changed = 0xFF;
+  }
+  tet.weight = weight;
+  tet.energy = 0;
 }
 
 void TetComplex::verify() const {

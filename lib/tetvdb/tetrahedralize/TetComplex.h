@@ -63,6 +63,9 @@ public:
     std::array<bool, 4> tracked; ///< the face stands for input, if only for sheets that cancel
     float energy;                ///< as the owner of the complex likes; replace() sets it to 0
     std::uint32_t mark;          ///< private to TetComplex
+    /// What the energy counts beside others': less where quality matters less. Differs across
+    /// tracked faces alone.
+    float weight = 1;
 
     bool exists() const { return corners[0] != kNone; }
     /// Which corner a point is; 4: none.
@@ -82,6 +85,7 @@ public:
     bool rim = false;          ///< on an open edge of the input: stays within the rim's envelope
     /// Every change around the point sets all bits; who has tried in vain here clears his own.
     std::uint8_t changed = 0xFF;
+    std::uint8_t fineness = 0; ///< how short edges shall be here (EdgeSizes.h)
     bool exists() const { return tet != kNone; }
   };
 
@@ -99,6 +103,7 @@ public:
     std::array<std::uint32_t, 4> corners;
     std::array<Chain, 4> chains{0, 0, 0, 0};
     std::array<bool, 4> tracked{false, false, false, false};
+    float weight = 1;
   };
 
   /// Puts `fresh` in place of `old`, which fill the same room and have the same outer faces. New
@@ -118,6 +123,11 @@ public:
   /// Moves a point; all tets around it have to stay positive. `star` is star(point); energies
   /// become 0.
   void move(std::uint32_t point, const Vec3d& to, const std::vector<std::uint32_t>& star);
+
+  /// Gives a tet to what is beyond its tracked faces: it gets their winding number, and `weight`;
+  /// these faces stand for nothing then, and its others for what they did. Tracked faces have to
+  /// have the same chain, others none, and all neighbours to be in this part.
+  void crossOver(std::uint32_t t, float weight);
 
   /// Adds a point without tets; it exists once replace() gives it some.
   std::uint32_t addPoint(const Vec3d& at);

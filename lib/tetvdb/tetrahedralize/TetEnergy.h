@@ -57,12 +57,14 @@ public:
       : energy_(energy), cube16_(16 * cubed(std::min(energy, kRoughEnergy))) {}
 
   double energy() const { return energy_; }
-  bool allows(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) const {
+  /// `weight` is that of TetComplex::Tet, cubed.
+  bool allows(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c,
+              double weight = 1) const {
     // So good a tet is positive whatever the rounding.
     const TetShape shape(p, a, b, c);
-    if (shape.det > 0 && cubed(shape.squares) <= cube16_ * (shape.det * shape.det))
+    if (shape.det > 0 && weight * cubed(shape.squares) <= cube16_ * (shape.det * shape.det))
       return true;
-    return energy_ > kRoughEnergy && tetEnergy(p, a, b, c) <= energy_;
+    return energy_ > kRoughEnergy && tetEnergy(p, a, b, c) * std::cbrt(weight) <= energy_;
   }
 
 private:
@@ -71,13 +73,19 @@ private:
   double energy_, cube16_;
 };
 
-/// The tet's energy, which it keeps until it changes.
+/// The cube of a weight, as energies' cubes have it.
+inline double cubedWeight(const TetComplex::Tet& tet) {
+  const double weight = tet.weight;
+  return weight * weight * weight;
+}
+
+/// The tet's energy by its weight, which it keeps until it changes.
 inline float energyOf(TetComplex& complex, std::uint32_t t) {
   TetComplex::Tet& tet = complex.tets[t];
   if (tet.energy == 0)
     tet.energy = static_cast<float>(
-        std::min(tetEnergy(complex.at(tet.corners[0]), complex.at(tet.corners[1]),
-                           complex.at(tet.corners[2]), complex.at(tet.corners[3])),
+        std::min(tet.weight * tetEnergy(complex.at(tet.corners[0]), complex.at(tet.corners[1]),
+                                        complex.at(tet.corners[2]), complex.at(tet.corners[3])),
                  static_cast<double>(std::numeric_limits<float>::max())));
   return tet.energy;
 }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/PeelTets.h"
+
+#include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/SheetEdge.h"
+#include "tetvdb/tetrahedralize/TetEnergy.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tetvdb {
+
+std::size_t TetPeeler::sweep() {
+  std::vector<std::pair<float, std::uint32_t>> order;
+  for (std::uint32_t t = 0; t < complex_.tets.size(); ++t) {
+    const TetComplex::Tet& tet = complex_.tets[t];
+    if (!tet.exists() || tet.weight < 1)
+      continue;
+    bool changed = false;
+    for (const std::uint32_t corner : tet.corners)
+      changed = changed || (complex_.points[corner].changed & kChanged);
+    if (changed && energyOf(complex_, t) > energy_)
+      order.push_back({-tet.energy, t});
+  }
+  for (TetComplex::Point& point : complex_.points)
+    point.changed = static_cast<std::uint8_t>(point.changed & ~kChanged);
+  std::sort(order.begin(), order.end());
+  std::size_t gone = 0;
+  for (const auto& [energy, t] : order) {
+    const Answer answer = mayGo(t);
+    if (answer == Answer::Yes) {
+      complex_.crossOver(t, beyond_);
+      ++gone;
+    } else if (answer == Answer::NotHere) {
+      for (const std::uint32_t corner : complex_.tets[t].corners) {
+        std::uint8_t& changed = complex_.points[corner].changed;
+        changed = static_cast<std::uint8_t>(changed | kChanged);
+      }
+    }
+  }
+  return gone;
+}
+
+TetPeeler::Answer TetPeeler::mayGo(std::uint32_t t) {
+  const TetComplex::Tet& tet = complex_.tets[t];
+  std::size_t trackedCount = 0;
+  Chain out = 0;
+  bool isHere = true;
+  for (unsigned slot = 0; slot < 4; ++slot) {
+    isHere = isHere && tet.neighbours[slot] < TetComplex::kElsewhere;
+    if (!tet.tracked[slot])
+      continue;
+    if (trackedCount++ > 0 && tet.chains[slot] != out)
+      return Answer::No;
+    out = tet.chains[slot];
+  }
+  if (trackedCount == 0 || trackedCount == 4)
+    return Answer::No;
+  if (!isHere)
+    return Answer::NotHere;
+  for (unsigned slot = 0; slot < 4; ++slot)
+    if (tet.tracked[slot]) {
+      beyond_ = complex_.tets[tet.neighbours[slot]].weight;
+      if (!(beyond_ < 1))
+        return Answer::No;
+    }
+  const Answer topology = keepsTopology(t, trackedCount);
+  return topology == Answer::Yes && !keepsBounds(tet) ? Answer::No : topology;
+}
+
+// The surface is pushed through the tet: what comes to lie on it must not be on it yet, and what is
+// taken off must be on no more of it.
+TetPeeler::Answer TetPeeler::keepsTopology(std::uint32_t t, std::size_t trackedCount) const {
+  const TetComplex::Tet& tet = complex_.tets[t];
+  if (trackedCount == 2) {
+    std::array<std::uint32_t, 2> lone{}, shared{}; // edges of no tracked face, of both
+    std::size_t lones = 0, shareds = 0;
+    for (unsigned slot = 0; slot < 4; ++slot)
+      (tet.tracked[slot] ? lone[lones++] : shared[shareds++]) = tet.corners[slot];
+    const OnSheet onSheet = edgeOnSheet(complex_, lone[0], lone[1], t);
+    if (onSheet != OnSheet::No)
+      return onSheet == OnSheet::Yes ? Answer::No : Answer::NotHere;
+    // Other sheets may meet in the edge that goes off the surface.
+    std::size_t sheets = 0;
+    std::vector<std::uint32_t> ringPoints;
+    if (!complex_.ring(shared[0], shared[1], star_, ringPoints, t))
+      return Answer::NotHere;
+    for (const std::uint32_t around : star_) {
+      const TetComplex::Tet& other = complex_.tets[around];
+      for (unsigned slot = 0; slot < 4; ++slot)
+        sheets += other.tracked[slot] && other.corners[slot] != shared[0] &&
+                  other.corners[slot] != shared[1];
+    }
+    return sheets == 4 ? Answer::Yes : Answer::No; // each of two counted from both sides
+  }
+  // The corner that goes off the surface, or comes onto it.
+  unsigned apex = 0;
+  while (tet.tracked[apex] != (trackedCount == 1))
+    ++apex;
+  const std::uint32_t point = tet.corners[apex];
+  if (complex_.points[point].fixed)
+    return Answer::NotHere;
+  complex_.star(point, star_);
+  std::size_t sheets = 0; // counted from both sides
+  for (const std::uint32_t around : star_) {
+    const TetComplex::Tet& other = complex_.tets[around];
+    for (unsigned slot = 0; slot < 4; ++slot)
+      sheets += other.tracked[slot] && other.corners[slot] != point;
+  }
+  return sheets == (trackedCount == 1 ? 0u : 6u) ? Answer::Yes : Answer::No;
+}
+
+bool TetPeeler::keepsBounds(const TetComplex::Tet& tet) {
+  before_.clear();
+  after_.clear();
+  for (unsigned slot = 0; slot < 4; ++slot) {
+    const auto& corner = kFaceCorners[slot];
+    (tet.tracked[slot] ? before_ : after_)
+        .push_back({complex_.at(tet.corners[corner[0]]), complex_.at(tet.corners[corner[1]]),
+                    complex_.at(tet.corners[corner[2]])});
+  }
+  if (before_.size() == 2) {
+    std::array<Vec3d, 2> lone{}, shared{};
+    std::size_t lones = 0, shareds = 0;
+    for (unsigned slot = 0; slot < 4; ++slot)
+      (tet.tracked[slot] ? lone[lones++] : shared[shareds++]) = complex_.at(tet.corners[slot]);
+    return guard_.allowsFlip(shared[0], shared[1], lone[0], lone[1]);
+  }
+  // The apex is farthest from the face opposite.
+  const auto& [a, b, c] = before_.size() == 1 ? before_[0] : after_[0];
+  for (unsigned slot = 0; slot < 4; ++slot)
+    if (tet.tracked[slot] == (before_.size() == 1)) {
+      const Vec3d& apex = complex_.at(tet.corners[slot]);
+      if (nearestOnTriangle(minus(a, apex), minus(b, apex), minus(c, apex)).squared >
+          bounds_.radius * bounds_.radius)
+        return false;
+    }
+  return guard_.allowsExchange(before_, after_);
+}
+
+} // namespace tetvdb

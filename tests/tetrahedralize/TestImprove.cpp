@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetrahedralize/TetMeshes.h"
 #include "tetvdb/tetrahedralize/Improve.h"
+#include "tetvdb/tetrahedralize/PeelTets.h"
 #include "tetvdb/tetrahedralize/SwapEdges.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -289,6 +290,127 @@ TEST(Improve, ReachesTheEnergyWithinBounds) {
   }
   EXPECT_TRUE(sameTets(results[0], results[1]));
   EXPECT_TRUE(sameTets(results[0], results[2]));
+}
+
+// Tets outside the ball count less.
+void makeOutsideLight(TetComplex& complex, float weight) {
+  std::vector<Chain> winding(complex.tets.size(), 0);
+  std::vector<char> seen(complex.tets.size(), 0);
+  std::vector<std::uint32_t> open{complex.points[0].tet}; // at the box's corner
+  seen[open[0]] = 1;
+  while (!open.empty()) {
+    const std::uint32_t t = open.back();
+    open.pop_back();
+    TetComplex::Tet& tet = complex.tets[t];
+    tet.weight = winding[t] == 0 ? weight : 1;
+    tet.energy = 0;
+    for (unsigned slot = 0; slot < 4; ++slot) {
+      const std::uint32_t next = tet.neighbours[slot];
+      if (next == TetComplex::kOutside || seen[next] != 0)
+        continue;
+      seen[next] = 1;
+      winding[next] = winding[t] - tet.chains[slot];
+      open.push_back(next);
+    }
+  }
+}
+
+std::size_t countWhole(const TetComplex& complex) {
+  std::size_t count = 0;
+  for (const auto& tet : complex.tets)
+    count += tet.exists() && tet.weight == 1;
+  return count;
+}
+
+TEST(PeelTets, TetsGoOutsideAndTheSurfaceStays) {
+  for (const double radius : {0.3, 0.6, 1.2}) {
+    Kept kept(ball(10), radius * kStep);
+    makeOutsideLight(kept.complex, 0.1f);
+    const std::size_t before = countWhole(kept.complex);
+    const TetComplex old = kept.complex;
+    const Landmarks landmarks(kept.envelope, kept.radius);
+    const Bounds bounds{kept.envelope, kept.rim, kept.radius, &landmarks};
+    TetPeeler peeler(kept.complex, bounds, 3.5);
+    std::size_t gone = 0;
+    while (const std::size_t now = peeler.sweep())
+      gone += now;
+    kept.expect();
+    EXPECT_EQ(countWhole(kept.complex) + gone, before);
+    if (radius > 0.5) {
+      EXPECT_GT(gone, 20u);
+    }
+    // Points and tets are where they were; weights are what the chains say.
+    for (std::size_t t = 0; t < old.tets.size(); ++t)
+      EXPECT_EQ(kept.complex.tets[t].corners, old.tets[t].corners);
+    TetComplex flooded = kept.complex;
+    makeOutsideLight(flooded, 0.1f);
+    for (std::size_t t = 0; t < old.tets.size(); ++t)
+      EXPECT_EQ(flooded.tets[t].weight, kept.complex.tets[t].weight);
+    EXPECT_LE(farthest(kept.surface, trackedFaces(kept.complex), 2), kept.radius * (1 + 1e-9));
+  }
+}
+
+// All of a plate of one cell is within the envelope: nothing may go through it.
+TEST(PeelTets, PlatesKeepTheirTopology) {
+  Kept kept(cubeMesh(10, kStep, 0.1,
+                     [](const Vec3d& p) {
+                       const double x = p[0] / kStep, y = p[1] / kStep, z = p[2] / kStep;
+                       return x > 2 && x < 8 && y > 2 && y < 8 && z > 5 && z < 6 ? 1 : 0;
+                     }),
+            1.5 * kStep);
+  makeOutsideLight(kept.complex, 0.1f);
+  TetPeeler peeler(kept.complex, kept.bounds, 3.2);
+  std::size_t gone = 0;
+  while (const std::size_t now = peeler.sweep())
+    gone += now;
+  EXPECT_GT(gone, 10u);
+  kept.expect();
+}
+
+TEST(Improve, OutsideCountsLess) {
+  Kept kept(ball(12), 0.4 * kStep);
+  makeOutsideLight(kept.complex, 1.f / 30);
+  Progress progress;
+  ImproveOptions options;
+  options.edgeLength = 3 * kStep;
+  options.smallestEdge = 0.1 * kStep;
+  const ImproveCounts counts = improve(kept.complex, kept.bounds, options, nullptr, progress);
+  kept.expect();
+  double worst = 0, worstOutside = 0, sum = 0;
+  for (const auto& tet : kept.complex.tets) {
+    if (!tet.exists())
+      continue;
+    const double energy = amips(kept.complex, tet.corners);
+    (tet.weight == 1 ? worst : worstOutside) =
+        std::max(tet.weight == 1 ? worst : worstOutside, energy);
+    sum += tet.weight == 1 ? energy : 0;
+  }
+  EXPECT_LE(worst, 10 * (1 + 1e-6));
+  EXPECT_LE(worstOutside, 300 * (1 + 1e-6));
+  EXPECT_NEAR(counts.worstEnergy, worst, 1e-4 * worst);
+  const double mean = sum / static_cast<double>(countWhole(kept.complex));
+  EXPECT_NEAR(counts.meanEnergy, mean, 1e-4 * mean);
+  EXPECT_LT(mean, 3.8);
+  // What the weights say is still the ball.
+  TetComplex flooded = kept.complex;
+  makeOutsideLight(flooded, 1.f / 30);
+  for (std::size_t t = 0; t < flooded.tets.size(); ++t)
+    if (flooded.tets[t].exists()) {
+      EXPECT_EQ(flooded.tets[t].weight, kept.complex.tets[t].weight);
+    }
+}
+
+// Nobody reaches that: it ends all the same, and with a mesh that is valid.
+TEST(Improve, EndsInVain) {
+  Kept kept(ball(4), 0.2 * kStep);
+  Progress progress;
+  ImproveOptions options;
+  options.edgeLength = 3 * kStep;
+  options.smallestEdge = 0.5 * kStep;
+  options.stopEnergy = 3.01;
+  const ImproveCounts counts = improve(kept.complex, kept.bounds, options, nullptr, progress);
+  EXPECT_LT(counts.passes, options.maxPasses);
+  kept.expect();
 }
 
 TEST(Improve, StopsWhenCancelled) {

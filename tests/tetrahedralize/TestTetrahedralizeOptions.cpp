@@ -236,6 +236,30 @@ TEST(TetrahedralizeOptions, StopEnergyIsReached) {
 }
 
 // The callback cancels when that stage begins; nothing goes on for long after.
+// Walls inside of what is kept need not be: with quality as without, Booleans are what they are.
+TEST(TetrahedralizeOptions, StopEnergyWithWallsInside) {
+  const TriangleMesh a = box(), b = box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125});
+  const double both = 0.5 * 0.75 * 0.875;
+  TetrahedralizeOptions options = withEpsilon(2e-3);
+  options.stopEnergy = 10;
+  options.edgeLength = 0.2;
+  const auto expect = [&](const std::vector<TriangleMesh>& inputs, Boolean rule, double first,
+                          double second) {
+    options.boolean = rule;
+    const MadeTets made = madeTets(inputs, options);
+    ASSERT_FALSE(made.error) << made.message;
+    EXPECT_LE(made.result.worstEnergy, 10 * (1 + 1e-6));
+    EXPECT_EQ(made.result.check.lostPoints, 0u);
+    EXPECT_NEAR(volumeOf(made.result.mesh, 1), first, 0.02);
+    EXPECT_NEAR(volumeOf(made.result.mesh, 2), second, 0.02);
+  };
+  expect({joined({a, b})}, Boolean::Materials, 2 - both, 0);
+  expect({a, b}, Boolean::Materials, 1, 1 - both);
+  expect({a, b}, Boolean::Union, 2 - both, 0);
+  expect({a, b}, Boolean::Difference, 1 - both, 0);
+  expect({a, b}, Boolean::Intersection, both, 0);
+}
+
 TEST(TetrahedralizeOptions, CancelledAtEachStage) {
   TriangleMesh mesh = sphere({0, 0, 0}, 1, 20);
   Progress cleaning;

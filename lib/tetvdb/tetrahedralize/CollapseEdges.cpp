@@ -52,10 +52,13 @@ bool EdgeCollapser::collapsePoint(std::uint32_t from) {
     order_.erase(std::remove_if(order_.begin(), order_.end(),
                                 [](const PointStar::Spoke& spoke) { return spoke.sheets == 0; }),
                  order_.end());
-  if (rules_.longest > 0)
+  if (rules_.sizes != nullptr)
     order_.erase(std::remove_if(order_.begin(), order_.end(),
                                 [&](const PointStar::Spoke& spoke) {
-                                  return spoke.square > rules_.longest * rules_.longest;
+                                  const double longest =
+                                      rules_.longest *
+                                      rules_.sizes->of(point, complex_.points[spoke.point]);
+                                  return spoke.square > longest * longest;
                                 }),
                  order_.end());
   const auto isBefore = [](const PointStar::Spoke& a, const PointStar::Spoke& b) {
@@ -80,7 +83,7 @@ bool EdgeCollapser::collapsePoint(std::uint32_t from) {
 }
 
 EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
-  if (rules_.longestNew > 0 && makesLong(to))
+  if (rules_.sizes != nullptr && makesLong(to))
     return Answer::No;
   if (!isShapely(to))
     return Answer::No;
@@ -99,7 +102,9 @@ EdgeCollapser::Answer EdgeCollapser::mayCollapse(std::uint32_t to) {
 bool EdgeCollapser::makesLong(std::uint32_t to) const {
   for (const PointStar::Spoke& spoke : star_.spokes()) {
     const Vec3d edge = minus(complex_.at(to), complex_.at(spoke.point));
-    if (dot(edge, edge) > rules_.longestNew * rules_.longestNew)
+    const double longest =
+        rules_.longestNew * rules_.sizes->of(complex_.points[to], complex_.points[spoke.point]);
+    if (dot(edge, edge) > longest * longest)
       return true;
   }
   return false;
@@ -111,7 +116,7 @@ bool EdgeCollapser::isShapely(std::uint32_t to) const {
   for (const PointStar::LinkFace& face : star_.faces()) {
     if (face.corners[0] == to || face.corners[1] == to || face.corners[2] == to)
       continue;
-    if (!limit.allows(at, face.a, face.b, face.c))
+    if (!limit.allows(at, face.a, face.b, face.c, face.weight))
       return false;
   }
   return true;

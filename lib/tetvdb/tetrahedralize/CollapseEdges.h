@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/tetrahedralize/EdgeSizes.h"
 #include "tetvdb/tetrahedralize/Improve.h"
 #include "tetvdb/tetrahedralize/PointStar.h"
 #include "tetvdb/tetrahedralize/SurfaceGuard.h"
@@ -24,10 +25,10 @@ public:
   struct Rules {
     /// No tet may get worse than this, unless one around the point was.
     double energy = 0;
-    /// Edges longer than this stay; 0: any length goes.
-    double longest = 0;
-    /// No edge may get longer than this; 0: any length.
-    double longestNew = 0;
+    /// Edges longer than `longest` of their size stay, and none may get longer than `longestNew` of
+    /// it; without sizes any length will do.
+    const EdgeSizes* sizes = nullptr;
+    double longest = 0, longestNew = 0;
   };
 
   /// Bit of Point::changed.

@@ -2,6 +2,8 @@
 #include "tetvdb/tetrahedralize/Improve.h"
 
 #include "tetvdb/tetrahedralize/CollapseEdges.h"
+#include "tetvdb/tetrahedralize/EdgeSizes.h"
+#include "tetvdb/tetrahedralize/PeelTets.h"
 #include "tetvdb/tetrahedralize/SmoothPoints.h"
 #include "tetvdb/tetrahedralize/SplitEdges.h"
 #include "tetvdb/tetrahedralize/SwapEdges.h"
@@ -24,18 +26,19 @@ std::size_t countEnergies(TetComplex& complex, double limit, ImproveCounts& coun
   const std::size_t blocks = (complex.tets.size() + kBlock - 1) / kBlock;
   struct Block {
     double worst = 0, sum = 0;
-    std::size_t above = 0;
+    std::size_t above = 0, tets = 0;
   };
   std::vector<Block> ofBlock(blocks);
   tbb::parallel_for(std::size_t(0), blocks, [&](std::size_t block) {
     const std::size_t end = std::min(complex.tets.size(), (block + 1) * kBlock);
     for (std::size_t t = block * kBlock; t < end; ++t) {
-      if (!complex.tets[t].exists())
+      if (!complex.tets[t].exists() || complex.tets[t].weight < 1)
         continue;
       const double energy = energyOf(complex, static_cast<std::uint32_t>(t));
       ofBlock[block].worst = std::max(ofBlock[block].worst, energy);
       ofBlock[block].sum += energy;
       ofBlock[block].above += energy > limit;
+      ++ofBlock[block].tets;
     }
   });
   Block all;
@@ -43,15 +46,11 @@ std::size_t countEnergies(TetComplex& complex, double limit, ImproveCounts& coun
     all.worst = std::max(all.worst, block.worst);
     all.sum += block.sum;
     all.above += block.above;
+    all.tets += block.tets;
   }
   counts.worstEnergy = all.worst;
-  counts.meanEnergy =
-      complex.tetCount() == 0 ? 0 : all.sum / static_cast<double>(complex.tetCount());
+  counts.meanEnergy = all.tets == 0 ? 0 : all.sum / static_cast<double>(all.tets);
   return all.above;
-}
-
-std::size_t tetsPerPart(const TetComplex&) {
-  return TetParts::kTetsPerPart;
 }
 
 // Bounds with landmarks.
@@ -65,50 +64,58 @@ struct BoundsOnBothSides {
 };
 
 constexpr int kRoundsAPass = 2;
+// Passes that make the mesh coarse; passes that follow sizes from then on, at least, and how many
+// more to get below the aim and not just below the energy asked for.
+constexpr int kCoarsePasses = 3, kFinePasses = 4, kMorePasses = 4;
+constexpr double kAimShare = 0.8;
+// Who asks for less does not ask for sizes.
+constexpr double kFineStop = 30;
+// Sizes: at the surface, of the coarse mesh's edges there; away from it; around tets that stay bad,
+// of their edges; how often these are refined in vain, with how many passes from one to the next.
+// Measured: meshes of about this many tets have about the least mean energy for their number.
+constexpr double kSurfaceShare = 1.25, kGrowth = 0.48, kRefinedShare = 0.7;
+constexpr int kMostRefined = 15, kPassesToRefine = 2;
+// Edges are split where they are longer than that, and go where they are shorter; so they come out
+// a tenth shorter than their size, on the average.
+constexpr double kSplitShare = 4. / 3, kCollapseShare = 4. / 5, kSizeOfLength = 1.1;
+// A split may leave tets as bad as that, in energies asked for.
+constexpr double kSplitEnergy = 3;
 
-// Of every pass that got nowhere the next splits stuck tets, and collapses nothing, which might
-// undo that.
 struct Step {
-  bool collapseOnly = false;
-  int stuck = 0;     ///< how often that was done in a row
-  bool first = true; ///< round of the pass
+  double above; ///< tets of no more energy are neither swapped nor smoothed
+  double aim;   ///< what is above gets other treatment too
 };
 
 void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
-                  int round, const Step& step, ImproveCounts& counts, Progress& progress) {
+                  const EdgeSizes& sizes, int round, const Step& step, ImproveCounts& counts,
+                  Progress& progress) {
   constexpr int kSweeps = 2;
   EdgeCollapser::Rules rules;
-  rules.longest = 4. / 5 * options.edgeLength;
-  rules.longestNew = 4. / 3 * options.edgeLength;
-  // Better tets are left alone.
-  const double above = options.stopEnergy / 2;
-  TetParts parts(complex, round, tetsPerPart(complex));
+  rules.sizes = &sizes;
+  rules.longest = kCollapseShare;
+  rules.longestNew = kSplitShare;
+  TetParts parts(complex, round);
   std::vector<ImproveCounts> ofPart(parts.count());
   parts.run(
       [&](TetParts::Part& part) {
         ImproveCounts& mine = ofPart[part.index];
-        if (step.stuck == 0 || step.collapseOnly) {
-          if (!step.collapseOnly)
-            mine.splits += splitEdges(part.complex, rules.longestNew);
-          EdgeCollapser collapser(part.complex, bounds, rules);
-          for (int sweep = 0; sweep < kSweeps; ++sweep)
-            mine.collapses += collapser.sweep();
-          if (step.collapseOnly)
-            return;
-        } else if (step.first) {
-          mine.splits += splitStuckTets(part.complex, options.stopEnergy, options.smallestEdge,
-                                        static_cast<std::size_t>(step.stuck - 1) % 6);
-        }
+        mine.splits +=
+            splitEdges(part.complex, sizes, kSplitShare, kSplitEnergy * options.stopEnergy);
+        EdgeCollapser collapser(part.complex, bounds, rules);
+        for (int sweep = 0; sweep < kSweeps; ++sweep)
+          mine.collapses += collapser.sweep();
         progress.check();
-        EdgeSwapper swapper(part.complex, bounds, above);
-        PointSmoother smoother(part.complex, bounds, above);
+        TetPeeler peeler(part.complex, bounds, step.aim);
+        mine.peels += peeler.sweep();
+        EdgeSwapper swapper(part.complex, bounds, step.above);
+        PointSmoother smoother(part.complex, bounds, step.above, step.aim);
         for (int sweep = 0; sweep < kSweeps; ++sweep)
           mine.swaps += swapper.sweep();
         progress.check();
         for (int sweep = 0; sweep < kSweeps; ++sweep)
           mine.moves += smoother.sweep();
         progress.check();
-        mine.splits += splitBadTets(part.complex, options.stopEnergy);
+        mine.splits += splitBadTets(part.complex, step.aim);
         mine.swaps += swapper.sweep();
         mine.moves += smoother.sweep();
       },
@@ -118,6 +125,7 @@ void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOption
     counts.collapses += mine.collapses;
     counts.swaps += mine.swaps;
     counts.moves += mine.moves;
+    counts.peels += mine.peels;
   }
 }
 
@@ -132,7 +140,7 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& given, Progress& progre
   rules.energy = kCoarsenEnergy;
   for (int round = 0;; ++round) {
     const std::size_t before = complex.tetCount();
-    TetParts parts(complex, round, tetsPerPart(complex));
+    TetParts parts(complex, round);
     std::vector<std::size_t> collapses(parts.count(), 0);
     parts.run(
         [&](TetParts::Part& part) {
@@ -166,24 +174,38 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
   for (TetComplex::Point& point : complex.points)
     point.changed = 0xFF; // other rules may have been in force
   std::size_t missing = reinsert ? reinsert() : 0;
+  const EdgeSizes sizes(kSizeOfLength * options.edgeLength);
+  const bool isFine = options.stopEnergy <= kFineStop;
+  const double aim = kAimShare * options.stopEnergy;
+  const Step coarse{options.stopEnergy / 2, options.stopEnergy}, fine{3, aim};
   std::size_t bad = countEnergies(complex, options.stopEnergy, counts);
-  constexpr int kMostStuck = 13; // every edge of a stuck tet was split in vain
-  int round = 0, stuck = 0;
-  while (counts.passes < options.maxPasses && stuck < kMostStuck &&
-         (bad > 0 || missing > 0 || counts.passes == 0)) {
+  int round = 0, refined = 0, sinceRefined = 0;
+  while (counts.passes < options.maxPasses && refined < kMostRefined) {
+    if (isFine && counts.passes == kCoarsePasses)
+      sizes.followSurface(complex, kSurfaceShare, kGrowth);
+    const bool isCoarse = !isFine || counts.passes < kCoarsePasses;
     for (int i = 0; i < kRoundsAPass; ++i)
-      improveParts(complex, bounds, options, round++,
-                   {false, stuck % 2 == 1 ? stuck / 2 + 1 : 0, i == 0}, counts, progress);
+      improveParts(complex, bounds, options, sizes, round++, isCoarse ? coarse : fine, counts,
+                   progress);
     if (reinsert && counts.passes % 3 == 2)
       missing = reinsert();
     ++counts.passes;
+    ++sinceRefined;
     const std::size_t before = bad;
-    bad = countEnergies(complex, options.stopEnergy, counts);
-    stuck = 5 * bad > 4 * before ? stuck + 1 : 0;
+    const int finePasses = counts.passes - kCoarsePasses;
+    const double limit =
+        isFine && finePasses < kFinePasses + kMorePasses ? aim : options.stopEnergy;
+    bad = countEnergies(complex, limit, counts);
+    if (isFine && finePasses < kFinePasses)
+      continue;
+    if (bad == 0 && missing == 0)
+      break;
+    if (5 * bad > 4 * before && sinceRefined >= kPassesToRefine) {
+      sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge);
+      ++refined;
+      sinceRefined = 0;
+    }
   }
-  for (int i = 0; i < TetParts::kRounds; ++i)
-    improveParts(complex, bounds, options, round++, {true, 0, true}, counts, progress);
-  countEnergies(complex, options.stopEnergy, counts);
   return counts;
 }
 

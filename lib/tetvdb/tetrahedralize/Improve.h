@@ -33,8 +33,8 @@ struct ImproveOptions {
 
 struct ImproveCounts {
   int passes = 0;
-  double worstEnergy = 0, meanEnergy = 0; ///< over all tets
-  std::size_t splits = 0, collapses = 0, swaps = 0, moves = 0;
+  double worstEnergy = 0, meanEnergy = 0; ///< over all tets of weight 1
+  std::size_t splits = 0, collapses = 0, swaps = 0, moves = 0, peels = 0;
 };
 
 /// What coarsen() may make of a tet that was good.
@@ -46,11 +46,13 @@ constexpr double kCoarsenEnergy = 300;
 ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progress);
 
 /// Passes of split, collapse, swap and smooth until the worst energy is at most `stopEnergy`, after
-/// section 3.5 of "Fast Tetrahedral Meshing in the Wild". In place of a sizing field single edges
-/// of bad tets are split where that makes them better at once, and where nothing does, whatever
-/// comes of it. First and every third pass `reinsert` is called, if given, which may put further
-/// triangles in; it returns how many are missing. Ends early where the same few tets stay bad.
-/// Parallel by TetParts; the same mesh for any number of threads.
+/// section 3.5 of "Fast Tetrahedral Meshing in the Wild". The first passes make the mesh as coarse
+/// as the target length and the surface's bounds allow; the others, where no more than 30 is asked
+/// for, follow sizes that grow away from its surface (EdgeSizes.h) and make all tets better. They
+/// aim a little lower than `stopEnergy`. Around tets that stay bad sizes are made smaller, down to
+/// `smallestEdge`; ends early where that is in vain. First and every third pass `reinsert` is
+/// called, if given, which may put further triangles in; it returns how many are missing. Parallel
+/// by TetParts; the same mesh for any number of threads.
 ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
                       const std::function<std::size_t()>& reinsert, Progress& progress);
 

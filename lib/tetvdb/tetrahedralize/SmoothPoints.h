@@ -18,9 +18,11 @@ public:
   /// Bit of Point::changed.
   static constexpr std::uint8_t kChanged = 4;
 
-  /// Only points with tets above `energy` move.
-  PointSmoother(TetComplex& complex, const Bounds& bounds, double energy)
-      : complex_(complex), bounds_(bounds), energy_(energy), guard_(bounds) {}
+  /// Only points with tets above `energy` move. Points of the surface stay on the input, but where
+  /// there are tets above `freeEnergy` and that is in vain may go off it, within bounds.
+  PointSmoother(TetComplex& complex, const Bounds& bounds, double energy, double freeEnergy)
+      : complex_(complex), bounds_(bounds), energy_(energy), freeEnergy_(freeEnergy),
+        guard_(bounds) {}
 
   /// Moves every such point around which something changed since it last would not move. No tet
   /// gets worse than the worst around the point, and the sum gets less. Returns how many moved.
@@ -30,12 +32,12 @@ public:
 
 private:
   bool smooth(std::uint32_t point);
-  void project(Vec3d& at) const;
+  void project(Vec3d& at, double reach) const;
   bool keepsBounds(const Vec3d& at);
 
   TetComplex& complex_;
   const Bounds& bounds_;
-  const double energy_;
+  const double energy_, freeEnergy_;
   std::size_t tried_ = 0;
   PointStar star_;
   SurfaceGuard guard_;

@@ -33,15 +33,20 @@ class EdgeSplitter {
 public:
   explicit EdgeSplitter(TetComplex& complex) : complex_(complex) {}
 
-  /// In the middle.
-  bool split(const LongEdge& edge) {
+  /// In the middle, unless a tet gets worse than `energy` and than all around were.
+  bool split(const LongEdge& edge, double energy) {
     const auto& tet = complex_.tets[edge.tet];
     const bool isThere = tet.exists() && tet.cornerOf(edge.a) < 4 && tet.cornerOf(edge.b) < 4;
     if (!gather(edge.a, edge.b, isThere ? edge.tet : TetComplex::kNone))
       return false;
+    constexpr double kMostWorse = 1.5;
+    double worst = 0;
+    for (const std::uint32_t around : around_)
+      worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
     const Vec3d at = middle();
+    const EnergyLimit limit(std::max(energy, kMostWorse * worst));
     for (const PointStar::LinkFace& face : faces_)
-      if (latticeOrientation(at, face.a, face.b, face.c) <= 0)
+      if (!limit.allows(at, face.a, face.b, face.c, face.weight))
         return false;
     put(at);
     return true;
@@ -70,7 +75,7 @@ public:
           continue;
         double now = 0;
         for (const PointStar::LinkFace& face : faces_)
-          now = std::max(now, energyCube(at, face.a, face.b, face.c));
+          now = std::max(now, face.weight * energyCube(at, face.a, face.b, face.c));
         const double gain = std::cbrt(now) / worst;
         if (gain < best) {
           best = gain;
@@ -106,8 +111,8 @@ private:
         const auto& corner = kFaceCorners[slot];
         const std::array<std::uint32_t, 3> corners{tet.corners[corner[0]], tet.corners[corner[1]],
                                                    tet.corners[corner[2]]};
-        faces_.push_back(
-            {complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]), corners});
+        faces_.push_back({complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]),
+                          corners, cubedWeight(tet)});
       }
       for (unsigned k = 0; k < 4; ++k)
         sheets_ += tet.tracked[k] && tet.corners[k] != a && tet.corners[k] != b;
@@ -129,6 +134,7 @@ private:
         TetComplex::NewTet one;
         one.corners = old.corners;
         one.corners[replaced] = newPoint;
+        one.weight = old.weight;
         for (unsigned k = 0; k < 4; ++k)
           if (k != i && k != j) {
             one.chains[k] = old.chains[k];
@@ -140,6 +146,7 @@ private:
     TetComplex::Point point;
     const auto &a = complex_.points[a_], &b = complex_.points[b_];
     point.at = at;
+    point.fineness = static_cast<std::uint8_t>((a.fineness + b.fineness) / 2);
     point.rim = a.rim && b.rim && sheets_ == 2; // both tets of the only tracked face
     complex_.points.push_back(point);
     complex_.replace(around_, fresh_);
@@ -159,49 +166,33 @@ LongEdge longEdge(const TetComplex& complex, std::uint32_t t, unsigned i, unsign
   return {dot(edge, edge), a, b, t};
 }
 
-std::size_t splitAll(TetComplex& complex, std::vector<LongEdge>& edges) {
+std::size_t splitAll(TetComplex& complex, std::vector<LongEdge>& edges, double energy) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   EdgeSplitter splitter(complex);
   std::size_t splits = 0;
   for (const LongEdge& edge : edges)
-    splits += splitter.split(edge);
+    splits += splitter.split(edge, energy);
   return splits;
 }
 
 } // namespace
 
-std::size_t splitEdges(TetComplex& complex, double longest) {
+std::size_t splitEdges(TetComplex& complex, const EdgeSizes& sizes, double share, double energy) {
   std::vector<LongEdge> edges;
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
     const TetComplex::Tet& tet = complex.tets[t];
-    if (!tet.exists())
+    if (!tet.exists() || tet.weight < 1)
       continue;
     for (unsigned i = 0; i < 3; ++i)
       for (unsigned j = i + 1; j < 4; ++j) {
         const LongEdge edge = longEdge(complex, t, i, j);
+        const double longest = share * sizes.of(complex.points[edge.a], complex.points[edge.b]);
         if (edge.square > longest * longest)
           edges.push_back(edge);
       }
   }
-  return splitAll(complex, edges);
-}
-
-std::size_t splitStuckTets(TetComplex& complex, double energy, double shortest, std::size_t rank) {
-  std::vector<LongEdge> edges;
-  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
-    if (!complex.tets[t].exists() || energyOf(complex, t) <= energy)
-      continue;
-    std::array<LongEdge, 6> ofTet;
-    std::size_t count = 0;
-    for (unsigned i = 0; i < 3; ++i)
-      for (unsigned j = i + 1; j < 4; ++j)
-        ofTet[count++] = longEdge(complex, t, i, j);
-    std::sort(ofTet.begin(), ofTet.end());
-    if (ofTet[rank].square > shortest * shortest)
-      edges.push_back(ofTet[rank]);
-  }
-  return splitAll(complex, edges);
+  return splitAll(complex, edges, energy);
 }
 
 std::size_t splitBadTets(TetComplex& complex, double energy) {

@@ -8,8 +8,10 @@
 #include "tetvdb/tetrahedralize/Envelope.h"
 #include "tetvdb/tetrahedralize/Improve.h"
 #include "tetvdb/tetrahedralize/InsertSurface.h"
+#include "tetvdb/tetrahedralize/Landmarks.h"
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
 #include "tetvdb/tetrahedralize/RefineHoles.h"
+#include "tetvdb/tetrahedralize/RegionChains.h"
 #include "tetvdb/tetrahedralize/Regions.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
@@ -19,7 +21,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
+#include <memory>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -107,16 +110,20 @@ struct Work {
 };
 
 // Improves the mesh, takes what is inside of it and looks at it from both sides.
-LostSurface finish(const Work& work, TetComplex& complex, Tetrahedralization& made,
-                   StageTimer& timer, Progress& progress) {
+LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& complex,
+                   Tetrahedralization& made, StageTimer& timer, Progress& progress) {
   const TetrahedralizeOptions& options = work.options;
   const std::size_t count = work.inputs.size();
   const double edge = work.lengths.edge / work.lattice.unit();
   timer.part("improve");
   progress.stage("improve");
-  const Bounds bounds{work.surface, work.rim, work.radius};
+  const Bounds bounds{work.surface, work.rim, work.radius, landmarks};
   ImproveCounts counts;
+  bool isChained = false; // by regions
   if (options.stopEnergy > 0) {
+    if (work.missing.empty())
+      isChained = chainRegions(complex, insideOf(complex, count, work.soup, work.missing, progress),
+                               count, options.boolean, options.keepOutside);
     ImproveOptions wish;
     wish.edgeLength = edge;
     wish.smallestEdge = work.radius;
@@ -138,7 +145,8 @@ LostSurface finish(const Work& work, TetComplex& complex, Tetrahedralization& ma
   refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMostHoleTets, inside,
               progress);
   assertValid(complex);
-  made.mesh = keptTets(complex, inside, count, options.boolean, options.keepOutside, work.lattice);
+  made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
+                       options.keepOutside, work.lattice);
   const auto& regions = made.mesh.regions;
   if (std::all_of(regions.begin(), regions.end(),
                   [](std::int32_t region) { return region == kOutsideRegion; }))
@@ -173,6 +181,38 @@ void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, 
           TetComplex::Point& point = complex.points[tet.corners[corner]];
           point.fixed = point.fixed || near.contains(point.at, distance);
         }
+}
+
+// finish(), again where a little is lost, which is kept then: by fixed points as a rule, by
+// landmarks where energies matter, which would suffer from these.
+void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& made,
+                   StageTimer& timer, Progress& progress) {
+  const bool isFixed = !(work.options.stopEnergy > 0);
+  std::vector<LostSurface::Point> kept;
+  Tetrahedralization best;
+  for (int round = 0;; ++round) {
+    // Around open edges what is lost is lost to the winding number.
+    const bool last = round == kMostMends || !work.rim.empty();
+    TetComplex mesh = last ? std::move(complex) : complex;
+    std::unique_ptr<const Landmarks> landmarks;
+    if (isFixed) {
+      keepNear(mesh, kept, 4 * work.radius, work.lattice);
+    } else if (!kept.empty()) {
+      std::vector<Vec3d> points;
+      for (const LostSurface::Point& point : kept)
+        points.push_back(work.lattice.toLattice(point.at));
+      landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, points);
+    }
+    const LostSurface lost = finish(work, landmarks.get(), mesh, made, timer, progress);
+    if (round > 0 && lost.lost.size() >= best.check.lostPoints) {
+      made = std::move(best);
+      break;
+    }
+    if (last || lost.lost.empty() || lost.lost.size() > lost.figures.owedPoints / kFewLost)
+      break;
+    kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
+    best = made;
+  }
 }
 
 void warnOfLoss(const Tetrahedralization& made, const TetrahedralizeOptions& options,
@@ -280,21 +320,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   made.insertedFaces = soup.faces.size() - missing.size();
 
   const Work work{inputs, options, lengths, lattice, soup, surface, rim, missing, radius};
-  std::vector<LostSurface::Point> kept;
-  std::size_t before = std::numeric_limits<std::size_t>::max(); // lost points
-  for (int round = 0;; ++round) {
-    // Around open edges what is lost is lost to the winding number; energies suffer from fixed
-    // points.
-    const bool last = round == kMostMends || !rim.empty() || options.stopEnergy > 0;
-    TetComplex mesh = last ? std::move(complex) : complex;
-    keepNear(mesh, kept, 4 * radius, lattice);
-    const LostSurface lost = finish(work, mesh, made, timer, progress);
-    if (last || lost.lost.empty() || lost.lost.size() >= before ||
-        lost.lost.size() > lost.figures.owedPoints / kFewLost)
-      break;
-    before = lost.lost.size();
-    kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
-  }
+  finishAndMend(work, std::move(complex), made, timer, progress);
   warnOfLoss(made, options, lengths.epsilon, report);
   return made;
 }

@@ -236,6 +236,22 @@ TEST(TetrahedralizeOptions, StopEnergyIsReached) {
 }
 
 // The callback cancels when that stage begins; nothing goes on for long after.
+// Also where a hole was refined after improvement.
+TEST(TetrahedralizeOptions, EnergiesAreThoseOfTheTetsMade) {
+  TriangleMesh open = box({0, 0, 0}, {1, 1, 1}, 3);
+  open.triangles.resize(open.triangles.size() - 3);
+  for (const TriangleMesh& mesh : {sphere({0, 0, 0}, 1, 8), open})
+    for (const double stop : {0.0, 10.0}) {
+      TetrahedralizeOptions options;
+      options.stopEnergy = stop;
+      const MadeTets made = madeTets({mesh}, options);
+      ASSERT_FALSE(made.error) << made.message;
+      const TetMeshCheck check = checkOf(made);
+      EXPECT_NEAR(made.result.worstEnergy, check.worstEnergy, 1e-6 * check.worstEnergy);
+      EXPECT_NEAR(made.result.meanEnergy, check.meanEnergy, 1e-6 * check.meanEnergy);
+    }
+}
+
 // Walls inside of what is kept need not be: with quality as without, Booleans are what they are.
 TEST(TetrahedralizeOptions, StopEnergyWithWallsInside) {
   const TriangleMesh a = box(), b = box({0.5, 0.25, 0.125}, {1.5, 1.25, 1.125});

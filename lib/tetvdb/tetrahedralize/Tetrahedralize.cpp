@@ -15,6 +15,7 @@
 #include "tetvdb/tetrahedralize/Regions.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
+#include "tetvdb/tetrahedralize/TetEnergy.h"
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
@@ -109,6 +110,20 @@ struct Work {
   double radius; // lattice units
 };
 
+// Of what is kept, as it is in the end: what is refined in holes is not improved any more.
+void measureEnergies(const WorkingLattice& lattice, Tetrahedralization& made) {
+  const TetMesh& mesh = made.mesh;
+  made.worstEnergy = made.meanEnergy = 0;
+  for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
+    const auto at = [&](std::size_t k) {
+      return lattice.toLattice(mesh.points[mesh.tets[4 * t + k]]);
+    };
+    const double energy = tetEnergy(at(0), at(1), at(2), at(3));
+    made.worstEnergy = std::max(made.worstEnergy, energy);
+    made.meanEnergy += energy / static_cast<double>(mesh.tetCount());
+  }
+}
+
 // Improves the mesh, takes what is inside of it and looks at it from both sides.
 LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& complex,
                    Tetrahedralization& made, StageTimer& timer, Progress& progress) {
@@ -136,8 +151,6 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   }
   assertValid(complex);
   made.passes = options.stopEnergy > 0 ? counts.passes : 0;
-  made.worstEnergy = counts.worstEnergy;
-  made.meanEnergy = counts.meanEnergy;
 
   timer.part("classify");
   progress.stage("classify");
@@ -147,6 +160,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   assertValid(complex);
   made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
                        options.keepOutside, work.lattice);
+  measureEnergies(work.lattice, made);
   const auto& regions = made.mesh.regions;
   if (std::all_of(regions.begin(), regions.end(),
                   [](std::int32_t region) { return region == kOutsideRegion; }))

@@ -61,8 +61,8 @@ struct Tetrahedralization {
   double edgeLength = 0;   ///< world units
   std::size_t simplifiedFaces = 0;
   std::size_t insertedFaces = 0, notInserted = 0;
-  int passes = 0; ///< of improvement
-  double worstEnergy = 0, meanEnergy = 0;
+  int passes = 0;                         ///< of improvement
+  double worstEnergy = 0, meanEnergy = 0; ///< AMIPS, of the tets of `mesh`
   std::size_t boundaryFaces = 0;
   TwoSidedCheck check;
 };

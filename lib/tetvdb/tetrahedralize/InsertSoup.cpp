@@ -118,7 +118,7 @@ void SoupInsertion::findFlats() {
           continue;
         const auto& there = soup_.faces[other];
         const bool inPlane = std::all_of(there.begin(), there.end(), [&](std::uint32_t p) {
-          return std::abs(dot(normal, minus(soup_.points[p], origin))) <= tolerance_ / 4;
+          return std::abs(dot(normal, minus(soup_.points[p], origin))) <= reach_ / 4;
         });
         const auto at = std::find(there.begin(), there.end(), b) - there.begin();
         if (!inPlane || there[static_cast<std::size_t>(at + 1) % 3] != a)

@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/tetrahedralize/BackgroundMesh.h"
 #include "tetvdb/tetrahedralize/InsertSoup.h"
-#include "tetvdb/tetrahedralize/ShakeSoup.h"
 
 #include <utility>
 
@@ -12,10 +11,9 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
-// The soup as it is, with its pieces moved, and with its points moved, differently each time.
-constexpr int kPieces = 1, kVariants = 6;
-constexpr std::size_t kFew = 16;
+// Tries with one soup, while no more than so many faces do not go in.
 constexpr int kTries = 3;
+constexpr std::size_t kFew = 16;
 
 TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
   TetComplex complex;
@@ -62,28 +60,26 @@ void insertAll(InsertedSurface& surface, std::size_t inputCount, double reach,
 
 } // namespace
 
-InsertedSurface insertSurface(LatticeSoup soup, std::size_t inputCount,
-                              const InsertSurfaceOptions& options, StageTimer& timer,
-                              Progress& progress) {
+InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& soupOf, int variants,
+                              std::size_t inputCount, const InsertSurfaceOptions& options,
+                              StageTimer& timer, Progress& progress) {
   InsertedSurface best;
   bool found = false;
-  for (int variant = 0; variant < kVariants && !(found && best.missing.empty()); ++variant) {
+  for (int variant = 0; variant < variants && !(found && best.missing.empty()); ++variant) {
     InsertedSurface next;
-    next.soup = variant == 0
-                    ? soup
-                    : shakenSoup(soup, options.shake, variant == kPieces, unsigned(variant));
+    next.soup = soupOf(variant);
     timer.part("background");
     progress.stage("background");
     const std::vector<Vec3d> points =
         backgroundPoints(next.soup, options.margin, options.spacing, options.clearance, progress);
-    const PlainTets background = delaunayTets(points, soup.grain, progress);
+    const PlainTets background = delaunayTets(points, next.soup.grain, progress);
     timer.part("insert");
     progress.stage("insert");
     try {
       insertAll(next, inputCount, options.reach, points, background, progress);
     } catch (const Error& error) {
       // Another variant may be cut less.
-      if (error.status() != Status::Limit || (variant == kVariants - 1 && !found))
+      if (error.status() != Status::Limit || (variant == variants - 1 && !found))
         throw;
       continue;
     }

@@ -7,6 +7,7 @@
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace tetvdb {
@@ -16,7 +17,6 @@ struct InsertSurfaceOptions {
   double spacing = 0;   ///< of points away from the surface
   double margin = 0;    ///< about the soup's box
   double clearance = 0; ///< what points in between keep from the surface
-  double shake = 0;     ///< what points of the soup may be moved by where faces do not go in
   double reach = 0;     ///< what a triangle's faces may be off it where tets are too flat to part
 };
 
@@ -26,14 +26,14 @@ struct InsertedSurface {
   std::vector<std::uint32_t> missing; ///< faces of the soup that did not go in
 };
 
-/// A mesh of the soup's box with the soup's triangles as tracked faces: Delaunay tets of its points
+/// A mesh of a soup's box with the soup's triangles as tracked faces: Delaunay tets of its points
 /// and of points in between, into which the triangles go (InsertSoup.h). Where some do not, it is
-/// tried again: those first, then with the soup shaken (ShakeSoup.h); of all tries the one that
-/// misses fewest counts. Writes parts "background" and "insert" to `timer`. Parallel; the same mesh
-/// for any number of threads. Throws Error(Limit) where every try is cut to more pieces than can be
-/// meshed.
-InsertedSurface insertSurface(LatticeSoup soup, std::size_t inputCount,
-                              const InsertSurfaceOptions& options, StageTimer& timer,
-                              Progress& progress);
+/// tried again, those first, then with soupOf(1) instead of soupOf(0), up to `variants`; of all
+/// tries the one that misses fewest counts. Writes parts "background" and "insert" to `timer`.
+/// Parallel; the same mesh for any number of threads. Throws Error(Limit) where every variant is
+/// cut to more pieces than can be meshed.
+InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& soupOf, int variants,
+                              std::size_t inputCount, const InsertSurfaceOptions& options,
+                              StageTimer& timer, Progress& progress);
 
 } // namespace tetvdb

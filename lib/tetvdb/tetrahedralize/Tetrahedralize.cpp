@@ -13,6 +13,7 @@
 #include "tetvdb/tetrahedralize/RefineHoles.h"
 #include "tetvdb/tetrahedralize/RegionChains.h"
 #include "tetvdb/tetrahedralize/Regions.h"
+#include "tetvdb/tetrahedralize/ShakeSoup.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
@@ -28,10 +29,13 @@
 namespace tetvdb {
 namespace {
 
-// Shares of epsilon: what simplification may use up, so that improvement still has room to move,
-// how far points may be moved where faces do not go in otherwise, and how far a triangle's faces
-// may be from it where tets are too flat to part.
-constexpr double kSimplifyShare = 0.6, kShakeShare = 0.25, kReachShare = 0.1;
+// Shares of epsilon: what simplification may use up, so that improvement still has room to move, at
+// first and where faces do not go in, how far points may be moved there besides, and how far a
+// triangle's faces may be from it where tets are too flat to part.
+constexpr double kSimplifyShare = 0.6, kCarefulShare = 0.3, kShakeShare = 0.25, kReachShare = 0.1;
+// Where faces do not go in: with less simplified, so that sheets do not come to cross; the closed
+// pieces of that moved; its points moved, in three ways.
+constexpr int kPieces = 2, kVariants = 6;
 // Input points are snapped to this part of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
 // What tells input points apart must be small against epsilon.
@@ -312,24 +316,35 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Envelope surface(soup.points, soup.faces, radius);
   const Envelope rim(soup.points, rimOf(soup), radius);
 
-  timer.part("simplify");
-  progress.stage("simplify");
-  simplifySoup(soup, surface, kSimplifyShare * radius, progress);
-  made.simplifiedFaces = soup.faces.size();
-
   const double edge = lengths.edge / lattice.unit();
   InsertSurfaceOptions lengthsOfIt;
   lengthsOfIt.spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
   lengthsOfIt.margin = std::max(lengthsOfIt.spacing, 2 * epsilon);
   lengthsOfIt.clearance = 10 * epsilon;
-  lengthsOfIt.shake = kShakeShare * radius;
   lengthsOfIt.reach = kReachShare * radius;
-  InsertedSurface inserted =
-      insertSurface(std::move(soup), inputs.size(), lengthsOfIt, timer, progress);
+  const auto simplified = [&](double share) {
+    timer.part("simplify");
+    progress.stage("simplify");
+    LatticeSoup simple = soup;
+    simplifySoup(simple, surface, share * radius, progress);
+    return simple;
+  };
+  LatticeSoup careful;
+  InsertedSurface inserted = insertSurface(
+      [&](int variant) {
+        if (variant == 0)
+          return simplified(kSimplifyShare);
+        if (variant > 1)
+          return shakenSoup(careful, kShakeShare * radius, variant == kPieces,
+                            static_cast<std::uint32_t>(variant));
+        return careful = simplified(kCarefulShare);
+      },
+      kVariants, inputs.size(), lengthsOfIt, timer, progress);
   soup = std::move(inserted.soup);
   TetComplex complex = std::move(inserted.complex);
   const std::vector<std::uint32_t> missing = std::move(inserted.missing);
   assertValid(complex);
+  made.simplifiedFaces = soup.faces.size();
   made.notInserted = missing.size();
   made.insertedFaces = soup.faces.size() - missing.size();
 

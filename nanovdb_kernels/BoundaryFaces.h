@@ -46,24 +46,26 @@ TETVDB_HD inline u64 hashFace(const SortedFace& f) {
 }
 
 struct OrientShared {
+  static constexpr int kThreads = 256, kOccupancy = 16;
   u64 flipped, flat;
 };
 
-/// Orientation of every tet; raises kLongTet and kBadIndex.
+/// Orientation of the tets begin..end; raises kLongTet and kBadIndex.
 template <typename Backend>
-void orientTets(Backend& b, const LatticePoint* points, u64 pointCount, const u32* tets,
-                u64 tetCount, std::int8_t* signs, u64* counts, u32* errors) {
+void orientTets(Backend& b, const LatticePoint* points, u64 pointCount, const u32* tets, u64 begin,
+                u64 tetsEnd, std::int8_t* signs, u64* counts, u32* errors) {
   constexpr u64 kChunk = 4;
   const u64 perTeam = 256 * kChunk;
   b.template forTeams<OrientShared>(
-      (tetCount + perTeam - 1) / perTeam, 256,
+      (tetsEnd - begin + perTeam - 1) / perTeam, 256,
       TETVDB_KERNEL(const Team& team, u64 part, OrientShared& s) {
         if (team.rank() == 0)
           s.flipped = s.flat = 0;
         team.sync();
         u64 flipped = 0, flat = 0;
-        const u64 end = (part + 1) * perTeam < tetCount ? (part + 1) * perTeam : tetCount;
-        for (u64 t = part * perTeam + static_cast<u64>(team.rank()); t < end;
+        const u64 first = begin + part * perTeam;
+        const u64 end = first + perTeam < tetsEnd ? first + perTeam : tetsEnd;
+        for (u64 t = first + static_cast<u64>(team.rank()); t < end;
              t += static_cast<u64>(team.size())) {
           const u32* id = tets + 4 * t;
           if (id[0] >= pointCount || id[1] >= pointCount || id[2] >= pointCount ||
@@ -107,8 +109,8 @@ Face* boundaryFaces(Backend& b, const u32* tets, u64 tetCount, const std::int8_t
     size *= 2;
   const u64 mask = size - 1;
   constexpr u64 kFree = ~u64(0);
-  u64* slots = b.template alloc<u64>(size); // tet * 4 + face
-  i32* sums = b.template alloc<i32>(size);
+  u64* slots = b.template temp<u64>(size); // tet * 4 + face
+  i32* sums = b.template temp<i32>(size);
   b.fill(slots, 0xFF, size * sizeof *slots);
   b.zero(sums, size * sizeof *sums);
   b.forEach(
@@ -130,8 +132,8 @@ Face* boundaryFaces(Backend& b, const u32* tets, u64 tetCount, const std::int8_t
           return;
         }
       });
-  u32* open = b.template alloc<u32>(size + 1);
-  u64* rank = b.template alloc<u64>(size + 1);
+  u32* open = b.template temp<u32>(size + 1);
+  u64* rank = b.template temp<u64>(size + 1);
   b.forEach(
       size + 1, TETVDB_KERNEL(u64 i) { open[i] = i < size && sums[i] != 0; });
   b.scan(open, rank, size);
@@ -146,6 +148,7 @@ Face* boundaryFaces(Backend& b, const u32* tets, u64 tetCount, const std::int8_t
         const SortedFace f = sortedFace(tets + id / 4 * 4, static_cast<int>(id % 4), 1);
         faces[rank[i]] = sum > 0 ? Face{f.a, f.b, f.c, sum} : Face{f.a, f.c, f.b, -sum};
       });
+  b.dropTemporaries();
   return faces;
 }
 

@@ -85,6 +85,7 @@ struct GrowNodes {
 
 template <int kLog2>
 struct NodeShared {
+  static constexpr int kThreads = 256, kOccupancy = 16;
   static constexpr int kColumns = NodeMasks<kLog2>::kColumns;
   u32 child[kColumns], tile[kColumns];
   u8 seen[kColumns], top[kColumns];
@@ -112,6 +113,7 @@ public:
       e.edge = zeroed(e.count);
     if (e.treeKey == nullptr)
       toTreeOrder(level, e);
+    b_.dropTemporaries();
   }
 
   /// Nodes of the next level: those that children lie in.
@@ -119,8 +121,8 @@ public:
   Entries parents(int childLevel, const Entries& children, NodeMasks<kLog2>& masks) {
     const int level = childLevel + 1;
     const u64 n = children.count;
-    u32* head = b_.template alloc<u32>(n + 1);
-    u64* rank = b_.template alloc<u64>(n + 1);
+    u32* head = b_.template temp<u32>(n + 1);
+    u64* rank = b_.template temp<u64>(n + 1);
     const u64* keys = children.treeKey;
     b_.forEach(
         n + 1, TETVDB_KERNEL(u64 i) {
@@ -163,6 +165,7 @@ public:
     } else if (level < 2) {
       b_.sort(e.key, e.slot, m, space_.total() - 3 * levelShift(level));
     }
+    b_.dropTemporaries();
     return e;
   }
 
@@ -204,8 +207,8 @@ public:
   void fillGaps(int level, Entries& e, const u64* top, const Grow& grow) {
     const u64 n = e.count;
     const int height = heightBits(space_, level);
-    u32* gap = b_.template alloc<u32>(n + 1);
-    u64* before = b_.template alloc<u64>(n + 1);
+    u32* gap = b_.template temp<u32>(n + 1);
+    u64* before = b_.template temp<u64>(n + 1);
     const u64* keys = e.key;
     const u32* slots = e.slot;
     u32* errors = errors_;

@@ -32,20 +32,25 @@ class DevicePool {
 public:
   DevicePool() = default;
   ~DevicePool() {
-    for (const Block& block : blocks_)
-      cudaFree(block.base);
+    takeBack();
+    giveUpUnused();
   }
   DevicePool(const DevicePool&) = delete;
   DevicePool& operator=(const DevicePool&) = delete;
 
-  void* take(u64 bytes) {
+  /// `spare`: gives up blocks, too, before memory is out.
+  void* take(u64 bytes, DevicePool* spare) {
     bytes = (bytes + kAlign - 1) / kAlign * kAlign;
+    Block* best = nullptr; // the fullest that has room, so that large ones stay whole
     for (Block& block : blocks_)
-      if (block.size - block.used >= bytes) {
-        void* p = block.base + block.used;
-        block.used += bytes;
-        return p;
-      }
+      if (block.size - block.used >= bytes &&
+          (best == nullptr || block.size - block.used < best->size - best->used))
+        best = &block;
+    if (best != nullptr) {
+      void* p = best->base + best->used;
+      best->used += bytes;
+      return p;
+    }
     // A quarter more than there is, so that blocks stay few; where that is too much, what is
     // needed.
     u64 size = bytes > kLeast ? bytes : kLeast;
@@ -55,6 +60,10 @@ public:
     ++calls_;
     if (cudaMalloc(reinterpret_cast<void**>(&base), size) != cudaSuccess) {
       cudaGetLastError();
+      // Blocks that nobody uses, too small or another's; freeing waits for the device.
+      giveUpUnused();
+      if (spare != nullptr)
+        spare->giveUpUnused();
       size = bytes;
       ++calls_;
       check(cudaMalloc(reinterpret_cast<void**>(&base), size), "out of memory");
@@ -67,11 +76,23 @@ public:
     for (Block& block : blocks_)
       block.used = 0;
   }
+  void giveUpUnused() {
+    std::vector<Block> rest;
+    for (const Block& block : blocks_) {
+      if (block.used != 0) {
+        rest.push_back(block);
+        continue;
+      }
+      cudaFree(block.base);
+      held_ -= block.size;
+    }
+    blocks_.swap(rest);
+  }
   u64 calls() const { return calls_; }
   u64 held() const { return held_; }
 
 private:
-  static constexpr u64 kAlign = 256, kLeast = u64(64) << 20;
+  static constexpr u64 kAlign = 256, kLeast = u64(128) << 20;
   struct Block {
     unsigned char* base;
     u64 size, used;
@@ -81,17 +102,33 @@ private:
 };
 
 template <typename F>
-__global__ void __launch_bounds__(256) forEachKernel(u64 n, F f) {
+__global__ void __launch_bounds__(256, 3) forEachKernel(u64 n, F f) {
   const u64 i = u64(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i < n)
     f(i);
 }
 
+// What teams share says how large they get (kThreads) and how many warps a multiprocessor should
+// hold at least (kOccupancy): waiting is hidden by other warps, at the price of registers.
+//
+// Teams of a warp go four to a block, so that blocks do not run out before warps do.
+constexpr int kWarpTeams = 4;
+
 template <typename Shared, typename F>
-__global__ void __launch_bounds__(256) forTeamsKernel(u64 n, F f) {
+__global__ void __launch_bounds__(32 * kWarpTeams, Shared::kOccupancy / kWarpTeams)
+    forWarpsKernel(u64 n, F f) {
+  __shared__ Shared shared[kWarpTeams];
+  const int team = static_cast<int>(threadIdx.x) / 32;
+  for (u64 i = u64(blockIdx.x) * kWarpTeams + team; i < n; i += u64(gridDim.x) * kWarpTeams)
+    f(Team(static_cast<int>(threadIdx.x) % 32, 32), i, shared[team]);
+}
+
+template <typename Shared, typename F>
+__global__ void __launch_bounds__(Shared::kThreads, Shared::kOccupancy * 32 / Shared::kThreads)
+    forTeamsKernel(u64 n, F f) {
   __shared__ Shared shared;
   for (u64 i = blockIdx.x; i < n; i += gridDim.x)
-    f(Team(), i, shared);
+    f(Team(static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x)), i, shared);
 }
 
 class CudaBackend {
@@ -100,10 +137,16 @@ public:
     check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "no stream");
     check(cudaHostAlloc(reinterpret_cast<void**>(&pinned_), 256, cudaHostAllocDefault),
           "no pinned memory");
+    check(cudaEventCreateWithFlags(&pointsHere_, cudaEventDisableTiming), "event");
+    for (cudaEvent_t& e : tetsHere_)
+      check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
   }
   ~CudaBackend() {
     for (const Stage& s : stages_)
       cudaEventDestroy(s.begin);
+    cudaEventDestroy(pointsHere_);
+    for (cudaEvent_t e : tetsHere_)
+      cudaEventDestroy(e);
     cudaFreeHost(pinned_);
     cudaStreamDestroy(stream_);
   }
@@ -111,7 +154,23 @@ public:
   CudaBackend& operator=(const CudaBackend&) = delete;
 
   cudaStream_t stream() const { return stream_; }
-  DevicePool& pool() { return pool_; }
+
+  /// The mesh arrives by another stream: its points first, then its tets in parts.
+  static constexpr int kParts = 8;
+  int parts() const { return arriving_ ? kParts : 1; }
+  void awaitPoints() {
+    if (arriving_)
+      check(cudaStreamWaitEvent(stream_, pointsHere_, 0), "upload");
+  }
+  void awaitTets(int part) {
+    if (arriving_)
+      check(cudaStreamWaitEvent(stream_, tetsHere_[part], 0), "upload");
+  }
+  void recordPoints(cudaStream_t upload) { check(cudaEventRecord(pointsHere_, upload), "upload"); }
+  void recordTets(int part, cudaStream_t upload) {
+    check(cudaEventRecord(tetsHere_[part], upload), "upload");
+  }
+  void setArriving(bool arriving) { arriving_ = arriving; }
 
   /// From here on time counts for `name`; "" ends the last.
   void stage(const char* name) {
@@ -137,8 +196,20 @@ public:
 
   template <typename T>
   T* alloc(u64 n) {
-    return static_cast<T*>(pool_.take((n == 0 ? 1 : n) * sizeof(T)));
+    return static_cast<T*>(pool_.take((n == 0 ? 1 : n) * sizeof(T), &temporaries_));
   }
+  /// Memory until dropTemporaries(): the stream's order keeps earlier kernels out of later ones'.
+  template <typename T>
+  T* temp(u64 n) {
+    return static_cast<T*>(temporaries_.take((n == 0 ? 1 : n) * sizeof(T), nullptr));
+  }
+  void dropTemporaries() { temporaries_.takeBack(); }
+  void release() {
+    pool_.takeBack();
+    temporaries_.takeBack();
+  }
+  u64 allocations() const { return pool_.calls() + temporaries_.calls(); }
+  u64 held() const { return pool_.held() + temporaries_.held(); }
   u8* output(u64 bytes) { return alloc<u8>(bytes); }
   void zero(void* p, u64 bytes) { fill(p, 0, bytes); }
   void fill(void* p, int byte, u64 bytes) {
@@ -167,9 +238,16 @@ public:
   void forTeams(u64 n, int size, const F& f) {
     if (n == 0)
       return;
-    const u64 blocks = n < 0x7FFFFFFFull ? n : 0x7FFFFFFFull;
-    forTeamsKernel<Shared, F>
-        <<<static_cast<unsigned>(blocks), static_cast<unsigned>(size), 0, stream_>>>(n, f);
+    constexpr u64 kMost = 0x7FFFFFFF;
+    if (size == 32) {
+      const u64 blocks = (n + kWarpTeams - 1) / kWarpTeams;
+      forWarpsKernel<Shared, F>
+          <<<static_cast<unsigned>(blocks < kMost ? blocks : kMost), 32 * kWarpTeams, 0, stream_>>>(
+              n, f);
+    } else {
+      forTeamsKernel<Shared, F><<<static_cast<unsigned>(n < kMost ? n : kMost),
+                                  static_cast<unsigned>(size), 0, stream_>>>(n, f);
+    }
     check(cudaGetLastError(), "launch");
   }
   void scan(const u32* counts, u64* offsets, u64 n) {
@@ -180,21 +258,26 @@ public:
             "scan");
     };
     call(nullptr);
-    call(pool_.take(bytes));
+    call(temporaries_.take(bytes, nullptr));
   }
-  void sort(u64*& keys, u32*& values, u64 n, int bits) {
+  void sort(u64* keys, u32* values, u64 n, int bits) {
     if (n < 2)
       return;
-    cub::DoubleBuffer<u64> k(keys, alloc<u64>(n));
-    cub::DoubleBuffer<u32> v(values, alloc<u32>(n));
+    cub::DoubleBuffer<u64> k(keys, temp<u64>(n));
+    cub::DoubleBuffer<u32> v(values, temp<u32>(n));
     std::size_t bytes = 0;
     const auto call = [&](void* temporary) {
       check(cub::DeviceRadixSort::SortPairs(temporary, bytes, k, v, n, 0, bits, stream_), "sort");
     };
     call(nullptr);
-    call(pool_.take(bytes));
-    keys = k.Current();
-    values = v.Current();
+    call(temporaries_.take(bytes, nullptr));
+    if (k.Current() != keys)
+      check(cudaMemcpyAsync(keys, k.Current(), n * sizeof(u64), cudaMemcpyDeviceToDevice, stream_),
+            "sort");
+    if (v.Current() != values)
+      check(
+          cudaMemcpyAsync(values, v.Current(), n * sizeof(u32), cudaMemcpyDeviceToDevice, stream_),
+          "sort");
   }
 
 private:
@@ -202,11 +285,13 @@ private:
     const char* name = "";
     cudaEvent_t begin = nullptr;
   };
+  bool arriving_ = false;
+  cudaEvent_t pointsHere_ = nullptr, tetsHere_[kParts] = {};
   std::vector<Stage> stages_;
   std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr;
   void* pinned_ = nullptr;
-  DevicePool pool_;
+  DevicePool pool_, temporaries_;
 };
 
 } // namespace tetvdb::nano

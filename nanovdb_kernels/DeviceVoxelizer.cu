@@ -22,8 +22,8 @@ public:
       base_ = nullptr;
       size_ = 0;
       ++calls_;
-      // An eighth more, so that models of about one size do not make it grow again and again.
-      const u64 size = bytes + bytes / 8 + 4096;
+      // More than asked for, so that models of about one size do not make it grow again and again.
+      const u64 size = bytes < (u64(64) << 20) ? 2 * bytes + (u64(1) << 20) : bytes + bytes / 8;
       check(cudaHostAlloc(reinterpret_cast<void**>(&base_), size, cudaHostAllocDefault),
             "out of pinned memory");
       size_ = size;
@@ -64,7 +64,7 @@ public:
   }
 
 private:
-  cudaEvent_t events_[4] = {};
+  cudaEvent_t events_[5] = {};
 };
 
 } // namespace
@@ -113,6 +113,7 @@ struct DeviceVoxelizer::State {
                   "use --device cpu");
     check(cudaSetDevice(device), "device");
     backend = std::make_unique<CudaBackend>();
+    check(cudaStreamCreateWithFlags(&upload, cudaStreamNonBlocking), "no stream");
     events = std::make_unique<Events>();
   }
 
@@ -120,7 +121,7 @@ struct DeviceVoxelizer::State {
   void copyUp(void* to, const void* from, u64 bytes) {
     if (bytes == 0)
       return;
-    const cudaStream_t stream = backend->stream();
+    const cudaStream_t stream = upload;
     if (isPinned(from)) {
       check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream), "upload");
       return;
@@ -143,13 +144,29 @@ struct DeviceVoxelizer::State {
     }
   }
 
-  template <typename T>
-  T* uploaded(const T* from, u64 n) {
-    if (from == nullptr)
-      return nullptr;
-    T* to = backend->alloc<T>(n);
-    copyUp(to, from, n * sizeof(T));
-    return to;
+  Result run(const MeshView& mesh, const Job& job);
+
+  // Starts the upload of a mesh, tets in parts, and returns where it will be.
+  MeshView arrive(const MeshView& mesh) {
+    MeshView view = mesh;
+    double* points = backend->alloc<double>(3 * mesh.pointCount);
+    std::uint32_t* tets = backend->alloc<std::uint32_t>(4 * mesh.tetCount);
+    view.points = points;
+    view.tets = tets;
+    copyUp(points, mesh.points, 24 * mesh.pointCount);
+    backend->recordPoints(upload);
+    if (mesh.values != nullptr) {
+      std::int32_t* values = backend->alloc<std::int32_t>(mesh.tetCount);
+      view.values = values;
+      copyUp(values, mesh.values, 4 * mesh.tetCount);
+    }
+    for (int part = 0; part < CudaBackend::kParts; ++part) {
+      const u64 k = static_cast<u64>(part), parts = CudaBackend::kParts;
+      const u64 first = mesh.tetCount * k / parts, end = mesh.tetCount * (k + 1) / parts;
+      copyUp(tets + 4 * first, mesh.tets + 4 * first, 16 * (end - first));
+      backend->recordTets(part, upload);
+    }
+    return view;
   }
 
   ~State() {
@@ -158,11 +175,13 @@ struct DeviceVoxelizer::State {
         cudaEventDestroy(e);
     for (void* p : kept)
       cudaFree(p);
+    cudaStreamDestroy(upload);
   }
 
   int device;
   std::unique_ptr<CudaBackend> backend;
   std::unique_ptr<Events> events;
+  cudaStream_t upload = nullptr;
   PinnedMemory uploadStaging, download;
   cudaEvent_t halfDone[2] = {};
   std::vector<void*> kept;
@@ -190,24 +209,33 @@ MeshView DeviceVoxelizer::keep(const MeshView& mesh) {
   view.points = static_cast<const double*>(place(mesh.points, mesh.pointCount * 24));
   view.tets = static_cast<const std::uint32_t*>(place(mesh.tets, mesh.tetCount * 16));
   view.values = static_cast<const std::int32_t*>(place(mesh.values, mesh.tetCount * 4));
-  check(cudaStreamSynchronize(s.backend->stream()), "upload");
+  check(cudaStreamSynchronize(s.upload), "upload");
   return view;
 }
 
 Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
-  State& s = *state_;
+  try {
+    return state_->run(mesh, job);
+  } catch (...) {
+    // Nothing reads the caller's arrays any more.
+    cudaStreamSynchronize(state_->upload);
+    cudaStreamSynchronize(state_->backend->stream());
+    cudaGetLastError();
+    throw;
+  }
+}
+
+Result DeviceVoxelizer::State::run(const MeshView& mesh, const Job& job) {
+  State& s = *this;
   check(cudaSetDevice(s.device), "device");
-  s.backend->pool().takeBack();
+  s.backend->release();
   s.backend->clearStages();
   const cudaStream_t stream = s.backend->stream();
-  s.events->record(0, stream);
-  MeshView view = mesh;
-  if (!job.resident) {
-    view.points = s.uploaded(mesh.points, 3 * mesh.pointCount);
-    view.tets = s.uploaded(mesh.tets, 4 * mesh.tetCount);
-    view.values = s.uploaded(mesh.values, mesh.tetCount);
-  }
-  s.events->record(1, stream);
+  s.events->record(0, s.upload);
+  s.events->record(4, stream);
+  s.backend->setArriving(!job.resident);
+  const MeshView view = job.resident ? mesh : s.arrive(mesh);
+  s.events->record(1, s.upload);
   Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
   result.device = result.bytes;
   result.bytes = nullptr;
@@ -221,9 +249,37 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
   }
   s.events->record(3, stream);
   check(cudaStreamSynchronize(stream), "a kernel failed");
-  s.times = {s.events->seconds(0, 1), s.events->seconds(1, 2), s.events->seconds(2, 3),
+  s.times = {s.events->seconds(0, 1), s.events->seconds(4, 2), s.events->seconds(2, 3),
              s.backend->stageSeconds()};
   return result;
+}
+
+Speeds DeviceVoxelizer::measureSpeeds() {
+  State& s = *state_;
+  check(cudaSetDevice(s.device), "device");
+  constexpr u64 kBytes = u64(256) << 20;
+  PinnedMemory pinned;
+  unsigned char* host = pinned.atLeast(kBytes);
+  std::memset(host, 1, kBytes);
+  s.backend->release();
+  u8 *a = s.backend->alloc<u8>(kBytes), *b = s.backend->alloc<u8>(kBytes);
+  const cudaStream_t stream = s.backend->stream();
+  const auto seconds = [&](void* to, const void* from) {
+    double best = 1e9;
+    for (int i = 0; i < 6; ++i) {
+      s.events->record(0, stream);
+      check(cudaMemcpyAsync(to, from, kBytes, cudaMemcpyDefault, stream), "copy");
+      s.events->record(1, stream);
+      check(cudaStreamSynchronize(stream), "copy");
+      best = std::min(best, s.events->seconds(0, 1));
+    }
+    return best;
+  };
+  Speeds speeds;
+  speeds.up = static_cast<double>(kBytes) / seconds(a, host);
+  speeds.within = 2 * static_cast<double>(kBytes) / seconds(b, a);
+  speeds.down = static_cast<double>(kBytes) / seconds(host, b);
+  return speeds;
 }
 
 Times DeviceVoxelizer::times() const {
@@ -231,12 +287,12 @@ Times DeviceVoxelizer::times() const {
 }
 
 std::uint64_t DeviceVoxelizer::allocations() const {
-  return state_->backend->pool().calls() + state_->uploadStaging.calls() +
-         state_->download.calls() + state_->kept.size();
+  return state_->backend->allocations() + state_->uploadStaging.calls() + state_->download.calls() +
+         state_->kept.size();
 }
 
 std::uint64_t DeviceVoxelizer::deviceBytes() const {
-  return state_->backend->pool().held();
+  return state_->backend->held();
 }
 
 } // namespace tetvdb::nano

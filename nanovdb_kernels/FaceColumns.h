@@ -115,7 +115,7 @@ TETVDB_HD inline i64 unitsFrom(double origin, i64 voxel) {
 }
 
 // First voxel above the plane in column (x, y), by integers; see FaceRaster::exactCrossing().
-TETVDB_HD inline i64 exactCrossing(const FaceColumns& f, i64 x, i64 y, i64 zNear) {
+TETVDB_HD TETVDB_APART inline i64 exactCrossing(const FaceColumns& f, i64 x, i64 y, i64 zNear) {
   const ExactVector n = triangleNormal(f.p[0], f.p[1], f.p[2]);
   const Int128 planar = n.x * unitsFrom(f.p[0].x, x) + n.y * unitsFrom(f.p[0].y, y);
   const bool tieIn = tieSign(n.x, n.y, n.z) > 0;

@@ -20,13 +20,23 @@ public:
   /// written shows.
   template <typename T>
   T* alloc(u64 n) {
-    const u64 bytes = (n * sizeof(T) + 63) / 64 * 64 + 64;
-    blocks_.emplace_back(static_cast<unsigned char*>(::operator new(bytes, std::align_val_t(64))));
-    std::memset(blocks_.back().get(), 0xA5, bytes);
-    return reinterpret_cast<T*>(blocks_.back().get());
+    return take<T>(n, blocks_);
   }
-  void release() { blocks_.clear(); }
+  /// Memory until dropTemporaries().
+  template <typename T>
+  T* temp(u64 n) {
+    return take<T>(n, temporaries_);
+  }
+  void dropTemporaries() { temporaries_.clear(); }
+  void release() {
+    blocks_.clear();
+    temporaries_.clear();
+  }
   void stage(const char*) {}
+  // Parts in which a mesh's tets arrive.
+  int parts() const { return 3; }
+  void awaitPoints() {}
+  void awaitTets(int) {}
   u8* output(u64 bytes) { return alloc<u8>(bytes); }
 
   void zero(void* p, u64 bytes) { std::memset(p, 0, bytes); }
@@ -49,7 +59,7 @@ public:
   void forTeams(u64 n, int, const F& f) {
     const auto shared = std::make_unique<Shared>();
     for (u64 i = 0; i < n; ++i)
-      f(Team(), i, *shared);
+      f(Team(0, 1), i, *shared);
   }
   /// offsets[i] = counts[0] + ... + counts[i - 1], i up to n.
   void scan(const u32* counts, u64* offsets, u64 n) {
@@ -60,27 +70,34 @@ public:
     }
     offsets[n] = sum;
   }
-  /// By the lowest `bits` bits of the keys; equal keys keep their order. The arrays may be swapped
-  /// for others.
-  void sort(u64*& keys, u32*& values, u64 n, int) {
+  /// By the lowest `bits` bits of the keys; equal keys keep their order.
+  void sort(u64* keys, u32* values, u64 n, int) {
     std::vector<u32> order(n);
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return keys[a] < keys[b]; });
-    u64* newKeys = alloc<u64>(n);
-    u32* newValues = alloc<u32>(n);
+    const std::vector<u64> oldKeys(keys, keys + n);
+    const std::vector<u32> oldValues(values, values + n);
     for (u64 i = 0; i < n; ++i) {
-      newKeys[i] = keys[order[i]];
-      newValues[i] = values[order[i]];
+      keys[i] = oldKeys[order[i]];
+      values[i] = oldValues[order[i]];
     }
-    keys = newKeys;
-    values = newValues;
   }
 
 private:
   struct Free {
     void operator()(unsigned char* p) const { ::operator delete(p, std::align_val_t(64)); }
   };
-  std::vector<std::unique_ptr<unsigned char, Free>> blocks_;
+  using Blocks = std::vector<std::unique_ptr<unsigned char, Free>>;
+
+  template <typename T>
+  static T* take(u64 n, Blocks& blocks) {
+    const u64 bytes = (n * sizeof(T) + 63) / 64 * 64 + 64;
+    blocks.emplace_back(static_cast<unsigned char*>(::operator new(bytes, std::align_val_t(64))));
+    std::memset(blocks.back().get(), 0xA5, bytes);
+    return reinterpret_cast<T*>(blocks.back().get());
+  }
+
+  Blocks blocks_, temporaries_;
 };
 
 } // namespace tetvdb::nano

@@ -48,21 +48,26 @@ TETVDB_HD inline u64 tableIndex(const Place& p, int log2) {
 }
 
 TETVDB_HD inline u64 treeKey(const KeySpace& s, int level, const Place& p) {
-  if (level == 2)
-    return columnKey(s, 2, p);
-  if (level == 1)
-    return columnKey(s, 2, {p.x >> 5, p.y >> 5, p.z >> 5}) << 15 | tableIndex(p, 5);
-  return treeKey(s, 1, {p.x >> 4, p.y >> 4, p.z >> 4}) << 12 | tableIndex(p, 4);
+  const int up = 9 - levelShift(level);
+  u64 key = columnKey(s, 2, {p.x >> up, p.y >> up, p.z >> up});
+  if (level < 2) {
+    const int toLower = level == 0 ? 4 : 0;
+    key = key << 15 | tableIndex({p.x >> toLower, p.y >> toLower, p.z >> toLower}, 5);
+  }
+  return level == 0 ? key << 12 | tableIndex(p, 4) : key;
+}
+
+TETVDB_HD inline Place childPlace(const Place& parent, int log2, u64 index) {
+  const u64 m = (u64(1) << log2) - 1;
+  return {parent.x << log2 | (index >> (2 * log2) & m), parent.y << log2 | (index >> log2 & m),
+          parent.z << log2 | (index & m)};
 }
 
 TETVDB_HD inline Place placeOfTreeKey(const KeySpace& s, int level, u64 key) {
-  if (level == 2)
-    return placeOfColumnKey(s, 2, key);
-  const int log2 = level == 1 ? 5 : 4;
-  const Place parent = placeOfTreeKey(s, level + 1, key >> (3 * log2));
-  const u64 m = (u64(1) << log2) - 1;
-  return {parent.x << log2 | (key >> (2 * log2) & m), parent.y << log2 | (key >> log2 & m),
-          parent.z << log2 | (key & m)};
+  Place p = placeOfColumnKey(s, 2, key >> (level == 0 ? 27 : level == 1 ? 15 : 0));
+  if (level < 2)
+    p = childPlace(p, 5, key >> (level == 0 ? 12 : 0));
+  return level == 0 ? childPlace(p, 4, key) : p;
 }
 
 /// First voxel of a node.

@@ -39,6 +39,9 @@ MeshView DeviceVoxelizer::keep(const MeshView&) {
 Result DeviceVoxelizer::run(const MeshView&, const Job&) {
   refuse();
 }
+Speeds DeviceVoxelizer::measureSpeeds() {
+  refuse();
+}
 Times DeviceVoxelizer::times() const {
   return {};
 }

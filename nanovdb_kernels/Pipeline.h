@@ -20,10 +20,11 @@ constexpr double kMaxVoxel = 2147475456.0; // as SnappedMesh.cpp has it
 struct Findings {
   i64 low[3], high[3]; ///< box of the points, lattice units
   u64 flipped, flat;
-  u32 errors;
+  u32 errors, unused;
 };
 
 struct SnapShared {
+  static constexpr int kThreads = 256, kOccupancy = 16;
   i64 low[3], high[3];
 };
 
@@ -38,16 +39,16 @@ public:
     checkJob();
     b_.stage("snap");
     begin();
+    b_.awaitPoints();
     snap();
+    found_ = b_.read(findings_);
     chooseSpace();
-    Result result;
-    Counts& counts = result.counts;
-    counts.flipped = found_.flipped;
-    counts.dropped = found_.flat;
 
     Entries leaves;
     LeafMasks masks;
     i32* table = nullptr;
+    LeafSummary* summaries = nullptr;
+    signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
     TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
     const bool owners = job_.type == GridType::Owner;
     const bool dense =
@@ -57,16 +58,34 @@ public:
       throw Error(Status::Limit, "", "the grid is too large for the road by tets on the device",
                   "take the road by the boundary");
     const bool carries = !owners && !dense;
-    b_.stage(owners || dense ? "rasterize" : "boundary");
+    b_.stage(dense ? "rasterize" : "orient");
+    if (dense)
+      tets.beginDense(nodeMin_, nodeMax_);
+    // As the tets arrive.
+    for (int part = 0; part < b_.parts(); ++part) {
+      b_.awaitTets(part);
+      const u64 parts = static_cast<u64>(b_.parts()), k = static_cast<u64>(part);
+      const u64 first = mesh_.tetCount * k / parts, end = mesh_.tetCount * (k + 1) / parts;
+      orientTets(b_, points_, mesh_.pointCount, mesh_.tets, first, end, signs_, &findings_->flipped,
+                 errors_);
+      if (dense)
+        tets.addDense(first, end);
+    }
+    found_ = b_.read(findings_);
+    refuseTets();
+    Result result;
+    Counts& counts = result.counts;
+    counts.flipped = found_.flipped;
+    counts.dropped = found_.flat;
     if (owners) {
-      leaves = tets.runOwners(mesh_.values, masks, table, true);
+      leaves = tets.runOwners(mesh_.values, -1, masks, table, summaries);
     } else if (dense) {
-      leaves = tets.runDense(nodeMin_, nodeMax_, masks);
+      leaves = tets.endDense(masks);
     } else {
+      b_.stage("boundary");
       u64 faceCount = 0;
       const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
       counts.boundaryFaces = faceCount;
-      b_.stage("rasterize");
       leaves = FaceRasterizer<Backend>(b_, space_).run(points_, faces, faceCount, masks);
     }
     counts.road = carries ? Road::Boundary : Road::Tets;
@@ -94,8 +113,8 @@ public:
     const BufferLayout layout = writer.lay(leaves, lowers, uppers);
     checkCount(layout.leaves);
     u8* buffer = b_.output(layout.size);
-    writer.write(buffer, layout, makeHeader(kind), leaves, masks, table, lowers, lowerMasks, uppers,
-                 upperMasks);
+    writer.write(buffer, layout, makeHeader(kind), leaves, masks, table, summaries, lowers,
+                 lowerMasks, uppers, upperMasks);
     b_.stage("");
     counts.leaves = layout.leaves;
     counts.lowerNodes = layout.lowers;
@@ -119,7 +138,7 @@ public:
             findings->high[k] = -(i64(1) << 62);
           }
           findings->flipped = findings->flat = 0;
-          findings->errors = 0;
+          findings->errors = findings->unused = 0;
         });
   }
 
@@ -177,21 +196,20 @@ public:
           }
           team.sync();
         });
-    signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
-    orientTets(b_, points_, n, mesh_.tets, mesh_.tetCount, signs_, &findings_->flipped, errors_);
+  }
+
+  void refuseTets() const {
+    if (found_.errors & kBadIndex)
+      throw Error(Status::Invalid, "", "a tet refers to a point that is not there");
+    if (found_.errors & kLongTet)
+      throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
   }
 
   void chooseSpace() {
-    found_ = b_.read(findings_);
-    const u32 errors = found_.errors;
-    if (errors & kBadIndex)
-      throw Error(Status::Invalid, "", "a tet refers to a point that is not there");
-    if (errors & kBadPoint)
+    if (found_.errors & kBadPoint)
       throw Error(Status::Limit, "",
                   "a point is not finite, or the mesh leaves 32-bit index space at this voxel size",
                   "repair the mesh or use larger voxels");
-    if (errors & kLongTet)
-      throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
     for (int k = 0; k < 3; ++k) {
       i64 low = found_.low[k], high = found_.high[k];
       if (low > high)

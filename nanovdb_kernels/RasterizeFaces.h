@@ -39,11 +39,17 @@ struct GrowLeaves {
   }
 };
 
+/// The lowest bits of the eight bytes of a word, as a byte.
+TETVDB_HD inline u64 gatherBytes(u64 word) {
+  return (word * 0x0102040810204080ull) >> 56;
+}
+
 struct WalkShared {
-  i32 delta[512]; // signed crossings at a voxel: [64 columns][8]
-  i32 count[64];  // tets around, below the leaf
-  u8 run[64];     // the column's bits
-  u8 inside[64];
+  static constexpr int kThreads = 256, kOccupancy = 32;
+  i32 delta[512];        // signed crossings at a voxel: [64 columns][8]
+  i32 count[64];         // tets around, below the leaf
+  alignas(8) u8 run[64]; // the column's bits
+  alignas(8) u8 inside[64];
   u32 any, all;
 };
 
@@ -53,15 +59,19 @@ public:
   FaceRasterizer(Backend& backend, const KeySpace& space) : b_(backend), space_(space) {}
 
   Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, LeafMasks& leaves) {
+    b_.stage("pairs");
     prepare(points, faces, faceCount);
     pairs(faceCount);
-    return walk(leaves);
+    b_.stage("walk");
+    const Entries e = walk(leaves);
+    b_.dropTemporaries();
+    return e;
   }
 
   // Public for nvcc alone, as in LevelBuilder.
 
   void prepare(const LatticePoint* points, const Face* faces, u64 faceCount) {
-    columns_ = b_.template alloc<FaceColumns>(faceCount);
+    columns_ = b_.template temp<FaceColumns>(faceCount);
     FaceColumns* columns = columns_;
     b_.forEach(
         faceCount, TETVDB_KERNEL(u64 i) {
@@ -75,8 +85,8 @@ public:
     const FaceColumns* columns = columns_;
     const KeySpace space = space_;
     // Blocks of 128 x 128 columns in the face's box.
-    u32* count = b_.template alloc<u32>(faceCount + 1);
-    u64* offset = b_.template alloc<u64>(faceCount + 1);
+    u32* count = b_.template temp<u32>(faceCount + 1);
+    u64* offset = b_.template temp<u64>(faceCount + 1);
     b_.forEach(
         faceCount + 1, TETVDB_KERNEL(u64 i) {
           if (i == faceCount || !columns[i].crosses) {
@@ -90,9 +100,9 @@ public:
     b_.scan(count, offset, faceCount);
     const u64 blocks = b_.read(offset + faceCount);
     // Columns of leaves in the part of the box that lies in a block.
-    u32* blockFace = b_.template alloc<u32>(blocks);
-    u32* leafColumns = b_.template alloc<u32>(blocks + 1);
-    u64* columnOffset = b_.template alloc<u64>(blocks + 1);
+    u32* blockFace = b_.template temp<u32>(blocks);
+    u32* leafColumns = b_.template temp<u32>(blocks + 1);
+    u64* columnOffset = b_.template temp<u64>(blocks + 1);
     b_.forEach(
         blocks + 1, TETVDB_KERNEL(u64 i) {
           leafColumns[i] = 0;
@@ -111,10 +121,10 @@ public:
     b_.scan(leafColumns, columnOffset, blocks);
     const u64 candidates = b_.read(columnOffset + blocks);
     // Leaves of each of these.
-    u32* leafCount = b_.template alloc<u32>(candidates + 1);
-    u64* pairOffset = b_.template alloc<u64>(candidates + 1);
-    u64* firstKey = b_.template alloc<u64>(candidates);
-    u32* candidateFace = b_.template alloc<u32>(candidates);
+    u32* leafCount = b_.template temp<u32>(candidates + 1);
+    u64* pairOffset = b_.template temp<u64>(candidates + 1);
+    u64* firstKey = b_.template temp<u64>(candidates);
+    u32* candidateFace = b_.template temp<u32>(candidates);
     b_.forEach(
         candidates + 1, TETVDB_KERNEL(u64 i) {
           leafCount[i] = 0;
@@ -144,8 +154,8 @@ public:
         });
     b_.scan(leafCount, pairOffset, candidates);
     pairCount_ = b_.read(pairOffset + candidates);
-    pairKey_ = b_.template alloc<u64>(pairCount_);
-    pairFace_ = b_.template alloc<u32>(pairCount_);
+    pairKey_ = b_.template temp<u64>(pairCount_);
+    pairFace_ = b_.template temp<u32>(pairCount_);
     u64* pairKey = pairKey_;
     u32* pairFace = pairFace_;
     b_.forEach(
@@ -173,8 +183,8 @@ public:
     const u64 n = pairCount_;
     const u64* pairKey = pairKey_;
     const int height = heightBits(space_, 0);
-    u32* head = b_.template alloc<u32>(n + 1);
-    u64* rank = b_.template alloc<u64>(n + 1);
+    u32* head = b_.template temp<u32>(n + 1);
+    u64* rank = b_.template temp<u64>(n + 1);
     b_.forEach(
         n + 1,
         TETVDB_KERNEL(u64 i) { head[i] = i < n && (i == 0 || pairKey[i] != pairKey[i - 1]); });
@@ -184,7 +194,7 @@ public:
     e.key = b_.template alloc<u64>(e.count);
     e.slot = b_.template alloc<u32>(e.count);
     e.state = b_.template alloc<u8>(e.count);
-    u64* begin = b_.template alloc<u64>(e.count + 1);
+    u64* begin = b_.template temp<u64>(e.count + 1);
     u64* keys = e.key;
     u32* slots = e.slot;
     const u64 leafCount = e.count;
@@ -198,15 +208,15 @@ public:
             slots[rank[i]] = static_cast<u32>(rank[i]);
           }
         });
-    u32* columnHead = b_.template alloc<u32>(leafCount + 1);
-    u64* columnRank = b_.template alloc<u64>(leafCount + 1);
+    u32* columnHead = b_.template temp<u32>(leafCount + 1);
+    u64* columnRank = b_.template temp<u64>(leafCount + 1);
     b_.forEach(
         leafCount + 1, TETVDB_KERNEL(u64 i) {
           columnHead[i] = i < leafCount && (i == 0 || keys[i] >> height != keys[i - 1] >> height);
         });
     b_.scan(columnHead, columnRank, leafCount);
     const u64 columnCount = b_.read(columnRank + leafCount);
-    u64* columnBegin = b_.template alloc<u64>(columnCount + 1);
+    u64* columnBegin = b_.template temp<u64>(columnCount + 1);
     b_.forEach(
         leafCount + 1, TETVDB_KERNEL(u64 i) {
           if (i == leafCount)
@@ -247,8 +257,9 @@ public:
             if (pairEnd - pairBegin <= 8) {
               for (u64 k = pairBegin; k < pairEnd; ++k) {
                 const FaceColumns& f = columns[pairFace[k]];
+                const bool whole = coversLeaf(f, origin);
                 for (int c = team.rank(); c < 64; c += team.size())
-                  addCrossing(f, origin, c >> 3, c & 7, s.delta);
+                  addCrossing(f, origin, c >> 3, c & 7, whole, s.delta);
               }
             } else {
               for (u64 k = pairBegin + static_cast<u64>(team.rank()); k < pairEnd;
@@ -258,7 +269,7 @@ public:
                 const i32 yLow = f.yMin - origin[1], yHigh = f.yMax - origin[1];
                 for (int x = xLow > 0 ? xLow : 0; x <= (xHigh < 7 ? xHigh : 7); ++x)
                   for (int y = yLow > 0 ? yLow : 0; y <= (yHigh < 7 ? yHigh : 7); ++y)
-                    addCrossing(f, origin, x, y, s.delta);
+                    addCrossing(f, origin, x, y, false, s.delta);
               }
             }
             team.sync();
@@ -278,16 +289,13 @@ public:
                 orInto(&s.all, 1u);
             }
             team.sync();
-            for (int x = team.rank(); x < 8; x += team.size()) {
-              u64 word = 0;
-              for (int y = 0; y < 8; ++y)
-                word |= u64(s.run[8 * x + y]) << (8 * y);
-              masks[8 * leaf + static_cast<u64>(x)] = word;
-            }
+            // Eight columns' bytes are a mask's word.
+            for (int x = team.rank(); x < 8; x += team.size())
+              masks[8 * leaf + static_cast<u64>(x)] = reinterpret_cast<const u64*>(s.run)[x];
             if (team.rank() == 0) {
               u64 top = 0;
-              for (int c = 0; c < 64; ++c)
-                top |= u64(s.inside[c]) << c;
+              for (int x = 0; x < 8; ++x)
+                top |= gatherBytes(reinterpret_cast<const u64*>(s.inside)[x]) << (8 * x);
               tops[leaf] = top;
               states[leaf] = s.any == 0 ? kEmpty : s.all == 0 ? kFull : kNode;
             }
@@ -296,10 +304,29 @@ public:
         });
   }
 
+  // Whether all columns of a leaf are certainly inside the face seen along z.
+  TETVDB_HD static bool coversLeaf(const FaceColumns& f, const i32 (&origin)[3]) {
+    if (origin[0] < f.xMin || origin[0] + 7 > f.xMax || origin[1] < f.yMin ||
+        origin[1] + 7 > f.yMax)
+      return false;
+    for (int k = 0; k < 3; ++k) {
+      const LatticePoint& p = f.p[k];
+      const LatticePoint& q = f.p[k == 2 ? 0 : k + 1];
+      const double b = q.x - p.x, d = q.y - p.y;
+      const double x = static_cast<double>(origin[0] + (d > 0 ? 7 : 0)) * kUnits - p.x,
+                   y = static_cast<double>(origin[1] + (b > 0 ? 0 : 7)) * kUnits - p.y;
+      const double left = b * y, right = d * x;
+      if (!(left - right > (magnitude(left) + magnitude(right)) * 0x1p-51))
+        return false;
+    }
+    return true;
+  }
+
   TETVDB_HD static void addCrossing(const FaceColumns& f, const i32 (&origin)[3], int x, int y,
-                                    i32* delta) {
-    const i64 vx = origin[0] + x, vy = origin[1] + y;
-    if (vx < f.xMin || vx > f.xMax || vy < f.yMin || vy > f.yMax || !crossesColumn(f, vx, vy))
+                                    bool inside, i32* delta) {
+    const i64 vx = i64(origin[0]) + x, vy = i64(origin[1]) + y;
+    if (!inside &&
+        (vx < f.xMin || vx > f.xMax || vy < f.yMin || vy > f.yMax || !crossesColumn(f, vx, vy)))
       return;
     const i64 z = crossingFrom(f, vx, vy, origin[2], 8);
     if (z >= 0 && z < 8)

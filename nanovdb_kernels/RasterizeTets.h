@@ -11,10 +11,29 @@ namespace tetvdb::nano {
 
 constexpr u32 kNoTet = 0xFFFFFFFFu;
 
+/// Sums over the values of a leaf's active voxels.
+struct LeafSummary {
+  i32 min, max;
+  double count, mean, squares; ///< squares: of the distances from the mean
+};
+
+/// Owners of a leaf's voxels at [z * kOwnerRow + 8 x + y]: columns side by side, rows apart, so
+/// that neither a warp of columns nor one of voxels in order meets itself in a bank.
+constexpr int kOwnerRow = 68;
+constexpr int kOwnerParts = 64; // of the sums, whose order is fixed
+
+constexpr int kStaged = 16; // tets that a team looks at together
+
 struct OwnerShared {
-  u32 owner[512];
+  static constexpr int kThreads = 64, kOccupancy = 28;
+  TetPlanes tet[kStaged];
+  u32 id[kStaged];
+  u32 owner[8 * kOwnerRow];
   u64 mask[8];
   i32 minValue, maxValue;
+  u32 count[kOwnerParts];
+  i64 sum[kOwnerParts];
+  double squares[kOwnerParts];
 };
 
 template <typename Backend>
@@ -26,45 +45,46 @@ public:
       : b_(backend), space_(space), points_(points), tets_(tets), tetCount_(tetCount),
         signs_(signs) {}
 
-  /// Occupancy by way of the leaves of lower nodes nodeMin..nodeMax (of the key space, inclusive).
-  Entries runDense(const u64 (&nodeMin)[3], const u64 (&nodeMax)[3], LeafMasks& leaves) {
-    Dense dense;
+  /// Occupancy by way of the leaves of lower nodes nodeMin..nodeMax (of the key space, inclusive):
+  /// first beginDense(), then addDense() for all tets, in parts, then endDense().
+  void beginDense(const u64 (&nodeMin)[3], const u64 (&nodeMax)[3]) {
     for (int k = 0; k < 3; ++k) {
-      dense.first[k] = nodeMin[k];
-      dense.size[k] = nodeMax[k] - nodeMin[k] + 1;
+      dense_.first[k] = nodeMin[k];
+      dense_.size[k] = nodeMax[k] - nodeMin[k] + 1;
     }
-    const u64 leafCount = dense.size[0] * dense.size[1] * dense.size[2] * 4096;
-    dense.mask = b_.template alloc<u64>(8 * leafCount);
-    b_.zero(dense.mask, 64 * leafCount);
-    const u64 large = rasterizeSmall(dense);
-    if (large > 0)
-      rasterizeLarge(dense, large);
-    return collect(dense, leafCount, leaves);
+    denseLeaves_ = dense_.size[0] * dense_.size[1] * dense_.size[2] * 4096;
+    dense_.mask = b_.template temp<u64>(8 * denseLeaves_);
+    b_.zero(dense_.mask, 64 * denseLeaves_);
+    isLarge_ = b_.template temp<u32>(tetCount_ + 1);
+    b_.zero(isLarge_ + tetCount_, sizeof(u32));
   }
-
-  /// Owners: value (of the lowest tet that owns the voxel, `values` by tet or the tet's number) for
-  /// every voxel. Where `table` of the leaves is null it is left out, and rasterizeOwners() makes
-  /// it later.
-  Entries runOwners(const i32* values, LeafMasks& leaves, i32*& table, bool keepTable) {
-    values_ = values;
-    makePairs();
-    Entries e = leafEntries();
-    leaves.mask = b_.template alloc<u64>(8 * e.count);
-    table = keepTable ? b_.template alloc<i32>(512 * e.count) : nullptr;
-    e.value = b_.template alloc<i32>(e.count);
-    rasterizeOwners(e.count, OwnerSink{leaves.mask, e.state, e.value, nullptr, table, 512, -1});
+  void addDense(u64 begin, u64 end) { rasterizeSmall(begin, end); }
+  Entries endDense(LeafMasks& leaves) {
+    const u64 large = listLarge();
+    if (large > 0)
+      rasterizeLarge(dense_, large);
+    b_.stage("collect");
+    const Entries e = collect(dense_, denseLeaves_, leaves);
+    b_.dropTemporaries();
     return e;
   }
 
-  struct OwnerSink {
-    u64* mask;
-    u8* state;
-    i32* value;
-    const u32* leafOf; ///< leaf number of an entry, ~0: none; null: all, in order
-    i32* table;        ///< 512 values a leaf, `stride` numbers apart; null: none
-    u64 stride;
-    i32 background;
-  };
+  /// The value (of the lowest tet that owns the voxel: `values` by tet, or the tet's number) of
+  /// every voxel, 512 an entry to `table`, and their sums.
+  Entries runOwners(const i32* values, i32 background, LeafMasks& leaves, i32*& table,
+                    LeafSummary*& summaries) {
+    b_.stage("pairs");
+    makePairs();
+    Entries e = leafEntries();
+    leaves.mask = b_.template alloc<u64>(8 * e.count);
+    table = b_.template alloc<i32>(512 * e.count);
+    summaries = b_.template alloc<LeafSummary>(e.count);
+    e.value = b_.template alloc<i32>(e.count);
+    b_.stage("owners");
+    rasterizeOwners(e, values, background, leaves.mask, table, summaries);
+    b_.dropTemporaries();
+    return e;
+  }
 
   // Public for nvcc alone, as in LevelBuilder.
 
@@ -92,53 +112,74 @@ public:
     }
   }
 
+  // Corners and box of tet t; false where it owns nothing.
   TETVDB_HD static bool load(const LatticePoint* points, const u32* tets, const std::int8_t* signs,
-                             u64 t, TetColumns& tet) {
+                             u64 t, LatticePoint (&v)[4], VoxelBounds& box) {
     if (signs[t] == 0)
       return false;
     for (int k = 0; k < 4; ++k)
-      tet.v[k] = points[tets[4 * t + static_cast<u64>(k)]];
-    return true;
+      v[k] = points[tets[4 * t + static_cast<u64>(k)]];
+    box = boundsOf(v);
+    return !box.empty();
   }
 
-  // A thread a tet of up to 64 columns; returns how many are larger, listed in large_.
-  u64 rasterizeSmall(const Dense& dense) {
+  // Sets the run of column (dx, dy) of a tet's box.
+  TETVDB_HD static void rasterizeColumn(const Dense& dense, const KeySpace& space,
+                                        const TetPlanes& tet, const TetSource& source,
+                                        const double (&rows)[4], int dx, int dy) {
+    int lo, hi;
+    if (ownedRun(tet, source, rows, dx, dy, tet.min[2], tet.max[2] - tet.min[2] + 1, lo, hi))
+      setRun(dense, space, tet.min[0] + dx, tet.min[1] + dy, tet.min[2], lo, hi);
+  }
+
+  // A thread a tet of up to 64 columns; larger ones are marked.
+  void rasterizeSmall(u64 begin, u64 end) {
+    const Dense dense = dense_;
     const KeySpace space = space_;
     const LatticePoint* points = points_;
     const u32* tets = tets_;
     const std::int8_t* signs = signs_;
-    u32* isLarge = b_.template alloc<u32>(tetCount_ + 1);
-    const u64 n = tetCount_;
+    u32* isLarge = isLarge_;
     b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 t) {
+        end - begin, TETVDB_KERNEL(u64 i) {
+          const u64 t = begin + i;
           isLarge[t] = 0;
-          TetColumns tet;
-          if (t == n || !load(points, tets, signs, t, tet))
+          LatticePoint v[4];
+          VoxelBounds box;
+          if (!load(points, tets, signs, t, v, box))
             return;
-          const VoxelBounds box = boundsOf(tet.v);
-          if (box.empty())
-            return;
-          const i64 columns = (box.max[0] - box.min[0] + 1) * (box.max[1] - box.min[1] + 1);
-          if (columns > 64) {
+          if ((box.max[0] - box.min[0] + 1) * (box.max[1] - box.min[1] + 1) > 64) {
             isLarge[t] = 1;
             return;
           }
-          prepareTet(tet);
-          const i64 z0 = box.min[2];
-          const int span = static_cast<int>(box.max[2] - z0 + 1);
-          for (i64 x = box.min[0]; x <= box.max[0]; ++x)
-            for (i64 y = box.min[1]; y <= box.max[1]; ++y) {
-              int lo, hi;
-              if (ownedRun(tet, x, y, z0, span, lo, hi))
-                setRun(dense, space, x, y, z0, lo, hi);
+          TetPlanes tet;
+          preparePlanes(v, signs[t], box, tet);
+          const TetSource source{points, tets + 4 * t};
+          // One loop over all columns: threads of a warp differ in how many rows they have.
+          double rows[4] = {tet.base[0], tet.base[1], tet.base[2], tet.base[3]};
+          const int width = tet.max[0] - tet.min[0], height = tet.max[1] - tet.min[1];
+          for (int dx = 0, dy = 0; dx <= width;) {
+            rasterizeColumn(dense, space, tet, source, rows, dx, dy);
+            if (++dy > height) {
+              dy = 0;
+              ++dx;
+              for (int f = 0; f < 4; ++f)
+                rows[f] = tet.base[f] + tet.slopeX[f] * dx;
             }
+          }
         });
-    u64* rank = b_.template alloc<u64>(n + 1);
+  }
+
+  // How many tets are marked; lists them in large_.
+  u64 listLarge() {
+    const u32* isLarge = isLarge_;
+    const u64 n = tetCount_;
+    u64* rank = b_.template temp<u64>(n + 1);
     b_.scan(isLarge, rank, n);
     const u64 count = b_.read(rank + n);
     if (count == 0)
       return 0;
-    large_ = b_.template alloc<u32>(count);
+    large_ = b_.template temp<u32>(count);
     u32* large = large_;
     b_.forEach(
         n, TETVDB_KERNEL(u64 t) {
@@ -154,19 +195,18 @@ public:
     const LatticePoint* points = points_;
     const u32 *tets = tets_, *large = large_;
     const std::int8_t* signs = signs_;
-    TetColumns* prepared = b_.template alloc<TetColumns>(count);
-    u32* columns = b_.template alloc<u32>(count + 1);
-    u64* offset = b_.template alloc<u64>(count + 1);
+    TetPlanes* prepared = b_.template temp<TetPlanes>(count);
+    u32* columns = b_.template temp<u32>(count + 1);
+    u64* offset = b_.template temp<u64>(count + 1);
     b_.forEach(
         count + 1, TETVDB_KERNEL(u64 i) {
           columns[i] = 0;
           if (i == count)
             return;
-          TetColumns tet;
-          load(points, tets, signs, large[i], tet);
-          prepareTet(tet);
-          prepared[i] = tet;
-          const VoxelBounds box = boundsOf(tet.v);
+          LatticePoint v[4];
+          VoxelBounds box;
+          load(points, tets, signs, large[i], v, box);
+          preparePlanes(v, signs[large[i]], box, prepared[i]);
           columns[i] =
               static_cast<u32>((box.max[0] - box.min[0] + 1) * (box.max[1] - box.min[1] + 1));
         });
@@ -175,28 +215,27 @@ public:
     b_.forEach(
         total, TETVDB_KERNEL(u64 i) {
           const u64 k = ownerOf(offset, count, i);
-          const TetColumns& tet = prepared[k];
-          const VoxelBounds box = boundsOf(tet.v);
-          const u64 local = i - offset[k], rows = static_cast<u64>(box.max[1] - box.min[1] + 1);
-          const i64 x = box.min[0] + static_cast<i64>(local / rows);
-          const i64 y = box.min[1] + static_cast<i64>(local % rows);
-          const i64 z0 = box.min[2];
-          int lo, hi;
-          if (ownedRun(tet, x, y, z0, static_cast<int>(box.max[2] - z0 + 1), lo, hi))
-            setRun(dense, space, x, y, z0, lo, hi);
+          const TetPlanes& tet = prepared[k];
+          const u32 local = static_cast<u32>(i - offset[k]),
+                    height = static_cast<u32>(tet.max[1] - tet.min[1] + 1);
+          const int dx = static_cast<int>(local / height), dy = static_cast<int>(local % height);
+          double rows[4];
+          for (int f = 0; f < 4; ++f)
+            rows[f] = tet.base[f] + tet.slopeX[f] * dx;
+          rasterizeColumn(dense, space, tet, {points, tets + 4 * u64(large[k])}, rows, dx, dy);
         });
   }
 
   // The leaves that are not empty, in tree order.
   Entries collect(const Dense& dense, u64 leafCount, LeafMasks& leaves) {
-    u32* some = b_.template alloc<u32>(leafCount + 1);
-    u64* rank = b_.template alloc<u64>(leafCount + 1);
+    u32* some = b_.template temp<u32>(leafCount + 1);
+    u64* rank = b_.template temp<u64>(leafCount + 1);
     b_.forEach(
         leafCount + 1, TETVDB_KERNEL(u64 i) {
           u64 any = 0;
           if (i < leafCount)
-            for (int w = 0; w < 8; ++w)
-              any |= dense.mask[8 * i + static_cast<u64>(w)];
+            for (u64 w = 0; w < 8; ++w)
+              any |= dense.mask[8 * i + w];
           some[i] = any != 0;
         });
     b_.scan(some, rank, leafCount);
@@ -242,20 +281,19 @@ public:
     const u32* tets = tets_;
     const std::int8_t* signs = signs_;
     const u64 n = tetCount_;
-    prepared_ = b_.template alloc<TetColumns>(n);
-    TetColumns* prepared = prepared_;
-    u32* count = b_.template alloc<u32>(n + 1);
-    u64* offset = b_.template alloc<u64>(n + 1);
+    prepared_ = b_.template temp<TetPlanes>(n);
+    TetPlanes* prepared = prepared_;
+    u32* count = b_.template temp<u32>(n + 1);
+    u64* offset = b_.template temp<u64>(n + 1);
     b_.forEach(
         n + 1, TETVDB_KERNEL(u64 t) {
           count[t] = 0;
-          TetColumns tet;
-          if (t == n || !load(points, tets, signs, t, tet))
+          LatticePoint v[4];
+          VoxelBounds box;
+          if (t == n || !load(points, tets, signs, t, v, box))
             return;
-          const VoxelBounds box = boundsOf(tet.v);
-          if (box.empty())
-            return;
-          prepareTet(tet);
+          TetPlanes tet;
+          preparePlanes(v, signs[t], box, tet);
           prepared[t] = tet;
           u64 leaves = 1;
           for (int k = 0; k < 3; ++k)
@@ -264,27 +302,26 @@ public:
         });
     b_.scan(count, offset, n);
     const u64 candidates = b_.read(offset + n);
-    u64* keys = b_.template alloc<u64>(candidates);
-    u32* kept = b_.template alloc<u32>(candidates + 1);
-    u32* owner = b_.template alloc<u32>(candidates);
+    u64* keys = b_.template temp<u64>(candidates);
+    u32* kept = b_.template temp<u32>(candidates + 1);
+    u32* owner = b_.template temp<u32>(candidates);
     b_.forEach(
         candidates + 1, TETVDB_KERNEL(u64 i) {
           kept[i] = 0;
           if (i == candidates)
             return;
           const u64 t = ownerOf(offset, n, i);
-          const TetColumns& tet = prepared[t];
-          const VoxelBounds box = boundsOf(tet.v);
-          const u64 rows = static_cast<u64>((box.max[1] >> 3) - (box.min[1] >> 3) + 1),
-                    heights = static_cast<u64>((box.max[2] >> 3) - (box.min[2] >> 3) + 1);
-          const u64 k = i - offset[t];
-          const i64 leaf[3] = {(box.min[0] >> 3) + static_cast<i64>(k / (rows * heights)),
-                               (box.min[1] >> 3) + static_cast<i64>(k / heights % rows),
-                               (box.min[2] >> 3) + static_cast<i64>(k % heights)};
+          const TetPlanes& tet = prepared[t];
+          const u32 rows = static_cast<u32>((tet.max[1] >> 3) - (tet.min[1] >> 3) + 1),
+                    heights = static_cast<u32>((tet.max[2] >> 3) - (tet.min[2] >> 3) + 1);
+          const u32 k = static_cast<u32>(i - offset[t]);
+          const i64 leaf[3] = {(tet.min[0] >> 3) + i64(k / heights / rows),
+                               (tet.min[1] >> 3) + i64(k / heights % rows),
+                               (tet.min[2] >> 3) + i64(k % heights)};
           i64 low[3], high[3];
           for (int a = 0; a < 3; ++a) {
-            low[a] = leaf[a] * 8 > box.min[a] ? leaf[a] * 8 : box.min[a];
-            high[a] = leaf[a] * 8 + 7 < box.max[a] ? leaf[a] * 8 + 7 : box.max[a];
+            low[a] = leaf[a] * 8 > tet.min[a] ? leaf[a] * 8 : i64(tet.min[a]);
+            high[a] = leaf[a] * 8 + 7 < tet.max[a] ? leaf[a] * 8 + 7 : i64(tet.max[a]);
           }
           if (outsideBox(tet, low, high))
             return;
@@ -295,11 +332,11 @@ public:
                              static_cast<u64>(leaf[1] - space.base[1]),
                              static_cast<u64>(leaf[2] - space.base[2])});
         });
-    u64* rank = b_.template alloc<u64>(candidates + 1);
+    u64* rank = b_.template temp<u64>(candidates + 1);
     b_.scan(kept, rank, candidates);
     pairCount_ = b_.read(rank + candidates);
-    pairKey_ = b_.template alloc<u64>(pairCount_);
-    pairTet_ = b_.template alloc<u32>(pairCount_);
+    pairKey_ = b_.template temp<u64>(pairCount_);
+    pairTet_ = b_.template temp<u32>(pairCount_);
     u64* pairKey = pairKey_;
     u32* pairTet = pairTet_;
     b_.forEach(
@@ -315,8 +352,8 @@ public:
   Entries leafEntries() {
     const u64 n = pairCount_;
     const u64* pairKey = pairKey_;
-    u32* head = b_.template alloc<u32>(n + 1);
-    u64* rank = b_.template alloc<u64>(n + 1);
+    u32* head = b_.template temp<u32>(n + 1);
+    u64* rank = b_.template temp<u64>(n + 1);
     b_.forEach(
         n + 1,
         TETVDB_KERNEL(u64 i) { head[i] = i < n && (i == 0 || pairKey[i] != pairKey[i - 1]); });
@@ -327,7 +364,7 @@ public:
     e.position = e.slot;
     e.state = b_.template alloc<u8>(e.count);
     e.treeKey = b_.template alloc<u64>(e.count);
-    leafBegin_ = b_.template alloc<u64>(e.count + 1);
+    leafBegin_ = b_.template temp<u64>(e.count + 1);
     u64 *begin = leafBegin_, *treeKeys = e.treeKey;
     u32* slots = e.slot;
     const u64 leaves = e.count;
@@ -341,22 +378,39 @@ public:
             slots[rank[i]] = static_cast<u32>(rank[i]);
           }
         });
-    leafKey_ = treeKeys;
     return e;
   }
 
-  void rasterizeOwners(u64 count, const OwnerSink& sink) {
+  // Calls own(place, tet) for the voxels of column (x, y) of the leaf that the tet owns.
+  template <typename Own>
+  TETVDB_HD static void ownColumn(const TetPlanes& tet, const TetSource& source,
+                                  const i32 (&origin)[3], int x, int y, const Own& own) {
+    const int dx = origin[0] + x - tet.min[0], dy = origin[1] + y - tet.min[1];
+    if (dx < 0 || dx > tet.max[0] - tet.min[0] || dy < 0 || dy > tet.max[1] - tet.min[1])
+      return;
+    double rows[4];
+    for (int f = 0; f < 4; ++f)
+      rows[f] = tet.base[f] + tet.slopeX[f] * dx;
+    int lo, hi;
+    if (!ownedRun(tet, source, rows, dx, dy, origin[2], 8, lo, hi))
+      return;
+    for (int z = lo; z < hi; ++z)
+      own(z * kOwnerRow + x * 8 + y);
+  }
+
+  void rasterizeOwners(const Entries& e, const i32* values, i32 background, u64* masks, i32* table,
+                       LeafSummary* summaries) {
     const KeySpace space = space_;
-    const TetColumns* prepared = prepared_;
+    const LatticePoint* points = points_;
+    const u32* tets = tets_;
+    const TetPlanes* prepared = prepared_;
     const u32* pairTet = pairTet_;
-    const u64 *begin = leafBegin_, *keys = leafKey_;
-    const i32* values = values_;
+    const u64 *begin = leafBegin_, *keys = e.treeKey;
+    u8* states = e.state;
+    i32* leafValues = e.value;
     b_.template forTeams<OwnerShared>(
-        count, 64, TETVDB_KERNEL(const Team& team, u64 entry, OwnerShared& s) {
-          const u64 leaf = sink.leafOf == nullptr ? entry : sink.leafOf[entry];
-          if (leaf == kNoTet)
-            return;
-          for (int i = team.rank(); i < 512; i += team.size())
+        e.count, 64, TETVDB_KERNEL(const Team& team, u64 entry, OwnerShared& s) {
+          for (int i = team.rank(); i < 8 * kOwnerRow; i += team.size())
             s.owner[i] = kNoTet;
           for (int i = team.rank(); i < 8; i += team.size())
             s.mask[i] = 0;
@@ -369,63 +423,105 @@ public:
           originOf(space, 0, placeOfTreeKey(space, 0, keys[entry]), origin);
           const u64 first = begin[entry], end = begin[entry + 1];
           if (end - first <= 64) {
-            for (u64 k = first; k < end; ++k) {
-              const u32 t = pairTet[k];
-              const TetColumns& tet = prepared[t];
-              for (int c = team.rank(); c < 64; c += team.size())
-                own(tet, t, origin, c >> 3, c & 7, s.owner);
+            // A column is one member's alone. Tets are fetched together, for one by one the team
+            // would wait for each.
+            for (u64 k = first; k < end; k += kStaged) {
+              const int count = end - k < kStaged ? static_cast<int>(end - k) : kStaged;
+              constexpr int kWords = sizeof(TetPlanes) / 8;
+              for (int w = team.rank(); w < count * kWords; w += team.size()) {
+                const u32 t = pairTet[k + static_cast<u64>(w / kWords)];
+                reinterpret_cast<u64*>(s.tet)[w] =
+                    reinterpret_cast<const u64*>(prepared + t)[w % kWords];
+                if (w % kWords == 0)
+                  s.id[w / kWords] = t;
+              }
+              team.sync();
+              for (int i = 0; i < count; ++i) {
+                const u32 t = s.id[i];
+                for (int c = team.rank(); c < 64; c += team.size())
+                  ownColumn(s.tet[i], {points, tets + 4 * u64(t)}, origin, c >> 3, c & 7,
+                            [&](int place) {
+                              if (t < s.owner[place])
+                                s.owner[place] = t;
+                            });
+              }
+              team.sync();
             }
           } else {
             for (u64 k = first + static_cast<u64>(team.rank()); k < end;
                  k += static_cast<u64>(team.size())) {
               const u32 t = pairTet[k];
-              const TetColumns& tet = prepared[t];
-              const VoxelBounds box = boundsOf(tet.v);
-              const i64 xl = box.min[0] - origin[0], xh = box.max[0] - origin[0];
-              const i64 yl = box.min[1] - origin[1], yh = box.max[1] - origin[1];
-              for (int x = xl > 0 ? static_cast<int>(xl) : 0; x <= (xh < 7 ? xh : 7); ++x)
-                for (int y = yl > 0 ? static_cast<int>(yl) : 0; y <= (yh < 7 ? yh : 7); ++y)
-                  own(tet, t, origin, x, y, s.owner);
+              const TetPlanes& tet = prepared[t];
+              const i32 xl = tet.min[0] - origin[0], xh = tet.max[0] - origin[0];
+              const i32 yl = tet.min[1] - origin[1], yh = tet.max[1] - origin[1];
+              for (int x = xl > 0 ? xl : 0; x <= (xh < 7 ? xh : 7); ++x)
+                for (int y = yl > 0 ? yl : 0; y <= (yh < 7 ? yh : 7); ++y)
+                  ownColumn(tet, {points, tets + 4 * u64(t)}, origin, x, y,
+                            [&](int place) { minInto(&s.owner[place], t); });
             }
           }
           team.sync();
+          const auto valueOf = [&](u32 t) {
+            return values == nullptr ? static_cast<i32>(t) : values[t];
+          };
+          // One (y, z) slab of 64 voxels after another; a member has its column's.
+          i32 low = 0x7FFFFFFF, high = -0x7FFFFFFF - 1;
           for (int i = team.rank(); i < 512; i += team.size()) {
-            const u32 t = s.owner[i];
-            i32 value = sink.background;
+            const u32 t = s.owner[(i & 7) * kOwnerRow + (i >> 3)];
+            i32 value = background;
             if (t != kNoTet) {
-              value = values == nullptr ? static_cast<i32>(t) : values[t];
+              value = valueOf(t);
               orInto(&s.mask[i >> 6], u64(1) << (i & 63));
-              minInto(&s.minValue, value);
-              maxInto(&s.maxValue, value);
+              low = value < low ? value : low;
+              high = value > high ? value : high;
             }
-            if (sink.table != nullptr)
-              sink.table[leaf * sink.stride + static_cast<u64>(i)] = value;
+            table[entry * 512 + static_cast<u64>(i)] = value;
+          }
+          if (low <= high) {
+            minInto(&s.minValue, low);
+            maxInto(&s.maxValue, high);
           }
           team.sync();
-          if (sink.mask != nullptr) {
-            for (int i = team.rank(); i < 8; i += team.size())
-              sink.mask[8 * entry + static_cast<u64>(i)] = s.mask[i];
-            if (team.rank() == 0) {
-              bool any = false, all = true;
-              for (int i = 0; i < 8; ++i) {
-                any = any || s.mask[i] != 0;
-                all = all && s.mask[i] == ~u64(0);
-              }
-              sink.state[entry] = !any ? kEmpty : all && s.minValue == s.maxValue ? kFull : kNode;
-              sink.value[entry] = s.minValue;
+          for (int p = team.rank(); p < kOwnerParts; p += team.size()) {
+            u32 count = 0;
+            i64 sum = 0;
+            double squares = 0;
+            for (int z = 0; z < 8; ++z) {
+              const u32 t = s.owner[z * kOwnerRow + p];
+              if (t == kNoTet)
+                continue;
+              const i64 above = i64(valueOf(t)) - s.minValue;
+              ++count;
+              sum += above;
+              squares += static_cast<double>(above) * static_cast<double>(above);
             }
+            s.count[p] = count;
+            s.sum[p] = sum;
+            s.squares[p] = squares;
+          }
+          team.sync();
+          for (int i = team.rank(); i < 8; i += team.size())
+            masks[8 * entry + static_cast<u64>(i)] = s.mask[i];
+          if (team.rank() == 0) {
+            u32 count = 0;
+            i64 sum = 0;
+            double squares = 0;
+            for (int p = 0; p < kOwnerParts; ++p) {
+              count += s.count[p];
+              sum += s.sum[p];
+              squares += s.squares[p];
+            }
+            const double mean = count == 0 ? 0 : static_cast<double>(sum) / count;
+            const double rest = squares - mean * static_cast<double>(sum);
+            summaries[entry] = {s.minValue, s.maxValue, static_cast<double>(count),
+                                mean + s.minValue, rest > 0 ? rest : 0};
+            states[entry] = count == 0                                 ? kEmpty
+                            : count == 512 && s.minValue == s.maxValue ? kFull
+                                                                       : kNode;
+            leafValues[entry] = s.minValue;
           }
           team.sync();
         });
-  }
-
-  TETVDB_HD static void own(const TetColumns& tet, u32 t, const i32 (&origin)[3], int x, int y,
-                            u32* owner) {
-    int lo, hi;
-    if (!ownedRun(tet, origin[0] + x, origin[1] + y, origin[2], 8, lo, hi))
-      return;
-    for (int z = lo; z < hi; ++z)
-      minInto(&owner[(x * 8 + y) * 8 + z], t);
   }
 
 private:
@@ -435,13 +531,14 @@ private:
   const u32* tets_;
   u64 tetCount_;
   const std::int8_t* signs_;
-  const i32* values_ = nullptr;
-  u32* large_ = nullptr;
-  TetColumns* prepared_ = nullptr;
+  Dense dense_{};
+  u64 denseLeaves_ = 0;
+  u32 *isLarge_ = nullptr, *large_ = nullptr;
+  TetPlanes* prepared_ = nullptr;
   u64* pairKey_ = nullptr;
   u32* pairTet_ = nullptr;
   u64 pairCount_ = 0;
-  u64 *leafBegin_ = nullptr, *leafKey_ = nullptr;
+  u64* leafBegin_ = nullptr;
 };
 
 } // namespace tetvdb::nano

@@ -17,6 +17,13 @@
 #define TETVDB_KERNEL [=]
 #endif
 
+// Keeps what is rarely needed, and large, out of a kernel's registers.
+#if defined(__CUDACC__)
+#define TETVDB_APART __noinline__
+#else
+#define TETVDB_APART
+#endif
+
 namespace tetvdb::nano {
 
 using u8 = std::uint8_t;
@@ -26,26 +33,29 @@ using u64 = std::uint64_t;
 using i32 = std::int32_t;
 using i64 = std::int64_t;
 
+/// A warp, or a block.
 struct Team {
 #if defined(__CUDA_ARCH__)
-  __device__ int rank() const {
-    return static_cast<int>(threadIdx.x);
-  }
-  __device__ int size() const {
-    return static_cast<int>(blockDim.x);
-  }
+  __device__ Team(int rank, int size) : rank_(rank), size_(size) {}
   __device__ void sync() const {
-    __syncthreads();
+    if (size_ == 32)
+      __syncwarp();
+    else
+      __syncthreads();
   }
 #else
-  TETVDB_HD int rank() const {
-    return 0;
-  }
-  TETVDB_HD int size() const {
-    return 1;
-  }
+  TETVDB_HD Team(int rank, int size) : rank_(rank), size_(size) {}
   TETVDB_HD void sync() const {}
 #endif
+  TETVDB_HD int rank() const {
+    return rank_;
+  }
+  TETVDB_HD int size() const {
+    return size_;
+  }
+
+private:
+  int rank_, size_;
 };
 
 // Atomics whose result does not depend on the order: sums, unions, bounds of integers.

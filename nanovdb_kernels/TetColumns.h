@@ -8,15 +8,27 @@
 
 namespace tetvdb::nano {
 
+/// A tolerance above every distance to a voxel.
+constexpr double kNever = 1;
+
 /// How a face of a tet bounds the columns.
 enum class Side : u8 { Lower, Upper, Vertical };
 
-struct TetColumns {
-  LatticePoint v[4];
-  double slopeX[4], slopeY[4]; // of the face opposite to vertex i
-  double tolerance[4];         // voxels; bound on the error of a crossing at the tet's columns
+/// A tet's faces as bounds on z by column, relative to the first voxel of its box. Of a lower or an
+/// upper bound: crossing = base + slopeX dx + slopeY dy. A face parallel to z has in the same form
+/// how far inside of it a column lies (up to a factor).
+struct TetPlanes {
+  double base[4], slopeX[4], slopeY[4]; // of the face opposite to vertex i
+  double tolerance[4]; // bound on the error; kNever: doubles say nothing, the plane is too steep
+  i32 min[3], max[3];  // voxels of the box, inclusive
   Side side[4];
-  i32 sign; // orientation; 0: flat, owns nothing
+  i32 sign; // orientation; 0: owns nothing
+};
+
+/// Exact bounds are found from the mesh itself.
+struct TetSource {
+  const LatticePoint* points;
+  const u32* corners; // of the tet
 };
 
 /// Inclusive box of the voxel centres within a tet's box.
@@ -67,31 +79,31 @@ TETVDB_HD inline VoxelBounds boundsOf(const LatticePoint (&v)[4]) {
   return b;
 }
 
-TETVDB_HD inline ExactVector inwardNormal(const TetColumns& t, int face) {
-  const ExactVector n =
-      triangleNormal(t.v[faceCorner(face, 0)], t.v[faceCorner(face, 1)], t.v[faceCorner(face, 2)]);
-  return t.sign > 0 ? n : ExactVector{-n.x, -n.y, -n.z};
-}
-
-/// Finds sign and planes; t.v is set. Up to 32 voxels of extent the normals are exact in double,
-/// beyond they are made of integers.
-TETVDB_HD inline void prepareTet(TetColumns& t) {
-  t.sign = tetSign(t.v[0], t.v[1], t.v[2], t.v[3]);
-  if (t.sign == 0)
-    return;
-  const bool narrow = tetExtent(t.v) <= static_cast<double>(i64(1) << 25);
+/// Finds the planes of a tet of orientation `sign` != 0 whose box has voxels. Up to 32 voxels of
+/// extent the normals are exact in double, beyond they are made of integers.
+TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const VoxelBounds& box,
+                                    TetPlanes& t) {
+  t.sign = sign;
+  for (int k = 0; k < 3; ++k) {
+    t.min[k] = static_cast<i32>(box.min[k]);
+    t.max[k] = static_cast<i32>(box.max[k]);
+  }
   const auto along = [](double a, double b, double c, double d) {
     return most(most(a, b), most(c, d)) - least(least(a, b), least(c, d));
   };
-  const double columnsX = along(t.v[0].x, t.v[1].x, t.v[2].x, t.v[3].x) * kVoxelsPerUnit + 1,
-               columnsY = along(t.v[0].y, t.v[1].y, t.v[2].y, t.v[3].y) * kVoxelsPerUnit + 1,
-               height = along(t.v[0].z, t.v[1].z, t.v[2].z, t.v[3].z) * kVoxelsPerUnit + 256;
+  const double ex = along(v[0].x, v[1].x, v[2].x, v[3].x),
+               ey = along(v[0].y, v[1].y, v[2].y, v[3].y),
+               ez = along(v[0].z, v[1].z, v[2].z, v[3].z);
+  const bool narrow = most(ex, ey, ez) <= static_cast<double>(i64(1) << 25);
+  const double columnsX = ex * kVoxelsPerUnit + 1, columnsY = ey * kVoxelsPerUnit + 1,
+               height = ez * kVoxelsPerUnit + 256;
+  const double first[3] = {static_cast<double>(t.min[0]), static_cast<double>(t.min[1]),
+                           static_cast<double>(t.min[2])};
 #if defined(__CUDA_ARCH__)
 #pragma unroll
 #endif
   for (int i = 0; i < 4; ++i) {
-    const LatticePoint &a = t.v[faceCorner(i, 0)], &b = t.v[faceCorner(i, 1)],
-                       &c = t.v[faceCorner(i, 2)];
+    const LatticePoint &a = v[faceCorner(i, 0)], &b = v[faceCorner(i, 1)], &c = v[faceCorner(i, 2)];
     double nx, ny, nz;
     if (narrow) {
       const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z;
@@ -105,119 +117,149 @@ TETVDB_HD inline void prepareTet(TetColumns& t) {
       ny = static_cast<double>(e.y);
       nz = static_cast<double>(e.z);
     }
-    const double inward = t.sign > 0 ? nz : -nz;
-    t.slopeX[i] = t.slopeY[i] = t.tolerance[i] = 0;
-    if (inward == 0) {
+    if (sign < 0) {
+      nx = -nx;
+      ny = -ny;
+      nz = -nz;
+    }
+    const double fromX = first[0] - a.x * kVoxelsPerUnit, fromY = first[1] - a.y * kVoxelsPerUnit;
+    // With u = 2^-53 and M the sum of sizes below, slopes have an error of 3 u each, and the
+    // products and sums of a crossing add up to 15 u M; 2^-48 leaves a factor of two. 256: the
+    // crossing is taken relative to a leaf that is at most so far from the box.
+    constexpr double kError = 1.0 / static_cast<double>(i64(1) << 48);
+    if (nz == 0) {
       t.side[i] = Side::Vertical;
+      t.slopeX[i] = nx;
+      t.slopeY[i] = ny;
+      t.base[i] = nx * fromX + ny * fromY;
+      t.tolerance[i] = (magnitude(nx) * columnsX + magnitude(ny) * columnsY) * kError;
       continue;
     }
-    t.side[i] = inward > 0 ? Side::Lower : Side::Upper;
-    t.slopeX[i] = -nx / nz;
-    t.slopeY[i] = -ny / nz;
-    t.tolerance[i] =
-        (magnitude(t.slopeX[i]) * columnsX + magnitude(t.slopeY[i]) * columnsY + height) *
-        (1.0 / static_cast<double>(i64(1) << 49));
+    t.side[i] = nz > 0 ? Side::Lower : Side::Upper;
+    const double inverse = -1 / nz;
+    t.slopeX[i] = nx * inverse;
+    t.slopeY[i] = ny * inverse;
+    t.base[i] = (a.z * kVoxelsPerUnit - first[2]) + t.slopeX[i] * fromX + t.slopeY[i] * fromY;
+    const double error =
+        (magnitude(t.slopeX[i]) * columnsX + magnitude(t.slopeY[i]) * columnsY + height) * kError;
+    t.tolerance[i] = error < kSteep ? error : kNever;
   }
 }
 
 // First voxel of column (x, y) beyond the plane: the first inside for a lower bound, the first
-// outside for an upper one; by integers, see TetRaster.cpp.
-TETVDB_HD inline i64 exactBound(const TetColumns& t, int face, i64 x, i64 y, i64 zNear) {
-  const ExactVector n = inwardNormal(t, face);
-  const LatticePoint& o = t.v[faceCorner(face, 0)];
-  const Int128 planar = n.x * unitsFrom(o.x, x) + n.y * unitsFrom(o.y, y);
+// outside for an upper one; by integers, see TetRaster.cpp. Not steep: it is zNear or the next.
+TETVDB_HD TETVDB_APART inline i64 exactBound(const TetSource& source, int sign, int face,
+                                             bool steep, i64 x, i64 y, i64 zNear) {
+  const LatticePoint a = source.points[source.corners[faceCorner(face, 0)]],
+                     b = source.points[source.corners[faceCorner(face, 1)]],
+                     c = source.points[source.corners[faceCorner(face, 2)]];
+  ExactVector n = triangleNormal(a, b, c);
+  if (sign < 0)
+    n = {-n.x, -n.y, -n.z};
+  const Int128 planar = n.x * unitsFrom(a.x, x) + n.y * unitsFrom(a.y, y);
   const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
   const bool lower = n.z > 0;
-  if (t.tolerance[face] < kSteep) {
-    const int sign = signOf(planar + n.z * unitsFrom(o.z, zNear));
-    const bool inside = sign > 0 || (sign == 0 && tieIn);
+  if (!steep) {
+    const int side = signOf(planar + n.z * unitsFrom(a.z, zNear));
+    const bool inside = side > 0 || (side == 0 && tieIn);
     return inside == lower ? zNear : zNear + 1;
   }
-  const Int128 oz = -unitsFrom(o.z, zNear);
+  const Int128 oz = -unitsFrom(a.z, zNear);
   const Int128 step = (lower ? n.z : -n.z) * kUnitsPerVoxel;
   const Int128 num = lower ? n.z * oz - planar : planar - n.z * oz;
   return zNear +
          static_cast<i64>(lower == tieIn ? ceilDivide(num, step) : floorDivide(num, step) + 1);
 }
 
-// Whether column (x, y) lies inside a face that is parallel to z.
-TETVDB_HD inline bool insideVertical(const TetColumns& t, int face, i64 x, i64 y) {
-  const LatticePoint &a = t.v[faceCorner(face, 0)], &b = t.v[faceCorner(face, 1)],
-                     &c = t.v[faceCorner(face, 2)];
+// Whether column (x, y) lies inside a face that is parallel to z, by integers.
+TETVDB_HD TETVDB_APART inline bool exactInside(const TetSource& source, int sign, int face, i64 x,
+                                               i64 y) {
+  const LatticePoint a = source.points[source.corners[faceCorner(face, 0)]],
+                     b = source.points[source.corners[faceCorner(face, 1)]],
+                     c = source.points[source.corners[faceCorner(face, 2)]];
   const ExactVector n = triangleNormal(a, b, c);
-  const Int128 value = n.x * unitsFrom(a.x, x) + n.y * unitsFrom(a.y, y);
-  int side = signOf(value);
+  int side = signOf(n.x * unitsFrom(a.x, x) + n.y * unitsFrom(a.y, y));
   if (side == 0)
     side = tieSign(n.x, n.y, n.z);
-  return side == t.sign;
+  return side == sign;
 }
 
-/// The voxels z0 + lo <= z < z0 + hi of column (x, y) that the tet owns, 0 <= lo, hi <= span; false
-/// where there are none. The column and z0 must be in or beside the tet's box.
-TETVDB_HD inline bool ownedRun(const TetColumns& t, i64 x, i64 y, i64 z0, int span, int& lo,
-                               int& hi) {
-  i64 first = 0, end = span;
+/// Nearest integer, |v| < 2^31, as a number and as a double.
+TETVDB_HD inline i32 nearestOf(double v, double& nearest) {
+  constexpr double kRound = 6755399441055744.0; // 1.5 * 2^52
+  const double shifted = v + kRound;
+  nearest = shifted - kRound;
+#if defined(__CUDA_ARCH__)
+  return __double2loint(shifted);
+#else
+  return static_cast<i32>(nearest);
+#endif
+}
+
+/// The voxels z0 + lo <= z < z0 + hi of the column at (dx, dy) from the box's first that the tet
+/// owns, 0 <= lo, hi <= span; false where there are none. `rows`: base + slopeX dx of every face.
+/// The column and z0 must be in or beside the tet's box.
+TETVDB_HD inline bool ownedRun(const TetPlanes& t, const TetSource& source, const double (&rows)[4],
+                               int dx, int dy, i32 z0, int span, int& lo, int& hi) {
+  int first = 0, end = span;
+  const double low = -4.5, high = static_cast<double>(span) + 4.5;
+  const double shift = static_cast<double>(t.min[2] - z0), column = static_cast<double>(dy);
 #if defined(__CUDA_ARCH__)
 #pragma unroll
 #endif
   for (int i = 0; i < 4; ++i) {
+    const double value = rows[i] + t.slopeY[i] * column;
     if (t.side[i] == Side::Vertical) {
-      if (!insideVertical(t, i, x, y))
+      bool inside = value > 0;
+      if (magnitude(value) <= t.tolerance[i])
+        inside = exactInside(source, t.sign, i, i64(t.min[0]) + dx, i64(t.min[1]) + dy);
+      if (!inside)
         return false;
       continue;
     }
-    const LatticePoint& o = t.v[faceCorner(i, 0)];
-    const double crossing = (o.z - static_cast<double>(z0) * kUnits) * kVoxelsPerUnit +
-                            t.slopeX[i] * (static_cast<double>(x) - o.x * kVoxelsPerUnit) +
-                            t.slopeY[i] * (static_cast<double>(y) - o.y * kVoxelsPerUnit);
-    i64 z;
-    if (t.tolerance[i] >= kSteep) {
-      z = exactBound(t, i, x, y, z0) - z0;
-    } else if (crossing < -2) {
-      z = -1;
-    } else if (crossing > span + 2) {
-      z = span + 1;
+    double nearest;
+    const double crossing = least(most(value + shift, low), high);
+    i32 z = nearestOf(crossing, nearest);
+    if (magnitude(crossing - nearest) <= t.tolerance[i]) {
+      const bool steep = t.tolerance[i] == kNever;
+      const i64 exact = exactBound(source, t.sign, i, steep, i64(t.min[0]) + dx, i64(t.min[1]) + dy,
+                                   steep ? i64(z0) : i64(z0) + z) -
+                        z0;
+      z = static_cast<i32>(exact < -4 ? -4 : exact > span + 4 ? span + 4 : exact);
     } else {
-      const double nearest = rint(crossing);
-      if (magnitude(crossing - nearest) <= t.tolerance[i])
-        z = exactBound(t, i, x, y, z0 + static_cast<i64>(nearest)) - z0;
-      else
-        z = static_cast<i64>(nearest) + (crossing > nearest ? 1 : 0);
+      z += crossing > nearest ? 1 : 0;
     }
     if (t.side[i] == Side::Lower)
       first = z > first ? z : first;
     else
       end = z < end ? z : end;
   }
-  lo = static_cast<int>(first < span ? first : span);
-  hi = static_cast<int>(end > 0 ? end : 0);
+  lo = first;
+  hi = end;
   return lo < hi;
 }
 
-/// Whether no voxel of the box x0.., y0.., z0.. (inclusive) can be the tet's. Conservative: true is
-/// certain.
-TETVDB_HD inline bool outsideBox(const TetColumns& t, const i64 (&min)[3], const i64 (&max)[3]) {
+/// Whether no voxel of a box (inclusive, voxels) can be the tet's. Conservative: true is certain.
+TETVDB_HD inline bool outsideBox(const TetPlanes& t, const i64 (&min)[3], const i64 (&max)[3]) {
+  const double x0 = static_cast<double>(min[0] - t.min[0]),
+               x1 = static_cast<double>(max[0] - t.min[0]),
+               y0 = static_cast<double>(min[1] - t.min[1]),
+               y1 = static_cast<double>(max[1] - t.min[1]),
+               z0 = static_cast<double>(min[2] - t.min[2]),
+               z1 = static_cast<double>(max[2] - t.min[2]);
   for (int i = 0; i < 4; ++i) {
-    const LatticePoint &a = t.v[faceCorner(i, 0)], &b = t.v[faceCorner(i, 1)],
-                       &c = t.v[faceCorner(i, 2)];
-    const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z;
-    const double wx = c.x - a.x, wy = c.y - a.y, wz = c.z - a.z;
-    // Each component has an error of at most 2^-52 of its two products' sizes.
-    const double n[3] = {uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx};
-    const double sizes[3] = {magnitude(uy * wz) + magnitude(uz * wy),
-                             magnitude(uz * wx) + magnitude(ux * wz),
-                             magnitude(ux * wy) + magnitude(uy * wx)};
-    const double origin[3] = {a.x, a.y, a.z};
-    double best = 0, size = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double inward = t.sign > 0 ? n[k] : -n[k];
-      const double low = static_cast<double>(min[k]) * kUnits - origin[k];
-      const double high = static_cast<double>(max[k]) * kUnits - origin[k];
-      best += inward * (inward > 0 ? high : low);
-      size += sizes[k] * (magnitude(low) + magnitude(high));
+    if (t.tolerance[i] == kNever && t.side[i] != Side::Vertical)
+      continue;
+    const double ax = t.slopeX[i] * x0, bx = t.slopeX[i] * x1, ay = t.slopeY[i] * y0,
+                 by = t.slopeY[i] * y1;
+    if (t.side[i] == Side::Lower) {
+      if (t.base[i] + least(ax, bx) + least(ay, by) - t.tolerance[i] > z1)
+        return true;
+    } else {
+      const double top = t.base[i] + most(ax, bx) + most(ay, by) + t.tolerance[i];
+      if (top < (t.side[i] == Side::Upper ? z0 : 0))
+        return true;
     }
-    if (best < -1e-14 * size)
-      return true;
   }
   return false;
 }

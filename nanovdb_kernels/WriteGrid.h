@@ -41,6 +41,7 @@ constexpr int kParts = 32; // of sums of doubles, so that their order is fixed
 
 template <int kLog2>
 struct WriteShared {
+  static constexpr int kThreads = 256, kOccupancy = 16;
   static constexpr int kWords = (1 << (3 * kLog2)) / 64;
   u64 child[kWords], tile[kWords];
   u32 before[kWords];
@@ -50,7 +51,12 @@ struct WriteShared {
   Moments part[kParts];
 };
 
+struct NoShared {
+  static constexpr int kThreads = 32, kOccupancy = 32;
+};
+
 struct HeadShared {
+  static constexpr int kThreads = 32, kOccupancy = 4;
   i32 low[3], high[3];
   i32 minValue, maxValue;
   u64 voxels;
@@ -80,7 +86,7 @@ public:
     number(leaves, leaf_, kNode);
     number(lowers, lower_, kNode);
     number(uppers, upper_, kNode);
-    u32* some = b_.template alloc<u32>(uppers.count + 1);
+    u32* some = b_.template temp<u32>(uppers.count + 1);
     u64* rank = b_.template alloc<u64>(uppers.count + 1);
     const u32 *positions = uppers.position, *slots = uppers.slot;
     const u8* states = uppers.state;
@@ -101,32 +107,22 @@ public:
     takeSlots(leaves, leaf_, l.leaves);
     takeSlots(lowers, lower_, l.lowers);
     takeSlots(uppers, upper_, l.uppers);
+    b_.dropTemporaries();
     return l;
   }
 
-  /// Numbers of leaves by entry, kNoTet where there is none, for TetRasterizer's second pass.
-  const u32* leafNumbers(const Entries& leaves) {
-    u32* numbers = b_.template alloc<u32>(leaves.count);
-    const u64* index = leaf_.index;
-    const u32 *positions = leaves.position, *slots = leaves.slot;
-    const u8* states = leaves.state;
-    b_.forEach(
-        leaves.count, TETVDB_KERNEL(u64 j) {
-          const u32 slot = slots[positions[j]];
-          numbers[slot] = states[slot] == kNode ? static_cast<u32>(index[j]) : kNoTet;
-        });
-    return numbers;
-  }
-
   void write(u8* buffer, const BufferLayout& l, const GridHeader& header, const Entries& leaves,
-             const LeafMasks& leafMasks, const i32* table, const Entries& lowers,
-             const NodeMasks<4>& lowerMasks, const Entries& uppers,
+             const LeafMasks& leafMasks, const i32* table, const LeafSummary* summaries,
+             const Entries& lowers, const NodeMasks<4>& lowerMasks, const Entries& uppers,
              const NodeMasks<5>& upperMasks) {
     totals_ = b_.template alloc<u64>(4);
     b_.zero(totals_, 4 * sizeof(u64));
-    writeLeaves(buffer, l, leafMasks.mask, table);
-    if (kind_ == Kind::Int32)
-      summarizeLeaves(buffer, l);
+    if (kind_ == Kind::Mask)
+      writeFlatLeaves<sizeof(MaskLeaf) / 8>(buffer, l, leafMasks.mask);
+    else if (kind_ == Kind::Bool)
+      writeFlatLeaves<sizeof(BoolLeaf) / 8>(buffer, l, leafMasks.mask);
+    else
+      writeValueLeaves(buffer, l, leafMasks.mask, table, summaries);
     writeNodes<4>(buffer, l, 1, lowers, lowerMasks, leaves, lower_, leaf_);
     writeNodes<5>(buffer, l, 2, uppers, upperMasks, lowers, upper_, lower_);
     writeHead(buffer, l, header, uppers);
@@ -135,7 +131,7 @@ public:
   // Public for nvcc alone, as in LevelBuilder.
 
   void number(const Entries& e, LevelNodes& nodes, u8 which) {
-    u32* some = b_.template alloc<u32>(e.count + 1);
+    u32* some = b_.template temp<u32>(e.count + 1);
     u64* index = b_.template alloc<u64>(e.count + 1);
     const u32 *positions = e.position, *slots = e.slot;
     const u8* states = e.state;
@@ -191,58 +187,93 @@ public:
     head.flags = 2;
   }
 
-  // A thread a word of eight bytes, so that writes are together.
-  void writeLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const i32* table) {
-    const u64 words = leafSize(kind_) / 8;
-    const Kind kind = kind_;
-    const GridValues values = values_;
+  TETVDB_HD static u64 headWord(const KeySpace& space, u64 key, const u64* mask, u32 w) {
+    union {
+      LeafHead head;
+      u64 word[2];
+    } u;
+    i32 origin[3];
+    originOf(space, 0, placeOfTreeKey(space, 0, key), origin);
+    leafBox(mask, origin, u.head);
+    return u.word[w];
+  }
+
+  TETVDB_HD static u64 countVoxels(const u64* mask) {
+    u64 count = 0;
+    for (int k = 0; k < 8; ++k)
+      count += static_cast<u64>(bitCount(mask[k]));
+    return count;
+  }
+
+  // Leaves of a mask or bool grid: a thread a word of eight bytes, so that writes are together.
+  template <u32 kWords>
+  void writeFlatLeaves(u8* buffer, const BufferLayout& l, const u64* masks) {
     const KeySpace space = space_;
     const u32* nodeSlot = leaf_.nodeSlot;
     const u64* keys = leaf_.key;
     u64* voxels = leaf_.voxels;
     u64* out = reinterpret_cast<u64*>(buffer + l.leaf);
-    const bool tableToo = kind_ != Kind::Int32 || table != nullptr;
     b_.forEach(
-        l.leaves * words, TETVDB_KERNEL(u64 i) {
-          const u64 leaf = i / words;
-          const u32 w = static_cast<u32>(i - leaf * words);
+        l.leaves * kWords, TETVDB_KERNEL(u64 i) {
+          const u64 leaf = i / kWords;
+          const u32 w = static_cast<u32>(i - leaf * kWords);
+          const u64* mask = masks + 8 * u64(nodeSlot[leaf]);
+          u64 word = 0;
+          if (w < 2)
+            word = headWord(space, keys[leaf], mask, w);
+          else if (w < 10)
+            word = mask[w - 2];
+          else if (kWords == sizeof(BoolLeaf) / 8 && w < 18)
+            word = mask[w - 10];
+          out[i] = word;
+          if (w == 0)
+            voxels[leaf] = countVoxels(mask);
+        });
+  }
+
+  // Leaves of a float or int grid: a warp a leaf.
+  void writeValueLeaves(u8* buffer, const BufferLayout& l, const u64* masks, const i32* table,
+                        const LeafSummary* summaries) {
+    const KeySpace space = space_;
+    const GridValues values = values_;
+    const u32* nodeSlot = leaf_.nodeSlot;
+    const u64* keys = leaf_.key;
+    u64* voxels = leaf_.voxels;
+    Moments* moments = leaf_.moments;
+    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leaf);
+    b_.template forTeams<NoShared>(
+        l.leaves, 32, TETVDB_KERNEL(const Team& team, u64 leaf, NoShared&) {
           const u64 slot = nodeSlot[leaf];
           const u64* mask = masks + 8 * slot;
-          if (w < 2) {
-            union {
-              LeafHead head;
-              u64 word[2];
-            } u;
-            i32 origin[3];
-            originOf(space, 0, placeOfTreeKey(space, 0, keys[leaf]), origin);
-            leafBox(mask, origin, u.head);
-            out[i] = u.word[w];
-            if (w == 0) {
-              u64 count = 0;
-              for (int k = 0; k < 8; ++k)
-                count += static_cast<u64>(bitCount(mask[k]));
-              voxels[leaf] = count;
+          ValueLeaf& node = out[leaf];
+          u64* head = reinterpret_cast<u64*>(&node);
+          for (int w = team.rank(); w < 10; w += team.size())
+            head[w] = w < 2 ? headWord(space, keys[leaf], mask, static_cast<u32>(w)) : mask[w - 2];
+          if (team.rank() == 0) {
+            voxels[leaf] = countVoxels(mask);
+            if (table == nullptr) {
+              union {
+                u32 bits;
+                float value;
+              } u{values.inside};
+              node.values = {values.inside, values.inside, u.value, 0};
+            } else {
+              const LeafSummary sum = summaries[slot];
+              moments[leaf] = {sum.count, sum.mean, sum.squares};
+              node.values = valuesOf(sum.min, sum.max, moments[leaf]);
             }
-          } else if (w < 10) {
-            out[i] = mask[w - 2];
-          } else if (kind == Kind::Mask) {
-            out[i] = 0;
-          } else if (kind == Kind::Bool) {
-            out[i] = w < 18 ? mask[w - 10] : 0;
-          } else if (w == 10) {
-            out[i] = u64(values.inside) << 32 | values.inside;
-          } else if (w == 11) {
-            out[i] = values.inside; // the average; no deviation
-          } else if (kind == Kind::Int32) {
-            if (tableToo) {
-              const u32* from = reinterpret_cast<const u32*>(table) + 512 * slot + 2 * (w - 12);
-              out[i] = u64(from[1]) << 32 | from[0];
-            }
+          }
+          u64* to = reinterpret_cast<u64*>(node.table);
+          if (table != nullptr) {
+            const u64* from = reinterpret_cast<const u64*>(table + 512 * slot);
+            for (int w = team.rank(); w < 256; w += team.size())
+              to[w] = from[w];
           } else {
-            const u32 bit = 2 * (w - 12);
-            const u64 two = mask[bit >> 6] >> (bit & 63) & 3;
-            out[i] = u64((two & 2) != 0 ? values.inside : values.background) << 32 |
-                     ((two & 1) != 0 ? values.inside : values.background);
+            for (int w = team.rank(); w < 256; w += team.size()) {
+              const u64 two = mask[w >> 5] >> (2 * (w & 31)) & 3;
+              to[w] = u64((two & 2) != 0 ? values.inside : values.background) << 32 |
+                      ((two & 1) != 0 ? values.inside : values.background);
+            }
           }
         });
   }
@@ -258,51 +289,6 @@ public:
   TETVDB_HD static NodeValues valuesOf(i32 min, i32 max, const Moments& m) {
     return {static_cast<u32>(min), static_cast<u32>(max), static_cast<float>(m.mean),
             static_cast<float>(sqrt(m.squares / m.count))};
-  }
-
-  // Smallest and largest value, average and deviation of int leaves.
-  void summarizeLeaves(u8* buffer, const BufferLayout& l) {
-    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leaf);
-    Moments* moments = leaf_.moments;
-    b_.template forTeams<WriteShared<3>>(
-        l.leaves, kParts, TETVDB_KERNEL(const Team& team, u64 leaf, WriteShared<3>& s) {
-          ValueLeaf& node = out[leaf];
-          if (team.rank() == 0) {
-            s.minValue = 0x7FFFFFFF;
-            s.maxValue = -0x7FFFFFFF - 1;
-          }
-          team.sync();
-          for (int p = team.rank(); p < kParts; p += team.size()) {
-            i64 sum = 0;
-            i32 low = 0x7FFFFFFF, high = -0x7FFFFFFF - 1, count = 0;
-            for (int i = p; i < 512; i += kParts)
-              if (node.head.mask[i >> 6] >> (i & 63) & 1) {
-                const i32 v = static_cast<i32>(node.table[i]);
-                sum += v;
-                ++count;
-                low = v < low ? v : low;
-                high = v > high ? v : high;
-              }
-            Moments part{static_cast<double>(count), 0, 0};
-            if (count > 0) {
-              part.mean = static_cast<double>(sum) / count;
-              for (int i = p; i < 512; i += kParts)
-                if (node.head.mask[i >> 6] >> (i & 63) & 1) {
-                  const double d = static_cast<double>(static_cast<i32>(node.table[i])) - part.mean;
-                  part.squares += d * d;
-                }
-              minInto(&s.minValue, low);
-              maxInto(&s.maxValue, high);
-            }
-            s.part[p] = part;
-          }
-          team.sync();
-          if (team.rank() == 0) {
-            moments[leaf] = sumParts(s);
-            node.values = valuesOf(s.minValue, s.maxValue, moments[leaf]);
-          }
-          team.sync();
-        });
   }
 
   template <int kLog2>
@@ -397,17 +383,18 @@ public:
           }
           team.sync();
           const double tileVoxels = static_cast<double>(childSide) * childSide * childSide;
-          for (int p = team.rank(); p < kParts; p += team.size()) {
+          // Sums of doubles are made in a fixed number of parts; without them all members take
+          // part.
+          const int parts = kind == Kind::Int32 ? kParts : team.size();
+          for (int p = team.rank(); p < parts; p += team.size()) {
             i32 low[3] = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF};
             i32 high[3] = {-0x7FFFFFFF - 1, -0x7FFFFFFF - 1, -0x7FFFFFFF - 1};
             u64 sum = 0;
             i32 minValue = 0x7FFFFFFF, maxValue = -0x7FFFFFFF - 1;
             Moments part{0, 0, 0};
-            for (u64 j = first + static_cast<u64>(p); j < end; j += kParts) {
-              const u32 childSlot = childSlots[childPositions[j]];
-              const u8 state = childStates[childSlot];
-              if (state == kNode) {
-                const u64 child = childIndex[j];
+            for (u64 j = first + static_cast<u64>(p); j < end; j += static_cast<u64>(parts)) {
+              const u64 child = childIndex[j];
+              if (childIndex[j + 1] != child) { // the entry is a node
                 const u8* bytes = buffer + childAt + child * childSize;
                 i32 from[3], to[3];
                 if (level == 1) {
@@ -437,7 +424,10 @@ public:
                   maxValue = most > maxValue ? most : maxValue;
                   addMoments(part, childMoments[child]);
                 }
-              } else if (state == kFull && kind == Kind::Int32) {
+              } else if (kind == Kind::Int32) {
+                const u32 childSlot = childSlots[childPositions[j]];
+                if (childStates[childSlot] != kFull)
+                  continue;
                 const i32 v = childValues[childSlot];
                 node.table[childKeys[j] & (Node::kChildren - 1)] = static_cast<u32>(v);
                 minValue = v < minValue ? v : minValue;
@@ -445,15 +435,19 @@ public:
                 addMoments(part, {tileVoxels, static_cast<double>(v), 0});
               }
             }
-            for (int a = 0; a < 3; ++a) {
-              minInto(&s.low[a], low[a]);
-              maxInto(&s.high[a], high[a]);
+            if (low[0] <= high[0])
+              for (int a = 0; a < 3; ++a) {
+                minInto(&s.low[a], low[a]);
+                maxInto(&s.high[a], high[a]);
+              }
+            if (minValue <= maxValue) {
+              minInto(&s.minValue, minValue);
+              maxInto(&s.maxValue, maxValue);
             }
-            minInto(&s.minValue, minValue);
-            maxInto(&s.maxValue, maxValue);
             if (sum != 0)
               addTo(&s.voxels, sum);
-            s.part[p] = part;
+            if (kind == Kind::Int32)
+              s.part[p] = part;
           }
           team.sync();
           if (team.rank() == 0) {
@@ -500,6 +494,8 @@ public:
         1, kParts, TETVDB_KERNEL(const Team& team, u64, HeadShared& s) {
           auto& root = *reinterpret_cast<RootHeader*>(buffer + l.root);
           auto* tiles = reinterpret_cast<RootTile*>(buffer + l.root + sizeof(RootHeader));
+          for (int w = team.rank(); w < static_cast<int>(sizeof(GridHeader) / 8); w += team.size())
+            reinterpret_cast<u64*>(buffer)[w] = reinterpret_cast<const u64*>(&header)[w];
           if (team.rank() == 0) {
             for (int a = 0; a < 3; ++a) {
               s.low[a] = 0x7FFFFFFF;
@@ -595,7 +591,6 @@ public:
               root.values[4] = deviation.bits;
             }
             auto& grid = *reinterpret_cast<GridHeader*>(buffer);
-            grid = header;
             grid.gridSize = l.size;
             if (!empty) {
               grid.flags |= 2;
@@ -631,10 +626,11 @@ public:
           team.sync();
           if (team.rank() == 0) {
             u32 crc = 0xFFFFFFFFu;
+            const u32 whole = crcPower(chunk);
             u64 done = 0;
             for (int p = 0; p < kParts; ++p) {
               const u64 length = size - done < chunk ? size - done : chunk;
-              crc = crcMultiply(crcPower(length), crc) ^ s.crc[p];
+              crc = crcMultiply(length == chunk ? whole : crcPower(length), crc) ^ s.crc[p];
               done += length;
             }
             reinterpret_cast<GridHeader*>(buffer)->checksum =

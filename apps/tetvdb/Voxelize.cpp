@@ -103,10 +103,22 @@ void parseBox(const std::string& text, CellFilter& filter) {
   }
 }
 
+DeviceChoice parseDevice(const std::string& text) {
+  if (text == "auto")
+    return {DeviceKind::Auto, 0};
+  if (text == "cpu")
+    return {DeviceKind::Cpu, 0};
+  if (text == "cuda")
+    return {DeviceKind::Cuda, 0};
+  const std::string digits = text.substr(0, 5) == "cuda:" ? text.substr(5) : "";
+  if (digits.empty() || digits.size() > 3 ||
+      digits.find_first_not_of("0123456789") != std::string::npos)
+    throw Error(Status::Usage, "--device", "'" + text + "' is no device",
+                "name one of auto, cpu, cuda and cuda:N");
+  return {DeviceKind::Cuda, std::stoi(digits)};
+}
+
 VoxelizeJob makeJob(const Options& options) {
-  if (options.device == "cuda")
-    throw Error(Status::Device, "--device cuda", "this build has no GPU support",
-                "use --device auto or cpu");
   VoxelizeJob job;
   job.inputs = options.inputs;
   job.output = options.output;
@@ -132,6 +144,7 @@ VoxelizeJob makeJob(const Options& options) {
   job.maxMemory = memoryLimit(options);
   job.units = options.units;
   job.half = options.half;
+  job.device = parseDevice(options.device);
   job.threads = threadCount(options);
   return job;
 }
@@ -254,11 +267,18 @@ void runVoxelize(const Options& options, Session& session) {
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   const VoxelizeResult result = run(job, session.report, session.progress);
+  session.sections["device"] = result.device.name;
   session.sections["input"] = inputsOf(result);
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
   session.sections["grids"] = toJson(result.grids);
   session.sections["output"] = outputsOf(result);
   session.text = summaryOf(result, options, session.report);
+  if (!result.device.why.empty()) {
+    session.sections["mesh"]["device_why"] = result.device.why;
+    if (result.device.name != "cpu")
+      session.notes.push_back(
+          fmt::format("device: {}, since {}", result.device.name, result.device.why));
+  }
   if (result.mesher)
     session.notes.push_back(
         fmt::format("mesher: {}, since {}", nameOf(result.mesher->road), result.mesher->why));
@@ -353,9 +373,8 @@ Command addVoxelize(CLI::App& program) {
   addGridOptions(*command, *options);
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
-  command->add_option("--device", options->device, "Where to compute (default auto)")
-      ->check(oneOf({"auto", "cpu", "cuda"}))
-      ->type_name("auto|cpu|cuda");
+  command->add_option("--device", options->device, "Where to voxelize tets (default auto)")
+      ->type_name("auto|cpu|cuda[:N]");
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

@@ -37,7 +37,11 @@ void expect(bool good, const std::string& what) {
 }
 
 nano::MeshView viewOf(const TetMesh& mesh) {
-  return {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(), nullptr};
+  // Of mixed cells the owner is the cell, not the tet.
+  static_assert(sizeof(std::uint32_t) == sizeof(std::int32_t));
+  const auto* values = reinterpret_cast<const std::int32_t*>(mesh.cellOfTet.data());
+  return {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(),
+          mesh.cellOfTet.empty() ? nullptr : values};
 }
 
 std::string cpuHash(const TetMesh& mesh, GridKind kind, const GridTransform& transform) {

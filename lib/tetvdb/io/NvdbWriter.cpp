@@ -2,6 +2,7 @@
 //
 // One segment a grid, so that no more than one grid is held a second time in memory.
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/NvdbLayout.h"
 #include "tetvdb/io/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
@@ -11,6 +12,9 @@
 #include <cstring>
 #include <memory>
 #include <set>
+#include <tbb/parallel_for.h>
+#include <vector>
+#include <zlib.h>
 
 namespace tetvdb {
 namespace {
@@ -83,7 +87,51 @@ void writeGrid(AtomicFile& file, const unsigned char* bytes, std::size_t size,
   file.writeAt(entryAt, &entry, sizeof entry);
 }
 
+std::uint32_t crc(const void* data, std::size_t size) {
+  return static_cast<std::uint32_t>(
+      ::crc32_z(::crc32(0, nullptr, 0), static_cast<const Bytef*>(data), size));
+}
+
+// NanoVDB's full checksum of a grid whose nodes lie breadth first: beside that of grid, tree and
+// root, which it has, one over those of all nodes.
+void completeChecksum(unsigned char* bytes) {
+  NvdbGrid grid;
+  std::memcpy(&grid, bytes, sizeof grid);
+  const std::uint64_t ends[3] = {grid.gridSize - kNvdbTreeAt, grid.nodeOffset[0],
+                                 grid.nodeOffset[1]};
+  std::vector<std::uint64_t> sums(std::size_t(grid.nodeCount[0]) + grid.nodeCount[1] +
+                                  grid.nodeCount[2]);
+  std::size_t first = 0;
+  for (int level = 2; level >= 0; --level) {
+    const std::size_t count = grid.nodeCount[level];
+    if (count == 0)
+      continue;
+    const std::uint64_t begin = grid.nodeOffset[level], size = (ends[level] - begin) / count;
+    tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+      sums[first + i] = crc(bytes + kNvdbTreeAt + begin + i * size, size);
+    });
+    first += count;
+  }
+  if (sums.empty())
+    return;
+  const std::uint64_t tail = crc(sums.data(), sums.size() * sizeof sums[0]);
+  grid.checksum = (grid.checksum & 0xFFFFFFFF) | tail << 32;
+  std::memcpy(bytes, &grid, sizeof grid);
+}
+
 } // namespace
+
+void writeNanoGrids(const std::string& path, const std::vector<NanoBytes>& grids,
+                    Progress& progress) {
+  AtomicFile file(path);
+  for (const NanoBytes& bytes : grids) {
+    completeChecksum(bytes.data.get());
+    NvdbGrid grid;
+    std::memcpy(&grid, bytes.data.get(), sizeof grid);
+    writeGrid(file, bytes.data.get(), bytes.size, grid.name, progress);
+  }
+  file.commit();
+}
 
 void writeNvdb(const std::string& path, const Volume& volume, Progress& progress) {
   initializeOpenVDB();

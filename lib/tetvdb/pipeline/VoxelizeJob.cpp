@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/CleanInput.h"
@@ -131,16 +132,32 @@ Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, const Voxelize
   return std::move(made.volume);
 }
 
+// Where the device's NanoVDB grids may be written as they are, place for them.
+std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
+  return fs::path(job.output).extension() == ".nvdb" ? &nano : nullptr;
+}
+
+// openFirstTile() changes a grid of tiles alone: then the tree is what counts.
+void dropStale(const Volume& volume, std::vector<NanoBytes>& nano) {
+  for (const auto& grid : volume.grids().all)
+    if (!nano.empty() && grid->constBaseTree().leafCount() == 1)
+      nano.clear();
+}
+
 template <typename WriteMesh>
 void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& volume,
-                  VoxelizeResult& result, Report& report, Progress& progress) {
+                  const std::vector<NanoBytes>& nano, VoxelizeResult& result, Report& report,
+                  Progress& progress) {
   StageTimer timer(report, "write");
   progress.stage("write");
   if (!job.meshOutput.empty())
     writeMesh();
   if (!job.output.empty()) {
     try {
-      writeVolume(job.output, volume, progress);
+      if (!nano.empty())
+        writeNanoGrids(job.output, nano, progress);
+      else
+        writeVolume(job.output, volume, progress);
     } catch (...) {
       if (!job.meshOutput.empty())
         ::unlink(job.meshOutput.c_str()); // nothing, or everything
@@ -161,16 +178,20 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
                              report);
   progress.check();
   Volume volume;
+  std::vector<NanoBytes> nano;
   if (!job.output.empty()) {
     volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
-      return voxelize(mesh, options, report, progress);
+      return voxelize(mesh, options, job.device, result.device, nanoPlace(job, nano), report,
+                      progress);
     });
+    dropStale(volume, nano);
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
   }
   progress.check();
   writeOutputs(
-      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, result, report, progress);
+      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, result, report,
+      progress);
 }
 
 void add(CleanCounts& sum, const CleanCounts& more) {
@@ -203,9 +224,10 @@ public:
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
+    dropStale(volume, nano_);
     progress_.check();
     writeOutputs(
-        job_, [&] { writeMesh(); }, volume, result_, report_, progress_);
+        job_, [&] { writeMesh(); }, volume, nano_, result_, report_, progress_);
   }
 
 private:
@@ -279,6 +301,9 @@ private:
 
   Voxelization voxelizeSolid(VoxelizeOptions options) {
     if (result_.mesher->road != Mesher::Envelope) {
+      if (job_.device.kind == DeviceKind::Cuda)
+        report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
+                                      "makes tets, which the GPU takes");
       SolidOptions solid = job_.solid;
       solid.method =
           result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
@@ -290,7 +315,8 @@ private:
     options.voxelSize = transform_.voxelSize;
     options.origin = transform_.origin;
     reportOrigin(transform_, job_.voxelize, report_);
-    return voxelize(tets_, options, report_, progress_);
+    return voxelize(tets_, options, job_.device, result_.device, nanoPlace(job_, nano_), report_,
+                    progress_);
   }
 
   void writeMesh() {
@@ -307,6 +333,7 @@ private:
   std::vector<TriangleMesh> meshes_; ///< one, or one a material
   std::string units_;
   GridTransform transform_;
+  std::vector<NanoBytes> nano_;
   TetMesh tets_;
 };
 
@@ -319,6 +346,7 @@ void refuseMesherForTets(const VoxelizeJob& job) {
 VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progress) {
   VoxelizeResult result;
   checkOutputs(job);
+  requireDevice(job.device);
   result.holdsTriangles = inputsHoldTriangles(job);
   if (result.holdsTriangles) {
     TriangleRun(job, result, report, progress).run();

@@ -23,6 +23,7 @@
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/Voxelize.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
@@ -55,6 +56,7 @@ struct VoxelizeJob {
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
   std::string units;         ///< stored as metadata "units"; no lengths are changed
+  DeviceChoice device;       ///< where tets are voxelized
   bool half = false;         ///< float grids are stored with 16 bits a value
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
@@ -72,6 +74,7 @@ struct VoxelizeResult {
   std::optional<MeshSummary> made;    ///< by the envelope mesher
   SnapCounts counts;
   GridTransform transform;
+  DeviceUsed device;
   OccupancyPath path = OccupancyPath::Auto;
   std::vector<GridInfo> grids;
   std::vector<OutputInfo> outputs;
@@ -83,11 +86,12 @@ struct VoxelizeResult {
 /// ("fell-back") and, but for the last, `partial` in the report. Several inputs of triangles are
 /// merged before they are cleaned; for the grid "material" each is a material of its own, the first
 /// input's number being 1. Outputs are checked before any work: their extensions (Error(Usage)) and
-/// folders (Error(Write)). Adds stages "read", "clean" (triangles), "tetrahedralize" (the envelope
-/// mesher), "voxelize" and "write" to `report`. Tets and triangles in one job are Error(Usage), and
-/// so are filters of cells for triangles. Throws what the steps throw; no output file is touched
-/// then, unless the mesh output was already whole. Memory: the mesh, the grids, and
-/// estimateMemory() while voxelizing.
+/// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
+/// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
+/// "upload" and "download". The winding number is the CPU's: asking for a GPU is a warning
+/// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of cells
+/// for triangles. Throws what the steps throw; no output file is touched then, unless the mesh
+/// output was already whole. Memory: the mesh, the grids, and estimateMemory() while voxelizing.
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

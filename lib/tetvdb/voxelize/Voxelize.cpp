@@ -54,6 +54,23 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
   return chooseTransform(boxOfUsed(mesh.points, mesh.tets), options);
 }
 
+void reportTets(const SnapCounts& counts, std::size_t tets, Report& report) {
+  if (counts.flipped > 0)
+    report.warn("flipped-tets",
+                fmt::format("{} of {} tets had negative volume and were turned round",
+                            counts.flipped, tets));
+  if (counts.dropped > 0)
+    report.warn("flat-tets", fmt::format("{} of {} tets have no volume on the lattice of 2^-20 "
+                                         "voxel and were left out",
+                                         counts.dropped, tets));
+}
+
+void requireVoxels(const Voxelization& result, const VoxelizeOptions& options) {
+  if (!options.allowEmpty && result.volume.grids().all.front()->empty())
+    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
+                "use smaller voxels, or --allow-empty to write an empty grid");
+}
+
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Report& report,
                       Progress& progress) {
   progress.stage("voxelize");
@@ -112,18 +129,8 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   grids->all = builder.finish(result.transform);
   result.volume = Volume(std::move(grids));
 
-  if (result.counts.flipped > 0)
-    report.warn("flipped-tets",
-                fmt::format("{} of {} tets had negative volume and were turned round",
-                            result.counts.flipped, snapped.tetCount));
-  if (result.counts.dropped > 0)
-    report.warn("flat-tets",
-                fmt::format("{} of {} tets have no volume on the lattice of 2^-20 voxel "
-                            "and were left out",
-                            result.counts.dropped, snapped.tetCount));
-  if (!options.allowEmpty && result.volume.grids().all.front()->empty())
-    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
-                "use smaller voxels, or --allow-empty to write an empty grid");
+  reportTets(result.counts, snapped.tetCount, report);
+  requireVoxels(result, options);
   return result;
 }
 

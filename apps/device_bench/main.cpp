@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the GPU does in how long, with the floor beside it: the time its least transfers would take
+// at the speeds measured in the same run. Medians of --repeat runs after warming up.
+#include "Meshes.h"
+#include "PaperOnDevice.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using namespace tetvdb;
+using nano::GridType;
+using nano::Road;
+
+int repeats = 20;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+// A mesh in pinned memory.
+struct Pinned {
+  explicit Pinned(const TetMesh& mesh) {
+    const std::size_t points = mesh.points.size() * 24, tets = mesh.tets.size() * 4;
+    memory = nano::allocatePinned(points + tets);
+    std::memcpy(memory, mesh.points.data(), points);
+    std::memcpy(static_cast<char*>(memory) + points, mesh.tets.data(), tets);
+    view = {static_cast<const double*>(memory), mesh.points.size(),
+            reinterpret_cast<const std::uint32_t*>(static_cast<char*>(memory) + points),
+            mesh.tetCount(), nullptr};
+  }
+  ~Pinned() { nano::freePinned(memory); }
+  Pinned(const Pinned&) = delete;
+  Pinned& operator=(const Pinned&) = delete;
+  double bytes() const { return double(view.pointCount) * 24 + double(view.tetCount) * 16; }
+
+  void* memory;
+  nano::MeshView view;
+};
+
+nano::Job jobAt(int resolution, GridType type, Road road = Road::Auto) {
+  nano::Job job;
+  job.type = type;
+  job.road = road;
+  // Balls have radius 1.
+  job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = 2.0 / resolution;
+  // Off the lattice's symmetry, within one root tile.
+  for (double& o : job.origin)
+    o = -1.0 - 0.3 * 2.0 / resolution;
+  job.name = "grid";
+  return job;
+}
+
+struct Measured {
+  double wall = 0, upload = 0, build = 0, download = 0;
+  std::vector<std::pair<std::string, double>> parts;
+  nano::Counts counts;
+};
+
+Measured measure(nano::DeviceVoxelizer& device, const nano::MeshView& mesh, const nano::Job& job,
+                 int times) {
+  Measured m;
+  for (int i = 0; i < 2; ++i)
+    device.run(mesh, job);
+  std::vector<double> wall, upload, build, download;
+  std::vector<std::vector<double>> parts;
+  for (int i = 0; i < times; ++i) {
+    const double start = now();
+    m.counts = device.run(mesh, job).counts;
+    wall.push_back(now() - start);
+    const nano::Times t = device.times();
+    upload.push_back(t.upload);
+    build.push_back(t.build);
+    download.push_back(t.download);
+    m.parts = t.parts;
+    parts.resize(t.parts.size());
+    for (std::size_t k = 0; k < t.parts.size(); ++k)
+      parts[k].push_back(t.parts[k].second);
+  }
+  m.wall = median(wall);
+  m.upload = median(upload);
+  m.build = median(build);
+  m.download = median(download);
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    m.parts[k].second = median(parts[k]);
+  return m;
+}
+
+void print(const std::string& name, const Measured& m, double floorSeconds) {
+  std::printf("%-44s %9.3f ms  floor %7.3f ms (%5.1f %%)  up %.3f build %.3f down %.3f |",
+              name.c_str(), m.wall * 1e3, floorSeconds * 1e3, 100 * floorSeconds / m.wall,
+              m.upload * 1e3, m.build * 1e3, m.download * 1e3);
+  for (const auto& [part, seconds] : m.parts)
+    std::printf(" %s %.3f", part.c_str(), seconds * 1e3);
+  std::printf(" | leaves %llu lower %llu MB %.1f faces %llu %s\n",
+              static_cast<unsigned long long>(m.counts.leaves),
+              static_cast<unsigned long long>(m.counts.lowerNodes),
+              double(m.counts.bufferBytes) * 1e-6,
+              static_cast<unsigned long long>(m.counts.boundaryFaces),
+              m.counts.road == Road::Boundary ? "boundary" : "tets");
+  std::fflush(stdout);
+}
+
+// Bytes a second: to the device, from it, and within (read and write counted).
+nano::Speeds speeds;
+
+double deviceFloor(double bytes) {
+  return bytes / speeds.within;
+}
+
+void paperTable(nano::DeviceVoxelizer& device, const std::string& name, const Pinned& mesh) {
+  const nano::MeshView resident = device.keep(mesh.view);
+  for (Road road : {Road::Tets, Road::Boundary}) {
+    nano::Job job = jobAt(256, GridType::Mask, road);
+    const char* by = road == Road::Tets ? ", by tets" : ", by boundary";
+    job.download = false;
+    const Measured up = measure(device, mesh.view, job, repeats);
+    const double within = deviceFloor(mesh.bytes() + double(up.counts.bufferBytes));
+    print(name + " at 256^3 from pinned" + by, up, mesh.bytes() / speeds.up + within);
+    job.resident = true;
+    print(name + " at 256^3 resident" + by, measure(device, resident, job, repeats), within);
+  }
+  nano::Job down = jobAt(256, GridType::Mask);
+  const Measured all = measure(device, mesh.view, down, repeats);
+  print(name + " at 256^3, grid to the host", all,
+        mesh.bytes() / speeds.up + double(all.counts.bufferBytes) / speeds.down);
+  std::vector<double> total, kernel, allocation;
+  bench::PaperTimes t;
+  for (int i = 0; i < repeats / 4 + 2; ++i) {
+    t = bench::paperOnDevice(mesh.view, down.origin, down.voxelSize[0], 258);
+    total.push_back(t.total);
+    kernel.push_back(t.kernel);
+    allocation.push_back(t.allocation);
+  }
+  std::printf("%-44s %9.3f ms  kernel %.3f allocation %.3f | voxels %llu\n",
+              (name + " at 256^3, the paper's way").c_str(), median(total) * 1e3,
+              median(kernel) * 1e3, median(allocation) * 1e3,
+              static_cast<unsigned long long>(t.voxels));
+  std::fflush(stdout);
+}
+
+void large(const Pinned& ball, int resolution, GridType type, int times, const std::string& name) {
+  nano::DeviceVoxelizer device; // of its own: no memory shaped by other models
+  const nano::MeshView resident = device.keep(ball.view);
+  nano::Job job = jobAt(resolution, type);
+  job.resident = true;
+  job.download = false;
+  try {
+    const Measured m = measure(device, resident, job, times);
+    print(name + " at " + std::to_string(resolution) + "^3 resident", m,
+          deviceFloor(ball.bytes() + double(m.counts.bufferBytes)));
+    std::printf("  device memory %.1f GB\n", double(device.deviceBytes()) * 1e-9);
+  } catch (const Error& e) {
+    std::printf("%s at %d^3: %s\n", name.c_str(), resolution, e.what());
+  }
+}
+
+// The paper's data set: many models, each uploaded, built and downloaded.
+void dataSet(int models, int workers) {
+  const TetMesh ball = meshes::ball(26, 1, {0, 0, 0});
+  std::vector<std::unique_ptr<Pinned>> pinned;
+  for (int i = 0; i < models; ++i) {
+    meshes::Random random(static_cast<std::uint64_t>(i) + 1);
+    const Vec3d size{random.between(0.6, 1), random.between(0.6, 1), random.between(0.6, 1)};
+    const double bend = random.between(-0.3, 0.3);
+    pinned.push_back(std::make_unique<Pinned>(meshes::mapped(ball, [&](const Vec3d& p) {
+      return Vec3d{p[0] * size[0], p[1] * size[1], p[2] * size[2] * (1 + bend * p[0]) / 1.3};
+    })));
+  }
+  std::vector<std::unique_ptr<nano::DeviceVoxelizer>> devices;
+  for (int w = 0; w < workers; ++w)
+    devices.push_back(std::make_unique<nano::DeviceVoxelizer>(0));
+  const nano::Job job = jobAt(256, GridType::Mask);
+  std::uint64_t bytes = 0;
+  const auto run = [&](int count) {
+    std::atomic<int> next{0};
+    std::atomic<std::uint64_t> downloaded{0};
+    std::vector<std::thread> threads;
+    std::vector<std::vector<double>> each(devices.size());
+    const double start = now();
+    for (std::size_t w = 0; w < devices.size(); ++w)
+      threads.emplace_back([&, w] {
+        for (int i = next++; i < count; i = next++) {
+          const double begin = now();
+          downloaded += devices[w]->run(pinned[std::size_t(i)]->view, job).counts.bufferBytes;
+          each[w].push_back(now() - begin);
+        }
+      });
+    for (std::thread& t : threads)
+      t.join();
+    const double seconds = now() - start;
+    bytes = downloaded;
+    std::vector<double> all;
+    for (const auto& e : each)
+      all.insert(all.end(), e.begin(), e.end());
+    return std::make_pair(seconds / count, median(all));
+  };
+  run(std::min(models, 16 * workers)); // warm up
+  std::uint64_t before = 0, after = 0;
+  for (const auto& d : devices)
+    before += d->allocations();
+  const auto [mean, middle] = run(models);
+  for (const auto& d : devices)
+    after += d->allocations();
+  const double floorSeconds =
+      std::max(pinned[0]->bytes() / speeds.up, double(bytes) / models / speeds.down);
+  std::printf(
+      "%d models of %zu tets, %d at a time: %.3f ms a model, %.3f ms latency (median), floor "
+      "%.3f ms (%.1f %%), %.2f MB down each, allocations after warming up %llu\n",
+      models, ball.tetCount(), workers, mean * 1e3, middle * 1e3, floorSeconds * 1e3,
+      100 * floorSeconds / mean, double(bytes) / models * 1e-6,
+      static_cast<unsigned long long>(after - before));
+  std::fflush(stdout);
+}
+
+// The CPU on the same machine.
+void onCpu(const std::string& name, const TetMesh& mesh, int resolution, GridKind kind) {
+  VoxelizeOptions options;
+  options.grids = {kind};
+  const nano::Job job = jobAt(resolution, GridType::Mask);
+  for (std::size_t k = 0; k < 3; ++k) {
+    options.voxelSize[k] = job.voxelSize[k];
+    options.origin[k] = job.origin[k];
+  }
+  std::vector<double> seconds;
+  for (int i = 0; i < 5; ++i) {
+    Report report;
+    Progress progress;
+    const double start = now();
+    voxelize(mesh, options, report, progress);
+    seconds.push_back(now() - start);
+  }
+  std::printf("%-44s %9.3f ms\n",
+              (name + " at " + std::to_string(resolution) + "^3 on the CPU").c_str(),
+              median(seconds) * 1e3);
+  std::fflush(stdout);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  std::set<std::string> cases(argv + 1, argv + argc);
+  const auto wanted = [&](const char* name) { return cases.empty() || cases.count(name) != 0; };
+  try {
+    std::string why;
+    const auto devices = nano::listDevices(why);
+    if (devices.empty()) {
+      std::printf("no device: %s\n", why.c_str());
+      return 6;
+    }
+    nano::DeviceVoxelizer device(0);
+    speeds = device.measureSpeeds();
+    std::printf("%s: up %.1f GB/s, down %.1f GB/s, within %.0f GB/s\n", devices[0].c_str(),
+                speeds.up * 1e-9, speeds.down * 1e-9, speeds.within * 1e-9);
+    const TetMesh ball5 = meshes::ball(26, 1, {0, 0, 0}), ball6 = meshes::ball(55, 1, {0, 0, 0});
+    const Pinned pinned5(ball5), pinned6(ball6);
+    if (wanted("paper")) {
+      const TetMesh ball7 = meshes::ball(118, 1, {0, 0, 0});
+      paperTable(device, "10^5 tets", pinned5);
+      onCpu("10^5 tets", ball5, 256, GridKind::Mask);
+      paperTable(device, "10^6 tets", pinned6);
+      onCpu("10^6 tets", ball6, 256, GridKind::Mask);
+      paperTable(device, "10^7 tets", Pinned(ball7));
+      onCpu("10^7 tets", ball7, 256, GridKind::Mask);
+    }
+    if (wanted("owners")) {
+      large(pinned6, 1024, GridType::Owner, repeats, "owners of 10^6 tets");
+      onCpu("owners of 10^6 tets", ball6, 1024, GridKind::TetId);
+    }
+    if (wanted("dataset"))
+      for (int workers : {1, 2, 3, 4})
+        dataSet(1000, workers);
+    if (wanted("large")) {
+      large(pinned5, 1024, GridType::Fog, repeats, "fog of 10^5 tets");
+      large(pinned5, 4096, GridType::Mask, repeats, "mask of 10^5 tets");
+      onCpu("mask of 10^5 tets", ball5, 4096, GridKind::Mask);
+      large(pinned5, 32768, GridType::Mask, 5, "mask of 10^5 tets");
+      large(pinned5, 65536, GridType::Mask, 3, "mask of 10^5 tets");
+    }
+  } catch (const std::exception& e) {
+    std::printf("%s\n", e.what());
+    return 1;
+  }
+  return 0;
+}

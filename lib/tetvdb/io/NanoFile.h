@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/volume/NanoBytes.h"
+
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// Writes NanoVDB grids that this program built to a .nvdb file, whole or absent, as writeVolume()
+/// writes grids: Blosc, with full checksums, which they are given here, in parallel. Throws
+/// Error(Write).
+void writeNanoGrids(const std::string& path, const std::vector<NanoBytes>& grids,
+                    Progress& progress);
+
+} // namespace tetvdb

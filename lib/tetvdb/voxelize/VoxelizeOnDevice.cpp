@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
+
+#include "nanovdb_kernels/DeviceVoxelizer.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+bool asksForOwners(const std::vector<GridKind>& kinds) {
+  return std::any_of(kinds.begin(), kinds.end(), [](GridKind kind) {
+    return kind == GridKind::TetId || kind == GridKind::Material;
+  });
+}
+
+nano::Job jobFor(GridKind kind, const GridTransform& transform) {
+  nano::Job job;
+  for (std::size_t k = 0; k < 3; ++k) {
+    job.voxelSize[k] = transform.voxelSize[k];
+    job.origin[k] = transform.origin[k];
+  }
+  switch (kind) {
+  case GridKind::Density:
+    job.type = nano::GridType::Fog;
+    job.name = "density";
+    break;
+  case GridKind::Mask:
+    job.type = nano::GridType::Bool;
+    job.name = "mask";
+    break;
+  case GridKind::TetId:
+    job.type = nano::GridType::Owner;
+    job.name = "tet_id";
+    break;
+  case GridKind::Material:
+    job.type = nano::GridType::Owner;
+    job.name = "material";
+    break;
+  }
+  return job;
+}
+
+// Value of every tet; empty where it is the tet's number.
+std::vector<std::int32_t> valuesOf(GridKind kind, const TetMesh& mesh) {
+  std::vector<std::int32_t> values;
+  if (kind == GridKind::TetId && !mesh.cellOfTet.empty())
+    values.assign(mesh.cellOfTet.begin(), mesh.cellOfTet.end());
+  if (kind == GridKind::Material) {
+    values.resize(mesh.tetCount());
+    if (!mesh.regions.empty())
+      for (std::size_t t = 0; t < values.size(); ++t)
+        values[t] = mesh.regions[mesh.cell(t)];
+  }
+  return values;
+}
+
+NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
+  const auto release = [](unsigned char* p) { std::free(p); };
+  NanoBytes copy{
+      {static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), release}, size};
+  if (copy.data == nullptr)
+    throw Error(Status::Limit, "", "the grid does not fit in memory");
+  std::memcpy(copy.data.get(), bytes, size);
+  return copy;
+}
+
+// What either would take, seconds. On an H200 and 16 cores of its host a first use of the device
+// (context, memory) took 0.4 s, so that only large jobs gain; the CPU's rates are a core's.
+constexpr double kDeviceStart = 0.5, kDevicePerTet = 0.5e-9, kDevicePerByte = 1.0 / 20e9;
+constexpr double kCpuPerTet = 90e-9, kCpuPerLeaf = 1.7e-6, kCpuPerOwnerLeaf = 8e-6;
+
+struct Cost {
+  double cpu, device;
+};
+
+Cost costOf(const TetMesh& mesh, const GridTransform& transform, const VoxelizeOptions& options) {
+  const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
+  double leaves[3];
+  for (std::size_t k = 0; k < 3; ++k)
+    leaves[k] = (box.max[k] - box.min[k]) / transform.voxelSize[k] / 8 + 1;
+  // Of a body that fills half of its box.
+  const double surface = leaves[0] * leaves[1] + leaves[1] * leaves[2] + leaves[2] * leaves[0];
+  const double volume = leaves[0] * leaves[1] * leaves[2] / 2;
+  const auto tets = static_cast<double>(mesh.tetCount());
+  const double threads = tbb::this_task_arena::max_concurrency();
+  Cost cost{0, kDeviceStart};
+  for (const GridKind kind : options.grids) {
+    const bool owners = asksForOwners({kind});
+    const double count = owners ? std::min(volume, surface + 3 * tets) : surface;
+    cost.cpu += (tets * kCpuPerTet + count * (owners ? kCpuPerOwnerLeaf : kCpuPerLeaf)) / threads;
+    // The tree comes down and is made anew on the CPU.
+    cost.device += tets * kDevicePerTet +
+                   count * 2300 * (kind == GridKind::Mask ? 0.1 : 1) * kDevicePerByte +
+                   count * 0.2e-6 / threads;
+  }
+  return cost;
+}
+
+Voxelization runOnDevice(nano::DeviceVoxelizer& device, const TetMesh& mesh,
+                         const VoxelizeOptions& options, std::vector<NanoBytes>* nanoGrids,
+                         Report& report, Progress& progress) {
+  Voxelization result;
+  result.transform = chooseTransform(mesh, options);
+  const auto timed = [&](const char* name, double seconds, Stage stage = {}) {
+    stage.name = name;
+    stage.seconds = seconds;
+    stage.peakBytes = peakResidentBytes();
+    report.stages.push_back(std::move(stage));
+  };
+  auto grids = std::make_shared<GridSet>();
+  nano::Times sum;
+  Stage parts;
+  nano::Counts counts;
+  StageTimer download(report, "download"); // written last
+  for (const GridKind kind : options.grids) {
+    progress.check();
+    const std::vector<std::int32_t> values = valuesOf(kind, mesh);
+    const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
+                              mesh.tetCount(), values.empty() ? nullptr : values.data()};
+    download.part(jobFor(kind, result.transform).name + " on the device");
+    const nano::Result made = device.run(view, jobFor(kind, result.transform));
+    download.part(jobFor(kind, result.transform).name);
+    grids->all.push_back(gridOfNano(made.bytes));
+    if (nanoGrids != nullptr)
+      nanoGrids->push_back(copyOf(made.bytes, made.counts.bufferBytes));
+    const nano::Times times = device.times();
+    sum.upload += times.upload;
+    sum.build += times.build;
+    for (const auto& [name, seconds] : times.parts)
+      parts.parts.push_back({name, seconds});
+    counts = made.counts;
+  }
+  timed("upload", sum.upload);
+  timed("voxelize", sum.build, std::move(parts));
+  result.volume = Volume(std::move(grids));
+  result.counts.flipped = counts.flipped;
+  result.counts.dropped = counts.dropped;
+  result.counts.boundaryFaces = counts.boundaryFaces;
+  result.path = counts.road == nano::Road::Boundary ? OccupancyPath::Boundary : OccupancyPath::Tets;
+  return result;
+}
+
+} // namespace
+
+void requireDevice(const DeviceChoice& choice) {
+  if (choice.kind != DeviceKind::Cuda)
+    return;
+  std::string why;
+  const std::vector<std::string> names = nano::listDevices(why);
+  const std::string option = "--device cuda:" + std::to_string(choice.number);
+  if (names.empty())
+    throw Error(Status::Device, option, why, "use --device auto or cpu");
+  if (choice.number < 0 || static_cast<std::size_t>(choice.number) >= names.size())
+    throw Error(Status::Device, option,
+                fmt::format("there {} {} device{}, numbered from 0",
+                            names.size() == 1 ? "is" : "are", names.size(),
+                            names.size() == 1 ? "" : "s"),
+                "name another one");
+}
+
+Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
+                      const DeviceChoice& choice, DeviceUsed& used,
+                      std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
+  used = {};
+  const auto onCpu = [&](std::string why) {
+    used.name = "cpu";
+    used.why = std::move(why);
+    return voxelize(mesh, options, report, progress);
+  };
+  if (choice.kind == DeviceKind::Cpu)
+    return onCpu("");
+  if (options.grids.empty() || mesh.tets.empty())
+    return onCpu(""); // to be refused
+  requireDevice(choice);
+  std::string why;
+  const std::vector<std::string> names = nano::listDevices(why);
+  if (choice.kind == DeviceKind::Auto) {
+    if (names.empty())
+      return onCpu(why);
+    if (options.path != OccupancyPath::Auto)
+      return onCpu("a path was asked for");
+    const Cost cost = costOf(mesh, chooseTransform(mesh, options), options);
+    if (cost.cpu < cost.device)
+      return onCpu(fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU", cost.cpu,
+                               cost.device));
+    used.why = fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu);
+  }
+  progress.stage("voxelize");
+  initializeOpenVDB();
+  try {
+    nano::DeviceVoxelizer device(choice.number);
+    used.name =
+        fmt::format("cuda:{} {}", choice.number, names[static_cast<std::size_t>(choice.number)]);
+    Voxelization result = runOnDevice(device, mesh, options, nanoGrids, report, progress);
+    reportOrigin(result.transform, options, report);
+    reportTets(result.counts, mesh.tetCount(), report);
+    requireVoxels(result, options);
+    return result;
+  } catch (const Error& e) {
+    if (choice.kind != DeviceKind::Auto ||
+        (e.status() != Status::Device && e.status() != Status::Limit))
+      throw;
+    report.warn("device-left", std::string("the CPU took over from the GPU: ") + e.what());
+    if (nanoGrids != nullptr)
+      nanoGrids->clear();
+    return onCpu(e.what());
+  }
+}
+
+} // namespace tetvdb

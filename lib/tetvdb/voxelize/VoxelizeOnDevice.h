@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// voxelize() on a GPU: the same grids, built by nanovdb_kernels.
+#pragma once
+
+#include "tetvdb/volume/NanoBytes.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+enum class DeviceKind : std::uint8_t {
+  Auto, ///< the GPU where there is one and it is expected to be faster
+  Cpu,
+  Cuda
+};
+
+struct DeviceChoice {
+  DeviceKind kind = DeviceKind::Auto;
+  int number = 0; ///< in CUDA's order
+};
+
+/// Where a job's tets were voxelized.
+struct DeviceUsed {
+  std::string name = "cpu"; ///< or "cuda:0 NVIDIA H200"
+  std::string why;          ///< of DeviceKind::Auto: why this one
+};
+
+/// Throws Error(Device) where `choice` names a GPU that is not there.
+void requireDevice(const DeviceChoice& choice);
+
+/// voxelize() on the device of `choice`. Where it is Auto and the device fails or has too little
+/// memory the CPU does it, with a warning ("device-left"). Adds stages "upload", "voxelize" and
+/// "download" to `report` where the GPU is used; making OpenVDB's trees is a part of "download".
+/// `nano`, unless null, receives the grids as NanoVDB where the GPU made them, else nothing.
+/// Throws what voxelize() throws, Error(Device) where the device fails.
+Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
+                      const DeviceChoice& choice, DeviceUsed& used, std::vector<NanoBytes>* nano,
+                      Report& report, Progress& progress);
+
+} // namespace tetvdb

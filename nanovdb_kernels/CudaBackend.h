@@ -27,6 +27,11 @@ inline void check(cudaError_t status, const char* what) {
   throw Error(Status::Device, "device", text, "use --device cpu");
 }
 
+inline std::string gigabytes(u64 bytes) {
+  const u64 tenths = (bytes + 50000000) / 100000000;
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GB";
+}
+
 /// Device memory that is handed out from large blocks and taken back all at once; blocks are kept.
 class DevicePool {
 public:
@@ -51,11 +56,11 @@ public:
       best->used += bytes;
       return p;
     }
-    // A quarter more than there is, so that blocks stay few; where that is too much, what is
-    // needed.
+    // A quarter of what there is, so that blocks stay few, but no more than a gigabyte to spare.
     u64 size = bytes > kLeast ? bytes : kLeast;
-    if (size < held_ / 4)
-      size = held_ / 4;
+    const u64 quarter = held_ / 4 < kSpare ? held_ / 4 : kSpare;
+    if (size < quarter)
+      size = quarter;
     unsigned char* base = nullptr;
     ++calls_;
     if (cudaMalloc(reinterpret_cast<void**>(&base), size) != cudaSuccess) {
@@ -66,7 +71,15 @@ public:
         spare->giveUpUnused();
       size = bytes;
       ++calls_;
-      check(cudaMalloc(reinterpret_cast<void**>(&base), size), "out of memory");
+      const cudaError_t status = cudaMalloc(reinterpret_cast<void**>(&base), size);
+      if (status == cudaErrorMemoryAllocation) {
+        std::size_t free = 0, total = 0;
+        cudaMemGetInfo(&free, &total);
+        check(status, ("the GPU's memory is too small: " + gigabytes(size) + " more needed, " +
+                       gigabytes(free) + " of " + gigabytes(total) + " free")
+                          .c_str());
+      }
+      check(status, "no memory");
     }
     held_ += size;
     blocks_.push_back({base, size, bytes});
@@ -92,7 +105,7 @@ public:
   u64 held() const { return held_; }
 
 private:
-  static constexpr u64 kAlign = 256, kLeast = u64(128) << 20;
+  static constexpr u64 kAlign = 256, kLeast = u64(128) << 20, kSpare = u64(1) << 30;
   struct Block {
     unsigned char* base;
     u64 size, used;
@@ -201,7 +214,7 @@ public:
   /// Memory until dropTemporaries(): the stream's order keeps earlier kernels out of later ones'.
   template <typename T>
   T* temp(u64 n) {
-    return static_cast<T*>(temporaries_.take((n == 0 ? 1 : n) * sizeof(T), nullptr));
+    return static_cast<T*>(temporaries_.take((n == 0 ? 1 : n) * sizeof(T), &pool_));
   }
   void dropTemporaries() { temporaries_.takeBack(); }
   void release() {
@@ -258,7 +271,7 @@ public:
             "scan");
     };
     call(nullptr);
-    call(temporaries_.take(bytes, nullptr));
+    call(temporaries_.take(bytes, &pool_));
   }
   void sort(u64* keys, u32* values, u64 n, int bits) {
     if (n < 2)
@@ -270,7 +283,7 @@ public:
       check(cub::DeviceRadixSort::SortPairs(temporary, bytes, k, v, n, 0, bits, stream_), "sort");
     };
     call(nullptr);
-    call(temporaries_.take(bytes, nullptr));
+    call(temporaries_.take(bytes, &pool_));
     if (k.Current() != keys)
       check(cudaMemcpyAsync(keys, k.Current(), n * sizeof(u64), cudaMemcpyDeviceToDevice, stream_),
             "sort");

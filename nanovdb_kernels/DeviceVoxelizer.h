@@ -5,7 +5,7 @@
 //
 //   tetvdb::nano::DeviceVoxelizer voxelizer(0);
 //   tetvdb::nano::Job job;
-//   job.kind = tetvdb::nano::GridType::Mask;
+//   job.type = tetvdb::nano::GridType::Mask;
 //   job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = 0.01;
 //   tetvdb::nano::Result result = voxelizer.run({points, pointCount, tets, tetCount}, job);
 //   // result.bytes: a NanoVDB grid

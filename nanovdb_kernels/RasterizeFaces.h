@@ -46,11 +46,10 @@ TETVDB_HD inline u64 gatherBytes(u64 word) {
 
 struct WalkShared {
   static constexpr int kThreads = 256, kOccupancy = 32;
-  i32 delta[512];        // signed crossings at a voxel: [64 columns][8]
+  i32 delta[512];        // signed crossings at a voxel: [8][64 columns], so that banks differ
   i32 count[64];         // tets around, below the leaf
   alignas(8) u8 run[64]; // the column's bits
   alignas(8) u8 inside[64];
-  u32 any, all;
 };
 
 template <typename Backend>
@@ -248,8 +247,6 @@ public:
           for (u64 leaf = first; leaf < end; ++leaf) {
             for (int i = team.rank(); i < 512; i += team.size())
               s.delta[i] = 0;
-            if (team.rank() == 0)
-              s.any = s.all = 0;
             team.sync();
             i32 origin[3];
             originOf(space, 0, placeOfColumnKey(space, 0, keys[leaf]), origin);
@@ -277,27 +274,27 @@ public:
               i32 count = s.count[c];
               u32 run = 0;
               for (int z = 0; z < 8; ++z) {
-                count += s.delta[c * 8 + z];
+                count += s.delta[z * 64 + c];
                 run |= u32(count > 0) << z;
               }
               s.count[c] = count;
               s.run[c] = static_cast<u8>(run);
               s.inside[c] = count > 0;
-              if (run != 0)
-                orInto(&s.any, 1u);
-              if (run != 0xFF)
-                orInto(&s.all, 1u);
             }
             team.sync();
             // Eight columns' bytes are a mask's word.
             for (int x = team.rank(); x < 8; x += team.size())
               masks[8 * leaf + static_cast<u64>(x)] = reinterpret_cast<const u64*>(s.run)[x];
             if (team.rank() == 0) {
-              u64 top = 0;
-              for (int x = 0; x < 8; ++x)
+              u64 top = 0, any = 0, all = ~u64(0);
+              for (int x = 0; x < 8; ++x) {
+                const u64 word = reinterpret_cast<const u64*>(s.run)[x];
+                any |= word;
+                all &= word;
                 top |= gatherBytes(reinterpret_cast<const u64*>(s.inside)[x]) << (8 * x);
+              }
               tops[leaf] = top;
-              states[leaf] = s.any == 0 ? kEmpty : s.all == 0 ? kFull : kNode;
+              states[leaf] = any == 0 ? kEmpty : all == ~u64(0) ? kFull : kNode;
             }
             team.sync();
           }
@@ -330,7 +327,7 @@ public:
       return;
     const i64 z = crossingFrom(f, vx, vy, origin[2], 8);
     if (z >= 0 && z < 8)
-      addTo(&delta[(x * 8 + y) * 8 + static_cast<int>(z)], f.weight);
+      addTo(&delta[static_cast<int>(z) * 64 + x * 8 + y], f.weight);
   }
 
 private:

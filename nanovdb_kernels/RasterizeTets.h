@@ -29,7 +29,7 @@ struct OwnerShared {
   TetPlanes tet[kStaged];
   u32 id[kStaged];
   u32 owner[8 * kOwnerRow];
-  u64 mask[8];
+  alignas(8) u8 run[64]; // a column's bits: eight of them are a word of the mask
   i32 minValue, maxValue;
   u32 count[kOwnerParts];
   i64 sum[kOwnerParts];
@@ -412,8 +412,6 @@ public:
         e.count, 64, TETVDB_KERNEL(const Team& team, u64 entry, OwnerShared& s) {
           for (int i = team.rank(); i < 8 * kOwnerRow; i += team.size())
             s.owner[i] = kNoTet;
-          for (int i = team.rank(); i < 8; i += team.size())
-            s.mask[i] = 0;
           if (team.rank() == 0) {
             s.minValue = 0x7FFFFFFF;
             s.maxValue = -0x7FFFFFFF - 1;
@@ -471,7 +469,6 @@ public:
             i32 value = background;
             if (t != kNoTet) {
               value = valueOf(t);
-              orInto(&s.mask[i >> 6], u64(1) << (i & 63));
               low = value < low ? value : low;
               high = value > high ? value : high;
             }
@@ -483,7 +480,7 @@ public:
           }
           team.sync();
           for (int p = team.rank(); p < kOwnerParts; p += team.size()) {
-            u32 count = 0;
+            u32 count = 0, run = 0;
             i64 sum = 0;
             double squares = 0;
             for (int z = 0; z < 8; ++z) {
@@ -492,16 +489,18 @@ public:
                 continue;
               const i64 above = i64(valueOf(t)) - s.minValue;
               ++count;
+              run |= 1u << z;
               sum += above;
               squares += static_cast<double>(above) * static_cast<double>(above);
             }
             s.count[p] = count;
+            s.run[p] = static_cast<u8>(run);
             s.sum[p] = sum;
             s.squares[p] = squares;
           }
           team.sync();
           for (int i = team.rank(); i < 8; i += team.size())
-            masks[8 * entry + static_cast<u64>(i)] = s.mask[i];
+            masks[8 * entry + static_cast<u64>(i)] = reinterpret_cast<const u64*>(s.run)[i];
           if (team.rank() == 0) {
             u32 count = 0;
             i64 sum = 0;

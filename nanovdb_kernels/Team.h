@@ -70,6 +70,16 @@ TETVDB_HD inline i32 addTo(i32* p, i32 v) {
 #endif
 }
 
+TETVDB_HD inline u32 addTo(u32* p, u32 v) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(p, v);
+#else
+  const u32 old = *p;
+  *p += v;
+  return old;
+#endif
+}
+
 TETVDB_HD inline u64 addTo(u64* p, u64 v) {
 #if defined(__CUDA_ARCH__)
   return atomicAdd(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(v));

@@ -47,7 +47,8 @@ struct WriteShared {
   u32 before[kWords];
   i32 low[3], high[3];
   i32 minValue, maxValue;
-  u64 voxels, tiles;
+  u32 tiles, low32; // low32: voxels, where they fit; 64-bit atomics in shared memory are slow
+  u64 voxels;
   Moments part[kParts];
 };
 
@@ -338,7 +339,7 @@ public:
             }
             s.minValue = 0x7FFFFFFF;
             s.maxValue = -0x7FFFFFFF - 1;
-            s.voxels = s.tiles = 0;
+            s.voxels = s.tiles = s.low32 = 0;
           }
           team.sync();
           if (team.rank() == 0) {
@@ -367,7 +368,7 @@ public:
             const u64 tile = s.tile[w];
             if (tile == 0)
               continue;
-            addTo(&s.tiles, static_cast<u64>(bitCount(tile)));
+            addTo(&s.tiles, static_cast<u32>(bitCount(tile)));
             for (int half = 0; half < 64; half += 1 << kLog2) {
               const u64 run = tile >> half & (kLog2 == 4 ? 0xFFFFull : 0xFFFFFFFFull);
               if (run == 0)
@@ -444,7 +445,9 @@ public:
               minInto(&s.minValue, minValue);
               maxInto(&s.maxValue, maxValue);
             }
-            if (sum != 0)
+            if (sum != 0 && level == 1)
+              addTo(&s.low32, static_cast<u32>(sum));
+            else if (sum != 0)
               addTo(&s.voxels, sum);
             if (kind == Kind::Int32)
               s.part[p] = part;
@@ -457,8 +460,8 @@ public:
             }
             node.flags = 2;
             const u64 side = static_cast<u64>(childSide);
-            voxels[number] = s.voxels + s.tiles * side * side * side;
-            addTo(totals + level, s.tiles);
+            voxels[number] = s.voxels + s.low32 + s.tiles * side * side * side;
+            addTo(totals + level, u64(s.tiles));
             node.values = {0, 0, 0, 0};
             if (kind == Kind::Float) {
               union {

@@ -174,7 +174,8 @@ class BadOptions(CommandLineTest):
         self.refuse_options(3, "--bbox", "5,5,5,6,6,6", says=("box.mesh", "--bbox"))
 
     def test_device_that_is_not_there(self):
-        self.refuse_options(6, "--device", "cuda", says="cuda")
+        self.refuse_options(6, "--device", "cuda:97", says="cuda")
+        self.refuse_options(2, "--device", "cuda:0,1", says="--device")
 
     def test_empty_result(self):
         tiny = [[0.3 + 0.1 * c for c in p] for p in lattice(1)[0]]

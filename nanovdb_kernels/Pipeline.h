@@ -238,7 +238,7 @@ public:
   bool denseFits() const { return denseLeaves() <= double(u64(1) << 24); }
   // Matching a tet's faces costs about as much as rasterizing it where it is a few voxels wide.
   bool denseIsFaster() const {
-    return denseFits() && denseLeaves() * 512 < 64.0 * static_cast<double>(mesh_.tetCount);
+    return denseFits() && denseLeaves() * 512 < 16.0 * static_cast<double>(mesh_.tetCount);
   }
 
   void checkJob() const {

@@ -26,12 +26,14 @@
 
 namespace tetvdb {
 
-constexpr double kSoupScale = 0x1p32; ///< lattice units a unit of the test's meshes
+constexpr double kSoupScale = 0x1p36; ///< lattice units a unit of the test's meshes
+constexpr double kSoupGrain = 16;     ///< lattice units, as few as Delaunay tets of the soups allow
 
 /// On multiples of `grain` lattice units. Points that are equal are one point, whatever mesh they
 /// come from; faces stay as they are, apart from those with a repeated point, which go.
-inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain = 1) {
+inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain = kSoupGrain) {
   LatticeSoup soup;
+  soup.grain = kSoupGrain;
   std::map<Vec3d, std::uint32_t> numbers;
   for (std::size_t input = 0; input < meshes.size(); ++input)
     for (std::size_t i = 0; i + 2 < meshes[input].triangles.size(); i += 3) {
@@ -55,9 +57,9 @@ inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain 
 }
 
 /// Delaunay tets, their neighbours found again by a map of faces; the box's sides are fixed.
-inline TetComplex complexOf(const std::vector<Vec3d>& points) {
+inline TetComplex complexOf(const std::vector<Vec3d>& points, double grain) {
   Progress progress;
-  const PlainTets plain = delaunayTets(points, 1, progress);
+  const PlainTets plain = delaunayTets(points, grain, progress);
   TetComplex complex;
   for (const Vec3d& p : points)
     complex.addPoint(p);
@@ -78,7 +80,7 @@ inline TetComplex complexOf(const std::vector<Vec3d>& points) {
 /// A soup's points are 8, 9, ... in it.
 inline TetComplex complexOf(const LatticeSoup& soup, double spacing) {
   Progress progress;
-  return complexOf(backgroundPoints(soup, spacing / 2, spacing, spacing / 8, progress));
+  return complexOf(backgroundPoints(soup, spacing / 2, spacing, spacing / 8, progress), soup.grain);
 }
 
 inline double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {

@@ -9,8 +9,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kReach = 0x1p20;        // lattice units: 2e-4 of a unit of the meshes
-constexpr double kGrain = kReach / 1024; // what soups are snapped to, as the mesher does it
+constexpr double kReach = 0x1p24; // lattice units: 2e-4 of a unit of the meshes
+// What soups are snapped to: as in the mesher, small against the tolerance, kReach / 1e4.
+constexpr double kGrain = kSoupGrain;
 constexpr std::uint32_t kFirst = 8;
 
 struct Inserted {
@@ -201,9 +202,9 @@ TEST(SoupInsertion, CleanSolids) {
   expectAllOf({turned(meshes::box({0, 0, 0}, {1, 2, 0.1}, 3))});
 }
 
-TEST(SoupInsertion, WithAReachOfAFewUnits) {
-  expectAllOf({meshes::sphere({0, 0, 0}, 1, 6)}, 0.25, 64, 1);
-  expectAllOf({turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2))}, 0.25, 64, 1);
+TEST(SoupInsertion, WithAReachOfAFewGrains) {
+  expectAllOf({meshes::sphere({0, 0, 0}, 1, 6)}, 0.25, 64 * kSoupGrain, kSoupGrain);
+  expectAllOf({turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2))}, 0.25, 64 * kSoupGrain, kSoupGrain);
 }
 
 TEST(SoupInsertion, OverlappingSolids) {
@@ -219,7 +220,7 @@ TEST(SoupInsertion, CoplanarFacesThatOverlap) {
   const TriangleMesh mesh = meshes::joined(
       {meshes::box({0, 0, 0}, {1, 1, 1}, 2), meshes::box({0.31, 0.17, 0}, {1.31, 1.17, 1}, 3)});
   expectAllOf({mesh});
-  expectAllOf({turned(mesh)}, 0.25, kReach, 1);
+  expectAllOf({turned(mesh)}, 0.25, kReach, kSoupGrain);
   // Nearly coplanar.
   expectAllOf({meshes::joined({meshes::box({0, 0, 0}, {1, 1, 1}, 2),
                                meshes::box({0.31, 0.17, 1e-9}, {1.31, 1.17, 1 + 1e-9}, 3)})});
@@ -230,7 +231,7 @@ TEST(SoupInsertion, SolidsThatTouch) {
   for (const Vec3d& offset : {Vec3d{1, 0, 0}, Vec3d{1, 0.3, 0.2}, Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
     const auto other = meshes::moved(mesh, [&](const Vec3d& p) { return plus(p, offset); });
     expectAllOf({meshes::joined({mesh, other})});
-    expectAllOf({turned(meshes::joined({mesh, other}))}, 0.25, kReach, 1);
+    expectAllOf({turned(meshes::joined({mesh, other}))}, 0.25, kReach, kSoupGrain);
   }
 }
 
@@ -245,7 +246,8 @@ TEST(SoupInsertion, InputsThatShareFaces) {
 TEST(SoupInsertion, NeedlesAndCaps) {
   for (const double share : {1e-3, 1e-8, 1e-9}) {
     expectAllOf({withCaps(meshes::box({0, 0, 0}, {1, 1, 1}, 2), share)});
-    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)}, 0.25, kReach, 1);
+    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)}, 0.25, kReach,
+                kSoupGrain);
   }
   // Needles a thousandth and less as wide as long. (Below three tolerances, 7e-6 here, their sides
   // are as good as collinear and have no faces of their own.)

@@ -14,6 +14,8 @@ constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
 // Tries with one soup, while no more than so many faces do not go in.
 constexpr int kTries = 3;
 constexpr std::size_t kFew = 16;
+// Variants that are cut to too many pieces.
+constexpr int kMostTooMany = 2;
 
 TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
   TetComplex complex;
@@ -65,6 +67,7 @@ InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& sou
                               StageTimer& timer, Progress& progress) {
   InsertedSurface best;
   bool found = false;
+  int tooMany = 0;
   for (int variant = 0; variant < variants && !(found && best.missing.empty()); ++variant) {
     InsertedSurface next;
     next.soup = soupOf(variant);
@@ -78,8 +81,8 @@ InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& sou
     try {
       insertAll(next, inputCount, options.reach, points, background, progress);
     } catch (const Error& error) {
-      // Another variant may be cut less.
-      if (error.status() != Status::Limit || (variant == variants - 1 && !found))
+      // Another variant may be cut less, but few are where two were not.
+      if (error.status() != Status::Limit || (++tooMany == kMostTooMany && !found))
         throw;
       continue;
     }

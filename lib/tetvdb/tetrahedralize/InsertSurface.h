@@ -30,8 +30,8 @@ struct InsertedSurface {
 /// and of points in between, into which the triangles go (InsertSoup.h). Where some do not, it is
 /// tried again, those first, then with soupOf(1) instead of soupOf(0), up to `variants`; of all
 /// tries the one that misses fewest counts. Writes parts "background" and "insert" to `timer`.
-/// Parallel; the same mesh for any number of threads. Throws Error(Limit) where every variant is
-/// cut to more pieces than can be meshed.
+/// Parallel; the same mesh for any number of threads. `variants` is two or more. Throws
+/// Error(Limit) where the first two are cut to more pieces than can be meshed.
 InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& soupOf, int variants,
                               std::size_t inputCount, const InsertSurfaceOptions& options,
                               StageTimer& timer, Progress& progress);

@@ -29,9 +29,9 @@ namespace tetvdb {
 constexpr double kSoupScale = 0x1p36; ///< lattice units a unit of the test's meshes
 constexpr double kSoupGrain = 16;     ///< lattice units, as few as Delaunay tets of the soups allow
 
-/// On multiples of `grain` lattice units. Points that are equal are one point, whatever mesh they
+/// On multiples of the grain. Points that are equal are one point, whatever mesh they
 /// come from; faces stay as they are, apart from those with a repeated point, which go.
-inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain = kSoupGrain) {
+inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes) {
   LatticeSoup soup;
   soup.grain = kSoupGrain;
   std::map<Vec3d, std::uint32_t> numbers;
@@ -40,7 +40,7 @@ inline LatticeSoup soupOf(const std::vector<TriangleMesh>& meshes, double grain 
       std::array<std::uint32_t, 3> face{};
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3d& p = meshes[input].points[meshes[input].triangles[i + k]];
-        const Vec3d at = times(roundToLattice(times(p, kSoupScale / grain)), grain);
+        const Vec3d at = roundToGrain(times(p, kSoupScale), kSoupGrain);
         const auto [entry, isNew] =
             numbers.try_emplace(at, static_cast<std::uint32_t>(soup.points.size()));
         if (isNew)

@@ -9,9 +9,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kReach = 0x1p24; // lattice units: 2e-4 of a unit of the meshes
-// What soups are snapped to: as in the mesher, small against the tolerance, kReach / 1e4.
-constexpr double kGrain = kSoupGrain;
+// Lattice units: 2e-4 of a unit of the meshes. As in the mesher, soups' grain is small against the
+// tolerance, kReach / 1e4.
+constexpr double kReach = 0x1p24;
 constexpr std::uint32_t kFirst = 8;
 
 struct Inserted {
@@ -23,9 +23,9 @@ struct Inserted {
 };
 
 Inserted inserted(const std::vector<TriangleMesh>& meshes, double spacing = 0.25,
-                  double reach = kReach, double grain = kGrain) {
+                  double reach = kReach) {
   Inserted made;
-  made.soup = soupOf(meshes, grain);
+  made.soup = soupOf(meshes);
   made.inputs = meshes.size();
   made.reach = reach;
   // What is missing goes first in another try, as run() suggests and the mesher does.
@@ -150,8 +150,8 @@ void expectWinding(const Inserted& made, const std::vector<TriangleMesh>& meshes
 }
 
 void expectAllOf(const std::vector<TriangleMesh>& meshes, double spacing = 0.25,
-                 double reach = kReach, double grain = kGrain) {
-  const Inserted made = inserted(meshes, spacing, reach, grain);
+                 double reach = kReach) {
+  const Inserted made = inserted(meshes, spacing, reach);
   expectNear(made);
   expectSolid(made);
   expectWinding(made, meshes);
@@ -203,8 +203,8 @@ TEST(SoupInsertion, CleanSolids) {
 }
 
 TEST(SoupInsertion, WithAReachOfAFewGrains) {
-  expectAllOf({meshes::sphere({0, 0, 0}, 1, 6)}, 0.25, 64 * kSoupGrain, kSoupGrain);
-  expectAllOf({turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2))}, 0.25, 64 * kSoupGrain, kSoupGrain);
+  expectAllOf({meshes::sphere({0, 0, 0}, 1, 6)}, 0.25, 64 * kSoupGrain);
+  expectAllOf({turned(meshes::box({0, 0, 0}, {1, 1, 1}, 2))}, 0.25, 64 * kSoupGrain);
 }
 
 TEST(SoupInsertion, OverlappingSolids) {
@@ -220,7 +220,7 @@ TEST(SoupInsertion, CoplanarFacesThatOverlap) {
   const TriangleMesh mesh = meshes::joined(
       {meshes::box({0, 0, 0}, {1, 1, 1}, 2), meshes::box({0.31, 0.17, 0}, {1.31, 1.17, 1}, 3)});
   expectAllOf({mesh});
-  expectAllOf({turned(mesh)}, 0.25, kReach, kSoupGrain);
+  expectAllOf({turned(mesh)}, 0.25, kReach);
   // Nearly coplanar.
   expectAllOf({meshes::joined({meshes::box({0, 0, 0}, {1, 1, 1}, 2),
                                meshes::box({0.31, 0.17, 1e-9}, {1.31, 1.17, 1 + 1e-9}, 3)})});
@@ -231,7 +231,7 @@ TEST(SoupInsertion, SolidsThatTouch) {
   for (const Vec3d& offset : {Vec3d{1, 0, 0}, Vec3d{1, 0.3, 0.2}, Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
     const auto other = meshes::moved(mesh, [&](const Vec3d& p) { return plus(p, offset); });
     expectAllOf({meshes::joined({mesh, other})});
-    expectAllOf({turned(meshes::joined({mesh, other}))}, 0.25, kReach, kSoupGrain);
+    expectAllOf({turned(meshes::joined({mesh, other}))}, 0.25, kReach);
   }
 }
 
@@ -246,8 +246,7 @@ TEST(SoupInsertion, InputsThatShareFaces) {
 TEST(SoupInsertion, NeedlesAndCaps) {
   for (const double share : {1e-3, 1e-8, 1e-9}) {
     expectAllOf({withCaps(meshes::box({0, 0, 0}, {1, 1, 1}, 2), share)});
-    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)}, 0.25, kReach,
-                kSoupGrain);
+    expectAllOf({withCaps(turned(meshes::sphere({0, 0, 0}, 1, 4)), share)}, 0.25, kReach);
   }
   // Needles a thousandth and less as wide as long. (Below three tolerances, 7e-6 here, their sides
   // are as good as collinear and have no faces of their own.)

@@ -6,26 +6,12 @@
 #include "tetvdb/tetrahedralize/SheetEdge.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace tetvdb {
 
 std::size_t TetPeeler::sweep() {
-  std::vector<std::pair<float, std::uint32_t>> order;
-  for (std::uint32_t t = 0; t < complex_.tets.size(); ++t) {
-    const TetComplex::Tet& tet = complex_.tets[t];
-    if (!tet.exists() || tet.weight < 1)
-      continue;
-    bool changed = false;
-    for (const std::uint32_t corner : tet.corners)
-      changed = changed || (complex_.points[corner].changed & kChanged);
-    if (changed && energyOf(complex_, t) > energy_)
-      order.push_back({-tet.energy, t});
-  }
-  for (TetComplex::Point& point : complex_.points)
-    point.changed = static_cast<std::uint8_t>(point.changed & ~kChanged);
-  std::sort(order.begin(), order.end());
+  const auto order = takeChangedTets(complex_, kChanged, energy_, 1);
   std::size_t gone = 0;
   for (const auto& [energy, t] : order) {
     const Answer answer = mayGo(t);

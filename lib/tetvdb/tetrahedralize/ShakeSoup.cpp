@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numeric>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace tetvdb {
@@ -56,13 +57,12 @@ std::vector<std::uint32_t> piecesOf(const LatticeSoup& soup) {
 void movePieces(LatticeSoup& soup, double distance, std::uint64_t seed) {
   const std::vector<std::uint32_t> piece = piecesOf(soup);
   std::vector<bool> open(soup.faces.size(), false);
-  std::unordered_map<std::uint64_t, std::uint32_t> facesAt;
-  for (const auto& corners : soup.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      ++facesAt[edgeKey(corners[i], corners[(i + 1) % 3])];
+  std::unordered_set<std::uint64_t> rim;
+  for (const auto& [a, b] : openEdges(soup))
+    rim.insert(edgeKey(a, b));
   for (std::size_t face = 0; face < soup.faces.size(); ++face)
     for (std::size_t i = 0; i < 3; ++i)
-      if (facesAt[edgeKey(soup.faces[face][i], soup.faces[face][(i + 1) % 3])] == 1)
+      if (rim.count(edgeKey(soup.faces[face][i], soup.faces[face][(i + 1) % 3])) != 0)
         open[piece[face]] = true;
   std::vector<Vec3d> points;
   std::unordered_map<std::uint64_t, std::uint32_t> moved; // by piece and point

@@ -15,7 +15,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace tetvdb {
 
@@ -88,6 +91,30 @@ inline float energyOf(TetComplex& complex, std::uint32_t t) {
                                         complex.at(tet.corners[2]), complex.at(tet.corners[3])),
                  static_cast<double>(std::numeric_limits<float>::max())));
   return tet.energy;
+}
+
+/// Tets above `energy` and of no less than a weight, with their energies, the worst first, that
+/// have a point at which `bit` of Point::changed is set; clears that bit everywhere.
+inline std::vector<std::pair<float, std::uint32_t>>
+takeChangedTets(TetComplex& complex, std::uint8_t bit, double energy, double leastWeight) {
+  std::vector<std::pair<float, std::uint32_t>> taken;
+  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    if (!tet.exists() || tet.weight < leastWeight)
+      continue;
+    const bool changed =
+        std::any_of(tet.corners.begin(), tet.corners.end(), [&](std::uint32_t corner) {
+          return (complex.points[corner].changed & bit) != 0;
+        });
+    if (changed && energyOf(complex, t) > energy)
+      taken.push_back({tet.energy, t});
+  }
+  for (TetComplex::Point& point : complex.points)
+    point.changed = static_cast<std::uint8_t>(point.changed & ~bit);
+  std::sort(taken.begin(), taken.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  return taken;
 }
 
 } // namespace tetvdb

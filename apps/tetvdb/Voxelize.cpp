@@ -29,6 +29,7 @@ struct Options : JobOptions {
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
+  double halfWidth = 3;
 };
 
 const char* const kExamples = R"(Examples:
@@ -46,6 +47,8 @@ const char* const kExamples = R"(Examples:
       triangles with any defect; holes are closed where the winding number passes 0.5
   tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
       by way of tets within half a voxel of the triangles, which are written as well
+  tetvdb voxelize broken.stl -o solid.vdb --grid surface --half-width 5
+      a level set: exact distances up to five voxels from the surface
   tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
       an open sheet as a shell, 0.4 units thick
 
@@ -58,14 +61,25 @@ constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
      {"tet_id", GridKind::TetId},
      {"material", GridKind::Material}}};
 
-std::vector<GridKind> parseGrids(const std::vector<std::string>& names) {
+constexpr std::array<std::pair<std::string_view, ShapeGrid>, 2> kShapeNames = {
+    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}}};
+
+// Grids of voxels, and those of the shape into `shapes`.
+std::vector<GridKind> parseGrids(const std::vector<std::string>& names,
+                                 std::vector<ShapeGrid>& shapes) {
   std::vector<GridKind> kinds;
   for (const std::string& name : names) {
+    const auto* shape = std::find_if(kShapeNames.begin(), kShapeNames.end(),
+                                     [&](const auto& entry) { return entry.first == name; });
+    if (shape != kShapeNames.end()) {
+      shapes.push_back(shape->second);
+      continue;
+    }
     const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
                                      [&](const auto& entry) { return entry.first == name; });
     if (known == kGridNames.end())
       throw Error(Status::Usage, "--grid", "'" + name + "' is no grid that can be made",
-                  "choose from density, mask, tet_id and material");
+                  "choose from density, mask, surface, fog, tet_id and material");
     if (std::find(kinds.begin(), kinds.end(), known->second) != kinds.end())
       throw Error(Status::Usage, "--grid", "'" + name + "' is asked for twice",
                   "name every grid once");
@@ -138,7 +152,8 @@ VoxelizeJob makeJob(const Options& options) {
   setSize(options, job.voxelize.voxelSize, job.voxelize.resolution);
   if (!options.origin.empty())
     job.voxelize.origin = parsePoint("--origin", options.origin);
-  job.voxelize.grids = parseGrids(options.grids);
+  job.voxelize.grids = parseGrids(options.grids, job.shapes.grids);
+  job.shapes.halfWidth = options.halfWidth;
   job.voxelize.path = parsePath(options.path);
   job.voxelize.allowEmpty = options.allowEmpty;
   job.maxMemory = memoryLimit(options);
@@ -292,10 +307,16 @@ CLI::Validator oneOf(const std::set<std::string>& words) {
 void addGridOptions(CLI::App& command, Options& options) {
   command
       .add_option("--grid", options.grids,
-                  "Grids to make: density (default), mask, tet_id, material; several with commas")
+                  "Grids to make: density (default), mask, surface (a level set), fog (made of "
+                  "it), tet_id, "
+                  "material; several with commas")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
+  command
+      .add_option("--half-width", options.halfWidth,
+                  "Voxels on either side of the surface that hold distances, 1 to 100 (default 3)")
+      ->type_name("N");
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
       ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");

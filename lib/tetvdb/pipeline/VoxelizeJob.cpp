@@ -27,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void checkOutputs(const VoxelizeJob& job) {
+  checkShapes(job.shapes, job.voxelize.voxelSize);
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && job.meshOutput.empty())
@@ -134,7 +135,28 @@ Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, const Voxelize
 
 // Where the device's NanoVDB grids may be written as they are, place for them.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" ? &nano : nullptr;
+  return fs::path(job.output).extension() == ".nvdb" && job.shapes.grids.empty() ? &nano : nullptr;
+}
+
+// The grids of `voxelizeMesh` and then those of job.shapes, which `addShapes` makes with the mask.
+template <typename Voxelize, typename AddShapes>
+Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
+                        const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
+  if (job.shapes.grids.empty())
+    return voxelizeMesh(options);
+  const auto asked = static_cast<std::ptrdiff_t>(options.grids.size());
+  const auto kinds = options.grids.begin();
+  const bool hasMask = std::find(kinds, kinds + asked, GridKind::Mask) != kinds + asked;
+  if (!hasMask)
+    options.grids.push_back(GridKind::Mask);
+  Voxelization made = voxelizeMesh(options);
+  ShapeOptions shapes = job.shapes;
+  shapes.maxMemory = memoryLeft(job.maxMemory);
+  addShapes(shapes, made);
+  openvdb::GridPtrVec& grids = made.volume.grids().all;
+  if (!hasMask)
+    grids.erase(grids.begin() + asked);
+  return made;
 }
 
 // openFirstTile() changes a grid of tiles alone: then the tree is what counts.
@@ -181,8 +203,15 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   std::vector<NanoBytes> nano;
   if (!job.output.empty()) {
     volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
-      return voxelize(mesh, options, job.device, result.device, nanoPlace(job, nano), report,
-                      progress);
+      return withShapes(
+          job, options,
+          [&](const VoxelizeOptions& more) {
+            return voxelize(mesh, more, job.device, result.device, nanoPlace(job, nano), report,
+                            progress);
+          },
+          [&](const ShapeOptions& shapes, Voxelization& made) {
+            addShapeGrids(mesh, shapes, made, report, progress);
+          });
     });
     dropStale(volume, nano);
     if (job.meshOutput.empty())
@@ -220,7 +249,7 @@ public:
     Volume volume;
     if (!job_.output.empty()) {
       volume = makeVolume(job_, result_,
-                          [&](const VoxelizeOptions& options) { return voxelizeSolid(options); });
+                          [&](const VoxelizeOptions& options) { return makeGrids(options); });
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
@@ -299,15 +328,33 @@ private:
       meshes_ = {}; // their memory serves the grids
   }
 
+  bool byTets() const { return result_.mesher->road == Mesher::Envelope; }
+
+  // How the triangles become a solid where no tets are made.
+  SolidOptions directSolid() const {
+    SolidOptions solid = job_.solid;
+    solid.method =
+        result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
+    return solid;
+  }
+
+  Voxelization makeGrids(const VoxelizeOptions& options) {
+    return withShapes(
+        job_, options, [&](const VoxelizeOptions& more) { return voxelizeSolid(more); },
+        [&](const ShapeOptions& shapes, Voxelization& made) {
+          if (byTets())
+            addShapeGrids(tets_, shapes, made, report_, progress_);
+          else
+            addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
+        });
+  }
+
   Voxelization voxelizeSolid(VoxelizeOptions options) {
-    if (result_.mesher->road != Mesher::Envelope) {
+    if (!byTets()) {
       if (job_.device.kind == DeviceKind::Cuda)
         report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
                                       "makes tets, which the GPU takes");
-      SolidOptions solid = job_.solid;
-      solid.method =
-          result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
-      Voxelization made = voxelize(meshes_.front(), solid, options, report_, progress_);
+      Voxelization made = voxelize(meshes_.front(), directSolid(), options, report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }

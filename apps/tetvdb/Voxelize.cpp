@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "FieldOptions.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "MeshReport.h"
@@ -24,12 +25,12 @@ struct Options : JobOptions {
   std::string output, writeMesh;
   std::string origin, bbox;
   std::vector<std::string> grids{"density"};
+  FieldTexts fields;
   std::string device = "auto", path = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
-  double halfWidth = 3;
 };
 
 const char* const kExamples = R"(Examples:
@@ -37,6 +38,8 @@ const char* const kExamples = R"(Examples:
       256 voxels along the longest side, one fog grid "density"
   tetvdb voxelize engine.vtu -o engine.vdb --voxel-size 0.5 --grid density,material
       voxels of half a unit, with the region number of every voxel
+  tetvdb voxelize beam.vtu -o beam.vdb --grid density,temperature,vel --derive mises=stress:mises
+      arrays of the mesh as grids of their own, and one made of a tensor
   tetvdb voxelize head.mesh -o skull.nvdb --region bone,4 --resolution 1024
       only the regions named "bone" and numbered 4
   tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf
@@ -47,8 +50,6 @@ const char* const kExamples = R"(Examples:
       triangles with any defect; holes are closed where the winding number passes 0.5
   tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
       by way of tets within half a voxel of the triangles, which are written as well
-  tetvdb voxelize broken.stl -o solid.vdb --grid surface --half-width 5
-      a level set: exact distances up to five voxels from the surface
   tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
       an open sheet as a shell, 0.4 units thick
 
@@ -61,31 +62,26 @@ constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
      {"tet_id", GridKind::TetId},
      {"material", GridKind::Material}}};
 
-constexpr std::array<std::pair<std::string_view, ShapeGrid>, 2> kShapeNames = {
-    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}}};
-
-// Grids of voxels, and those of the shape into `shapes`.
-std::vector<GridKind> parseGrids(const std::vector<std::string>& names,
-                                 std::vector<ShapeGrid>& shapes) {
-  std::vector<GridKind> kinds;
+// Names that are no grid of ours are arrays of the mesh.
+void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
+  std::vector<GridKind>& kinds = job.voxelize.grids;
+  kinds.clear();
+  std::set<std::string> seen;
   for (const std::string& name : names) {
-    const auto* shape = std::find_if(kShapeNames.begin(), kShapeNames.end(),
-                                     [&](const auto& entry) { return entry.first == name; });
-    if (shape != kShapeNames.end()) {
-      shapes.push_back(shape->second);
+    if (name.empty())
       continue;
-    }
-    const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
-                                     [&](const auto& entry) { return entry.first == name; });
-    if (known == kGridNames.end())
-      throw Error(Status::Usage, "--grid", "'" + name + "' is no grid that can be made",
-                  "choose from density, mask, surface, fog, tet_id and material");
-    if (std::find(kinds.begin(), kinds.end(), known->second) != kinds.end())
+    if (!seen.insert(name).second)
       throw Error(Status::Usage, "--grid", "'" + name + "' is asked for twice",
                   "name every grid once");
-    kinds.push_back(known->second);
+    const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
+                                     [&](const auto& entry) { return entry.first == name; });
+    if (known != kGridNames.end())
+      kinds.push_back(known->second);
+    else if (name == "all")
+      job.fields.all = true;
+    else
+      job.fields.requests.push_back({"", name, FieldPart::Whole, ""});
   }
-  return kinds;
 }
 
 OccupancyPath parsePath(const std::string& name) {
@@ -138,7 +134,6 @@ VoxelizeJob makeJob(const Options& options) {
   job.output = options.output;
   job.meshOutput = options.writeMesh;
   job.read.regionArray = options.regionArray;
-  job.read.attributes = !options.writeMesh.empty();
   job.filter.regions = options.regions;
   job.filter.exclude = options.exclude;
   if (!options.bbox.empty())
@@ -152,8 +147,12 @@ VoxelizeJob makeJob(const Options& options) {
   setSize(options, job.voxelize.voxelSize, job.voxelize.resolution);
   if (!options.origin.empty())
     job.voxelize.origin = parsePoint("--origin", options.origin);
-  job.voxelize.grids = parseGrids(options.grids, job.shapes.grids);
-  job.shapes.halfWidth = options.halfWidth;
+  parseGrids(options.grids, job);
+  setFields(options.fields, job.fields);
+  if (!options.fields.warp.empty())
+    job.warp = parseWarp(options.fields.warp);
+  job.read.attributes =
+      !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
   job.voxelize.path = parsePath(options.path);
   job.voxelize.allowEmpty = options.allowEmpty;
   job.maxMemory = memoryLimit(options);
@@ -307,16 +306,11 @@ CLI::Validator oneOf(const std::set<std::string>& words) {
 void addGridOptions(CLI::App& command, Options& options) {
   command
       .add_option("--grid", options.grids,
-                  "Grids to make: density (default), mask, surface (a level set), fog (made of "
-                  "it), tet_id, "
-                  "material; several with commas")
+                  "Grids to make: density (default), mask, tet_id, material, arrays of the mesh by "
+                  "name, or all (arrays); several with commas")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command
-      .add_option("--half-width", options.halfWidth,
-                  "Voxels on either side of the surface that hold distances, 1 to 100 (default 3)")
-      ->type_name("N");
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
       ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");
@@ -392,6 +386,7 @@ Command addVoxelize(CLI::App& program) {
       ->type_name("X,Y,Z")
       ->check(notEmpty());
   addGridOptions(*command, *options);
+  addFieldOptions(*command, options->fields);
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
   command->add_option("--device", options->device, "Where to voxelize tets (default auto)")

@@ -3,6 +3,8 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/fields/SampleFields.h"
+#include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -15,6 +17,7 @@
 #include "tetvdb/voxelize/SoupRim.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -27,7 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 void checkOutputs(const VoxelizeJob& job) {
-  checkShapes(job.shapes, job.voxelize.voxelSize);
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && job.meshOutput.empty())
@@ -69,6 +71,10 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
                  filter.boxMax == none.boxMax))
     throw Error(Status::Usage, "--region, --exclude, --bbox",
                 "choose cells of a solid mesh; the input is triangles", "leave them out");
+  if (first && !(job.fields.empty() && job.warp.array.empty()))
+    throw Error(Status::Usage, job.fields.empty() ? "--warp" : "--grid",
+                "takes arrays of a solid mesh; the input is triangles",
+                "choose from density, mask, tet_id and material");
   if (!job.meshOutput.empty() && !first && writesTriangles(job.meshOutput))
     throw Error(Status::Usage, job.meshOutput, "cannot hold tetrahedra",
                 "name it .msh, .mesh or .vtu");
@@ -95,7 +101,7 @@ void describeOrigin(const VoxelizeJob& job, Volume& volume) {
   if (!job.half)
     return;
   for (const auto& grid : volume.grids().all)
-    if (grid->isType<openvdb::FloatGrid>())
+    if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>())
       grid->setSaveFloatAsHalf(true);
 }
 
@@ -118,8 +124,26 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
   return meshes;
 }
 
+// What is made of arrays can have any values.
+void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {
+  for (std::size_t i = job.voxelize.grids.size(); i < grids.size(); ++i) {
+    const GridInfo& grid = grids[i];
+    const double largest = std::max(std::abs(grid.minValue), std::abs(grid.maxValue));
+    if (job.half && grid.activeVoxels > 0 && grid.type != "int32" && largest > kLargestHalf)
+      throw Error(Status::Invalid, "--half",
+                  fmt::format("'{}' has values up to {:.6g}, beyond {}, the largest of 16 bits",
+                              grid.name, largest, kLargestHalf),
+                  fmt::format("leave --half out, or use --remap {}=0:1", grid.name));
+    const std::string why = whyHidden(grid);
+    if (!why.empty())
+      report.warn("hidden-values", fmt::format("'{}' {}; --remap {}=0:1 makes it visible",
+                                               grid.name, why, grid.name));
+  }
+}
+
 template <typename Voxelize>
-Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, const Voxelize& voxelizeMesh) {
+Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
+                  const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
   options.maxMemory = memoryLeft(job.maxMemory);
   Voxelization made = voxelizeMesh(options);
@@ -130,33 +154,13 @@ Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, const Voxelize
   for (const auto& grid : made.volume.grids().all)
     openFirstTile(*grid);
   result.grids = describe(made.volume);
+  checkValues(job, result.grids, report);
   return std::move(made.volume);
 }
 
 // Where the device's NanoVDB grids may be written as they are, place for them.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" && job.shapes.grids.empty() ? &nano : nullptr;
-}
-
-// The grids of `voxelizeMesh` and then those of job.shapes, which `addShapes` makes with the mask.
-template <typename Voxelize, typename AddShapes>
-Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
-                        const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
-  if (job.shapes.grids.empty())
-    return voxelizeMesh(options);
-  const auto asked = static_cast<std::ptrdiff_t>(options.grids.size());
-  const auto kinds = options.grids.begin();
-  const bool hasMask = std::find(kinds, kinds + asked, GridKind::Mask) != kinds + asked;
-  if (!hasMask)
-    options.grids.push_back(GridKind::Mask);
-  Voxelization made = voxelizeMesh(options);
-  ShapeOptions shapes = job.shapes;
-  shapes.maxMemory = memoryLeft(job.maxMemory);
-  addShapes(shapes, made);
-  openvdb::GridPtrVec& grids = made.volume.grids().all;
-  if (!hasMask)
-    grids.erase(grids.begin() + asked);
-  return made;
+  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() ? &nano : nullptr;
 }
 
 // openFirstTile() changes a grid of tiles alone: then the tree is what counts.
@@ -191,27 +195,48 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     result.outputs.push_back(written(job.meshOutput));
 }
 
+// The grids that are named, then those of arrays, one transform.
+Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
+                          const VoxelizeOptions& options, std::vector<NanoBytes>* nano,
+                          DeviceUsed& device, Report& report, Progress& progress) {
+  if (job.fields.empty())
+    return voxelize(mesh, options, job.device, device, nano, report, progress);
+  FieldOptions wanted = job.fields;
+  wanted.turnVectors = job.up == UpAxis::Y;
+  const std::vector<Field> fields = resolveFields(mesh, wanted, report);
+  Voxelization made;
+  if (options.grids.empty()) {
+    made.transform = chooseTransform(mesh, options);
+    reportOrigin(made.transform, options, report);
+  } else {
+    made = voxelize(mesh, options, job.device, device, nano, report, progress);
+  }
+  SampleOptions sampling;
+  sampling.maxMemory = memoryLeft(job.maxMemory);
+  sampling.allowEmpty = options.allowEmpty;
+  const SnapCounts counts =
+      sampleFields(mesh, made.transform, fields, sampling, made.volume, report, progress);
+  if (options.grids.empty()) {
+    made.counts = counts;
+    reportTets(counts, mesh.tetCount(), report);
+  }
+  return made;
+}
+
 void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress) {
-  TetMesh mesh = mergeMeshes(readAll<TetMesh>(job, result, report, progress,
-                                              [&](const std::string& path, InputInfo& info) {
-                                                return readTets(path, job.read, job.filter, &info,
-                                                                report, progress);
-                                              }),
-                             report);
+  const auto read = [&](const std::string& path, InputInfo& info) {
+    TetMesh one = readTets(path, job.read, job.filter, &info, report, progress);
+    warpPoints(one, job.warp);
+    return one;
+  };
+  TetMesh mesh = mergeMeshes(readAll<TetMesh>(job, result, report, progress, read), report);
   progress.check();
   Volume volume;
   std::vector<NanoBytes> nano;
   if (!job.output.empty()) {
-    volume = makeVolume(job, result, [&](const VoxelizeOptions& options) {
-      return withShapes(
-          job, options,
-          [&](const VoxelizeOptions& more) {
-            return voxelize(mesh, more, job.device, result.device, nanoPlace(job, nano), report,
-                            progress);
-          },
-          [&](const ShapeOptions& shapes, Voxelization& made) {
-            addShapeGrids(mesh, shapes, made, report, progress);
-          });
+    volume = makeVolume(job, result, report, [&](const VoxelizeOptions& options) {
+      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), result.device, report,
+                          progress);
     });
     dropStale(volume, nano);
     if (job.meshOutput.empty())
@@ -248,8 +273,8 @@ public:
       takeRoad();
     Volume volume;
     if (!job_.output.empty()) {
-      volume = makeVolume(job_, result_,
-                          [&](const VoxelizeOptions& options) { return makeGrids(options); });
+      volume = makeVolume(job_, result_, report_,
+                          [&](const VoxelizeOptions& options) { return voxelizeSolid(options); });
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
@@ -328,33 +353,15 @@ private:
       meshes_ = {}; // their memory serves the grids
   }
 
-  bool byTets() const { return result_.mesher->road == Mesher::Envelope; }
-
-  // How the triangles become a solid where no tets are made.
-  SolidOptions directSolid() const {
-    SolidOptions solid = job_.solid;
-    solid.method =
-        result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
-    return solid;
-  }
-
-  Voxelization makeGrids(const VoxelizeOptions& options) {
-    return withShapes(
-        job_, options, [&](const VoxelizeOptions& more) { return voxelizeSolid(more); },
-        [&](const ShapeOptions& shapes, Voxelization& made) {
-          if (byTets())
-            addShapeGrids(tets_, shapes, made, report_, progress_);
-          else
-            addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
-        });
-  }
-
   Voxelization voxelizeSolid(VoxelizeOptions options) {
-    if (!byTets()) {
+    if (result_.mesher->road != Mesher::Envelope) {
       if (job_.device.kind == DeviceKind::Cuda)
         report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
                                       "makes tets, which the GPU takes");
-      Voxelization made = voxelize(meshes_.front(), directSolid(), options, report_, progress_);
+      SolidOptions solid = job_.solid;
+      solid.method =
+          result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
+      Voxelization made = voxelize(meshes_.front(), solid, options, report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }

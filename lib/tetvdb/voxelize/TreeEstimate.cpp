@@ -41,11 +41,15 @@ TreeEstimate estimateByBoundary(const SnappedMesh& mesh, const Boundary& boundar
   return {std::min(leaves, box.leaves), std::min(leaves / 128 + 64, box.lowerNodes)};
 }
 
-TreeEstimate estimateByTets(const SnappedMesh& mesh) {
-  struct Sum {
-    double volume = 0, area = 0;
-  };
-  const Sum sum = tbb::parallel_reduce(
+namespace {
+
+// Of all tets, voxels and faces of voxels.
+struct Sum {
+  double volume = 0, area = 0;
+};
+
+Sum sumOfTets(const SnappedMesh& mesh) {
+  return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, mesh.tetCount, 16384), Sum{},
       [&](const tbb::blocked_range<std::size_t>& range, Sum s) {
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
@@ -79,11 +83,28 @@ TreeEstimate estimateByTets(const SnappedMesh& mesh) {
       [](Sum a, const Sum& b) {
         return Sum{a.volume + b.volume, a.area + b.area};
       });
+}
+
+// A leaf at the surface is partly outside: a third more for those of thin or small meshes.
+double leavesOf(double volume) {
+  return volume / 512 * 1.35;
+}
+
+TreeEstimate withinBox(double leaves, const SnappedMesh& mesh) {
   const TreeEstimate box = estimateByBox(mesh);
-  // Interior faces are counted by both their tets. A leaf at the surface is partly outside: a third
-  // more for those of thin or small meshes.
-  const double leaves = std::min(sum.area / 2 / 64, sum.volume / 512 * 1.35) + 64;
   return {std::min(leaves, box.leaves), std::min(leaves / 128 + 64, box.lowerNodes)};
+}
+
+} // namespace
+
+TreeEstimate estimateByTets(const SnappedMesh& mesh) {
+  const Sum sum = sumOfTets(mesh);
+  // Interior faces are counted by both their tets.
+  return withinBox(std::min(sum.area / 2 / 64, leavesOf(sum.volume)) + 64, mesh);
+}
+
+TreeEstimate estimateByVolume(const SnappedMesh& mesh) {
+  return withinBox(leavesOf(sumOfTets(mesh).volume) + 64, mesh);
 }
 
 void requireMemory(double bytes, const VoxelizeOptions& options) {

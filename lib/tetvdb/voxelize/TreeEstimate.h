@@ -25,6 +25,8 @@ TreeEstimate estimateByBoundary(const SnappedMesh& mesh, const Boundary& boundar
 /// Nodes with owners: those that the tets' faces pass through, and no more than those that they
 /// fill.
 TreeEstimate estimateByTets(const SnappedMesh& mesh);
+/// Nodes of values that vary within tets: all that the tets fill.
+TreeEstimate estimateByVolume(const SnappedMesh& mesh);
 
 /// Throws Error(Limit) where `bytes` are more than options.maxMemory or the machine allow.
 void requireMemory(double bytes, const VoxelizeOptions& options);

@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/FieldGrids.h"
+
+#include "tetvdb/fields/LeafSample.h"
+#include "tetvdb/voxelize/LeafRows.h"
+#include "tetvdb/voxelize/TreeAssembly.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <tbb/enumerable_thread_specific.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+// What is read for one field in one leaf; kept between leaves.
+struct Reading {
+  // Of each tet (slot) and number: at the first corner, and how much more at the three others.
+  std::vector<std::array<double, 4>> corners;
+  std::vector<double> cells;
+};
+
+void convert(const double* value, float& out) {
+  out = static_cast<float>(value[0]);
+}
+void convert(const double* value, openvdb::Vec3s& out) {
+  out = openvdb::Vec3s(static_cast<float>(value[0]), static_cast<float>(value[1]),
+                       static_cast<float>(value[2]));
+}
+void convert(const double* value, std::int32_t& out) {
+  out = static_cast<std::int32_t>(value[0]);
+}
+
+bool isFinite(float value) {
+  return std::isfinite(value);
+}
+bool isFinite(const openvdb::Vec3s& value) {
+  return std::isfinite(value[0]) && std::isfinite(value[1]) && std::isfinite(value[2]);
+}
+bool isFinite(std::int32_t) {
+  return true;
+}
+
+// The values of a field at the voxels of a leaf.
+template <typename Value>
+class LeafValues {
+public:
+  LeafValues(const Field& field, const TetMesh& mesh)
+      : field_(field), mesh_(mesh),
+        plain_((field.part == FieldPart::Whole || field.part == FieldPart::Component) &&
+               !field.turned),
+        asIs_(field.clamp.empty() && field.scale == 1 && field.offset == 0) {}
+
+  void evaluate(const LeafSample& sample, Reading& reading, Value* out) const {
+    if (field_.on == Attribute::On::Cells)
+      return ofCells(sample, reading, out);
+    if (field_.kind == FieldKind::Integer)
+      return ofNearestCorner(sample, out);
+    gather(sample, reading);
+    switch (field_.sources.size()) {
+    case 1:
+      return interpolate<1>(sample, reading, out);
+    case 3:
+      return interpolate<3>(sample, reading, out);
+    default:
+      return interpolate<0>(sample, reading, out);
+    }
+  }
+
+  Value ofCell(std::uint32_t tet) const {
+    double read[9];
+    for (std::size_t k = 0; k < field_.sources.size(); ++k)
+      read[k] = field_.sources[k].array->number(mesh_.cell(tet), field_.sources[k].component);
+    return finished(read);
+  }
+
+private:
+  Value finished(const double* read) const {
+    double derived[3];
+    if (!plain_) {
+      field_.derive(read, derived);
+      read = derived;
+    }
+    double stored[3];
+    if (!asIs_) {
+      std::copy(read, read + field_.width(), stored);
+      field_.store(stored);
+      read = stored;
+    }
+    Value value;
+    convert(read, value);
+    return value;
+  }
+
+  void ofCells(const LeafSample& sample, Reading& reading, Value* out) const {
+    const std::size_t width = field_.sources.size();
+    reading.cells.resize(sample.slots() * width);
+    for (std::size_t k = 0; k < width; ++k)
+      std::visit(
+          [&](const auto& values) {
+            const std::size_t step = field_.sources[k].array->components;
+            const auto* from = values.data() + field_.sources[k].component;
+            for (std::size_t s = 0; s < sample.slots(); ++s)
+              reading.cells[s * width + k] =
+                  static_cast<double>(from[mesh_.cell(sample.tet(s)) * step]);
+          },
+          field_.sources[k].array->values);
+    std::array<Value, LeafSample::kVoxels> ofSlot;
+    for (std::size_t s = 0; s < sample.slots(); ++s)
+      ofSlot[s] = finished(reading.cells.data() + s * width);
+    for (std::size_t v = 0; v < sample.count(); ++v)
+      out[v] = ofSlot[sample.slot(v)];
+  }
+
+  // Numbers of kinds are not mixed.
+  void ofNearestCorner(const LeafSample& sample, Value* out) const {
+    const Field::Source& source = field_.sources.front();
+    for (std::size_t v = 0; v < sample.count(); ++v) {
+      const auto& w = sample.weights(v);
+      std::size_t nearest = 0;
+      double most = 1 - (w[0] + w[1] + w[2]);
+      for (std::size_t i = 0; i < 3; ++i)
+        if (w[i] > most) {
+          most = w[i];
+          nearest = i + 1;
+        }
+      const double read[1] = {
+          source.array->number(sample.point(sample.slot(v), nearest), source.component)};
+      out[v] = finished(read);
+    }
+  }
+
+  void gather(const LeafSample& sample, Reading& reading) const {
+    const std::size_t width = field_.sources.size();
+    reading.corners.resize(sample.slots() * width);
+    for (std::size_t k = 0; k < width; ++k)
+      std::visit(
+          [&](const auto& values) {
+            const std::size_t step = field_.sources[k].array->components;
+            const auto* from = values.data() + field_.sources[k].component;
+            for (std::size_t s = 0; s < sample.slots(); ++s) {
+              auto& corners = reading.corners[s * width + k];
+              for (std::size_t c = 0; c < 4; ++c)
+                corners[c] = static_cast<double>(from[sample.point(s, c) * step]);
+              for (std::size_t c = 1; c < 4; ++c)
+                corners[c] -= corners[0];
+            }
+          },
+          field_.sources[k].array->values);
+  }
+
+  // Width 0: as many as the field has.
+  template <int Width>
+  void interpolate(const LeafSample& sample, const Reading& reading, Value* out) const {
+    const std::size_t width = Width == 0 ? field_.sources.size() : std::size_t(Width);
+    for (std::size_t v = 0; v < sample.count(); ++v) {
+      const auto& w = sample.weights(v);
+      const auto* corners = reading.corners.data() + sample.slot(v) * width;
+      double read[9];
+      for (std::size_t k = 0; k < width; ++k)
+        read[k] =
+            corners[k][0] + (w[0] * corners[k][1] + w[1] * corners[k][2] + w[2] * corners[k][3]);
+      out[v] = finished(read);
+    }
+  }
+
+  const Field& field_;
+  const TetMesh& mesh_;
+  bool plain_, asIs_;
+};
+
+template <typename Value>
+Value backgroundOf(const Field& field) {
+  return Value(static_cast<typename openvdb::VecTraits<Value>::ElementType>(field.background));
+}
+
+} // namespace
+
+std::size_t leafBytes(FieldKind kind) {
+  constexpr std::size_t allocation = 32;
+  return 96 + allocation + LeafSample::kVoxels * (kind == FieldKind::Vector ? 12 : 4);
+}
+
+class FieldGrids::GridBuilder {
+public:
+  explicit GridBuilder(const Field& field) : field_(field) {}
+  virtual ~GridBuilder() = default;
+  virtual void* begin(const NodeIndex& node) = 0;
+  /// The leaf at `offset` in the node, with the voxels of `sample`.
+  virtual void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
+                    Reading& reading) = 0;
+  virtual void end(void* node, const NodeIndex& index) = 0;
+  virtual void drop(void* node) = 0;
+  virtual void tile(const NodeIndex& index, std::uint32_t owner) = 0;
+  virtual openvdb::GridBase::Ptr finish(const GridTransform& transform) = 0;
+
+  bool ofCells() const { return field_.on == Attribute::On::Cells; }
+  std::size_t leftOut() const { return leftOut_; }
+
+protected:
+  const Field& field_;
+  std::atomic<std::size_t> leftOut_{0};
+};
+
+template <typename TreeType>
+class FieldGrids::TypedBuilder : public FieldGrids::GridBuilder {
+  using Leaf = typename TreeType::LeafNodeType;
+  using Lower = typename TreeAssembly<TreeType>::Lower;
+  using Value = typename TreeType::ValueType;
+
+public:
+  TypedBuilder(const Field& field, const TetMesh& mesh)
+      : GridBuilder(field), values_(field, mesh), background_(backgroundOf<Value>(field)),
+        assembly_(background_) {}
+
+  void* begin(const NodeIndex& node) override { return assembly_.begin(node).release(); }
+
+  void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
+            Reading& reading) override {
+    auto* lower = static_cast<Lower*>(node);
+    std::array<Value, LeafSample::kVoxels> values;
+    values_.evaluate(sample, reading, values.data());
+    const std::size_t count = sample.count();
+    const bool finite = std::all_of(values.data(), values.data() + count,
+                                    [](const Value& value) { return isFinite(value); });
+    if (finite && count == LeafSample::kVoxels &&
+        std::all_of(values.begin() + 1, values.end(),
+                    [&](const Value& value) { return value == values[0]; })) {
+      lower->addTile(offset, values[0], true);
+      return;
+    }
+    const auto& origin = sample.origin();
+    auto made =
+        std::make_unique<Leaf>(openvdb::PartialCreate(),
+                               openvdb::Coord(origin[0], origin[1], origin[2]), background_, false);
+    made->allocate();
+    Value* data = made->buffer().data();
+    std::fill_n(data, LeafSample::kVoxels, background_);
+    for (std::size_t v = 0; v < count; ++v) {
+      if (!finite && !isFinite(values[v])) {
+        ++leftOut_;
+        continue;
+      }
+      data[sample.offset(v)] = values[v];
+      made->getValueMask().setOn(sample.offset(v));
+    }
+    if (!made->getValueMask().isOff())
+      lower->addLeaf(made.release());
+  }
+
+  void end(void* node, const NodeIndex& index) override {
+    assembly_.end(std::unique_ptr<Lower>(static_cast<Lower*>(node)), index);
+  }
+  void drop(void* node) override { delete static_cast<Lower*>(node); }
+
+  void tile(const NodeIndex& index, std::uint32_t owner) override {
+    const Value value = values_.ofCell(owner);
+    if (isFinite(value))
+      assembly_.tile(index, value);
+    else
+      leftOut_ += std::size_t(kNodeSize) * kNodeSize * kNodeSize;
+  }
+
+  openvdb::GridBase::Ptr finish(const GridTransform& transform) override {
+    return assembly_.finish(field_.name,
+                            field_.kind == FieldKind::Float ? openvdb::GRID_FOG_VOLUME
+                                                            : openvdb::GRID_UNKNOWN,
+                            transform);
+  }
+
+private:
+  LeafValues<Value> values_;
+  Value background_;
+  TreeAssembly<TreeType> assembly_;
+};
+
+struct FieldGrids::Scratch {
+  LeafSample sample;
+  Reading reading;
+};
+
+struct FieldGrids::State {
+  State(const SnappedMesh& mesh, bool weights)
+      : scratches([&mesh, weights] {
+          return Scratch{LeafSample(mesh, weights), {}};
+        }) {}
+
+  std::vector<std::unique_ptr<GridBuilder>> builders;
+  tbb::enumerable_thread_specific<Scratch> scratches;
+  std::atomic<bool> any{false};
+};
+
+// One lower node a grid; null where the grid has a tile in its place.
+struct FieldGrids::FieldNode : NodeSink::Node {
+  FieldNode(State& owner, const NodeIndex& where, bool withCells) : state(owner), index(where) {
+    nodes.reserve(owner.builders.size());
+    for (const auto& builder : owner.builders)
+      nodes.push_back(builder->ofCells() && !withCells ? nullptr : builder->begin(index));
+  }
+  ~FieldNode() override {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (nodes[i] != nullptr)
+        state.builders[i]->drop(nodes[i]);
+  }
+  FieldNode(const FieldNode&) = delete;
+  FieldNode& operator=(const FieldNode&) = delete;
+
+  void leaf(openvdb::Index offset, Scratch& scratch) const {
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (nodes[i] != nullptr)
+        state.builders[i]->leaf(nodes[i], offset, scratch.sample, scratch.reading);
+  }
+
+  State& state;
+  NodeIndex index;
+  std::vector<void*> nodes;
+};
+
+FieldGrids::FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped,
+                       const std::vector<Field>& fields) {
+  const bool weights = std::any_of(fields.begin(), fields.end(), [](const Field& field) {
+    return field.on == Attribute::On::Points;
+  });
+  state_ = std::make_unique<State>(snapped, weights);
+  for (const Field& field : fields) {
+    switch (field.kind) {
+    case FieldKind::Float:
+      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::FloatTree>>(field, mesh));
+      break;
+    case FieldKind::Vector:
+      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::Vec3STree>>(field, mesh));
+      break;
+    case FieldKind::Integer:
+      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::Int32Tree>>(field, mesh));
+      break;
+    }
+  }
+}
+
+FieldGrids::~FieldGrids() = default;
+
+std::unique_ptr<NodeSink::Node> FieldGrids::begin(const NodeIndex& node) {
+  return std::make_unique<FieldNode>(*state_, node, true);
+}
+
+void FieldGrids::slab(Node& node, int index, const SlabBits& bits, const std::uint32_t* owners) {
+  const auto& target = static_cast<FieldNode&>(node);
+  Scratch& scratch = state_->scratches.local();
+  const std::int32_t first[3] = {target.index[0] * kNodeSize + index * kLeafSize,
+                                 target.index[1] * kNodeSize, target.index[2] * kNodeSize};
+  for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
+    const LeafRows rows(bits, leafY);
+    if (rows.empty())
+      continue;
+    for (int leafZ = 0; leafZ < kSlabsPerNode; ++leafZ) {
+      if (rows.empty(leafZ))
+        continue;
+      scratch.sample.begin(first[0], first[1] + leafY * kLeafSize, first[2] + leafZ * kLeafSize);
+      const std::uint32_t* corner = owners + (leafY * kLeafSize * kNodeSize + leafZ * kLeafSize);
+      for (int x = 0; x < kLeafSize; ++x)
+        for (std::uint64_t word = rows.word(leafZ, x); word != 0; word &= word - 1) {
+          const int bit = __builtin_ctzll(word);
+          scratch.sample.add(
+              static_cast<std::uint32_t>(64 * x + bit),
+              corner[(x * kNodeSize + bit / kLeafSize) * kNodeSize + bit % kLeafSize]);
+        }
+      target.leaf(static_cast<openvdb::Index>((index << 8) | (leafY << 4) | leafZ), scratch);
+    }
+  }
+  state_->any = true;
+}
+
+void FieldGrids::end(std::unique_ptr<Node> node) {
+  auto& done = static_cast<FieldNode&>(*node);
+  for (std::size_t i = 0; i < state_->builders.size(); ++i)
+    if (done.nodes[i] != nullptr)
+      state_->builders[i]->end(std::exchange(done.nodes[i], nullptr), done.index);
+}
+
+// Nodes without owners; rasterizeNodes() has none where it is asked for owners.
+void FieldGrids::fullRun(std::int32_t, std::int32_t, std::int32_t, std::int32_t) {}
+
+void FieldGrids::fullNode(const NodeIndex& index, std::uint32_t owner) {
+  state_->any = true;
+  bool varying = false;
+  for (const auto& builder : state_->builders) {
+    if (builder->ofCells())
+      builder->tile(index, owner);
+    else
+      varying = true;
+  }
+  if (!varying)
+    return;
+  auto node = std::make_unique<FieldNode>(*state_, index, false);
+  Scratch& scratch = state_->scratches.local();
+  for (std::int32_t leaf = 0; leaf < kSlabsPerNode * kSlabsPerNode * kSlabsPerNode; ++leaf) {
+    scratch.sample.begin(index[0] * kNodeSize + (leaf >> 8) * kLeafSize,
+                         index[1] * kNodeSize + (leaf >> 4 & 15) * kLeafSize,
+                         index[2] * kNodeSize + (leaf & 15) * kLeafSize);
+    for (std::uint32_t offset = 0; offset < LeafSample::kVoxels; ++offset)
+      scratch.sample.add(offset, owner);
+    node->leaf(static_cast<openvdb::Index>(leaf), scratch);
+  }
+  end(std::move(node));
+}
+
+openvdb::GridPtrVec FieldGrids::finish(const GridTransform& transform) {
+  openvdb::GridPtrVec grids;
+  for (const auto& builder : state_->builders)
+    grids.push_back(builder->finish(transform));
+  return grids;
+}
+
+std::size_t FieldGrids::leftOut(std::size_t i) const {
+  return state_->builders[i]->leftOut();
+}
+
+bool FieldGrids::any() const {
+  return state_->any;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The grids of all fields, built leaf by leaf from the owners of the voxels: a sink for
+// voxelize/TetNodes.h. Internal.
+#pragma once
+
+#include "tetvdb/fields/Field.h"
+#include "tetvdb/volume/Grids.h"
+#include "tetvdb/voxelize/Slab.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+/// Bytes of a leaf of a field's grid, allocation included.
+std::size_t leafBytes(FieldKind kind);
+
+class FieldGrids : public NodeSink {
+public:
+  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const std::vector<Field>& fields);
+  ~FieldGrids() override;
+
+  std::unique_ptr<Node> begin(const NodeIndex& node) override;
+  void slab(Node& node, int index, const SlabBits& bits, const std::uint32_t* owners) override;
+  void end(std::unique_ptr<Node> node) override;
+  void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
+  void fullNode(const NodeIndex& node, std::uint32_t owner) override;
+
+  /// The finished grids; call once, after the last node.
+  openvdb::GridPtrVec finish(const GridTransform& transform);
+  /// Voxels left out of field `i`, their values being no finite numbers.
+  std::size_t leftOut(std::size_t i) const;
+  /// Whether any voxel had an owner.
+  bool any() const;
+
+private:
+  class GridBuilder;
+  template <typename TreeType>
+  class TypedBuilder;
+  struct FieldNode;
+  struct Scratch;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Which arrays of a mesh become grids, and how their values are stored.
+//
+//   tetvdb::FieldOptions options;
+//   options.requests = {{"", "temperature", tetvdb::FieldPart::Whole, ""},
+//                       {"vonMises", "stress", tetvdb::FieldPart::Mises, ""}};
+//   options.remap = {{"vonMises", 0, 1}};
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// What of an array's tuple is stored.
+enum class FieldPart : std::uint8_t {
+  Whole,       ///< one number or a vector of three; other tuples become one grid a component
+  Component,   ///< one number of the tuple
+  Magnitude,   ///< Euclidean length of a tuple; Frobenius norm of a tensor
+  Mises,       ///< von Mises' equivalent of a symmetric tensor: sqrt(3/2 s:s), s its deviator
+  Trace,       ///< of a tensor
+  Determinant, ///< of a tensor
+  Principal1,  ///< largest eigenvalue of a tensor's symmetric part
+  Principal2,
+  Principal3 ///< smallest
+};
+
+/// One array, or one number made of it.
+struct FieldRequest {
+  std::string grid;  ///< name of the grid; empty: the array's
+  std::string array; ///< name in the input; "points:NAME" and "cells:NAME" where both have it
+  FieldPart part = FieldPart::Whole;
+  /// FieldPart::Component: "x", "y", "z", "xx", "xy", ... or a number from 0.
+  std::string component;
+};
+
+/// For the grid of that name; for every grid of single numbers where the name is empty.
+struct NamedRange {
+  std::string grid;
+  double low = 0, high = 1;
+};
+struct NamedNumber {
+  std::string grid;
+  double value = 0;
+};
+
+struct FieldOptions {
+  std::vector<FieldRequest> requests;
+  bool all = false; ///< every array of the input, after `requests`
+  /// Values below low become low, those above high become high. Vectors (by name only) are
+  /// shortened to a length of high.
+  std::vector<NamedRange> clamp;
+  /// The range of the array (that of `clamp` where given) is mapped to low .. high, low to low.
+  /// Vectors (by name only) are scaled so that the longest has the length high.
+  std::vector<NamedRange> remap;
+  std::vector<NamedNumber> background; ///< of inactive voxels, as stored; 0 where nothing is given
+  /// The points were turned from z up to y up, (x, y, z) to (x, z, -y): turn vectors likewise, but
+  /// not colours ("Cd", "color", "rgb").
+  bool turnVectors = false;
+
+  bool empty() const { return requests.empty() && !all; }
+};
+
+} // namespace tetvdb

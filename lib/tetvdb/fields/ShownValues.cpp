@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/ShownValues.h"
+
+#include <fmt/format.h>
+
+namespace tetvdb {
+
+std::string whyHidden(const GridInfo& grid) {
+  if ((grid.type != "float" && grid.type != "double") || grid.activeVoxels == 0 ||
+      grid.gridClass == "level set")
+    return {};
+  const std::string range = fmt::format("{:.6g} to {:.6g}", grid.minValue, grid.maxValue);
+  if (grid.maxValue < kLeastShown)
+    return fmt::format("ranges from {}: Blender shows nothing below {}", range, kLeastShown);
+  if (grid.minValue < 0)
+    return fmt::format("ranges from {}: renderers take negative values for nothing", range);
+  if (grid.maxValue > kMostShown)
+    return fmt::format("ranges from {}: renderers show such densities as a solid block", range);
+  return {};
+}
+
+} // namespace tetvdb

@@ -31,6 +31,7 @@ struct Options : JobOptions {
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
+  double halfWidth = 3;
 };
 
 const char* const kExamples = R"(Examples:
@@ -50,6 +51,8 @@ const char* const kExamples = R"(Examples:
       triangles with any defect; holes are closed where the winding number passes 0.5
   tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
       by way of tets within half a voxel of the triangles, which are written as well
+  tetvdb voxelize broken.stl -o solid.vdb --grid surface --half-width 5
+      a level set: exact distances up to five voxels from the surface
   tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
       an open sheet as a shell, 0.4 units thick
 
@@ -61,6 +64,9 @@ constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
      {"mask", GridKind::Mask},
      {"tet_id", GridKind::TetId},
      {"material", GridKind::Material}}};
+
+constexpr std::array<std::pair<std::string_view, ShapeGrid>, 2> kShapeNames = {
+    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}}};
 
 // Names that are no grid of ours are arrays of the mesh.
 void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
@@ -75,8 +81,12 @@ void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
                   "name every grid once");
     const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
                                      [&](const auto& entry) { return entry.first == name; });
+    const auto* shape = std::find_if(kShapeNames.begin(), kShapeNames.end(),
+                                     [&](const auto& entry) { return entry.first == name; });
     if (known != kGridNames.end())
       kinds.push_back(known->second);
+    else if (shape != kShapeNames.end())
+      job.shapes.grids.push_back(shape->second);
     else if (name == "all")
       job.fields.all = true;
     else
@@ -153,6 +163,7 @@ VoxelizeJob makeJob(const Options& options) {
     job.warp = parseWarp(options.fields.warp);
   job.read.attributes =
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
+  job.shapes.halfWidth = options.halfWidth;
   job.voxelize.path = parsePath(options.path);
   job.voxelize.allowEmpty = options.allowEmpty;
   job.maxMemory = memoryLimit(options);
@@ -305,12 +316,18 @@ CLI::Validator oneOf(const std::set<std::string>& words) {
 
 void addGridOptions(CLI::App& command, Options& options) {
   command
-      .add_option("--grid", options.grids,
-                  "Grids to make: density (default), mask, tet_id, material, arrays of the mesh by "
-                  "name, or all (arrays); several with commas")
+      .add_option(
+          "--grid", options.grids,
+          "Grids to make: density (default), mask, surface (a level set), fog (made of "
+          "it), tet_id, material, arrays of the mesh by name, or all (arrays); several with "
+          "commas")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
+  command
+      .add_option("--half-width", options.halfWidth,
+                  "Voxels on either side of the surface that hold distances, 1 to 100 (default 3)")
+      ->type_name("N");
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
       ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");

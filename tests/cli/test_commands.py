@@ -27,6 +27,22 @@ class Voxelize(CommandLineTest):
                     self.assertEqual(
                         self.voxels("box." + ending, "--resolution", 16, "--path", path), 16**3)
 
+    def test_level_set(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 16,
+                                "--grid", "density,surface,fog", "--half-width", 4)
+        self.assertEqual([g["name"] for g in report["grids"]], ["density", "surface", "fog"])
+        self.assertEqual([g["class"] for g in report["grids"]],
+                         ["fog volume", "level set", "fog volume"])
+        self.assertEqual([s["name"] for s in report["stages"]],
+                         ["read", "voxelize", "fields", "write"])
+        self.assertEqual(report["grids"][0]["active_voxels"], 16**3)
+        alone = self.report_of("voxelize", "box.mesh", "-o", "alone.nvdb", "--resolution", 16,
+                               "--grid", "surface", "--half-width", 4)
+        self.assertEqual(alone["grids"], report["grids"][1:2])
+        for arguments in (["--half-width", 0.5], ["--voxel-size", "1,1,2"]):
+            self.refuse(2, "voxelize", "box.mesh", "-o", "no.vdb", "--grid", "surface", *arguments)
+
     def test_report(self):
         self.write("box.mesh", medit(*lattice(2, inverted=True)))
         report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 16,

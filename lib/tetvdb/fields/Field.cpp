@@ -238,7 +238,8 @@ private:
   }
 
   static bool reserved(const std::string& name) {
-    return name == "mask" || name == "tet_id" || name == "material" || name == "density";
+    return name == "density" || name == "mask" || name == "surface" || name == "fog" ||
+           name == "coverage" || name == "tet_id" || name == "material";
   }
 
   void add(const Tuple& tuple, const FieldRequest& request, const std::string& name) {

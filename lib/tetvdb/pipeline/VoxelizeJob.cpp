@@ -30,6 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void checkOutputs(const VoxelizeJob& job) {
+  checkShapes(job.shapes, job.voxelize.voxelSize);
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && job.meshOutput.empty())
@@ -74,7 +75,7 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
   if (first && !(job.fields.empty() && job.warp.array.empty()))
     throw Error(Status::Usage, job.fields.empty() ? "--warp" : "--grid",
                 "takes arrays of a solid mesh; the input is triangles",
-                "choose from density, mask, tet_id and material");
+                "choose from density, mask, surface, fog, tet_id and material");
   if (!job.meshOutput.empty() && !first && writesTriangles(job.meshOutput))
     throw Error(Status::Usage, job.meshOutput, "cannot hold tetrahedra",
                 "name it .msh, .mesh or .vtu");
@@ -126,7 +127,7 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
 
 // What is made of arrays can have any values.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {
-  for (std::size_t i = job.voxelize.grids.size(); i < grids.size(); ++i) {
+  for (std::size_t i = job.voxelize.grids.size() + job.shapes.grids.size(); i < grids.size(); ++i) {
     const GridInfo& grid = grids[i];
     const double largest = std::max(std::abs(grid.minValue), std::abs(grid.maxValue));
     if (job.half && grid.activeVoxels > 0 && grid.type != "int32" && largest > kLargestHalf)
@@ -160,7 +161,31 @@ Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, Report& report
 
 // Where the device's NanoVDB grids may be written as they are, place for them.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() ? &nano : nullptr;
+  return fs::path(job.output).extension() == ".nvdb" && job.shapes.grids.empty() &&
+                 job.fields.empty()
+             ? &nano
+             : nullptr;
+}
+
+// The grids of `voxelizeMesh` and then those of job.shapes, which `addShapes` makes with the mask.
+template <typename Voxelize, typename AddShapes>
+Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
+                        const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
+  if (job.shapes.grids.empty())
+    return voxelizeMesh(options);
+  const auto asked = static_cast<std::ptrdiff_t>(options.grids.size());
+  const auto kinds = options.grids.begin();
+  const bool hasMask = std::find(kinds, kinds + asked, GridKind::Mask) != kinds + asked;
+  if (!hasMask)
+    options.grids.push_back(GridKind::Mask);
+  Voxelization made = voxelizeMesh(options);
+  ShapeOptions shapes = job.shapes;
+  shapes.maxMemory = memoryLeft(job.maxMemory);
+  addShapes(shapes, made);
+  openvdb::GridPtrVec& grids = made.volume.grids().all;
+  if (!hasMask)
+    grids.erase(grids.begin() + asked);
+  return made;
 }
 
 // openFirstTile() changes a grid of tiles alone: then the tree is what counts.
@@ -195,28 +220,39 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     result.outputs.push_back(written(job.meshOutput));
 }
 
-// The grids that are named, then those of arrays, one transform.
+// The grids that are named, those of the shape, then those of arrays, one transform.
 Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
                           const VoxelizeOptions& options, std::vector<NanoBytes>* nano,
                           DeviceUsed& device, Report& report, Progress& progress) {
-  if (job.fields.empty())
-    return voxelize(mesh, options, job.device, device, nano, report, progress);
-  FieldOptions wanted = job.fields;
-  wanted.turnVectors = job.up == UpAxis::Y;
-  const std::vector<Field> fields = resolveFields(mesh, wanted, report);
+  std::vector<Field> fields;
+  if (!job.fields.empty()) {
+    FieldOptions wanted = job.fields;
+    wanted.turnVectors = job.up == UpAxis::Y;
+    fields = resolveFields(mesh, wanted, report);
+  }
   Voxelization made;
-  if (options.grids.empty()) {
+  const bool fieldsAlone = !fields.empty() && options.grids.empty() && job.shapes.grids.empty();
+  if (fieldsAlone) {
     made.transform = chooseTransform(mesh, options);
     reportOrigin(made.transform, options, report);
   } else {
-    made = voxelize(mesh, options, job.device, device, nano, report, progress);
+    made = withShapes(
+        job, options,
+        [&](const VoxelizeOptions& more) {
+          return voxelize(mesh, more, job.device, device, nano, report, progress);
+        },
+        [&](const ShapeOptions& shapes, Voxelization& sofar) {
+          addShapeGrids(mesh, shapes, sofar, report, progress);
+        });
   }
+  if (fields.empty())
+    return made;
   SampleOptions sampling;
   sampling.maxMemory = memoryLeft(job.maxMemory);
   sampling.allowEmpty = options.allowEmpty;
   const SnapCounts counts =
       sampleFields(mesh, made.transform, fields, sampling, made.volume, report, progress);
-  if (options.grids.empty()) {
+  if (fieldsAlone) {
     made.counts = counts;
     reportTets(counts, mesh.tetCount(), report);
   }
@@ -274,7 +310,7 @@ public:
     Volume volume;
     if (!job_.output.empty()) {
       volume = makeVolume(job_, result_, report_,
-                          [&](const VoxelizeOptions& options) { return voxelizeSolid(options); });
+                          [&](const VoxelizeOptions& options) { return makeGrids(options); });
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
@@ -353,15 +389,33 @@ private:
       meshes_ = {}; // their memory serves the grids
   }
 
+  bool byTets() const { return result_.mesher->road == Mesher::Envelope; }
+
+  // How the triangles become a solid where no tets are made.
+  SolidOptions directSolid() const {
+    SolidOptions solid = job_.solid;
+    solid.method =
+        result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
+    return solid;
+  }
+
+  Voxelization makeGrids(const VoxelizeOptions& options) {
+    return withShapes(
+        job_, options, [&](const VoxelizeOptions& more) { return voxelizeSolid(more); },
+        [&](const ShapeOptions& shapes, Voxelization& made) {
+          if (byTets())
+            addShapeGrids(tets_, shapes, made, report_, progress_);
+          else
+            addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
+        });
+  }
+
   Voxelization voxelizeSolid(VoxelizeOptions options) {
-    if (result_.mesher->road != Mesher::Envelope) {
+    if (!byTets()) {
       if (job_.device.kind == DeviceKind::Cuda)
         report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
                                       "makes tets, which the GPU takes");
-      SolidOptions solid = job_.solid;
-      solid.method =
-          result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
-      Voxelization made = voxelize(meshes_.front(), solid, options, report_, progress_);
+      Voxelization made = voxelize(meshes_.front(), directSolid(), options, report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }

@@ -14,6 +14,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/FieldRequest.h"
+#include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/fields/Warp.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
@@ -53,9 +54,10 @@ struct VoxelizeJob {
   RelativeLength epsilon; ///< of the envelope mesher; 0: half a voxel
   UpAxis up = UpAxis::Z;
   VoxelizeOptions voxelize; ///< in the output's axes; its maxMemory is overruled by the job's
-  FieldOptions fields; ///< of tets: arrays that become grids, after voxelize.grids (may be none)
-  Warp warp;           ///< of tets: moves the points first; in the inputs' own axes
-  std::string output;  ///< .vdb or .nvdb; empty: no volume is made
+  ShapeOptions shapes;      ///< its grids come after those of `voxelize`; maxMemory as there
+  FieldOptions fields;      ///< of tets: arrays that become grids, after all others
+  Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
+  std::string output;       ///< .vdb or .nvdb; empty: no volume is made
   /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
@@ -92,7 +94,8 @@ struct VoxelizeResult {
 /// input's number being 1. Outputs are checked before any work: their extensions (Error(Usage)) and
 /// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
 /// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
-/// "upload" and "download". The winding number is the CPU's: asking for a GPU is a warning
+/// "upload" and "download"; "fields" where `shapes` asks for grids. The winding number is the
+/// CPU's: asking for a GPU is a warning
 /// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of cells
 /// for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
 /// renderers would not show is a warning ("hidden-values"), and one that `half` cannot hold is

@@ -9,6 +9,7 @@
 #include "tetvdb/voxelize/FloodRaster.h"
 #include "tetvdb/voxelize/ShellRaster.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/SoupRim.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
@@ -39,62 +40,6 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
     throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the mesh has no triangles");
-}
-
-// The faces as a chain, each once.
-Boundary facesOf(const TriangleMesh& mesh, const SnappedMesh& snapped) {
-  Boundary chain;
-  chain.faces.resize(mesh.triangleCount());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chain.faces.size(), 16384),
-                    [&](const auto& range) {
-                      for (std::size_t t = range.begin(); t != range.end(); ++t)
-                        chain.faces[t] = {mesh.triangles[3 * t], mesh.triangles[3 * t + 1],
-                                          mesh.triangles[3 * t + 2], 1};
-                    });
-  const double longest =
-      std::max({snapped.boxMax.x - snapped.boxMin.x, snapped.boxMax.y - snapped.boxMin.y,
-                snapped.boxMax.z - snapped.boxMin.z});
-  if (longest <= kMaxTetExtent)
-    return chain;
-  for (const BoundaryFace& f : chain.faces) {
-    const LatticePoint &a = snapped.points[f.a], &b = snapped.points[f.b], &c = snapped.points[f.c];
-    const auto extent = [&](double LatticePoint::*k) {
-      return std::max({a.*k, b.*k, c.*k}) - std::min({a.*k, b.*k, c.*k});
-    };
-    if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
-        kMaxTetExtent)
-      throw Error(Status::Limit, "", "a triangle is longer than 2^20 voxels",
-                  "use larger voxels, or subdivide the mesh");
-  }
-  return chain;
-}
-
-// The centroid covering joins every face to the centre. As a chain, what is left of all these tets'
-// faces is the soup and a face from every edge of its rim to the centre.
-void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain) {
-  LatticePoint sum{0, 0, 0};
-  for (std::size_t i = 0; i < snapped.pointCount; ++i) {
-    const LatticePoint& p = snapped.points[i];
-    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
-  }
-  const auto count = static_cast<double>(snapped.pointCount);
-  const LatticePoint centre{std::round(sum.x / count), std::round(sum.y / count),
-                            std::round(sum.z / count)};
-  const auto index = static_cast<std::uint32_t>(snapped.pointCount);
-  snapped.points.resize(snapped.pointCount + 2);
-  snapped.points[index] = centre;
-  snapped.points[index + 1] = {0, 0, 0};
-  ++snapped.pointCount;
-  for (const IndexedRimEdge& e : rim)
-    chain.faces.push_back({e.b, e.a, index, e.weight});
-}
-
-RimWinding windingOf(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
-  std::vector<RimEdge> edges;
-  edges.reserve(rim.size());
-  for (const IndexedRimEdge& e : rim)
-    edges.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
-  return RimWinding(std::move(edges));
 }
 
 FillRule fillRule(const SolidOptions& solid) {
@@ -160,7 +105,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
   reportOrigin(result.transform, options, report);
   timer.part("snap");
   SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
-  Boundary chain = facesOf(mesh, snapped);
+  Boundary chain = soupFaces(mesh, snapped);
   result.counts.boundaryFaces = chain.faces.size();
 
   SoupRim rim;
@@ -180,7 +125,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                             rim.oddEdges),
                 "use --inside winding, which closes holes");
   else if (!flood && rule != FillRule::Odd && !rim.edges.empty())
-    winding.emplace(windingOf(rim.edges, snapped));
+    winding.emplace(windingOfRim(rim.edges, snapped));
   if (winding && winding->rough())
     report.warn("rough-winding",
                 fmt::format("the faces do not close at {} edges: their winding number is found to "

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/LevelSet.h"
+
+#include "tetvdb/core/Multiversion.h"
+#include "tetvdb/fields/DistanceBand.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <memory>
+#include <tbb/parallel_for.h>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+using FloatUpper = openvdb::FloatTree::RootNodeType::ChildNodeType;
+using FloatLower = FloatUpper::ChildNodeType;
+using MaskLeaf = openvdb::BoolTree::LeafNodeType;
+using MaskUpper = openvdb::BoolTree::RootNodeType::ChildNodeType;
+using MaskLower = MaskUpper::ChildNodeType;
+
+constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
+constexpr int kLeavesInNode = 4096;
+constexpr std::int32_t kNodesAlong = kRootChildSize / kNodeSize;
+
+// Values and active voxels of a leaf from squared distances in voxels and the voxels inside.
+struct SignedLeaf {
+  float values[kVoxelsInLeaf];
+  std::uint64_t active[kLeafSize];
+};
+
+TETVDB_MULTIVERSION
+bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, float shell,
+              float voxel, float background, SignedLeaf& leaf) {
+  std::uint64_t any = 0;
+  for (int x = 0; x < kLeafSize; ++x) {
+    float magnitudes[kLeafSize * kLeafSize];
+    std::uint8_t near[kLeafSize * kLeafSize];
+    const float* row = squared + x * kLeafSize * kLeafSize;
+    for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
+      const float distance = std::abs(std::sqrt(row[i]) - shell);
+      near[i] = distance < radius;
+      // A zero would be neither inside nor outside.
+      const float value = std::max(distance * voxel, std::numeric_limits<float>::min());
+      magnitudes[i] = distance < radius ? std::min(value, background) : background;
+    }
+    std::uint64_t active = 0;
+    for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
+      active |= static_cast<std::uint64_t>(near[i]) << i;
+      leaf.values[x * kLeafSize * kLeafSize + i] =
+          (inside[x] >> i & 1) != 0 ? -magnitudes[i] : magnitudes[i];
+    }
+    leaf.active[x] = active;
+    any |= active;
+  }
+  return any != 0;
+}
+
+// What is inside of a 128^3 node.
+class InsideOfNode {
+public:
+  InsideOfNode(const openvdb::BoolTree& tree, const openvdb::Coord& origin)
+      : node_(tree.probeConstNode<MaskLower>(origin)),
+        full_(node_ == nullptr && tree.isValueOn(origin)) {}
+
+  bool full(openvdb::Index leaf) const {
+    return node_ == nullptr ? full_ : !node_->isChildMaskOn(leaf) && node_->isValueMaskOn(leaf);
+  }
+  /// Voxels inside of a leaf, eight words; returns whether some are and some are not.
+  bool words(openvdb::Index leaf, std::uint64_t* out) const {
+    if (node_ == nullptr || !node_->isChildMaskOn(leaf)) {
+      std::fill(out, out + kLeafSize, full(leaf) ? ~std::uint64_t(0) : 0);
+      return false;
+    }
+    const auto& mask = node_->getTable()[leaf].getChild()->getValueMask();
+    for (openvdb::Index x = 0; x < kLeafSize; ++x)
+      out[x] = mask.getWord<openvdb::Index64>(x);
+    return !mask.isOn() && !mask.isOff();
+  }
+  bool mixed(openvdb::Index leaf) const {
+    std::uint64_t unused[kLeafSize];
+    return node_ != nullptr && words(leaf, unused);
+  }
+
+private:
+  const MaskLower* node_;
+  bool full_;
+};
+
+FloatLeaf* makeLeaf(const openvdb::Coord& origin, const SignedLeaf& signs) {
+  auto leaf = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), origin, 0.0f, false);
+  leaf->allocate();
+  std::memcpy(leaf->buffer().data(), signs.values, sizeof signs.values);
+  for (openvdb::Index x = 0; x < kLeafSize; ++x)
+    leaf->getValueMask().getWord<openvdb::Index64>(x) = signs.active[x];
+  return leaf.release();
+}
+
+// One 128^3 node of the level set; null, and its one value, where it is all inside or outside.
+struct Part {
+  NodeIndex index;
+  std::unique_ptr<FloatLower> node;
+  bool inside = false;
+};
+
+// halfWidth * voxel, and where single precision rounds it down the next number: OpenVDB's checks
+// divide it by the voxel size.
+float backgroundOf(double halfWidth, double voxel) {
+  const auto nearest = static_cast<float>(halfWidth * voxel);
+  return static_cast<double>(nearest) / voxel < halfWidth
+             ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+             : nearest;
+}
+
+class Builder {
+public:
+  Builder(const DistanceBand& band, const openvdb::BoolTree& inside, double halfWidth, double shell,
+          double voxel)
+      : band_(band), inside_(inside), radius_(static_cast<float>(halfWidth)),
+        shell_(static_cast<float>(shell)), voxel_(static_cast<float>(voxel)),
+        background_(backgroundOf(halfWidth, voxel)) {}
+
+  float background() const { return background_; }
+
+  // `inBand`: the node's number in the band; -1 where it has no part in it.
+  void build(Part& part, std::ptrdiff_t inBand) const {
+    const openvdb::Coord origin(part.index[0] * kNodeSize, part.index[1] * kNodeSize,
+                                part.index[2] * kNodeSize);
+    const InsideOfNode inside(inside_, origin);
+    std::vector<FloatLeaf*> leaves(kLeavesInNode, nullptr);
+    const auto leafOrigin = [&](int leaf) {
+      return origin.offsetBy((leaf >> 8) * kLeafSize, (leaf >> 4 & 15) * kLeafSize,
+                             (leaf & 15) * kLeafSize);
+    };
+    const auto add = [&](int leaf, const float* squared) {
+      std::uint64_t words[kLeafSize];
+      const bool mixed = inside.words(static_cast<openvdb::Index>(leaf), words);
+      SignedLeaf signs;
+      if (signLeaf(squared, words, radius_, shell_, voxel_, background_, signs) || mixed)
+        leaves[static_cast<std::size_t>(leaf)] = makeLeaf(leafOrigin(leaf), signs);
+    };
+    if (inBand >= 0)
+      band_.rasterize(static_cast<std::size_t>(inBand), add);
+
+    part.node = std::make_unique<FloatLower>(origin, background_, false);
+    bool uniform = true;
+    part.inside = inside.full(0);
+    for (int i = 0; i < kLeavesInNode; ++i) {
+      const auto leaf = static_cast<openvdb::Index>(i);
+      FloatLeaf*& made = leaves[static_cast<std::size_t>(i)];
+      if (made == nullptr && inside.mixed(leaf)) {
+        // The solid ends off the faces.
+        const std::vector<float> far(kVoxelsInLeaf, std::numeric_limits<float>::max());
+        add(i, far.data());
+      }
+      if (made != nullptr)
+        part.node->addLeaf(made);
+      else if (inside.full(leaf))
+        part.node->addTile(leaf, -background_, false);
+      uniform = uniform && made == nullptr && inside.full(leaf) == part.inside;
+    }
+    if (uniform)
+      part.node.reset();
+  }
+
+private:
+  const DistanceBand& band_;
+  const openvdb::BoolTree& inside_;
+  float radius_, shell_, voxel_, background_;
+};
+
+NodeIndex upperOf(const NodeIndex& node) {
+  return {node[0] >> 5, node[1] >> 5, node[2] >> 5};
+}
+
+openvdb::Coord upperOrigin(const NodeIndex& upper) {
+  return {upper[0] * kRootChildSize, upper[1] * kRootChildSize, upper[2] * kRootChildSize};
+}
+
+openvdb::Index offsetInUpper(const NodeIndex& node) {
+  const auto local = [](std::int32_t v) {
+    return static_cast<openvdb::Index>(v & (kNodesAlong - 1));
+  };
+  return local(node[0]) << 10 | local(node[1]) << 5 | local(node[2]);
+}
+
+NodeIndex nodeAt(const openvdb::Coord& voxel) {
+  return {nodeOf(voxel.x()), nodeOf(voxel.y()), nodeOf(voxel.z())};
+}
+
+// All 128^3 nodes that the band or the boundary of `inside` passes through, ascending.
+std::vector<NodeIndex> nodesOf(const DistanceBand& band, const openvdb::BoolTree& inside) {
+  std::vector<NodeIndex> nodes = band.nodes();
+  for (auto upper = inside.root().cbeginChildOn(); upper; ++upper)
+    for (auto lower = upper->cbeginChildOn(); lower; ++lower)
+      nodes.push_back(nodeAt(lower->origin()));
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+// The tree of finished parts; what lies between them is a tile, by `inside`.
+openvdb::FloatTree::Ptr assemble(std::vector<Part>& parts, const openvdb::BoolTree& inside,
+                                 float background) {
+  std::map<NodeIndex, std::vector<Part*>> uppers;
+  for (Part& part : parts)
+    uppers[upperOf(part.index)].push_back(&part);
+  auto tree = std::make_shared<openvdb::FloatTree>(background);
+  for (auto tile = inside.root().cbeginValueOn(); tile; ++tile)
+    if (uppers.find(upperOf(nodeAt(tile.getCoord()))) == uppers.end())
+      tree->root().addTile(tile.getCoord(), -background, false);
+  for (auto child = inside.root().cbeginChildOn(); child; ++child)
+    uppers.try_emplace(upperOf(nodeAt(child->origin()))); // of tiles alone
+
+  for (auto& [index, held] : uppers) {
+    const openvdb::Coord origin = upperOrigin(index);
+    const auto* mask = inside.probeConstNode<MaskUpper>(origin);
+    const bool full = mask == nullptr && inside.isValueOn(origin);
+    auto upper = std::make_unique<FloatUpper>(origin, full ? -background : background, false);
+    if (mask != nullptr)
+      for (auto tile = mask->cbeginValueOn(); tile; ++tile)
+        upper->addTile(tile.pos(), -background, false);
+    for (Part* part : held) {
+      if (part->node)
+        upper->addChild(part->node.release());
+      else
+        upper->addTile(offsetInUpper(part->index), part->inside ? -background : background, false);
+    }
+    float value = 0;
+    bool active = false;
+    if (upper->getChildMask().isOff() && upper->isConstant(value, active)) {
+      if (value < 0)
+        tree->root().addTile(origin, value, false);
+    } else {
+      tree->root().addChild(upper.release());
+    }
+  }
+  return tree;
+}
+
+} // namespace
+
+openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
+                                 const openvdb::BoolGrid& inside, const GridTransform& transform,
+                                 double halfWidth, double shell, Progress& progress) {
+  const DistanceBand band(mesh, faces, halfWidth + shell, progress);
+  const Builder builder(band, inside.constTree(), halfWidth, shell, transform.voxelSize[0]);
+  const std::vector<NodeIndex> nodes = nodesOf(band, inside.constTree());
+  std::vector<Part> parts(nodes.size());
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, nodes.size(), 1),
+      [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          parts[i].index = nodes[i];
+          const auto at = std::lower_bound(band.nodes().begin(), band.nodes().end(), nodes[i]);
+          const bool isIn = at != band.nodes().end() && *at == nodes[i];
+          builder.build(parts[i], isIn ? at - band.nodes().begin() : -1);
+          progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
+        }
+      },
+      tbb::simple_partitioner());
+  auto grid = openvdb::FloatGrid::create(assemble(parts, inside.constTree(), builder.background()));
+  grid->setName("surface");
+  grid->setGridClass(openvdb::GRID_LEVEL_SET);
+  grid->setTransform(makeTransform(transform));
+  return grid;
+}
+
+} // namespace tetvdb

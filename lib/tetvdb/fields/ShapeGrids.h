@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Grids of a solid's shape beyond which voxels are inside: its level set, the fog made of that, and
+// how much of every voxel it fills.
+//
+//   options.grids = {tetvdb::GridKind::Mask};
+//   tetvdb::Voxelization made = tetvdb::voxelize(mesh, options, report, progress);
+//   tetvdb::ShapeOptions shapes;
+//   shapes.grids = {tetvdb::ShapeGrid::Surface};
+//   tetvdb::addShapeGrids(mesh, shapes, made, report, progress);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+enum class ShapeGrid : std::uint8_t {
+  Surface, ///< float level set "surface" (fields/LevelSet.h)
+  Fog      ///< float fog "fog" made of it: 0 at the surface, rising to 1 half a band inside
+};
+
+struct ShapeOptions {
+  std::vector<ShapeGrid> grids;
+  double halfWidth = 3;      ///< of the level set's band, voxels
+  std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
+};
+
+/// Throws Error(Usage) for a half-width out of range, a grid asked for twice, or voxels that are
+/// not cubes.
+void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize);
+
+/// Adds options.grids, in that order, to the end of made.volume, which must hold the grid "mask"
+/// that voxelize() made of the same mesh. Signs are the mask's, distances those to the boundary of
+/// the tets. Adds stage "fields" to `report`. Throws as checkShapes() does, Error(Limit) where
+/// memory does not suffice, Error(Cancelled).
+void addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
+                   Report& report, Progress& progress);
+
+/// The same for triangles made a solid by `solid`. Distances are to the faces, and where holes are
+/// closed to the surface at which the winding number passes a half, found to about a voxel. With
+/// solid.shell, distances are to the faces less half of it.
+void addShapeGrids(const TriangleMesh& mesh, const SolidOptions& solid, const ShapeOptions& options,
+                   Voxelization& made, Report& report, Progress& progress);
+
+} // namespace tetvdb

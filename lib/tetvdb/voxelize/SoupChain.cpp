@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/voxelize/SoupChain.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+
+Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped) {
+  Boundary chain;
+  chain.faces.resize(mesh.triangleCount());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chain.faces.size(), 16384),
+                    [&](const auto& range) {
+                      for (std::size_t t = range.begin(); t != range.end(); ++t)
+                        chain.faces[t] = {mesh.triangles[3 * t], mesh.triangles[3 * t + 1],
+                                          mesh.triangles[3 * t + 2], 1};
+                    });
+  const double longest =
+      std::max({snapped.boxMax.x - snapped.boxMin.x, snapped.boxMax.y - snapped.boxMin.y,
+                snapped.boxMax.z - snapped.boxMin.z});
+  if (longest <= kMaxTetExtent)
+    return chain;
+  for (const BoundaryFace& f : chain.faces) {
+    const LatticePoint &a = snapped.points[f.a], &b = snapped.points[f.b], &c = snapped.points[f.c];
+    const auto extent = [&](double LatticePoint::*k) {
+      return std::max({a.*k, b.*k, c.*k}) - std::min({a.*k, b.*k, c.*k});
+    };
+    if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
+        kMaxTetExtent)
+      throw Error(Status::Limit, "", "a triangle is longer than 2^20 voxels",
+                  "use larger voxels, or subdivide the mesh");
+  }
+  return chain;
+}
+
+void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain) {
+  LatticePoint sum{0, 0, 0};
+  for (std::size_t i = 0; i < snapped.pointCount; ++i) {
+    const LatticePoint& p = snapped.points[i];
+    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
+  }
+  const auto count = static_cast<double>(snapped.pointCount);
+  const LatticePoint centre{std::round(sum.x / count), std::round(sum.y / count),
+                            std::round(sum.z / count)};
+  const auto index = static_cast<std::uint32_t>(snapped.pointCount);
+  snapped.points.resize(snapped.pointCount + 2);
+  snapped.points[index] = centre;
+  snapped.points[index + 1] = {0, 0, 0};
+  ++snapped.pointCount;
+  for (const IndexedRimEdge& e : rim)
+    chain.faces.push_back({e.b, e.a, index, e.weight});
+}
+
+RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
+  std::vector<RimEdge> edges;
+  edges.reserve(rim.size());
+  for (const IndexedRimEdge& e : rim)
+    edges.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
+  return RimWinding(std::move(edges));
+}
+
+} // namespace tetvdb

@@ -65,8 +65,8 @@ constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
      {"tet_id", GridKind::TetId},
      {"material", GridKind::Material}}};
 
-constexpr std::array<std::pair<std::string_view, ShapeGrid>, 2> kShapeNames = {
-    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}}};
+constexpr std::array<std::pair<std::string_view, ShapeGrid>, 3> kShapeNames = {
+    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}, {"coverage", ShapeGrid::Coverage}}};
 
 // Names that are no grid of ours are arrays of the mesh.
 void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
@@ -238,6 +238,22 @@ Json trianglesOf(const VoxelizeResult& result, const Options& options) {
   return mesh;
 }
 
+// The volume that a coverage holds, cubic units.
+double filledVolume(const GridInfo& grid, double voxels) {
+  const Vec3d& h = grid.transform.voxelSize;
+  return voxels * h[0] * h[1] * h[2];
+}
+
+Json gridsOf(const VoxelizeResult& result) {
+  Json list = toJson(result.grids);
+  for (std::size_t i = 0; i < result.grids.size(); ++i)
+    if (result.grids[i].name == "coverage") {
+      list[i]["filled"] = filledVolume(result.grids[i], result.shapes.coverage.filled);
+      list[i]["overlap"] = filledVolume(result.grids[i], result.shapes.coverage.overlap);
+    }
+  return list;
+}
+
 Json outputsOf(const VoxelizeResult& result) {
   Json list = Json::array();
   for (const OutputInfo& output : result.outputs)
@@ -295,7 +311,7 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["device"] = result.device.name;
   session.sections["input"] = inputsOf(result);
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
-  session.sections["grids"] = toJson(result.grids);
+  session.sections["grids"] = gridsOf(result);
   session.sections["output"] = outputsOf(result);
   session.text = summaryOf(result, options, session.report);
   if (!result.device.why.empty()) {
@@ -318,9 +334,9 @@ void addGridOptions(CLI::App& command, Options& options) {
   command
       .add_option(
           "--grid", options.grids,
-          "Grids to make: density (default), mask, surface (a level set), fog (made of "
-          "it), tet_id, material, arrays of the mesh by name, or all (arrays); several with "
-          "commas")
+          "Grids to make: density (default), mask, surface (a level set), fog (made of it), "
+          "coverage (how much of a voxel is filled), tet_id, material, arrays of the mesh by name, "
+          "or all (arrays); several with commas")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);

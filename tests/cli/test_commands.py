@@ -43,6 +43,27 @@ class Voxelize(CommandLineTest):
         for arguments in (["--half-width", 0.5], ["--voxel-size", "1,1,2"]):
             self.refuse(2, "voxelize", "box.mesh", "-o", "no.vdb", "--grid", "surface", *arguments)
 
+    def test_coverage(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        for size, voxels in (("0.25", 5**3), ("0.25,0.5,0.125", 5 * 3 * 9)):
+            report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--voxel-size", size,
+                                    "--grid", "coverage")
+            [grid] = report["grids"]
+            self.assertEqual(grid["name"], "coverage")
+            self.assertEqual(grid["active_voxels"], voxels)
+            self.assertAlmostEqual(grid["filled"], 1.0, places=12)
+            self.assertEqual(grid["overlap"], 0)
+        # Between the centres of voxels there is volume, too.
+        points, tets = lattice(1, side=0.25)
+        self.write("small.mesh", medit([[c + 0.3 for c in p] for p in points], tets))
+        arguments = ("voxelize", "small.mesh", "-o", "small.vdb", "--voxel-size", 1, "--grid")
+        [grid] = self.report_of(*arguments, "coverage")["grids"]
+        self.assertAlmostEqual(grid["filled"], 0.25**3, places=12)
+        self.refuse(3, "voxelize", "small.mesh", "-o", "no.vdb", "--voxel-size", 1)
+        self.write("open.off", off(*[box_faces()[0], box_faces()[1][:-1]]))
+        self.refuse(3, "voxelize", "open.off", "-o", "no.vdb", "--grid", "coverage", "--mesher",
+                    "winding", says=("envelope",))
+
     def test_report(self):
         self.write("box.mesh", medit(*lattice(2, inverted=True)))
         report = self.report_of("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 16,

@@ -3,10 +3,12 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/CapFaces.h"
+#include "tetvdb/fields/Coverage.h"
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/SoupRim.h"
@@ -23,7 +25,8 @@ namespace tetvdb {
 namespace {
 
 const char* nameOf(ShapeGrid grid) {
-  return grid == ShapeGrid::Surface ? "surface" : "fog";
+  constexpr const char* kNames[] = {"surface", "fog", "coverage"};
+  return kNames[static_cast<std::size_t>(grid)];
 }
 
 openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
@@ -33,25 +36,43 @@ openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
   throw Error(Status::Usage, "addShapeGrids()", "the volume has no grid 'mask'");
 }
 
+bool asksFor(const ShapeOptions& options, ShapeGrid kind) {
+  return std::find(options.grids.begin(), options.grids.end(), kind) != options.grids.end();
+}
+
 // The faces of a solid and what is known of it.
 struct Solid {
-  SnappedMesh mesh;
+  const std::vector<Vec3d>& points;
+  SnappedMesh mesh; // the same points, snapped
   Boundary faces;
   std::optional<RimWinding> rim; // of an open soup
   double shell = 0;              // half its thickness, voxels
 };
 
-void requireBandMemory(const Solid& solid, const ShapeOptions& options) {
-  const double leaves =
-      estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell);
-  const double trees = static_cast<double>(options.grids.size());
-  const double bytes = 24.0 * static_cast<double>(solid.mesh.pointCount) +
+// For all grids that are asked for.
+void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
+  const bool covers = asksFor(options, ShapeGrid::Coverage);
+  const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
+  double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
+  if (bands > 0)
+    leaves += bands * estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell);
+  const double bytes = 48.0 * static_cast<double>(solid.mesh.pointCount) +
                        40.0 * static_cast<double>(solid.faces.faces.size()) +
-                       trees * (leaves * static_cast<double>(leafBytes(GridKind::Density)) +
-                                (leaves / 128 + 64) * static_cast<double>(kLowerNodeBytes));
+                       leaves * static_cast<double>(leafBytes(GridKind::Density)) +
+                       (leaves / 128 + 64) * static_cast<double>(kLowerNodeBytes);
   VoxelizeOptions limit;
   limit.maxMemory = options.maxMemory;
   requireMemory(bytes, limit);
+}
+
+openvdb::FloatGrid::Ptr coverageOf(const Solid& solid, const GridTransform& transform,
+                                   CoverageSum& sum, Report& report, Progress& progress) {
+  openvdb::FloatGrid::Ptr grid = coverage(solid.points, solid.faces, transform, sum, progress);
+  if (sum.overlapVoxels > 0)
+    report.warn("overlap", fmt::format("parts of the mesh overlap: {} voxels are filled more than "
+                                       "once, by {:.6g} voxels' volume that is counted once",
+                                       sum.overlapVoxels, sum.overlap));
+  return grid;
 }
 
 openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
@@ -68,26 +89,47 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
   return grid;
 }
 
-void add(Solid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
-         Progress& progress) {
-  requireBandMemory(solid, options);
-  timer.part("level set");
-  const openvdb::FloatGrid::Ptr surface =
-      surfaceOf(solid, maskOf(made), made.transform, options, progress);
+ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
+              Report& report, Progress& progress) {
+  requireTreeMemory(solid, options);
+  ShapeSums sums;
   openvdb::GridPtrVec& all = made.volume.grids().all;
+  const openvdb::BoolGrid::Ptr inside = maskOf(made);
+  // Before the level set adds faces where holes are closed.
+  openvdb::FloatGrid::Ptr filled, surface;
+  if (asksFor(options, ShapeGrid::Coverage)) {
+    timer.part("coverage");
+    filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
+  }
+  if (asksFor(options, ShapeGrid::Surface) || asksFor(options, ShapeGrid::Fog)) {
+    timer.part("level set");
+    surface = surfaceOf(solid, inside, made.transform, options, progress);
+  }
   for (const ShapeGrid kind : options.grids) {
-    if (kind == ShapeGrid::Surface) {
-      all.push_back(surface);
+    if (kind != ShapeGrid::Fog) {
+      all.push_back(kind == ShapeGrid::Coverage ? filled : surface);
       continue;
     }
     timer.part("fog");
-    const bool last = options.grids.size() == 1;
-    const openvdb::FloatGrid::Ptr fog = last ? surface : surface->deepCopy();
+    const bool both = asksFor(options, ShapeGrid::Surface);
+    const openvdb::FloatGrid::Ptr fog = both ? surface->deepCopy() : surface;
     openvdb::tools::sdfToFogVolume(*fog);
     fog->setName("fog");
     fog->setTransform(makeTransform(made.transform)); // deepCopy() rounds it
     all.push_back(fog);
   }
+  return sums;
+}
+
+void requireCoverable(const SolidOptions& how, const SoupRim& rim) {
+  if (how.shell > 0 || how.method != SolidMethod::Winding || how.inside != InsideRule::Winding)
+    throw Error(Status::Usage, "--grid coverage",
+                "is found from the winding number alone: not with --shell, --inside or centroid",
+                "leave them out");
+  if (!rim.edges.empty())
+    throw Error(Status::Invalid, "--grid coverage",
+                fmt::format("needs faces that close; the mesh has {} open edges", rim.edges.size()),
+                "use --mesher envelope, which closes holes by tets, or repair the mesh first");
 }
 
 } // namespace
@@ -103,45 +145,48 @@ void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
                   kind) != options.grids.begin() + static_cast<std::ptrdiff_t>(i))
       throw Error(Status::Usage, "--grid", fmt::format("'{}' is asked for twice", nameOf(kind)),
                   "name every grid once");
-    if (voxelSize[0] != voxelSize[1] || voxelSize[1] != voxelSize[2])
+    const bool cubes = voxelSize[0] == voxelSize[1] && voxelSize[1] == voxelSize[2];
+    if (kind != ShapeGrid::Coverage && !cubes)
       throw Error(Status::Usage, fmt::format("--grid {}", nameOf(kind)),
                   "needs voxels that are cubes: a level set has one voxel size",
                   "give --voxel-size one number");
   }
 }
 
-void addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
-                   Report& report, Progress& progress) {
+ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
+                        Report& report, Progress& progress) {
   checkShapes(options, made.transform.voxelSize);
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid;
-  solid.mesh = snapMesh(mesh, made.transform, progress);
+  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0};
   solid.faces = boundaryFaces(solid.mesh, progress);
-  add(std::move(solid), options, made, timer, progress);
+  return add(std::move(solid), options, made, timer, report, progress);
 }
 
-void addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how, const ShapeOptions& options,
-                   Voxelization& made, Report& report, Progress& progress) {
+ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
+                        const ShapeOptions& options, Voxelization& made, Report& report,
+                        Progress& progress) {
   checkShapes(options, made.transform.voxelSize);
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid;
-  solid.mesh = snapPoints(mesh.points, made.transform, progress);
+  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0};
   solid.faces = soupFaces(mesh, solid.mesh);
   solid.shell = how.shell / 2 / made.transform.voxelSize[0];
   const bool byWinding = how.method == SolidMethod::Winding && how.shell == 0 &&
                          (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
-  if (byWinding || how.method == SolidMethod::Centroid) {
+  const bool covers = asksFor(options, ShapeGrid::Coverage);
+  if (byWinding || covers || how.method == SolidMethod::Centroid) {
     const SoupRim rim = soupRim(mesh.triangles, progress);
+    if (covers)
+      requireCoverable(how, rim);
     if (how.method == SolidMethod::Centroid)
       closeToCentre(rim.edges, solid.mesh, solid.faces);
     else if (!rim.edges.empty())
       solid.rim.emplace(windingOfRim(rim.edges, solid.mesh));
   }
-  add(std::move(solid), options, made, timer, progress);
+  return add(std::move(solid), options, made, timer, report, progress);
 }
 
 } // namespace tetvdb

@@ -12,6 +12,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/fields/CoverageSum.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
@@ -24,7 +25,8 @@ namespace tetvdb {
 
 enum class ShapeGrid : std::uint8_t {
   Surface, ///< float level set "surface" (fields/LevelSet.h)
-  Fog      ///< float fog "fog" made of it: 0 at the surface, rising to 1 half a band inside
+  Fog,     ///< float fog "fog" made of it: 0 at the surface, rising to 1 a half-width inside
+  Coverage ///< float fog "coverage" (fields/Coverage.h)
 };
 
 struct ShapeOptions {
@@ -33,21 +35,29 @@ struct ShapeOptions {
   std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
 };
 
-/// Throws Error(Usage) for a half-width out of range, a grid asked for twice, or voxels that are
-/// not cubes.
+/// What else addShapeGrids() found.
+struct ShapeSums {
+  CoverageSum coverage; ///< where ShapeGrid::Coverage was asked for
+};
+
+/// Throws Error(Usage) for a half-width out of range, a grid asked for twice, or a level set of
+/// voxels that are not cubes.
 void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize);
 
 /// Adds options.grids, in that order, to the end of made.volume, which must hold the grid "mask"
 /// that voxelize() made of the same mesh. Signs are the mask's, distances those to the boundary of
-/// the tets. Adds stage "fields" to `report`. Throws as checkShapes() does, Error(Limit) where
-/// memory does not suffice, Error(Cancelled).
-void addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
-                   Report& report, Progress& progress);
+/// the tets. Adds stage "fields" to `report`, and the warning "overlap" where tets that overlap
+/// fill voxels more than once. Throws as checkShapes() does, Error(Limit) where memory does not
+/// suffice, Error(Cancelled).
+ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
+                        Report& report, Progress& progress);
 
 /// The same for triangles made a solid by `solid`. Distances are to the faces, and where holes are
 /// closed to the surface at which the winding number passes a half, found to about a voxel. With
-/// solid.shell, distances are to the faces less half of it.
-void addShapeGrids(const TriangleMesh& mesh, const SolidOptions& solid, const ShapeOptions& options,
-                   Voxelization& made, Report& report, Progress& progress);
+/// solid.shell, distances are to the faces less half of it. Coverage needs faces that close and
+/// InsideRule::Winding: else Error(Invalid) or Error(Usage).
+ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& solid,
+                        const ShapeOptions& options, Voxelization& made, Report& report,
+                        Progress& progress);
 
 } // namespace tetvdb

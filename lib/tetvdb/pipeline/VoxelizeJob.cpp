@@ -168,6 +168,7 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
 }
 
 // The grids of `voxelizeMesh` and then those of job.shapes, which `addShapes` makes with the mask.
+// A thin mesh can fill parts of voxels, and none of their centres.
 template <typename Voxelize, typename AddShapes>
 Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
                         const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
@@ -176,6 +177,10 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   const auto asked = static_cast<std::ptrdiff_t>(options.grids.size());
   const auto kinds = options.grids.begin();
   const bool hasMask = std::find(kinds, kinds + asked, GridKind::Mask) != kinds + asked;
+  const auto& shapeGrids = job.shapes.grids;
+  const bool coverageOnly =
+      asked == 0 && shapeGrids.size() == 1 && shapeGrids.front() == ShapeGrid::Coverage;
+  options.allowEmpty = options.allowEmpty || coverageOnly;
   if (!hasMask)
     options.grids.push_back(GridKind::Mask);
   Voxelization made = voxelizeMesh(options);
@@ -185,6 +190,8 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   openvdb::GridPtrVec& grids = made.volume.grids().all;
   if (!hasMask)
     grids.erase(grids.begin() + asked);
+  if (coverageOnly)
+    requireVoxels(made, job.voxelize);
   return made;
 }
 
@@ -223,7 +230,7 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
 // The grids that are named, those of the shape, then those of arrays, one transform.
 Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
                           const VoxelizeOptions& options, std::vector<NanoBytes>* nano,
-                          DeviceUsed& device, Report& report, Progress& progress) {
+                          VoxelizeResult& result, Report& report, Progress& progress) {
   std::vector<Field> fields;
   if (!job.fields.empty()) {
     FieldOptions wanted = job.fields;
@@ -239,10 +246,10 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
     made = withShapes(
         job, options,
         [&](const VoxelizeOptions& more) {
-          return voxelize(mesh, more, job.device, device, nano, report, progress);
+          return voxelize(mesh, more, job.device, result.device, nano, report, progress);
         },
         [&](const ShapeOptions& shapes, Voxelization& sofar) {
-          addShapeGrids(mesh, shapes, sofar, report, progress);
+          result.shapes = addShapeGrids(mesh, shapes, sofar, report, progress);
         });
   }
   if (fields.empty())
@@ -271,8 +278,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   std::vector<NanoBytes> nano;
   if (!job.output.empty()) {
     volume = makeVolume(job, result, report, [&](const VoxelizeOptions& options) {
-      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), result.device, report,
-                          progress);
+      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), result, report, progress);
     });
     dropStale(volume, nano);
     if (job.meshOutput.empty())
@@ -403,10 +409,9 @@ private:
     return withShapes(
         job_, options, [&](const VoxelizeOptions& more) { return voxelizeSolid(more); },
         [&](const ShapeOptions& shapes, Voxelization& made) {
-          if (byTets())
-            addShapeGrids(tets_, shapes, made, report_, progress_);
-          else
-            addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
+          result_.shapes = byTets() ? addShapeGrids(tets_, shapes, made, report_, progress_)
+                                    : addShapeGrids(meshes_.front(), directSolid(), shapes, made,
+                                                    report_, progress_);
         });
   }
 

@@ -79,6 +79,7 @@ struct VoxelizeResult {
   std::optional<MesherChoice> mesher; ///< of triangles: the road taken in the end, if any was
   std::optional<MeshSummary> made;    ///< by the envelope mesher
   SnapCounts counts;
+  ShapeSums shapes;
   GridTransform transform;
   DeviceUsed device;
   OccupancyPath path = OccupancyPath::Auto;

@@ -1,0 +1,490 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/Coverage.h"
+
+#include "tetvdb/core/LargeVector.h"
+#include "tetvdb/fields/ClippedFace.h"
+#include "tetvdb/geometry/Exact.h"
+#include "tetvdb/voxelize/Slab.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+using FloatUpper = openvdb::FloatTree::RootNodeType::ChildNodeType;
+using FloatLower = FloatUpper::ChildNodeType;
+
+constexpr int kLeavesAlong = kNodeSize / kLeafSize;
+constexpr int kLeavesInSlab = kLeavesAlong * kLeavesAlong; // y, z
+constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
+constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;
+
+// Volumes are summed as whole numbers of this part of a voxel: no order of faces, and no number of
+// threads, changes a sum. 2^17 solids can lie over each other.
+constexpr std::int64_t kWhole = std::int64_t(1) << 46;
+constexpr std::int64_t kSnap = kWhole >> 32;
+
+// A slab of a node, and a face that may pass through it. x in slabs of 8, y and z in nodes.
+struct FaceInSlab {
+  std::int32_t x, y, z;
+  std::uint32_t face;
+  bool operator<(const FaceInSlab& o) const {
+    return std::tie(x, y, z, face) < std::tie(o.x, o.y, o.z, o.face);
+  }
+  bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
+};
+
+// Points in coordinates in which the cube of voxel i is [i, i + 1]. Not snapped: nothing is decided
+// here, and the volume is the mesh's own.
+using CubePoints = LargeVector<Vec3d>;
+
+CubePoints cubePoints(const std::vector<Vec3d>& points, const GridTransform& transform) {
+  CubePoints result(points.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, points.size(), 16384), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          for (std::size_t k = 0; k < 3; ++k)
+            result[i][k] = (points[i][k] - transform.origin[k]) / transform.voxelSize[k] + 0.5;
+      });
+  return result;
+}
+
+// Twice the area of a triangle seen along z: above 0 where it turns counter-clockwise.
+double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& boundary,
+                                 Progress& progress) {
+  tbb::enumerable_thread_specific<std::vector<FaceInSlab>> locals;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, boundary.faces.size(), 4096), [&](const auto& range) {
+        progress.check();
+        std::vector<FaceInSlab>& out = locals.local();
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          const BoundaryFace& f = boundary.faces[i];
+          const Vec3d &a = points[f.a], &b = points[f.b], &c = points[f.c];
+          const double projected = area(a, b, c);
+          if (projected == 0)
+            continue;
+          const auto low = [&](std::size_t k) {
+            return static_cast<std::int64_t>(std::floor(std::min({a[k], b[k], c[k]})));
+          };
+          const auto high = [&](std::size_t k) {
+            return static_cast<std::int64_t>(std::ceil(std::max({a[k], b[k], c[k]}))) - 1;
+          };
+          // The plane's height, for faces of many slabs.
+          const double slopeX =
+              ((b[2] - a[2]) * (c[1] - a[1]) - (c[2] - a[2]) * (b[1] - a[1])) / projected;
+          const double slopeY =
+              ((c[2] - a[2]) * (b[0] - a[0]) - (b[2] - a[2]) * (c[0] - a[0])) / projected;
+          const std::int64_t zLow = low(2), zHigh = high(2);
+          for (auto x = low(0) >> 3; x <= high(0) >> 3; ++x)
+            for (auto y = nodeOf(low(1)); y <= nodeOf(high(1)); ++y) {
+              const double dx = static_cast<double>(x) * kLeafSize + 4 - a[0];
+              const double dy = static_cast<double>(y) * kNodeSize + 64 - a[1];
+              const double middle = a[2] + slopeX * dx + slopeY * dy;
+              const double reach = 4 * std::abs(slopeX) + 64 * std::abs(slopeY) + 1;
+              // Steep planes, and slivers whose slopes say little, keep the whole range.
+              auto from = zLow, to = zHigh;
+              if (reach < 4096) {
+                from = std::max(from, static_cast<std::int64_t>(std::floor(middle - reach)));
+                to = std::min(to, static_cast<std::int64_t>(std::ceil(middle + reach)));
+              }
+              for (auto z = nodeOf(from); z <= nodeOf(std::max(from, to)); ++z)
+                out.push_back({static_cast<std::int32_t>(x), y, z, static_cast<std::uint32_t>(i)});
+            }
+        }
+      });
+  std::vector<FaceInSlab> all;
+  std::size_t total = 0;
+  for (const auto& local : locals)
+    total += local.size();
+  all.reserve(total);
+  for (const auto& local : locals)
+    all.insert(all.end(), local.begin(), local.end());
+  tbb::parallel_sort(all.begin(), all.end());
+  return all;
+}
+
+// What the faces in a slab of a node add to its voxels: of each voxel the volume above the faces
+// within its cube, and their area seen from above, which is a column of volume in every voxel
+// higher up. Cleared leaf by leaf, when a face first comes there.
+class SlabVolumes {
+public:
+  SlabVolumes() : volume_(kLeavesInSlab * kVoxelsInLeaf), area_(kLeavesInSlab * kVoxelsInLeaf) {}
+
+  void clear() { touched_.fill(false); }
+  bool touched(int leaf) const { return touched_[static_cast<std::size_t>(leaf)]; }
+  /// Of voxel (x, y, z) of a leaf at [(x * 8 + y) * 8 + z].
+  const std::int64_t* volume(int leaf) const { return volume_.data() + leaf * kVoxelsInLeaf; }
+  const std::int64_t* area(int leaf) const { return area_.data() + leaf * kVoxelsInLeaf; }
+
+  // Corners relative to the slab's first cube; `sign` as the sums change upward.
+  void add(const Polygon& face, double sign) {
+    cutAlong(face, 0, 0, kLeafSize - 1, [&](int x, const Polygon& slice) {
+      cutAlong(slice, 1, 0, kNodeSize - 1, [&](int y, const Polygon& column) {
+        cutAlong(column, 2, 0, kNodeSize - 1,
+                 [&](int z, const Polygon& piece) { addPiece(x, y, z, piece, sign); });
+      });
+    });
+  }
+
+private:
+  void addPiece(int x, int y, int z, const Polygon& piece, double sign) {
+    double sum = 0, moment = 0;
+    const double* o = piece.at[0];
+    const double top = z + 1;
+    for (int i = 1; i + 1 < piece.count; ++i) {
+      const double *p = piece.at[i], *q = piece.at[i + 1];
+      const double twice = (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
+      sum += twice;
+      moment += twice * ((top - o[2]) + (top - p[2]) + (top - q[2]));
+    }
+    const int leaf = (y >> 3) * kLeavesAlong + (z >> 3);
+    auto& touched = touched_[static_cast<std::size_t>(leaf)];
+    const std::size_t first = static_cast<std::size_t>(leaf) * kVoxelsInLeaf;
+    if (!touched) {
+      touched = true;
+      std::fill_n(volume_.begin() + static_cast<std::ptrdiff_t>(first), kVoxelsInLeaf, 0);
+      std::fill_n(area_.begin() + static_cast<std::ptrdiff_t>(first), kVoxelsInLeaf, 0);
+    }
+    const std::size_t at = first + static_cast<std::size_t>((x << 6) | ((y & 7) << 3) | (z & 7));
+    constexpr auto whole = static_cast<double>(kWhole);
+    area_[at] += std::llrint(sum / 2 * sign * whole);
+    volume_[at] += std::llrint(moment / 6 * sign * whole);
+  }
+
+  LargeVector<std::int64_t> volume_, area_;
+  std::array<bool, kLeavesInSlab> touched_{};
+};
+
+// A slab's part of a node, finished.
+struct SlabPart {
+  NodeIndex node;
+  int slab;
+  bool full = false;                                                        // every leaf is
+  std::vector<std::pair<std::uint16_t, std::unique_ptr<FloatLeaf>>> leaves; // null: a full one
+};
+
+std::int64_t snapped(std::int64_t volume) {
+  const std::int64_t nearest = (volume + kWhole / 2) & -kWhole;
+  return std::abs(volume - nearest) <= kSnap ? nearest : volume;
+}
+
+// Floats for fractions, rounded so that their sum keeps to the fractions' sum.
+class Rounding {
+public:
+  float operator()(double fraction) {
+    const auto nearest = static_cast<float>(fraction);
+    const double error = static_cast<double>(nearest) - fraction;
+    if (error == 0)
+      return nearest;
+    const float other = std::nextafter(nearest, error > 0 ? 0.0f : 1.0f);
+    const double otherError = static_cast<double>(other) - fraction;
+    const bool first = std::abs(off_ + error) <= std::abs(off_ + otherError);
+    off_ += first ? error : otherError;
+    return first ? nearest : other;
+  }
+
+private:
+  double off_ = 0;
+};
+
+// The slabs of one position in x and y, from below upward.
+class SlabStack {
+public:
+  SlabStack(const CubePoints& points, const Boundary& boundary, std::vector<SlabPart>& parts)
+      : points_(points), boundary_(boundary), parts_(parts), carry_(kSlabRows, 0) {}
+
+  CoverageSum run(const FaceInSlab* begin, const FaceInSlab* end, SlabVolumes& volumes) {
+    for (const FaceInSlab* first = begin; first != end;) {
+      const FaceInSlab* last = first;
+      while (last != end && last->z == first->z)
+        ++last;
+      if (first != begin)
+        fill(*first, (first - 1)->z + 1, first->z);
+      volumes.clear();
+      for (const FaceInSlab* f = first; f != last; ++f)
+        addFace(*f, volumes);
+      build(*first, first->z, &volumes);
+      first = last;
+    }
+    return {static_cast<double>(filled_) / static_cast<double>(kWhole),
+            static_cast<double>(overlap_) / static_cast<double>(kWhole), overlapVoxels_};
+  }
+
+  /// Whether the faces close: nothing but rounding is carried beyond the last.
+  bool closes() const {
+    return std::all_of(carry_.begin(), carry_.end(),
+                       [](std::int64_t c) { return std::abs(c) < kWhole >> 20; });
+  }
+
+private:
+  void addFace(const FaceInSlab& at, SlabVolumes& volumes) const {
+    const BoundaryFace& f = boundary_.faces[at.face];
+    const Vec3d* p[3] = {&points_[f.a], &points_[f.b], &points_[f.c]};
+    // In order of position, so that a face gives the same numbers however it is written.
+    double sign = -f.weight; // outside is above
+    for (const auto& [i, k] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})
+      if (*p[k] < *p[i]) {
+        std::swap(p[i], p[k]);
+        sign = -sign;
+      }
+    Polygon polygon;
+    for (const Vec3d* q : p) {
+      const double corner[3] = {(*q)[0] - static_cast<double>(at.x) * kLeafSize,
+                                (*q)[1] - static_cast<double>(at.y) * kNodeSize,
+                                (*q)[2] - static_cast<double>(at.z) * kNodeSize};
+      polygon.add(corner);
+    }
+    volumes.add(polygon, sign);
+  }
+
+  // Slabs from zBegin to zEnd that no face meets.
+  void fill(const FaceInSlab& at, std::int32_t zBegin, std::int32_t zEnd) {
+    if (zBegin == zEnd)
+      return;
+    const bool uniform =
+        std::all_of(carry_.begin(), carry_.end(), [&](std::int64_t c) { return c == carry_[0]; });
+    if (uniform && carry_[0] == 0)
+      return;
+    for (std::int32_t z = zBegin; z < zEnd; ++z) {
+      if (uniform && carry_[0] == kWhole) {
+        parts_.push_back({{at.x >> 4, at.y, z}, at.x & 15, true, {}});
+        filled_ += Int128(kWhole) * kSlabRows * kNodeSize;
+      } else {
+        build(at, z, nullptr);
+      }
+    }
+  }
+
+  void build(const FaceInSlab& at, std::int32_t z, const SlabVolumes* volumes) {
+    SlabPart part{{at.x >> 4, at.y, z}, at.x & 15, false, {}};
+    std::int64_t volume[kVoxelsInLeaf];
+    for (int y = 0; y < kLeavesAlong; ++y) {
+      std::int64_t* carry = carry_.data() + y * kColumnsInLeaf;
+      for (int leafZ = 0; leafZ < kLeavesAlong; ++leafZ) {
+        const int leaf = y * kLeavesAlong + leafZ;
+        const bool touched = volumes != nullptr && volumes->touched(leaf);
+        if (!touched && uniform(carry, 0))
+          continue;
+        const auto offset = static_cast<std::uint16_t>((part.slab << 8) | leaf);
+        if (!touched && uniform(carry, kWhole)) {
+          filled_ += Int128(kWhole) * kVoxelsInLeaf;
+          part.leaves.emplace_back(offset, nullptr);
+          continue;
+        }
+        for (int c = 0; c < kColumnsInLeaf; ++c)
+          sumColumn(touched ? volumes->volume(leaf) + c * kLeafSize : nullptr,
+                    touched ? volumes->area(leaf) + c * kLeafSize : nullptr, carry[c],
+                    volume + c * kLeafSize);
+        const openvdb::Coord origin(at.x * kLeafSize, at.y * kNodeSize + y * kLeafSize,
+                                    z * kNodeSize + leafZ * kLeafSize);
+        addLeaf(origin, offset, volume, part);
+      }
+    }
+    part.full = part.leaves.size() == kLeavesInSlab &&
+                std::all_of(part.leaves.begin(), part.leaves.end(),
+                            [](const auto& leaf) { return leaf.second == nullptr; });
+    if (!part.leaves.empty())
+      parts_.push_back(std::move(part));
+  }
+
+  static bool uniform(const std::int64_t* carry, std::int64_t value) {
+    return std::all_of(carry, carry + kColumnsInLeaf,
+                       [value](std::int64_t c) { return c == value; });
+  }
+
+  // Volumes of a column of a leaf; `carry` is what is below, and then what is below the next leaf.
+  static void sumColumn(const std::int64_t* volume, const std::int64_t* area, std::int64_t& carry,
+                        std::int64_t* out) {
+    if (volume == nullptr) {
+      std::fill_n(out, kLeafSize, snapped(carry));
+      return;
+    }
+    for (int z = 0; z < kLeafSize; ++z) {
+      out[z] = snapped(carry + volume[z]);
+      carry += area[z];
+    }
+    carry = snapped(carry);
+  }
+
+  void addLeaf(const openvdb::Coord& origin, std::uint16_t offset, std::int64_t* volume,
+               SlabPart& part) {
+    bool empty = true, full = true;
+    for (int i = 0; i < kVoxelsInLeaf; ++i) {
+      if (volume[i] > kWhole) {
+        overlap_ += volume[i] - kWhole;
+        ++overlapVoxels_;
+        volume[i] = kWhole;
+      }
+      volume[i] = std::max<std::int64_t>(volume[i], 0);
+      filled_ += volume[i];
+      empty = empty && volume[i] == 0;
+      full = full && volume[i] == kWhole;
+    }
+    if (empty)
+      return;
+    if (full) {
+      part.leaves.emplace_back(offset, nullptr);
+      return;
+    }
+    auto leaf = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), origin, 0.0f, false);
+    leaf->allocate();
+    float* values = leaf->buffer().data();
+    for (openvdb::Index x = 0; x < kLeafSize; ++x) {
+      std::uint64_t active = 0;
+      for (openvdb::Index i = 0; i < kColumnsInLeaf; ++i) {
+        const std::int64_t v = volume[x * kColumnsInLeaf + i];
+        values[x * kColumnsInLeaf + i] =
+            rounding_(static_cast<double>(v) / static_cast<double>(kWhole));
+        active |= static_cast<std::uint64_t>(v != 0) << i;
+      }
+      leaf->getValueMask().getWord<openvdb::Index64>(x) = active;
+    }
+    part.leaves.emplace_back(offset, std::move(leaf));
+  }
+
+  const CubePoints& points_;
+  const Boundary& boundary_;
+  std::vector<SlabPart>& parts_;
+  // Of column (x, y): [(y / 8) * 64 + x * 8 + y % 8], leaf by leaf.
+  std::vector<std::int64_t> carry_;
+  Rounding rounding_;
+  Int128 filled_ = 0, overlap_ = 0;
+  std::uint64_t overlapVoxels_ = 0;
+};
+
+openvdb::Index offsetInUpper(const NodeIndex& node) {
+  const auto local = [](std::int32_t v) { return static_cast<openvdb::Index>(v & 31); };
+  return local(node[0]) << 10 | local(node[1]) << 5 | local(node[2]);
+}
+
+// The node of these parts; null where all of it is full.
+std::unique_ptr<FloatLower> makeNode(SlabPart* begin, SlabPart* end) {
+  if (end - begin == kSlabsPerNode &&
+      std::all_of(begin, end, [](const SlabPart& part) { return part.full; }))
+    return nullptr;
+  const NodeIndex& at = begin->node;
+  auto node = std::make_unique<FloatLower>(
+      openvdb::Coord(at[0] * kNodeSize, at[1] * kNodeSize, at[2] * kNodeSize), 0.0f, false);
+  for (SlabPart* part = begin; part != end; ++part) {
+    if (part->full)
+      for (int leaf = 0; leaf < kLeavesInSlab; ++leaf)
+        node->addTile(static_cast<openvdb::Index>((part->slab << 8) | leaf), 1.0f, true);
+    else
+      for (auto& [offset, leaf] : part->leaves) {
+        if (leaf)
+          node->addLeaf(leaf.release());
+        else
+          node->addTile(offset, 1.0f, true);
+      }
+  }
+  return node;
+}
+
+openvdb::FloatTree::Ptr assemble(std::vector<SlabPart>& parts) {
+  tbb::parallel_sort(parts.begin(), parts.end(), [](const SlabPart& a, const SlabPart& b) {
+    return std::tie(a.node, a.slab) < std::tie(b.node, b.slab);
+  });
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (i == 0 || parts[i].node != parts[i - 1].node)
+      starts.push_back(i);
+  starts.push_back(parts.size());
+  std::vector<std::unique_ptr<FloatLower>> nodes(starts.size() - 1);
+  tbb::parallel_for(std::size_t(0), nodes.size(), [&](std::size_t i) {
+    nodes[i] = makeNode(parts.data() + starts[i], parts.data() + starts[i + 1]);
+  });
+
+  std::map<NodeIndex, std::unique_ptr<FloatUpper>> uppers;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const NodeIndex& at = parts[starts[i]].node;
+    const NodeIndex above{at[0] >> 5, at[1] >> 5, at[2] >> 5};
+    std::unique_ptr<FloatUpper>& upper = uppers[above];
+    if (!upper)
+      upper = std::make_unique<FloatUpper>(openvdb::Coord(above[0] * kRootChildSize,
+                                                          above[1] * kRootChildSize,
+                                                          above[2] * kRootChildSize),
+                                           0.0f, false);
+    if (nodes[i])
+      upper->addChild(nodes[i].release());
+    else
+      upper->addTile(offsetInUpper(at), 1.0f, true);
+  }
+  auto tree = std::make_shared<openvdb::FloatTree>(0.0f);
+  for (auto& [at, upper] : uppers) {
+    float value = 0;
+    bool active = false;
+    if (upper->getChildMask().isOff() && upper->isConstant(value, active))
+      tree->root().addTile(upper->origin(), value, active);
+    else
+      tree->root().addChild(upper.release());
+  }
+  return tree;
+}
+
+} // namespace
+
+openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
+                                 const GridTransform& transform, CoverageSum& sum,
+                                 Progress& progress) {
+  const CubePoints cubes = cubePoints(points, transform);
+  const std::vector<FaceInSlab> pairs = binFaces(cubes, faces, progress);
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (i == 0 || !pairs[i].sameStack(pairs[i - 1]))
+      starts.push_back(i);
+  starts.push_back(pairs.size());
+
+  std::vector<std::vector<SlabPart>> found(starts.size() - 1);
+  std::vector<CoverageSum> sums(starts.size() - 1);
+  tbb::enumerable_thread_specific<SlabVolumes> volumes;
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, found.size(), 1),
+      [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          SlabStack stack(cubes, faces, found[i]);
+          sums[i] =
+              stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
+          if (!stack.closes())
+            throw std::logic_error("the boundary does not close: volume was carried out of it");
+          progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
+        }
+      },
+      tbb::simple_partitioner());
+
+  sum = {};
+  std::vector<SlabPart> parts;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    parts.insert(parts.end(), std::make_move_iterator(found[i].begin()),
+                 std::make_move_iterator(found[i].end()));
+    sum.filled += sums[i].filled;
+    sum.overlap += sums[i].overlap;
+    sum.overlapVoxels += sums[i].overlapVoxels;
+  }
+  auto grid = openvdb::FloatGrid::create(assemble(parts));
+  grid->setName("coverage");
+  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+  grid->setTransform(makeTransform(transform));
+  return grid;
+}
+
+} // namespace tetvdb

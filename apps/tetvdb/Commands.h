@@ -23,6 +23,7 @@ Command addTetrahedralize(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);
+Command addCheck(CLI::App& program);
 
 /// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
 CLI::Validator notEmpty();

@@ -5,6 +5,7 @@
 #include "JsonReport.h"
 #include "MeshReport.h"
 #include "ParseQuantities.h"
+#include "VoxelizeSequence.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
@@ -26,6 +27,7 @@ struct Options : JobOptions {
   std::string origin, bbox;
   std::vector<std::string> grids{"density"};
   FieldTexts fields;
+  SequenceTexts sequence;
   std::string device = "auto", path = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
@@ -41,6 +43,9 @@ const char* const kExamples = R"(Examples:
       voxels of half a unit, with the region number of every voxel
   tetvdb voxelize beam.vtu -o beam.vdb --grid density,temperature,vel --derive mises=stress:mises
       arrays of the mesh as grids of their own, and one made of a tensor
+  tetvdb voxelize run.pvd -o run.vdb --grid density,temperature --warp disp
+      a sequence into run.0001.vdb, run.0002.vdb, ...; as well 'frame_*.vtu', or an Exodus file's
+      steps with --frames all
   tetvdb voxelize head.mesh -o skull.nvdb --region bone,4 --resolution 1024
       only the regions named "bone" and numbered 4
   tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf
@@ -307,6 +312,8 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["threads"] = job.threads;
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
+  if (runAsSequence(job, options.sequence, session))
+    return;
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections["device"] = result.device.name;
   session.sections["input"] = inputsOf(result);
@@ -401,7 +408,7 @@ Command addVoxelize(CLI::App& program) {
       ->add_option(
           "IN", options->inputs,
           "Meshes: .stl .obj .ply .off .3mf .glb .fbx .dae, or solid ones: .msh .mesh .meshb "
-          ".ele .node .vol .inp .vtk .vtu .pvtu .exo .e")
+          ".ele .node .vol .inp .vtk .vtu .pvtu .exo .e; a sequence: .pvd or 'frame_*.vtu'")
       ->required()
       ->type_name("");
   command->add_option("-o,--output", options->output, "Volume to write: .vdb or .nvdb")
@@ -420,6 +427,7 @@ Command addVoxelize(CLI::App& program) {
       ->check(notEmpty());
   addGridOptions(*command, *options);
   addFieldOptions(*command, options->fields);
+  addSequenceOptions(*command, options->sequence);
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
   command->add_option("--device", options->device, "Where to voxelize tets (default auto)")

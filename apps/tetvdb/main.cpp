@@ -34,9 +34,11 @@ const char* const kExamples = R"(Examples:
   tetvdb info part.msh part.vdb
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
+  tetvdb check part.vdb --target blender
 
 Exit status: 0 done, 1 done but a promise was not met, 2 bad usage, 3 bad input or empty result,
-4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences.
+4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences
+or findings.
 Lengths are in the input's own units. 'tetvdb COMMAND --help' has each command's options.)";
 
 std::string describeParseError(const CLI::ParseError& error, int argc, char** argv,
@@ -54,7 +56,7 @@ std::string describeParseError(const CLI::ParseError& error, int argc, char** ar
     text = "a command is missing";
   else if (!known && argv[1][0] != '-')
     text = "'" + std::string(argv[1]) +
-           "' is no command; there are voxelize, tetrahedralize, info, compare and repair";
+           "' is no command; there are voxelize, tetrahedralize, info, compare, repair and check";
   return text + "; see '" + help + "'";
 }
 
@@ -65,7 +67,8 @@ int runProgram(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {addVoxelize(program), addTetrahedralize(program),
-                                         addInfo(program), addCompare(program), addRepair(program)};
+                                         addInfo(program),     addCompare(program),
+                                         addRepair(program),   addCheck(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) { // --help, --version

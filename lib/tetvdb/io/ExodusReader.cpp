@@ -201,6 +201,22 @@ public:
     return std::move(mesh_);
   }
 
+  /// A mesh that is nothing but the times of the steps, as an array: the form in which a child
+  /// process can hand them over.
+  CellMesh readTimes() {
+    const std::size_t steps = file_.dimension("time_step").value_or(0);
+    const auto variable = file_.variable("time_whole");
+    std::vector<double> times(steps);
+    if (variable && steps > 0)
+      readRow<double>(*variable, {}, steps, "time_whole",
+                      [&](std::size_t i, double time) { times[i] = time; });
+    else
+      for (std::size_t i = 0; i < steps; ++i)
+        times[i] = static_cast<double>(i);
+    mesh_.attributes.push_back({"time", Attribute::On::Points, 1, std::move(times)});
+    return std::move(mesh_);
+  }
+
 private:
   struct Block {
     std::size_t number = 0; ///< from 1, as in the variables' names
@@ -354,7 +370,7 @@ private:
     }
   }
 
-  // --- variables, of the last time step ---
+  // --- variables of one time step ---
 
   /// Calls f(vector<T>) with the number type that `variable` has in the file.
   template <class F>
@@ -365,9 +381,21 @@ private:
       f(double{});
   }
 
-  void readNodalVariables() {
+  /// The step whose variables are wanted; nothing where there are no steps.
+  std::optional<std::size_t> step() const {
     const std::size_t steps = file_.dimension("time_step").value_or(0);
-    if (steps == 0 || !options_.attributes)
+    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
+      throw Error(Status::Usage, file_.path(),
+                  "has no time step " + std::to_string(options_.timeStep + 1),
+                  "it has " + std::to_string(steps));
+    if (steps == 0)
+      return {};
+    return options_.timeStep < 0 ? steps - 1 : static_cast<std::size_t>(options_.timeStep);
+  }
+
+  void readNodalVariables() {
+    const auto chosen = step();
+    if (!chosen || !options_.attributes)
       return;
     const std::vector<std::string> names = file_.strings("name_nod_var");
     const auto together = file_.variable("vals_nod_var");
@@ -376,7 +404,7 @@ private:
       const auto variable = together ? together : file_.variable(name);
       if (!variable)
         continue;
-      std::vector<std::size_t> row{steps - 1};
+      std::vector<std::size_t> row{*chosen};
       if (together)
         row.push_back(k);
       withType(*variable, [&](auto tag) {
@@ -390,8 +418,8 @@ private:
   }
 
   void readElementVariables() {
-    const std::size_t steps = file_.dimension("time_step").value_or(0);
-    if (steps == 0)
+    const auto chosen = step();
+    if (!chosen)
       return;
     const std::vector<std::string> names = file_.strings("name_elem_var");
     for (std::size_t k = 0; k < names.size(); ++k) {
@@ -405,7 +433,7 @@ private:
         if (const auto variable = file_.variable(name + std::to_string(block.number))) {
           wide = wide || variable->type != NC_FLOAT;
           values.resize(mesh_.regions.size(), 0);
-          readRow<double>(*variable, {steps - 1}, block.cells, name,
+          readRow<double>(*variable, {*chosen}, block.cells, name,
                           [&](std::size_t i, double x) { values[first + i] = x; });
         }
         first += block.cells;
@@ -444,6 +472,17 @@ CellMesh readExodus(const Source& source, const ReadOptions& options, Report& re
     return ExodusFile(source, options, childReport, childProgress).read();
   };
   return readIsolated(read, source.path, report, progress);
+}
+
+std::vector<double> exodusTimes(const Source& source, Report& report, Progress& progress) {
+  std::lock_guard<std::mutex> lock(netcdfMutex());
+  const auto read = [&](Report& childReport, Progress& childProgress) {
+    return ExodusFile(source, {}, childReport, childProgress).readTimes();
+  };
+  const CellMesh mesh = source.bytes.substr(0, 3) == "CDF"
+                            ? read(report, progress)
+                            : readIsolated(read, source.path, report, progress);
+  return std::get<std::vector<double>>(mesh.attributes.front().values);
 }
 
 } // namespace tetvdb

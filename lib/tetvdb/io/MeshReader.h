@@ -57,6 +57,7 @@ struct ReadOptions {
   /// cell array with a usual name (material, MaterialIds, region, mat_id, ... ; any case).
   std::string regionArray;
   bool attributes = true; ///< false: point and cell arrays other than regions are left out
+  int timeStep = -1;      ///< of files with several (Exodus): counted from 0; -1: the last
 };
 
 /// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for anything that

@@ -29,6 +29,13 @@ void nameFile(const std::string& path, std::size_t first, Report& report) {
 
 } // namespace
 
+void turnUp(std::vector<Vec3d>& points, UpAxis up) {
+  if (up == UpAxis::Z)
+    return;
+  for (Vec3d& p : points)
+    p = {p[0], p[2], -p[1]};
+}
+
 bool holdsTriangles(const std::string& path) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&

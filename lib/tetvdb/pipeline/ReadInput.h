@@ -12,8 +12,10 @@
 #include "tetvdb/mesh/TriangleMesh.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tetvdb {
 
@@ -29,6 +31,15 @@ struct InputInfo {
   std::map<std::string, std::size_t> cells;
   TetStatistics statistics; ///< of those tets
 };
+
+/// The axis that points up for the program that will open the volume.
+enum class UpAxis : std::uint8_t {
+  Z, ///< as in the input
+  Y  ///< (x, y, z) of the input becomes (x, z, -y): z-up input for a y-up program
+};
+
+/// Points of the input into the axes of the output.
+void turnUp(std::vector<Vec3d>& points, UpAxis up);
 
 /// Whether a mesh file holds triangles; false for tets, for what cannot be told and for pipes.
 /// Throws Error(Invalid) for a file that cannot be opened.

@@ -50,13 +50,6 @@ void checkOutputs(const VoxelizeJob& job) {
   }
 }
 
-void turnUp(std::vector<Vec3d>& points, UpAxis up) {
-  if (up == UpAxis::Z)
-    return;
-  for (Vec3d& p : points)
-    p = {p[0], p[2], -p[1]};
-}
-
 // Whether the inputs hold triangles; one job takes one kind.
 bool inputsHoldTriangles(const VoxelizeJob& job) {
   const bool first = holdsTriangles(job.inputs.front());
@@ -93,6 +86,7 @@ std::string fileNames(const std::vector<std::string>& paths) {
 }
 
 void describeOrigin(const VoxelizeJob& job, Volume& volume) {
+  volume.metadata = job.metadata;
   volume.metadata["creator"] = std::string("TetVDB ") + version();
   volume.metadata["source"] = fileNames(job.inputs);
   if (!job.units.empty())
@@ -235,7 +229,8 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   if (!job.fields.empty()) {
     FieldOptions wanted = job.fields;
     wanted.turnVectors = job.up == UpAxis::Y;
-    fields = resolveFields(mesh, wanted, report);
+    fields =
+        resolveFields(mesh, wanted, report, job.fieldRanges.empty() ? nullptr : &job.fieldRanges);
   }
   Voxelization made;
   const bool fieldsAlone = !fields.empty() && options.grids.empty() && job.shapes.grids.empty();

@@ -13,7 +13,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
-#include "tetvdb/fields/FieldRequest.h"
+#include "tetvdb/fields/Field.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/fields/Warp.h"
 #include "tetvdb/io/MeshReader.h"
@@ -31,17 +31,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace tetvdb {
-
-/// The axis that points up for the program that will open the volume.
-enum class UpAxis : std::uint8_t {
-  Z, ///< as in the input
-  Y  ///< (x, y, z) of the input becomes (x, z, -y): z-up input for a y-up program
-};
 
 struct VoxelizeJob {
   /// Mesh files, of tets or of triangles; several become one volume (mergeMeshes()).
@@ -61,6 +56,9 @@ struct VoxelizeJob {
   /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
+  /// Ranges of the fields in place of their own (resolveFields()); empty: their own.
+  std::vector<ValueRange> fieldRanges;
+  std::map<std::string, std::string> metadata; ///< more of it for the file
   std::string units;         ///< stored as metadata "units"; no lengths are changed
   DeviceChoice device;       ///< where tets are voxelized
   bool half = false;         ///< float grids are stored with 16 bits a value

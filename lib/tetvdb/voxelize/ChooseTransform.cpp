@@ -21,11 +21,7 @@ constexpr double kMinVoxelVolume = 3e-15;
 constexpr double kMaxIndex = 2147483648.0 - 2 * kRootChildSize;
 
 WorldBox join(WorldBox a, const WorldBox& b) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    a.min[k] = std::min(a.min[k], b.min[k]);
-    a.max[k] = std::max(a.max[k], b.max[k]);
-  }
-  a.finite = a.finite && b.finite;
+  a.add(b);
   return a;
 }
 
@@ -38,6 +34,14 @@ void add(WorldBox& box, const Vec3d& p) {
 }
 
 } // namespace
+
+void WorldBox::add(const WorldBox& other) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    min[k] = std::min(min[k], other.min[k]);
+    max[k] = std::max(max[k], other.max[k]);
+  }
+  finite = finite && other.finite;
+}
 
 // Nearly always all points are in use, or at least those on the sides of the box of all points;
 // then the indices need only be looked through for them.

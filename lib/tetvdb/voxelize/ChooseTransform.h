@@ -19,6 +19,8 @@ struct WorldBox {
   Vec3d max{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
             -std::numeric_limits<double>::infinity()};
   bool finite = true; ///< false: one of the points was not
+
+  void add(const WorldBox& other);
 };
 
 /// Box of those of `points` that `indices` (of cells or faces) name. Parallel; where every side of

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/CheckVolumes.h"
+
+#include "tetvdb/fields/ShownValues.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <map>
+#include <optional>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+using Weight = Finding::Weight;
+
+// VTK's writer never makes smaller voxels, since OpenVDB refuses a volume below 3e-15.
+constexpr double kSmallVoxel = 1e-4;
+// Metres: what is smaller or larger is more likely in another unit.
+constexpr double kSmallModel = 0.01, kLargeModel = 1000;
+
+// What frames are compared by.
+struct FrameFacts {
+  std::set<std::pair<std::string, std::string>> grids; ///< name and type
+  std::map<std::string, std::string> transforms;
+};
+
+std::string targetName(CheckTarget target) {
+  return target == CheckTarget::Blender ? "Blender" : "Houdini";
+}
+
+double valueBytes(const std::string& type) {
+  if (type == "vec3s" || type == "vec3i")
+    return 12; // 16 on most GPUs
+  if (type == "vec3d")
+    return 24;
+  return type == "double" || type == "int64" ? 8 : 4;
+}
+
+class FileCheck {
+public:
+  FileCheck(const std::string& path, const CheckOptions& options, std::vector<Finding>& findings)
+      : path_(path), options_(options), findings_(findings) {}
+
+  FrameFacts run(const Volume& volume) {
+    const std::vector<GridInfo> infos = describe(volume);
+    const openvdb::GridPtrVec& grids = volume.grids().all;
+    checkFile(volume, infos);
+    FrameFacts facts;
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      grid_ = infos[i].name;
+      const std::string transform = canonicalBytes(grids[i]->transform());
+      if (infos[i].name.empty())
+        add(Weight::Error, "name", "has no name, so that no material can ask for it",
+            "give it a name");
+      else if (!names.insert(infos[i].name).second)
+        add(Weight::Error, "name", "is the name of two grids: one of them hides the other",
+            "give each a name of its own");
+      checkTransform(*grids[i], transform, canonicalBytes(grids.front()->transform()));
+      checkGrid(infos[i]);
+      facts.grids.insert({infos[i].name, infos[i].type});
+      facts.transforms[infos[i].name] = transform;
+    }
+    return facts;
+  }
+
+private:
+  void add(Weight weight, std::string code, std::string text, std::string cure) {
+    findings_.push_back({weight, std::move(code), path_, grid_, std::move(text), std::move(cure)});
+  }
+  bool forBlender() const { return options_.target == CheckTarget::Blender; }
+
+  void checkFile(const Volume& volume, const std::vector<GridInfo>& infos) {
+    if (fs::path(path_).extension() != ".vdb")
+      add(Weight::Error, "file-type",
+          targetName(options_.target) + " reads .vdb files, not " +
+              fs::path(path_).extension().string(),
+          "write a .vdb file");
+    const bool usual = std::any_of(infos.begin(), infos.end(), [&](const GridInfo& info) {
+      return info.name == "density" || info.gridClass == "level set" ||
+             (!forBlender() && info.name == "surface");
+    });
+    if (!usual)
+      add(Weight::Note, "usual-name", "no grid is named 'density', which default materials ask for",
+          "name the grid in the material (Blender: Principled Volume, Density Attribute)");
+    const auto up = volume.metadata.find("up_axis");
+    const bool yUp = up != volume.metadata.end() && up->second == "y";
+    if (forBlender() && yUp)
+      add(Weight::Warning, "up-axis", "was made with y up, but in Blender z points up",
+          "voxelize without --up-axis y, or turn the object by 90 degrees about x");
+    if (!forBlender() && !yUp)
+      add(Weight::Note, "up-axis",
+          "in Houdini y points up; the file does not say that it was "
+          "made so",
+          "if the model lies on its side, voxelize with --up-axis y");
+    checkExtent(volume, infos);
+  }
+
+  void checkExtent(const Volume& volume, const std::vector<GridInfo>& infos) {
+    double longest = 0;
+    for (const GridInfo& info : infos)
+      for (std::size_t k = 0; k < 3 && info.activeVoxels > 0; ++k)
+        longest = std::max(longest, (static_cast<double>(info.boxMax[k]) - info.boxMin[k] + 1) *
+                                        std::abs(info.transform.voxelSize[k]));
+    if (longest == 0 || (longest >= kSmallModel && longest <= kLargeModel))
+      return;
+    const auto units = volume.metadata.find("units");
+    add(Weight::Warning, "extent",
+        fmt::format("is {:.4g} units long{}, and {} takes a unit for a metre", longest,
+                    units == volume.metadata.end() ? "" : " (" + units->second + ")",
+                    targetName(options_.target)),
+        "scale the object after import, or the mesh before");
+  }
+
+  void checkTransform(const openvdb::GridBase& grid, const std::string& transform,
+                      const std::string& first) {
+    if (!grid.transform().isLinear())
+      add(Weight::Warning, "transform",
+          "has a transform that is not affine (a frustum); only its affine part is kept",
+          "resample it to a linear transform");
+    else if (transform != first)
+      add(Weight::Warning, "transform",
+          "has another transform than the file's first grid: grids are resampled to fit, or do "
+          "not lie on each other",
+          "make all grids in one run of tetvdb voxelize");
+  }
+
+  void checkGrid(const GridInfo& info) {
+    if (info.activeVoxels == 0)
+      return add(Weight::Error, "no-voxels", "has no active voxels", "leave it out");
+    if (forBlender() && info.leaves == 0)
+      add(Weight::Error, "tiles-alone",
+          "holds tiles alone, of which Blender 3.4 and older draw nothing",
+          "make it with tetvdb voxelize, which opens one tile, or voxelize its tiles");
+    checkType(info);
+    checkClass(info);
+    const std::string hidden = whyHidden(info);
+    if (!hidden.empty())
+      add(Weight::Warning, "hidden-values", hidden,
+          fmt::format("tetvdb voxelize with --remap {}=0:1{}", info.name,
+                      forBlender() ? ", or lower the render setting Volume > Clipping" : ""));
+    double box = 1;
+    for (std::size_t k = 0; k < 3; ++k)
+      box *= static_cast<double>(info.boxMax[k]) - info.boxMin[k] + 1;
+    const double bytes = box * valueBytes(info.type);
+    if (bytes > options_.denseBytes)
+      add(Weight::Warning, "memory",
+          fmt::format("takes {:.1f} GB where it is uploaded densely, as by Blender without "
+                      "NanoVDB and by real-time renderers",
+                      bytes / 1e9),
+          "use larger voxels, or cut it in parts with --bbox");
+    const Vec3d& size = info.transform.voxelSize;
+    const double side = std::min({std::abs(size[0]), std::abs(size[1]), std::abs(size[2])});
+    if (side < kSmallVoxel)
+      add(Weight::Warning, "voxel-size",
+          fmt::format("has voxels of {:.3g} units, near the least that programs take (1.45e-5, or "
+                      "1e-4 for some)",
+                      side),
+          "use a smaller unit of length, such as millimetres for metres");
+  }
+
+  void checkType(const GridInfo& info) {
+    static const std::set<std::string> kDrawn = {"float", "double", "int32", "int64",
+                                                 "bool",  "vec3s",  "vec3d", "vec3i"};
+    if (info.type == "mask")
+      add(Weight::Error, "type",
+          forBlender() ? "is a mask grid, which Blender builds with NanoVDB do not draw"
+                       : "is a mask grid, which Houdini's translation does not know",
+          "store it as bool, as tetvdb voxelize --grid mask does");
+    else if (kDrawn.count(info.type) == 0)
+      add(Weight::Error, "type", "is of type '" + info.type + "', which is not drawn as a volume",
+          "convert it to float");
+    else if (info.type == "double" || info.type == "int64" || info.type == "vec3d")
+      add(Weight::Note, "type", "is of type " + info.type + ", twice the memory for no more to see",
+          "store it as float, int32 or vec3s");
+  }
+
+  void checkClass(const GridInfo& info) {
+    const bool number = info.type == "float" || info.type == "double";
+    if (number && info.gridClass == "unknown")
+      add(Weight::Warning, "class",
+          "has no class: surfaces made of a level set without it are inside out",
+          "set it to 'fog volume' or 'level set'");
+    if (number && info.gridClass == "level set" && !(info.minValue < 0))
+      add(Weight::Warning, "class",
+          "is called a level set but has no negative values: nothing is inside",
+          "set its class to 'fog volume'");
+  }
+
+  const std::string& path_;
+  const CheckOptions& options_;
+  std::vector<Finding>& findings_;
+  std::string grid_;
+};
+
+// "a.0007" of "out/a.0007.vdb" as "a.", 7 and "": what comes before and after its last number.
+struct NumberedName {
+  std::string before, after;
+  std::optional<unsigned long long> number;
+
+  explicit NumberedName(const std::string& path) {
+    const std::string stem = fs::path(path).stem().string();
+    const auto digit = [&](std::size_t i) { return stem[i] >= '0' && stem[i] <= '9'; };
+    std::size_t end = stem.size();
+    while (end > 0 && !digit(end - 1))
+      --end;
+    std::size_t begin = end;
+    while (begin > 0 && digit(begin - 1))
+      --begin;
+    before = (fs::path(path).parent_path() / stem.substr(0, begin)).string();
+    after = stem.substr(end);
+    unsigned long long value = 0;
+    if (begin < end &&
+        std::from_chars(stem.data() + begin, stem.data() + end, value).ec == std::errc())
+      number = value;
+  }
+};
+
+void checkNames(const std::vector<std::string>& paths, std::vector<Finding>& findings) {
+  const std::string rename = "name frames NAME.0001.vdb, NAME.0002.vdb and so on";
+  const NumberedName first(paths.front());
+  std::vector<std::pair<unsigned long long, std::string>> numbers;
+  for (const std::string& path : paths) {
+    const NumberedName name(path);
+    if (!name.number || name.before != first.before || name.after != first.after) {
+      findings.push_back({Weight::Error, "sequence-name", path, "",
+                          name.number ? "is not named like the first frame"
+                                      : "has no number in its name: it is no frame of a sequence",
+                          rename});
+      continue;
+    }
+    if (!name.after.empty())
+      findings.push_back({Weight::Warning, "sequence-name", path, "",
+                          "has '" + name.after +
+                              "' after its number, by which some programs do "
+                              "not know a sequence",
+                          rename});
+    numbers.emplace_back(*name.number, path);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    const auto [before, ignored] = numbers[i - 1];
+    const auto& [number, path] = numbers[i];
+    if (number == before)
+      findings.push_back({Weight::Error, "sequence-name", path, "",
+                          fmt::format("has the number {} a second time", number), rename});
+    else if (number != before + 1)
+      findings.push_back(
+          {Weight::Error, "sequence-gap", path, "",
+           fmt::format("follows frame {}: Blender drops all frames after a gap", before),
+           "number the frames without gaps"});
+  }
+}
+
+void compareFrames(const std::vector<std::string>& paths, const std::vector<FrameFacts>& facts,
+                   std::vector<Finding>& findings) {
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    std::string differs;
+    for (const auto& grid : facts.front().grids)
+      if (facts[i].grids.count(grid) == 0)
+        differs += (differs.empty() ? "lacks " : ", ") + grid.first + " (" + grid.second + ")";
+    std::string more;
+    for (const auto& grid : facts[i].grids)
+      if (facts.front().grids.count(grid) == 0)
+        more += (more.empty() ? "has " : ", ") + grid.first + " (" + grid.second + ")";
+    if (!differs.empty() || !more.empty())
+      findings.push_back({Weight::Error, "sequence-grids", paths[i], "",
+                          "does not hold the grids of the first frame: it " + differs +
+                              (differs.empty() || more.empty() ? "" : " and ") + more,
+                          "make all frames in one run of tetvdb voxelize"});
+    for (const auto& [name, transform] : facts[i].transforms) {
+      const auto first = facts.front().transforms.find(name);
+      if (first != facts.front().transforms.end() && first->second != transform) {
+        findings.push_back({Weight::Warning, "sequence-transform", paths[i], name,
+                            "has another transform than in the first frame: voxels flicker",
+                            "make all frames in one run of tetvdb voxelize"});
+        break;
+      }
+    }
+  }
+}
+
+} // namespace
+
+std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
+                                  const CheckOptions& options, Progress& progress) {
+  std::vector<Finding> findings;
+  std::vector<FrameFacts> facts;
+  progress.stage("check");
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const Volume volume = readVolume(paths[i], progress);
+    facts.push_back(FileCheck(paths[i], options, findings).run(volume));
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
+  }
+  if (paths.size() > 1) {
+    checkNames(paths, findings);
+    compareFrames(paths, facts, findings);
+  }
+  return findings;
+}
+
+} // namespace tetvdb

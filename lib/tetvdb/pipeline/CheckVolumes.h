@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whether a volume, or a sequence of them, will show in the program that opens it.
+//
+//   for (const tetvdb::Finding& f : tetvdb::checkVolumes({"a.vdb"}, {}, progress))
+//     std::puts((f.text + "; " + f.cure).c_str());
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+enum class CheckTarget : std::uint8_t { Blender, Houdini };
+
+struct CheckOptions {
+  CheckTarget target = CheckTarget::Blender;
+  double denseBytes = 2e9; ///< a warning where a grid takes more when it is uploaded densely
+};
+
+/// One thing that was found.
+struct Finding {
+  enum class Weight : std::uint8_t {
+    Note,    ///< worth knowing; nothing is wrong
+    Warning, ///< something will not look as it should
+    Error    ///< a grid, or the file, will not show
+  };
+  Weight weight = Weight::Warning;
+  std::string code; ///< stable and short: "tiles-alone"
+  std::string file;
+  std::string grid; ///< empty: the file as a whole
+  std::string text; ///< what is wrong, one sentence without its end
+  std::string cure; ///< what to do
+};
+
+/// Looks at every file, then at the files as a sequence if there are several. Findings come in the
+/// files' order, and for a file in its grids' order:
+/// - file-type: the target does not read it
+/// - no-voxels, tiles-alone: nothing is drawn
+/// - name: empty, or twice in the file
+/// - type: the target does not draw grids of this type
+/// - class: not set, so that surfaces made of the grid are inside out
+/// - transform: not affine, or another than that of the file's other grids
+/// - hidden-values: densities below what is drawn, negative ones, or far above 1
+/// - memory: bytes when the active box is uploaded densely
+/// - voxel-size, extent: too small for the target, or a size that hints at another unit
+/// - up-axis: the file says that another axis points up (or, for Houdini, says nothing)
+/// - usual-name (a note): no grid has the name that the target's default material asks for
+/// - sequence-name, sequence-gap, sequence-grids, sequence-transform: of several files
+/// Facts about the targets are from their sources and from Blender 3.4 as run (docs/dcc.md).
+/// Throws Error(Invalid) for a file that cannot be read, Error(Cancelled). Reads one file at a
+/// time.
+std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
+                                  const CheckOptions& options, Progress& progress);
+
+} // namespace tetvdb

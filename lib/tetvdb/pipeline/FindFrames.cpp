@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/FindFrames.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/ExodusReader.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/VtuMarkup.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fmt/format.h>
+#include <iterator>
+#include <map>
+#include <string_view>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool exists(const std::string& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored);
+}
+
+bool isPattern(const std::string& path) {
+  return path.find_first_of("*?") != std::string::npos && !exists(path);
+}
+
+bool isCollection(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension)
+    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return extension == ".pvd";
+}
+
+// '*' for any characters, '?' for one.
+bool matches(std::string_view pattern, std::string_view name) {
+  std::size_t p = 0, n = 0, star = std::string_view::npos, mark = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n]) && pattern[p] != '*') {
+      ++p;
+      ++n;
+    } else if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      mark = n;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      n = ++mark;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*')
+    ++p;
+  return p == pattern.size();
+}
+
+// The last run of digits in a name without its extension.
+std::optional<unsigned long long> numberIn(const std::string& path) {
+  const std::string stem = fs::path(path).stem().string();
+  std::size_t end = stem.size();
+  while (end > 0 && !isDigit(stem[end - 1]))
+    --end;
+  std::size_t begin = end;
+  while (begin > 0 && isDigit(stem[begin - 1]))
+    --begin;
+  unsigned long long number = 0;
+  const auto [stop, error] = std::from_chars(stem.data() + begin, stem.data() + end, number);
+  if (begin == end || error != std::errc())
+    return {};
+  return number;
+}
+
+std::vector<Frame> framesOfPattern(const std::string& pattern, bool allowGaps) {
+  const fs::path path(pattern);
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  if (folder.string().find_first_of("*?") != std::string::npos)
+    throw Error(Status::Usage, pattern, "has '*' or '?' in the name of a folder",
+                "put them in the file's name alone");
+  std::error_code error;
+  fs::directory_iterator entries(folder, error);
+  if (error)
+    throw Error(Status::Invalid, folder.string(), "cannot be listed: " + error.message());
+  struct Found {
+    unsigned long long number;
+    std::string path;
+  };
+  std::vector<Found> found;
+  for (const fs::directory_entry& entry : entries) {
+    const std::string name = entry.path().filename().string();
+    if (!matches(path.filename().string(), name) || !entry.is_regular_file(error))
+      continue;
+    const std::string file = path.has_parent_path() ? entry.path().string() : name;
+    const auto number = numberIn(name);
+    if (!number)
+      throw Error(Status::Invalid, file, "has no number in its name, by which frames are ordered",
+                  "use a narrower pattern");
+    found.push_back({*number, file});
+  }
+  if (found.empty())
+    throw Error(Status::Invalid, pattern, "no file has a name like that");
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::tie(a.number, a.path) < std::tie(b.number, b.path);
+  });
+  unsigned long long step = 0;
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    const unsigned long long between = found[i].number - found[i - 1].number;
+    if (between == 0)
+      throw Error(Status::Invalid, found[i].path,
+                  fmt::format("has the number {} as '{}' has", found[i].number, found[i - 1].path),
+                  "use a narrower pattern");
+    step = step == 0 ? between : std::min(step, between);
+  }
+  for (std::size_t i = 1; i < found.size() && !allowGaps; ++i)
+    if (found[i].number - found[i - 1].number != step)
+      throw Error(Status::Invalid, pattern,
+                  fmt::format("number {} is missing: '{}' follows '{}'", found[i - 1].number + step,
+                              found[i].path, found[i - 1].path),
+                  "put it there, or use --allow-gaps to go on with the next one");
+  std::vector<Frame> frames;
+  for (Found& one : found)
+    frames.push_back({{std::move(one.path)}, -1, {}});
+  return frames;
+}
+
+std::vector<Frame> framesOfCollection(const std::string& path) {
+  const MappedFile file(path);
+  const vtk::VtuMarkup markup(file.source());
+  const pugi::xml_node collection = markup.root().child("Collection");
+  if (!collection)
+    throw Error(Status::Invalid, path, "has no <Collection>", "export it again");
+  const fs::path folder = fs::path(path).parent_path();
+  std::map<double, Frame> byTime;
+  for (const pugi::xml_node set : collection.children("DataSet")) {
+    const std::string name = set.attribute("file").value();
+    if (name.empty())
+      throw Error(Status::Invalid, path, "a <DataSet> names no file", "export it again");
+    const char* text = set.attribute("timestep").value();
+    double time = 0;
+    const std::string_view digits(text);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), time);
+    if (!digits.empty() &&
+        (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(time)))
+      throw Error(Status::Invalid, path, fmt::format("'{}' is no time", text), "export it again");
+    const std::string part = (folder / name).string();
+    if (!exists(part))
+      throw Error(Status::Invalid, path, "the file '" + part + "' is missing",
+                  "put the files where the collection says");
+    Frame& frame = byTime[time];
+    frame.time = time;
+    frame.inputs.push_back(part);
+  }
+  if (byTime.empty())
+    throw Error(Status::Invalid, path, "the collection is empty", "export it again");
+  std::vector<Frame> frames;
+  for (auto& [time, frame] : byTime)
+    frames.push_back(std::move(frame));
+  return frames;
+}
+
+std::vector<Frame> framesOfExodus(const std::string& path, Report& report, Progress& progress) {
+  const MappedFile file(path);
+  if (sniffMeshFormat(file.bytes(), path) != MeshFormat::Exodus)
+    throw Error(Status::Usage, "--frames", path + " is no sequence",
+                "name a .pvd file, an Exodus file or a pattern such as 'frame_*.vtu'");
+  const std::vector<double> times = exodusTimes(file.source(), report, progress);
+  if (times.empty())
+    throw Error(Status::Invalid, path, "has no time steps", "leave --frames out");
+  std::vector<Frame> frames;
+  for (std::size_t i = 0; i < times.size(); ++i)
+    frames.push_back({{path}, static_cast<int>(i), times[i]});
+  return frames;
+}
+
+std::vector<Frame> chosen(std::vector<Frame> frames, const FrameRange& range) {
+  const std::size_t last = range.last == 0 ? frames.size() : range.last;
+  if (range.first < 1 || range.first > last || range.stride < 1)
+    throw Error(Status::Usage, "--frames", "the first frame comes after the last",
+                "give FIRST:LAST, counted from 1");
+  if (last > frames.size())
+    throw Error(Status::Usage, "--frames", fmt::format("there is no frame {}", last),
+                fmt::format("there are {}", frames.size()));
+  std::vector<Frame> some;
+  for (std::size_t i = range.first; i <= last; i += range.stride)
+    some.push_back(std::move(frames[i - 1]));
+  return some;
+}
+
+} // namespace
+
+std::vector<Frame> findFrames(const std::vector<std::string>& inputs,
+                              const std::optional<FrameRange>& range, bool allowGaps,
+                              Report& report, Progress& progress) {
+  const auto isSequence = [](const std::string& path) {
+    return isPattern(path) || isCollection(path);
+  };
+  if (!range && std::none_of(inputs.begin(), inputs.end(), isSequence))
+    return {};
+  if (inputs.size() != 1)
+    throw Error(Status::Usage, "", "a sequence stands alone, but there are several inputs",
+                "quote the pattern: 'frame_*.vtu'");
+  std::vector<Frame> frames;
+  if (isPattern(inputs.front()))
+    frames = framesOfPattern(inputs.front(), allowGaps);
+  else if (isCollection(inputs.front()))
+    frames = framesOfCollection(inputs.front());
+  else
+    frames = framesOfExodus(inputs.front(), report, progress);
+  return range ? chosen(std::move(frames), *range) : frames;
+}
+
+std::string frameName(const std::string& output, std::size_t number, std::size_t count) {
+  fs::path path(output);
+  const std::string extension = path.extension().string();
+  const std::size_t digits = std::max<std::size_t>(4, std::to_string(count).size());
+  path.replace_extension();
+  return fmt::format("{}.{:0{}}{}", path.string(), number, digits, extension);
+}
+
+} // namespace tetvdb

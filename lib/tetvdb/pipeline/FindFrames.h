@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The frames of a sequence: a .pvd collection, a pattern of names, the time steps of a file.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+struct Frame {
+  std::vector<std::string> inputs; ///< files that make it up, laid together
+  int timeStep = -1;               ///< of a file with several: counted from 0; -1: the last
+  std::optional<double> time;      ///< as the input says
+};
+
+/// Which frames to take, counted from 1.
+struct FrameRange {
+  std::size_t first = 1;
+  std::size_t last = 0; ///< 0: all that follow
+  std::size_t stride = 1;
+};
+
+/// Finds the frames that `inputs` stand for, in order of time:
+/// - one .pvd file: a frame for each of its times, its parts together;
+/// - one name with '*' or '?' that is no file itself: a frame for each file that matches, by the
+///   last number in its name. Numbers that leave out a step are an error unless `allowGaps`;
+/// - with `range`, one Exodus file: its time steps.
+/// Empty where the inputs are plain meshes. Throws Error(Invalid) for a collection that cannot be
+/// read, a file that is missing, a pattern that nothing matches and for gaps; Error(Usage) for a
+/// range beyond the last frame, a range of inputs that are no sequence, and for a sequence beside
+/// other inputs. Cost: the collection, or the folder's names.
+std::vector<Frame> findFrames(const std::vector<std::string>& inputs,
+                              const std::optional<FrameRange>& range, bool allowGaps,
+                              Report& report, Progress& progress);
+
+/// "out/a.vdb" and 7 of 12 as "out/a.0007.vdb": the number last, four digits or more.
+std::string frameName(const std::string& output, std::size_t number, std::size_t count);
+
+} // namespace tetvdb

@@ -13,6 +13,7 @@ const std::vector<Case>& allCases() {
       {"occupancy", "mask and density against the paper's loop and an accessor", runOccupancy,
        false},
       {"owners", "tet_id against the paper's loop and VTK", runOwners, false},
+      {"fields", "arrays of 10^6 tets into a file against VTK", runFields, false},
       {"large", "the whole program on a ball of 10^5 tets at 4096^3", runLarge, false},
       {"paths", "boundary path against tet path over sizes of tets", runPaths, false},
       {"write", "writing 1 M leaves against openvdb::io::File", runWrite, false},

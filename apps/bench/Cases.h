@@ -38,6 +38,7 @@ const std::vector<Case>& allCases();
 
 void runOccupancy(const Setup&, Tables&);
 void runOwners(const Setup&, Tables&);
+void runFields(const Setup&, Tables&);
 void runLarge(const Setup&, Tables&);
 void runHuge(const Setup&, Tables&);
 void runPaths(const Setup&, Tables&);

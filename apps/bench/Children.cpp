@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <stdexcept>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -158,6 +159,14 @@ VtkPeer::~VtkPeer() {
     std::fclose(from_);
   if (process_ > 0)
     waitpid(process_, nullptr, 0);
+}
+
+std::size_t VtkPeer::peakBytes() const {
+  std::ifstream status("/proc/" + std::to_string(process_) + "/status");
+  for (std::string text; std::getline(status, text);)
+    if (text.rfind("VmHWM:", 0) == 0)
+      return std::strtoull(text.c_str() + 6, nullptr, 10) * 1024;
+  return 0;
 }
 
 std::string VtkPeer::line() {

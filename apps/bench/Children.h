@@ -56,6 +56,8 @@ public:
   /// Samples at `size` points an axis from `low` to `high`; seconds.
   double run(const int (&size)[3], const double (&low)[3], const double (&high)[3]);
   std::size_t activeVoxels() const { return activeVoxels_; }
+  /// Highest resident memory of its process so far; 0 where the system does not tell.
+  std::size_t peakBytes() const;
 
 private:
   std::string line();

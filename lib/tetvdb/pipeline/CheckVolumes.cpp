@@ -31,8 +31,26 @@ constexpr double kSmallModel = 0.01, kLargeModel = 1000;
 // What frames are compared by.
 struct FrameFacts {
   std::set<std::pair<std::string, std::string>> grids; ///< name and type
-  std::map<std::string, std::string> transforms;
+  std::map<std::string, openvdb::math::Transform::ConstPtr> transforms;
 };
+
+// Whether voxels lie on each other: to a millionth of a voxel's size, since some programs keep
+// sizes as floats, and a thousandth of it from place to place.
+bool coincide(const openvdb::math::Transform& a, const openvdb::math::Transform& b) {
+  if (!a.isLinear() || !b.isLinear())
+    return canonicalBytes(a) == canonicalBytes(b);
+  const openvdb::Mat4d m = a.baseMap()->getAffineMap()->getConstMat4();
+  const openvdb::Mat4d n = b.baseMap()->getAffineMap()->getConstMat4();
+  double size = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      size = std::max(size, std::abs(m[i][k]));
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(m[i][k] - n[i][k]) > (i < 3 ? 1e-6 : 1e-3) * size)
+        return false;
+  return true;
+}
 
 std::string targetName(CheckTarget target) {
   return target == CheckTarget::Blender ? "Blender" : "Houdini";
@@ -59,17 +77,17 @@ public:
     std::set<std::string> names;
     for (std::size_t i = 0; i < infos.size(); ++i) {
       grid_ = infos[i].name;
-      const std::string transform = canonicalBytes(grids[i]->transform());
       if (infos[i].name.empty())
         add(Weight::Error, "name", "has no name, so that no material can ask for it",
             "give it a name");
       else if (!names.insert(infos[i].name).second)
         add(Weight::Error, "name", "is the name of two grids: one of them hides the other",
             "give each a name of its own");
-      checkTransform(*grids[i], transform, canonicalBytes(grids.front()->transform()));
+      checkTransform(grids[i]->transform(), grids.front()->transform());
+      mask_ = grids[i]->isType<openvdb::MaskGrid>();
       checkGrid(infos[i]);
       facts.grids.insert({infos[i].name, infos[i].type});
-      facts.transforms[infos[i].name] = transform;
+      facts.transforms[infos[i].name] = grids[i]->transform().copy();
     }
     return facts;
   }
@@ -122,13 +140,13 @@ private:
         "scale the object after import, or the mesh before");
   }
 
-  void checkTransform(const openvdb::GridBase& grid, const std::string& transform,
-                      const std::string& first) {
-    if (!grid.transform().isLinear())
+  void checkTransform(const openvdb::math::Transform& transform,
+                      const openvdb::math::Transform& first) {
+    if (!transform.isLinear())
       add(Weight::Warning, "transform",
           "has a transform that is not affine (a frustum); only its affine part is kept",
           "resample it to a linear transform");
-    else if (transform != first)
+    else if (!coincide(transform, first))
       add(Weight::Warning, "transform",
           "has another transform than the file's first grid: grids are resampled to fit, or do "
           "not lie on each other",
@@ -172,7 +190,7 @@ private:
   void checkType(const GridInfo& info) {
     static const std::set<std::string> kDrawn = {"float", "double", "int32", "int64",
                                                  "bool",  "vec3s",  "vec3d", "vec3i"};
-    if (info.type == "mask")
+    if (mask_) // its value type is bool
       add(Weight::Error, "type",
           forBlender() ? "is a mask grid, which Blender builds with NanoVDB do not draw"
                        : "is a mask grid, which Houdini's translation does not know",
@@ -201,6 +219,7 @@ private:
   const CheckOptions& options_;
   std::vector<Finding>& findings_;
   std::string grid_;
+  bool mask_ = false; ///< the grid is a MaskGrid
 };
 
 // "a.0007" of "out/a.0007.vdb" as "a.", 7 and "": what comes before and after its last number.
@@ -280,7 +299,7 @@ void compareFrames(const std::vector<std::string>& paths, const std::vector<Fram
                           "make all frames in one run of tetvdb voxelize"});
     for (const auto& [name, transform] : facts[i].transforms) {
       const auto first = facts.front().transforms.find(name);
-      if (first != facts.front().transforms.end() && first->second != transform) {
+      if (first != facts.front().transforms.end() && !coincide(*first->second, *transform)) {
         findings.push_back({Weight::Warning, "sequence-transform", paths[i], name,
                             "has another transform than in the first frame: voxels flicker",
                             "make all frames in one run of tetvdb voxelize"});

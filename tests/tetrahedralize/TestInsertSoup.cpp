@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetrahedralize/SoupMeshes.h"
+#include "tetvdb/tetrahedralize/Envelope.h"
+#include "tetvdb/tetrahedralize/Improve.h"
 #include "tetvdb/tetrahedralize/InsertSoup.h"
 
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <set>
 
@@ -22,8 +25,10 @@ struct Inserted {
   std::vector<std::uint32_t> missing;
 };
 
+using Coarsen = std::function<void(const LatticeSoup&, TetComplex&)>;
+
 Inserted inserted(const std::vector<TriangleMesh>& meshes, double spacing = 0.25,
-                  double reach = kReach) {
+                  double reach = kReach, const Coarsen& coarsen = {}) {
   Inserted made;
   made.soup = soupOf(meshes);
   made.inputs = meshes.size();
@@ -33,7 +38,10 @@ Inserted inserted(const std::vector<TriangleMesh>& meshes, double spacing = 0.25
   for (int attempt = 0; attempt < 4; ++attempt) {
     made.complex = complexOf(made.soup, spacing * kSoupScale);
     const Int128 volume = volumeOf(made.complex);
-    SoupInsertion insertion(made.soup, made.inputs, kFirst, reach);
+    SoupInsertion insertion(made.soup, made.inputs, kFirst, reach, [&](TetComplex& complex) {
+      if (coarsen)
+        coarsen(made.soup, complex);
+    });
     Progress progress;
     insertion.run(made.complex, first, progress);
     made.missing = insertion.missing();
@@ -261,6 +269,43 @@ TEST(SoupInsertion, FansOfTwoHundredTriangles) {
   expectSolid(made);
 }
 
+// Strips as long as the tubes are, four hundred times their width, that cut one another: what each
+// leaves in the others' way is cleared in between.
+TEST(SoupInsertion, LongThinTrianglesThroughOneAnother) {
+  const TriangleMesh tube = meshes::cylinder(0.05, 1, 120);
+  const std::vector<TriangleMesh> tubes = {
+      meshes::joined({tube, turned(tube, {0.1, 0.2, 0.3}), turned(turned(tube), {0.3, 0.1, 0})})};
+  std::size_t before = 0, after = 0, calls = 0;
+  const Inserted made =
+      inserted(tubes, 0.25, kReach, [&](const LatticeSoup& soup, TetComplex& complex) {
+        const auto isFixed = [&] {
+          std::vector<bool> fixed;
+          for (const TetComplex::Point& point : complex.points)
+            fixed.push_back(point.fixed);
+          return fixed;
+        };
+        const std::vector<bool> held = isFixed();
+        before += complex.tetCount();
+        Progress progress;
+        const Envelope surface(soup.points, soup.faces, kReach), rim({}, {}, kReach);
+        coarsen(complex, {surface, rim, kReach}, progress);
+        after += complex.tetCount();
+        ++calls;
+        EXPECT_TRUE(isFixed() == held);
+      });
+  EXPECT_GT(calls, 0u);
+  EXPECT_LT(2 * after, before);
+  EXPECT_EQ(made.missing.size(), 0u);
+  expectSolid(made);
+  expectWinding(made, tubes);
+  // What was held is free again, but for the box.
+  for (const TetComplex::Tet& tet : made.complex.tets)
+    for (unsigned slot = 0; tet.exists() && slot < 4; ++slot)
+      if (tet.tracked[slot])
+        for (const unsigned corner : kFaceCorners[slot])
+          EXPECT_FALSE(made.complex.points[tet.corners[corner]].fixed);
+}
+
 TEST(SoupInsertion, OneHugeTriangleUnderThousandsOfSmallOnes) {
   // The small box stands on the plate's one top face, coplanar with it.
   const Inserted made =
@@ -339,7 +384,7 @@ TEST(SoupInsertion, TheSameMeshForAnyNumberOfThreads) {
 TEST(SoupInsertion, StopsWhenCancelled) {
   const LatticeSoup soup = soupOf({meshes::sphere({0, 0, 0}, 1, 10)});
   TetComplex complex = complexOf(soup, 0.1 * kSoupScale);
-  SoupInsertion insertion(soup, 1, kFirst, kReach);
+  SoupInsertion insertion(soup, 1, kFirst, kReach, [](TetComplex&) {});
   Progress progress;
   progress.cancel();
   EXPECT_THROW(insertion.run(complex, {}, progress), Error);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <set>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -24,8 +26,14 @@ constexpr double kFlat = 3;
 constexpr std::size_t kLeastInFlat = 12;
 constexpr std::size_t kMostInFlat = 2000;
 
-// Tets of a part, or of the whole in the last round; beyond, it only gets slower.
+// How many times its tets, and how many besides, a part may get in a round.
+constexpr std::size_t kGrowth = 3, kFreeGrowth = 50000;
+// Tets that coarsening may leave of a mesh that has grown too much, and of these for each face.
 constexpr std::size_t kMostTets = 1500000, kMostTetsOfFace = 40;
+// Rounds go on as long as so many of the missing faces go in: one of eight.
+constexpr std::size_t kLeastShare = 8;
+// Tets looked at for a triangle: less where there is another round.
+constexpr std::size_t kMostEffort = 5000000, kFirstEffort = 200000;
 
 // What counts as on a triangle: far above the rounding of points, far below what matters.
 constexpr double kReach = 1e4, kLeastTolerance = 16;
@@ -38,6 +46,8 @@ struct SoupInsertion::PartWork {
   const Progress* progress = nullptr;
   std::vector<std::uint32_t> faces; // of the soup, ascending
   bool last = false;                // there is no other part, now or later
+  std::size_t mostTets = 0;
+  bool isCutShort = false; // at these
   std::vector<std::uint32_t> done;
   std::vector<std::uint32_t> pointOfWhole; // as Part's
   std::size_t newPoints = 0;
@@ -45,12 +55,13 @@ struct SoupInsertion::PartWork {
 };
 
 SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
-                             std::uint32_t firstPoint, double reach)
+                             std::uint32_t firstPoint, double reach,
+                             std::function<void(TetComplex&)> coarsen)
     : soup_(soup), inputCount_(inputCount), firstPoint_(firstPoint),
       tolerance_(std::max(kLeastTolerance, reach / kReach)),
       reach_(std::max(reach, 2 * kLeastTolerance)), in_(soup.faces.size(), false),
       through_(soup.faces.size(), 3), facesBegin_(soup.points.size() + 1, 0),
-      facesOfPoint_(3 * soup.faces.size()) {
+      facesOfPoint_(3 * soup.faces.size()), coarsen_(std::move(coarsen)) {
   for (const auto& face : soup.faces)
     for (const std::uint32_t point : face)
       ++facesBegin_[point + 1];
@@ -190,7 +201,8 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
     const bool flatA = through_[a] < 3, flatB = through_[b] < 3;
     return flatA != flatB ? flatA : a < b;
   });
-  TriangleInserter inserter(complex, mine.paths, tolerance_, reach_);
+  TriangleInserter inserter(complex, mine.paths, tolerance_, reach_,
+                            mine.last ? kMostEffort : kFirstEffort);
   // Corners as points of the part, and the paths of edges that are known. False where some of it is
   // in another part.
   const auto bring = [&](std::uint32_t face, std::array<std::uint32_t, 3>& corners) {
@@ -243,10 +255,9 @@ void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
     if (bring(face, corners) &&
         inserter.insert(corners, chainOf(face), through_[face]) == TriangleInserter::Result::In)
       done.insert(face);
-    if (complex.tetCount() > kMostTets + kMostTetsOfFace * soup_.faces.size())
-      throw Error(Status::Limit, "",
-                  "the triangles cut one another into more pieces than can be meshed",
-                  "a larger epsilon may help; voxelize --mesher winding does without tets");
+    mine.isCutShort = complex.tetCount() > mine.mostTets;
+    if (mine.isCutShort)
+      break;
   }
   mine.done.assign(done.begin(), done.end());
   mine.newPoints = complex.points.size() - part.pointOfWhole.size();
@@ -264,6 +275,7 @@ void SoupInsertion::round(TetComplex& complex, int round, const std::vector<std:
         mine.part = &part;
         mine.progress = &progress;
         mine.last = round < 0;
+        mine.mostTets = kGrowth * part.complex.tetCount() + kFreeGrowth;
         mine.faces = named;
         if (named.empty())
           findFaces(mine, part.complex);
@@ -271,6 +283,8 @@ void SoupInsertion::round(TetComplex& complex, int round, const std::vector<std:
       },
       progress);
   collect(works, before);
+  isCutShort_ =
+      std::any_of(works.begin(), works.end(), [](const PartWork& mine) { return mine.isCutShort; });
 }
 
 // The parts' paths become paths of the whole mesh, halved where a part halved their edges.
@@ -307,10 +321,61 @@ void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& f
                         Progress& progress) {
   if (!first.empty())
     round(complex, -1, first, progress);
-  for (int r = 0; r < TetParts::kRounds; ++r)
+  std::size_t now = in_.size(), last = now;
+  const auto insertOnce = [&](int r) {
     round(complex, r, {}, progress);
-  round(complex, -1, {}, progress);
+    last = now;
+    now = missing().size();
+  };
+  const auto isWorthwhile = [&] { return now > 0 && kLeastShare * (last - now) >= last; };
+  for (int r = 0; r < TetParts::kRounds || (isCutShort_ && isWorthwhile()); ++r) {
+    if (isCutShort_)
+      thin(complex);
+    insertOnce(r % TetParts::kRounds);
+  }
+  if (isCutShort_)
+    thin(complex);
+  // As one part, once more as long as a coarser mesh lets more of them in.
+  now = in_.size();
+  for (insertOnce(-1); isWorthwhile() || (isCutShort_ && now > 0 && now < last); insertOnce(-1))
+    thin(complex);
   markRim(complex);
+}
+
+// Points that missing faces ask for stay.
+void SoupInsertion::thin(TetComplex& complex) {
+  markRim(complex);
+  std::vector<std::uint32_t> held;
+  const auto hold = [&](std::uint32_t point) {
+    if (complex.points[point].fixed)
+      return;
+    complex.points[point].fixed = true;
+    held.push_back(point);
+  };
+  std::unordered_set<std::uint64_t> open;
+  for (const std::uint32_t face : missing()) {
+    const auto corners = cornersOf(face);
+    for (std::size_t i = 0; i < 3; ++i) {
+      hold(corners[i]);
+      open.insert(edgeKey(corners[i], corners[(i + 1) % 3]));
+    }
+  }
+  for (auto path = paths_.paths.begin(); path != paths_.paths.end();) {
+    if (open.count(path->first) == 0) {
+      path = paths_.paths.erase(path);
+      continue;
+    }
+    for (const std::uint32_t point : path->second)
+      hold(point);
+    ++path;
+  }
+  coarsen_(complex);
+  for (const std::uint32_t point : held)
+    complex.points[point].fixed = false;
+  if (complex.tetCount() > kMostTets + kMostTetsOfFace * soup_.faces.size())
+    throw Error(Status::Limit, "",
+                "the triangles cut one another into more pieces than can be meshed",
+                "a larger epsilon may help; voxelize --mesher winding does without tets");
 }
 
 std::vector<std::uint32_t> SoupInsertion::missing() const {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace tetvdb {
@@ -20,15 +21,19 @@ namespace tetvdb {
 class SoupInsertion {
 public:
   /// Point i of the soup is point firstPoint + i of the mesh. `reach` in lattice units: how far the
-  /// faces of a triangle may be from it; most are nearer by a hundred times. The soup must
-  /// outlive this.
+  /// faces of a triangle may be from it; most are nearer by a hundred times. `coarsen` makes tets
+  /// fewer: it may remove and move any point that is not fixed, as long as tracked faces stay
+  /// faces. The soup must outlive this.
   SoupInsertion(const LatticeSoup& soup, std::size_t inputCount, std::uint32_t firstPoint,
-                double reach);
+                double reach, std::function<void(TetComplex&)> coarsen);
 
   /// Inserts what is not in yet; `first` before all others, which is worth a try for faces that
   /// were missing: the earlier, the fewer tets are in the way. Parallel by TetParts, what lies
   /// across parts in rounds after; the same mesh for any number of threads. About 10 us a triangle.
-  /// Throws Error(Limit) where the triangles cut one another into millions of tets.
+  ///   Long thin triangles leave long thin tets, which the next are cut by in more places than the
+  /// last: their number grows from triangle to triangle by a factor. Where the mesh has grown much,
+  /// or triangles do not go in, it is coarsened in between.
+  /// Throws Error(Limit) where millions of tets are left by that.
   void run(TetComplex& complex, const std::vector<std::uint32_t>& first, Progress& progress);
 
   /// Faces that could not be inserted, ascending.
@@ -42,6 +47,7 @@ private:
   void round(TetComplex& complex, int round, const std::vector<std::uint32_t>& named,
              Progress& progress);
   void collect(const std::vector<PartWork>& works, std::size_t pointsBefore);
+  void thin(TetComplex& complex);
   void markRim(TetComplex& complex) const;
   std::array<std::uint32_t, 3> cornersOf(std::uint32_t face) const;
   Chain chainOf(std::uint32_t face) const;
@@ -57,6 +63,8 @@ private:
   std::vector<std::uint32_t> flatOf_;             // of a face; kNone: on its own
   std::vector<std::vector<std::uint32_t>> flats_; // faces in one plane, ascending
   InsertedPaths paths_; // middles are worked into the paths after each round
+  std::function<void(TetComplex&)> coarsen_;
+  bool isCutShort_ = false; // the last round, by the growth of a part
 };
 
 } // namespace tetvdb

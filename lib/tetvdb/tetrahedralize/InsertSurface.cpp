@@ -42,12 +42,14 @@ TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain
 }
 
 // Where few faces do not go in, these go first in another try.
-void insertAll(InsertedSurface& surface, std::size_t inputCount, double reach,
-               const std::vector<Vec3d>& points, const PlainTets& background, Progress& progress) {
+void insertAll(InsertedSurface& surface, std::size_t inputCount,
+               const InsertSurfaceOptions& options, const std::vector<Vec3d>& points,
+               const PlainTets& background, Progress& progress) {
   std::vector<std::uint32_t> first;
   for (int number = 0; number < kTries; ++number) {
     TetComplex complex = startComplex(points, background);
-    SoupInsertion insertion(surface.soup, inputCount, kFirstSoupPoint, reach);
+    SoupInsertion insertion(surface.soup, inputCount, kFirstSoupPoint, options.reach,
+                            options.coarsen);
     insertion.run(complex, first, progress);
     std::vector<std::uint32_t> missing = insertion.missing();
     if (number > 0 && missing.size() >= surface.missing.size())
@@ -79,7 +81,7 @@ InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& sou
     timer.part("insert");
     progress.stage("insert");
     try {
-      insertAll(next, inputCount, options.reach, points, background, progress);
+      insertAll(next, inputCount, options, points, background, progress);
     } catch (const Error& error) {
       // Another variant may be cut less, but few are where two were not.
       if (error.status() != Status::Limit || (++tooMany == kMostTooMany && !found))

@@ -12,12 +12,13 @@
 
 namespace tetvdb {
 
-/// Lengths in lattice units.
+/// Lengths are in lattice units.
 struct InsertSurfaceOptions {
   double spacing = 0;   ///< of points away from the surface
   double margin = 0;    ///< about the soup's box
   double clearance = 0; ///< what points in between keep from the surface
   double reach = 0;     ///< what a triangle's faces may be off it where tets are too flat to part
+  std::function<void(TetComplex&)> coarsen; ///< as SoupInsertion's
 };
 
 struct InsertedSurface {

@@ -33,9 +33,11 @@ namespace {
 // first and where faces do not go in, how far points may be moved there besides, and how far a
 // triangle's faces may be from it where tets are too flat to part.
 constexpr double kSimplifyShare = 0.6, kCarefulShare = 0.3, kShakeShare = 0.25, kReachShare = 0.1;
-// Where faces do not go in: with less simplified, so that sheets do not come to cross; the closed
-// pieces of that moved; its points moved, in three ways.
-constexpr int kPieces = 2, kVariants = 6;
+// How far surfaces may move where the mesh is coarsened before all of them are in.
+constexpr double kThinShare = 0.5;
+// Where faces do not go in: their points moved; less simplified, so that sheets do not come to
+// cross; the closed pieces of that moved; its points moved, in two ways.
+constexpr int kCareful = 2, kPieces = 3, kVariants = 6;
 // Input points are snapped to this part of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
 // What tells input points apart must be small against epsilon.
@@ -317,11 +319,14 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Envelope rim(soup.points, rimOf(soup), radius);
 
   const double edge = lengths.edge / lattice.unit();
-  InsertSurfaceOptions lengthsOfIt;
-  lengthsOfIt.spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
-  lengthsOfIt.margin = std::max(lengthsOfIt.spacing, 2 * epsilon);
-  lengthsOfIt.clearance = 10 * epsilon;
-  lengthsOfIt.reach = kReachShare * radius;
+  InsertSurfaceOptions wish;
+  wish.spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
+  wish.margin = std::max(wish.spacing, 2 * epsilon);
+  wish.clearance = 10 * epsilon;
+  wish.reach = kReachShare * radius;
+  wish.coarsen = [&](TetComplex& complex) {
+    coarsen(complex, {surface, rim, kThinShare * radius}, progress);
+  };
   const auto simplified = [&](double share) {
     timer.part("simplify");
     progress.stage("simplify");
@@ -329,17 +334,15 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
     simplifySoup(simple, surface, share * radius, progress);
     return simple;
   };
-  LatticeSoup careful;
+  LatticeSoup simple;
   InsertedSurface inserted = insertSurface(
       [&](int variant) {
-        if (variant == 0)
-          return simplified(kSimplifyShare);
-        if (variant > 1)
-          return shakenSoup(careful, kShakeShare * radius, variant == kPieces,
-                            static_cast<std::uint32_t>(variant));
-        return careful = simplified(kCarefulShare);
+        if (variant == 0 || variant == kCareful)
+          return simple = simplified(variant == 0 ? kSimplifyShare : kCarefulShare);
+        return shakenSoup(simple, kShakeShare * radius, variant == kPieces,
+                          static_cast<std::uint32_t>(variant));
       },
-      kVariants, inputs.size(), lengthsOfIt, timer, progress);
+      kVariants, inputs.size(), wish, timer, progress);
   soup = std::move(inserted.soup);
   TetComplex complex = std::move(inserted.complex);
   const std::vector<std::uint32_t> missing = std::move(inserted.missing);

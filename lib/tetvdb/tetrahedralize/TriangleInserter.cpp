@@ -45,6 +45,7 @@ Vec3d nearestWithin(const Vec3d& a, const Vec3d& b, const Vec3d& p) {
 TriangleInserter::Result TriangleInserter::insert(const std::array<std::uint32_t, 3>& corners,
                                                   Chain chain, unsigned through) {
   faceMiddles_.clear();
+  effort_ = 0;
   flat_.clear();
   mayFlip_ = true;
   try {
@@ -78,6 +79,7 @@ TriangleInserter::Result
 TriangleInserter::insertFlat(const std::vector<std::array<std::uint32_t, 3>>& triangles,
                              Chain chain) {
   faceMiddles_.clear();
+  effort_ = 0;
   mayFlip_ = true;
   try {
     std::set<std::pair<std::uint32_t, std::uint32_t>> around;
@@ -127,6 +129,12 @@ std::vector<std::uint32_t> InsertedPaths::path(std::uint32_t a, std::uint32_t b)
   return whole;
 }
 
+void TriangleInserter::spend(std::size_t tets) {
+  effort_ += tets;
+  if (effort_ > mostEffort_)
+    throw Stop{Result::Failed};
+}
+
 void TriangleInserter::recover(std::uint32_t a, std::uint32_t b) {
   if (a > b)
     std::swap(a, b);
@@ -154,6 +162,7 @@ std::uint32_t TriangleInserter::nextOnSegment(std::uint32_t from, std::uint32_t 
                                               std::uint32_t b) {
   const Vec3d start = complex_.at(a), end = complex_.at(b), here = complex_.at(from);
   complex_.star(from, tets_);
+  spend(tets_.size());
   const Vec3d along = unit(minus(end, start));
   const double now = dot(minus(here, start), along), whole = length(minus(end, start));
   // Along an edge that is there: the shortest within tolerance, so that no point is passed by.
@@ -431,6 +440,7 @@ void TriangleInserter::closeFront(const std::vector<Path>& sides, double room,
 // The third point of the face that goes on to the left of front edge u -> v.
 std::uint32_t TriangleInserter::faceAtFront(std::uint32_t u, std::uint32_t v) {
   const bool closed = complex_.ring(u, v, tets_, ring_);
+  spend(tets_.size());
   if (ring_.empty())
     throw Stop{Result::Elsewhere};
   // Seen along the edge: left in the triangle's plane, up out of it. The edge itself may be off the

@@ -51,9 +51,12 @@ public:
   };
 
   /// Lattice units, 2 <= tolerance <= reach. Paths go up to `reach` aside where tets are so flat
-  /// that they cannot be parted.
-  TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance, double reach)
-      : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance), reach_(reach) {}
+  /// that they cannot be parted. A triangle for which more than `mostEffort` tets would be looked
+  /// at fails.
+  TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance, double reach,
+                   std::size_t mostEffort)
+      : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance), reach_(reach),
+        mostEffort_(mostEffort) {}
 
   /// `corners` are points of the complex. `chain` is what the triangle counts, on the side that it
   /// looks away from. `through` is a corner that the path of the edge between the two others must
@@ -71,6 +74,7 @@ private:
     Result why;
   };
 
+  void spend(std::size_t tets);
   void recover(std::uint32_t a, std::uint32_t b);
   std::uint32_t nextOnSegment(std::uint32_t from, std::uint32_t a, std::uint32_t b);
   bool openFace(std::uint32_t t, unsigned slot);
@@ -91,6 +95,7 @@ private:
   InsertedPaths& known_;
   PointInsertion insert_;
   double tolerance_, reach_;
+  std::size_t mostEffort_, effort_ = 0; // of the triangle at work
   int flips_ = 0;
   bool mayFlip_ = true;
   // The triangle at work, or the part of it; of flat faces all triangles and the edges around them.

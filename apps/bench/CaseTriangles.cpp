@@ -28,16 +28,7 @@ namespace {
 
 constexpr int kResolution = 1024;
 
-/// A sphere with bumps of a twentieth of its radius; about `faces` faces.
-TriangleMesh bumpySphere(double faces) {
-  const int n = std::max(2, static_cast<int>(std::round(std::sqrt(faces / 8))));
-  return meshes::moved(meshes::sphere({0, 0, 0}, 1, n), [](const Vec3d& p) {
-    const double radius = 1 + 0.05 * std::sin(9 * p[0]) * std::sin(11 * p[1]) * std::sin(10 * p[2]);
-    return Vec3d{radius * p[0] + 0.01, radius * p[1] + 0.02, radius * p[2] + 0.03};
-  });
-}
-
-/// The same with six round holes, from a twentieth of a radian to four tenths.
+/// bumpySphere() with six round holes, from a twentieth of a radian to four tenths.
 TriangleMesh sphereWithHoles(double faces) {
   const TriangleMesh whole = bumpySphere(faces);
   const std::array<double, 6> cosines = {std::cos(0.05), std::cos(0.1), std::cos(0.15),
@@ -182,6 +173,14 @@ double timePlainRead(const std::string& path) {
 }
 
 } // namespace
+
+TriangleMesh bumpySphere(double faces) {
+  const int n = std::max(2, static_cast<int>(std::round(std::sqrt(faces / 8))));
+  return meshes::moved(meshes::sphere({0, 0, 0}, 1, n), [](const Vec3d& p) {
+    const double radius = 1 + 0.05 * std::sin(9 * p[0]) * std::sin(11 * p[1]) * std::sin(10 * p[2]);
+    return Vec3d{radius * p[0] + 0.01, radius * p[1] + 0.02, radius * p[2] + 0.03};
+  });
+}
 
 void runTriangles(const Setup& setup, Tables& tables) {
   tables.begin(

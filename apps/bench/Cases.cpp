@@ -21,6 +21,9 @@ const std::vector<Case>& allCases() {
       {"triangles", "a mask of closed and open triangles against OpenVDB's meshToVolume",
        runTriangles, false},
       {"readtri", "reading 200 MB of STL, OBJ, OFF and PLY", runReadTriangles, false},
+      {"levelset", "a level set against OpenVDB's meshToVolume, with errors", runLevelSet, false},
+      {"coverage", "the exact share of every voxel", runCoverage, false},
+      {"rules", "conservative masks against the mask by centres", runRules, false},
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;

@@ -6,6 +6,7 @@
 #include "Children.h"
 #include "Table.h"
 #include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <string>
@@ -47,6 +48,9 @@ void runWrite5M(const Setup&, Tables&);
 void runRead(const Setup&, Tables&);
 void runTriangles(const Setup&, Tables&);
 void runReadTriangles(const Setup&, Tables&);
+void runLevelSet(const Setup&, Tables&);
+void runCoverage(const Setup&, Tables&);
+void runRules(const Setup&, Tables&);
 
 /// What `triangles` has done in a process of its own, to see its memory: nothing, mask or
 /// meshToVolume; the mesh's name; resolution; --shrink; threads. Returns the exit status.
@@ -58,6 +62,8 @@ int trianglesChild(const std::vector<std::string>& words);
 TetMesh blockMesh(double tets);
 /// A ball of about `tets` tets.
 TetMesh ballMesh(double tets);
+/// A sphere with bumps of a twentieth of its radius; about `faces` faces.
+TriangleMesh bumpySphere(double faces);
 /// "10^7" or "1.2e6".
 std::string countName(double count);
 

@@ -34,6 +34,7 @@ struct Options : JobOptions {
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
   double halfWidth = 3;
+  std::string rule = "centre";
 };
 
 const char* const kExamples = R"(Examples:
@@ -105,6 +106,12 @@ OccupancyPath parsePath(const std::string& name) {
   return name == "tets" ? OccupancyPath::Tets : OccupancyPath::Auto;
 }
 
+VoxelRule parseRule(const std::string& name) {
+  if (name == "any")
+    return VoxelRule::Any;
+  return name == "all" ? VoxelRule::All : VoxelRule::Centre;
+}
+
 std::string_view pathName(OccupancyPath path) {
   switch (path) {
   case OccupancyPath::Boundary:
@@ -170,6 +177,7 @@ VoxelizeJob makeJob(const Options& options) {
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
   job.shapes.halfWidth = options.halfWidth;
   job.voxelize.path = parsePath(options.path);
+  job.voxelize.rule = parseRule(options.rule);
   job.voxelize.allowEmpty = options.allowEmpty;
   job.maxMemory = memoryLimit(options);
   job.units = options.units;
@@ -354,6 +362,12 @@ void addGridOptions(CLI::App& command, Options& options) {
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
       ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");
+  command
+      .add_option("--rule", options.rule,
+                  "Voxels of density and mask: those whose centre is inside (default), any part of "
+                  "their cube, or all of it")
+      ->check(oneOf({"centre", "any", "all"}))
+      ->type_name("centre|any|all");
   command.add_flag("--half", options.half, "Store float grids with 16 bits a value");
   command
       .add_option("--up-axis", options.upAxis,

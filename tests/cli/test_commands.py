@@ -43,6 +43,15 @@ class Voxelize(CommandLineTest):
         for arguments in (["--half-width", 0.5], ["--voxel-size", "1,1,2"]):
             self.refuse(2, "voxelize", "box.mesh", "-o", "no.vdb", "--grid", "surface", *arguments)
 
+    def test_rules(self):
+        self.write("box.mesh", medit(*lattice(2)))
+        arguments = ("box.mesh", "--voxel-size", 0.25, "--rule")
+        self.assertEqual(self.voxels(*arguments, "any"), 5**3)
+        self.assertEqual(self.voxels(*arguments, "centre"), 4**3)
+        self.assertEqual(self.voxels(*arguments, "all", "--grid", "density,mask", grid=1), 3**3)
+        for grid in ("tet_id", "surface", "coverage"):
+            self.refuse(2, "voxelize", *arguments, "any", "-o", "no.vdb", "--grid", grid)
+
     def test_coverage(self):
         self.write("box.mesh", medit(*lattice(2)))
         for size, voxels in (("0.25", 5**3), ("0.25,0.5,0.125", 5 * 3 * 9)):

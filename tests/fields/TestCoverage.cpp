@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "RationalClipping.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/Coverage.h"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
@@ -17,101 +17,6 @@
 
 namespace tetvdb {
 namespace {
-
-// A tet cut by the six planes of a cube in rational numbers: tets cut into tets, no faces.
-namespace rational {
-
-using Number = boost::multiprecision::cpp_rational;
-using Point = std::array<Number, 3>;
-using Tet = std::array<Point, 4>;
-
-Number sixVolumes(const Tet& t) {
-  std::array<Point, 3> e;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      e[i][k] = t[i + 1][k] - t[0][k];
-  return abs(Number(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-                    e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                    e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])));
-}
-
-// The part of a tet with side * (p[axis] - c) >= 0, as tets.
-void keep(const Tet& t, std::size_t axis, const Number& c, int side, std::vector<Tet>& out) {
-  std::vector<std::size_t> in, off;
-  std::array<Number, 4> s;
-  for (std::size_t i = 0; i < 4; ++i) {
-    s[i] = (t[i][axis] - c) * side;
-    (s[i] >= 0 ? in : off).push_back(i);
-  }
-  const auto between = [&](std::size_t i, std::size_t k) {
-    const Number u = s[i] / (s[i] - s[k]);
-    Point p;
-    for (std::size_t a = 0; a < 3; ++a)
-      p[a] = t[i][a] + u * (t[k][a] - t[i][a]);
-    return p;
-  };
-  if (in.size() == 4) {
-    out.push_back(t);
-  } else if (in.size() == 1) {
-    out.push_back(
-        {t[in[0]], between(in[0], off[0]), between(in[0], off[1]), between(in[0], off[2])});
-  } else if (in.size() == 3) { // a wedge: the kept corners and what faces them
-    const Point a = between(in[0], off[0]), b = between(in[1], off[0]), d = between(in[2], off[0]);
-    out.push_back({t[in[0]], t[in[1]], t[in[2]], a});
-    out.push_back({t[in[1]], t[in[2]], a, b});
-    out.push_back({t[in[2]], a, b, d});
-  } else if (in.size() == 2) { // a wedge between two triangles
-    const Point a0 = between(in[0], off[0]), a1 = between(in[0], off[1]),
-                b0 = between(in[1], off[0]), b1 = between(in[1], off[1]);
-    out.push_back({t[in[0]], a0, a1, t[in[1]]});
-    out.push_back({a0, a1, t[in[1]], b0});
-    out.push_back({a1, t[in[1]], b0, b1});
-  }
-}
-
-Number filled(const Tet& tet, const std::array<int, 3>& voxel) {
-  std::vector<Tet> parts{tet};
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const int side : {1, -1}) {
-      std::vector<Tet> kept;
-      for (const Tet& part : parts)
-        keep(part, axis, Number(2 * voxel[axis] - side, 2), side, kept);
-      parts = kept;
-    }
-  Number sum = 0;
-  for (const Tet& part : parts)
-    sum += sixVolumes(part);
-  return sum / 6;
-}
-
-// Of all tets of a mesh whose coordinates are multiples of 1/16 voxel.
-std::map<std::array<int, 3>, Number> filled(const TetMesh& mesh) {
-  std::map<std::array<int, 3>, Number> result;
-  for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
-    Tet tet;
-    Vec3d low{1e9, 1e9, 1e9}, high{-1e9, -1e9, -1e9};
-    for (std::size_t i = 0; i < 4; ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double c = mesh.points[mesh.tets[4 * t + i]][k];
-        EXPECT_EQ(c * 16, std::round(c * 16));
-        tet[i][k] = Number(static_cast<long long>(c * 16), 16);
-        low[k] = std::min(low[k], c);
-        high[k] = std::max(high[k], c);
-      }
-    const auto first = [&](std::size_t k) { return static_cast<int>(std::floor(low[k])); };
-    const auto last = [&](std::size_t k) { return static_cast<int>(std::ceil(high[k])); };
-    for (int x = first(0); x <= last(0); ++x)
-      for (int y = first(1); y <= last(1); ++y)
-        for (int z = first(2); z <= last(2); ++z) {
-          const Number share = filled(tet, {x, y, z});
-          if (share > 0)
-            result[{x, y, z}] += share;
-        }
-  }
-  return result;
-}
-
-} // namespace rational
 
 struct Made {
   openvdb::FloatGrid::Ptr grid;
@@ -168,7 +73,7 @@ Vec3d turned(const Vec3d& p) {
   return {q[0], c * q[1] - s * q[2], s * q[1] + c * q[2]};
 }
 
-void expectShares(const Made& made, const std::map<std::array<int, 3>, rational::Number>& shares) {
+void expectShares(const Made& made, const std::map<std::array<int, 3>, oracle::Number>& shares) {
   int wrong = 0;
   for (const auto& [voxel, exact] : shares) {
     const double share = std::min(exact.convert_to<double>(), 1.0);
@@ -216,21 +121,21 @@ TEST(Coverage, FullNodesAreTiles) {
 TEST(Coverage, TetsAgainstRationalClipping) {
   for (const std::uint64_t seed : {1u, 2u, 3u})
     expectShares(make({1, 1, 1}, meshes::rounded(meshes::soup(1, 0, 3, seed), 1.0 / 16)),
-                 rational::filled(meshes::rounded(meshes::soup(1, 0, 3, seed), 1.0 / 16)));
+                 oracle::filled(meshes::rounded(meshes::soup(1, 0, 3, seed), 1.0 / 16)));
   const TetMesh small = meshes::rounded(
       meshes::scaled(meshes::jittered(meshes::kuhnGrid(2, 2, 2), 0.2, 9, true), 0.9), 1.0 / 16);
-  expectShares(make({1, 1, 1}, small), rational::filled(small));
+  expectShares(make({1, 1, 1}, small), oracle::filled(small));
 }
 
 TEST(Coverage, OverlapsCountOnce) {
   const TetMesh soup = meshes::rounded(meshes::soup(40, 1, 2, 5), 1.0 / 16);
-  const auto shares = rational::filled(soup);
+  const auto shares = oracle::filled(soup);
   const Made made = make({1, 1, 1}, soup);
   expectShares(made, shares);
-  rational::Number sum = 0, more = 0;
+  oracle::Number sum = 0, more = 0;
   std::uint64_t voxels = 0;
   for (const auto& [voxel, share] : shares) {
-    sum += share < 1 ? share : rational::Number(1);
+    sum += share < 1 ? share : oracle::Number(1);
     if (share > 1) {
       more += share - 1;
       ++voxels;

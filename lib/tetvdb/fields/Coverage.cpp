@@ -5,13 +5,12 @@
 #include "tetvdb/fields/ClippedFace.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/voxelize/Slab.h"
+#include "tetvdb/voxelize/TreeAssembly.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
 #include <stdexcept>
 #include <tbb/blocked_range.h>
@@ -26,8 +25,6 @@ namespace tetvdb {
 namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
-using FloatUpper = openvdb::FloatTree::RootNodeType::ChildNodeType;
-using FloatLower = FloatUpper::ChildNodeType;
 
 constexpr int kLeavesAlong = kNodeSize / kLeafSize;
 constexpr int kLeavesInSlab = kLeavesAlong * kLeavesAlong; // y, z
@@ -299,9 +296,6 @@ private:
         addLeaf(origin, offset, volume, part);
       }
     }
-    part.full = part.leaves.size() == kLeavesInSlab &&
-                std::all_of(part.leaves.begin(), part.leaves.end(),
-                            [](const auto& leaf) { return leaf.second == nullptr; });
     if (!part.leaves.empty())
       parts_.push_back(std::move(part));
   }
@@ -371,35 +365,8 @@ private:
   std::uint64_t overlapVoxels_ = 0;
 };
 
-openvdb::Index offsetInUpper(const NodeIndex& node) {
-  const auto local = [](std::int32_t v) { return static_cast<openvdb::Index>(v & 31); };
-  return local(node[0]) << 10 | local(node[1]) << 5 | local(node[2]);
-}
-
-// The node of these parts; null where all of it is full.
-std::unique_ptr<FloatLower> makeNode(SlabPart* begin, SlabPart* end) {
-  if (end - begin == kSlabsPerNode &&
-      std::all_of(begin, end, [](const SlabPart& part) { return part.full; }))
-    return nullptr;
-  const NodeIndex& at = begin->node;
-  auto node = std::make_unique<FloatLower>(
-      openvdb::Coord(at[0] * kNodeSize, at[1] * kNodeSize, at[2] * kNodeSize), 0.0f, false);
-  for (SlabPart* part = begin; part != end; ++part) {
-    if (part->full)
-      for (int leaf = 0; leaf < kLeavesInSlab; ++leaf)
-        node->addTile(static_cast<openvdb::Index>((part->slab << 8) | leaf), 1.0f, true);
-    else
-      for (auto& [offset, leaf] : part->leaves) {
-        if (leaf)
-          node->addLeaf(leaf.release());
-        else
-          node->addTile(offset, 1.0f, true);
-      }
-  }
-  return node;
-}
-
-openvdb::FloatTree::Ptr assemble(std::vector<SlabPart>& parts) {
+// Hands the slabs of each node to `assembly` as one.
+void assemble(std::vector<SlabPart>& parts, TreeAssembly<openvdb::FloatTree>& assembly) {
   tbb::parallel_sort(parts.begin(), parts.end(), [](const SlabPart& a, const SlabPart& b) {
     return std::tie(a.node, a.slab) < std::tie(b.node, b.slab);
   });
@@ -408,36 +375,22 @@ openvdb::FloatTree::Ptr assemble(std::vector<SlabPart>& parts) {
     if (i == 0 || parts[i].node != parts[i - 1].node)
       starts.push_back(i);
   starts.push_back(parts.size());
-  std::vector<std::unique_ptr<FloatLower>> nodes(starts.size() - 1);
-  tbb::parallel_for(std::size_t(0), nodes.size(), [&](std::size_t i) {
-    nodes[i] = makeNode(parts.data() + starts[i], parts.data() + starts[i + 1]);
+  tbb::parallel_for(std::size_t(0), starts.size() - 1, [&](std::size_t i) {
+    const NodeIndex& index = parts[starts[i]].node;
+    auto node = assembly.begin(index);
+    for (std::size_t k = starts[i]; k != starts[i + 1]; ++k) {
+      SlabPart& part = parts[k];
+      for (int leaf = 0; part.full && leaf < kLeavesInSlab; ++leaf)
+        node->addTile(static_cast<openvdb::Index>((part.slab << 8) | leaf), 1.0f, true);
+      for (auto& [offset, leaf] : part.leaves) {
+        if (leaf)
+          node->addLeaf(leaf.release());
+        else
+          node->addTile(offset, 1.0f, true);
+      }
+    }
+    assembly.end(std::move(node), index);
   });
-
-  std::map<NodeIndex, std::unique_ptr<FloatUpper>> uppers;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const NodeIndex& at = parts[starts[i]].node;
-    const NodeIndex above{at[0] >> 5, at[1] >> 5, at[2] >> 5};
-    std::unique_ptr<FloatUpper>& upper = uppers[above];
-    if (!upper)
-      upper = std::make_unique<FloatUpper>(openvdb::Coord(above[0] * kRootChildSize,
-                                                          above[1] * kRootChildSize,
-                                                          above[2] * kRootChildSize),
-                                           0.0f, false);
-    if (nodes[i])
-      upper->addChild(nodes[i].release());
-    else
-      upper->addTile(offsetInUpper(at), 1.0f, true);
-  }
-  auto tree = std::make_shared<openvdb::FloatTree>(0.0f);
-  for (auto& [at, upper] : uppers) {
-    float value = 0;
-    bool active = false;
-    if (upper->getChildMask().isOff() && upper->isConstant(value, active))
-      tree->root().addTile(upper->origin(), value, active);
-    else
-      tree->root().addChild(upper.release());
-  }
-  return tree;
 }
 
 } // namespace
@@ -480,11 +433,9 @@ openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundar
     sum.overlap += sums[i].overlap;
     sum.overlapVoxels += sums[i].overlapVoxels;
   }
-  auto grid = openvdb::FloatGrid::create(assemble(parts));
-  grid->setName("coverage");
-  grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-  grid->setTransform(makeTransform(transform));
-  return grid;
+  TreeAssembly<openvdb::FloatTree> assembly(0.0f);
+  assemble(parts, assembly);
+  return assembly.finish("coverage", openvdb::GRID_FOG_VOLUME, transform);
 }
 
 } // namespace tetvdb

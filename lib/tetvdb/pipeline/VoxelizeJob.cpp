@@ -31,6 +31,10 @@ namespace fs = std::filesystem;
 
 void checkOutputs(const VoxelizeJob& job) {
   checkShapes(job.shapes, job.voxelize.voxelSize);
+  if (job.voxelize.rule != VoxelRule::Centre && !job.shapes.grids.empty())
+    throw Error(Status::Usage, "--rule",
+                "is for density and mask; surface, fog and coverage know of no rule",
+                "make them without it");
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && job.meshOutput.empty())

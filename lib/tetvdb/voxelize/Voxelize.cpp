@@ -5,6 +5,7 @@
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/RuleSink.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TetNodes.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
@@ -67,7 +68,9 @@ void reportTets(const SnapCounts& counts, std::size_t tets, Report& report) {
 
 void requireVoxels(const Voxelization& result, const VoxelizeOptions& options) {
   if (!options.allowEmpty && result.volume.grids().all.front()->empty())
-    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
+    throw Error(Status::Invalid, "",
+                options.rule == VoxelRule::All ? "no voxel lies wholly inside the mesh"
+                                               : "no voxel centre lies inside the mesh",
                 "use smaller voxels, or --allow-empty to write an empty grid");
 }
 
@@ -81,6 +84,12 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   const bool owners = std::any_of(options.grids.begin(), options.grids.end(), needsOwner);
   if (owners && mesh.cellCount > 0x7FFFFFFFu)
     throw Error(Status::Limit, "", "more than 2^31 cells cannot be numbered in an int32 grid");
+  const bool byCentre = options.rule == VoxelRule::Centre;
+  if (!byCentre && (owners || options.path == OccupancyPath::Tets))
+    throw Error(Status::Usage, "--rule",
+                "any and all are found from the boundary; voxels of tet_id, material and --path "
+                "tets go by their centre",
+                "leave one of them out");
   initializeOpenVDB();
 
   StageTimer timer(report, "voxelize");
@@ -92,7 +101,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   const SnappedMesh snapped = snapMesh(mesh, result.transform, progress);
 
   const bool tets = owners || options.path == OccupancyPath::Tets ||
-                    (options.path == OccupancyPath::Auto && tetsAreFaster(snapped));
+                    (byCentre && options.path == OccupancyPath::Auto && tetsAreFaster(snapped));
   result.path = tets ? OccupancyPath::Tets : OccupancyPath::Boundary;
   TreeBuilder builder(options.grids, mesh);
   const auto bytesPerTet = tets ? 16.0 : 40.0;
@@ -122,7 +131,13 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
     timer.part("estimate");
     requireMemory(estimate(estimateByBoundary(snapped, boundary)), options);
     timer.part("rasterize");
-    rasterizeBoundary(snapped, boundary, {}, builder, progress);
+    if (byCentre) {
+      rasterizeBoundary(snapped, boundary, {}, builder, progress);
+    } else {
+      RuleSink sink(builder, snapped, boundary, options.rule, progress);
+      rasterizeBoundary(snapped, boundary, {}, sink, progress);
+      sink.finish();
+    }
   }
   timer.part("tree");
   auto grids = std::make_shared<GridSet>();

@@ -34,6 +34,14 @@ enum class OccupancyPath : std::uint8_t {
   Tets      ///< every tet rasterised
 };
 
+/// Which voxels are inside. The cube of a voxel reaches half a voxel to each side of its centre.
+enum class VoxelRule : std::uint8_t {
+  Centre, ///< those whose centre is, each tet's by voxelize/Ownership.h
+  Any,    ///< those whose cube the solid meets, be it in the smallest volume
+  All     ///< those whose cube lies in the solid; of cubes that a face within a solid crosses, as
+          ///< where tets overlap, that is not known, and they are left out
+};
+
 struct VoxelizeOptions {
   Vec3d voxelSize{0, 0, 0}; ///< world units, one an axis; all zero: from `resolution`
   int resolution =
@@ -41,6 +49,8 @@ struct VoxelizeOptions {
   Vec3d origin{0, 0, 0}; ///< world units: the centre of voxel (0, 0, 0)
   std::vector<GridKind> grids{GridKind::Density};
   OccupancyPath path = OccupancyPath::Auto;
+  VoxelRule rule =
+      VoxelRule::Centre;     ///< others: density and mask alone, by OccupancyPath::Boundary
   std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
   bool allowEmpty = false;   ///< false: a result without active voxels is Error(Invalid)
 };

@@ -181,6 +181,11 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
     return onCpu("");
   if (options.grids.empty() || mesh.tets.empty())
     return onCpu(""); // to be refused
+  if (options.rule != VoxelRule::Centre) {
+    if (choice.kind == DeviceKind::Cuda)
+      report.warn("device-unused", "--rule any and all are the CPU's");
+    return onCpu("--rule any and all are the CPU's");
+  }
   requireDevice(choice);
   std::string why;
   const std::vector<std::string> names = nano::listDevices(why);

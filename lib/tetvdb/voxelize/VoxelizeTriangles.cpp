@@ -7,6 +7,7 @@
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/FloodRaster.h"
+#include "tetvdb/voxelize/RuleSink.h"
 #include "tetvdb/voxelize/ShellRaster.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupChain.h"
@@ -34,6 +35,12 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
       throw Error(Status::Usage, "--grid",
                   "tet_id and material need tetrahedra, the input is triangles",
                   "ask for density or mask");
+  if (options.rule != VoxelRule::Centre &&
+      (solid.shell > 0 || solid.method != SolidMethod::Winding ||
+       solid.inside == InsideRule::Flood))
+    throw Error(Status::Usage, "--rule",
+                "any and all do not go with --shell, --inside flood or the centroid covering",
+                "leave one of them out");
   if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
     throw Error(Status::Usage, "--shell", fmt::format("{} is not a thickness", solid.shell));
   if (mesh.triangleCount() >= 0xFFFFFFFFu)
@@ -159,7 +166,13 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
     FillOptions fill;
     fill.rule = rule;
     fill.rim = winding ? &*winding : nullptr;
-    rasterizeBoundary(snapped, chain, fill, builder, progress);
+    if (options.rule == VoxelRule::Centre) {
+      rasterizeBoundary(snapped, chain, fill, builder, progress);
+    } else {
+      RuleSink sink(builder, snapped, chain, options.rule, progress);
+      rasterizeBoundary(snapped, chain, fill, sink, progress);
+      sink.finish();
+    }
   }
   timer.part("tree");
   auto grids = std::make_shared<GridSet>();

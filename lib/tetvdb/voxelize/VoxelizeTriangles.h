@@ -46,7 +46,9 @@ GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& o
 /// weld first). Grids: density and mask. A closed soup is decided by exact signed crossings. An
 /// open one too, plus the winding number of its boundary curve, which is smooth off the faces and
 /// is evaluated only near where the total passes 0.5 (docs/algorithms.md): voxels are right where
-/// the winding number differs from 0.5 by more than 1e-3 (kRimWindingError). The result depends on
+/// the winding number differs from 0.5 by more than 1e-3 (kRimWindingError). By VoxelRule::Any a
+/// voxel whose cube a face passes through is inside, and by All it is not, whatever the winding
+/// number; where a hole is closed off the faces, centres decide. The result depends on
 /// the faces as a set: not on their order, on the order of points or on threads. Throws as
 /// voxelize() for tets does, and Error(Invalid) for soups without an inside, with the reason;
 /// Error(Usage) for grids that need tets.

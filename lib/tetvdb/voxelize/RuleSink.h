@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From voxels whose centre is inside to those whose cube meets the solid, or lies in it.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/Slab.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/TouchedFace.h"
+#include "tetvdb/voxelize/Voxelize.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+/// Hands on what it receives, with the voxels whose cubes a face passes through (TouchedFace.h)
+/// added, for VoxelRule::Any, or taken away, for VoxelRule::All. In a cube that no face passes
+/// through the number of tets is the same everywhere, and so the centre's answer holds for all of
+/// it; a face that does pass through has more tets on one side than on the other.
+class RuleSink : public NodeSink {
+public:
+  /// All must outlive it. Bins the faces to nodes: parallel, 16 bytes for each face and node.
+  RuleSink(NodeSink& next, const SnappedMesh& mesh, const Boundary& faces, VoxelRule rule,
+           Progress& progress);
+
+  std::unique_ptr<Node> begin(const NodeIndex& node) override;
+  void slab(Node& node, int index, const SlabBits& bits, const std::uint32_t* owners) override;
+  void end(std::unique_ptr<Node> node) override;
+  void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
+  void fullNode(const NodeIndex& node, std::uint32_t owner) override;
+
+  /// Call after the last node: hands on the nodes that faces pass through but no centre is in.
+  void finish();
+
+private:
+  struct Pair {
+    NodeIndex node;
+    std::uint32_t face;
+    bool operator<(const Pair& o) const { return node != o.node ? node < o.node : face < o.face; }
+  };
+  struct RuledNode;
+  static constexpr std::size_t kNoFaces = ~std::size_t(0);
+
+  std::size_t find(const NodeIndex& node) const;
+  bool touch(const RuledNode& node, int index, SlabBits& bits) const;
+  void passOn(RuledNode& node, int index, const SlabBits* inside);
+
+  NodeSink& next_;
+  const SnappedMesh& mesh_;
+  const Boundary& faces_;
+  bool adds_;
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> starts_; ///< of each node's faces in pairs_, and the end
+  std::vector<std::uint8_t> seen_;  ///< each written by the task of its node
+};
+
+} // namespace tetvdb

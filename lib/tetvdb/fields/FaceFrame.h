@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A face as ten linear forms, from which the distance of any point follows without a branch.
+// A face as seven linear forms, from which the distance of any point follows without a branch.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"

@@ -33,7 +33,7 @@ constexpr std::size_t kMostTets = 1500000, kMostTetsOfFace = 40;
 // Rounds go on as long as so many of the missing faces go in: one of eight.
 constexpr std::size_t kLeastShare = 8;
 // Tets looked at for a triangle: less where there is another round.
-constexpr std::size_t kMostEffort = 5000000, kFirstEffort = 200000;
+constexpr std::size_t kMostEffort = 1000000, kFirstEffort = 200000;
 
 // What counts as on a triangle: far above the rounding of points, far below what matters.
 constexpr double kReach = 1e4, kLeastTolerance = 16;

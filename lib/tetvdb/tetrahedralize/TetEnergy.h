@@ -107,7 +107,7 @@ takeChangedTets(TetComplex& complex, std::uint8_t bit, double energy, double lea
           return (complex.points[corner].changed & bit) != 0;
         });
     if (changed && energyOf(complex, t) > energy)
-      taken.push_back({tet.energy, t});
+      taken.emplace_back(tet.energy, t);
   }
   for (TetComplex::Point& point : complex.points)
     point.changed = static_cast<std::uint8_t>(point.changed & ~bit);

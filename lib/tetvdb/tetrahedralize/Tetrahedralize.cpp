@@ -213,12 +213,14 @@ void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& mad
   for (int round = 0;; ++round) {
     // Around open edges what is lost is lost to the winding number.
     const bool last = round == kMostMends || !work.rim.empty();
+    // Moved in the last round alone. NOLINTNEXTLINE(bugprone-use-after-move)
     TetComplex mesh = last ? std::move(complex) : complex;
     std::unique_ptr<const Landmarks> landmarks;
     if (isFixed) {
       keepNear(mesh, kept, 4 * work.radius, work.lattice);
     } else if (!kept.empty()) {
       std::vector<Vec3d> points;
+      points.reserve(kept.size());
       for (const LostSurface::Point& point : kept)
         points.push_back(work.lattice.toLattice(point.at));
       landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, points);

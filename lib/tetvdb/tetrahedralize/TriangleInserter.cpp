@@ -93,6 +93,7 @@ TriangleInserter::insertFlat(const std::vector<std::array<std::uint32_t, 3>>& tr
       recover(a, b);
       border_.push_back({complex_.at(a), complex_.at(b)});
     }
+    sides.reserve(around.size());
     for (const auto& [a, b] : around)
       sides.push_back(known_.path(a, b));
     std::vector<Face> faces;

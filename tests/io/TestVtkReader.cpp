@@ -45,13 +45,13 @@ TEST(VtkReader, MixedTypesOfVersion1) {
   EXPECT_EQ(mesh.nodes.size(), 3u * 4 + 2 * 8);
 }
 
-TEST(VtkReader, QuadraticCellsByTheirCorners) {
+TEST(VtkReader, QuadraticCells) {
   const CellMesh mesh = read(readVtk, fileBytes(dataPath("mfem__fichera-mixed-p2.vtk")));
   ASSERT_EQ(mesh.runs.size(), 3u);
   for (const CellRun& run : mesh.runs)
     EXPECT_TRUE(run.quadratic);
   EXPECT_EQ(mesh.runs[0].fileType, "tetra10");
-  EXPECT_EQ(mesh.nodes.size(), 5u * 4 + 3 * 8 + 6 * 6);
+  EXPECT_EQ(mesh.nodes.size(), 5u * 10 + 3 * 8 + 6 * 6);
   EXPECT_EQ(mesh.attributes.at(0).name, "material");
 }
 

@@ -89,13 +89,13 @@ inline const std::vector<Vec3d>& expectedPoints() {
 /// Whether `mesh` is the mixed mesh with its attributes.
 inline void expectMixedMesh(const CellMesh& mesh) {
   EXPECT_EQ(mesh.points, expectedPoints());
-  const std::vector<std::uint32_t> nodes = {1, 8,  2,  9,                 // tetra
-                                            0, 1,  2,  3,  4,  5,  6,  7, // hexahedron
-                                            1, 2,  8,  5,  6,  9,         // wedge
-                                            4, 5,  6,  7,  10,            // pyramid
-                                            8, 11, 12, 13, 8,  11, 12, 9, // two tetra
-                                            0, 1,  3,  2,  4,  5,  7,  6, // voxel
-                                            8, 11, 12, 13};               // tetra10
+  const std::vector<std::uint32_t> nodes = {1, 8,  2,  9,                           // tetra
+                                            0, 1,  2,  3,  4,  5,  6,  7,           // hexahedron
+                                            1, 2,  8,  5,  6,  9,                   // wedge
+                                            4, 5,  6,  7,  10,                      // pyramid
+                                            8, 11, 12, 13, 8,  11, 12, 9,           // two tetra
+                                            0, 1,  3,  2,  4,  5,  7,  6,           // voxel
+                                            8, 11, 12, 13, 14, 15, 16, 17, 18, 19}; // tetra10
   EXPECT_EQ(mesh.nodes, nodes);
 
   struct Run {
@@ -109,7 +109,7 @@ inline void expectMixedMesh(const CellMesh& mesh) {
       {CellType::Flat, 0, 1, false},  {CellType::Hexahedron, 8, 1, false},
       {CellType::Wedge, 6, 1, false}, {CellType::Pyramid, 5, 1, false},
       {CellType::Tetra, 4, 2, false}, {CellType::Voxel, 8, 1, false},
-      {CellType::Tetra, 4, 1, true}};
+      {CellType::Tetra, 10, 1, true}};
   ASSERT_EQ(mesh.runs.size(), runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) {
     EXPECT_EQ(mesh.runs[i].type, runs[i].type) << i;

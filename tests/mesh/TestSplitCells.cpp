@@ -423,15 +423,18 @@ TEST(SplitCells, SurfaceAloneIsRefusedWithItsContent) {
   }
 }
 
+// Beside other cells; see TestCutTet10.cpp for those that are alone.
 TEST(SplitCells, QuadraticCellsAreTakenByTheirCorners) {
   CellMesh mesh;
   mesh.points = kCube;
   mesh.points.resize(14, Vec3d{0.5, 0.5, 0.5});
   mesh.runs.push_back({CellType::Tetra, 10, 1, "tetra10", true});
-  mesh.nodes = {0, 1, 3, 4, 8, 9, 10, 11, 12, 13};
+  mesh.runs.push_back({CellType::Tetra, 4, 1, "tetra", false});
+  mesh.nodes = {0, 1, 3, 4, 8, 9, 10, 11, 12, 13, 1, 2, 3, 6};
   Report report;
   const TetMesh tets = split(mesh, {}, &report);
-  EXPECT_EQ(tets.tets, (Nodes{0, 1, 3, 4}));
+  EXPECT_EQ(tets.tets, (Nodes{0, 1, 3, 4, 1, 2, 3, 6}));
+  EXPECT_TRUE(tets.curved.empty());
   ASSERT_EQ(report.warnings.size(), 1U);
   EXPECT_EQ(report.warnings[0].code, "quadratic-cells");
 }

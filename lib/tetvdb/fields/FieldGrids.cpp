@@ -22,6 +22,48 @@ struct Reading {
   std::vector<double> cells;
 };
 
+// Points and weights that make up a value at a voxel: the four of a linear tet, or the ten of the
+// quadratic one that the voxel's tet was cut from.
+struct CellShape {
+  std::array<std::uint32_t, 10> points;
+  std::array<double, 10> weights;
+  std::size_t count = 4;
+
+  CellShape(const TetMesh& mesh, const LeafSample& sample, std::size_t voxel) {
+    const std::size_t slot = sample.slot(voxel), tet = sample.tet(slot);
+    const auto& w = sample.weights(voxel);
+    const double whole[4] = {1 - (w[0] + w[1] + w[2]), w[0], w[1], w[2]};
+    const std::uint32_t cell = mesh.curved.cellOfTet[tet];
+    if (cell == CurvedTets::kLinear) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        points[i] = sample.point(slot, i);
+        weights[i] = whole[i];
+      }
+      return;
+    }
+    // Coordinates in the cell: those of the tet's corners, a corner or the middle of an edge of the
+    // cell each, weighted.
+    static constexpr std::uint8_t kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+    double at[4] = {0, 0, 0, 0};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const std::uint8_t node = mesh.curved.corners[tet][sample.place(slot, i)];
+      if (node < 4) {
+        at[node] += whole[i];
+        continue;
+      }
+      at[kEdges[node - 4][0]] += whole[i] / 2;
+      at[kEdges[node - 4][1]] += whole[i] / 2;
+    }
+    count = 10;
+    for (std::size_t i = 0; i < 10; ++i)
+      points[i] = mesh.curved.nodes[10 * std::size_t(cell) + i];
+    for (std::size_t i = 0; i < 4; ++i)
+      weights[i] = at[i] * (2 * at[i] - 1);
+    for (std::size_t i = 0; i < 6; ++i)
+      weights[4 + i] = 4 * at[kEdges[i][0]] * at[kEdges[i][1]];
+  }
+};
+
 void convert(const double* value, float& out) {
   out = static_cast<float>(value[0]);
 }
@@ -58,6 +100,8 @@ public:
       return ofCells(sample, reading, out);
     if (field_.kind == FieldKind::Integer)
       return ofNearestCorner(sample, out);
+    if (!mesh_.curved.empty())
+      return ofShapes(sample, out);
     gather(sample, reading);
     switch (field_.sources.size()) {
     case 1:
@@ -128,6 +172,24 @@ private:
         }
       const double read[1] = {
           source.array->number(sample.point(sample.slot(v), nearest), source.component)};
+      out[v] = finished(read);
+    }
+  }
+
+  // By the shape functions of each voxel's cell, whatever it is.
+  void ofShapes(const LeafSample& sample, Value* out) const {
+    for (std::size_t v = 0; v < sample.count(); ++v) {
+      const CellShape shape(mesh_, sample, v);
+      double read[9];
+      for (std::size_t k = 0; k < field_.sources.size(); ++k) {
+        const Field::Source& source = field_.sources[k];
+        const double base = source.array->number(shape.points[0], source.component);
+        double sum = 0; // of differences, so that a constant stays itself
+        for (std::size_t i = 1; i < shape.count; ++i)
+          sum +=
+              shape.weights[i] * (source.array->number(shape.points[i], source.component) - base);
+        read[k] = base + sum;
+      }
       out[v] = finished(read);
     }
   }

@@ -62,6 +62,10 @@ public:
   std::uint32_t point(std::size_t slot, std::size_t corner) const {
     return mesh_->tets[4 * std::size_t(tets_[slot]) + frames_[slot].corners()[corner]];
   }
+  /// Where in the tet, 0 to 3, its corner `corner` by position is.
+  std::size_t place(std::size_t slot, std::size_t corner) const {
+    return frames_[slot].corners()[corner];
+  }
   const std::array<std::int32_t, 3>& origin() const { return origin_; }
 
 private:

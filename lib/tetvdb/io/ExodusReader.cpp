@@ -343,8 +343,14 @@ private:
     if (nodes < kind.corners)
       file_.fail("elements of type " + type + " with " + std::to_string(nodes) + " nodes");
     file_.checkSize(*connect, cells > SIZE_MAX / nodes ? SIZE_MAX : cells * nodes, name);
-    readNodes(*connect, name, cells, nodes, kind.corners);
-    appendCells(mesh_, kind, cells);
+    // Of ten-node tets all are kept; their order is VTK's.
+    const bool all = kind.type == CellType::Tetra && nodes == 10;
+    const std::uint32_t kept = all ? 10 : kind.corners;
+    readNodes(*connect, name, cells, nodes, kept);
+    if (mesh_.runs.empty() || mesh_.runs.back().fileType != kind.name ||
+        mesh_.runs.back().nodesPerCell != kept)
+      mesh_.runs.push_back({kind.type, kept, 0, kind.name, kind.quadratic()});
+    mesh_.runs.back().count += cells;
   }
 
   void readNodes(const Variable& connect, const std::string& name, std::size_t cells,

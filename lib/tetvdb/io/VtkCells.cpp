@@ -224,8 +224,10 @@ private:
     if (mesh_.nodes.capacity() == 0)
       mesh_.nodes.reserve(cells_.connectivity.size());
     if (kind.nodes != 0) {
-      copyCorners(from + begin(beginCell), kind.nodes, kind.corners, endCell - beginCell);
-      return addRun(kind, kind.corners, endCell - beginCell, kind.nodes != kind.corners);
+      const std::uint8_t kept =
+          kind.type == CellType::Tetra && kind.nodes == 10 ? kind.nodes : kind.corners;
+      copyCorners(from + begin(beginCell), kind.nodes, kept, endCell - beginCell);
+      return addRun(kind, kept, endCell - beginCell, kind.nodes != kind.corners);
     }
     for (std::size_t cell = beginCell; cell < endCell; ++cell) {
       const std::uint32_t* nodes = from + begin(cell);

@@ -2,6 +2,7 @@
 #include "tetvdb/mesh/SplitCells.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/CutTet10.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
 #include <algorithm>
@@ -291,6 +292,53 @@ bool holdsOnlyTets(const std::vector<CellRun>& runs) {
   });
 }
 
+bool holdsOnlyTet10(const std::vector<CellRun>& runs) {
+  return std::all_of(runs.begin(), runs.end(), [](const CellRun& run) {
+    return (run.type == CellType::Tetra && run.nodesPerCell == 10) || run.type == CellType::Flat ||
+           run.count == 0;
+  });
+}
+
+// The tets of a mesh of ten-node tets into `made`.
+void cutCurved(const CellMesh& mesh, const Chooser& chooser, TetMesh& result,
+               std::vector<std::uint32_t>& made, Tally& tally, Progress& progress) {
+  const std::uint32_t* nodes = mesh.nodes.data();
+  std::size_t cell = 0;
+  std::uint32_t own = 0;
+  for (const CellRun& run : mesh.runs) {
+    if (run.type == CellType::Flat) {
+      nodes += run.nodesPerCell * run.count;
+      cell += run.count;
+      continue;
+    }
+    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, nodes += 10) {
+      if (i % kCellsPerUpdate == 0)
+        progress.update(static_cast<double>(own) / static_cast<double>(result.cellCount));
+      if (!chooser.keeps(cell, nodes, 10)) {
+        tally.filtered = true;
+        continue;
+      }
+      const auto number = static_cast<std::uint32_t>(result.curved.nodes.size() / 10);
+      result.curved.nodes.insert(result.curved.nodes.end(), nodes, nodes + 10);
+      bool positive = false;
+      bool negative = false;
+      for (const auto& corners : cutTet10(nodes, mesh.points)) {
+        for (const std::uint8_t corner : corners)
+          made.push_back(nodes[corner]);
+        const std::uint32_t* v = made.data() + made.size() - 4;
+        const double volume = sixfoldVolume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
+                                            mesh.points[v[3]]);
+        positive = positive || volume > 0;
+        negative = negative || volume < 0;
+        result.curved.corners.push_back(corners);
+        result.curved.cellOfTet.push_back(number);
+        result.cellOfTet.push_back(own);
+      }
+      tally.concave += positive && negative ? 1 : 0;
+    }
+  }
+}
+
 } // namespace
 
 std::string describeCells(const CellMesh& mesh) {
@@ -335,10 +383,13 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   };
   refuseAbove(solid);
 
+  const bool curved = holdsOnlyTet10(mesh.runs);
+  if (curved)
+    expectedTets = 8 * solid;
   const Chooser chooser(mesh, filter, report);
   if (!chooser.active())
     refuseAbove(expectedTets);
-  const bool onlyTets = holdsOnlyTets(mesh.runs);
+  const bool onlyTets = !curved && holdsOnlyTets(mesh.runs);
   const bool identity = onlyTets && !chooser.active();
   TetMesh result;
   result.cellCount = static_cast<std::size_t>(solid);
@@ -352,7 +403,14 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   std::size_t to = 0;    // end of the tets kept, which move down within `nodes`
   std::size_t cell = 0;  // number in the file
   std::uint32_t own = 0; // number among the solid cells
+  if (curved) {
+    cutCurved(mesh, chooser, result, made, tally, progress);
+    refuseAbove(made.size() / 4);
+    nodes = {};
+  }
   for (const CellRun& run : mesh.runs) {
+    if (curved)
+      break;
     const std::size_t each = run.nodesPerCell;
     if (run.type == CellType::Flat) {
       from += each * run.count;

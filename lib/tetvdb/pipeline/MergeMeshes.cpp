@@ -58,6 +58,24 @@ void appendRegions(TetMesh& to, const TetMesh& from, Report& report) {
   }
 }
 
+void appendCurved(TetMesh& to, const TetMesh& from) {
+  if (to.curved.empty() && from.curved.empty())
+    return;
+  CurvedTets& all = to.curved;
+  const CurvedTets& more = from.curved;
+  const auto firstPoint = static_cast<std::uint32_t>(to.points.size());
+  const auto firstCell = static_cast<std::uint32_t>(all.nodes.size() / 10);
+  all.cellOfTet.resize(to.tetCount(), CurvedTets::kLinear);
+  all.corners.resize(to.tetCount());
+  for (const std::uint32_t node : more.nodes)
+    all.nodes.push_back(firstPoint + node);
+  for (const std::uint32_t cell : more.cellOfTet)
+    all.cellOfTet.push_back(cell == CurvedTets::kLinear ? cell : firstCell + cell);
+  all.corners.insert(all.corners.end(), more.corners.begin(), more.corners.end());
+  all.cellOfTet.resize(to.tetCount() + from.tetCount(), CurvedTets::kLinear);
+  all.corners.resize(to.tetCount() + from.tetCount());
+}
+
 void append(TetMesh& to, TetMesh&& from, Report& report) {
   if (to.points.size() + from.points.size() > kMostElements ||
       to.cellCount + from.cellCount > kMostElements)
@@ -80,6 +98,7 @@ void append(TetMesh& to, TetMesh&& from, Report& report) {
   }
   appendRegions(to, from, report);
   appendAttributes(to, from);
+  appendCurved(to, from);
   to.points.insert(to.points.end(), from.points.begin(), from.points.end());
   to.tets.reserve(to.tets.size() + from.tets.size());
   for (const std::uint32_t corner : from.tets)

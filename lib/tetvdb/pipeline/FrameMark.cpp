@@ -73,7 +73,8 @@ std::string frameMark(const VoxelizeJob& job) {
   text << job.clean.weldDistance << job.clean.orient << static_cast<int>(job.solid.inside)
        << job.solid.shell << static_cast<int>(job.mesher) << job.epsilon.value
        << static_cast<int>(job.epsilon.unit) << static_cast<int>(job.up);
-  text << job.voxelize.voxelSize << job.voxelize.origin << job.voxelize.grids.size();
+  text << job.voxelize.voxelSize << job.voxelize.origin << static_cast<int>(job.voxelize.rule)
+       << job.voxelize.grids.size();
   for (const GridKind kind : job.voxelize.grids)
     text << static_cast<int>(kind);
   text << job.shapes.grids.size() << job.shapes.halfWidth;

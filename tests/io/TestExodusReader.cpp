@@ -26,7 +26,7 @@ TEST_P(ExodusMixed, NodalAndElementVariables) {
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(mesh.points, expectedPoints());
   EXPECT_EQ(mesh.cellCount(), 9u);
-  EXPECT_EQ(mesh.nodes.size(), 4u * 4 + 8 + 6 + 5);
+  EXPECT_EQ(mesh.nodes.size(), 3u * 4 + 10 + 8 + 6 + 5);
   const Attribute* t = find(mesh, "T", Attribute::On::Points);
   const Attribute* z = find(mesh, "flow speedZ", Attribute::On::Points);
   const Attribute* material = find(mesh, "material", Attribute::On::Cells);

@@ -93,6 +93,41 @@ struct NodeShared {
   u32 some, notFull;
 };
 
+/// Runs of keys that agree but for their lowest bits.
+struct Groups {
+  u64 items = 0, count = 0;
+  const u32* head = nullptr; ///< by item: whether a group begins
+  const u64* rank = nullptr; ///< by item: groups that begin before it
+};
+
+/// The groups of n keys, the lowest `shift` bits left out; temporaries.
+template <typename Backend>
+Groups groupsOf(Backend& b, const u64* keys, u64 n, int shift) {
+  u32* head = b.template temp<u32>(n + 1);
+  u64* rank = b.template temp<u64>(n + 1);
+  b.forEach(
+      n + 1, TETVDB_KERNEL(u64 i) {
+        head[i] = i < n && (i == 0 || keys[i] >> shift != keys[i - 1] >> shift);
+      });
+  b.scan(head, rank, n);
+  return {n, b.read(rank + n), head, rank};
+}
+
+/// Writes where the groups begin and, last, how many items there are; each(group, first item).
+template <typename Backend, typename Each>
+void forGroups(Backend& b, const Groups& groups, u64* begin, const Each& each) {
+  b.forEach(
+      groups.items + 1, TETVDB_KERNEL(u64 i) {
+        if (i == groups.items) {
+          begin[groups.count] = i;
+        } else if (groups.head[i]) {
+          const u64 group = groups.rank[i];
+          begin[group] = i;
+          each(group, i);
+        }
+      });
+}
+
 /// Error bits that kernels raise.
 enum : u32 { kBadPoint = 1, kLongTet = 2, kNotClosed = 4, kBadIndex = 8 };
 
@@ -120,16 +155,9 @@ public:
   template <int kLog2>
   Entries parents(int childLevel, const Entries& children, NodeMasks<kLog2>& masks) {
     const int level = childLevel + 1;
-    const u64 n = children.count;
-    u32* head = b_.template temp<u32>(n + 1);
-    u64* rank = b_.template temp<u64>(n + 1);
     const u64* keys = children.treeKey;
-    b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 i) {
-          head[i] = i < n && (i == 0 || keys[i] >> (3 * kLog2) != keys[i - 1] >> (3 * kLog2));
-        });
-    b_.scan(head, rank, n);
-    const u64 m = b_.read(rank + n);
+    const Groups groups = groupsOf(b_, keys, children.count, 3 * kLog2);
+    const u64 m = groups.count;
     Entries e;
     e.count = e.slots = m;
     u64* begin = b_.template alloc<u64>(m + 1);
@@ -139,17 +167,12 @@ public:
     const KeySpace space = space_;
     u64* columnKeys = e.key;
     u32* slots = e.slot;
-    b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 i) {
-          if (i == n) {
-            begin[m] = n;
-          } else if (head[i]) {
-            const u64 r = rank[i], key = keys[i] >> (3 * kLog2);
-            begin[r] = i;
-            nodeTreeKey[r] = key;
-            columnKeys[r] = columnKey(space, level, placeOfTreeKey(space, level, key));
-            slots[r] = static_cast<u32>(r);
-          }
+    forGroups(
+        b_, groups, begin, TETVDB_KERNEL(u64 r, u64 i) {
+          const u64 key = keys[i] >> (3 * kLog2);
+          nodeTreeKey[r] = key;
+          columnKeys[r] = columnKey(space, level, placeOfTreeKey(space, level, key));
+          slots[r] = static_cast<u32>(r);
         });
     e.state = b_.template alloc<u8>(m);
     e.value = children.value == nullptr ? nullptr : b_.template alloc<i32>(m);

@@ -6,7 +6,10 @@
 
 #include "Team.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Progress.h"
 
+#include <atomic>
+#include <cstring>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cuda/functional>
@@ -144,12 +147,25 @@ __global__ void __launch_bounds__(Shared::kThreads, Shared::kOccupancy * 32 / Sh
     f(Team(static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x)), i, shared);
 }
 
+// A few words from the device's memory to the host's, then a number by which the host sees that
+// they are there; sooner done than a copy and a wait for the stream.
+__global__ void publishKernel(const u32* from, u32 words, u32* to, u32* flag, u32 number) {
+  for (u32 w = threadIdx.x; w < words; w += blockDim.x)
+    to[w] = from[w];
+  __threadfence_system();
+  __syncwarp();
+  if (threadIdx.x == 0)
+    *static_cast<volatile u32*>(flag) = number;
+}
+
 class CudaBackend {
 public:
   CudaBackend() {
     check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "no stream");
-    check(cudaHostAlloc(reinterpret_cast<void**>(&pinned_), 256, cudaHostAllocDefault),
-          "no pinned memory");
+    check(
+        cudaHostAlloc(reinterpret_cast<void**>(&pinned_), sizeof(Published), cudaHostAllocDefault),
+        "no pinned memory");
+    pinned_->number = 0;
     check(cudaEventCreateWithFlags(&pointsHere_, cudaEventDisableTiming), "event");
     for (cudaEvent_t& e : tetsHere_)
       check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
@@ -170,20 +186,21 @@ public:
 
   /// The mesh arrives by another stream: its points first, then its tets in parts.
   static constexpr int kParts = 8;
-  int parts() const { return arriving_ ? kParts : 1; }
+  int parts() const { return arriving_ == 0 ? 1 : arriving_; }
   void awaitPoints() {
-    if (arriving_)
+    if (arriving_ != 0)
       check(cudaStreamWaitEvent(stream_, pointsHere_, 0), "upload");
   }
   void awaitTets(int part) {
-    if (arriving_)
+    if (arriving_ != 0)
       check(cudaStreamWaitEvent(stream_, tetsHere_[part], 0), "upload");
   }
   void recordPoints(cudaStream_t upload) { check(cudaEventRecord(pointsHere_, upload), "upload"); }
   void recordTets(int part, cudaStream_t upload) {
     check(cudaEventRecord(tetsHere_[part], upload), "upload");
   }
-  void setArriving(bool arriving) { arriving_ = arriving; }
+  /// 0: the mesh is there.
+  void setArriving(int parts) { arriving_ = parts; }
 
   /// From here on time counts for `name`; "" ends the last.
   void stage(const char* name) {
@@ -229,13 +246,42 @@ public:
     if (bytes != 0)
       check(cudaMemsetAsync(p, byte, bytes, stream_), "memset");
   }
+  /// Waits for the value.
   template <typename T>
   T read(const T* p) {
-    static_assert(sizeof(T) <= 256, "fits the pinned place");
-    check(cudaMemcpyAsync(pinned_, p, sizeof(T), cudaMemcpyDeviceToHost, stream_), "copy");
-    check(cudaStreamSynchronize(stream_), "a kernel failed");
-    return *static_cast<T*>(pinned_);
+    static_assert(sizeof(T) <= sizeof pinned_->words && sizeof(T) % 4 == 0,
+                  "fits the pinned place");
+    publishKernel<<<1, 32, 0, stream_>>>(reinterpret_cast<const u32*>(p), sizeof(T) / 4,
+                                         pinned_->words, &pinned_->number, ++number_);
+    check(cudaGetLastError(), "launch");
+    const volatile u32& number = pinned_->number;
+    for (u32 looks = 1; number != number_; ++looks)
+      if (looks % 1024 == 0)
+        lookAfter();
+    std::atomic_thread_fence(std::memory_order_acquire);
+    T value;
+    std::memcpy(&value, pinned_->words, sizeof(T));
+    return value;
   }
+  template <typename T>
+  void download(T* to, const T* from, u64 n) {
+    check(cudaMemcpyAsync(to, from, n * sizeof(T), cudaMemcpyDeviceToHost, stream_), "copy");
+    await();
+  }
+  /// Waits for all that was launched.
+  void await() {
+    while (true) {
+      const cudaError_t status = cudaStreamQuery(stream_);
+      if (status == cudaSuccess)
+        return;
+      if (status != cudaErrorNotReady)
+        check(status, "a kernel failed");
+      if (progress_ != nullptr)
+        progress_->check();
+    }
+  }
+  /// Waiting ends with Error(Cancelled) where this says so; null: never.
+  void setProgress(const Progress* progress) { progress_ = progress; }
 
   template <typename F>
   void forEach(u64 n, const F& f) {
@@ -252,15 +298,18 @@ public:
     if (n == 0)
       return;
     constexpr u64 kMost = 0x7FFFFFFF;
-    if (size == 32) {
-      const u64 blocks = (n + kWarpTeams - 1) / kWarpTeams;
-      forWarpsKernel<Shared, F>
-          <<<static_cast<unsigned>(blocks < kMost ? blocks : kMost), 32 * kWarpTeams, 0, stream_>>>(
-              n, f);
-    } else {
-      forTeamsKernel<Shared, F><<<static_cast<unsigned>(n < kMost ? n : kMost),
-                                  static_cast<unsigned>(size), 0, stream_>>>(n, f);
-    }
+    // What is too large for four of them shares nothing between warps.
+    if constexpr (kWarpTeams * sizeof(Shared) <= 48 * 1024)
+      if (size == 32) {
+        const u64 blocks = (n + kWarpTeams - 1) / kWarpTeams;
+        forWarpsKernel<Shared, F><<<static_cast<unsigned>(blocks < kMost ? blocks : kMost),
+                                    32 * kWarpTeams, 0, stream_>>>(n, f);
+        check(cudaGetLastError(), "launch");
+        return;
+      }
+    forTeamsKernel<Shared, F>
+        <<<static_cast<unsigned>(n < kMost ? n : kMost), static_cast<unsigned>(size), 0, stream_>>>(
+            n, f);
     check(cudaGetLastError(), "launch");
   }
   void scan(const u32* counts, u64* offsets, u64 n) {
@@ -294,16 +343,31 @@ public:
   }
 
 private:
+  // While waiting: whether the device has failed, or the job is cancelled.
+  void lookAfter() {
+    const cudaError_t status = cudaStreamQuery(stream_);
+    if (status != cudaSuccess && status != cudaErrorNotReady)
+      check(status, "a kernel failed");
+    if (progress_ != nullptr)
+      progress_->check();
+  }
+
+  struct Published {
+    u32 words[64];
+    u32 number;
+  };
   struct Stage {
     const char* name = "";
     cudaEvent_t begin = nullptr;
   };
-  bool arriving_ = false;
+  int arriving_ = 0; // parts
   cudaEvent_t pointsHere_ = nullptr, tetsHere_[kParts] = {};
   std::vector<Stage> stages_;
   std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr;
-  void* pinned_ = nullptr;
+  Published* pinned_ = nullptr;
+  u32 number_ = 0;
+  const Progress* progress_ = nullptr;
   DevicePool pool_, temporaries_;
 };
 

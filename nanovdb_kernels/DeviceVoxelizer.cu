@@ -160,8 +160,8 @@ struct DeviceVoxelizer::State {
       view.values = values;
       copyUp(values, mesh.values, 4 * mesh.tetCount);
     }
-    for (int part = 0; part < CudaBackend::kParts; ++part) {
-      const u64 k = static_cast<u64>(part), parts = CudaBackend::kParts;
+    for (int part = 0; part < backend->parts(); ++part) {
+      const u64 k = static_cast<u64>(part), parts = static_cast<u64>(backend->parts());
       const u64 first = mesh.tetCount * k / parts, end = mesh.tetCount * (k + 1) / parts;
       copyUp(tets + 4 * first, mesh.tets + 4 * first, 16 * (end - first));
       backend->recordTets(part, upload);
@@ -233,7 +233,9 @@ Result DeviceVoxelizer::State::run(const MeshView& mesh, const Job& job) {
   const cudaStream_t stream = s.backend->stream();
   s.events->record(0, s.upload);
   s.events->record(4, stream);
-  s.backend->setArriving(!job.resident);
+  // Parts of some megabytes: smaller ones are launches for little.
+  const u64 parts = std::min<u64>(mesh.tetCount / 200000 + 1, CudaBackend::kParts);
+  s.backend->setArriving(job.resident ? 0 : static_cast<int>(parts));
   const MeshView view = job.resident ? mesh : s.arrive(mesh);
   s.events->record(1, s.upload);
   Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
@@ -248,7 +250,7 @@ Result DeviceVoxelizer::State::run(const MeshView& mesh, const Job& job) {
     result.bytes = host;
   }
   s.events->record(3, stream);
-  check(cudaStreamSynchronize(stream), "a kernel failed");
+  s.backend->await();
   s.times = {s.events->seconds(0, 1), s.events->seconds(4, 2), s.events->seconds(2, 3),
              s.backend->stageSeconds()};
   return result;

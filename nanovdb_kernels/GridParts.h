@@ -28,27 +28,85 @@ TETVDB_HD inline void addMoments(Moments& a, const Moments& b) {
   a.count = count;
 }
 
-/// Where the nodes of a buffer begin, bytes.
+/// Where the nodes lie, bytes. Of one of several shares of a grid: where its nodes lie in the whole
+/// grid's buffer, and in the share's own memory.
 struct BufferLayout {
   u64 root, upper, lower, leaf, size;
+  u64 upperHere, lowerHere, leafHere, sizeHere;
   u64 rootTiles, uppers, lowers, leaves;
-  Kind kind;
+};
+
+/// How many nodes of each kind.
+struct NodeCounts {
+  u64 rootTiles = 0, uppers = 0, lowers = 0, leaves = 0; ///< rootTiles: upper nodes included
+};
+
+/// The layout of a grid of `all` nodes for the share of `own` that follow `before`.
+inline BufferLayout layoutOf(Kind kind, const NodeCounts& all, const NodeCounts& before,
+                             const NodeCounts& own) {
+  BufferLayout l;
+  l.root = sizeof(GridHeader) + sizeof(TreeHeader);
+  const u64 uppers = l.root + sizeof(RootHeader) + all.rootTiles * sizeof(RootTile);
+  const u64 lowers = uppers + all.uppers * sizeof(UpperNode);
+  const u64 leaves = lowers + all.lowers * sizeof(LowerNode);
+  l.size = leaves + all.leaves * leafSize(kind);
+  l.upper = uppers + before.uppers * sizeof(UpperNode);
+  l.lower = lowers + before.lowers * sizeof(LowerNode);
+  l.leaf = leaves + before.leaves * leafSize(kind);
+  l.upperHere = 0;
+  l.lowerHere = own.uppers * sizeof(UpperNode);
+  l.leafHere = l.lowerHere + own.lowers * sizeof(LowerNode);
+  l.sizeHere = l.leafHere + own.leaves * leafSize(kind);
+  l.rootTiles = own.rootTiles;
+  l.uppers = own.uppers;
+  l.lowers = own.lowers;
+  l.leaves = own.leaves;
+  return l;
+}
+
+/// The layout where there is one share, whose memory is the buffer.
+inline BufferLayout layoutOf(Kind kind, const NodeCounts& all) {
+  BufferLayout l = layoutOf(kind, all, {}, all);
+  l.upperHere = l.upper;
+  l.lowerHere = l.lower;
+  l.leafHere = l.leaf;
+  l.sizeHere = l.size;
+  return l;
+}
+
+/// A tile, a node or nothing at the root.
+struct RootEntry {
+  u64 key;   ///< tree key
+  u64 upper; ///< upper nodes before it
+  u64 rank;  ///< root tiles before it
+  i32 value; ///< of a tile of an int grid
+  u32 state; ///< as in BuildLevels.h
 };
 
 constexpr int kParts = 32; // of sums of doubles, so that their order is fixed
 
 template <int kLog2>
 struct WriteShared {
-  static constexpr int kThreads = 256, kOccupancy = 16;
+  // Upper nodes are few and their tables large.
+  static constexpr int kThreads = kLog2 == 5 ? 1024 : 256, kOccupancy = kLog2 == 5 ? 32 : 16;
   static constexpr int kWords = (1 << (3 * kLog2)) / 64;
   u64 child[kWords], tile[kWords];
-  u32 before[kWords];
+  u32 before[kWords], spare[kWords]; // children before each word's
   i32 low[3], high[3];
   i32 minValue, maxValue;
   u32 tiles, low32; // low32: voxels, where they fit; 64-bit atomics in shared memory are slow
   u64 voxels;
   Moments part[kParts];
 };
+
+/// No box and no values, for what the team shares; called by one member.
+template <typename Shared>
+TETVDB_HD inline void clearBounds(Shared& s) {
+  for (int a = 0; a < 3; ++a) {
+    s.low[a] = s.minValue = 0x7FFFFFFF;
+    s.high[a] = s.maxValue = -0x7FFFFFFF - 1;
+  }
+}
 
 struct NoShared {
   static constexpr int kThreads = 32, kOccupancy = 32;
@@ -59,17 +117,26 @@ struct HeadShared {
   i32 low[3], high[3];
   i32 minValue, maxValue;
   u64 voxels;
-  u32 crc[kParts];
+  u32 crc[kParts], crcStart;
   Moments part[kParts];
 };
 
 /// What the nodes of a level are made from, and what the level above needs to know of them.
 struct LevelNodes {
-  const u64* index = nullptr;    ///< by place in tree order: number of the node
+  const u64* index = nullptr;    ///< by place in tree order: number of the node; null: its place
   const u32* nodeSlot = nullptr; ///< by number
   const u64* key = nullptr;      ///< by number: tree key
   u64* voxels = nullptr;         ///< by number: active voxels
   Moments* moments = nullptr;    ///< by number; int grids
+};
+
+/// What a grid's head is made of.
+struct RootParts {
+  const RootEntry* entries; ///< in tree order
+  u64 count;
+  const u64* voxels;      ///< of upper nodes
+  const Moments* moments; ///< of upper nodes; int grids
+  const u64* totals;      ///< [1], [2]: tiles in lower and upper nodes
 };
 
 } // namespace tetvdb::nano

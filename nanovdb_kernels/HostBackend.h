@@ -46,7 +46,7 @@ public:
     return *p;
   }
   template <typename T>
-  void upload(T* to, const T* from, u64 n) {
+  void download(T* to, const T* from, u64 n) {
     std::copy_n(from, n, to);
   }
 

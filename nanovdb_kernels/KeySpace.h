@@ -70,6 +70,22 @@ TETVDB_HD inline Place placeOfTreeKey(const KeySpace& s, int level, u64 key) {
   return level == 0 ? childPlace(p, 4, key) : p;
 }
 
+/// The columns of root tiles (x, then y) begin .. end - 1: what one of several devices builds.
+/// Nothing is carried from one such column to another.
+struct RootShare {
+  u64 begin = 0, end = ~u64(0);
+
+  /// Number of the column that a node is in.
+  TETVDB_HD static u64 columnOf(const KeySpace& s, int level, const Place& p) {
+    const int up = 9 - levelShift(level);
+    return (p.x >> up) << (s.bits[1] - 9) | (p.y >> up);
+  }
+  TETVDB_HD bool has(const KeySpace& s, int level, const Place& p) const {
+    const u64 column = columnOf(s, level, p);
+    return begin <= column && column < end;
+  }
+};
+
 /// First voxel of a node.
 TETVDB_HD inline void originOf(const KeySpace& s, int level, const Place& p, i32 (&origin)[3]) {
   const int shift = levelShift(level);

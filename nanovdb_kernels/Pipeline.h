@@ -5,12 +5,16 @@
 // write.
 #pragma once
 
+#include "DenseTree.h"
 #include "DeviceVoxelizer.h"
 #include "WriteGrid.h"
 #include "tetvdb/core/Error.h"
 
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <vector>
 
 namespace tetvdb::nano {
 
@@ -28,14 +32,34 @@ struct SnapShared {
   i64 low[3], high[3];
 };
 
+/// Which of how many devices this is, when several share a grid by columns of root tiles.
+struct ShareOf {
+  int number = 0, of = 1;
+};
+
 template <typename Backend>
 class Pipeline {
 public:
-  Pipeline(Backend& backend, const MeshView& mesh, const Job& job)
-      : b_(backend), mesh_(mesh), job_(job) {}
+  /// `mesh` lies where the backend computes.
+  Pipeline(Backend& backend, const MeshView& mesh, const Job& job, ShareOf shareOf = {})
+      : b_(backend), mesh_(mesh), job_(job), shareOf_(shareOf), kind_(kindOf(job.type)) {}
 
-  /// Builds; the buffer is the backend's memory. `mesh` lies where the backend computes.
+  /// Builds; the buffer is the backend's memory.
   Result run() {
+    const NodeCounts nodes = build();
+    const BufferLayout layout = layoutOf(kind_, nodes);
+    u8* buffer = b_.output(layout.size);
+    write(buffer, layout);
+    writer_->writeHead(buffer, layout, makeHeader(), writer_->roots());
+    b_.stage("");
+    Result result;
+    result.counts = countsOf(nodes, layout.size);
+    result.bytes = buffer;
+    return result;
+  }
+
+  /// First part: everything up to the numbers of nodes (of this share).
+  NodeCounts build() {
     checkJob();
     b_.stage("snap");
     begin();
@@ -43,13 +67,7 @@ public:
     snap();
     found_ = b_.read(findings_);
     chooseSpace();
-
-    Entries leaves;
-    LeafMasks masks;
-    i32* table = nullptr;
-    LeafSummary* summaries = nullptr;
-    signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
-    TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
+    writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind_, valuesOf(job_.type));
     const bool owners = job_.type == GridType::Owner;
     const bool dense =
         !owners &&
@@ -57,72 +75,36 @@ public:
     if (!owners && job_.road == Road::Tets && !dense)
       throw Error(Status::Limit, "", "the grid is too large for the road by tets on the device",
                   "take the road by the boundary");
-    const bool carries = !owners && !dense;
-    b_.stage(dense ? "rasterize" : "orient");
-    if (dense)
-      tets.beginDense(nodeMin_, nodeMax_);
-    // As the tets arrive.
-    for (int part = 0; part < b_.parts(); ++part) {
-      b_.awaitTets(part);
-      const u64 parts = static_cast<u64>(b_.parts()), k = static_cast<u64>(part);
-      const u64 first = mesh_.tetCount * k / parts, end = mesh_.tetCount * (k + 1) / parts;
-      orientTets(b_, points_, mesh_.pointCount, mesh_.tets, first, end, signs_, &findings_->flipped,
-                 errors_);
-      if (dense)
-        tets.addDense(first, end);
-    }
-    found_ = b_.read(findings_);
-    refuseTets();
-    Result result;
-    Counts& counts = result.counts;
-    counts.flipped = found_.flipped;
-    counts.dropped = found_.flat;
-    if (owners) {
-      leaves = tets.runOwners(mesh_.values, -1, masks, table, summaries);
-    } else if (dense) {
-      leaves = tets.endDense(masks);
-    } else {
-      b_.stage("boundary");
-      u64 faceCount = 0;
-      const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
-      counts.boundaryFaces = faceCount;
-      leaves = FaceRasterizer<Backend>(b_, space_).run(points_, faces, faceCount, masks);
-    }
-    counts.road = carries ? Road::Boundary : Road::Tets;
+    counts_.road = owners || dense ? Road::Tets : Road::Boundary;
+    const NodeCounts nodes = dense ? buildDense() : buildSparse(owners);
+    checkCount(nodes.leaves);
+    return nodes;
+  }
 
-    b_.stage("levels");
-    LevelBuilder<Backend> levels(b_, space_, carries, errors_);
-    NodeMasks<4> lowerMasks;
-    NodeMasks<5> upperMasks;
-    const GrowLeaves<Backend> growLeaves{b_, masks, leaves.slots};
-    levels.template closeGaps<1>(0, leaves, masks.top, growLeaves);
-    checkCount(leaves.count);
-    Entries lowers = levels.template parents<4>(0, leaves, lowerMasks);
-    const GrowNodes<Backend, 4> growLowers{b_, lowerMasks};
-    levels.template closeGaps<4>(1, lowers, lowerMasks.top, growLowers);
-    checkCount(lowers.count);
-    Entries uppers = levels.template parents<5>(1, lowers, upperMasks);
-    const GrowNodes<Backend, 5> growUppers{b_, upperMasks};
-    levels.template closeGaps<16>(2, uppers, upperMasks.top, growUppers);
-    if (b_.read(errors_) & kNotClosed)
-      throw std::logic_error("the boundary does not close: crossings were lost");
-
+  /// Second part: the nodes into `buffer`, of layout.sizeHere bytes.
+  void write(u8* buffer, const BufferLayout& layout) {
     b_.stage("tree");
-    const Kind kind = kindOf(job_.type);
-    GridWriter<Backend> writer(b_, space_, kind, valuesOf(job_.type));
-    const BufferLayout layout = writer.lay(leaves, lowers, uppers);
-    checkCount(layout.leaves);
-    u8* buffer = b_.output(layout.size);
-    writer.write(buffer, layout, makeHeader(kind), leaves, masks, table, summaries, lowers,
-                 lowerMasks, uppers, upperMasks);
-    b_.stage("");
-    counts.leaves = layout.leaves;
-    counts.lowerNodes = layout.lowers;
-    counts.upperNodes = layout.uppers;
-    counts.rootTiles = layout.rootTiles - layout.uppers;
-    counts.bufferBytes = layout.size;
-    result.bytes = buffer;
-    return result;
+    writer_->writeTree(buffer, layout, leaves_, masks_, table_, summaries_, lowers_, lowerMasks_,
+                       upperMasks_);
+  }
+
+  GridWriter<Backend>& writer() { return *writer_; }
+  const KeySpace& space() const { return space_; }
+  Kind kind() const { return kind_; }
+
+  Counts countsOf(const NodeCounts& nodes, u64 bytes) const {
+    Counts counts = counts_;
+    counts.leaves = nodes.leaves;
+    counts.lowerNodes = nodes.lowers;
+    counts.upperNodes = nodes.uppers;
+    counts.rootTiles = nodes.rootTiles - nodes.uppers;
+    counts.bufferBytes = bytes;
+    return counts;
+  }
+
+  static void checkCount(u64 count) {
+    if (count >= kNoTet)
+      throw Error(Status::Limit, "", "the grid has 2^32 leaves or more", "use larger voxels");
   }
 
   // Public for nvcc alone, as in LevelBuilder.
@@ -151,10 +133,10 @@ public:
     const double hx = job_.voxelSize[0], hy = job_.voxelSize[1], hz = job_.voxelSize[2];
     u32* errors = errors_;
     Findings* findings = findings_;
-    constexpr u64 kPerTeam = 2048;
+    // Enough teams for all multiprocessors first.
+    const u64 perTeam = n < (u64(1) << 20) ? 256 : 2048;
     b_.template forTeams<SnapShared>(
-        (n + kPerTeam - 1) / kPerTeam, 256,
-        TETVDB_KERNEL(const Team& team, u64 part, SnapShared& s) {
+        (n + perTeam - 1) / perTeam, 256, TETVDB_KERNEL(const Team& team, u64 part, SnapShared& s) {
           if (team.rank() == 0)
             for (int k = 0; k < 3; ++k) {
               s.low[k] = i64(1) << 62;
@@ -163,8 +145,8 @@ public:
           team.sync();
           i64 low[3] = {i64(1) << 62, i64(1) << 62, i64(1) << 62};
           i64 high[3] = {-(i64(1) << 62), -(i64(1) << 62), -(i64(1) << 62)};
-          const u64 end = (part + 1) * kPerTeam < n ? (part + 1) * kPerTeam : n;
-          for (u64 i = part * kPerTeam + static_cast<u64>(team.rank()); i < end;
+          const u64 end = (part + 1) * perTeam < n ? (part + 1) * perTeam : n;
+          for (u64 i = part * perTeam + static_cast<u64>(team.rank()); i < end;
                i += static_cast<u64>(team.size())) {
             const double p[3] = {world[3 * i], world[3 * i + 1], world[3 * i + 2]};
             const bool inside = magnitude((p[0] - ox) / hx) < kMaxVoxel &&
@@ -198,10 +180,86 @@ public:
         });
   }
 
-  void refuseTets() const {
-    if (found_.errors & kBadIndex)
+  // Calls f(begin, end) for the tets as they arrive.
+  template <typename F>
+  void forArriving(const F& f) {
+    const u64 parts = static_cast<u64>(b_.parts());
+    for (u64 part = 0; part < parts; ++part) {
+      b_.awaitTets(static_cast<int>(part));
+      f(mesh_.tetCount * part / parts, mesh_.tetCount * (part + 1) / parts);
+    }
+  }
+
+  NodeCounts buildDense() {
+    b_.stage("rasterize");
+    DenseBox box{};
+    for (int k = 0; k < 3; ++k) {
+      box.first[k] = nodeMin_[k];
+      box.size[k] = nodeMax_[k] - nodeMin_[k] + 1;
+      box.voxel[k] = (space_.base[k] + static_cast<i64>(nodeMin_[k]) * 16) * 8;
+    }
+    DenseRasterizer<Backend> tets(b_, box, points_, mesh_.pointCount, mesh_.tets, mesh_.tetCount);
+    tets.begin();
+    forArriving([&](u64 begin, u64 end) { tets.add(begin, end, errors_); });
+    tets.addMany();
+    b_.stage("levels");
+    DenseTree<Backend> tree(b_, space_, tets.box(), evenShare());
+    DenseNodes nodes = tree.number(tets.tallies(), errors_);
+    const DenseCounts found = b_.read(nodes.counts);
+    refuseTets(found.errors);
+    counts_.flipped = found.flipped;
+    counts_.dropped = found.flat;
+    tree.list(nodes, found.leaves);
+    writer_->take(nodes.leaf, nodes.lowers, nodes.uppers, nodes.roots, found.uppers);
+    lowerMasks_ = nodes.lower;
+    upperMasks_ = nodes.upper;
+    masks_.mask = tets.box().mask;
+    return {found.uppers, found.uppers, found.lowers, found.leaves};
+  }
+
+  NodeCounts buildSparse(bool owners) {
+    b_.stage("orient");
+    signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
+    forArriving([&](u64 begin, u64 end) {
+      orientTets(b_, points_, mesh_.pointCount, mesh_.tets, begin, end, signs_, &findings_->flipped,
+                 errors_);
+    });
+    found_ = b_.read(findings_);
+    refuseTets(found_.errors);
+    counts_.flipped = found_.flipped;
+    counts_.dropped = found_.flat;
+    if (owners) {
+      TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
+      leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
+    } else {
+      b_.stage("boundary");
+      u64 faceCount = 0;
+      const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
+      counts_.boundaryFaces = faceCount;
+      leaves_ = FaceRasterizer<Backend>(b_, space_)
+                    .run(points_, faces, faceCount, shareByFaces(faces, faceCount), masks_);
+    }
+    b_.stage("levels");
+    LevelBuilder<Backend> levels(b_, space_, !owners, errors_);
+    const GrowLeaves<Backend> growLeaves{b_, masks_, leaves_.slots};
+    levels.template closeGaps<1>(0, leaves_, masks_.top, growLeaves);
+    checkCount(leaves_.count);
+    lowers_ = levels.template parents<4>(0, leaves_, lowerMasks_);
+    const GrowNodes<Backend, 4> growLowers{b_, lowerMasks_};
+    levels.template closeGaps<4>(1, lowers_, lowerMasks_.top, growLowers);
+    checkCount(lowers_.count);
+    uppers_ = levels.template parents<5>(1, lowers_, upperMasks_);
+    const GrowNodes<Backend, 5> growUppers{b_, upperMasks_};
+    levels.template closeGaps<16>(2, uppers_, upperMasks_.top, growUppers);
+    if (!owners && (b_.read(errors_) & kNotClosed) != 0)
+      throw std::logic_error("the boundary does not close: crossings were lost");
+    return writer_->number(leaves_, lowers_, uppers_);
+  }
+
+  void refuseTets(u32 errors) const {
+    if (errors & kBadIndex)
       throw Error(Status::Invalid, "", "a tet refers to a point that is not there");
-    if (found_.errors & kLongTet)
+    if (errors & kLongTet)
       throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
   }
 
@@ -229,16 +287,136 @@ public:
                   "use larger voxels or --device cpu");
   }
 
-  double denseLeaves() const {
-    double leaves = 4096;
+  bool denseFits() const {
     for (int k = 0; k < 3; ++k)
-      leaves *= static_cast<double>(nodeMax_[k] - nodeMin_[k] + 1);
-    return leaves;
+      if (nodeMax_[k] - nodeMin_[k] >= DenseBox::kMostNodes)
+        return false;
+    return true;
   }
-  bool denseFits() const { return denseLeaves() <= double(u64(1) << 24); }
-  // Matching a tet's faces costs about as much as rasterizing it where it is a few voxels wide.
+
+  // Seconds on an H200, fitted to the rows of the benchmark "paper" (docs/benchmarks.md); the
+  // boundary's road pays for its many steps and for matching faces.
   bool denseIsFaster() const {
-    return denseFits() && denseLeaves() * 512 < 16.0 * static_cast<double>(mesh_.tetCount);
+    if (!denseFits())
+      return false;
+    double voxels = 1, surface = 0;
+    double side[3];
+    for (int k = 0; k < 3; ++k) {
+      side[k] = static_cast<double>(found_.high[k] - found_.low[k]) * kVoxelsPerUnit + 1;
+      voxels *= side[k];
+    }
+    for (int k = 0; k < 3; ++k)
+      surface += 2 * side[k] * side[(k + 1) % 3];
+    const auto tets = static_cast<double>(mesh_.tetCount);
+    // Six tets of a cell share its box.
+    const double columns = tets * std::pow(1 + std::cbrt(6 * voxels / (tets + 1)), 2);
+    const double dense = 0.1e-3 + tets * 4e-11 + columns * 8e-12 + voxels * 2e-13;
+    const double boundary = 0.4e-3 + tets * 4e-10 + surface * 3e-11;
+    return dense < boundary;
+  }
+
+  // Shares of about as many columns of root tiles.
+  RootShare evenShare() const {
+    RootShare share;
+    if (shareOf_.of == 1)
+      return share;
+    const auto tiles = [&](int k, u64 node) {
+      return node >> 5 << (k == 0 ? space_.bits[1] - 9 : 0);
+    };
+    const u64 first = tiles(0, nodeMin_[0]) + tiles(1, nodeMin_[1]);
+    const u64 last = tiles(0, nodeMax_[0]) + tiles(1, nodeMax_[1]);
+    const u64 number = static_cast<u64>(shareOf_.number), of = static_cast<u64>(shareOf_.of);
+    share.begin = first + (last + 1 - first) * number / of;
+    share.end = first + (last + 1 - first) * (number + 1) / of;
+    return share;
+  }
+
+  // Shares of about the same work: leaves in the boxes of faces seen along z, or of tets.
+  RootShare shareByFaces(const Face* faces, u64 faceCount) {
+    const LatticePoint* points = points_;
+    return shareByWork(
+        faceCount, TETVDB_KERNEL(u64 i, i64(&low)[3], i64(&high)[3]) {
+          const Face f = faces[i];
+          const LatticePoint &a = points[f.a], &b = points[f.b], &c = points[f.c];
+          low[0] = ceilVoxel(least(a.x, b.x, c.x)) >> 3;
+          low[1] = ceilVoxel(least(a.y, b.y, c.y)) >> 3;
+          high[0] = floorVoxel(most(a.x, b.x, c.x)) >> 3;
+          high[1] = floorVoxel(most(a.y, b.y, c.y)) >> 3;
+          low[2] = high[2] = 0;
+        });
+  }
+  RootShare shareByTets() {
+    const LatticePoint* points = points_;
+    const u32* tets = mesh_.tets;
+    return shareByWork(
+        mesh_.tetCount, TETVDB_KERNEL(u64 t, i64(&low)[3], i64(&high)[3]) {
+          LatticePoint v[4];
+          for (u64 k = 0; k < 4; ++k)
+            v[k] = points[tets[4 * t + k]];
+          const VoxelBounds box = boundsOf(v);
+          for (int k = 0; k < 3; ++k) {
+            low[k] = box.min[k] >> 3;
+            high[k] = box.max[k] >> 3;
+          }
+        });
+  }
+
+  // boxOf(i, low, high): item i's box in leaves, inclusive. The sums are of integers, so that all
+  // devices come to the same shares without a word.
+  template <typename BoxOf>
+  RootShare shareByWork(u64 items, const BoxOf& boxOf) {
+    if (shareOf_.of == 1)
+      return {};
+    constexpr int kMostBits = 20;
+    const int columnBits = space_.bits[0] + space_.bits[1] - 18;
+    if (columnBits > kMostBits)
+      return evenShare();
+    const u64 columns = u64(1) << columnBits;
+    u64* work = b_.template temp<u64>(columns);
+    b_.zero(work, columns * sizeof(u64));
+    const KeySpace space = space_;
+    b_.forEach(
+        items, TETVDB_KERNEL(u64 i) {
+          i64 low[3], high[3];
+          boxOf(i, low, high);
+          if (low[0] > high[0] || low[1] > high[1] || low[2] > high[2])
+            return;
+          for (int k = 0; k < 2; ++k) {
+            low[k] -= space.base[k];
+            high[k] -= space.base[k];
+          }
+          const u64 height = static_cast<u64>(high[2] - low[2] + 1);
+          for (i64 x = low[0] >> 9; x <= high[0] >> 9; ++x)
+            for (i64 y = low[1] >> 9; y <= high[1] >> 9; ++y) {
+              const i64 x0 = x * 512 > low[0] ? x * 512 : low[0];
+              const i64 y0 = y * 512 > low[1] ? y * 512 : low[1];
+              const i64 x1 = x * 512 + 511 < high[0] ? x * 512 + 511 : high[0];
+              const i64 y1 = y * 512 + 511 < high[1] ? y * 512 + 511 : high[1];
+              const u64 area = static_cast<u64>((x1 - x0 + 1) * (y1 - y0 + 1));
+              addTo(&work[static_cast<u64>(x) << (space.bits[1] - 9) | static_cast<u64>(y)],
+                    area * height);
+            }
+        });
+    std::vector<u64> found(columns);
+    b_.download(found.data(), work, columns);
+    u64 total = 0;
+    for (u64 w : found)
+      total += w;
+    // A share ends with the column whose middle is beyond its part of the work.
+    const auto cut = [&](int k) {
+      u64 before = 0, column = 0;
+      const double part = static_cast<double>(total) * k / shareOf_.of;
+      while (column < columns &&
+             static_cast<double>(before) + static_cast<double>(found[column]) / 2 < part)
+        before += found[column++];
+      return column;
+    };
+    RootShare share;
+    if (shareOf_.number > 0)
+      share.begin = cut(shareOf_.number);
+    if (shareOf_.number + 1 < shareOf_.of)
+      share.end = cut(shareOf_.number + 1);
+    return share;
   }
 
   void checkJob() const {
@@ -250,11 +428,6 @@ public:
       throw Error(Status::Usage, "", "the grid's name is longer than 255 bytes");
     if (mesh_.tetCount >= u64(1) << 32 || mesh_.pointCount >= u64(1) << 32)
       throw Error(Status::Limit, "", "the mesh has 2^32 tets or points or more");
-  }
-
-  static void checkCount(u64 count) {
-    if (count >= kNoTet)
-      throw Error(Status::Limit, "", "the grid has 2^32 leaves or more", "use larger voxels");
   }
 
   static Kind kindOf(GridType type) {
@@ -269,11 +442,11 @@ public:
     return type == GridType::Owner ? GridValues{0, 0xFFFFFFFFu} : GridValues{1, 0};
   }
 
-  GridHeader makeHeader(Kind kind) const {
+  GridHeader makeHeader() const {
     GridHeader h{};
     h.magic = 0x304244566F6E614Eull;       // "NanoVDB0"
     h.version = 32u << 21 | 4u << 10 | 2u; // 32.4.2, the layout to 32.9
-    const bool values = kind == Kind::Float || kind == Kind::Int32;
+    const bool values = kind_ == Kind::Float || kind_ == Kind::Int32;
     h.flags = 1u << 5 | (values ? 1u << 2 | 1u << 3 | 1u << 4 : 0u);
     h.gridCount = 1;
     std::memcpy(h.name, job_.name.data(), job_.name.size());
@@ -289,7 +462,7 @@ public:
     h.taper = 1;
     h.taperF = 1;
     h.gridClass = job_.type == GridType::Fog ? 2 : job_.type == GridType::Mask ? 6 : 0;
-    h.gridType = static_cast<u32>(kind);
+    h.gridType = static_cast<u32>(kind_);
     for (int k = 0; k < 3; ++k) { // an empty box
       h.worldBox[k] = 1.7976931348623157e308;
       h.worldBox[3 + k] = -1.7976931348623157e308;
@@ -301,6 +474,8 @@ private:
   Backend& b_;
   const MeshView& mesh_;
   const Job& job_;
+  ShareOf shareOf_;
+  Kind kind_;
   KeySpace space_{};
   u64 nodeMin_[3] = {0, 0, 0}, nodeMax_[3] = {0, 0, 0};
   LatticePoint* points_ = nullptr;
@@ -308,6 +483,15 @@ private:
   u32* errors_ = nullptr;
   Findings* findings_ = nullptr; // the backend's
   Findings found_{};
+  Counts counts_;
+  std::unique_ptr<GridWriter<Backend>> writer_;
+  // What was built, to be written.
+  Entries leaves_, lowers_, uppers_;
+  LeafMasks masks_;
+  NodeMasks<4> lowerMasks_;
+  NodeMasks<5> upperMasks_;
+  i32* table_ = nullptr;
+  LeafSummary* summaries_ = nullptr;
 };
 
 } // namespace tetvdb::nano

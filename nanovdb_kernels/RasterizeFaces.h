@@ -57,10 +57,12 @@ class FaceRasterizer {
 public:
   FaceRasterizer(Backend& backend, const KeySpace& space) : b_(backend), space_(space) {}
 
-  Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, LeafMasks& leaves) {
+  /// The leaves of `share` that faces cross.
+  Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, const RootShare& share,
+              LeafMasks& leaves) {
     b_.stage("pairs");
     prepare(points, faces, faceCount);
-    pairs(faceCount);
+    pairs(faceCount, share);
     b_.stage("walk");
     const Entries e = walk(leaves);
     b_.dropTemporaries();
@@ -80,7 +82,7 @@ public:
   }
 
   // Makes the sorted pairs: pairKey_, pairFace_, pairCount_.
-  void pairs(u64 faceCount) {
+  void pairs(u64 faceCount, const RootShare& share) {
     const FaceColumns* columns = columns_;
     const KeySpace space = space_;
     // Blocks of 128 x 128 columns in the face's box.
@@ -113,7 +115,10 @@ public:
           i32 box[4];
           blockBox(f, i - offset[face], box);
           i64 low, high;
-          if (crossingRange(f, box[0], box[1], box[2], box[3], low, high))
+          const Place place{static_cast<u64>((box[0] >> 3) - space.base[0]),
+                            static_cast<u64>((box[2] >> 3) - space.base[1]), 0};
+          if (share.has(space, 0, place) &&
+              crossingRange(f, box[0], box[1], box[2], box[3], low, high))
             leafColumns[i] = static_cast<u32>(((box[1] >> 3) - (box[0] >> 3) + 1) *
                                               ((box[3] >> 3) - (box[2] >> 3) + 1));
         });
@@ -179,54 +184,29 @@ public:
   }
 
   Entries walk(LeafMasks& leaves) {
-    const u64 n = pairCount_;
-    const u64* pairKey = pairKey_;
-    const int height = heightBits(space_, 0);
-    u32* head = b_.template temp<u32>(n + 1);
-    u64* rank = b_.template temp<u64>(n + 1);
-    b_.forEach(
-        n + 1,
-        TETVDB_KERNEL(u64 i) { head[i] = i < n && (i == 0 || pairKey[i] != pairKey[i - 1]); });
-    b_.scan(head, rank, n);
+    const Groups groups = groupsOf(b_, pairKey_, pairCount_, 0);
     Entries e;
-    e.count = e.slots = b_.read(rank + n);
+    e.count = e.slots = groups.count;
     e.key = b_.template alloc<u64>(e.count);
     e.slot = b_.template alloc<u32>(e.count);
     e.state = b_.template alloc<u8>(e.count);
     u64* begin = b_.template temp<u64>(e.count + 1);
+    const u64* pairKey = pairKey_;
     u64* keys = e.key;
     u32* slots = e.slot;
-    const u64 leafCount = e.count;
-    b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 i) {
-          if (i == n) {
-            begin[leafCount] = n;
-          } else if (head[i]) {
-            begin[rank[i]] = i;
-            keys[rank[i]] = pairKey[i];
-            slots[rank[i]] = static_cast<u32>(rank[i]);
-          }
+    forGroups(
+        b_, groups, begin, TETVDB_KERNEL(u64 leaf, u64 first) {
+          keys[leaf] = pairKey[first];
+          slots[leaf] = static_cast<u32>(leaf);
         });
-    u32* columnHead = b_.template temp<u32>(leafCount + 1);
-    u64* columnRank = b_.template temp<u64>(leafCount + 1);
-    b_.forEach(
-        leafCount + 1, TETVDB_KERNEL(u64 i) {
-          columnHead[i] = i < leafCount && (i == 0 || keys[i] >> height != keys[i - 1] >> height);
-        });
-    b_.scan(columnHead, columnRank, leafCount);
-    const u64 columnCount = b_.read(columnRank + leafCount);
-    u64* columnBegin = b_.template temp<u64>(columnCount + 1);
-    b_.forEach(
-        leafCount + 1, TETVDB_KERNEL(u64 i) {
-          if (i == leafCount)
-            columnBegin[columnCount] = leafCount;
-          else if (columnHead[i])
-            columnBegin[columnRank[i]] = i;
-        });
+    const Groups columns = groupsOf(b_, e.key, e.count, heightBits(space_, 0));
+    u64* columnBegin = b_.template temp<u64>(columns.count + 1);
+    forGroups(b_, columns, columnBegin, TETVDB_KERNEL(u64, u64){});
+    const u64 leafCount = e.count, columnCount = columns.count;
     leaves.mask = b_.template alloc<u64>(8 * leafCount);
     leaves.top = b_.template alloc<u64>(leafCount);
     // Many faces a column: a larger team shares them.
-    const int teamSize = n > 128 * columnCount ? 256 : 32;
+    const int teamSize = pairCount_ > 128 * columnCount ? 256 : 32;
     rasterizeColumns(columnBegin, columnCount, begin, e, leaves, teamSize);
     return e;
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Leaves from tets: into a dense array of leaf masks where the grid is small (no sorting, the road
-// for many small tets), or by (tet, leaf) pairs sorted by leaf where every voxel's owner is asked
-// for.
+// Leaves from tets by (tet, leaf) pairs sorted by leaf, where every voxel's owner is asked for.
 #pragma once
 
 #include "RasterizeFaces.h"
@@ -45,36 +43,12 @@ public:
       : b_(backend), space_(space), points_(points), tets_(tets), tetCount_(tetCount),
         signs_(signs) {}
 
-  /// Occupancy by way of the leaves of lower nodes nodeMin..nodeMax (of the key space, inclusive):
-  /// first beginDense(), then addDense() for all tets, in parts, then endDense().
-  void beginDense(const u64 (&nodeMin)[3], const u64 (&nodeMax)[3]) {
-    for (int k = 0; k < 3; ++k) {
-      dense_.first[k] = nodeMin[k];
-      dense_.size[k] = nodeMax[k] - nodeMin[k] + 1;
-    }
-    denseLeaves_ = dense_.size[0] * dense_.size[1] * dense_.size[2] * 4096;
-    dense_.mask = b_.template temp<u64>(8 * denseLeaves_);
-    b_.zero(dense_.mask, 64 * denseLeaves_);
-    isLarge_ = b_.template temp<u32>(tetCount_ + 1);
-    b_.zero(isLarge_ + tetCount_, sizeof(u32));
-  }
-  void addDense(u64 begin, u64 end) { rasterizeSmall(begin, end); }
-  Entries endDense(LeafMasks& leaves) {
-    const u64 large = listLarge();
-    if (large > 0)
-      rasterizeLarge(dense_, large);
-    b_.stage("collect");
-    const Entries e = collect(dense_, denseLeaves_, leaves);
-    b_.dropTemporaries();
-    return e;
-  }
-
   /// The value (of the lowest tet that owns the voxel: `values` by tet, or the tet's number) of
   /// every voxel, 512 an entry to `table`, and their sums.
-  Entries runOwners(const i32* values, i32 background, LeafMasks& leaves, i32*& table,
-                    LeafSummary*& summaries) {
+  Entries runOwners(const i32* values, i32 background, const RootShare& share, LeafMasks& leaves,
+                    i32*& table, LeafSummary*& summaries) {
     b_.stage("pairs");
-    makePairs();
+    makePairs(share);
     Entries e = leafEntries();
     leaves.mask = b_.template alloc<u64>(8 * e.count);
     table = b_.template alloc<i32>(512 * e.count);
@@ -88,30 +62,6 @@ public:
 
   // Public for nvcc alone, as in LevelBuilder.
 
-  struct Dense {
-    u64 first[3], size[3];
-    u64* mask;
-  };
-
-  // Sets voxels lo <= z < hi above z0 of column (x, y).
-  TETVDB_HD static void setRun(const Dense& d, const KeySpace& space, i64 x, i64 y, i64 z0, int lo,
-                               int hi) {
-    const u64 lx = static_cast<u64>((x >> 3) - space.base[0]),
-              ly = static_cast<u64>((y >> 3) - space.base[1]);
-    const u64 column = ((lx >> 4) - d.first[0]) * d.size[1] + ((ly >> 4) - d.first[1]);
-    const int word = static_cast<int>(x & 7), row = static_cast<int>(y & 7);
-    for (i64 z = z0 + lo; z < z0 + hi;) {
-      const i64 next = (z | 7) + 1 < z0 + hi ? (z | 7) + 1 : z0 + hi;
-      const u64 lz = static_cast<u64>((z >> 3) - space.base[2]);
-      const u64 node = column * d.size[2] + ((lz >> 4) - d.first[2]);
-      const u64 leaf = node << 12 | tableIndex({lx, ly, lz}, 4);
-      const u32 bits = ((1u << (next - z)) - 1) << (z & 7);
-      u32* half = reinterpret_cast<u32*>(d.mask + 8 * leaf + word) + (row >> 2);
-      orInto(half, bits << (8 * (row & 3)));
-      z = next;
-    }
-  }
-
   // Corners and box of tet t; false where it owns nothing.
   TETVDB_HD static bool load(const LatticePoint* points, const u32* tets, const std::int8_t* signs,
                              u64 t, LatticePoint (&v)[4], VoxelBounds& box) {
@@ -123,159 +73,9 @@ public:
     return !box.empty();
   }
 
-  // Sets the run of column (dx, dy) of a tet's box.
-  TETVDB_HD static void rasterizeColumn(const Dense& dense, const KeySpace& space,
-                                        const TetPlanes& tet, const TetSource& source,
-                                        const double (&rows)[4], int dx, int dy) {
-    int lo, hi;
-    if (ownedRun(tet, source, rows, dx, dy, tet.min[2], tet.max[2] - tet.min[2] + 1, lo, hi))
-      setRun(dense, space, tet.min[0] + dx, tet.min[1] + dy, tet.min[2], lo, hi);
-  }
-
-  // A thread a tet of up to 64 columns; larger ones are marked.
-  void rasterizeSmall(u64 begin, u64 end) {
-    const Dense dense = dense_;
-    const KeySpace space = space_;
-    const LatticePoint* points = points_;
-    const u32* tets = tets_;
-    const std::int8_t* signs = signs_;
-    u32* isLarge = isLarge_;
-    b_.forEach(
-        end - begin, TETVDB_KERNEL(u64 i) {
-          const u64 t = begin + i;
-          isLarge[t] = 0;
-          LatticePoint v[4];
-          VoxelBounds box;
-          if (!load(points, tets, signs, t, v, box))
-            return;
-          if ((box.max[0] - box.min[0] + 1) * (box.max[1] - box.min[1] + 1) > 64) {
-            isLarge[t] = 1;
-            return;
-          }
-          TetPlanes tet;
-          preparePlanes(v, signs[t], box, tet);
-          const TetSource source{points, tets + 4 * t};
-          // One loop over all columns: threads of a warp differ in how many rows they have.
-          double rows[4] = {tet.base[0], tet.base[1], tet.base[2], tet.base[3]};
-          const int width = tet.max[0] - tet.min[0], height = tet.max[1] - tet.min[1];
-          for (int dx = 0, dy = 0; dx <= width;) {
-            rasterizeColumn(dense, space, tet, source, rows, dx, dy);
-            if (++dy > height) {
-              dy = 0;
-              ++dx;
-              for (int f = 0; f < 4; ++f)
-                rows[f] = tet.base[f] + tet.slopeX[f] * dx;
-            }
-          }
-        });
-  }
-
-  // How many tets are marked; lists them in large_.
-  u64 listLarge() {
-    const u32* isLarge = isLarge_;
-    const u64 n = tetCount_;
-    u64* rank = b_.template temp<u64>(n + 1);
-    b_.scan(isLarge, rank, n);
-    const u64 count = b_.read(rank + n);
-    if (count == 0)
-      return 0;
-    large_ = b_.template temp<u32>(count);
-    u32* large = large_;
-    b_.forEach(
-        n, TETVDB_KERNEL(u64 t) {
-          if (isLarge[t])
-            large[rank[t]] = static_cast<u32>(t);
-        });
-    return count;
-  }
-
-  // A thread a column of a tet.
-  void rasterizeLarge(const Dense& dense, u64 count) {
-    const KeySpace space = space_;
-    const LatticePoint* points = points_;
-    const u32 *tets = tets_, *large = large_;
-    const std::int8_t* signs = signs_;
-    TetPlanes* prepared = b_.template temp<TetPlanes>(count);
-    u32* columns = b_.template temp<u32>(count + 1);
-    u64* offset = b_.template temp<u64>(count + 1);
-    b_.forEach(
-        count + 1, TETVDB_KERNEL(u64 i) {
-          columns[i] = 0;
-          if (i == count)
-            return;
-          LatticePoint v[4];
-          VoxelBounds box;
-          load(points, tets, signs, large[i], v, box);
-          preparePlanes(v, signs[large[i]], box, prepared[i]);
-          columns[i] =
-              static_cast<u32>((box.max[0] - box.min[0] + 1) * (box.max[1] - box.min[1] + 1));
-        });
-    b_.scan(columns, offset, count);
-    const u64 total = b_.read(offset + count);
-    b_.forEach(
-        total, TETVDB_KERNEL(u64 i) {
-          const u64 k = ownerOf(offset, count, i);
-          const TetPlanes& tet = prepared[k];
-          const u32 local = static_cast<u32>(i - offset[k]),
-                    height = static_cast<u32>(tet.max[1] - tet.min[1] + 1);
-          const int dx = static_cast<int>(local / height), dy = static_cast<int>(local % height);
-          double rows[4];
-          for (int f = 0; f < 4; ++f)
-            rows[f] = tet.base[f] + tet.slopeX[f] * dx;
-          rasterizeColumn(dense, space, tet, {points, tets + 4 * u64(large[k])}, rows, dx, dy);
-        });
-  }
-
-  // The leaves that are not empty, in tree order.
-  Entries collect(const Dense& dense, u64 leafCount, LeafMasks& leaves) {
-    u32* some = b_.template temp<u32>(leafCount + 1);
-    u64* rank = b_.template temp<u64>(leafCount + 1);
-    b_.forEach(
-        leafCount + 1, TETVDB_KERNEL(u64 i) {
-          u64 any = 0;
-          if (i < leafCount)
-            for (u64 w = 0; w < 8; ++w)
-              any |= dense.mask[8 * i + w];
-          some[i] = any != 0;
-        });
-    b_.scan(some, rank, leafCount);
-    Entries e;
-    e.count = e.slots = b_.read(rank + leafCount);
-    e.key = nullptr; // no order by columns is needed
-    e.slot = b_.template alloc<u32>(e.count);
-    e.state = b_.template alloc<u8>(e.count);
-    e.treeKey = b_.template alloc<u64>(e.count);
-    e.position = b_.template alloc<u32>(e.count);
-    leaves.mask = b_.template alloc<u64>(8 * e.count);
-    const KeySpace space = space_;
-    u32 *slots = e.slot, *positions = e.position;
-    u8* states = e.state;
-    u64 *treeKeys = e.treeKey, *masks = leaves.mask;
-    b_.forEach(
-        leafCount, TETVDB_KERNEL(u64 i) {
-          if (!some[i])
-            return;
-          const u64 r = rank[i], node = i >> 12;
-          const u64 x = dense.first[0] + node / (dense.size[1] * dense.size[2]);
-          const u64 y = dense.first[1] + node / dense.size[2] % dense.size[1];
-          const u64 z = dense.first[2] + node % dense.size[2];
-          u64 all = ~u64(0);
-          for (u64 w = 0; w < 8; ++w) {
-            const u64 word = dense.mask[8 * i + w];
-            all &= word;
-            masks[8 * r + w] = word;
-          }
-          treeKeys[r] = treeKey(space, 1, {x, y, z}) << 12 | (i & 4095);
-          slots[r] = positions[r] = static_cast<u32>(r);
-          states[r] = all == ~u64(0) ? kFull : kNode;
-        });
-    b_.sort(e.treeKey, e.position, e.count, space_.total());
-    return e;
-  }
-
   // (tet, leaf) pairs by tree key: of the leaves that the tet's box meets, those that it may own
   // voxels of.
-  void makePairs() {
+  void makePairs(const RootShare& share) {
     const KeySpace space = space_;
     const LatticePoint* points = points_;
     const u32* tets = tets_;
@@ -323,14 +123,14 @@ public:
             low[a] = leaf[a] * 8 > tet.min[a] ? leaf[a] * 8 : i64(tet.min[a]);
             high[a] = leaf[a] * 8 + 7 < tet.max[a] ? leaf[a] * 8 + 7 : i64(tet.max[a]);
           }
-          if (outsideBox(tet, low, high))
+          const Place place{static_cast<u64>(leaf[0] - space.base[0]),
+                            static_cast<u64>(leaf[1] - space.base[1]),
+                            static_cast<u64>(leaf[2] - space.base[2])};
+          if (!share.has(space, 0, place) || outsideBox(tet, low, high))
             return;
           kept[i] = 1;
           owner[i] = static_cast<u32>(t);
-          keys[i] = treeKey(space, 0,
-                            {static_cast<u64>(leaf[0] - space.base[0]),
-                             static_cast<u64>(leaf[1] - space.base[1]),
-                             static_cast<u64>(leaf[2] - space.base[2])});
+          keys[i] = treeKey(space, 0, place);
         });
     u64* rank = b_.template temp<u64>(candidates + 1);
     b_.scan(kept, rank, candidates);
@@ -350,33 +150,21 @@ public:
   }
 
   Entries leafEntries() {
-    const u64 n = pairCount_;
-    const u64* pairKey = pairKey_;
-    u32* head = b_.template temp<u32>(n + 1);
-    u64* rank = b_.template temp<u64>(n + 1);
-    b_.forEach(
-        n + 1,
-        TETVDB_KERNEL(u64 i) { head[i] = i < n && (i == 0 || pairKey[i] != pairKey[i - 1]); });
-    b_.scan(head, rank, n);
+    const Groups groups = groupsOf(b_, pairKey_, pairCount_, 0);
     Entries e;
-    e.count = e.slots = b_.read(rank + n);
+    e.count = e.slots = groups.count;
     e.slot = b_.template alloc<u32>(e.count);
     e.position = e.slot;
     e.state = b_.template alloc<u8>(e.count);
     e.treeKey = b_.template alloc<u64>(e.count);
     leafBegin_ = b_.template temp<u64>(e.count + 1);
-    u64 *begin = leafBegin_, *treeKeys = e.treeKey;
+    const u64* pairKey = pairKey_;
+    u64* treeKeys = e.treeKey;
     u32* slots = e.slot;
-    const u64 leaves = e.count;
-    b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 i) {
-          if (i == n) {
-            begin[leaves] = n;
-          } else if (head[i]) {
-            begin[rank[i]] = i;
-            treeKeys[rank[i]] = pairKey[i];
-            slots[rank[i]] = static_cast<u32>(rank[i]);
-          }
+    forGroups(
+        b_, groups, leafBegin_, TETVDB_KERNEL(u64 group, u64 first) {
+          treeKeys[group] = pairKey[first];
+          slots[group] = static_cast<u32>(group);
         });
     return e;
   }
@@ -530,9 +318,6 @@ private:
   const u32* tets_;
   u64 tetCount_;
   const std::int8_t* signs_;
-  Dense dense_{};
-  u64 denseLeaves_ = 0;
-  u32 *isLarge_ = nullptr, *large_ = nullptr;
   TetPlanes* prepared_ = nullptr;
   u64* pairKey_ = nullptr;
   u32* pairTet_ = nullptr;

@@ -60,87 +60,57 @@ private:
 
 // Atomics whose result does not depend on the order: sums, unions, bounds of integers.
 
-TETVDB_HD inline i32 addTo(i32* p, i32 v) {
+/// The type of the same size that CUDA's atomics are declared for.
+template <typename T>
+struct CudaWord {
+  using Type = T;
+};
+template <>
+struct CudaWord<u64> {
+  using Type = unsigned long long;
+};
+template <>
+struct CudaWord<i64> {
+  using Type = long long;
+};
+template <typename T>
+using CudaWordOf = typename CudaWord<T>::Type;
+
+/// Returns what was there.
+template <typename T>
+TETVDB_HD inline T addTo(T* p, T v) {
 #if defined(__CUDA_ARCH__)
-  return atomicAdd(p, v);
+  return static_cast<T>(
+      atomicAdd(reinterpret_cast<CudaWordOf<T>*>(p), static_cast<CudaWordOf<T>>(v)));
 #else
-  const i32 old = *p;
+  const T old = *p;
   *p += v;
   return old;
 #endif
 }
 
-TETVDB_HD inline u32 addTo(u32* p, u32 v) {
+template <typename T>
+TETVDB_HD inline void orInto(T* p, T v) {
 #if defined(__CUDA_ARCH__)
-  return atomicAdd(p, v);
-#else
-  const u32 old = *p;
-  *p += v;
-  return old;
-#endif
-}
-
-TETVDB_HD inline u64 addTo(u64* p, u64 v) {
-#if defined(__CUDA_ARCH__)
-  return atomicAdd(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(v));
-#else
-  const u64 old = *p;
-  *p += v;
-  return old;
-#endif
-}
-
-TETVDB_HD inline void orInto(u32* p, u32 v) {
-#if defined(__CUDA_ARCH__)
-  atomicOr(p, v);
+  atomicOr(reinterpret_cast<CudaWordOf<T>*>(p), static_cast<CudaWordOf<T>>(v));
 #else
   *p |= v;
 #endif
 }
 
-TETVDB_HD inline void orInto(u64* p, u64 v) {
+template <typename T>
+TETVDB_HD inline void minInto(T* p, T v) {
 #if defined(__CUDA_ARCH__)
-  atomicOr(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(v));
-#else
-  *p |= v;
-#endif
-}
-
-TETVDB_HD inline void minInto(u32* p, u32 v) {
-#if defined(__CUDA_ARCH__)
-  atomicMin(p, v);
+  atomicMin(reinterpret_cast<CudaWordOf<T>*>(p), static_cast<CudaWordOf<T>>(v));
 #else
   *p = v < *p ? v : *p;
 #endif
 }
 
-TETVDB_HD inline void minInto(i32* p, i32 v) {
+template <typename T>
+TETVDB_HD inline void maxInto(T* p, T v) {
 #if defined(__CUDA_ARCH__)
-  atomicMin(p, v);
-#else
-  *p = v < *p ? v : *p;
-#endif
-}
-
-TETVDB_HD inline void maxInto(i32* p, i32 v) {
-#if defined(__CUDA_ARCH__)
-  atomicMax(p, v);
-#else
-  *p = v > *p ? v : *p;
-#endif
-}
-
-TETVDB_HD inline void minInto(i64* p, i64 v) {
-#if defined(__CUDA_ARCH__)
-  atomicMin(reinterpret_cast<long long*>(p), static_cast<long long>(v));
-#else
-  *p = v < *p ? v : *p;
-#endif
-}
-
-TETVDB_HD inline void maxInto(i64* p, i64 v) {
-#if defined(__CUDA_ARCH__)
-  atomicMax(reinterpret_cast<long long*>(p), static_cast<long long>(v));
+  atomicMax(reinterpret_cast<CudaWordOf<T>*>(p), static_cast<CudaWordOf<T>>(v));
 #else
   *p = v > *p ? v : *p;
 #endif
@@ -156,6 +126,49 @@ TETVDB_HD inline u64 exchangeIf(u64* p, u64 expected, u64 v) {
   if (old == expected)
     *p = v;
   return old;
+#endif
+}
+
+/// Turns n <= 512 numbers that the team shares into the sums of those before each; returns the sum
+/// of all. `spare`: as many again. Called by the whole team, which has met before.
+TETVDB_HD inline u32 sumsBefore(const Team& team, u32* values, u32* spare, int n) {
+  u32 *from = values, *to = spare;
+  for (int step = 1; step < n; step *= 2) {
+    for (int i = team.rank(); i < n; i += team.size())
+      to[i] = from[i] + (i >= step ? from[i - step] : 0);
+    team.sync();
+    u32* const t = from;
+    from = to;
+    to = t;
+  }
+  const u32 total = from[n - 1];
+  // From sums up to each to sums before each.
+  for (int i = team.rank(); i < n; i += team.size())
+    to[i] = i == 0 ? 0 : from[i - 1];
+  team.sync();
+  if (to != values) {
+    for (int i = team.rank(); i < n; i += team.size())
+      values[i] = to[i];
+    team.sync();
+  }
+  return total;
+}
+
+/// 1 / v, its error at most four times the one of a division.
+TETVDB_HD inline float reciprocal(float v) {
+#if defined(__CUDA_ARCH__)
+  return __fdividef(1.0f, v);
+#else
+  return 1.0f / v;
+#endif
+}
+
+/// a b + c, rounded once or twice: for estimates whose error bound allows for both.
+TETVDB_HD inline float multiplyAdd(float a, float b, float c) {
+#if defined(__CUDA_ARCH__)
+  return __fmaf_rn(a, b, c);
+#else
+  return a * b + c;
 #endif
 }
 

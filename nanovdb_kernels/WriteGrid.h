@@ -16,42 +16,45 @@ public:
   GridWriter(Backend& backend, const KeySpace& space, Kind kind, const GridValues& values)
       : b_(backend), space_(space), kind_(kind), values_(values) {}
 
-  /// Numbers the nodes of all levels and sizes the buffer.
-  BufferLayout lay(const Entries& leaves, const Entries& lowers, const Entries& uppers) {
-    BufferLayout l;
-    l.kind = kind_;
-    number(leaves, leaf_, kNode);
-    number(lowers, lower_, kNode);
-    number(uppers, upper_, kNode);
-    u32* some = b_.template temp<u32>(uppers.count + 1);
-    u64* rank = b_.template alloc<u64>(uppers.count + 1);
-    const u32 *positions = uppers.position, *slots = uppers.slot;
-    const u8* states = uppers.state;
-    const u64 n = uppers.count;
+  /// Numbers the nodes of all levels.
+  NodeCounts number(const Entries& leaves, const Entries& lowers, const Entries& uppers) {
+    numberLevel(leaves, leaf_, kNode);
+    numberLevel(lowers, lower_, kNode);
+    numberLevel(uppers, upper_, kNode);
+    listRoots(uppers);
+    const u64 *leafCount = leaf_.index + leaves.count, *lowerCount = lower_.index + lowers.count,
+              *upperCount = upper_.index + uppers.count, *tileCount = tileRank_ + uppers.count;
+    NodeCounts* counts = b_.template temp<NodeCounts>(1);
     b_.forEach(
-        n + 1, TETVDB_KERNEL(u64 j) { some[j] = j < n && states[slots[positions[j]]] != kEmpty; });
-    b_.scan(some, rank, n);
-    tileRank_ = rank;
-    l.leaves = b_.read(leaf_.index + leaves.count);
-    l.lowers = b_.read(lower_.index + lowers.count);
-    l.uppers = b_.read(upper_.index + uppers.count);
-    l.rootTiles = b_.read(rank + n);
-    l.root = sizeof(GridHeader) + sizeof(TreeHeader);
-    l.upper = l.root + sizeof(RootHeader) + l.rootTiles * sizeof(RootTile);
-    l.lower = l.upper + l.uppers * sizeof(UpperNode);
-    l.leaf = l.lower + l.lowers * sizeof(LowerNode);
-    l.size = l.leaf + l.leaves * leafSize(kind_);
-    takeSlots(leaves, leaf_, l.leaves);
-    takeSlots(lowers, lower_, l.lowers);
-    takeSlots(uppers, upper_, l.uppers);
+        1, TETVDB_KERNEL(u64) {
+          counts->rootTiles = *tileCount;
+          counts->uppers = *upperCount;
+          counts->lowers = *lowerCount;
+          counts->leaves = *leafCount;
+        });
+    const NodeCounts n = b_.read(counts);
+    takeSlots(leaves, leaf_, n.leaves);
+    takeSlots(lowers, lower_, n.lowers);
+    takeSlots(uppers, upper_, n.uppers);
     b_.dropTemporaries();
-    return l;
+    return n;
   }
 
-  void write(u8* buffer, const BufferLayout& l, const GridHeader& header, const Entries& leaves,
-             const LeafMasks& leafMasks, const i32* table, const LeafSummary* summaries,
-             const Entries& lowers, const NodeMasks<4>& lowerMasks, const Entries& uppers,
-             const NodeMasks<5>& upperMasks) {
+  /// Takes nodes that are numbered already.
+  void take(const LevelNodes& leaf, const LevelNodes& lower, const LevelNodes& upper,
+            const RootEntry* roots, u64 rootCount) {
+    leaf_ = leaf;
+    lower_ = lower;
+    upper_ = upper;
+    roots_ = roots;
+    rootCount_ = rootCount;
+  }
+
+  /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
+  void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
+                 const LeafMasks& leafMasks, const i32* table, const LeafSummary* summaries,
+                 const Entries& lowers, const NodeMasks<4>& lowerMasks,
+                 const NodeMasks<5>& upperMasks) {
     totals_ = b_.template alloc<u64>(4);
     b_.zero(totals_, 4 * sizeof(u64));
     if (kind_ == Kind::Mask)
@@ -60,14 +63,39 @@ public:
       writeFlatLeaves<sizeof(BoolLeaf) / 8>(buffer, l, leafMasks.mask);
     else
       writeValueLeaves(buffer, l, leafMasks.mask, table, summaries);
-    writeNodes<4>(buffer, l, 1, lowers, lowerMasks, leaves, lower_, leaf_);
-    writeNodes<5>(buffer, l, 2, uppers, upperMasks, lowers, upper_, lower_);
-    writeHead(buffer, l, header, uppers);
+    writeNodes<4>(buffer, l, lowerMasks, leaves, lower_, leaf_);
+    writeNodes<5>(buffer, l, upperMasks, lowers, upper_, lower_);
   }
+
+  /// What writeHead() needs, of the backend's memory.
+  RootParts roots() const { return {roots_, rootCount_, upper_.voxels, upper_.moments, totals_}; }
 
   // Public for nvcc alone, as in LevelBuilder.
 
-  void number(const Entries& e, LevelNodes& nodes, u8 which) {
+  void listRoots(const Entries& uppers) {
+    const u64 n = uppers.count;
+    u32* some = b_.template temp<u32>(n + 1);
+    u64* rank = b_.template alloc<u64>(n + 1);
+    RootEntry* roots = b_.template alloc<RootEntry>(n);
+    const u32 *positions = uppers.position, *slots = uppers.slot;
+    const u8* states = uppers.state;
+    const u64 *keys = uppers.treeKey, *index = upper_.index;
+    const i32* values = uppers.value;
+    b_.forEach(
+        n + 1, TETVDB_KERNEL(u64 j) { some[j] = j < n && states[slots[positions[j]]] != kEmpty; });
+    b_.scan(some, rank, n);
+    b_.forEach(
+        n, TETVDB_KERNEL(u64 j) {
+          const u32 slot = slots[positions[j]];
+          roots[j] = {keys[j], index[j], rank[j], values == nullptr ? 0 : values[slot],
+                      states[slot]};
+        });
+    tileRank_ = rank;
+    roots_ = roots;
+    rootCount_ = n;
+  }
+
+  void numberLevel(const Entries& e, LevelNodes& nodes, u8 which) {
     u32* some = b_.template temp<u32>(e.count + 1);
     u64* index = b_.template alloc<u64>(e.count + 1);
     const u32 *positions = e.position, *slots = e.slot;
@@ -149,7 +177,7 @@ public:
     const u32* nodeSlot = leaf_.nodeSlot;
     const u64* keys = leaf_.key;
     u64* voxels = leaf_.voxels;
-    u64* out = reinterpret_cast<u64*>(buffer + l.leaf);
+    u64* out = reinterpret_cast<u64*>(buffer + l.leafHere);
     b_.forEach(
         l.leaves * kWords, TETVDB_KERNEL(u64 i) {
           const u64 leaf = i / kWords;
@@ -177,7 +205,7 @@ public:
     const u64* keys = leaf_.key;
     u64* voxels = leaf_.voxels;
     Moments* moments = leaf_.moments;
-    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leaf);
+    auto* out = reinterpret_cast<ValueLeaf*>(buffer + l.leafHere);
     b_.template forTeams<NoShared>(
         l.leaves, 32, TETVDB_KERNEL(const Team& team, u64 leaf, NoShared&) {
           const u64 slot = nodeSlot[leaf];
@@ -229,14 +257,16 @@ public:
   }
 
   template <int kLog2>
-  void writeNodes(u8* buffer, const BufferLayout& l, int level, const Entries& e,
-                  const NodeMasks<kLog2>& masks, const Entries& children, LevelNodes& nodes,
-                  const LevelNodes& below) {
+  void writeNodes(u8* buffer, const BufferLayout& l, const NodeMasks<kLog2>& masks,
+                  const Entries& children, LevelNodes& nodes, const LevelNodes& below) {
+    constexpr int level = kLog2 == 4 ? 1 : 2;
     using Node = InternalNode<kLog2>;
     using Shared = WriteShared<kLog2>;
     constexpr int kWords = Shared::kWords;
     const u64 count = level == 1 ? l.lowers : l.uppers;
     const u64 at = level == 1 ? l.lower : l.upper, childAt = level == 1 ? l.leaf : l.lower;
+    u8* const here = buffer + (level == 1 ? l.lowerHere : l.upperHere);
+    const u8* const childrenHere = buffer + (level == 1 ? l.leafHere : l.lowerHere);
     const u64 childSize = level == 1 ? leafSize(kind_) : sizeof(LowerNode);
     const int childSide = level == 1 ? 8 : 128;
     const u64 *childMask = masks.child, *tileMask = masks.tile, *begin = masks.begin;
@@ -255,11 +285,10 @@ public:
     const GridValues values = values_;
     const KeySpace space = space_;
     u64* totals = totals_;
-    (void)e;
     b_.template forTeams<Shared>(
-        count, 256, TETVDB_KERNEL(const Team& team, u64 number, Shared& s) {
+        count, Shared::kThreads, TETVDB_KERNEL(const Team& team, u64 number, Shared& s) {
           const u64 slot = nodeSlot[number];
-          Node& node = *reinterpret_cast<Node*>(buffer + at + number * sizeof(Node));
+          Node& node = *reinterpret_cast<Node*>(here + number * sizeof(Node));
           i32 origin[3];
           originOf(space, level, placeOfTreeKey(space, level, keys[number]), origin);
           for (int w = team.rank(); w < kWords; w += team.size()) {
@@ -267,27 +296,17 @@ public:
             s.tile[w] = tileMask[slot * kWords + static_cast<u64>(w)];
             node.childMask[w] = s.child[w];
             node.valueMask[w] = s.tile[w];
+            s.before[w] = static_cast<u32>(bitCount(s.child[w]));
           }
           if (team.rank() == 0) {
-            for (int a = 0; a < 3; ++a) {
-              s.low[a] = 0x7FFFFFFF;
-              s.high[a] = -0x7FFFFFFF - 1;
-            }
-            s.minValue = 0x7FFFFFFF;
-            s.maxValue = -0x7FFFFFFF - 1;
+            clearBounds(s);
             s.voxels = s.tiles = s.low32 = 0;
           }
           team.sync();
-          if (team.rank() == 0) {
-            u32 sum = 0;
-            for (int w = 0; w < kWords; ++w) {
-              s.before[w] = sum;
-              sum += static_cast<u32>(bitCount(s.child[w]));
-            }
-          }
-          team.sync();
+          sumsBefore(team, s.before, s.spare, kWords);
           const u64 first = slot < made ? begin[slot] : 0, end = slot < made ? begin[slot + 1] : 0;
-          const u64 firstChild = slot < made ? childIndex[first] : 0;
+          const auto numberOf = [&](u64 j) { return childIndex == nullptr ? j : childIndex[j]; };
+          const u64 firstChild = slot < made ? numberOf(first) : 0;
           const u64 toChildren = childAt - (at + number * sizeof(Node));
           for (int i = team.rank(); i < static_cast<int>(Node::kChildren); i += team.size()) {
             const u64 bit = u64(1) << (i & 63), child = s.child[i >> 6];
@@ -330,9 +349,9 @@ public:
             i32 minValue = 0x7FFFFFFF, maxValue = -0x7FFFFFFF - 1;
             Moments part{0, 0, 0};
             for (u64 j = first + static_cast<u64>(p); j < end; j += static_cast<u64>(parts)) {
-              const u64 child = childIndex[j];
-              if (childIndex[j + 1] != child) { // the entry is a node
-                const u8* bytes = buffer + childAt + child * childSize;
+              const u64 child = numberOf(j);
+              if (numberOf(j + 1) != child) { // the entry is a node
+                const u8* bytes = childrenHere + child * childSize;
                 i32 from[3], to[3];
                 if (level == 1) {
                   const LeafHead& leaf = *reinterpret_cast<const LeafHead*>(bytes);
@@ -416,16 +435,14 @@ public:
         });
   }
 
+  /// Writes what lies before the nodes. `buffer`: the whole grid's; upper nodes are read there.
   void writeHead(u8* buffer, const BufferLayout& l, const GridHeader& header,
-                 const Entries& uppers) {
-    const u32 *positions = uppers.position, *slots = uppers.slot;
-    const u8* states = uppers.state;
-    const i32* tileValues = uppers.value;
-    const u64* keys = uppers.treeKey;
-    const u64 *tileRank = tileRank_, *index = upper_.index, *upperVoxels = upper_.voxels;
-    const Moments* upperMoments = upper_.moments;
-    const u64* totals = totals_;
-    const u64 n = uppers.count;
+                 const RootParts& parts) {
+    const RootEntry* entries = parts.entries;
+    const u64* upperVoxels = parts.voxels;
+    const Moments* upperMoments = parts.moments;
+    const u64* totals = parts.totals;
+    const u64 n = parts.count;
     const Kind kind = kind_;
     const GridValues values = values_;
     const KeySpace space = space_;
@@ -436,39 +453,34 @@ public:
           for (int w = team.rank(); w < static_cast<int>(sizeof(GridHeader) / 8); w += team.size())
             reinterpret_cast<u64*>(buffer)[w] = reinterpret_cast<const u64*>(&header)[w];
           if (team.rank() == 0) {
-            for (int a = 0; a < 3; ++a) {
-              s.low[a] = 0x7FFFFFFF;
-              s.high[a] = -0x7FFFFFFF - 1;
-            }
-            s.minValue = 0x7FFFFFFF;
-            s.maxValue = -0x7FFFFFFF - 1;
+            clearBounds(s);
             s.voxels = 0;
           }
           team.sync();
           for (int p = team.rank(); p < kParts; p += team.size()) {
             Moments part{0, 0, 0};
             for (u64 j = static_cast<u64>(p); j < n; j += kParts) {
-              const u32 slot = slots[positions[j]];
-              if (states[slot] == kEmpty)
+              const RootEntry entry = entries[j];
+              if (entry.state == kEmpty)
                 continue;
               i32 origin[3];
-              originOf(space, 2, placeOfTreeKey(space, 2, keys[j]), origin);
+              originOf(space, 2, placeOfTreeKey(space, 2, entry.key), origin);
               RootTile tile{};
               tile.key = u64(u32(origin[0]) >> 12) << 42 | u64(u32(origin[1]) >> 12) << 21 |
                          u64(u32(origin[2]) >> 12);
               i32 from[3], to[3];
               u64 voxels = u64(1) << 36;
-              if (states[slot] == kNode) {
-                const u64 at = l.upper + index[j] * sizeof(UpperNode);
+              if (entry.state == kNode) {
+                const u64 at = l.upper + entry.upper * sizeof(UpperNode);
                 const auto& upper = *reinterpret_cast<const UpperNode*>(buffer + at);
                 tile.child = static_cast<i64>(at - l.root);
                 for (int a = 0; a < 3; ++a) {
                   from[a] = upper.boxMin[a];
                   to[a] = upper.boxMax[a];
                 }
-                voxels = upperVoxels[index[j]];
+                voxels = upperVoxels[entry.upper];
                 if (kind == Kind::Int32) {
-                  addMoments(part, upperMoments[index[j]]);
+                  addMoments(part, upperMoments[entry.upper]);
                   minInto(&s.minValue, static_cast<i32>(upper.values.min));
                   maxInto(&s.maxValue, static_cast<i32>(upper.values.max));
                 }
@@ -476,11 +488,11 @@ public:
                 tile.state = 1;
                 tile.value = values.inside;
                 if (kind == Kind::Int32) {
-                  tile.value = static_cast<u32>(tileValues[slot]);
-                  addMoments(part, {static_cast<double>(voxels),
-                                    static_cast<double>(tileValues[slot]), 0});
-                  minInto(&s.minValue, tileValues[slot]);
-                  maxInto(&s.maxValue, tileValues[slot]);
+                  tile.value = static_cast<u32>(entry.value);
+                  addMoments(part,
+                             {static_cast<double>(voxels), static_cast<double>(entry.value), 0});
+                  minInto(&s.minValue, entry.value);
+                  maxInto(&s.maxValue, entry.value);
                 }
                 for (int a = 0; a < 3; ++a) {
                   from[a] = origin[a];
@@ -492,7 +504,7 @@ public:
                 maxInto(&s.high[a], to[a]);
               }
               addTo(&s.voxels, voxels);
-              tiles[tileRank[j]] = tile;
+              tiles[entry.rank] = tile;
             }
             s.part[p] = part;
           }
@@ -560,18 +572,16 @@ public:
             const u64 from =
                 static_cast<u64>(p) * chunk < size ? static_cast<u64>(p) * chunk : size;
             const u64 to = from + chunk < size ? from + chunk : size;
-            s.crc[p] = crcOf(buffer + 16 + from, to - from);
+            // As if nothing but zeros followed: the parts' sums need no order.
+            s.crc[p] = crcMultiply(crcPower(size - to), crcOf(buffer + 16 + from, to - from));
+            if (p == 0)
+              s.crcStart = crcMultiply(crcPower(size), 0xFFFFFFFFu);
           }
           team.sync();
           if (team.rank() == 0) {
-            u32 crc = 0xFFFFFFFFu;
-            const u32 whole = crcPower(chunk);
-            u64 done = 0;
-            for (int p = 0; p < kParts; ++p) {
-              const u64 length = size - done < chunk ? size - done : chunk;
-              crc = crcMultiply(length == chunk ? whole : crcPower(length), crc) ^ s.crc[p];
-              done += length;
-            }
+            u32 crc = s.crcStart;
+            for (int p = 0; p < kParts; ++p)
+              crc ^= s.crc[p];
             reinterpret_cast<GridHeader*>(buffer)->checksum =
                 u64(0xFFFFFFFFu) << 32 | (crc ^ 0xFFFFFFFFu);
           }
@@ -586,6 +596,8 @@ private:
   GridValues values_;
   LevelNodes leaf_, lower_, upper_;
   const u64* tileRank_ = nullptr;
+  const RootEntry* roots_ = nullptr;
+  u64 rootCount_ = 0;
   u64* totals_ = nullptr;
 };
 

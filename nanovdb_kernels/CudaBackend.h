@@ -106,6 +106,12 @@ public:
   }
   u64 calls() const { return calls_; }
   u64 held() const { return held_; }
+  u64 unused() const {
+    u64 sum = 0;
+    for (const Block& block : blocks_)
+      sum += block.size - block.used;
+    return sum;
+  }
 
 private:
   static constexpr u64 kAlign = 256, kLeast = u64(128) << 20, kSpare = u64(1) << 30;
@@ -234,6 +240,20 @@ public:
     return static_cast<T*>(temporaries_.take((n == 0 ? 1 : n) * sizeof(T), &pool_));
   }
   void dropTemporaries() { temporaries_.takeBack(); }
+  /// Throws Error(Limit) where so much more memory is surely not there, before work is done for it.
+  void require(u64 bytes) {
+    constexpr u64 kMuch = u64(1) << 30; // asking for what is free takes time
+    if (bytes < kMuch)
+      return;
+    std::size_t free = 0, total = 0;
+    check(cudaMemGetInfo(&free, &total), "no memory");
+    const u64 have = free + pool_.unused() + temporaries_.unused();
+    if (bytes > have)
+      throw Error(Status::Limit, "device",
+                  "the GPU's memory is too small: at least " + gigabytes(bytes) + " more needed, " +
+                      gigabytes(have) + " of " + gigabytes(total) + " free",
+                  "use larger voxels or --device cpu");
+  }
   void release() {
     pool_.takeBack();
     temporaries_.takeBack();

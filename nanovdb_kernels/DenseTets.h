@@ -26,20 +26,20 @@ struct alignas(16) DensePoint {
 /// A tet's faces as bounds on z by column, relative to the first voxel of its box; compare
 /// TetPlanes.
 struct alignas(16) DensePlane {
-  float base, slopeX, slopeY, tolerance;
+  float base, slopeX, slopeY;
+  float tolerance; // negative for an upper bound; +-1: floats say nothing
 };
 struct alignas(16) DenseTet {
   DensePlane plane[4]; // of the face opposite to vertex i
   u32 xy, zDepth;      // first voxel from the DenseBox's: x | y << 16; z | voxels along z << 16
-  u32 height;          // voxels along y | 2 bits a face << 16 (Side) | orientation < 0 << 24
+  u32 height;          // voxels along y | a bit a face << 16: parallel to z | kNegative, kPlain
   float perHeight;     // 1 / height
 };
 
-constexpr u32 kManyColumns = 2048; // tets of more are left to all teams together
+constexpr u32 kNegative = 1u << 24; // orientation
+constexpr u32 kPlain = 1u << 25;    // floats say something of all faces, and none is parallel to z
 
-TETVDB_HD inline float sizeOf(float a) {
-  return a < 0 ? -a : a;
-}
+constexpr u32 kManyColumns = 2048; // tets of more are left to all teams together
 
 /// a b - c d, within 3 u of the result (u = 2^-24; Jeannerod, Louvet and Muller 2013).
 TETVDB_HD inline float differenceOfProducts(float a, float b, float c, float d) {
@@ -109,7 +109,7 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
   crossOf(w, q, n);
   // Four roundings and those of the normal: 7 u of the products' sizes.
   const float det = u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
-  float size = sizeOf(u[0] * n[0]) + sizeOf(u[1] * n[1]) + sizeOf(u[2] * n[2]);
+  float size = fabsf(u[0] * n[0]) + fabsf(u[1] * n[1]) + fabsf(u[2] * n[2]);
   if (wide)
     size += 6 * (extent[0] * extent[1] * extent[2]);
   sign = det > kFloatError * size ? 1 : det < -kFloatError * size ? -1 : exactSign();
@@ -125,7 +125,7 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
   }
   if (empty)
     return 0;
-  u32 sides = 0;
+  u32 sides = 0, plain = kPlain;
   const float s = sign > 0 ? 1.0f : -1.0f;
 #if defined(__CUDA_ARCH__)
 #pragma unroll
@@ -154,101 +154,123 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
     }
     // Products in a component are at most those of the extents.
     const float productsZ = 2 * extent[0] * extent[1];
-    Side side;
     DensePlane plane;
-    if (wide ? sizeOf(n[2]) > kFloatError * productsZ : n[2] != 0) {
-      side = (n[2] > 0) == (sign > 0) ? Side::Lower : Side::Upper;
+    bool upper = false;
+    if (wide ? fabsf(n[2]) > kFloatError * productsZ : n[2] != 0) {
+      upper = (n[2] > 0) != (sign > 0);
       const float r = reciprocal(n[2]);
       plane.slopeX = -n[0] * r;
       plane.slopeY = -n[1] * r;
       const float along =
-          sizeOf(plane.slopeX) * (extent[0] + 1) + sizeOf(plane.slopeY) * (extent[1] + 1);
+          fabsf(plane.slopeX) * (extent[0] + 1) + fabsf(plane.slopeY) * (extent[1] + 1);
       // Slopes are off by 11 u of themselves; base, products and sums of a crossing round to 9 u of
       // what they are made of.
       float error = extent[2] + 1 + along;
       // And by (3 u p + |slope| 3 u p_z) / (3/4 |n_z|) where edges are not exact.
       if (wide)
-        error += sizeOf(r) * (4 * extent[0] * extent[1] * extent[2] + productsZ * along);
+        error += fabsf(r) * (4 * extent[0] * extent[1] * extent[2] + productsZ * along);
       error *= kFloatError;
       plane.base = plane.slopeX * x + plane.slopeY * y - z;
       plane.tolerance = error < 0.25f ? error : 1.0f; // 1: floats say nothing of this one
     } else {
       const i64 exact = wide ? exactNormalZ(v, i) : 0;
       if (exact == 0) {
-        side = Side::Vertical;
+        sides |= 1u << (16 + i);
         plane.base = s * (n[0] * x + n[1] * y);
         plane.slopeX = s * n[0];
         plane.slopeY = s * n[1];
-        plane.tolerance = sizeOf(n[0]) * (extent[0] + 1) + sizeOf(n[1]) * (extent[1] + 1);
+        plane.tolerance = fabsf(n[0]) * (extent[0] + 1) + fabsf(n[1]) * (extent[1] + 1);
         if (wide)
           plane.tolerance += 4 * extent[2] * (extent[0] + 1) * (extent[1] + 1);
         plane.tolerance *= kFloatError;
       } else {
-        side = (exact > 0) == (sign > 0) ? Side::Lower : Side::Upper;
+        upper = (exact > 0) != (sign > 0);
         plane = {0, 0, 0, 1};
       }
+      plain = 0;
     }
+    if (plane.tolerance == 1.0f)
+      plain = 0;
+    if (upper)
+      plane.tolerance = -plane.tolerance;
     t.plane[i] = plane;
-    sides |= static_cast<u32>(side) << (2 * i);
   }
   t.xy = static_cast<u32>(first[0]) | static_cast<u32>(first[1]) << 16;
   t.zDepth = static_cast<u32>(first[2]) | static_cast<u32>(count[2]) << 16;
-  t.height = static_cast<u32>(count[1]) | sides << 16 | (sign < 0 ? 1u << 24 : 0u);
+  t.height = static_cast<u32>(count[1]) | sides | plain | (sign < 0 ? kNegative : 0u);
   t.perHeight = 1.0f / static_cast<float>(count[1]);
   return static_cast<u32>(count[0]) * static_cast<u32>(count[1]);
 }
 
-/// The voxels z + lo <= .. < z + hi of column (dx, dy) that the tet owns, counted from its first;
-/// false where there are none.
-TETVDB_HD inline bool denseRun(const DenseTet& t, const TetSource& source, const i64 (&voxel)[3],
-                               int dx, int dy, int& lo, int& hi) {
-  const int span = static_cast<int>(t.zDepth >> 16);
-  int first = 0, end = span;
-  const float low = -4.5f, high = static_cast<float>(span) + 4.5f;
-  const auto column = [&](int axis) {
-    return voxel[axis] + (axis == 0   ? static_cast<i64>(t.xy & 0xFFFF) + dx
-                          : axis == 1 ? static_cast<i64>(t.xy >> 16) + dy
-                                      : static_cast<i64>(t.zDepth & 0xFFFF));
-  };
-  const int sign = (t.height >> 24) != 0 ? -1 : 1;
-  const auto fx = static_cast<float>(dx), fy = static_cast<float>(dy);
+/// Of a tet that is kPlain: the first and the end of column (dx, dy), counted from the tet's first
+/// voxel, by the greatest of the lower and the least of the upper bounds; false where floats do not
+/// decide.
+TETVDB_HD inline bool plainRun(const DenseTet& t, float dx, float dy, int span, int& first,
+                               int& end) {
+  // Half a voxel beyond what counts, and as far from every integer as can be.
+  const float below = -0.5f, above = static_cast<float>(span) + 0.5f;
+  float lower = below, upper = above, tolerance = 0;
 #if defined(__CUDA_ARCH__)
 #pragma unroll
 #endif
   for (int i = 0; i < 4; ++i) {
-    const auto side = static_cast<Side>(t.height >> (16 + 2 * i) & 3);
     const DensePlane plane = t.plane[i];
-    const float tolerance = plane.tolerance;
+    const float value = multiplyAdd(plane.slopeY, dy, multiplyAdd(plane.slopeX, dx, plane.base));
+    if (plane.tolerance > 0)
+      lower = fmaxf(lower, value);
+    else
+      upper = fminf(upper, value);
+    tolerance = fmaxf(tolerance, fabsf(plane.tolerance));
+  }
+  lower = fminf(lower, above);
+  upper = fmaxf(upper, below);
+  const float nearLower = rintf(lower), nearUpper = rintf(upper);
+  first = static_cast<int>(nearLower) + (lower > nearLower ? 1 : 0);
+  end = static_cast<int>(nearUpper) + (upper > nearUpper ? 1 : 0);
+  first = first > 0 ? first : 0;
+  end = end < span ? end : span;
+  return fminf(fabsf(lower - nearLower), fabsf(upper - nearUpper)) > tolerance;
+}
+
+/// As plainRun(), of any tet and bound by bound, exactly.
+TETVDB_HD inline void exactRun(const DenseTet& t, const TetSource& source, const i64 (&voxel)[3],
+                               int dx, int dy, int span, int& first, int& end) {
+  first = 0;
+  end = span;
+  const float low = -4.5f, high = static_cast<float>(span) + 4.5f;
+  const i64 x = voxel[0] + static_cast<i64>(t.xy & 0xFFFF) + dx,
+            y = voxel[1] + static_cast<i64>(t.xy >> 16) + dy,
+            bottom = voxel[2] + static_cast<i64>(t.zDepth & 0xFFFF);
+  const int sign = (t.height & kNegative) != 0 ? -1 : 1;
+  const auto fx = static_cast<float>(dx), fy = static_cast<float>(dy);
+  for (int i = 0; i < 4; ++i) {
+    const DensePlane plane = t.plane[i];
+    const float tolerance = fabsf(plane.tolerance);
     const float value = multiplyAdd(plane.slopeY, fy, multiplyAdd(plane.slopeX, fx, plane.base));
-    if (side == Side::Vertical) {
+    if ((t.height >> (16 + i) & 1) != 0) {
       bool inside = value > 0;
-      if (sizeOf(value) <= tolerance)
-        inside = exactInside(source, sign, i, column(0), column(1));
+      if (fabsf(value) <= tolerance)
+        inside = exactInside(source, sign, i, x, y);
       if (!inside)
-        return false;
+        end = 0;
       continue;
     }
     const float crossing = value < low ? low : value > high ? high : value;
     const float nearest = rintf(crossing);
     int z = static_cast<int>(nearest);
-    if (sizeOf(crossing - nearest) <= tolerance) {
+    if (fabsf(crossing - nearest) <= tolerance) {
       const bool steep = tolerance == 1.0f;
-      const i64 bottom = column(2);
       const i64 exact =
-          exactBound(source, sign, i, steep, column(0), column(1), steep ? bottom : bottom + z) -
-          bottom;
+          exactBound(source, sign, i, steep, x, y, steep ? bottom : bottom + z) - bottom;
       z = static_cast<int>(exact < -4 ? -4 : exact > span + 4 ? span + 4 : exact);
     } else {
       z += crossing > nearest ? 1 : 0;
     }
-    if (side == Side::Lower)
+    if (plane.tolerance > 0)
       first = z > first ? z : first;
     else
       end = z < end ? z : end;
   }
-  lo = first;
-  hi = end;
-  return lo < hi;
 }
 
 /// Sets voxels z0 + lo .. z0 + hi - 1 of column (x, y), counted from the box's first voxel.
@@ -268,7 +290,7 @@ TETVDB_HD inline void setDenseRun(const DenseBox& d, u32 x, u32 y, u32 z0, int l
 }
 
 struct DenseShared {
-  static constexpr int kThreads = 32, kOccupancy = 24;
+  static constexpr int kThreads = 32, kOccupancy = 28;
   DenseTet tet[32];
   u32 offset[32], spare[32]; // columns before each tet
   u32 flipped, flat;
@@ -442,9 +464,15 @@ public:
     // it below 2^22 columns, and there are less than 2048^2.
     const auto dx = static_cast<u32>((static_cast<float>(column) + 0.5f) * tet.perHeight);
     const u32 dy = column - dx * height;
-    int lo, hi;
-    if (denseRun(tet, source, box.voxel, static_cast<int>(dx), static_cast<int>(dy), lo, hi))
-      setDenseRun(box, (tet.xy & 0xFFFF) + dx, (tet.xy >> 16) + dy, tet.zDepth & 0xFFFF, lo, hi);
+    const int span = static_cast<int>(tet.zDepth >> 16);
+    int first, end;
+    if ((tet.height & kPlain) == 0 ||
+        !plainRun(tet, static_cast<float>(dx), static_cast<float>(dy), span, first, end))
+      exactRun(tet, source, box.voxel, static_cast<int>(dx), static_cast<int>(dy), span, first,
+               end);
+    if (first < end)
+      setDenseRun(box, (tet.xy & 0xFFFF) + dx, (tet.xy >> 16) + dy, tet.zDepth & 0xFFFF, first,
+                  end);
   }
 
 private:

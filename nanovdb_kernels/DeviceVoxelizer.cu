@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CudaBackend.h"
-#include "Pipeline.h"
+#include "SharedGrid.h"
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
+#include <thread>
 
 namespace tetvdb::nano {
 namespace {
@@ -102,8 +104,11 @@ void freePinned(void* p) noexcept {
   cudaFreeHost(p);
 }
 
-struct DeviceVoxelizer::State {
-  explicit State(int number) : device(number) {
+namespace {
+
+// A device with what is kept between runs.
+struct Device {
+  explicit Device(int number) : device(number) {
     std::string why;
     const auto names = listDevices(why);
     if (number < 0 || number >= static_cast<int>(names.size()))
@@ -144,7 +149,48 @@ struct DeviceVoxelizer::State {
     }
   }
 
-  Result run(const MeshView& mesh, const Job& job);
+  // Starts a run; returns where the mesh will be.
+  MeshView begin(const MeshView& mesh, const Job& job, const Progress* progress) {
+    check(cudaSetDevice(device), "device");
+    backend->release();
+    backend->clearStages();
+    backend->setProgress(progress);
+    events->record(0, upload);
+    events->record(4, backend->stream());
+    // Parts of some megabytes: smaller ones are launches for little.
+    const u64 parts = std::min<u64>(mesh.tetCount / 200000 + 1, CudaBackend::kParts);
+    backend->setArriving(job.resident ? 0 : static_cast<int>(parts));
+    const MeshView view = job.resident ? mesh : arrive(mesh);
+    events->record(1, upload);
+    return view;
+  }
+
+  // After a failure: nothing reads the caller's arrays any more.
+  void settle() {
+    cudaSetDevice(device);
+    cudaStreamSynchronize(upload);
+    cudaStreamSynchronize(backend->stream());
+    cudaGetLastError();
+  }
+
+  MeshView keep(const MeshView& mesh) {
+    check(cudaSetDevice(device), "device");
+    const auto place = [&](const void* from, u64 bytes) -> void* {
+      if (from == nullptr)
+        return nullptr;
+      void* p = nullptr;
+      check(cudaMalloc(&p, std::max<u64>(bytes, 1)), "out of memory");
+      kept.push_back(p);
+      copyUp(p, from, bytes);
+      return p;
+    };
+    MeshView view = mesh;
+    view.points = static_cast<const double*>(place(mesh.points, mesh.pointCount * 24));
+    view.tets = static_cast<const std::uint32_t*>(place(mesh.tets, mesh.tetCount * 16));
+    view.values = static_cast<const std::int32_t*>(place(mesh.values, mesh.tetCount * 4));
+    check(cudaStreamSynchronize(upload), "upload");
+    return view;
+  }
 
   // Starts the upload of a mesh, tets in parts, and returns where it will be.
   MeshView arrive(const MeshView& mesh) {
@@ -169,7 +215,10 @@ struct DeviceVoxelizer::State {
     return view;
   }
 
-  ~State() {
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  ~Device() {
+    cudaSetDevice(device);
     for (cudaEvent_t e : halfDone)
       if (e != nullptr)
         cudaEventDestroy(e);
@@ -188,72 +237,142 @@ struct DeviceVoxelizer::State {
   Times times;
 };
 
+} // namespace
+
+struct DeviceVoxelizer::State : Device {
+  using Device::Device;
+};
+
 DeviceVoxelizer::DeviceVoxelizer(int device) : state_(std::make_unique<State>(device)) {}
-DeviceVoxelizer::~DeviceVoxelizer() {
-  cudaSetDevice(state_->device);
-}
+DeviceVoxelizer::~DeviceVoxelizer() = default;
 
 MeshView DeviceVoxelizer::keep(const MeshView& mesh) {
-  State& s = *state_;
-  check(cudaSetDevice(s.device), "device");
-  const auto place = [&](const void* from, u64 bytes) -> void* {
-    if (from == nullptr)
-      return nullptr;
-    void* p = nullptr;
-    check(cudaMalloc(&p, std::max<u64>(bytes, 1)), "out of memory");
-    s.kept.push_back(p);
-    s.copyUp(p, from, bytes);
-    return p;
-  };
-  MeshView view = mesh;
-  view.points = static_cast<const double*>(place(mesh.points, mesh.pointCount * 24));
-  view.tets = static_cast<const std::uint32_t*>(place(mesh.tets, mesh.tetCount * 16));
-  view.values = static_cast<const std::int32_t*>(place(mesh.values, mesh.tetCount * 4));
-  check(cudaStreamSynchronize(s.upload), "upload");
-  return view;
+  return state_->keep(mesh);
 }
 
-Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job) {
+Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress* progress) {
+  State& s = *state_;
   try {
-    return state_->run(mesh, job);
+    const MeshView view = s.begin(mesh, job, progress);
+    const cudaStream_t stream = s.backend->stream();
+    Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
+    result.device = result.bytes;
+    result.bytes = nullptr;
+    s.events->record(2, stream);
+    if (job.download) {
+      unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
+      check(cudaMemcpyAsync(host, result.device, result.counts.bufferBytes, cudaMemcpyDeviceToHost,
+                            stream),
+            "download");
+      result.bytes = host;
+    }
+    s.events->record(3, stream);
+    s.backend->await();
+    s.times = {s.events->seconds(0, 1), s.events->seconds(4, 2), s.events->seconds(2, 3),
+               s.backend->stageSeconds()};
+    return result;
   } catch (...) {
-    // Nothing reads the caller's arrays any more.
-    cudaStreamSynchronize(state_->upload);
-    cudaStreamSynchronize(state_->backend->stream());
-    cudaGetLastError();
+    s.settle();
     throw;
   }
 }
 
-Result DeviceVoxelizer::State::run(const MeshView& mesh, const Job& job) {
-  State& s = *this;
-  check(cudaSetDevice(s.device), "device");
-  s.backend->release();
-  s.backend->clearStages();
-  const cudaStream_t stream = s.backend->stream();
-  s.events->record(0, s.upload);
-  s.events->record(4, stream);
-  // Parts of some megabytes: smaller ones are launches for little.
-  const u64 parts = std::min<u64>(mesh.tetCount / 200000 + 1, CudaBackend::kParts);
-  s.backend->setArriving(job.resident ? 0 : static_cast<int>(parts));
-  const MeshView view = job.resident ? mesh : s.arrive(mesh);
-  s.events->record(1, s.upload);
-  Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
-  result.device = result.bytes;
-  result.bytes = nullptr;
-  s.events->record(2, stream);
-  if (job.download) {
-    unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
-    check(cudaMemcpyAsync(host, result.device, result.counts.bufferBytes, cudaMemcpyDeviceToHost,
-                          stream),
-          "download");
-    result.bytes = host;
+struct SharedVoxelizer::State {
+  std::vector<std::unique_ptr<Device>> devices;
+  std::vector<MeshView> kept; // by device
+  std::vector<u64> leaves;
+  PinnedMemory grid;
+
+  // f(number) for all devices at once, a thread each; the first one's exception is thrown.
+  template <typename F>
+  void forDevices(const F& f) {
+    std::vector<std::exception_ptr> failed(devices.size());
+    std::vector<std::thread> threads;
+    for (std::size_t k = 0; k < devices.size(); ++k)
+      threads.emplace_back([&, k] {
+        try {
+          check(cudaSetDevice(devices[k]->device), "device");
+          f(k);
+        } catch (...) {
+          devices[k]->settle();
+          failed[k] = std::current_exception();
+        }
+      });
+    for (std::thread& t : threads)
+      t.join();
+    for (const std::exception_ptr& e : failed)
+      if (e != nullptr)
+        std::rethrow_exception(e);
   }
-  s.events->record(3, stream);
-  s.backend->await();
-  s.times = {s.events->seconds(0, 1), s.events->seconds(4, 2), s.events->seconds(2, 3),
-             s.backend->stageSeconds()};
+};
+
+SharedVoxelizer::SharedVoxelizer(const std::vector<int>& devices)
+    : state_(std::make_unique<State>()) {
+  if (devices.empty())
+    throw Error(Status::Usage, "--device", "no device is named");
+  for (std::size_t k = 0; k < devices.size(); ++k) {
+    if (std::find(devices.begin(), devices.begin() + static_cast<std::ptrdiff_t>(k), devices[k]) !=
+        devices.begin() + static_cast<std::ptrdiff_t>(k))
+      throw Error(Status::Usage, "--device",
+                  "device " + std::to_string(devices[k]) + " is named twice");
+    state_->devices.push_back(std::make_unique<Device>(devices[k]));
+  }
+}
+SharedVoxelizer::~SharedVoxelizer() = default;
+
+void SharedVoxelizer::keep(const MeshView& mesh) {
+  state_->kept.clear();
+  for (const auto& device : state_->devices)
+    state_->kept.push_back(device->keep(mesh));
+}
+
+Result SharedVoxelizer::run(const MeshView& mesh, const Job& job, const Progress* progress) {
+  State& s = *state_;
+  const std::size_t count = s.devices.size();
+  std::vector<MeshView> views(count);
+  std::vector<std::unique_ptr<Pipeline<CudaBackend>>> pipelines(count);
+  std::vector<NodeCounts> nodes(count);
+  s.forDevices([&](std::size_t k) {
+    views[k] = s.devices[k]->begin(job.resident ? s.kept.at(k) : mesh, job, progress);
+    pipelines[k] = std::make_unique<Pipeline<CudaBackend>>(
+        *s.devices[k]->backend, views[k], job,
+        ShareOf{static_cast<int>(k), static_cast<int>(count)});
+    nodes[k] = pipelines[k]->build();
+  });
+  const SharedLayout layout(pipelines[0]->kind(), nodes);
+  Pipeline<CudaBackend>::checkCount(layout.all.leaves);
+  u8* grid = job.download ? s.grid.atLeast(layout.whole.size) : nullptr;
+  std::vector<RootsOfShare> roots(count);
+  s.forDevices([&](std::size_t k) {
+    Device& device = *s.devices[k];
+    roots[k] = writeShare(*device.backend, *pipelines[k], layout.shares[k], grid);
+    device.backend->stage("");
+    device.events->record(2, device.backend->stream());
+    device.backend->await();
+    device.times = {device.events->seconds(0, 1), device.events->seconds(4, 2), 0,
+                    device.backend->stageSeconds()};
+  });
+  if (grid != nullptr)
+    writeSharedHead(pipelines[0]->space(), pipelines[0]->kind(), pipelines[0]->values(),
+                    pipelines[0]->makeHeader(), layout, roots, grid);
+  s.leaves.clear();
+  for (const NodeCounts& n : nodes)
+    s.leaves.push_back(n.leaves);
+  Result result;
+  result.counts = pipelines[0]->countsOf(layout.all, layout.whole.size);
+  result.bytes = grid;
   return result;
+}
+
+std::vector<Times> SharedVoxelizer::times() const {
+  std::vector<Times> result;
+  for (const auto& device : state_->devices)
+    result.push_back(device->times);
+  return result;
+}
+
+std::vector<std::uint64_t> SharedVoxelizer::leaves() const {
+  return state_->leaves;
 }
 
 Speeds DeviceVoxelizer::measureSpeeds() {

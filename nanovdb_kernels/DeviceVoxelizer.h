@@ -18,13 +18,17 @@
 #include <utility>
 #include <vector>
 
+namespace tetvdb {
+class Progress; // core/Progress.h
+}
+
 namespace tetvdb::nano {
 
 /// A mesh in host memory, or in the device's (Job::resident).
 struct MeshView {
   const double* points = nullptr; ///< x, y, z each, world units
   std::uint64_t pointCount = 0;
-  const std::uint32_t* tets = nullptr; ///< four indices each
+  const std::uint32_t* tets = nullptr; ///< four indices each; on the device aligned to 16 bytes
   std::uint64_t tetCount = 0;
   const std::int32_t* values = nullptr; ///< of every tet, for GridType::Owner; null: its number
 };
@@ -89,7 +93,8 @@ class HostTwin {
 public:
   HostTwin();
   ~HostTwin();
-  Result run(const MeshView& mesh, const Job& job);
+  /// `shares`: as a SharedVoxelizer of so many devices does it.
+  Result run(const MeshView& mesh, const Job& job, int shares = 1);
 
 private:
   struct State;
@@ -107,6 +112,35 @@ std::vector<std::string> listDevices(std::string& why);
 void* allocatePinned(std::size_t bytes);
 void freePinned(void* p) noexcept;
 
+/// The column of root tiles (4096^2 voxels) is what several devices of a host share a grid by: each
+/// takes the whole mesh and builds the columns of its share, of about the same work; the buffer is
+/// the one that a single device makes, byte for byte. A grid within one column is one device's work
+/// alone. As DeviceVoxelizer, but for:
+class SharedVoxelizer {
+public:
+  /// Throws Error(Device) where a device is not there, Error(Usage) for none or one named twice.
+  explicit SharedVoxelizer(const std::vector<int>& devices);
+  ~SharedVoxelizer();
+  SharedVoxelizer(const SharedVoxelizer&) = delete;
+  SharedVoxelizer& operator=(const SharedVoxelizer&) = delete;
+
+  /// Copies a mesh to all devices; jobs with `resident` take this one.
+  void keep(const MeshView& mesh);
+
+  /// With Job::download unset the shares stay on their devices and no buffer is made: for
+  /// measuring.
+  Result run(const MeshView& mesh, const Job& job, const Progress* progress = nullptr);
+
+  /// Of the last run, by device; downloads are a part of `build` here.
+  std::vector<Times> times() const;
+  /// Leaves that each device made in the last run.
+  std::vector<std::uint64_t> leaves() const;
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 /// Runs one model after another on one device. Memory on the device and pinned memory on the host
 /// are kept from run to run and only grow, so that a second model of the same size allocates
 /// nothing. Not for use by several threads at once; two objects are independent.
@@ -123,8 +157,9 @@ public:
 
   /// Throws Error(Invalid) for coordinates that are not finite and indices without a point,
   /// Error(Limit) for memory, 32-bit index space, a tet longer than 2^20 voxels, 2^32 nodes of a
-  /// level or more and grids beyond 2^63 leaves across, Error(Device) where the device fails.
-  Result run(const MeshView& mesh, const Job& job);
+  /// level or more and grids beyond 2^63 leaves across, Error(Device) where the device fails,
+  /// Error(Cancelled) soon after `progress` says so.
+  Result run(const MeshView& mesh, const Job& job, const Progress* progress = nullptr);
 
   /// Measured by copying 256 MB a few times; takes some 0.1 s.
   Speeds measureSpeeds();

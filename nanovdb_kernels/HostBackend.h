@@ -28,6 +28,7 @@ public:
     return take<T>(n, temporaries_);
   }
   void dropTemporaries() { temporaries_.clear(); }
+  void require(u64) {}
   void release() {
     blocks_.clear();
     temporaries_.clear();

@@ -1,19 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "HostBackend.h"
-#include "Pipeline.h"
+#include "SharedGrid.h"
 
 namespace tetvdb::nano {
 
+void writeSharedHead(const KeySpace& space, Kind kind, const GridValues& values,
+                     const GridHeader& header, const SharedLayout& layout,
+                     const std::vector<RootsOfShare>& shares, u8* grid) {
+  RootsOfShare all;
+  u64 uppers = 0, tiles = 0;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    for (RootEntry entry : shares[k].entries) {
+      entry.upper += uppers;
+      entry.rank += tiles;
+      all.entries.push_back(entry);
+    }
+    all.voxels.insert(all.voxels.end(), shares[k].voxels.begin(), shares[k].voxels.end());
+    all.moments.insert(all.moments.end(), shares[k].moments.begin(), shares[k].moments.end());
+    for (int t = 0; t < 4; ++t)
+      all.totals[t] += shares[k].totals[t];
+    uppers += layout.shares[k].uppers;
+    tiles += layout.shares[k].rootTiles;
+  }
+  HostBackend host;
+  GridWriter<HostBackend>(host, space, kind, values)
+      .writeHead(grid, layout.whole, header,
+                 {all.entries.data(), all.entries.size(), all.voxels.data(), all.moments.data(),
+                  all.totals});
+}
+
 struct HostTwin::State {
-  HostBackend backend;
+  HostBackend backend; // of one share, and of a shared grid's buffer
+  std::vector<std::unique_ptr<HostBackend>> shares;
 };
 
 HostTwin::HostTwin() : state_(std::make_unique<State>()) {}
 HostTwin::~HostTwin() = default;
 
-Result HostTwin::run(const MeshView& mesh, const Job& job) {
-  state_->backend.release();
-  return Pipeline<HostBackend>(state_->backend, mesh, job).run();
+Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {
+  State& s = *state_;
+  s.backend.release();
+  if (shares == 1)
+    return Pipeline<HostBackend>(s.backend, mesh, job).run();
+  s.shares.clear();
+  std::vector<Pipeline<HostBackend>> pipelines;
+  std::vector<NodeCounts> counts;
+  for (int k = 0; k < shares; ++k) {
+    s.shares.push_back(std::make_unique<HostBackend>());
+    pipelines.emplace_back(*s.shares.back(), mesh, job, ShareOf{k, shares});
+    counts.push_back(pipelines.back().build());
+  }
+  const SharedLayout layout(pipelines[0].kind(), counts);
+  Pipeline<HostBackend>::checkCount(layout.all.leaves);
+  u8* grid = s.backend.output(layout.whole.size);
+  std::vector<RootsOfShare> roots;
+  for (std::size_t k = 0; k < pipelines.size(); ++k)
+    roots.push_back(writeShare(*s.shares[k], pipelines[k], layout.shares[k], grid));
+  writeSharedHead(pipelines[0].space(), pipelines[0].kind(), pipelines[0].values(),
+                  pipelines[0].makeHeader(), layout, roots, grid);
+  Result result;
+  result.counts = pipelines[0].countsOf(layout.all, layout.whole.size);
+  result.bytes = grid;
+  return result;
 }
 
 } // namespace tetvdb::nano

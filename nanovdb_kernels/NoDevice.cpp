@@ -7,6 +7,7 @@
 namespace tetvdb::nano {
 
 struct DeviceVoxelizer::State {};
+struct SharedVoxelizer::State {};
 
 namespace {
 [[noreturn]] void refuse() {
@@ -36,7 +37,7 @@ DeviceVoxelizer::~DeviceVoxelizer() = default;
 MeshView DeviceVoxelizer::keep(const MeshView&) {
   refuse();
 }
-Result DeviceVoxelizer::run(const MeshView&, const Job&) {
+Result DeviceVoxelizer::run(const MeshView&, const Job&, const Progress*) {
   refuse();
 }
 Speeds DeviceVoxelizer::measureSpeeds() {
@@ -50,6 +51,23 @@ std::uint64_t DeviceVoxelizer::allocations() const {
 }
 std::uint64_t DeviceVoxelizer::deviceBytes() const {
   return 0;
+}
+
+SharedVoxelizer::SharedVoxelizer(const std::vector<int>&) {
+  refuse();
+}
+SharedVoxelizer::~SharedVoxelizer() = default;
+void SharedVoxelizer::keep(const MeshView&) {
+  refuse();
+}
+Result SharedVoxelizer::run(const MeshView&, const Job&, const Progress*) {
+  refuse();
+}
+std::vector<Times> SharedVoxelizer::times() const {
+  return {};
+}
+std::vector<std::uint64_t> SharedVoxelizer::leaves() const {
+  return {};
 }
 
 } // namespace tetvdb::nano

@@ -91,6 +91,7 @@ public:
   GridWriter<Backend>& writer() { return *writer_; }
   const KeySpace& space() const { return space_; }
   Kind kind() const { return kind_; }
+  GridValues values() const { return valuesOf(job_.type); }
 
   Counts countsOf(const NodeCounts& nodes, u64 bytes) const {
     Counts counts = counts_;
@@ -237,7 +238,8 @@ public:
       const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
       counts_.boundaryFaces = faceCount;
       leaves_ = FaceRasterizer<Backend>(b_, space_)
-                    .run(points_, faces, faceCount, shareByFaces(faces, faceCount), masks_);
+                    .run(points_, faces, faceCount, shareByFaces(faces, faceCount), leafSize(kind_),
+                         masks_);
     }
     b_.stage("levels");
     LevelBuilder<Backend> levels(b_, space_, !owners, errors_);
@@ -309,9 +311,9 @@ public:
       surface += 2 * side[k] * side[(k + 1) % 3];
     const auto tets = static_cast<double>(mesh_.tetCount);
     // Six tets of a cell share its box.
-    const double columns = tets * std::pow(1 + std::cbrt(6 * voxels / (tets + 1)), 2);
-    const double dense = 0.1e-3 + tets * 4e-11 + columns * 8e-12 + voxels * 2e-13;
-    const double boundary = 0.4e-3 + tets * 4e-10 + surface * 3e-11;
+    const double columns = tets * std::pow(std::cbrt(6 * voxels / (tets + 1)), 2);
+    const double dense = 0.1e-3 + tets * 3e-11 + columns * 9e-12 + voxels * 1e-13;
+    const double boundary = 0.65e-3 + tets * 4e-10 + surface * 3e-11;
     return dense < boundary;
   }
 

@@ -44,6 +44,9 @@ TETVDB_HD inline u64 gatherBytes(u64 word) {
   return (word * 0x0102040810204080ull) >> 56;
 }
 
+/// Memory beside the buffer that a leaf takes until the tree is written.
+constexpr u64 kBytesPerLeaf = 140;
+
 struct WalkShared {
   static constexpr int kThreads = 256, kOccupancy = 32;
   i32 delta[512];        // signed crossings at a voxel: [8][64 columns], so that banks differ
@@ -57,14 +60,14 @@ class FaceRasterizer {
 public:
   FaceRasterizer(Backend& backend, const KeySpace& space) : b_(backend), space_(space) {}
 
-  /// The leaves of `share` that faces cross.
+  /// The leaves of `share` that faces cross. `leafBytes`: of one in the buffer to come.
   Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, const RootShare& share,
-              LeafMasks& leaves) {
+              u64 leafBytes, LeafMasks& leaves) {
     b_.stage("pairs");
     prepare(points, faces, faceCount);
     pairs(faceCount, share);
     b_.stage("walk");
-    const Entries e = walk(leaves);
+    const Entries e = walk(leaves, leafBytes);
     b_.dropTemporaries();
     return e;
   }
@@ -124,6 +127,7 @@ public:
         });
     b_.scan(leafColumns, columnOffset, blocks);
     const u64 candidates = b_.read(columnOffset + blocks);
+    b_.require(candidates * (2 * sizeof(u32) + 2 * sizeof(u64)));
     // Leaves of each of these.
     u32* leafCount = b_.template temp<u32>(candidates + 1);
     u64* pairOffset = b_.template temp<u64>(candidates + 1);
@@ -158,6 +162,8 @@ public:
         });
     b_.scan(leafCount, pairOffset, candidates);
     pairCount_ = b_.read(pairOffset + candidates);
+    // Twice, since sorting takes from one place to another.
+    b_.require(2 * pairCount_ * (sizeof(u64) + sizeof(u32)));
     pairKey_ = b_.template temp<u64>(pairCount_);
     pairFace_ = b_.template temp<u32>(pairCount_);
     u64* pairKey = pairKey_;
@@ -183,8 +189,10 @@ public:
     box[3] = y * 128 + 127 < f.yMax ? y * 128 + 127 : f.yMax;
   }
 
-  Entries walk(LeafMasks& leaves) {
+  Entries walk(LeafMasks& leaves, u64 leafBytes) {
     const Groups groups = groupsOf(b_, pairKey_, pairCount_, 0);
+    // Masks, keys in two orders, states and numbers, and at last the leaf itself: at least so much.
+    b_.require(groups.count * (kBytesPerLeaf + leafBytes));
     Entries e;
     e.count = e.slots = groups.count;
     e.key = b_.template alloc<u64>(e.count);

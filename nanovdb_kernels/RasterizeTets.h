@@ -135,6 +135,7 @@ public:
     u64* rank = b_.template temp<u64>(candidates + 1);
     b_.scan(kept, rank, candidates);
     pairCount_ = b_.read(rank + candidates);
+    b_.require(2 * pairCount_ * (sizeof(u64) + sizeof(u32)));
     pairKey_ = b_.template temp<u64>(pairCount_);
     pairTet_ = b_.template temp<u32>(pairCount_);
     u64* pairKey = pairKey_;
@@ -151,6 +152,8 @@ public:
 
   Entries leafEntries() {
     const Groups groups = groupsOf(b_, pairKey_, pairCount_, 0);
+    // The table of owners twice: in the buffer as well.
+    b_.require(groups.count * (kBytesPerLeaf + 2 * sizeof(ValueLeaf)));
     Entries e;
     e.count = e.slots = groups.count;
     e.slot = b_.template alloc<u32>(e.count);

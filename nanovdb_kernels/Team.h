@@ -132,6 +132,21 @@ TETVDB_HD inline u64 exchangeIf(u64* p, u64 expected, u64 v) {
 /// Turns n <= 512 numbers that the team shares into the sums of those before each; returns the sum
 /// of all. `spare`: as many again. Called by the whole team, which has met before.
 TETVDB_HD inline u32 sumsBefore(const Team& team, u32* values, u32* spare, int n) {
+#if defined(__CUDA_ARCH__)
+  if (n == 32 && team.size() == 32) {
+    const u32 own = values[team.rank()];
+    u32 sum = own;
+    for (int step = 1; step < 32; step *= 2) {
+      const u32 before = __shfl_up_sync(~0u, sum, static_cast<unsigned>(step));
+      if (team.rank() >= step)
+        sum += before;
+    }
+    values[team.rank()] = sum - own;
+    const u32 total = __shfl_sync(~0u, sum, 31);
+    team.sync();
+    return total;
+  }
+#endif
   u32 *from = values, *to = spare;
   for (int step = 1; step < n; step *= 2) {
     for (int i = team.rank(); i < n; i += team.size())

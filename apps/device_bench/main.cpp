@@ -6,7 +6,9 @@
 #include "PaperOnDevice.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/Voxelize.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <atomic>
@@ -174,6 +176,79 @@ void large(const Pinned& ball, int resolution, GridType type, int times, const s
   }
 }
 
+// The same by all devices of the host, sharing the grid; the longest build counts.
+void shared(const TetMesh& ball, int resolution, int times, int count) {
+  std::vector<int> numbers;
+  for (int k = 0; k < count; ++k)
+    numbers.push_back(k);
+  nano::Job job = jobAt(resolution, GridType::Mask);
+  job.resident = true;
+  job.download = false;
+  try {
+    nano::SharedVoxelizer devices(numbers);
+    const Pinned pinned(ball);
+    devices.keep(pinned.view);
+    std::vector<double> wall, slowest;
+    nano::Counts counts;
+    for (int i = 0; i < times + 1; ++i) {
+      const double start = now();
+      counts = devices.run(pinned.view, job).counts;
+      const double seconds = now() - start;
+      double build = 0;
+      for (const nano::Times& t : devices.times())
+        build = std::max(build, t.build);
+      if (i == 0)
+        continue;
+      wall.push_back(seconds);
+      slowest.push_back(build);
+    }
+    std::printf(
+        "mask of %zu tets at %d^3 by %d device(s): %.1f ms, longest build %.1f ms, %.1f GB, "
+        "leaves",
+        ball.tetCount(), resolution, count, median(wall) * 1e3, median(slowest) * 1e3,
+        double(counts.bufferBytes) * 1e-9);
+    for (std::uint64_t leaves : devices.leaves())
+      std::printf(" %llu", static_cast<unsigned long long>(leaves));
+    std::printf("\n");
+  } catch (const Error& e) {
+    std::printf("mask at %d^3 by %d device(s): %s\n", resolution, count, e.what());
+  }
+  std::fflush(stdout);
+}
+
+// What --device auto goes by, beside what jobs of the program take.
+void automatic(const TetMesh& ball, const char* name, int resolution, GridKind kind) {
+  VoxelizeOptions options;
+  options.grids = {kind};
+  const nano::Job job = jobAt(resolution, GridType::Mask);
+  for (std::size_t k = 0; k < 3; ++k) {
+    options.voxelSize[k] = job.voxelSize[k];
+    options.origin[k] = job.origin[k];
+  }
+  const auto seconds = [&](DeviceKind device) {
+    std::vector<double> all;
+    for (int i = 0; i < 3; ++i) {
+      DeviceUsed used;
+      Report report;
+      Progress progress;
+      const double start = now();
+      voxelize(ball, options, {device, {0}}, used, nullptr, report, progress);
+      all.push_back(now() - start);
+    }
+    return median(all);
+  };
+  const DeviceCost cost = estimateCost(ball, chooseTransform(ball, options), options);
+  const double cpu = seconds(DeviceKind::Cpu), device = seconds(DeviceKind::Cuda);
+  std::printf("%s, %s at %d^3: CPU %.1f ms (expected %.1f), GPU after its start %.1f ms "
+              "(expected with it %.1f)\n",
+              name,
+              kind == GridKind::TetId  ? "tet_id"
+              : kind == GridKind::Mask ? "mask"
+                                       : "density",
+              resolution, cpu * 1e3, cost.cpu * 1e3, device * 1e3, cost.device * 1e3);
+  std::fflush(stdout);
+}
+
 // The paper's data set: many models, each uploaded, built and downloaded.
 void dataSet(int models, int workers) {
   const TetMesh ball = meshes::ball(26, 1, {0, 0, 0});
@@ -264,12 +339,18 @@ int main(int argc, char** argv) {
   const auto wanted = [&](const char* name) { return cases.empty() || cases.count(name) != 0; };
   try {
     std::string why;
+    const double begin = now();
     const auto devices = nano::listDevices(why);
     if (devices.empty()) {
       std::printf("no device: %s\n", why.c_str());
       return 6;
     }
     nano::DeviceVoxelizer device(0);
+    const double ready = now();
+    const TetMesh tiny = meshes::ball(3, 1, {0, 0, 0});
+    device.run({tiny.points[0].data(), tiny.points.size(), tiny.tets.data(), tiny.tetCount()},
+               jobAt(32, GridType::Fog));
+    std::printf("CUDA's start %.3f s, a first model %.3f s more\n", ready - begin, now() - ready);
     speeds = device.measureSpeeds();
     std::printf("%s: up %.1f GB/s, down %.1f GB/s, within %.0f GB/s\n", devices[0].c_str(),
                 speeds.up * 1e-9, speeds.down * 1e-9, speeds.within * 1e-9);
@@ -296,6 +377,22 @@ int main(int argc, char** argv) {
     if (wanted("dataset"))
       for (int workers : {1, 2, 3, 4})
         dataSet(1000, workers);
+    if (wanted("shared"))
+      for (int resolution : {32768, 65536})
+        for (int count = 1; count <= static_cast<int>(devices.size()); ++count)
+          shared(ball5, resolution, resolution == 32768 ? 5 : 3, count);
+    if (wanted("auto")) {
+      automatic(ball5, "10^5 tets", 256, GridKind::Density);
+      automatic(ball5, "10^5 tets", 1024, GridKind::Density);
+      automatic(ball5, "10^5 tets", 4096, GridKind::Mask);
+      automatic(ball6, "10^6 tets", 256, GridKind::TetId);
+      automatic(ball6, "10^6 tets", 1024, GridKind::Density);
+      automatic(ball6, "10^6 tets", 1024, GridKind::TetId);
+      const TetMesh ball7 = meshes::ball(118, 1, {0, 0, 0});
+      automatic(ball7, "10^7 tets", 256, GridKind::Mask);
+      automatic(ball7, "10^7 tets", 1024, GridKind::Density);
+      automatic(ball7, "10^7 tets", 512, GridKind::TetId);
+    }
     if (wanted("large")) {
       large(pinned5, 1024, GridType::Fog, repeats, "fog of 10^5 tets");
       large(pinned5, 4096, GridType::Mask, repeats, "mask of 10^5 tets");

@@ -137,17 +137,31 @@ void parseBox(const std::string& text, CellFilter& filter) {
 
 DeviceChoice parseDevice(const std::string& text) {
   if (text == "auto")
-    return {DeviceKind::Auto, 0};
+    return {DeviceKind::Auto, {0}};
   if (text == "cpu")
-    return {DeviceKind::Cpu, 0};
+    return {DeviceKind::Cpu, {}};
   if (text == "cuda")
-    return {DeviceKind::Cuda, 0};
-  const std::string digits = text.substr(0, 5) == "cuda:" ? text.substr(5) : "";
-  if (digits.empty() || digits.size() > 3 ||
-      digits.find_first_not_of("0123456789") != std::string::npos)
-    throw Error(Status::Usage, "--device", "'" + text + "' is no device",
-                "name one of auto, cpu, cuda and cuda:N");
-  return {DeviceKind::Cuda, std::stoi(digits)};
+    return {DeviceKind::Cuda, {0}};
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Status::Usage, "--device", "'" + text + "' " + why,
+                "name one of auto, cpu, cuda, cuda:N and cuda:N,M,...");
+  };
+  if (text.substr(0, 5) != "cuda:")
+    refuse("is no device");
+  DeviceChoice choice{DeviceKind::Cuda, {}};
+  for (std::size_t begin = 5; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string digits = text.substr(begin, end - begin);
+    if (digits.empty() || digits.size() > 3 ||
+        digits.find_first_not_of("0123456789") != std::string::npos)
+      refuse("is no device");
+    const int number = std::stoi(digits);
+    if (std::find(choice.numbers.begin(), choice.numbers.end(), number) != choice.numbers.end())
+      refuse("names a device twice");
+    choice.numbers.push_back(number);
+    begin = end + 1;
+  }
+  return choice;
 }
 
 VoxelizeJob makeJob(const Options& options) {
@@ -445,7 +459,7 @@ Command addVoxelize(CLI::App& program) {
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
   command->add_option("--device", options->device, "Where to voxelize tets (default auto)")
-      ->type_name("auto|cpu|cuda[:N]");
+      ->type_name("auto|cpu|cuda[:N[,M...]]");
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

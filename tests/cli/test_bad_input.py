@@ -175,7 +175,9 @@ class BadOptions(CommandLineTest):
 
     def test_device_that_is_not_there(self):
         self.refuse_options(6, "--device", "cuda:97", says="cuda")
-        self.refuse_options(2, "--device", "cuda:0,1", says="--device")
+        self.refuse_options(6, "--device", "cuda:97,98", says="cuda")
+        for text in ("cuda:", "cuda:0,", "cuda:0,,1", "cuda:1,1", "cuda:-1", "gpu"):
+            self.refuse_options(2, "--device", text, says="--device")
 
     def test_empty_result(self):
         tiny = [[0.3 + 0.1 * c for c in p] for p in lattice(1)[0]]

@@ -2,19 +2,18 @@
 //
 // The device's steps, run by their twin on the host, against the CPU's voxelize(), which shares no
 // code with them but the exact predicates.
+#include "Grids.h"
 #include "Meshes.h"
-#include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "nanovdb_kernels/NanoLayout.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/VolumeFile.h"
-#include "tetvdb/volume/NanoGrids.h"
-#include "tetvdb/voxelize/Voxelize.h"
 
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <initializer_list>
 #include <limits>
 #include <rapidcheck/gtest.h>
 #include <vector>
@@ -25,42 +24,6 @@ using namespace tetvdb;
 using meshes::kuhnGrid;
 using nano::GridType;
 using nano::Road;
-
-nano::MeshView viewOf(const TetMesh& mesh) {
-  return {mesh.points.empty() ? nullptr : mesh.points[0].data(), mesh.points.size(),
-          mesh.tets.data(), mesh.tetCount(), nullptr};
-}
-
-std::string cpuHash(const TetMesh& mesh, GridKind kind, const GridTransform& transform) {
-  VoxelizeOptions options;
-  options.voxelSize = transform.voxelSize;
-  options.origin = transform.origin;
-  options.grids = {kind};
-  options.allowEmpty = true;
-  Report report;
-  Progress progress;
-  const Voxelization v = voxelize(mesh, options, report, progress);
-  EXPECT_EQ(v.transform.origin, transform.origin);
-  return hash(v.volume);
-}
-
-nano::Job jobFor(GridType type, Road road, const GridTransform& transform) {
-  nano::Job job;
-  job.type = type;
-  job.road = road;
-  for (std::size_t k = 0; k < 3; ++k) {
-    job.voxelSize[k] = transform.voxelSize[k];
-    job.origin[k] = transform.origin[k];
-  }
-  job.name = type == GridType::Fog ? "density" : type == GridType::Owner ? "tet_id" : "mask";
-  return job;
-}
-
-std::string hashOf(const nano::Result& result) {
-  auto grids = std::make_shared<GridSet>();
-  grids->all.push_back(gridOfNano(result.bytes));
-  return hash(Volume(std::move(grids)));
-}
 
 std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
   nano::HostTwin twin;
@@ -134,6 +97,28 @@ TEST(HostTwin, TilesAtEveryLevel) {
   }));
 }
 
+// Dense masks over several upper nodes, and faces that floats say nothing of.
+TEST(HostTwin, DenseMasks) {
+  const auto check = [](const TetMesh& mesh) {
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Tets, {})),
+              cpuHash(mesh, GridKind::Mask, {}));
+  };
+  check(meshes::ball(6, 200, {0, 0, 0}));
+  check(meshes::ball(3, 900, {4000, -4000, 8100}));
+  check(meshes::scaled(kuhnGrid(2, 2, 2), 127, {-128, -128, -128}));
+  // Sheared: faces all but parallel to z, and slivers.
+  for (const double shear : {0x1p-20, 0x1p-14, 1e-3})
+    check(meshes::mapped(kuhnGrid(5, 5, 5), [&](const Vec3d& p) {
+      return Vec3d{p[0] * 9 + shear * p[2] * 30, p[1] * 7 - shear * p[2] * 9, p[2] * 30 + 0.5};
+    }));
+  check(meshes::mapped(meshes::soup(400, 60, 8, 5), [](const Vec3d& p) {
+    return Vec3d{p[0], p[1] * 1e-3 + 3, p[2]};
+  }));
+  check(meshes::mapped(meshes::soup(200, 300, 90, 6), [](const Vec3d& p) {
+    return Vec3d{p[0] * 1e-4 + 7, p[1], p[2]};
+  }));
+}
+
 TEST(HostTwin, BallAndShuffledBall) {
   const TetMesh ball = meshes::ball(8, 60, {3, -70, 100});
   expectSame(ball);
@@ -148,6 +133,36 @@ RC_GTEST_PROP(HostTwinProperties, Soups, ()) {
   if (*rc::gen::inRange(0, 2) == 1)
     mesh = meshes::rounded(std::move(mesh), *rc::gen::element(1.0, 0.5, 0.125));
   expectSame(mesh);
+}
+
+// Several devices share a grid by columns of root tiles: these meshes lie in four or more.
+TEST(HostTwin, SharesMakeTheSameBuffer) {
+  const auto check = [](const TetMesh& mesh, std::initializer_list<GridType> types, Road road) {
+    for (GridType type : types) {
+      const nano::Job job = jobFor(type, road, {});
+      nano::HostTwin one, several;
+      const nano::Result whole = one.run(viewOf(mesh), job);
+      for (int shares : {2, 3, 7}) {
+        const nano::Result shared = several.run(viewOf(mesh), job, shares);
+        EXPECT_TRUE(sameBytes(shared, whole)) << int(type) << " by " << shares;
+        EXPECT_EQ(shared.counts.leaves, whole.counts.leaves);
+        EXPECT_EQ(shared.counts.rootTiles, whole.counts.rootTiles);
+      }
+    }
+  };
+  const TetMesh around = meshes::soup(60, 120, 25, 3, 2);
+  const TetMesh origin = meshes::mapped(around, [](const Vec3d& p) {
+    return Vec3d{p[0] - 60, p[1] - 60, p[2] - 60};
+  });
+  check(origin, {GridType::Mask, GridType::Bool, GridType::Fog}, Road::Boundary);
+  check(origin, {GridType::Mask, GridType::Fog}, Road::Tets);
+  check(origin, {GridType::Owner}, Road::Auto);
+  // Root tiles, and columns of them without any leaf.
+  const TetMesh box = meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{p[0] * 12300 - 4100, p[1] * 40 - 20, p[2] * 8200 - 4098};
+  });
+  check(box, {GridType::Mask}, Road::Boundary);
+  check(TetMesh(), {GridType::Mask}, Road::Auto);
 }
 
 TEST(HostTwin, EmptyGrids) {
@@ -222,6 +237,11 @@ TEST(HostTwin, RefusesWhatItCannotDo) {
   TetMesh mesh = kuhnGrid(1, 1, 1);
   EXPECT_EQ(statusOf(mesh), Status::Ok);
   EXPECT_EQ(statusOf(mesh, 1e-7), Status::Limit); // a tet of 10^7 voxels
+  {
+    nano::HostTwin twin;
+    const TetMesh wide = meshes::scaled(mesh, 2200); // for masks of all leaves at once
+    EXPECT_THROW(twin.run(viewOf(wide), jobFor(GridType::Mask, Road::Tets, {})), Error);
+  }
   EXPECT_EQ(statusOf(mesh, -1), Status::Usage);
   mesh.points[3][1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(statusOf(mesh), Status::Limit);

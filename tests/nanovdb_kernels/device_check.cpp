@@ -4,18 +4,19 @@
 // against the host's twin, byte for byte; and what the device refuses. Arguments: mesh files or
 // folders of them; --small leaves out what is slow under compute-sanitizer. Exit status 1 if
 // anything differs.
+#include "Grids.h"
 #include "Meshes.h"
-#include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Progress.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/pipeline/ReadInput.h"
-#include "tetvdb/volume/NanoGrids.h"
-#include "tetvdb/voxelize/Voxelize.h"
 
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <vector>
@@ -36,31 +37,6 @@ void expect(bool good, const std::string& what) {
   std::printf("DIFFERS: %s\n", what.c_str());
 }
 
-nano::MeshView viewOf(const TetMesh& mesh) {
-  // Of mixed cells the owner is the cell, not the tet.
-  static_assert(sizeof(std::uint32_t) == sizeof(std::int32_t));
-  const auto* values = reinterpret_cast<const std::int32_t*>(mesh.cellOfTet.data());
-  return {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(),
-          mesh.cellOfTet.empty() ? nullptr : values};
-}
-
-std::string cpuHash(const TetMesh& mesh, GridKind kind, const GridTransform& transform) {
-  VoxelizeOptions options;
-  options.voxelSize = transform.voxelSize;
-  options.origin = transform.origin;
-  options.grids = {kind};
-  options.allowEmpty = true;
-  Report report;
-  Progress progress;
-  return hash(voxelize(mesh, options, report, progress).volume);
-}
-
-std::string hashOf(const nano::Result& result) {
-  auto grids = std::make_shared<GridSet>();
-  grids->all.push_back(gridOfNano(result.bytes));
-  return hash(Volume(std::move(grids)));
-}
-
 void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMesh& mesh,
              const GridTransform& transform, bool twinToo) {
   struct Case {
@@ -74,14 +50,7 @@ void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMe
                         Case{"bool", GridType::Bool, Road::Auto, GridKind::Mask},
                         Case{"fog", GridType::Fog, Road::Boundary, GridKind::Density},
                         Case{"owner", GridType::Owner, Road::Auto, GridKind::TetId}}) {
-    nano::Job job;
-    job.type = c.type;
-    job.road = c.road;
-    for (std::size_t k = 0; k < 3; ++k) {
-      job.voxelSize[k] = transform.voxelSize[k];
-      job.origin[k] = transform.origin[k];
-    }
-    job.name = c.type == GridType::Fog ? "density" : c.type == GridType::Owner ? "tet_id" : "mask";
+    const nano::Job job = jobFor(c.type, c.road, transform);
     const std::string what = name + ", " + c.name;
     try {
       const nano::Result result = device.run(viewOf(mesh), job);
@@ -90,9 +59,7 @@ void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMe
         continue;
       nano::HostTwin twin;
       const nano::Result other = twin.run(viewOf(mesh), job);
-      expect(other.counts.bufferBytes == result.counts.bufferBytes &&
-                 std::memcmp(other.bytes, result.bytes, result.counts.bufferBytes) == 0,
-             what + ": twin");
+      expect(sameBytes(other, result), what + ": twin");
     } catch (const std::exception& e) {
       expect(false, what + ": " + e.what());
     }
@@ -175,6 +142,84 @@ void refusals(nano::DeviceVoxelizer& device) {
   compare(device, "after refusals", meshes::scaled(meshes::kuhnGrid(2, 2, 2), 5), {}, true);
 }
 
+// A job that takes some tenths of a second and its end by the clock; and one beyond all memory.
+void stopping(nano::DeviceVoxelizer& device) {
+  const TetMesh ball = meshes::ball(20, 1, {0, 0, 0});
+  nano::Job job = jobFor(GridType::Mask, Road::Auto, {});
+  job.download = false;
+  const auto at = [&](double resolution) {
+    for (double& size : job.voxelSize)
+      size = 2 / resolution;
+  };
+  at(32768);
+  device.run(viewOf(ball), job);
+  for (const int milliseconds : {0, 1, 20, 50}) {
+    Progress progress;
+    const auto begin = Progress::Clock::now();
+    progress.setDeadline(begin + std::chrono::milliseconds(milliseconds));
+    expect(refuses(Status::Cancelled, [&] { device.run(viewOf(ball), job, &progress); }),
+           "a deadline");
+    const std::chrono::duration<double> late = Progress::Clock::now() - progress.deadline();
+    std::printf("deadline of %d ms: %.1f ms late\n", milliseconds, late.count() * 1e3);
+    expect(late.count() < 0.2, "a deadline is kept within 0.2 s");
+  }
+  Progress cancelled;
+  cancelled.cancel();
+  expect(refuses(Status::Cancelled, [&] { device.run(viewOf(ball), job, &cancelled); }), "cancel");
+  at(524288);
+  try {
+    device.run(viewOf(ball), job);
+    expect(false, "a grid beyond the device's memory");
+  } catch (const Error& e) {
+    expect(e.status() == Status::Limit, e.what());
+    std::printf("%s\n", e.what());
+  }
+  compare(device, "after stopping", meshes::scaled(meshes::kuhnGrid(2, 2, 2), 5), {}, true);
+}
+
+// All devices together against the first: the same bytes.
+void sharedGrids(nano::DeviceVoxelizer& device, int count) {
+  std::vector<int> numbers;
+  for (int k = 0; k < count; ++k)
+    numbers.push_back(k);
+  nano::SharedVoxelizer shared(numbers);
+  const auto check = [&](const std::string& name, const TetMesh& mesh,
+                         std::initializer_list<GridType> types) {
+    for (GridType type : types)
+      for (Road road : {Road::Auto, Road::Boundary}) {
+        const nano::Job job = jobFor(type, road, {});
+        try {
+          expect(sameBytes(shared.run(viewOf(mesh), job), device.run(viewOf(mesh), job)),
+                 name + " by all devices");
+        } catch (const std::exception& e) {
+          expect(false, name + ": " + e.what());
+        }
+      }
+  };
+  const auto all = {GridType::Mask, GridType::Bool, GridType::Fog, GridType::Owner};
+  check("soup around the origin",
+        meshes::mapped(meshes::soup(60, 120, 25, 3, 2),
+                       [](const Vec3d& p) {
+                         return Vec3d{p[0] - 60, p[1] - 60, p[2] - 60};
+                       }),
+        all);
+  check("within a root tile", meshes::ball(8, 60, {200, 200, 200}), all);
+  check("box of tiles",
+        meshes::mapped(meshes::kuhnGrid(1, 1, 1),
+                       [](const Vec3d& p) {
+                         return Vec3d{p[0] * 12300 - 4100, p[1] * 400 - 200, p[2] * 8200 - 4098};
+                       }),
+        {GridType::Mask, GridType::Fog});
+  const TetMesh large = meshes::ball(12, 6500, {0.3, 100.7, -30});
+  check("large ball", large, {GridType::Mask, GridType::Fog});
+  check("ball of values", meshes::ball(12, 150, {0.3, 10.7, -30}), {GridType::Owner});
+  std::printf("%d devices, leaves:", count);
+  shared.run(viewOf(large), jobFor(GridType::Mask, Road::Auto, {}));
+  for (std::uint64_t leaves : shared.leaves())
+    std::printf(" %llu", static_cast<unsigned long long>(leaves));
+  std::printf("\n");
+}
+
 void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
   TetMesh mesh;
   try {
@@ -211,14 +256,19 @@ int main(int argc, char** argv) {
       files.push_back(argv[i]);
   }
   std::string why;
-  if (nano::listDevices(why).empty()) {
+  const std::size_t devices = nano::listDevices(why).size();
+  if (devices == 0) {
     std::printf("no device: %s\n", why.c_str());
     return 77;
   }
   nano::DeviceVoxelizer device(0);
   madeMeshes(device, small);
-  if (!small)
+  if (!small) {
     refusals(device);
+    stopping(device);
+  }
+  if (devices > 1)
+    sharedGrids(device, static_cast<int>(devices));
   for (const std::string& file : files)
     corpusFile(device, file);
   std::printf("%d checks, %d failures\n", checks, failures);

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
+#include <memory>
 #include <tbb/task_arena.h>
 #include <utility>
 
@@ -74,16 +75,20 @@ NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
   return copy;
 }
 
-// What either would take, seconds. On an H200 and 16 cores of its host a first use of the device
-// (context, memory) took 0.4 s, so that only large jobs gain; the CPU's rates are a core's.
-constexpr double kDeviceStart = 0.5, kDevicePerTet = 0.5e-9, kDevicePerByte = 1.0 / 20e9;
-constexpr double kCpuPerTet = 90e-9, kCpuPerLeaf = 1.7e-6, kCpuPerOwnerLeaf = 8e-6;
+// Seconds, fitted to what `tetvdb_device_bench auto` measures on an H200 and its host
+// (docs/benchmarks.md). Of the device: CUDA's start and the first memory; tets from pageable
+// memory; a byte of the grid, of which pinned memory and OpenVDB's tree on the CPU take nearly all.
+constexpr double kDeviceStart = 0.42 + 0.02, kDevicePerTet = 2e-9, kDevicePerByte = 0.5e-9;
+// Of the CPU: of a core. Leaves of values are bound by memory.
+constexpr double kCpuStart = 2e-3, kCpuPerTet = 90e-9, kCpuPerOwnedTet = 450e-9;
+constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;
+// Threads beyond these gain half as much.
+constexpr double kFullThreads = 16;
 
-struct Cost {
-  double cpu, device;
-};
+} // namespace
 
-Cost costOf(const TetMesh& mesh, const GridTransform& transform, const VoxelizeOptions& options) {
+DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+                        const VoxelizeOptions& options) {
   const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
   double leaves[3];
   for (std::size_t k = 0; k < 3; ++k)
@@ -92,23 +97,53 @@ Cost costOf(const TetMesh& mesh, const GridTransform& transform, const VoxelizeO
   const double surface = leaves[0] * leaves[1] + leaves[1] * leaves[2] + leaves[2] * leaves[0];
   const double volume = leaves[0] * leaves[1] * leaves[2] / 2;
   const auto tets = static_cast<double>(mesh.tetCount());
-  const double threads = tbb::this_task_arena::max_concurrency();
-  Cost cost{0, kDeviceStart};
+  const double all = tbb::this_task_arena::max_concurrency();
+  const double threads = all <= kFullThreads ? all : (all + kFullThreads) / 2;
+  DeviceCost cost{kCpuStart, kDeviceStart};
   for (const GridKind kind : options.grids) {
-    const bool owners = asksForOwners({kind});
+    const bool owners = asksForOwners({kind}), mask = kind == GridKind::Mask;
     const double count = owners ? std::min(volume, surface + 3 * tets) : surface;
-    cost.cpu += (tets * kCpuPerTet + count * (owners ? kCpuPerOwnerLeaf : kCpuPerLeaf)) / threads;
-    // The tree comes down and is made anew on the CPU.
-    cost.device += tets * kDevicePerTet +
-                   count * 2300 * (kind == GridKind::Mask ? 0.1 : 1) * kDevicePerByte +
-                   count * 0.2e-6 / threads;
+    cost.cpu += (tets * (owners ? kCpuPerOwnedTet : kCpuPerTet) +
+                 count * (mask ? kCpuPerMaskLeaf : kCpuPerValueLeaf)) /
+                threads;
+    // With their share of the lower nodes.
+    cost.device += tets * kDevicePerTet + count * (mask ? 310 : 2300) * kDevicePerByte;
   }
   return cost;
 }
 
-Voxelization runOnDevice(nano::DeviceVoxelizer& device, const TetMesh& mesh,
-                         const VoxelizeOptions& options, std::vector<NanoBytes>* nanoGrids,
-                         Report& report, Progress& progress) {
+namespace {
+
+// One device, or several.
+class Devices {
+public:
+  explicit Devices(const std::vector<int>& numbers) {
+    if (numbers.size() == 1)
+      one_ = std::make_unique<nano::DeviceVoxelizer>(numbers[0]);
+    else
+      several_ = std::make_unique<nano::SharedVoxelizer>(numbers);
+  }
+  nano::Result run(const nano::MeshView& mesh, const nano::Job& job, const Progress& progress) {
+    return one_ != nullptr ? one_->run(mesh, job, &progress) : several_->run(mesh, job, &progress);
+  }
+  // The slowest's.
+  nano::Times times() const {
+    if (one_ != nullptr)
+      return one_->times();
+    nano::Times slowest;
+    for (const nano::Times& t : several_->times())
+      if (t.build >= slowest.build)
+        slowest = t;
+    return slowest;
+  }
+
+private:
+  std::unique_ptr<nano::DeviceVoxelizer> one_;
+  std::unique_ptr<nano::SharedVoxelizer> several_;
+};
+
+Voxelization runOnDevice(Devices& devices, const TetMesh& mesh, const VoxelizeOptions& options,
+                         std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
   Voxelization result;
   result.transform = chooseTransform(mesh, options);
   const auto timed = [&](const char* name, double seconds, Stage stage = {}) {
@@ -128,12 +163,12 @@ Voxelization runOnDevice(nano::DeviceVoxelizer& device, const TetMesh& mesh,
     const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
                               mesh.tetCount(), values.empty() ? nullptr : values.data()};
     download.part(jobFor(kind, result.transform).name + " on the device");
-    const nano::Result made = device.run(view, jobFor(kind, result.transform));
+    const nano::Result made = devices.run(view, jobFor(kind, result.transform), progress);
     download.part(jobFor(kind, result.transform).name);
     grids->all.push_back(gridOfNano(made.bytes));
     if (nanoGrids != nullptr)
       nanoGrids->push_back(copyOf(made.bytes, made.counts.bufferBytes));
-    const nano::Times times = device.times();
+    const nano::Times times = devices.times();
     sum.upload += times.upload;
     sum.build += times.build;
     for (const auto& [name, seconds] : times.parts)
@@ -157,15 +192,17 @@ void requireDevice(const DeviceChoice& choice) {
     return;
   std::string why;
   const std::vector<std::string> names = nano::listDevices(why);
-  const std::string option = "--device cuda:" + std::to_string(choice.number);
-  if (names.empty())
-    throw Error(Status::Device, option, why, "use --device auto or cpu");
-  if (choice.number < 0 || static_cast<std::size_t>(choice.number) >= names.size())
-    throw Error(Status::Device, option,
-                fmt::format("there {} {} device{}, numbered from 0",
-                            names.size() == 1 ? "is" : "are", names.size(),
-                            names.size() == 1 ? "" : "s"),
-                "name another one");
+  for (const int number : choice.numbers) {
+    const std::string option = "--device cuda:" + std::to_string(number);
+    if (names.empty())
+      throw Error(Status::Device, option, why, "use --device auto or cpu");
+    if (number < 0 || static_cast<std::size_t>(number) >= names.size())
+      throw Error(Status::Device, option,
+                  fmt::format("there {} {} device{}, numbered from 0",
+                              names.size() == 1 ? "is" : "are", names.size(),
+                              names.size() == 1 ? "" : "s"),
+                  "name another one");
+  }
 }
 
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
@@ -194,7 +231,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
       return onCpu(why);
     if (options.path != OccupancyPath::Auto)
       return onCpu("a path was asked for");
-    const Cost cost = costOf(mesh, chooseTransform(mesh, options), options);
+    const DeviceCost cost = estimateCost(mesh, chooseTransform(mesh, options), options);
     if (cost.cpu < cost.device)
       return onCpu(fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU", cost.cpu,
                                cost.device));
@@ -203,10 +240,12 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
   progress.stage("voxelize");
   initializeOpenVDB();
   try {
-    nano::DeviceVoxelizer device(choice.number);
-    used.name =
-        fmt::format("cuda:{} {}", choice.number, names[static_cast<std::size_t>(choice.number)]);
-    Voxelization result = runOnDevice(device, mesh, options, nanoGrids, report, progress);
+    Devices devices(choice.numbers);
+    used.name.clear();
+    for (const int number : choice.numbers)
+      used.name += fmt::format("{}cuda:{} {}", used.name.empty() ? "" : ", ", number,
+                               names[static_cast<std::size_t>(number)]);
+    Voxelization result = runOnDevice(devices, mesh, options, nanoGrids, report, progress);
     reportOrigin(result.transform, options, report);
     reportTets(result.counts, mesh.tetCount(), report);
     requireVoxels(result, options);

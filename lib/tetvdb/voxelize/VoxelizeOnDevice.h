@@ -20,14 +20,22 @@ enum class DeviceKind : std::uint8_t {
 
 struct DeviceChoice {
   DeviceKind kind = DeviceKind::Auto;
-  int number = 0; ///< in CUDA's order
+  /// In CUDA's order; several share a job by columns of root tiles, each named once.
+  std::vector<int> numbers = {0};
 };
 
 /// Where a job's tets were voxelized.
 struct DeviceUsed {
-  std::string name = "cpu"; ///< or "cuda:0 NVIDIA H200"
+  std::string name = "cpu"; ///< or "cuda:0 NVIDIA H200", several with commas
   std::string why;          ///< of DeviceKind::Auto: why this one
 };
+
+/// Seconds that a job is expected to take; from making the device ready to OpenVDB's trees.
+struct DeviceCost {
+  double cpu = 0, device = 0;
+};
+DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+                        const VoxelizeOptions& options);
 
 /// Throws Error(Device) where `choice` names a GPU that is not there.
 void requireDevice(const DeviceChoice& choice);

@@ -108,6 +108,37 @@ TETVDB_HD inline void clearBounds(Shared& s) {
   }
 }
 
+/// The first 16 bytes of a leaf: box of the active voxels, and the flag that there are some.
+TETVDB_HD inline void leafBox(const u64* mask, const i32 (&origin)[3], LeafHead& head) {
+  u64 any = 0;
+  int xLow = 8, xHigh = 0;
+  for (int x = 0; x < 8; ++x)
+    if (mask[x] != 0) {
+      any |= mask[x];
+      xLow = x < xLow ? x : xLow;
+      xHigh = x;
+    }
+  u32 z = 0;
+  for (int y = 0; y < 8; ++y)
+    z |= static_cast<u32>(any >> (8 * y)) & 0xFF;
+  const int yLow = lowestBit(any) >> 3, yHigh = highestBit(any) >> 3;
+  const int zLow = lowestBit(z), zHigh = highestBit(z);
+  head.boxMin[0] = origin[0] + xLow;
+  head.boxMin[1] = origin[1] + yLow;
+  head.boxMin[2] = origin[2] + zLow;
+  head.boxSize[0] = static_cast<u8>(xHigh - xLow);
+  head.boxSize[1] = static_cast<u8>(yHigh - yLow);
+  head.boxSize[2] = static_cast<u8>(zHigh - zLow);
+  head.flags = 2;
+}
+
+TETVDB_HD inline u64 countVoxels(const u64* mask) {
+  u64 count = 0;
+  for (int k = 0; k < 8; ++k)
+    count += static_cast<u64>(bitCount(mask[k]));
+  return count;
+}
+
 struct NoShared {
   static constexpr int kThreads = 32, kOccupancy = 32;
 };

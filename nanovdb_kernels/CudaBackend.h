@@ -15,6 +15,7 @@
 #include <cuda/functional>
 #include <cuda_runtime.h>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,15 @@ inline void check(cudaError_t status, const char* what) {
 inline std::string gigabytes(u64 bytes) {
   const u64 tenths = (bytes + 50000000) / 100000000;
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " GB";
+}
+
+inline bool isPinned(const void* p) {
+  cudaPointerAttributes attributes{};
+  if (cudaPointerGetAttributes(&attributes, p) != cudaSuccess) {
+    cudaGetLastError();
+    return false;
+  }
+  return attributes.type == cudaMemoryTypeHost;
 }
 
 /// Device memory that is handed out from large blocks and taken back all at once; blocks are kept.
@@ -183,6 +193,10 @@ public:
     for (cudaEvent_t e : tetsHere_)
       cudaEventDestroy(e);
     cudaFreeHost(pinned_);
+    cudaFreeHost(staging_);
+    for (cudaEvent_t e : halfHere_)
+      if (e != nullptr)
+        cudaEventDestroy(e);
     cudaStreamDestroy(stream_);
   }
   CudaBackend(const CudaBackend&) = delete;
@@ -285,8 +299,40 @@ public:
   }
   template <typename T>
   void download(T* to, const T* from, u64 n) {
-    check(cudaMemcpyAsync(to, from, n * sizeof(T), cudaMemcpyDeviceToHost, stream_), "copy");
+    fetch(to, from, n * sizeof(T));
     await();
+  }
+  /// To the host. Done when the stream is, or sooner: much, to memory that is not pinned, goes by
+  /// way of pinned halves, for pinning takes as long as the rest and cannot be stopped.
+  void fetch(void* to, const void* from, u64 bytes) {
+    constexpr u64 kHalf = u64(32) << 20;
+    if (bytes <= 2 * kHalf || isPinned(to)) {
+      check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_), "download");
+      return;
+    }
+    if (staging_ == nullptr) {
+      check(cudaHostAlloc(reinterpret_cast<void**>(&staging_), 2 * kHalf, cudaHostAllocDefault),
+            "out of pinned memory");
+      for (cudaEvent_t& e : halfHere_)
+        check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
+    }
+    const auto* source = static_cast<const unsigned char*>(from);
+    auto* target = static_cast<unsigned char*>(to);
+    const u64 chunks = (bytes + kHalf - 1) / kHalf;
+    const auto sizeOf = [&](u64 c) { return c + 1 < chunks ? kHalf : bytes - c * kHalf; };
+    // Chunk c arrives while the one before is taken from the other half.
+    for (u64 c = 0; c <= chunks; ++c) {
+      if (c < chunks) {
+        check(cudaMemcpyAsync(staging_ + c % 2 * kHalf, source + c * kHalf, sizeOf(c),
+                              cudaMemcpyDeviceToHost, stream_),
+              "download");
+        check(cudaEventRecord(halfHere_[c % 2], stream_), "download");
+      }
+      if (c == 0)
+        continue;
+      awaitEvent(halfHere_[(c - 1) % 2]);
+      copyByThreads(target + (c - 1) * kHalf, staging_ + (c - 1) % 2 * kHalf, sizeOf(c - 1));
+    }
   }
   /// Waits for all that was launched.
   void await() {
@@ -363,6 +409,30 @@ public:
   }
 
 private:
+  void awaitEvent(cudaEvent_t event) {
+    while (true) {
+      const cudaError_t status = cudaEventQuery(event);
+      if (status != cudaErrorNotReady)
+        check(status, "a kernel failed");
+      if (progress_ != nullptr)
+        progress_->check();
+      if (status == cudaSuccess)
+        return;
+    }
+  }
+
+  // One thread's page faults would be slower than the bus.
+  static void copyByThreads(unsigned char* to, const unsigned char* from, u64 bytes) {
+    constexpr u64 kThreads = 4;
+    std::vector<std::thread> threads;
+    for (u64 k = 0; k < kThreads; ++k) {
+      const u64 begin = bytes * k / kThreads, end = bytes * (k + 1) / kThreads;
+      threads.emplace_back([=] { std::memcpy(to + begin, from + begin, end - begin); });
+    }
+    for (std::thread& t : threads)
+      t.join();
+  }
+
   // While waiting: whether the device has failed, or the job is cancelled.
   void lookAfter() {
     const cudaError_t status = cudaStreamQuery(stream_);
@@ -386,6 +456,8 @@ private:
   std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr;
   Published* pinned_ = nullptr;
+  unsigned char* staging_ = nullptr; // for downloads
+  cudaEvent_t halfHere_[2] = {};
   u32 number_ = 0;
   const Progress* progress_ = nullptr;
   DevicePool pool_, temporaries_;

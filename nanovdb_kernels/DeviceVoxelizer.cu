@@ -3,8 +3,10 @@
 #include "SharedGrid.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <sys/mman.h>
 #include <thread>
 
 namespace tetvdb::nano {
@@ -39,14 +41,38 @@ private:
   u64 size_ = 0, calls_ = 0;
 };
 
-bool isPinned(const void* p) {
-  cudaPointerAttributes attributes{};
-  if (cudaPointerGetAttributes(&attributes, p) != cudaSuccess) {
-    cudaGetLastError();
-    return false;
+/// Place for grids on the host: pinned, or more than that is worth.
+class GridMemory {
+public:
+  GridMemory() = default;
+  ~GridMemory() { std::free(base_); }
+  GridMemory(const GridMemory&) = delete;
+  GridMemory& operator=(const GridMemory&) = delete;
+
+  unsigned char* atLeast(u64 bytes) {
+    constexpr u64 kMostPinned = u64(256) << 20, kPage = u64(2) << 20;
+    if (bytes <= kMostPinned)
+      return pinned_.atLeast(bytes);
+    if (bytes > size_) {
+      std::free(base_);
+      size_ = 0;
+      ++calls_;
+      const u64 size = (bytes + kPage - 1) / kPage * kPage;
+      base_ = static_cast<unsigned char*>(std::aligned_alloc(kPage, size));
+      if (base_ == nullptr)
+        throw Error(Status::Limit, "", "the grid does not fit in memory", "use larger voxels");
+      madvise(base_, size, MADV_HUGEPAGE); // a wish
+      size_ = size;
+    }
+    return base_;
   }
-  return attributes.type == cudaMemoryTypeHost;
-}
+  u64 calls() const { return pinned_.calls() + calls_; }
+
+private:
+  PinnedMemory pinned_;
+  unsigned char* base_ = nullptr;
+  u64 size_ = 0, calls_ = 0;
+};
 
 class Events {
 public:
@@ -231,7 +257,8 @@ struct Device {
   std::unique_ptr<CudaBackend> backend;
   std::unique_ptr<Events> events;
   cudaStream_t upload = nullptr;
-  PinnedMemory uploadStaging, download;
+  PinnedMemory uploadStaging;
+  GridMemory download;
   cudaEvent_t halfDone[2] = {};
   std::vector<void*> kept;
   Times times;
@@ -261,9 +288,7 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
     s.events->record(2, stream);
     if (job.download) {
       unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
-      check(cudaMemcpyAsync(host, result.device, result.counts.bufferBytes, cudaMemcpyDeviceToHost,
-                            stream),
-            "download");
+      s.backend->fetch(host, result.device, result.counts.bufferBytes);
       result.bytes = host;
     }
     s.events->record(3, stream);
@@ -281,7 +306,7 @@ struct SharedVoxelizer::State {
   std::vector<std::unique_ptr<Device>> devices;
   std::vector<MeshView> kept; // by device
   std::vector<u64> leaves;
-  PinnedMemory grid;
+  GridMemory grid;
 
   // f(number) for all devices at once, a thread each; the first one's exception is thrown.
   template <typename F>

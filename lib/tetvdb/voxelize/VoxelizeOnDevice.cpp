@@ -77,8 +77,8 @@ NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
 
 // Seconds, fitted to what `tetvdb_device_bench auto` measures on an H200 and its host
 // (docs/benchmarks.md). Of the device: CUDA's start and the first memory; tets from pageable
-// memory; a byte of the grid, of which pinned memory and OpenVDB's tree on the CPU take nearly all.
-constexpr double kDeviceStart = 0.42 + 0.02, kDevicePerTet = 2e-9, kDevicePerByte = 0.5e-9;
+// memory; a byte of the grid, of which the host's memory and OpenVDB's tree take nearly all.
+constexpr double kDeviceStart = 0.42 + 0.05, kDevicePerTet = 2e-9, kDevicePerByte = 0.25e-9;
 // Of the CPU: of a core. Leaves of values are bound by memory.
 constexpr double kCpuStart = 2e-3, kCpuPerTet = 90e-9, kCpuPerOwnedTet = 450e-9;
 constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;

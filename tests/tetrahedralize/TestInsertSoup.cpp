@@ -301,9 +301,9 @@ TEST(SoupInsertion, LongThinTrianglesThroughOneAnother) {
   // What was held is free again, but for the box.
   for (const TetComplex::Tet& tet : made.complex.tets)
     for (unsigned slot = 0; tet.exists() && slot < 4; ++slot)
-      if (tet.tracked[slot])
-        for (const unsigned corner : kFaceCorners[slot])
-          EXPECT_FALSE(made.complex.points[tet.corners[corner]].fixed);
+      for (const unsigned corner : kFaceCorners[slot]) {
+        EXPECT_FALSE(tet.tracked[slot] && made.complex.points[tet.corners[corner]].fixed);
+      }
 }
 
 TEST(SoupInsertion, OneHugeTriangleUnderThousandsOfSmallOnes) {

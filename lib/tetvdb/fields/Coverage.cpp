@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/Coverage.h"
 
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/fields/ClippedFace.h"
 #include "tetvdb/geometry/Exact.h"
@@ -108,13 +109,7 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
             }
         }
       });
-  std::vector<FaceInSlab> all;
-  std::size_t total = 0;
-  for (const auto& local : locals)
-    total += local.size();
-  all.reserve(total);
-  for (const auto& local : locals)
-    all.insert(all.end(), local.begin(), local.end());
+  auto all = joinedVectors<FaceInSlab>(locals);
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }

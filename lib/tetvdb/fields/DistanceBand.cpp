@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/DistanceBand.h"
 
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/fields/FaceFrame.h"
 
@@ -223,12 +224,7 @@ DistanceBand::DistanceBand(const SnappedMesh& mesh, const Boundary& faces, doubl
               }
         }
       });
-  std::size_t total = 0;
-  for (const auto& local : locals)
-    total += local.size();
-  pairs_.reserve(total);
-  for (const auto& local : locals)
-    pairs_.insert(pairs_.end(), local.begin(), local.end());
+  pairs_ = joinedVectors<Pair>(locals);
   tbb::parallel_sort(pairs_.begin(), pairs_.end());
   for (std::size_t i = 0; i < pairs_.size(); ++i)
     if (i == 0 || pairs_[i].node != pairs_[i - 1].node) {

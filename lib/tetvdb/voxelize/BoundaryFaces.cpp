@@ -2,6 +2,7 @@
 #include "tetvdb/voxelize/BoundaryFaces.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/voxelize/Ownership.h"
 
@@ -349,14 +350,7 @@ private:
       }
     });
 
-    std::vector<BoundaryFace> faces;
-    std::size_t total = 0;
-    for (const auto& part : found)
-      total += part.size();
-    faces.reserve(total);
-    for (const auto& part : found)
-      faces.insert(faces.end(), part.begin(), part.end());
-    return faces;
+    return joinedVectors<BoundaryFace>(found);
   }
 
   // Whether every edge is passed as often one way as the other. The boundary of a boundary

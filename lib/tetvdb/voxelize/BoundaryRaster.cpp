@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/BoundaryRaster.h"
 
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/voxelize/FaceRaster.h"
 #include "tetvdb/voxelize/RimBand.h"
 
@@ -61,13 +62,7 @@ std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& bounda
             }
         }
       });
-  std::vector<FaceInNode> all;
-  std::size_t total = 0;
-  for (const auto& local : locals)
-    total += local.size();
-  all.reserve(total);
-  for (const auto& local : locals)
-    all.insert(all.end(), local.begin(), local.end());
+  auto all = joinedVectors<FaceInNode>(locals);
   if (fill.rim != nullptr)
     for (const NodeIndex& node : RimBand(*fill.rim, progress).nodes())
       all.push_back({node[0], node[1], node[2], kRimInNode});

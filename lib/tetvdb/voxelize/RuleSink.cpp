@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/RuleSink.h"
 
+#include "tetvdb/core/JoinedVectors.h"
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -42,8 +44,7 @@ RuleSink::RuleSink(NodeSink& next, const SnappedMesh& mesh, const Boundary& face
                   out.push_back({{x, y, z}, static_cast<std::uint32_t>(i)});
         }
       });
-  for (const auto& local : locals)
-    pairs_.insert(pairs_.end(), local.begin(), local.end());
+  pairs_ = joinedVectors<Pair>(locals);
   tbb::parallel_sort(pairs_.begin(), pairs_.end());
   for (std::size_t i = 0; i < pairs_.size(); ++i)
     if (i == 0 || pairs_[i].node != pairs_[i - 1].node)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/ShellRaster.h"
 
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -239,9 +240,7 @@ std::vector<FaceInNode> binFaces(const Shell& shell, std::size_t count, Progress
               out.push_back({node, static_cast<std::uint32_t>(i)});
     }
   });
-  std::vector<FaceInNode> all;
-  for (const auto& local : locals)
-    all.insert(all.end(), local.begin(), local.end());
+  auto all = joinedVectors<FaceInNode>(locals);
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a picture is made of: things that rays hit, and media that they go through. The renderer
+// knows no more of meshes and volumes than this.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
+
+#include <array>
+#include <limits>
+
+namespace tetvdb {
+
+using Rgb = std::array<float, 3>; ///< linear light, sRGB's primaries; 1 is white
+
+struct Ray {
+  Vec3d origin{0, 0, 0};    ///< world units
+  Vec3d direction{0, 0, 1}; ///< of length 1
+  double tMin = 0;          ///< world units along the direction
+  double tMax = std::numeric_limits<double>::infinity();
+};
+
+struct RayHit {
+  double t = std::numeric_limits<double>::infinity();
+  Vec3d normal{0, 0, 1}; ///< of length 1, towards the ray's origin
+  Rgb color{1, 1, 1};    ///< of the surface: what it reflects of white light
+  bool lit = true;       ///< false: shown in its colour as it is (lines, legends)
+};
+
+/// An opaque thing. Const member functions are thread-safe.
+class Drawable {
+public:
+  virtual ~Drawable() = default;
+  /// World units; empty where there is nothing to draw.
+  virtual Box bounds() const = 0;
+  /// The first point within [tMin, tMax], if there is one.
+  virtual bool firstHit(const Ray& ray, RayHit& hit) const = 0;
+  /// Whether there is a point within [tMin, tMax]: for shadows and ambient occlusion.
+  virtual bool blocks(const Ray& ray) const = 0;
+  /// How far off the surface a ray must start, in world units, so as not to meet where it began.
+  virtual double skin() const = 0;
+};
+
+/// A thing that light gets through. Const member functions are thread-safe.
+class Medium {
+public:
+  virtual ~Medium() = default;
+  virtual Box bounds() const = 0;
+  /// Light that reaches the ray's origin from within [tMin, tMax], and what share of light from
+  /// behind gets through. `jitter` in [0, 1) moves the samples by that part of a step.
+  virtual void gather(const Ray& ray, double jitter, Rgb& light, float& transmittance) const = 0;
+};
+
+} // namespace tetvdb

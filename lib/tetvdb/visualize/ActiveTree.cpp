@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/visualize/ActiveTree.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/volume/GridTypes.h"
+
+#include <tbb/parallel_for.h>
+
+namespace tetvdb {
+namespace {
+
+/// Of the 4096^3 voxels around one: 20 bits an axis.
+std::uint64_t cornerKey(const Vec3i& voxel) {
+  const auto part = [](std::int32_t v) { return std::uint64_t(std::uint32_t(v) >> 12); };
+  return part(voxel[0]) << 40 | part(voxel[1]) << 20 | part(voxel[2]);
+}
+
+std::uint32_t placeIn(const Vec3i& voxel, int log2Side, int log2Cells) {
+  const std::int32_t last = (1 << log2Cells) - 1;
+  return static_cast<std::uint32_t>((voxel[0] >> log2Side & last) << 2 * log2Cells |
+                                    (voxel[1] >> log2Side & last) << log2Cells |
+                                    (voxel[2] >> log2Side & last));
+}
+
+Vec3i originOf(const openvdb::Coord& c) {
+  return {c.x(), c.y(), c.z()};
+}
+
+} // namespace
+
+template <class Mask>
+void ActiveTree::Inner<Mask>::count() {
+  std::uint32_t sum = 0;
+  for (std::uint32_t word = 0; word < Mask::WORD_COUNT; ++word) {
+    before[word] = static_cast<std::uint16_t>(sum);
+    sum += openvdb::util::CountOn(children->template getWord<openvdb::Index64>(word));
+  }
+}
+
+template <class Mask>
+std::uint32_t ActiveTree::Inner<Mask>::child(std::uint32_t bit) const {
+  const auto word = children->template getWord<openvdb::Index64>(bit >> 6);
+  const std::uint64_t earlier = word & ((std::uint64_t(1) << (bit & 63)) - 1);
+  return first + before[bit >> 6] + openvdb::util::CountOn(earlier);
+}
+
+template struct ActiveTree::Inner<openvdb::util::NodeMask<5>>;
+template struct ActiveTree::Inner<openvdb::util::NodeMask<4>>;
+
+template <class TreeT>
+void ActiveTree::index(const TreeT& tree) {
+  const NodeLists<TreeT> nodes(tree);
+  const auto leaves = nodes.leaves();
+  leaves_.resize(leaves.size());
+  tbb::parallel_for(std::size_t(0), leaves.size(),
+                    [&](std::size_t i) { leaves_[i] = &leaves[i]->getValueMask(); });
+  const auto take = [](auto& into, const auto& from) {
+    into.resize(from.size());
+    tbb::parallel_for(std::size_t(0), from.size(), [&](std::size_t i) {
+      into[i].children = &from[i]->getChildMask();
+      into[i].tiles = &from[i]->getValueMask();
+      into[i].count();
+    });
+    for (std::size_t i = 1; i < into.size(); ++i)
+      into[i].first = into[i - 1].first + from[i - 1]->getChildMask().countOn();
+  };
+  take(uppers_, nodes.uppers);
+  take(lowers_, nodes.lowers);
+  for (std::size_t i = 0; i < uppers_.size(); ++i)
+    root_[cornerKey(originOf(nodes.uppers[i]->origin()))].upper = &uppers_[i];
+  for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
+    root_[cornerKey(originOf(tile.getCoord()))].on = true;
+  openvdb::CoordBBox box;
+  if (tree.evalActiveVoxelBoundingBox(box)) {
+    low_ = originOf(box.min());
+    high_ = originOf(box.max());
+  }
+}
+
+ActiveTree::ActiveTree(const openvdb::GridBase& grid) {
+  if (!withKnownGrid(grid, [&](const auto& typed) { index(typed.constTree()); }))
+    throw Error(Status::Usage, grid.getName(),
+                "a grid of type " + grid.valueType() + " is unknown");
+}
+
+const ActiveTree::Corner* ActiveTree::corner(const Vec3i& voxel) const {
+  const auto found = root_.find(cornerKey(voxel));
+  return found == root_.end() ? nullptr : &found->second;
+}
+
+const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& on) const {
+  on = false;
+  const Corner* at = corner(voxel);
+  if (!at)
+    return nullptr;
+  on = at->on;
+  if (!at->upper)
+    return nullptr;
+  std::uint32_t bit = placeIn(voxel, 7, 5);
+  on = at->upper->tiles->isOn(bit);
+  if (!at->upper->children->isOn(bit))
+    return nullptr;
+  const Lower& lower = lowers_[at->upper->child(bit)];
+  bit = placeIn(voxel, 3, 4);
+  on = lower.tiles->isOn(bit);
+  return lower.children->isOn(bit) ? leaves_[lower.child(bit)] : nullptr;
+}
+
+bool ActiveTree::isOn(const Vec3i& voxel) const {
+  bool on = false;
+  const Mask3* leaf = leafAt(voxel, on);
+  return leaf ? leaf->isOn(placeIn(voxel, 0, 3)) : on;
+}
+
+bool ActiveTree::Probe::isOn(const Vec3i& voxel) {
+  const Vec3i leaf{voxel[0] & ~7, voxel[1] & ~7, voxel[2] & ~7};
+  if (leaf != leaf_) {
+    leaf_ = leaf;
+    mask_ = tree_.leafAt(voxel, tile_);
+  }
+  return mask_ ? mask_->isOn(placeIn(voxel, 0, 3)) : tile_;
+}
+
+bool ActiveTree::firstOf(const IndexRay& ray, const Span& span, Voxel& found) {
+  Vec3i high = span.origin;
+  for (std::int32_t& c : high)
+    c += (1 << span.log2Side) - 1;
+  Cells voxels(ray, span.begin, span.axis, 0, span.origin, high);
+  do {
+    if (span.mask && !span.mask->isOn(placeIn(voxels.cell, 0, 3)))
+      continue;
+    found = {voxels.cell, voxels.t, voxels.axis};
+    return true;
+  } while (voxels.step() && voxels.t <= ray.tMax);
+  return false;
+}
+
+bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
+  return walk(ray, [&](const Span& span) { return firstOf(ray, span, found); });
+}
+
+} // namespace tetvdb

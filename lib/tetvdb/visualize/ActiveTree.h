@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The active states of a tree, whatever its values: rays walk through it from node to node, as far
+// as there is nothing at all, and from voxel to voxel where there is.
+#pragma once
+
+#include "tetvdb/visualize/Drawable.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <openvdb/openvdb.h>
+#include <unordered_map>
+#include <vector>
+
+namespace tetvdb {
+
+/// A line in index space: voxel (i, j, k) takes up [i, i + 1) on each axis, so that centres lie at
+/// halves here. `t` is that of the world's ray.
+struct IndexRay {
+  Vec3d origin{0, 0, 0};
+  Vec3d direction{0, 0, 1};
+  double tMin = 0, tMax = 0;
+  Vec3d at(double t) const {
+    return {origin[0] + t * direction[0], origin[1] + t * direction[1],
+            origin[2] + t * direction[2]};
+  }
+};
+
+/// Pointers to the masks of a tree 5-4-3, which must outlive it. Memory: 8 bytes a leaf and 0.1 to
+/// 2 KB an internal node. Queries are const and thread-safe.
+class ActiveTree {
+public:
+  /// Any of KnownGrids (volume/GridTypes.h); Error(Usage) for others.
+  explicit ActiveTree(const openvdb::GridBase& grid);
+
+  bool isOn(const Vec3i& voxel) const;
+
+  /// Active voxels, inclusive; low > high where there are none.
+  const Vec3i& low() const { return low_; }
+  const Vec3i& high() const { return high_; }
+
+  /// A cube of voxels that a ray goes through.
+  struct Span {
+    Vec3i origin{0, 0, 0};
+    int log2Side = 0;
+    const openvdb::util::NodeMask<3>* mask = nullptr; ///< of a leaf; null: all active
+    double begin = 0, end = 0;                        ///< t
+    int axis = -1; ///< along which the ray came in; -1: it began inside
+  };
+  /// Calls `stop(span)` for leaves and active tiles along the ray, in order, until it is true.
+  /// Returns whether it was.
+  template <class Stop>
+  bool walk(const IndexRay& ray, const Stop& stop) const;
+
+  struct Voxel {
+    Vec3i at{0, 0, 0};
+    double t = 0;
+    int axis = -1; ///< along which the ray came in; -1: it began inside
+  };
+  /// The first active voxel along the ray.
+  bool first(const IndexRay& ray, Voxel& found) const;
+
+  /// isOn() for points that lie near one another.
+  class Probe {
+  public:
+    explicit Probe(const ActiveTree& tree) : tree_(tree) {}
+    bool isOn(const Vec3i& voxel);
+
+  private:
+    const ActiveTree& tree_;
+    Vec3i leaf_{1, 1, 1}; // no leaf's origin
+    const openvdb::util::NodeMask<3>* mask_ = nullptr;
+    bool tile_ = false;
+  };
+
+private:
+  using Mask3 = openvdb::util::NodeMask<3>;
+  using Mask4 = openvdb::util::NodeMask<4>;
+  using Mask5 = openvdb::util::NodeMask<5>;
+
+  /// An internal node: which of its cells have children, which are active tiles. Children are
+  /// numbered through in the order of their bits.
+  template <class Mask>
+  struct Inner {
+    const Mask* children = nullptr;
+    const Mask* tiles = nullptr;
+    std::uint32_t first = 0;
+    std::array<std::uint16_t, Mask::WORD_COUNT> before{}; ///< children in earlier words
+    void count();
+    std::uint32_t child(std::uint32_t bit) const;
+  };
+  using Upper = Inner<Mask5>;
+  using Lower = Inner<Mask4>;
+  struct Corner { ///< of the root: 4096^3 voxels
+    const Upper* upper = nullptr;
+    bool on = false;
+  };
+  struct Cells; ///< a walk over cells of one size
+  struct Found; ///< what lies at a voxel
+
+  template <class TreeT>
+  void index(const TreeT& tree);
+  const Corner* corner(const Vec3i& voxel) const;
+  const Mask3* leafAt(const Vec3i& voxel, bool& on) const;
+  static bool firstOf(const IndexRay& ray, const Span& span, Voxel& found);
+
+  std::unordered_map<std::uint64_t, Corner> root_;
+  std::vector<Upper> uppers_;
+  std::vector<Lower> lowers_;
+  std::vector<const Mask3*> leaves_;
+  Vec3i low_{0, 0, 0}, high_{-1, -1, -1};
+};
+
+} // namespace tetvdb
+
+#include "tetvdb/visualize/ActiveTreeWalk.h"

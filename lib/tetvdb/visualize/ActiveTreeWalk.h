@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The ray's way through an ActiveTree. Internal.
+//
+// Source: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
+// 1987, once a level of the tree: a cell that holds more is walked through by its own cells.
+#pragma once
+
+#include "tetvdb/visualize/ActiveTree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tetvdb {
+
+/// Cells of side 2^log2Side within the cells from `low` to `high`. It ends by leaving these, not by
+/// t: rounding then cannot skip a cell, nor go beyond the parent.
+struct ActiveTree::Cells {
+  Vec3i cell; ///< in units of its side
+  double t;
+  int axis;
+
+  Cells(const IndexRay& ray, double begin, int enteredBy, int log2Side, const Vec3i& low,
+        const Vec3i& high)
+      : t(begin), axis(enteredBy), low_(low), high_(high) {
+    const Vec3d p = ray.at(begin);
+    const double side = std::ldexp(1.0, log2Side);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double place = std::floor(p[a] / side);
+      const double inside = std::min(std::max(place, double(low[a])), double(high[a]));
+      cell[a] = static_cast<std::int32_t>(inside);
+      const double d = ray.direction[a];
+      step_[a] = d > 0 ? 1 : -1;
+      delta_[a] = d == 0 ? std::numeric_limits<double>::infinity() : side / std::abs(d);
+      const double face = (inside + (d > 0 ? 1 : 0)) * side;
+      next_[a] = d == 0 ? std::numeric_limits<double>::infinity() : (face - ray.origin[a]) / d;
+    }
+  }
+  double leaves() const { return std::min(next_[0], std::min(next_[1], next_[2])); }
+  bool step() {
+    std::size_t a = next_[0] <= next_[1] ? 0 : 1;
+    a = next_[2] < next_[a] ? 2 : a;
+    if (next_[a] == std::numeric_limits<double>::infinity())
+      return false;
+    t = std::max(t, next_[a]);
+    next_[a] += delta_[a];
+    cell[a] += step_[a];
+    axis = static_cast<int>(a);
+    return cell[a] >= low_[a] && cell[a] <= high_[a];
+  }
+
+private:
+  Vec3i low_, high_, step_{};
+  Vec3d next_{}, delta_{};
+};
+
+template <class Stop>
+bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
+  // What the active voxels' box leaves of the ray.
+  double begin = ray.tMin, end = ray.tMax;
+  int enteredBy = -1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double low = low_[a], high = double(high_[a]) + 1, d = ray.direction[a];
+    if (d == 0) {
+      if (ray.origin[a] < low || ray.origin[a] >= high)
+        return false;
+      continue;
+    }
+    const double in = ((d > 0 ? low : high) - ray.origin[a]) / d;
+    const double out = ((d > 0 ? high : low) - ray.origin[a]) / d;
+    if (in > begin) {
+      begin = in;
+      enteredBy = static_cast<int>(a);
+    }
+    end = std::min(end, out);
+  }
+  if (!(begin <= end))
+    return false;
+
+  const auto shifted = [](const Vec3i& v, int by) {
+    return Vec3i{v[0] >> by, v[1] >> by, v[2] >> by};
+  };
+  const auto filled = [](const Vec3i& v, int by) {
+    const std::int32_t ones = (1 << by) - 1;
+    return Vec3i{v[0] * (1 << by) + ones, v[1] * (1 << by) + ones, v[2] * (1 << by) + ones};
+  };
+  const auto scaled = [](const Vec3i& v, int by) {
+    return Vec3i{v[0] * (1 << by), v[1] * (1 << by), v[2] * (1 << by)};
+  };
+  const auto span = [&](const Cells& cells, int log2Side, const Mask3* mask) {
+    Span s;
+    s.origin = scaled(cells.cell, log2Side);
+    s.log2Side = log2Side;
+    s.mask = mask;
+    s.begin = cells.t;
+    s.end = std::min(end, cells.leaves());
+    s.axis = cells.axis;
+    return stop(s);
+  };
+
+  Cells root(ray, begin, enteredBy, 12, shifted(low_, 12), shifted(high_, 12));
+  do {
+    const Corner* at = corner(scaled(root.cell, 12));
+    if (!at)
+      continue;
+    if (!at->upper) {
+      if (at->on && span(root, 12, nullptr))
+        return true;
+      continue;
+    }
+    const Upper& upper = *at->upper;
+    Cells upperCells(ray, root.t, root.axis, 7, scaled(root.cell, 5), filled(root.cell, 5));
+    do {
+      const Vec3i& u = upperCells.cell;
+      const auto bit =
+          static_cast<std::uint32_t>((u[0] & 31) << 10 | (u[1] & 31) << 5 | (u[2] & 31));
+      if (!upper.children->isOn(bit)) {
+        if (upper.tiles->isOn(bit) && span(upperCells, 7, nullptr))
+          return true;
+        continue;
+      }
+      const Lower& lower = lowers_[upper.child(bit)];
+      Cells leaves(ray, upperCells.t, upperCells.axis, 3, scaled(u, 4), filled(u, 4));
+      do {
+        const Vec3i& l = leaves.cell;
+        const auto place =
+            static_cast<std::uint32_t>((l[0] & 15) << 8 | (l[1] & 15) << 4 | (l[2] & 15));
+        if (lower.children->isOn(place)) {
+          if (span(leaves, 3, leaves_[lower.child(place)]))
+            return true;
+        } else if (lower.tiles->isOn(place) && span(leaves, 3, nullptr)) {
+          return true;
+        }
+      } while (leaves.step() && leaves.t <= end);
+    } while (upperCells.step() && upperCells.t <= end);
+  } while (root.step() && root.t <= end);
+  return false;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Light through a fog: what it scatters once towards the eye, less what it absorbs on the way
+// (the volume rendering equation with an isotropic phase function).
+// Source: N. Max, "Optical Models for Direct Volume Rendering", IEEE TVCG 1(2), 1995.
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/visualize/VolumePaint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tbb/parallel_for.h>
+
+namespace tetvdb {
+namespace {
+
+constexpr int kLightCells = 64; ///< along the longest side
+constexpr int kSteps = 320;     ///< along the longest side, at most
+
+/// How much of the light from one direction reaches points of a box.
+class LightField {
+public:
+  LightField() = default;
+
+  /// `density` of a point in the world: optical depth a unit.
+  template <class Density>
+  LightField(const Box& box, const Vec3d& toLight, const Density& density, Progress& progress)
+      : low_(box.low) {
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      longest = std::max(longest, box.high[a] - box.low[a]);
+    cell_ = longest / kLightCells;
+    for (std::size_t a = 0; a < 3; ++a)
+      count_[a] = std::max(
+          1, std::min(kLightCells, int(std::ceil((box.high[a] - box.low[a]) / cell_ - 1e-9))));
+    std::vector<float> depth(std::size_t(count_[0]) * std::size_t(count_[1]) *
+                             std::size_t(count_[2]));
+    reaches_.resize(depth.size());
+    // The depth of a cell, from eight points in it.
+    forCells([&](int i, int j, int k, std::size_t at) {
+      double sum = 0;
+      for (int n = 0; n < 8; ++n)
+        sum += density({low_[0] + (i + (n & 1 ? 0.75 : 0.25)) * cell_,
+                        low_[1] + (j + (n & 2 ? 0.75 : 0.25)) * cell_,
+                        low_[2] + (k + (n & 4 ? 0.75 : 0.25)) * cell_});
+      depth[at] = static_cast<float>(sum / 8 * cell_);
+    });
+    progress.check();
+    forCells([&](int i, int j, int k, std::size_t at) {
+      Vec3d p{i + 0.5, j + 0.5, k + 0.5}; // in cells; from the middle, half of its own depth
+      double sum = 0.5 * double(depth[at]);
+      for (;;) {
+        p = plus(p, toLight);
+        Vec3i c;
+        bool out = false;
+        for (std::size_t a = 0; a < 3; ++a) {
+          c[a] = static_cast<std::int32_t>(std::floor(p[a]));
+          out = out || c[a] < 0 || c[a] >= count_[a];
+        }
+        if (out)
+          break;
+        sum += double(depth[place(c[0], c[1], c[2])]);
+      }
+      reaches_[at] = static_cast<float>(std::exp(-sum));
+    });
+  }
+
+  /// Between the middles of eight cells.
+  float at(const Vec3d& world) const {
+    int low[3];
+    float part[3];
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double p = std::clamp((world[a] - low_[a]) / cell_ - 0.5, 0.0, count_[a] - 1.0);
+      low[a] = std::min(static_cast<int>(p), std::max(count_[a] - 2, 0));
+      part[a] = static_cast<float>(p - low[a]);
+    }
+    float sum = 0;
+    for (int n = 0; n < 8; ++n) {
+      const int i = std::min(low[0] + (n & 1), count_[0] - 1),
+                j = std::min(low[1] + (n >> 1 & 1), count_[1] - 1),
+                k = std::min(low[2] + (n >> 2), count_[2] - 1);
+      sum += reaches_[place(i, j, k)] * (n & 1 ? part[0] : 1 - part[0]) *
+             (n & 2 ? part[1] : 1 - part[1]) * (n & 4 ? part[2] : 1 - part[2]);
+    }
+    return sum;
+  }
+
+private:
+  std::size_t place(int i, int j, int k) const {
+    return (std::size_t(i) * std::size_t(count_[1]) + std::size_t(j)) * std::size_t(count_[2]) +
+           std::size_t(k);
+  }
+  template <class F>
+  void forCells(const F& f) const {
+    tbb::parallel_for(0, count_[0], [&](int i) {
+      for (int j = 0; j < count_[1]; ++j)
+        for (int k = 0; k < count_[2]; ++k)
+          f(i, j, k, place(i, j, k));
+    });
+  }
+
+  Vec3d low_{};
+  double cell_ = 1; ///< side, world units
+  std::array<int, 3> count_{1, 1, 1};
+  std::vector<float> reaches_;
+};
+
+class FogMedium : public Medium {
+public:
+  FogMedium(openvdb::GridBase::ConstPtr grid, const FogLook& look, Progress& progress)
+      : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
+        tree_(*grid_), values_(valuesOf(*grid_)) {
+    const Box box = bounds();
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      longest = std::max(longest, box.high[a] - box.low[a]);
+    if (!(longest > 0))
+      return;
+    perUnit_ = look.depth / longest;
+    step_ = std::max(space_.voxel(), longest / kSteps);
+    light_ = LightField(
+        box, look.toLight, [&](const Vec3d& world) { return perUnit_ * valueAt(world); }, progress);
+  }
+
+  Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
+
+  void gather(const Ray& asked, double jitter, Rgb& light, float& transmittance) const override {
+    light = {0, 0, 0};
+    transmittance = 1;
+    Ray ray = asked;
+    bool onCut = false;
+    if (look_.cut && !look_.cut->clip(ray, onCut))
+      return;
+    // Samples lie on one comb for the whole ray, whatever nodes it meets.
+    tree_.walk(space_.toIndex(ray), [&](const ActiveTree::Span& span) {
+      const double first = std::ceil(span.begin / step_ - jitter);
+      const double last = std::ceil(span.end / step_ - jitter);
+      for (double n = first; n < last; ++n) {
+        const double t = (n + jitter) * step_;
+        const Vec3d world = plus(ray.origin, times(ray.direction, t));
+        const double value = valueAt(world);
+        if (value <= 0)
+          continue;
+        const float opacity = static_cast<float>(-std::expm1(-perUnit_ * value * step_));
+        const float reaches = look_.ambient + look_.light * light_.at(world);
+        const Rgb color = paint_.at(world);
+        for (std::size_t c = 0; c < 3; ++c)
+          light[c] += transmittance * opacity * reaches * color[c];
+        transmittance *= 1 - opacity;
+      }
+      return transmittance < 1e-3f;
+    });
+    if (transmittance < 1e-3f)
+      transmittance = 0;
+  }
+
+private:
+  /// Of the voxel around a point; 0 where that is not active or the value no positive number.
+  double valueAt(const Vec3d& world) const {
+    const Vec3d p = space_.toIndex(world);
+    double value = 0;
+    if (!values_->at({std::int32_t(std::floor(p[0])), std::int32_t(std::floor(p[1])),
+                      std::int32_t(std::floor(p[2]))},
+                     value))
+      return 0;
+    return value > 0 && std::isfinite(value) ? value : 0;
+  }
+
+  openvdb::GridBase::ConstPtr grid_;
+  FogLook look_;
+  VolumePaint paint_;
+  GridSpace space_;
+  ActiveTree tree_;
+  std::unique_ptr<GridValues> values_;
+  double perUnit_ = 0; ///< optical depth at value 1, a world unit
+  double step_ = 1;    ///< world units
+  LightField light_;
+};
+
+} // namespace
+
+std::unique_ptr<Medium> drawFog(openvdb::GridBase::ConstPtr grid, const FogLook& look,
+                                Progress& progress) {
+  return std::make_unique<FogMedium>(std::move(grid), look, progress);
+}
+
+} // namespace tetvdb

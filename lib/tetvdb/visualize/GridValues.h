@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Values of a grid of any type as numbers: of vectors the magnitude.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+
+#include <memory>
+#include <openvdb/openvdb.h>
+
+namespace tetvdb {
+
+/// Const member functions are thread-safe.
+class GridValues {
+public:
+  virtual ~GridValues() = default;
+  /// Whether the voxel is active; `value` is set in either case (inactive: what the grid holds
+  /// there, mostly its background).
+  virtual bool at(const Vec3i& voxel, double& value) const = 0;
+};
+
+/// The grid must outlive it. Any of KnownGrids; Error(Usage) for others.
+std::unique_ptr<GridValues> valuesOf(const openvdb::GridBase& grid);
+
+} // namespace tetvdb

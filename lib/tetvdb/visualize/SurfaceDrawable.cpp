@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A field's zero along a ray: stepped through leaf by leaf, then closed in on. Fields are positive
+// inside; between voxels a level set is trilinear, an occupancy a quadratic B-spline (which is
+// exactly a half on a flat side of voxels, and rounds their corners).
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/visualize/VolumePaint.h"
+#include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetvdb {
+namespace {
+
+std::int32_t cellOf(double x) {
+  return static_cast<std::int32_t>(std::floor(x));
+}
+
+/// Minus the distance, in voxels. Points have their voxels' corners at whole numbers.
+template <class TreeT>
+class LevelSetField {
+public:
+  explicit LevelSetField(const openvdb::GridBase& grid)
+      : tree_(static_cast<const openvdb::Grid<TreeT>&>(grid).constTree()),
+        scale_(-1 / grid.voxelSize()[0]) {}
+  /// Distances allow steps this share of what they say, in voxels.
+  static constexpr double kStride = 0.9;
+  static constexpr double kWidest = 2; ///< normals are no wider than the narrow band
+
+  class Sampler {
+  public:
+    explicit Sampler(const LevelSetField& field) : values_(field.tree_), scale_(field.scale_) {}
+    double operator()(const Vec3d& p) {
+      const Vec3d q{p[0] - 0.5, p[1] - 0.5, p[2] - 0.5};
+      const openvdb::Coord low(cellOf(q[0]), cellOf(q[1]), cellOf(q[2]));
+      const double x = q[0] - low[0], y = q[1] - low[1], z = q[2] - low[2];
+      const auto run = [&](int i, int j) {
+        return double(values_.getValue(low.offsetBy(i, j, 0))) * (1 - z) +
+               double(values_.getValue(low.offsetBy(i, j, 1))) * z;
+      };
+      const auto slab = [&](int i) { return run(i, 0) * (1 - y) + run(i, 1) * y; };
+      return scale_ * (slab(0) * (1 - x) + slab(1) * x);
+    }
+
+  private:
+    openvdb::tree::ValueAccessor<const TreeT, false> values_;
+    double scale_;
+  };
+
+private:
+  const TreeT& tree_;
+  double scale_;
+};
+
+/// Three values' shares at p, whose voxel's centre is at 1/2: a quadratic B-spline's.
+std::array<double, 3> splineWeights(double p) {
+  const double f = p - std::floor(p) - 0.5;
+  return {0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)};
+}
+
+/// One half less than what `value(i, j, k)` amounts to around p.
+template <class Value>
+double splineSum(const Vec3d& p, const Value& value) {
+  const auto wx = splineWeights(p[0]), wy = splineWeights(p[1]), wz = splineWeights(p[2]);
+  const Vec3i low{cellOf(p[0]) - 1, cellOf(p[1]) - 1, cellOf(p[2]) - 1};
+  double sum = -0.5;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double run = 0;
+      for (int k = 0; k < 3; ++k)
+        run += wz[std::size_t(k)] * value({low[0] + i, low[1] + j, low[2] + k});
+      sum += wx[std::size_t(i)] * wy[std::size_t(j)] * run;
+    }
+  return sum;
+}
+
+class OccupancyField {
+public:
+  explicit OccupancyField(const ActiveTree& tree) : tree_(tree) {}
+  static constexpr double kStride = 0; // no distance
+  static constexpr double kWidest = 64;
+
+  class Sampler {
+  public:
+    explicit Sampler(const OccupancyField& field) : probe_(field.tree_) {}
+    double operator()(const Vec3d& p) {
+      return splineSum(p, [&](const Vec3i& voxel) { return probe_.isOn(voxel) ? 1.0 : 0.0; });
+    }
+
+  private:
+    ActiveTree::Probe probe_;
+  };
+
+private:
+  const ActiveTree& tree_;
+};
+
+class FogField {
+public:
+  explicit FogField(const openvdb::GridBase& grid)
+      : tree_(static_cast<const openvdb::FloatGrid&>(grid).constTree()) {}
+  static constexpr double kStride = 0;
+  static constexpr double kWidest = 64;
+
+  class Sampler {
+  public:
+    explicit Sampler(const FogField& field) : values_(field.tree_) {}
+    double operator()(const Vec3d& p) {
+      return splineSum(p, [&](const Vec3i& voxel) {
+        const double value = double(values_.getValue({voxel[0], voxel[1], voxel[2]}));
+        return std::min(std::max(value, 0.0), 1.0);
+      });
+    }
+
+  private:
+    openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> values_;
+  };
+
+private:
+  const openvdb::FloatTree& tree_;
+};
+
+template <class Field>
+class SurfaceDrawable : public Drawable {
+public:
+  SurfaceDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
+      : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
+        tree_(*grid_), field_(makeField(*grid_, tree_)),
+        radius_(std::min(std::max(0.75 * look.pixel / space_.voxel(), 1.0), Field::kWidest)) {}
+
+  Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
+  double skin() const override { return std::max(0.5, 0.5 * radius_) * space_.voxel(); }
+
+  bool firstHit(const Ray& asked, RayHit& hit) const override {
+    Ray ray = asked;
+    bool onCut = false;
+    if (look_.cut && !look_.cut->clip(ray, onCut))
+      return false;
+    const IndexRay inside = space_.toIndex(ray);
+    typename Field::Sampler sample(field_);
+    if (!find(inside, onCut, sample, hit.t))
+      return false;
+    const Vec3d p = inside.at(hit.t);
+    if (onCut) {
+      hit.normal = look_.cut->normal;
+    } else {
+      hit.normal = space_.normal(outwards(p, sample));
+      if (dot(hit.normal, hit.normal) < 0.5)
+        hit.normal = times(ray.direction, -1);
+      else if (dot(hit.normal, ray.direction) > 0) // a thin wall seen at a grazing angle
+        hit.normal = times(hit.normal, -1);
+    }
+    hit.color = paint_.at(minus(space_.toWorld(p), times(hit.normal, 0.5 * space_.voxel())));
+    hit.lit = true;
+    return true;
+  }
+
+  bool blocks(const Ray& asked) const override {
+    Ray ray = asked;
+    bool onCut = false;
+    if (look_.cut && !look_.cut->clip(ray, onCut))
+      return false;
+    typename Field::Sampler sample(field_);
+    double t = 0;
+    return find(space_.toIndex(ray), onCut, sample, t);
+  }
+
+private:
+  using Sampler = typename Field::Sampler;
+
+  static Field makeField(const openvdb::GridBase& grid, const ActiveTree& tree) {
+    if constexpr (std::is_same<Field, OccupancyField>::value)
+      return Field(tree);
+    else
+      return Field(grid);
+  }
+
+  /// The first t at which the field is not negative; `onCut` says, and is told, whether that is
+  /// where the ray begins.
+  bool find(const IndexRay& ray, bool& onCut, Sampler& sample, double& t) const {
+    if (onCut && sample(ray.at(ray.tMin)) >= 0) {
+      t = ray.tMin;
+      return true;
+    }
+    onCut = false;
+    const double voxelsPerT = length(ray.direction);
+    return tree_.walk(ray, [&](const ActiveTree::Span& span) {
+      double before = span.begin, beforeValue = sample(ray.at(before));
+      if (beforeValue >= 0) {
+        t = before;
+        return true;
+      }
+      while (before < span.end) {
+        const double stride = std::max(0.5, -Field::kStride * beforeValue) / voxelsPerT;
+        const double next = std::min(before + stride, span.end);
+        const double value = sample(ray.at(next));
+        if (value >= 0) {
+          t = closeIn(ray, sample, before, beforeValue, next, value);
+          return true;
+        }
+        before = next;
+        beforeValue = value;
+      }
+      return false;
+    });
+  }
+
+  /// Regula falsi with Illinois' halving.
+  static double closeIn(const IndexRay& ray, Sampler& sample, double out, double outValue,
+                        double in, double inValue) {
+    int side = 0;
+    for (int round = 0; round < 5 && inValue > 0; ++round) {
+      const double middle = out + (in - out) * outValue / (outValue - inValue);
+      const double value = sample(ray.at(middle));
+      if (value >= 0) {
+        in = middle;
+        inValue = value;
+        if (side == 1)
+          outValue *= 0.5;
+        side = 1;
+      } else {
+        out = middle;
+        outValue = value;
+        if (side == -1)
+          inValue *= 0.5;
+        side = -1;
+      }
+    }
+    return outValue < inValue ? out + (in - out) * outValue / (outValue - inValue) : in;
+  }
+
+  /// Against the field's gradient: over `radius_` voxels.
+  Vec3d outwards(const Vec3d& p, Sampler& sample) const {
+    Vec3d normal{0, 0, 0};
+    if (radius_ <= 2) {
+      for (std::size_t a = 0; a < 3; ++a) {
+        Vec3d ahead = p, behind = p;
+        ahead[a] += radius_;
+        behind[a] -= radius_;
+        normal[a] = sample(behind) - sample(ahead);
+      }
+      return normal;
+    }
+    ActiveTree::Probe probe(tree_);
+    for (int i = -3; i <= 3; ++i)
+      for (int j = -3; j <= 3; ++j)
+        for (int k = -3; k <= 3; ++k) {
+          const Vec3d offset{i * radius_ / 3, j * radius_ / 3, k * radius_ / 3};
+          const Vec3d q = plus(p, offset);
+          if (dot(offset, offset) <= radius_ * radius_ &&
+              probe.isOn({cellOf(q[0]), cellOf(q[1]), cellOf(q[2])}))
+            normal = minus(normal, offset);
+        }
+    return normal;
+  }
+
+  openvdb::GridBase::ConstPtr grid_;
+  VolumeLook look_;
+  VolumePaint paint_;
+  GridSpace space_;
+  ActiveTree tree_;
+  Field field_;
+  double radius_; ///< of normals, in voxels
+};
+
+} // namespace
+
+std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const VolumeLook& look) {
+  using openvdb::DoubleGrid;
+  using openvdb::FloatGrid;
+  if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
+    if (grid->isType<FloatGrid>())
+      return std::make_unique<SurfaceDrawable<LevelSetField<openvdb::FloatTree>>>(grid, look);
+    if (grid->isType<DoubleGrid>())
+      return std::make_unique<SurfaceDrawable<LevelSetField<openvdb::DoubleTree>>>(grid, look);
+  }
+  const bool shares = grid->getName() == "density" || grid->getName() == "coverage";
+  if (shares && grid->isType<FloatGrid>())
+    return std::make_unique<SurfaceDrawable<FogField>>(grid, look);
+  return std::make_unique<SurfaceDrawable<OccupancyField>>(grid, look);
+}
+
+} // namespace tetvdb

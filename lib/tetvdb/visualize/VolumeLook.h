@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Grids as things to draw: as voxels, as a smooth surface, as slices, as fog.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/visualize/Drawable.h"
+
+#include <functional>
+#include <memory>
+#include <openvdb/openvdb.h>
+#include <optional>
+
+namespace tetvdb {
+
+/// What is kept of a thing that is cut open: dot(normal, p) <= offset.
+struct CutPlane {
+  Vec3d normal{1, 0, 0}; ///< of length 1
+  double offset = 0;     ///< world units
+  /// Shortens the ray to its part that is kept; false where none is. `entered`: it now begins on
+  /// the plane.
+  bool clip(Ray& ray, bool& entered) const;
+};
+
+/// Colours by a grid's values.
+struct GridPaint {
+  openvdb::GridBase::ConstPtr grid;   ///< null: `plain` everywhere; vectors count by magnitude
+  std::function<Rgb(double)> colorOf; ///< of a value; needed with a grid; thread-safe
+  Rgb plain{0.8f, 0.8f, 0.8f};
+};
+
+struct VolumeLook {
+  GridPaint paint;
+  std::optional<CutPlane> cut;
+  /// Side of a pixel in the scene, world units, if known: normals are taken over as much, so that
+  /// voxels smaller than a pixel do not flicker. Of voxels that are larger the edges are drawn.
+  double pixel = 0;
+};
+
+/// Every active voxel as a box, found by walking through the tree: no mesh, no dense copy. Memory:
+/// that of an ActiveTree. The grid must stay as it is. Error(Usage) for a type that is unknown,
+/// Error(Invalid) for a frustum.
+std::unique_ptr<Drawable> drawVoxels(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
+
+/// A smooth surface: of a level set where it is zero, between voxels; of fogs named "density" or
+/// "coverage" where their values, smoothed over three voxels, are a half; of others the same of
+/// their active states. Errors and memory as above.
+std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
+
+/// The values of the paint's grid (the drawn one's where it has none) on the plane axis = position
+/// (world units) where voxels are active: every voxel in its colour, without light. Index axes, so
+/// transforms that turn are Error(Invalid).
+std::unique_ptr<Drawable> drawSlice(openvdb::GridBase::ConstPtr grid, int axis, double position,
+                                    const VolumeLook& look);
+
+struct FogLook {
+  GridPaint paint;
+  std::optional<CutPlane> cut;
+  Vec3d toLight{0, 0, 1}; ///< of length 1
+  float light = 0.8f;     ///< that reaches the fog's outside from there
+  float ambient = 0.35f;  ///< from everywhere
+  /// Optical depth, at value 1, across the longest side of the active voxels' box.
+  double depth = 12;
+};
+
+/// Fog of the grid's values (negative ones are nothing): light scattered once, shadows from a
+/// coarse field of 64 cells along the longest side. Cost: that field once, in parallel; 2 MB.
+std::unique_ptr<Medium> drawFog(openvdb::GridBase::ConstPtr grid, const FogLook& look,
+                                Progress& progress);
+
+} // namespace tetvdb

@@ -3,10 +3,11 @@
 #
 # Installs the Debian 12 packages that TetVDB needs and that are not there yet.
 #
-#   scripts/setup.sh [--build] [--test] [--demo] [--check]      without options: --build
+#   scripts/setup.sh [--build] [--test] [--demo] [--check] [--blender]      without options: --build
 #
 # --build  compiler and libraries      --test   what the tests need besides
 # --demo   the renderer of the demo    --check  clang-format, clang-tidy, clang for the fuzzers
+# --blender  Blender, for the tests that look at volumes in it (up to 1 GB)
 set -euo pipefail
 
 build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
@@ -17,6 +18,7 @@ test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 py
   python3-numpy libopenvdb-tools libnanovdb-tools)
 demo=(libopenvdb-tools)
 check=(clang clang-format-14 clang-tidy-14)
+blender=(blender python3 python3-openvdb python3-numpy)
 
 wanted=()
 for option in "${@:---build}"; do
@@ -25,7 +27,8 @@ for option in "${@:---build}"; do
     --test) wanted+=("${build[@]}" "${test[@]}") ;;
     --demo) wanted+=("${build[@]}" "${demo[@]}") ;;
     --check) wanted+=("${check[@]}") ;;
-    *) sed -n '4,9s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    --blender) wanted+=("${blender[@]}") ;;
+    *) sed -n '4,10s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 done
 

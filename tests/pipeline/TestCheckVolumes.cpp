@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <unistd.h>
 
@@ -109,7 +110,7 @@ TEST_F(CheckVolumes, FrustumsAndSizes) {
   auto frustum = box("density", 1, 12);
   frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
       openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(100)), 0.5, 10, 0.1));
-  EXPECT_EQ(found({save("frustum.vdb", {frustum})}), (Set{"warning:transform density"}));
+  EXPECT_EQ(found({save("frustum.vdb", {frustum})}), (Set{"error:transform density"}));
   EXPECT_EQ(found({save("tiny.vdb", {box("density", 1, 12, 2e-5)})}),
             (Set{"warning:extent", "warning:voxel-size density"}));
   EXPECT_EQ(found({save("huge.vdb", {box("density", 1, 12, 200)})}), (Set{"warning:extent"}));
@@ -119,6 +120,23 @@ TEST_F(CheckVolumes, FrustumsAndSizes) {
             (Set{"warning:memory density"}));
   small.denseBytes += 1;
   EXPECT_EQ(found({save("dense.vdb", {box("density", 1, 12)})}, small), Set{});
+}
+
+TEST_F(CheckVolumes, Backgrounds) {
+  const auto with = [&](const std::string& name, float background) {
+    auto grid = box(name, 1, 12);
+    openvdb::tools::changeBackground(grid->tree(), background);
+    return grid;
+  };
+  auto numbers = openvdb::Int32Grid::create(-1);
+  numbers->setName("numbers");
+  numbers->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
+  numbers->tree().setValue(openvdb::Coord(0), 1);
+  const std::string file = save("a.vdb", {with("zero", 0), with("one", 1), numbers});
+  EXPECT_EQ(found({file}), (Set{"warning:background one"})); // of `numbers` a note
+  CheckOptions houdini;
+  houdini.target = CheckTarget::Houdini;
+  EXPECT_EQ(found({file}, houdini), Set{});
 }
 
 TEST_F(CheckVolumes, UpAxis) {
@@ -140,7 +158,7 @@ TEST_F(CheckVolumes, Sequences) {
   EXPECT_EQ(found({save("plain.vdb", density()), save("other.vdb", density())}),
             (Set{"error:sequence-name"}));
   EXPECT_EQ(found({save("c.1_low.vdb", density()), save("c.2_low.vdb", density())}),
-            (Set{"warning:sequence-name"}));
+            (Set{"error:sequence-name"}));
   EXPECT_EQ(found({a1, save("a.0002.vdb", {box("density", 1, 12, 0.3)})}),
             (Set{"warning:sequence-transform density"}));
   EXPECT_EQ(found({a1, save("a.0002.vdb", {box("density", 1, 12), box("T", 1, 12)})}),

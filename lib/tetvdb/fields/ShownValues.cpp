@@ -13,7 +13,7 @@ std::string whyHidden(const GridInfo& grid) {
   if (grid.maxValue < kLeastShown)
     return fmt::format("ranges from {}: Blender shows nothing below {}", range, kLeastShown);
   if (grid.minValue < 0)
-    return fmt::format("ranges from {}: renderers take negative values for nothing", range);
+    return fmt::format("ranges from {}: renderers take negative densities for nothing", range);
   if (grid.maxValue > kMostShown)
     return fmt::format("ranges from {}: renderers show such densities as a solid block", range);
   return {};

@@ -56,6 +56,15 @@ std::string targetName(CheckTarget target) {
   return target == CheckTarget::Blender ? "Blender" : "Houdini";
 }
 
+// The background of a grid of single numbers.
+std::optional<double> numberBackground(const openvdb::GridBase& base) {
+  std::optional<double> background;
+  base.apply<openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
+                               openvdb::Int64Grid>>(
+      [&](const auto& grid) { background = static_cast<double>(grid.background()); });
+  return background;
+}
+
 double valueBytes(const std::string& type) {
   if (type == "vec3s" || type == "vec3i")
     return 12; // 16 on most GPUs
@@ -85,10 +94,13 @@ public:
             "give each a name of its own");
       checkTransform(grids[i]->transform(), grids.front()->transform());
       mask_ = grids[i]->isType<openvdb::MaskGrid>();
+      background_ = numberBackground(*grids[i]).value_or(0);
       checkGrid(infos[i]);
       facts.grids.insert({infos[i].name, infos[i].type});
       facts.transforms[infos[i].name] = grids[i]->transform().copy();
     }
+    if (forBlender())
+      checkVelocity(names);
     return facts;
   }
 
@@ -142,15 +154,34 @@ private:
 
   void checkTransform(const openvdb::math::Transform& transform,
                       const openvdb::math::Transform& first) {
+    const std::string frustum = "has a transform that is not affine (a frustum), ";
     if (!transform.isLinear())
-      add(Weight::Warning, "transform",
-          "has a transform that is not affine (a frustum); only its affine part is kept",
+      add(forBlender() ? Weight::Error : Weight::Warning, "transform",
+          frustum + (forBlender() ? "of which Blender's Cycles draws nothing"
+                                  : "which not every program knows"),
           "resample it to a linear transform");
     else if (!coincide(transform, first))
       add(Weight::Warning, "transform",
-          "has another transform than the file's first grid: grids are resampled to fit, or do "
-          "not lie on each other",
+          "has another transform than the file's first grid: their voxels do not lie on each "
+          "other, "
+          "and what combines the grids has to resample them",
           "make all grids in one run of tetvdb voxelize");
+  }
+
+  // Blender looks for the volume's velocity by these names, and shaders then know that grid by the
+  // first of them alone.
+  void checkVelocity(const std::set<std::string>& names) {
+    for (const char* name : {"velocity", "vel", "v"}) {
+      if (names.count(name) == 0)
+        continue;
+      grid_ = name;
+      if (grid_ != "velocity")
+        add(Weight::Note, "velocity-name",
+            "is what Blender takes for the velocity: shaders find it as 'velocity', not by its "
+            "name",
+            "ask for 'velocity' in the material, or voxelize with --derive NAME=" + grid_);
+      return;
+    }
   }
 
   void checkGrid(const GridInfo& info) {
@@ -167,6 +198,12 @@ private:
       add(Weight::Warning, "hidden-values", hidden,
           fmt::format("tetvdb voxelize with --remap {}=0:1{}", info.name,
                       forBlender() ? ", or lower the render setting Volume > Clipping" : ""));
+    if (forBlender() && background_ != 0 && info.gridClass != "level set")
+      add(background_ > 0 ? Weight::Warning : Weight::Note, "background",
+          fmt::format("has a background of {:.6g}, which Blender draws around the voxels as well",
+                      background_),
+          background_ > 0 ? "give it the background 0, or multiply it by 'density' in the material"
+                          : "where it is drawn as light, multiply it by 'density' in the material");
     double box = 1;
     for (std::size_t k = 0; k < 3; ++k)
       box *= static_cast<double>(info.boxMax[k]) - info.boxMin[k] + 1;
@@ -219,7 +256,8 @@ private:
   const CheckOptions& options_;
   std::vector<Finding>& findings_;
   std::string grid_;
-  bool mask_ = false; ///< the grid is a MaskGrid
+  bool mask_ = false;     ///< the grid is a MaskGrid
+  double background_ = 0; ///< of a grid of single numbers
 };
 
 // "a.0007" of "out/a.0007.vdb" as "a.", 7 and "": what comes before and after its last number.
@@ -245,7 +283,8 @@ struct NumberedName {
   }
 };
 
-void checkNames(const std::vector<std::string>& paths, std::vector<Finding>& findings) {
+void checkNames(const std::vector<std::string>& paths, CheckTarget target,
+                std::vector<Finding>& findings) {
   const std::string rename = "name frames NAME.0001.vdb, NAME.0002.vdb and so on";
   const NumberedName first(paths.front());
   std::vector<std::pair<unsigned long long, std::string>> numbers;
@@ -258,12 +297,11 @@ void checkNames(const std::vector<std::string>& paths, std::vector<Finding>& fin
                           rename});
       continue;
     }
-    if (!name.after.empty())
-      findings.push_back({Weight::Warning, "sequence-name", path, "",
-                          "has '" + name.after +
-                              "' after its number, by which some programs do "
-                              "not know a sequence",
-                          rename});
+    if (!name.after.empty() && target == CheckTarget::Blender)
+      findings.push_back(
+          {Weight::Error, "sequence-name", path, "",
+           "has '" + name.after + "' after its number: Blender shows the first file in all frames",
+           rename});
     numbers.emplace_back(*name.number, path);
   }
   std::sort(numbers.begin(), numbers.end());
@@ -276,7 +314,9 @@ void checkNames(const std::vector<std::string>& paths, std::vector<Finding>& fin
     else if (number != before + 1)
       findings.push_back(
           {Weight::Error, "sequence-gap", path, "",
-           fmt::format("follows frame {}: Blender drops all frames after a gap", before),
+           fmt::format("follows frame {}: {}", before,
+                       target == CheckTarget::Blender ? "Blender drops all frames after a gap"
+                                                      : "there is no file for the frames between"),
            "number the frames without gaps"});
   }
 }
@@ -322,7 +362,7 @@ std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
     progress.update(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
   }
   if (paths.size() > 1) {
-    checkNames(paths, findings);
+    checkNames(paths, options.target, findings);
     compareFrames(paths, facts, findings);
   }
   return findings;

@@ -44,14 +44,16 @@ struct Finding {
 /// - name: empty, or twice in the file
 /// - type: the target does not draw grids of this type
 /// - class: not set, so that surfaces made of the grid are inside out
-/// - transform: not affine, or another than that of the file's other grids
+/// - transform: not affine (Blender draws nothing), or another than that of the file's other grids
 /// - hidden-values: densities below what is drawn, negative ones, or far above 1
+/// - background: other than 0, which Blender draws around the voxels (a note where it is negative)
 /// - memory: bytes when the active box is uploaded densely
 /// - voxel-size, extent: too small for the target, or a size that hints at another unit
 /// - up-axis: the file says that another axis points up (or, for Houdini, says nothing)
+/// - velocity-name (a note): Blender's shaders know the grid by another name
 /// - usual-name (a note): no grid has the name that the target's default material asks for
 /// - sequence-name, sequence-gap, sequence-grids, sequence-transform: of several files
-/// Facts about the targets are from their sources and from Blender 3.4 as run (docs/dcc.md).
+/// Facts about Blender are from version 3.4 as run by tests/blender/test_claims.py (docs/dcc.md).
 /// Throws Error(Invalid) for a file that cannot be read, Error(Cancelled). Reads one file at a
 /// time.
 std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,

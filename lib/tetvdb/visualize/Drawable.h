@@ -19,6 +19,15 @@ struct Ray {
   Vec3d direction{0, 0, 1}; ///< of length 1
   double tMin = 0;          ///< world units along the direction
   double tMax = std::numeric_limits<double>::infinity();
+  /// The side of the pixel that the ray stands for, in world units: pixel + spread t. 0 for rays
+  /// that stand for none. What has a width in pixels (lines) or a level of detail asks for it.
+  double pixel = 0, spread = 0;
+
+  double pixelAt(double t) const { return pixel + spread * t; }
+  Vec3d at(double t) const {
+    return {origin[0] + t * direction[0], origin[1] + t * direction[1],
+            origin[2] + t * direction[2]};
+  }
 };
 
 struct RayHit {
@@ -26,7 +35,21 @@ struct RayHit {
   Vec3d normal{0, 0, 1}; ///< of length 1, towards the ray's origin
   Rgb color{1, 1, 1};    ///< of the surface: what it reflects of white light
   bool lit = true;       ///< false: shown in its colour as it is (lines, legends)
+  /// The surface's own normal where `normal` is a smoothed one, of length 1, towards the ray's
+  /// origin; zero: `normal` is it.
+  Vec3d faceNormal{0, 0, 0};
 };
+
+/// The maximum of the dot product of `direction` with the points of a box; -infinity for an empty
+/// one.
+inline double supportOf(const Box& box, const Vec3d& direction) {
+  if (!(box.low[0] <= box.high[0]))
+    return -std::numeric_limits<double>::infinity();
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    sum += direction[axis] * (direction[axis] > 0 ? box.high : box.low)[axis];
+  return sum;
+}
 
 /// An opaque thing. Const member functions are thread-safe.
 class Drawable {
@@ -34,6 +57,9 @@ public:
   virtual ~Drawable() = default;
   /// World units; empty where there is nothing to draw.
   virtual Box bounds() const = 0;
+  /// How far the thing reaches in a direction: the maximum of the dot product with its points, or
+  /// more. By it cameras find the closest framing; that of the box wastes half the picture.
+  virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
   /// The first point within [tMin, tMax], if there is one.
   virtual bool firstHit(const Ray& ray, RayHit& hit) const = 0;
   /// Whether there is a point within [tMin, tMax]: for shadows and ambient occlusion.
@@ -47,6 +73,8 @@ class Medium {
 public:
   virtual ~Medium() = default;
   virtual Box bounds() const = 0;
+  /// As Drawable::support().
+  virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
   /// Light that reaches the ray's origin from within [tMin, tMax], and what share of light from
   /// behind gets through. `jitter` in [0, 1) moves the samples by that part of a step.
   virtual void gather(const Ray& ray, double jitter, Rgb& light, float& transmittance) const = 0;

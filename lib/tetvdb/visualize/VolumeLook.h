@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/visualize/CutPlane.h"
 #include "tetvdb/visualize/Drawable.h"
 
 #include <functional>
@@ -12,15 +13,6 @@
 #include <optional>
 
 namespace tetvdb {
-
-/// What is kept of a thing that is cut open: dot(normal, p) <= offset.
-struct CutPlane {
-  Vec3d normal{1, 0, 0}; ///< of length 1
-  double offset = 0;     ///< world units
-  /// Shortens the ray to its part that is kept; false where none is. `entered`: it now begins on
-  /// the plane.
-  bool clip(Ray& ray, bool& entered) const;
-};
 
 /// Colours by a grid's values.
 struct GridPaint {

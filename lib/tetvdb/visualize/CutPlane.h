@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/visualize/Drawable.h"
+
+namespace tetvdb {
+
+/// What is kept of a thing that is cut open: dot(normal, p) <= offset.
+struct CutPlane {
+  Vec3d normal{1, 0, 0}; ///< of length 1
+  double offset = 0;     ///< world units
+  /// Shortens the ray to its part that is kept; false where none is. `entered`: it now begins on
+  /// the plane.
+  bool clip(Ray& ray, bool& entered) const;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Pictures of scenes, by ray tracing.
+//
+//   tetvdb::Scene scene;
+//   scene.drawables.push_back(std::make_shared<tetvdb::TriangleDrawable>(mesh, look, progress));
+//   const tetvdb::View view = tetvdb::viewNamed("iso");
+//   const tetvdb::Camera camera(view, {}, tetvdb::frame(view, {}, 640, 480, scene.support()), 640,
+//                               480);
+//   tetvdb::writePng("out.png", tetvdb::render(scene, camera, {}, progress));
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/visualize/Camera.h"
+#include "tetvdb/visualize/Image.h"
+#include "tetvdb/visualize/Lighting.h"
+#include "tetvdb/visualize/Scene.h"
+
+#include <cstdint>
+
+namespace tetvdb {
+
+struct RenderOptions {
+  Lighting lighting;
+  /// Rays a pixel, sixteen in place of the usual four, go to at most this share of the pixels: to
+  /// those where the four, or pixels side by side, differ most.
+  double refinedShare = 0.15;
+  /// Rays that look for the sky from every pixel, spread over its samples.
+  std::uint32_t skyRays = 16;
+  /// Evens out the sky's light among pixels of one surface; what it hides is random by nature.
+  bool smoothSky = true;
+};
+
+/// Every pixel's rays, and what is random about them, depend on the pixel's place alone, so that
+/// the picture is the same for any number of threads. Memory: 60 bytes a pixel. Parallel; on two
+/// cores about 0.5 s for 640 x 480 and 10^6 triangles. Throws Error(Limit) for a picture without
+/// pixels, Error(Cancelled).
+Image render(const Scene& scene, const Camera& camera, const RenderOptions& options,
+             Progress& progress);
+
+} // namespace tetvdb

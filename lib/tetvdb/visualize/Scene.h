@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/visualize/Camera.h"
+#include "tetvdb/visualize/Drawable.h"
+#include "tetvdb/visualize/Image.h"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+/// Everything that is in a picture.
+struct Scene {
+  std::vector<std::shared_ptr<const Drawable>> drawables;
+  std::vector<std::shared_ptr<const Medium>> media;
+  /// From the upper edge of the picture to the lower one; may be transparent.
+  Pixel backgroundTop, backgroundBottom;
+
+  Box bounds() const {
+    Box box;
+    for (const auto& drawable : drawables)
+      box.add(drawable->bounds());
+    for (const auto& medium : media)
+      box.add(medium->bounds());
+    return box;
+  }
+  /// For frame(); the scene must outlive it.
+  Support support() const {
+    return [this](const Vec3d& direction) {
+      double most = -std::numeric_limits<double>::infinity();
+      for (const auto& drawable : drawables)
+        most = std::max(most, drawable->support(direction));
+      for (const auto& medium : media)
+        most = std::max(most, medium->support(direction));
+      return most;
+    };
+  }
+};
+
+} // namespace tetvdb

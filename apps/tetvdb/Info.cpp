@@ -136,7 +136,6 @@ std::string meshText(const InputInfo& info, const TetMesh& mesh) {
 Json gridSection(const GridInfo& grid) {
   Json section = toJson(grid);
   section["linear"] = grid.linear;
-  section["box"] = {{"min", grid.boxMin}, {"max", grid.boxMax}};
   section["min"] = grid.minValue;
   section["max"] = grid.maxValue;
   Json metadata = Json::object();

@@ -69,6 +69,7 @@ Json toJson(const GridInfo& grid) {
           {"leaves", grid.leaves},
           {"bytes", grid.bytes},
           {"volume", grid.volume},
+          {"box", {{"min", grid.boxMin}, {"max", grid.boxMax}}},
           {"min", grid.activeVoxels == 0 ? Json() : Json(grid.minValue)},
           {"max", grid.activeVoxels == 0 ? Json() : Json(grid.maxValue)},
           {"voxel_size", grid.transform.voxelSize},

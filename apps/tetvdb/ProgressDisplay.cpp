@@ -10,6 +10,7 @@ namespace tetvdb::cli {
 namespace {
 
 constexpr int kBarWidth = 32;
+constexpr int kPercentPerLine = 5;
 
 } // namespace
 
@@ -28,14 +29,19 @@ ProgressDisplay::ProgressDisplay(Style style, Progress& progress) : style_(style
 }
 
 void ProgressDisplay::show(std::string_view stage, double fraction) {
+  fraction = std::clamp(fraction, 0.0, 1.0);
   if (style_ == Style::Lines) {
-    if (stage == stage_)
-      return;
-    stage_ = stage;
-    fmt::print(stderr, "tetvdb: {}\n", stage);
+    const int percent = static_cast<int>(100 * fraction);
+    if (stage != stage_) {
+      fmt::print(stderr, "tetvdb: {}\n", stage);
+      stage_ = stage;
+      percent_ = 0;
+    } else if (percent >= percent_ + kPercentPerLine) {
+      fmt::print(stderr, "tetvdb: {} {} %\n", stage, percent);
+      percent_ = percent;
+    }
     return;
   }
-  fraction = std::clamp(fraction, 0.0, 1.0);
   const int full = static_cast<int>(fraction * kBarWidth);
   fmt::print(stderr, "\r\033[K{:<11}[{:#<{}}{: <{}}] {:3.0f} %", stage, "", full, "",
              kBarWidth - full, 100 * fraction);

@@ -8,7 +8,8 @@
 
 namespace tetvdb::cli {
 
-/// Shows on stderr how far a job is: a bar on a terminal, else a line a stage when asked for.
+/// Shows on stderr how far a job is: a bar on a terminal, else when asked for lines that programs
+/// can follow, "tetvdb: STAGE" and "tetvdb: STAGE 40 %".
 class ProgressDisplay {
 public:
   enum class Style { Nothing, Lines, Bar };
@@ -30,6 +31,7 @@ private:
   Style style_;
   bool drawn_ = false;
   std::string stage_;
+  int percent_ = 0; ///< of the last line
 };
 
 } // namespace tetvdb::cli

@@ -29,13 +29,14 @@ BLENDER = os.environ["TETVDB_BLENDER"]
 SCRIPTS = HERE.parent.parent / "scripts"
 
 
-def run_blender(script, *arguments, timeout=240):
-    """What Blender says on the way; a script that fails is an error."""
+def run_blender(script, *arguments, folder, timeout=240):
+    """What Blender says on the way; a script that fails is an error. Add-ons go to `folder`."""
     done = subprocess.run(
         [BLENDER, "-b", "--factory-startup", "--python-exit-code", "1", "--python", str(script),
          "--", *map(str, arguments)],
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        timeout=timeout, env={**os.environ, "TETVDB_SCRIPTS": str(SCRIPTS)})
+        timeout=timeout, env={**os.environ, "TETVDB_SCRIPTS": str(SCRIPTS),
+                              "BLENDER_USER_SCRIPTS": str(folder)})
     said = done.stdout.decode(errors="replace")
     if done.returncode != 0:
         raise RuntimeError(f"Blender ended with {done.returncode}:\n{said[-4000:]}")
@@ -74,7 +75,7 @@ class Test(program.CommandLineTest):
                 cls.waiting[name] = error
         listed, answers = cls.root / "questions.json", cls.root / "answers.json"
         listed.write_text(json.dumps(questions))
-        cls.said = run_blender(cls.probe, listed, answers)
+        cls.said = run_blender(cls.probe, listed, answers, folder=cls.root / "scripts")
         cls.answers = json.loads(answers.read_text())
 
     def setUp(self):

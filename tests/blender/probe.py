@@ -3,7 +3,7 @@
 
     blender -b --factory-startup --python-exit-code 1 --python probe.py -- QUESTIONS.json ANSWERS.json
 
-QUESTIONS is a list of objects with the key `ask` (a function below) and its arguments; ANSWERS has
+QUESTIONS is a list of objects with the key `ask` (a function below, without `ask_`) and its arguments; ANSWERS has
 their results in the same order, or {"exception": TEXT}. Nothing is judged here, and nothing of TetVDB
 is used.
 """
@@ -220,7 +220,7 @@ def ask_sequence(paths, grid, threshold, frames, pictures=()):
     return answer
 
 
-def main(questions, answers):
+def main(functions, questions, answers):
     results = []
     with open(questions) as file:
         asked = json.load(file)
@@ -228,7 +228,7 @@ def main(questions, answers):
         clear()
         try:
             name = "ask_" + question.pop("ask")
-            results.append(globals()[name](**question))
+            results.append(functions[name](**question))
         except Exception:  # the test that asked reports it
             results.append({"exception": traceback.format_exc()})
     with open(answers, "w") as file:
@@ -236,4 +236,4 @@ def main(questions, answers):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[sys.argv.index("--") + 1:])
+    main(globals(), *sys.argv[sys.argv.index("--") + 1:])

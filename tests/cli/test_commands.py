@@ -2,6 +2,7 @@
 """What works: voxelize, info and compare of volumes as in the guide, and their reports."""
 
 import json
+import re
 import unittest
 
 from program import (DATA, WRITERS, CommandLineTest, box_faces, gmsh, lattice, medit, off, vtu)
@@ -118,6 +119,27 @@ class Voxelize(CommandLineTest):
         verbose = self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 8, "-v")
         for stage in ("read", "voxelize", "write"):
             self.assertIn(stage, verbose.err)
+
+    def test_progress_in_lines(self):
+        # Programs follow these: the stages in order, and percents that rise within each.
+        self.write("a.mesh", medit(*lattice(3)))
+        lines = self.succeed("voxelize", "a.mesh", "-o", "a.vdb", "--grid", "coverage", "-v",
+                             "--resolution", 400).lines
+        steps = [m.groups() for line in lines
+                 for m in [re.fullmatch(r"tetvdb: ([a-z ]+?)(?: (\d+) %)?", line)] if m]
+        stages = [stage for stage, percent in steps if percent is None]
+        self.assertEqual(stages[0], "read")
+        self.assertEqual(stages[-1], "write")
+        seen, last = set(), 0
+        for stage, percent in steps:
+            if percent is not None:
+                self.assertEqual(stage, stages[len(seen) - 1])
+                self.assertGreater(int(percent), last)
+                self.assertLessEqual(int(percent), 100)
+            else:
+                seen.add((stage, len(seen)))
+            last = int(percent or 0)
+        self.assertTrue(any(percent for _, percent in steps))
 
     def test_report_into_a_file(self):
         self.write("box.mesh", medit(*lattice(2)))

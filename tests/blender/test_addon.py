@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The add-on of scripts/blender, in Blender."""
+
+import math
+import unittest
+
+import numpy
+
+import blender
+import program
+from program import lattice
+from test_fields import vtu_with
+
+SIZE = 0.05
+
+
+def block(corner=(0.1, 0.1, 0.1), side=1.0, heat=lambda x: 300 + 200 * x):
+    points, tets = lattice(2, origin=corner, side=side)
+    return vtu_with(points, tets, [("temperature", [heat(p[0]) for p in points]),
+                                   ("vel", [(3.0, 0.0, 4.0 * p[0]) for p in points])])
+
+
+class AddOn(blender.Test):
+    probe = blender.HERE / "addon_probe.py"
+
+    def imported(self, name, pictures=(), frames=(), program=None, files=(), **options):
+        options = {"filepath": str(self.path(name)), "size_by": "VOXEL_SIZE", "voxel_size": SIZE,
+                   **options}
+        if files:
+            options.update(directory=str(self.folder), files=[{"name": each} for each in files])
+        return {"ask": "import", "options": options, "frames": list(frames), "program": program,
+                "pictures": list(pictures)}
+
+    def volume_of(self, answer):
+        self.assertNotIn("error", answer)
+        self.assertEqual(answer["result"], ["FINISHED"])
+        volume, = (each for each in answer["objects"] if each["type"] == "VOLUME")
+        self.assertTrue(volume["selected"])
+        return volume
+
+    def from_above(self):
+        look = dict(view="z", centre=(0.6, 0.6, 0.6), width=1.6, pixels=32)
+        picture = blender.Picture(self.path("seen.npy"), **look)
+        return dict(look, save=str(picture.path)), picture
+
+    def assert_glow(self, picture, material, value):
+        """A picture from above of the block, whose array is `value` of x. Light of strength e from
+        density d is e / d * (1 - exp(-d * length)) of the color, where the add-on has taken
+        Blender's half voxel out."""
+        low, high = material["range"]
+        ramp = numpy.array(material["ramp"])[:, :3]
+        columns = (picture.u > 0.2) & (picture.u < 1.0)
+        rows = (picture.v > 0.2) & (picture.v < 1.0)
+        place = (value(picture.u[columns]) - low) / (high - low)
+        glow = 0.5 * (1 - math.exp(-20))
+        for channel in range(3):
+            wanted = glow * numpy.interp(place, numpy.linspace(0, 1, 21), ramp[:, channel])
+            seen = picture.colors[rows][:, columns, channel].mean(0)
+            self.assertLess(numpy.abs(seen - wanted).max(), 0.01, f"channel {channel}")
+        outside = (picture.u < 0.0) | (picture.u > 1.2)
+        self.assertEqual(numpy.abs(picture.values[:, outside]).max(), 0)
+
+    @blender.asks
+    def test_registration(self):
+        answer, = yield [{"ask": "state"}]
+        there, gone = {"menu": 1, "operator": True}, {"menu": 0, "operator": False}
+        self.assertEqual(answer, {"on": there, "off": gone, "again": there})
+
+    @blender.asks
+    def test_field_in_colors(self):
+        self.write("beam.vtu", block())
+        look, picture = self.from_above()
+        answer, = yield [self.imported(
+            "beam.vtu", arrays="temperature", pictures=[look])]
+        volume = self.volume_of(answer)
+        self.assertEqual(volume["name"], "beam")
+        self.assertEqual(volume["file"], "beam.vdb")
+        self.assertTrue(self.path("beam.vdb").exists())
+        self.assertFalse(volume["is_sequence"])
+        self.assertEqual([grid["name"] for grid in volume["grids"]], ["density", "temperature"])
+        self.assertEqual(volume["scale"], [1, 1, 1])
+        material, = volume["materials"]
+        inputs = material["inputs"]
+        self.assertEqual(inputs["Density Attribute"], "density")
+        self.assertEqual(inputs["Color"], "ShaderNodeValToRGB")
+        self.assertEqual(inputs["Emission Color"], "ShaderNodeValToRGB")
+        self.assertEqual(sorted(material["attributes"]), ["density", "temperature"])
+        # A model of length 1 (twenty voxels): an optical length of 20.
+        self.assertAlmostEqual(inputs["Density"], 20, delta=1e-3)
+        # Values at the first and the last voxel's centre.
+        low, high = material["range"]
+        self.assertAlmostEqual(low, 300 + 200 * 0.1, delta=0.001)
+        self.assertAlmostEqual(high, 300 + 200 * 1.05, delta=0.001)
+        self.assert_glow(picture, material, lambda x: 300 + 200 * x)
+
+    @blender.asks
+    def test_place_and_surface(self):
+        # In millimetres, as triangles; the surface is the mesh's, not half a voxel beside.
+        low, high = (2.0, 3.0, 4.0), (12.0, 8.0, 6.0)
+        self.write("part.off", program.off(*program.box_faces(low, high)))
+        answer, = yield [self.imported("part.off", voxel_size=0.25, surface=True, scale=0.1,
+                                       shading="DENSITY", more="--mesher winding")]
+        volume = self.volume_of(answer)
+        self.assertEqual([grid["name"] for grid in volume["grids"]], ["density", "surface"])
+        material, = volume["materials"]
+        self.assertAlmostEqual(material["inputs"]["Density"], 20 / (10 * 0.1), delta=1e-3)
+        self.assertEqual(material["attributes"], [])
+        surface, = (each for each in answer["objects"] if each["type"] == "MESH")
+        seen = surface["surface"]
+        self.assertEqual(seen["open_edges"], 0)
+        for axis in range(3):
+            self.assertAlmostEqual(seen["box"][0][axis], 0.1 * low[axis], delta=1e-3)
+            self.assertAlmostEqual(seen["box"][1][axis], 0.1 * high[axis], delta=1e-3)
+        self.assertAlmostEqual(seen["volume"], 0.1, delta=0.03 * 0.1)
+
+    @blender.asks
+    def test_sequences(self):
+        for frame in (1, 2, 3):
+            self.write(f"step_{frame + 8}.vtu", block(corner=(0.5 * frame, 0, 0),
+                                                      heat=lambda x: 100.0 * frame))
+        self.write("run.pvd", '<VTKFile type="Collection" version="0.1"><Collection>' + "".join(
+            f'<DataSet timestep="{frame}" part="0" file="step_{frame + 8}.vtu"/>'
+            for frame in (1, 2, 3)) + "</Collection></VTKFile>")
+        names = [f"step_{frame + 8}.vtu" for frame in (3, 1, 2)]
+        collection, again, files, together = yield [
+            self.imported("run.pvd", arrays="temperature", frames=[1, 2, 3, 4]),
+            self.imported("run.pvd", arrays="temperature", frames=[1]),  # all frames are there
+            self.imported(names[0], files=names, output=str(self.path("files.vdb")),
+                          arrays="temperature", frames=[1, 2, 3]),
+            self.imported(names[0], files=names, output=str(self.path("one.vdb")), sequence=False)]
+        for answer, name in ((collection, "run"), (again, "run"), (files, "files")):
+            volume = self.volume_of(answer)
+            self.assertEqual((volume["is_sequence"], volume["frames"], volume["start"],
+                              volume["offset"], volume["mode"]), (True, 3, 1, 0, "EXTEND"))
+            self.assertEqual(answer["frame_end"], 3)
+            shown = [1, 2, 3, 3][:len(answer["frames"])]
+            self.assertEqual([f["file"] for f in answer["frames"]],
+                             [f"{name}.{i:04}.vdb" for i in shown])
+            for frame, seen in zip(shown, answer["frames"]):
+                self.assertAlmostEqual(seen["box"][0][0], 0.5 * frame, delta=0.501 * SIZE)
+            material, = volume["materials"]
+            self.assertEqual(material["range"], [100, 300])  # of all frames
+            self.assertAlmostEqual(material["inputs"]["Density"], 20 / 2, delta=1e-3)
+        self.assertFalse(self.volume_of(together)["is_sequence"])
+
+    @blender.asks
+    def test_vectors_and_temperatures(self):
+        self.write("a.vtu", block())
+        look, picture = self.from_above()
+        speed, kelvin, chosen, plain, mapped = yield [
+            self.imported("a.vtu", arrays="vel", pictures=[look]),
+            self.imported("a.vtu", arrays="temperature", shading="BLACKBODY", remap=True),
+            self.imported("a.vtu", arrays="all", color_by="vel"),
+            self.imported("a.vtu", arrays="all", shading="NONE"),
+            self.imported("a.vtu", arrays="temperature", remap=True)]
+        for answer in (speed, chosen):
+            material, = self.volume_of(answer)["materials"]
+            # The magnitude, by the name that Blender gives to the velocity.
+            self.assertEqual(sorted(material["attributes"]), ["density", "velocity"])
+            self.assertAlmostEqual(material["range"][0], math.hypot(3, 0.4), delta=1e-4)
+            self.assertAlmostEqual(material["range"][1], math.hypot(3, 4.2), delta=1e-4)
+        self.assert_glow(picture, self.volume_of(speed)["materials"][0],
+                         lambda x: numpy.hypot(3, 4 * x))
+        inputs = self.volume_of(kelvin)["materials"][0]["inputs"]
+        self.assertEqual(inputs["Temperature Attribute"], "temperature")
+        self.assertEqual((inputs["Temperature"], inputs["Blackbody Intensity"]), (1, 1))
+        self.assertEqual(self.volume_of(plain)["materials"], [])
+        # The mesh's range is 0 to 1; the last voxel's centre is a voxel from its end.
+        low, high = self.volume_of(mapped)["materials"][0]["range"]
+        self.assertAlmostEqual(low, 0, delta=1e-5)
+        self.assertAlmostEqual(high, 1 - SIZE, delta=1e-5)
+
+    @blender.asks
+    def test_what_goes_wrong(self):
+        self.write("a.vtu", block())
+        self.write("no.vtu", "nothing")
+        self.write("sheet.off", program.off([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [[0, 1, 2]]))
+        answers = yield [
+            self.imported("no.vtu"), self.imported("a.vtu", arrays="pressure"),
+            self.imported("sheet.off"), self.imported("none.vtu"),
+            self.imported("a.vtu", program="/nowhere/tetvdb"),
+            self.imported("a.vtu", color_by="speed"),
+            self.imported("a.vtu", output=str(self.path("no/such/folder.vdb")))]
+        for answer, says in zip(answers, ("no.vtu", "pressure", "--shell", "none.vtu",
+                                          "add-on's preferences", "speed", "no/such")):
+            self.assertIn("error", answer, says)
+            self.assertIn(says, answer["error"])
+            self.assertEqual(answer["objects"], [])
+
+    @blender.asks
+    def test_progress_and_cancel(self):
+        self.write("a.vtu", block())
+        cancelled, whole = yield [
+            {"ask": "cancel", "path": str(self.path("a.vtu")), "output": str(self.path("c.vdb"))},
+            {"ask": "progress", "path": str(self.path("a.vtu")),
+             "output": str(self.path("w.vdb"))}]
+        self.assertNotEqual(cancelled["stage"], "")
+        self.assertIn("cancelled", cancelled["text"])
+        self.assertLess(cancelled["seconds"], 15)
+        self.assertFalse(cancelled["left"])
+        self.assertFalse(self.path("c.vdb").exists())
+        self.assertEqual(whole["status"], 0)
+        self.assertEqual([line for line in whole["said"] if "%" in line], [])
+        self.assertTrue({"voxelize", "fields", "write"} & {stage for stage, _ in whole["seen"]})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -2,6 +2,7 @@
 #include "tetvdb/fields/FieldGrids.h"
 
 #include "tetvdb/fields/LeafSample.h"
+#include "tetvdb/io/LeafPacker.h"
 #include "tetvdb/voxelize/LeafRows.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 
@@ -9,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <tbb/enumerable_thread_specific.h>
 #include <utility>
 
@@ -273,9 +275,13 @@ class FieldGrids::TypedBuilder : public FieldGrids::GridBuilder {
   using Value = typename TreeType::ValueType;
 
 public:
-  TypedBuilder(const Field& field, const TetMesh& mesh)
+  /// `packed`: null, or where leaves go, floats as 16 bits where `asHalf`.
+  TypedBuilder(const Field& field, const TetMesh& mesh, bool asHalf, PackedGrid* packed)
       : GridBuilder(field), values_(field, mesh), background_(backgroundOf<Value>(field)),
-        assembly_(background_) {}
+        half_(asHalf && field.kind != FieldKind::Integer), packed_(packed), assembly_(background_) {
+    if (packed != nullptr)
+      packer_.emplace(background_, half_, *packed);
+  }
 
   void* begin(const NodeIndex& node) override { return assembly_.begin(node).release(); }
 
@@ -308,8 +314,11 @@ public:
       data[sample.offset(v)] = values[v];
       made->getValueMask().setOn(sample.offset(v));
     }
-    if (!made->getValueMask().isOff())
-      lower->addLeaf(made.release());
+    if (made->getValueMask().isOff())
+      return;
+    if (packer_)
+      made = packer_->pack(*made);
+    lower->addLeaf(made.release());
   }
 
   void end(void* node, const NodeIndex& index) override {
@@ -326,15 +335,25 @@ public:
   }
 
   openvdb::GridBase::Ptr finish(const GridTransform& transform) override {
-    return assembly_.finish(field_.name,
-                            field_.kind == FieldKind::Float ? openvdb::GRID_FOG_VOLUME
-                                                            : openvdb::GRID_UNKNOWN,
-                            transform);
+    openvdb::GridBase::Ptr grid = assembly_.finish(
+        field_.name,
+        field_.kind == FieldKind::Float ? openvdb::GRID_FOG_VOLUME : openvdb::GRID_UNKNOWN,
+        transform);
+    if (packer_) {
+      packer_->finish();
+      if (half_)
+        grid->setSaveFloatAsHalf(true);
+      packed_->grid = grid;
+    }
+    return grid;
   }
 
 private:
   LeafValues<Value> values_;
   Value background_;
+  bool half_;
+  PackedGrid* packed_;
+  std::optional<LeafPacker<TreeType>> packer_;
   TreeAssembly<TreeType> assembly_;
 };
 
@@ -381,23 +400,36 @@ struct FieldGrids::FieldNode : NodeSink::Node {
 };
 
 FieldGrids::FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped,
-                       const std::vector<Field>& fields) {
+                       const std::vector<Field>& fields)
+    : FieldGrids(mesh, snapped, fields, false, {}) {}
+
+FieldGrids::FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped,
+                       const std::vector<Field>& fields, bool asHalf,
+                       const std::vector<std::unique_ptr<PackedGrid>>& packed) {
   const bool weights = std::any_of(fields.begin(), fields.end(), [](const Field& field) {
     return field.on == Attribute::On::Points;
   });
   state_ = std::make_unique<State>(snapped, weights);
-  for (const Field& field : fields) {
-    switch (field.kind) {
-    case FieldKind::Float:
-      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::FloatTree>>(field, mesh));
-      break;
-    case FieldKind::Vector:
-      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::Vec3STree>>(field, mesh));
-      break;
-    case FieldKind::Integer:
-      state_->builders.push_back(std::make_unique<TypedBuilder<openvdb::Int32Tree>>(field, mesh));
-      break;
-    }
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    addBuilder(fields[i], mesh, asHalf, packed.empty() ? nullptr : packed[i].get());
+}
+
+void FieldGrids::addBuilder(const Field& field, const TetMesh& mesh, bool asHalf,
+                            PackedGrid* packed) {
+  auto& builders = state_->builders;
+  switch (field.kind) {
+  case FieldKind::Float:
+    builders.push_back(
+        std::make_unique<TypedBuilder<openvdb::FloatTree>>(field, mesh, asHalf, packed));
+    break;
+  case FieldKind::Vector:
+    builders.push_back(
+        std::make_unique<TypedBuilder<openvdb::Vec3STree>>(field, mesh, asHalf, packed));
+    break;
+  case FieldKind::Integer:
+    builders.push_back(
+        std::make_unique<TypedBuilder<openvdb::Int32Tree>>(field, mesh, asHalf, packed));
+    break;
   }
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "tetvdb/fields/Field.h"
+#include "tetvdb/io/PackedGrid.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -21,6 +22,9 @@ std::size_t leafBytes(FieldKind kind);
 class FieldGrids : public NodeSink {
 public:
   FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const std::vector<Field>& fields);
+  /// Packs every leaf at once: the grids go to `packed`, an entry a field with its store set.
+  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const std::vector<Field>& fields,
+             bool asHalf, const std::vector<std::unique_ptr<PackedGrid>>& packed);
   ~FieldGrids() override;
 
   std::unique_ptr<Node> begin(const NodeIndex& node) override;
@@ -29,7 +33,7 @@ public:
   void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
   void fullNode(const NodeIndex& node, std::uint32_t owner) override;
 
-  /// The finished grids; call once, after the last node.
+  /// The finished grids, packed ones too; call once, after the last node.
   openvdb::GridPtrVec finish(const GridTransform& transform);
   /// Voxels left out of field `i`, their values being no finite numbers.
   std::size_t leftOut(std::size_t i) const;
@@ -41,6 +45,7 @@ private:
   template <typename TreeType>
   class TypedBuilder;
   struct FieldNode;
+  void addBuilder(const Field& field, const TetMesh& mesh, bool asHalf, PackedGrid* packed);
   struct Scratch;
   struct State;
   std::unique_ptr<State> state_;

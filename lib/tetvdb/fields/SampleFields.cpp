@@ -15,10 +15,14 @@
 namespace tetvdb {
 namespace {
 
-double bytesOf(const TreeEstimate& tree, const std::vector<Field>& fields) {
+// A packed leaf is a mask, its place, and a tail that is kept while few are.
+constexpr double kPackedLeafBytes = 240;
+
+double bytesOf(const TreeEstimate& tree, const std::vector<Field>& fields,
+               const PackOptions* pack) {
   double leaf = 0;
   for (const Field& field : fields)
-    leaf += static_cast<double>(leafBytes(field.kind));
+    leaf += pack != nullptr ? kPackedLeafBytes : static_cast<double>(leafBytes(field.kind));
   return tree.leaves * leaf + tree.lowerNodes * static_cast<double>(kLowerNodeBytes) *
                                   static_cast<double>(fields.size());
 }
@@ -41,11 +45,11 @@ void describeValues(const Field& field, openvdb::GridBase& grid) {
   }
 }
 
-} // namespace
-
-SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
-                        const std::vector<Field>& fields, const SampleOptions& options,
-                        Volume& volume, Report& report, Progress& progress) {
+// The grids of `fields`, in `packed` where `pack` is not null.
+SnapCounts sample(const TetMesh& mesh, const GridTransform& transform,
+                  const std::vector<Field>& fields, const SampleOptions& options,
+                  const PackOptions* pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
+                  openvdb::GridPtrVec& made, Report& report, Progress& progress) {
   progress.stage("fields");
   initializeOpenVDB();
   if (mesh.tetCount() >= 0xFFFFFFFFu)
@@ -60,21 +64,27 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
   const double working =
       24.0 * static_cast<double>(snapped.pointCount) + 16.0 * static_cast<double>(snapped.tetCount);
   const std::size_t limit = options.maxMemory != 0 ? options.maxMemory : availableBytes();
-  if (working + bytesOf(estimateByBox(snapped), fields) > static_cast<double>(limit))
-    requireMemory(working + bytesOf(estimateByVolume(snapped), fields), limits);
+  if (working + bytesOf(estimateByBox(snapped), fields, pack) > static_cast<double>(limit))
+    requireMemory(working + bytesOf(estimateByVolume(snapped), fields, pack), limits);
 
   timer.part("sample");
-  FieldGrids grids(mesh, snapped, fields);
+  if (pack != nullptr) {
+    const auto store = std::make_shared<TailStore>(pack->folder, pack->inMemory);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      packed.push_back(std::make_unique<PackedGrid>());
+      packed.back()->store = store;
+    }
+  }
+  FieldGrids grids(mesh, snapped, fields, pack != nullptr && pack->half, packed);
   const OrientationCounts oriented = rasterizeNodes(snapped, true, grids, progress);
   if (!grids.any() && !options.allowEmpty)
     throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
                 "use smaller voxels, or --allow-empty to write an empty grid");
 
   timer.part("tree");
-  const openvdb::GridPtrVec made = grids.finish(transform);
+  made = grids.finish(transform);
   for (std::size_t i = 0; i < made.size(); ++i) {
     describeValues(fields[i], *made[i]);
-    volume.grids().all.push_back(made[i]);
     if (grids.leftOut(i) > 0)
       report.warn("voxels-left-out",
                   fmt::format("{} voxels of '{}' have no finite value and are left out",
@@ -84,6 +94,29 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
   counts.flipped = oriented.flipped;
   counts.dropped = oriented.dropped;
   return counts;
+}
+
+} // namespace
+
+SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
+                        const std::vector<Field>& fields, const SampleOptions& options,
+                        Volume& volume, Report& report, Progress& progress) {
+  std::vector<std::unique_ptr<PackedGrid>> none;
+  openvdb::GridPtrVec made;
+  const SnapCounts counts =
+      sample(mesh, transform, fields, options, nullptr, none, made, report, progress);
+  openvdb::GridPtrVec& all = volume.grids().all;
+  all.insert(all.end(), made.begin(), made.end());
+  return counts;
+}
+
+SnapCounts packFields(const TetMesh& mesh, const GridTransform& transform,
+                      const std::vector<Field>& fields, const SampleOptions& options,
+                      const PackOptions& pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
+                      Report& report, Progress& progress) {
+  packed.clear();
+  openvdb::GridPtrVec made;
+  return sample(mesh, transform, fields, options, &pack, packed, made, report, progress);
 }
 
 } // namespace tetvdb

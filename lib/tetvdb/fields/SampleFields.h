@@ -10,11 +10,14 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/Field.h"
+#include "tetvdb/io/PackedGrid.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <cstddef>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace tetvdb {
@@ -42,5 +45,20 @@ struct SampleOptions {
 SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         const std::vector<Field>& fields, const SampleOptions& options,
                         Volume& volume, Report& report, Progress& progress);
+
+struct PackOptions {
+  /// Where compressed values go that are more than `inMemory` bytes: the output's folder.
+  std::string folder;
+  std::size_t inMemory = std::size_t(32) << 20;
+  bool half = false; ///< floats are stored with 16 bits
+};
+
+/// sampleFields() for a .vdb file: leaves are compressed as they are made, so that their values are
+/// never in memory together. The grids are those of sampleFields(); they come into `packed`, which
+/// writeVdb() (io/PackedGrid.h) writes. Throws Error(Write) too, where the folder's disk is full.
+SnapCounts packFields(const TetMesh& mesh, const GridTransform& transform,
+                      const std::vector<Field>& fields, const SampleOptions& options,
+                      const PackOptions& pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
+                      Report& report, Progress& progress);
 
 } // namespace tetvdb

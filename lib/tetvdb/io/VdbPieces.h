@@ -14,6 +14,7 @@
 #include <cstring>
 #include <memory>
 #include <mutex>
+#include <openvdb/io/Archive.h>
 #include <openvdb/io/Compression.h>
 #include <openvdb/io/DelayedLoadMetadata.h>
 #include <ostream>
@@ -21,6 +22,37 @@
 #include <unordered_map>
 
 namespace tetvdb {
+
+/// Compression of all grids: Blosc where OpenVDB has it, active mask.
+inline std::uint32_t vdbCompression() {
+  namespace io = openvdb::io;
+  if (io::Archive::hasBloscCompression())
+    return io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK;
+  return io::COMPRESS_ACTIVE_MASK;
+}
+
+/// Bytes of a leaf's mask, which come before its tail.
+constexpr std::size_t kLeafMaskBytes = 64;
+
+/// What OpenVDB's delayed loading wants to know of leaf `l`, whose tail has `size` bytes: where the
+/// next one begins.
+template <typename T>
+void describeTail(openvdb::io::DelayedLoadMetadata& metadata, std::size_t l, std::int8_t how,
+                  std::size_t size) {
+  namespace io = openvdb::io;
+  size -= 1; // the byte itself, then what it calls for
+  if (how == io::NO_MASK_AND_ONE_INACTIVE_VAL || how == io::MASK_AND_ONE_INACTIVE_VAL)
+    size -= sizeof(T);
+  if (how == io::MASK_AND_TWO_INACTIVE_VALS)
+    size -= 2 * sizeof(T);
+  if (how == io::MASK_AND_NO_INACTIVE_VALS || how == io::MASK_AND_ONE_INACTIVE_VAL ||
+      how == io::MASK_AND_TWO_INACTIVE_VALS)
+    size -= kLeafMaskBytes;
+  if (size == 0)
+    size = 8; // half floats, none active: what io::File says, and no reader asks
+  metadata.setMask(l, how);
+  metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
+}
 
 /// A stream in memory that OpenVDB's nodes can be written to.
 class NodeStream {
@@ -169,9 +201,9 @@ public:
         continue;
       out.bytes().clear();
       leaf.writeBuffers(out.stream(), asHalf_);
-      tails_[l] = kOwn | static_cast<std::uint32_t>(out.bytes().size() - kMaskBytes);
-      restore_[l] = static_cast<std::int8_t>(out.bytes()[kMaskBytes]);
-      own.append(out.bytes(), kMaskBytes);
+      tails_[l] = kOwn | static_cast<std::uint32_t>(out.bytes().size() - kLeafMaskBytes);
+      restore_[l] = static_cast<std::int8_t>(out.bytes()[kLeafMaskBytes]);
+      own.append(out.bytes(), kLeafMaskBytes);
     }
     if (keptBytes_.fetch_add(own.size()) + own.size() > kKeptBytes) {
       keptBytes_.fetch_sub(own.size());
@@ -183,7 +215,7 @@ public:
   std::string make(std::size_t piece) const {
     NodeStream out(compression_, &background_);
     std::string& bytes = out.bytes();
-    bytes.reserve((end(piece) - begin(piece)) * 3 * kMaskBytes + pieces_[piece].own.size());
+    bytes.reserve((end(piece) - begin(piece)) * 3 * kLeafMaskBytes + pieces_[piece].own.size());
     std::size_t next = 0; // in the piece's own tails
     for (std::size_t l = begin(piece); l < end(piece); ++l) {
       const Leaf& leaf = *leaves_[l];
@@ -205,27 +237,14 @@ public:
     return std::move(bytes);
   }
 
-  /// What OpenVDB's delayed loading wants to know of each leaf: where the next one begins.
+  /// What OpenVDB's delayed loading wants to know of each leaf.
   void describe(openvdb::io::DelayedLoadMetadata& metadata) const {
     metadata.resizeMask(leaves_.size());
     metadata.resizeCompressedSize(leaves_.size());
     for (std::size_t l = 0; l < leaves_.size(); ++l) {
       const bool own = (tails_[l] & kOwn) != 0;
-      std::size_t size = own ? tails_[l] & ~kOwn : shared_[tails_[l]].size();
-      size -= 1; // the byte itself, then what it calls for
-      namespace io = openvdb::io;
-      const std::int8_t how = restore_[l];
-      if (how == io::NO_MASK_AND_ONE_INACTIVE_VAL || how == io::MASK_AND_ONE_INACTIVE_VAL)
-        size -= sizeof(T);
-      if (how == io::MASK_AND_TWO_INACTIVE_VALS)
-        size -= 2 * sizeof(T);
-      if (how == io::MASK_AND_NO_INACTIVE_VALS || how == io::MASK_AND_ONE_INACTIVE_VAL ||
-          how == io::MASK_AND_TWO_INACTIVE_VALS)
-        size -= kMaskBytes;
-      if (size == 0)
-        size = 8; // half floats, none active: what io::File says, and no reader asks
-      metadata.setMask(l, how);
-      metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
+      describeTail<T>(metadata, l, restore_[l],
+                      own ? tails_[l] & ~kOwn : shared_[tails_[l]].size());
     }
   }
 
@@ -234,7 +253,6 @@ private:
   using Leaf = typename TreeT::LeafNodeType;
 
   static constexpr std::size_t kLeavesAPiece = 512;
-  static constexpr std::size_t kMaskBytes = 64;
   static constexpr std::size_t kKeptBytes = std::size_t(256) << 20;
   static constexpr std::size_t kCacheEntries = 1024;
   static constexpr std::size_t kSharedTails = 1 << 16;
@@ -313,7 +331,7 @@ private:
     if (entry.count != count || !sameBits(entry.value, value)) {
       out.bytes().clear();
       leaf.writeBuffers(out.stream(), asHalf_);
-      std::string tail = out.bytes().substr(kMaskBytes);
+      std::string tail = out.bytes().substr(kLeafMaskBytes);
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto found = tailIds_.find(tail);
       if (found == tailIds_.end() && shared_.size() >= kSharedTails)

@@ -13,9 +13,12 @@
 // compression flags, metadata, transform, topology, buffers.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/io/PackedGrid.h"
+#include "tetvdb/io/PackedPieces.h"
 #include "tetvdb/io/VdbPieces.h"
 #include "tetvdb/io/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/PackedRange.h"
 
 #include <map>
 #include <openvdb/io/Archive.h>
@@ -31,13 +34,6 @@ constexpr std::uint32_t kFileVersion = 224;
 constexpr std::size_t kUuidSize = 36;
 // The entry's blocks are compressed by Blosc, which takes 2 GB at most: 8 bytes a leaf.
 constexpr std::size_t kDelayedLoadLeaves = std::size_t(200) << 20;
-
-std::uint32_t compressionFlags() {
-  namespace io = openvdb::io;
-  if (io::Archive::hasBloscCompression())
-    return io::COMPRESS_BLOSC | io::COMPRESS_ACTIVE_MASK;
-  return io::COMPRESS_ACTIVE_MASK;
-}
 
 /// The file, and a running hash of what went into it.
 class Output {
@@ -143,7 +139,7 @@ openvdb::GridBase::Ptr withStatistics(const openvdb::GridBase::Ptr& grid) {
   const openvdb::GridBase::Ptr copy = grid->copyGrid();
   copy->addStatsMetadata();
   copy->insertMeta(openvdb::GridBase::META_FILE_COMPRESSION,
-                   openvdb::StringMetadata(openvdb::io::compressionToString(compressionFlags())));
+                   openvdb::StringMetadata(openvdb::io::compressionToString(vdbCompression())));
   return copy;
 }
 
@@ -156,7 +152,8 @@ class VdbWriter {
 public:
   explicit VdbWriter(Output& output) : output_(output) {}
 
-  void write(const openvdb::GridBase::Ptr& grid, const Share& share) {
+  /// `packed`: where the leaves' values are, or null.
+  void write(const openvdb::GridBase::Ptr& grid, const PackedGrid* packed, const Share& share) {
     Descriptor descriptor;
     descriptor.name = grid->getName();
     descriptor.type = grid->type() + (grid->saveFloatAsHalf() ? "_HalfFloat" : "");
@@ -179,12 +176,12 @@ public:
     std::int64_t offsets[3] = {0, 0, 0}; // grid, buffers, end
     output_.value(offsets);
     offsets[0] = output_.position();
-    output_.value(compressionFlags());
+    output_.value(vdbCompression());
     if (instance) {
       append(metadataBytes(*grid));
       writeTransform(*grid);
     } else {
-      offsets[1] = writeTree(grid, share);
+      offsets[1] = writeTree(grid, packed, share);
     }
     offsets[2] = output_.position();
     output_.file().writeAt(static_cast<std::uint64_t>(offsetsAt), offsets, sizeof offsets);
@@ -200,10 +197,17 @@ private:
   }
 
   /// Metadata, transform and tree; returns where the buffers begin.
-  std::int64_t writeTree(const openvdb::GridBase::Ptr& grid, const Share& share) {
+  std::int64_t writeTree(const openvdb::GridBase::Ptr& grid, const PackedGrid* packed,
+                         const Share& share) {
     const openvdb::GridBase::Ptr copy = withStatistics(grid);
     std::int64_t buffersAt = 0;
     const bool known = withKnownGrid(std::as_const(*grid), [&](const auto& typed) {
+      using TreeT = typename std::decay_t<decltype(typed)>::TreeType;
+      if constexpr (!hasBitLeaves<TreeT>)
+        if (packed != nullptr) {
+          buffersAt = writePacked(typed, *packed, *copy, share);
+          return;
+        }
       buffersAt = writeTyped(typed, *copy, share);
     });
     if (!known)
@@ -215,8 +219,7 @@ private:
   std::int64_t writeTyped(const GridT& grid, openvdb::GridBase& copy, const Share& share) {
     using TreeT = typename GridT::TreeType;
     const TreeT& tree = grid.constTree();
-    const bool asHalf = grid.saveFloatAsHalf();
-    BufferPieces<TreeT> buffers(tree, asHalf, compressionFlags());
+    BufferPieces<TreeT> buffers(tree, grid.saveFloatAsHalf(), vdbCompression());
     if constexpr (BufferPieces<TreeT>::kPlanned) {
       const Share planning = share.part(0, 0.5);
       std::atomic<std::size_t> done{0};
@@ -224,16 +227,41 @@ private:
         buffers.plan(piece);
         planning.update(double(++done) / double(buffers.size()));
       });
-      if (buffers.leafCount() <= kDelayedLoadLeaves) {
-        openvdb::io::DelayedLoadMetadata delayed;
-        buffers.describe(delayed);
-        copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
-      }
+      describeLeaves(buffers, copy);
     }
+    return writeNodes(grid, buffers, copy, share);
+  }
+
+  /// The same of a grid whose leaves are packed.
+  template <class GridT>
+  std::int64_t writePacked(const GridT& grid, const PackedGrid& packed, openvdb::GridBase& copy,
+                           const Share& share) {
+    const PackedPieces<typename GridT::TreeType> buffers(grid.constTree(), packed,
+                                                         grid.saveFloatAsHalf());
+    if (const auto bytes =
+            copy.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES))
+      bytes->setValue(bytes->value() + static_cast<std::int64_t>(buffers.missingBytes()));
+    describeLeaves(buffers, copy);
+    return writeNodes(grid, buffers, copy, share);
+  }
+
+  template <class Buffers>
+  static void describeLeaves(const Buffers& buffers, openvdb::GridBase& copy) {
+    if (buffers.leafCount() > kDelayedLoadLeaves)
+      return;
+    openvdb::io::DelayedLoadMetadata delayed;
+    buffers.describe(delayed);
+    copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
+  }
+
+  /// Metadata, transform, topology and buffers; returns where the buffers begin.
+  template <class GridT, class Buffers>
+  std::int64_t writeNodes(const GridT& grid, const Buffers& buffers, const openvdb::GridBase& copy,
+                          const Share& share) {
     append(metadataBytes(copy));
     writeTransform(grid);
-
-    const TopologyPieces<TreeT> topology(tree, asHalf, compressionFlags());
+    const TopologyPieces<typename GridT::TreeType> topology(
+        grid.constTree(), grid.saveFloatAsHalf(), vdbCompression());
     writePieces(
         topology.size(), [&](std::size_t i) { return topology.make(i); }, output_,
         share.part(0.5, 0.6));
@@ -254,7 +282,7 @@ private:
     metadata->setHalfFloat(grid.saveFloatAsHalf());
     metadata->gridMetadata() = static_cast<const openvdb::MetaMap&>(grid);
     openvdb::io::setStreamMetadataPtr(stream, metadata, /*transfer=*/false);
-    openvdb::io::setDataCompression(stream, compressionFlags());
+    openvdb::io::setDataCompression(stream, vdbCompression());
     grid.writeTransform(stream);
     grid.writeTopology(stream);
     const std::int64_t buffersAt = output_.position();
@@ -269,9 +297,21 @@ private:
 
 } // namespace
 
+GridInfo describe(const PackedGrid& packed) {
+  return describePacked(*packed.grid, {packed.least, packed.most});
+}
+
 void writeVdb(const std::string& path, const Volume& volume, Progress& progress) {
+  writeVdb(path, volume, {}, progress);
+}
+
+void writeVdb(const std::string& path, const Volume& volume,
+              const std::vector<std::unique_ptr<PackedGrid>>& packed, Progress& progress) {
   initializeOpenVDB();
-  const auto& grids = volume.grids().all;
+  openvdb::GridPtrVec grids = volume.grids().all;
+  const std::size_t ordinary = grids.size();
+  for (const auto& one : packed)
+    grids.push_back(one->grid);
   for (const auto& grid : grids)
     if (!grid)
       throw Error(Status::Usage, path, "there is no grid where one was promised");
@@ -296,7 +336,8 @@ void writeVdb(const std::string& path, const Volume& volume, Progress& progress)
   const Share whole(progress, 0, 1);
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const double count = double(grids.size());
-    writer.write(withCreator(grids[i]), whole.part(double(i) / count, double(i + 1) / count));
+    writer.write(withCreator(grids[i]), i < ordinary ? nullptr : packed[i - ordinary].get(),
+                 whole.part(double(i) / count, double(i + 1) / count));
   }
   const std::string uuid = output.uuid();
   output.file().writeAt(static_cast<std::uint64_t>(uuidAt), uuid.data(), uuid.size());

@@ -7,6 +7,7 @@
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/NanoFile.h"
+#include "tetvdb/io/PackedGrid.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/CleanInput.h"
@@ -20,6 +21,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <memory>
 #include <tbb/task_arena.h>
 #include <unistd.h>
 #include <utility>
@@ -140,9 +142,12 @@ void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Rep
   }
 }
 
+using PackedGrids = std::vector<std::unique_ptr<PackedGrid>>;
+
+// `packed`: grids that come after the volume's.
 template <typename Voxelize>
-Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
-                  const Voxelize& voxelizeMesh) {
+Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
+                  Report& report, const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
   options.maxMemory = memoryLeft(job.maxMemory);
   Voxelization made = voxelizeMesh(options);
@@ -153,6 +158,10 @@ Volume makeVolume(const VoxelizeJob& job, VoxelizeResult& result, Report& report
   for (const auto& grid : made.volume.grids().all)
     openFirstTile(*grid);
   result.grids = describe(made.volume);
+  for (const auto& one : packed) {
+    openFirstTile(*one->grid);
+    result.grids.push_back(describe(*one));
+  }
   checkValues(job, result.grids, report);
   return std::move(made.volume);
 }
@@ -202,8 +211,8 @@ void dropStale(const Volume& volume, std::vector<NanoBytes>& nano) {
 
 template <typename WriteMesh>
 void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& volume,
-                  const std::vector<NanoBytes>& nano, VoxelizeResult& result, Report& report,
-                  Progress& progress) {
+                  const std::vector<NanoBytes>& nano, const PackedGrids& packed,
+                  VoxelizeResult& result, Report& report, Progress& progress) {
   StageTimer timer(report, "write");
   progress.stage("write");
   if (!job.meshOutput.empty())
@@ -212,6 +221,8 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     try {
       if (!nano.empty())
         writeNanoGrids(job.output, nano, progress);
+      else if (!packed.empty())
+        writeVdb(job.output, volume, packed, progress);
       else
         writeVolume(job.output, volume, progress);
     } catch (...) {
@@ -225,10 +236,12 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     result.outputs.push_back(written(job.meshOutput));
 }
 
-// The grids that are named, those of the shape, then those of arrays, one transform.
+// The grids that are named, those of the shape, then those of arrays, one transform. The last are
+// packed on their way into a .vdb file.
 Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
                           const VoxelizeOptions& options, std::vector<NanoBytes>* nano,
-                          VoxelizeResult& result, Report& report, Progress& progress) {
+                          PackedGrids& packed, VoxelizeResult& result, Report& report,
+                          Progress& progress) {
   std::vector<Field> fields;
   if (!job.fields.empty()) {
     FieldOptions wanted = job.fields;
@@ -256,8 +269,15 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   SampleOptions sampling;
   sampling.maxMemory = memoryLeft(job.maxMemory);
   sampling.allowEmpty = options.allowEmpty;
-  const SnapCounts counts =
-      sampleFields(mesh, made.transform, fields, sampling, made.volume, report, progress);
+  SnapCounts counts;
+  if (fs::path(job.output).extension() == ".vdb") {
+    PackOptions pack;
+    pack.folder = fs::path(job.output).parent_path().string();
+    pack.half = job.half;
+    counts = packFields(mesh, made.transform, fields, sampling, pack, packed, report, progress);
+  } else {
+    counts = sampleFields(mesh, made.transform, fields, sampling, made.volume, report, progress);
+  }
   if (fieldsAlone) {
     made.counts = counts;
     reportTets(counts, mesh.tetCount(), report);
@@ -275,9 +295,11 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   progress.check();
   Volume volume;
   std::vector<NanoBytes> nano;
+  PackedGrids packed;
   if (!job.output.empty()) {
-    volume = makeVolume(job, result, report, [&](const VoxelizeOptions& options) {
-      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), result, report, progress);
+    volume = makeVolume(job, packed, result, report, [&](const VoxelizeOptions& options) {
+      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed, result, report,
+                          progress);
     });
     dropStale(volume, nano);
     if (job.meshOutput.empty())
@@ -285,8 +307,8 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   }
   progress.check();
   writeOutputs(
-      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, result, report,
-      progress);
+      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, packed, result,
+      report, progress);
 }
 
 void add(CleanCounts& sum, const CleanCounts& more) {
@@ -314,7 +336,7 @@ public:
       takeRoad();
     Volume volume;
     if (!job_.output.empty()) {
-      volume = makeVolume(job_, result_, report_,
+      volume = makeVolume(job_, {}, result_, report_,
                           [&](const VoxelizeOptions& options) { return makeGrids(options); });
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
@@ -322,7 +344,7 @@ public:
     dropStale(volume, nano_);
     progress_.check();
     writeOutputs(
-        job_, [&] { writeMesh(); }, volume, nano_, result_, report_, progress_);
+        job_, [&] { writeMesh(); }, volume, nano_, {}, result_, report_, progress_);
   }
 
 private:

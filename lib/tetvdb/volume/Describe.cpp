@@ -2,6 +2,7 @@
 #include "tetvdb/volume/BitSelect.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/PackedRange.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +13,6 @@
 
 namespace tetvdb {
 namespace {
-
-template <class T>
-double magnitude(const T& value) {
-  if constexpr (openvdb::VecTraits<T>::IsVec)
-    return std::sqrt(double(value.lengthSqr()));
-  else
-    return static_cast<double>(value);
-}
 
 /// Sums over a part of a tree.
 struct Counts {
@@ -110,10 +103,13 @@ private:
 };
 
 template <class Leaf>
-void addLeaf(Counts& counts, const Leaf& leaf) {
+void addLeaf(Counts& counts, const Leaf& leaf, bool packed) {
   using T = typename Leaf::ValueType;
   ++counts.leaves;
   counts.bytes += leaf.memUsage();
+  const bool noValues = packed && leaf.transientData() != 0;
+  if (noValues)
+    counts.bytes += Leaf::SIZE * sizeof(T);
   const auto& mask = leaf.getValueMask();
   const auto active = mask.countOn();
   if (active == 0)
@@ -126,6 +122,8 @@ void addLeaf(Counts& counts, const Leaf& leaf) {
     else
       leaf.evalActiveBoundingBox(counts.box);
   }
+  if (noValues)
+    return;
   if constexpr (std::is_same<T, bool>::value) {
     bool on = false, off = false;
     const auto* values = leaf.buffer().data();
@@ -155,22 +153,22 @@ void addLeaf(Counts& counts, const Leaf& leaf) {
 }
 
 template <class Lower>
-void addLower(Counts& counts, const Lower& node) {
+void addLower(Counts& counts, const Lower& node, bool packed) {
   counts.bytes += sizeof(Lower);
   for (auto child = node.cbeginChildOn(); child; ++child)
-    addLeaf(counts, *child);
+    addLeaf(counts, *child, packed);
   for (auto tile = node.cbeginValueOn(); tile; ++tile)
     counts.addTile(tile.getCoord(), Lower::ChildNodeType::DIM, *tile);
 }
 
 template <class TreeT>
-Counts count(const TreeT& tree) {
+Counts count(const TreeT& tree, bool packed) {
   const NodeLists<TreeT> nodes(tree);
   Counts total = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, nodes.lowers.size()), Counts{},
       [&](const auto& range, Counts counts) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-          addLower(counts, *nodes.lowers[i]);
+          addLower(counts, *nodes.lowers[i], packed);
         return counts;
       },
       [](Counts a, const Counts& b) {
@@ -192,7 +190,7 @@ Vec3i toArray(const openvdb::Coord& c) {
   return {c.x(), c.y(), c.z()};
 }
 
-GridInfo describeGrid(const openvdb::GridBase& grid) {
+GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) {
   GridInfo info;
   info.name = grid.getName();
   info.type = grid.valueType();
@@ -215,8 +213,12 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
   }
 
   Counts counts;
-  const bool known =
-      withKnownGrid(grid, [&](const auto& typed) { counts = count(typed.constTree()); });
+  const bool known = withKnownGrid(
+      grid, [&](const auto& typed) { counts = count(typed.constTree(), packed != nullptr); });
+  if (packed != nullptr && packed->least <= packed->most) {
+    counts.range(packed->least);
+    counts.range(packed->most);
+  }
   if (!known) {
     counts.activeVoxels = grid.activeVoxelCount();
     counts.leaves = grid.baseTree().leafCount();
@@ -245,8 +247,12 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
 std::vector<GridInfo> describe(const Volume& volume) {
   std::vector<GridInfo> result;
   for (const auto& grid : volume.grids().all)
-    result.push_back(describeGrid(*grid));
+    result.push_back(describeGrid(*grid, nullptr));
   return result;
+}
+
+GridInfo describePacked(const openvdb::GridBase& grid, const PackedRange& range) {
+  return describeGrid(grid, &range);
 }
 
 } // namespace tetvdb

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Bytes that wait for their place in a file: many small pieces, kept in memory up to a limit and
+// beyond it in a temporary file without a name.
+//
+//   tetvdb::TailStore store("out", 32 << 20);
+//   const std::uint64_t at = store.add(bytes, size);   // from any thread
+//   ...
+//   store.read(at, bytes, size);                       // when all are added
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+class TailStore {
+public:
+  /// The temporary file is made in `folder` when more than `inMemory` bytes have come; it has no
+  /// name, so that nothing is left of it however the program ends.
+  TailStore(std::string folder, std::size_t inMemory);
+  ~TailStore();
+  TailStore(const TailStore&) = delete;
+  TailStore& operator=(const TailStore&) = delete;
+
+  /// Keeps `size` bytes, at most kChunk, and returns where. Thread-safe. Throws Error(Write).
+  std::uint64_t add(const char* data, std::size_t size);
+  /// The bytes kept at `at`. Thread-safe, but for add(). Throws Error(Write).
+  void read(std::uint64_t at, char* out, std::size_t size) const;
+
+  static constexpr std::size_t kChunk = std::size_t(1) << 20;
+
+private:
+  void open();
+  void spill();
+  [[noreturn]] void fail(const char* what, int error) const;
+
+  std::string folder_;
+  std::size_t mostChunks_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<char[]>> chunks_; ///< null: in the file, at its place
+  std::size_t used_ = kChunk;                   ///< of the last chunk
+  std::size_t kept_ = 0;                        ///< chunks in memory, but for the last
+  int descriptor_ = -1;
+};
+
+} // namespace tetvdb

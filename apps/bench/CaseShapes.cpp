@@ -3,6 +3,7 @@
 // Level sets against openvdb::tools::meshToVolume, coverage, and the rules of voxels: cases
 // levelset, coverage and rules.
 #include "Cases.h"
+#include "MeshToVolumePeer.h"
 #include "fields/BruteDistance.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/volume/Grids.h"
@@ -13,24 +14,11 @@
 #include <fmt/format.h>
 #include <limits>
 #include <openvdb/tools/Diagnostics.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <tbb/parallel_for.h>
 #include <vector>
 
 namespace tetvdb::bench {
 namespace {
-
-struct Adapter {
-  const TriangleMesh& mesh;
-  double voxel;
-  std::size_t polygonCount() const { return mesh.triangleCount(); }
-  std::size_t pointCount() const { return mesh.points.size(); }
-  std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t face, std::size_t corner, openvdb::Vec3d& point) const {
-    const Vec3d& p = mesh.points[mesh.triangles[3 * face + corner]];
-    point = openvdb::Vec3d(p[0], p[1], p[2]) / voxel;
-  }
-};
 
 // The largest and the mean difference from the distance by brute force, voxels, over some 2000 of
 // the active voxels.
@@ -125,33 +113,28 @@ void runLevelSet(const Setup& setup, Tables& tables) {
     const int resolution =
         std::max(16, static_cast<int>(1024 / std::sqrt(static_cast<double>(setup.shrink))));
     const TriangleMesh mesh = bumpySphere(faces / setup.shrink);
-    const double voxel = [&] {
-      VoxelizeOptions options;
-      options.resolution = resolution;
-      return chooseTransform(mesh, options).voxelSize[0];
-    }();
-    const auto space = openvdb::math::Transform::createLinearTransform(voxel);
+    VoxelizeOptions options;
+    options.resolution = resolution;
+    const GridTransform transform = chooseTransform(mesh, options);
+    const double voxel = transform.voxelSize[0];
     Report last;
     openvdb::FloatGrid::Ptr ours, peer;
-    const std::vector<Times> times = interleave(
-        {{"ours",
-          [&] {
-            ours.reset();
-            last = {};
-            ShapeSums sums;
-            ours = openvdb::gridPtrCast<openvdb::FloatGrid>(
-                makeShape(ShapeGrid::Surface, resolution, last, sums, mesh, SolidOptions()));
-            return stageSeconds(last);
-          }},
-         {"meshToVolume",
-          [&] {
-            peer.reset();
-            return secondsOf([&] {
-              peer = openvdb::tools::meshToVolume<openvdb::FloatGrid>(Adapter{mesh, voxel}, *space,
-                                                                      3, 3);
-            });
-          }}},
-        setup.rounds(5), true);
+    const std::vector<Times> times =
+        interleave({{"ours",
+                     [&] {
+                       ours.reset();
+                       last = {};
+                       ShapeSums sums;
+                       ours = openvdb::gridPtrCast<openvdb::FloatGrid>(makeShape(
+                           ShapeGrid::Surface, resolution, last, sums, mesh, SolidOptions()));
+                       return stageSeconds(last);
+                     }},
+                    {"meshToVolume",
+                     [&] {
+                       peer.reset();
+                       return secondsOf([&] { peer = meshToVolume(mesh, transform); });
+                     }}},
+                   setup.rounds(5), true);
     const Errors errors = errorsOf(*ours, mesh, voxel), others = errorsOf(*peer, mesh, voxel);
     Row row;
     row.what = fmt::format("{} triangles, {}^3",

@@ -3,6 +3,7 @@
 // Triangles into a mask against openvdb::tools::meshToVolume, and triangle files: cases triangles
 // and readtri.
 #include "Cases.h"
+#include "MeshToVolumePeer.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/io/TriangleReader.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -17,7 +18,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
-#include <openvdb/tools/MeshToVolume.h>
 #include <stdexcept>
 #include <string_view>
 #include <tbb/global_control.h>
@@ -66,33 +66,6 @@ VoxelizeOptions maskOptions(int resolution) {
   return options;
 }
 
-/// What meshToVolume reads a mesh through.
-class MeshAdapter {
-public:
-  MeshAdapter(const TriangleMesh& mesh, const GridTransform& transform)
-      : mesh_(mesh), transform_(transform) {}
-  std::size_t polygonCount() const { return mesh_.triangleCount(); }
-  std::size_t pointCount() const { return mesh_.points.size(); }
-  std::size_t vertexCount(std::size_t) const { return 3; }
-  void getIndexSpacePoint(std::size_t face, std::size_t corner, openvdb::Vec3d& point) const {
-    const Vec3d& p = mesh_.points[mesh_.triangles[3 * face + corner]];
-    for (int k = 0; k < 3; ++k) {
-      const auto axis = static_cast<std::size_t>(k);
-      point[k] = (p[axis] - transform_.origin[axis]) / transform_.voxelSize[axis];
-    }
-  }
-
-private:
-  const TriangleMesh& mesh_;
-  const GridTransform& transform_;
-};
-
-openvdb::FloatGrid::Ptr levelSet(const TriangleMesh& mesh, const GridTransform& transform) {
-  const auto space = openvdb::math::Transform::createLinearTransform(transform.voxelSize[0]);
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(MeshAdapter(mesh, transform), *space, 3,
-                                                          3);
-}
-
 /// Seconds of stage `voxelize`; its parts and voxels go to `last`.
 double timeMask(const TriangleMesh& mesh, int resolution, OursResult* last) {
   Report report;
@@ -137,7 +110,8 @@ void compareSolid(const std::string& name, double target, const Setup& setup, Ta
                   {"meshToVolume",
                    [&] {
                      openvdb::FloatGrid::Ptr grid;
-                     const double seconds = secondsOf([&] { grid = levelSet(mesh, transform); });
+                     const double seconds =
+                         secondsOf([&] { grid = meshToVolume(mesh, transform); });
                      peerVoxels = grid->activeVoxelCount();
                      return seconds;
                    }}},
@@ -173,14 +147,6 @@ double timePlainRead(const std::string& path) {
 }
 
 } // namespace
-
-TriangleMesh bumpySphere(double faces) {
-  const int n = std::max(2, static_cast<int>(std::round(std::sqrt(faces / 8))));
-  return meshes::moved(meshes::sphere({0, 0, 0}, 1, n), [](const Vec3d& p) {
-    const double radius = 1 + 0.05 * std::sin(9 * p[0]) * std::sin(11 * p[1]) * std::sin(10 * p[2]);
-    return Vec3d{radius * p[0] + 0.01, radius * p[1] + 0.02, radius * p[2] + 0.03};
-  });
-}
 
 void runTriangles(const Setup& setup, Tables& tables) {
   tables.begin(
@@ -253,7 +219,7 @@ int trianglesChild(const std::vector<std::string>& words) {
   if (work == "mask")
     timeMask(mesh, resolution, nullptr);
   else if (work == "meshToVolume")
-    levelSet(mesh, chooseTransform(mesh, maskOptions(resolution)));
+    meshToVolume(mesh, chooseTransform(mesh, maskOptions(resolution)));
   return 0;
 }
 

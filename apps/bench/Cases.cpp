@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Cases.h"
 
-#include "Meshes.h"
-
 #include <cmath>
 #include <fmt/format.h>
 
@@ -27,16 +25,6 @@ const std::vector<Case>& allCases() {
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;
-}
-
-TetMesh blockMesh(double tets) {
-  const int n = std::max(1, static_cast<int>(std::round(std::cbrt(tets / 6))));
-  return meshes::jittered(meshes::kuhnGrid(n, n, n), 0.2, 1);
-}
-
-TetMesh ballMesh(double tets) {
-  const int n = std::max(2, static_cast<int>(std::round(std::cbrt(tets / 6))));
-  return meshes::ball(n, 1.0, {0.01, 0.02, 0.03});
 }
 
 std::string countName(double count) {

@@ -4,9 +4,8 @@
 #pragma once
 
 #include "Children.h"
+#include "SampleMeshes.h"
 #include "Table.h"
-#include "tetvdb/mesh/TetMesh.h"
-#include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <string>
@@ -58,12 +57,6 @@ int trianglesChild(const std::vector<std::string>& words);
 
 // What the cases share.
 
-/// A block of Kuhn cubes, inner points moved by up to a fifth of a cube; about `tets` tets.
-TetMesh blockMesh(double tets);
-/// A ball of about `tets` tets.
-TetMesh ballMesh(double tets);
-/// A sphere with bumps of a twentieth of its radius; about `faces` faces.
-TriangleMesh bumpySphere(double faces);
 /// "10^7" or "1.2e6".
 std::string countName(double count);
 

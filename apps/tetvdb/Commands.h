@@ -24,6 +24,8 @@ Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);
 Command addCheck(CLI::App& program);
+Command addReport(CLI::App& program);
+Command addBench(CLI::App& program);
 
 /// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
 CLI::Validator notEmpty();

@@ -35,6 +35,8 @@ const char* const kExamples = R"(Examples:
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
   tetvdb check part.vdb --target blender
+  tetvdb report models/ -o report.html
+  tetvdb bench
 
 Exit status: 0 done, 1 done but a promise was not met, 2 bad usage, 3 bad input or empty result,
 4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences
@@ -56,7 +58,8 @@ std::string describeParseError(const CLI::ParseError& error, int argc, char** ar
     text = "a command is missing";
   else if (!known && argv[1][0] != '-')
     text = "'" + std::string(argv[1]) +
-           "' is no command; there are voxelize, tetrahedralize, info, compare, repair and check";
+           "' is no command; there are voxelize, tetrahedralize, info, compare, repair, check, "
+           "report and bench";
   return text + "; see '" + help + "'";
 }
 
@@ -66,9 +69,9 @@ int runProgram(int argc, char** argv) {
   program.set_version_flag("--version", std::string("tetvdb ") + version());
   program.require_subcommand(1);
   program.footer(kExamples);
-  const std::vector<Command> commands = {addVoxelize(program), addTetrahedralize(program),
-                                         addInfo(program),     addCompare(program),
-                                         addRepair(program),   addCheck(program)};
+  const std::vector<Command> commands = {
+      addVoxelize(program), addTetrahedralize(program), addInfo(program),   addCompare(program),
+      addRepair(program),   addCheck(program),          addReport(program), addBench(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) { // --help, --version

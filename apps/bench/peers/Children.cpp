@@ -15,6 +15,9 @@
 #include <unistd.h>
 
 namespace tetvdb::bench {
+
+extern const char* const kVtkScript; // made from vtk_resample.py
+
 namespace {
 
 bool readAll(int file, void* data, std::size_t size) {
@@ -125,8 +128,8 @@ ChildResult Launcher::run(const std::vector<std::string>& command) {
 }
 
 VtkPeer::VtkPeer(const std::string& mesh, const std::string& array, int threads) {
-  const std::vector<std::string> command = {"/usr/bin/python3", TETVDB_BENCH_VTK_SCRIPT, mesh,
-                                            array, std::to_string(threads)};
+  const std::vector<std::string> command = {"/usr/bin/python3",     "-c", kVtkScript, mesh, array,
+                                            std::to_string(threads)};
   int request[2], answer[2];
   if (pipe2(request, O_CLOEXEC) != 0 || pipe2(answer, O_CLOEXEC) != 0) {
     why_ = "no pipes";

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ChildProgram.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+pid_t start(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = {"tetvdb"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words)
+    pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = -1;
+  const int failed =
+      posix_spawn(&child, "/proc/self/exe", &files, nullptr, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  return failed == 0 ? child : -1;
+}
+
+} // namespace
+
+ChildEnd runThisProgram(const std::vector<std::string>& arguments, double maxSeconds,
+                        const Progress& progress) {
+  ChildEnd end;
+  const Clock::time_point began = Clock::now();
+  const pid_t child = start(arguments);
+  if (child < 0)
+    return end;
+  int status = 0;
+  rusage usage{};
+  bool killed = false;
+  for (auto pause = std::chrono::milliseconds(1); wait4(child, &status, WNOHANG, &usage) == 0;) {
+    if (!killed && (progress.cancelled() || since(began) > maxSeconds)) {
+      ::kill(child, progress.cancelled() ? SIGTERM : SIGKILL);
+      killed = true;
+    }
+    std::this_thread::sleep_for(pause);
+    pause = std::min(pause * 2, std::chrono::milliseconds(10));
+  }
+  progress.check();
+  end.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  end.seconds = since(began);
+  end.peakBytes = static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+  return end;
+}
+
+} // namespace tetvdb::cli

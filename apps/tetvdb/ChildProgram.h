@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// This program once more, as a child: what one model does to it, the others do not feel.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace tetvdb::cli {
+
+/// How a child ended.
+struct ChildEnd {
+  int status = -1; ///< its exit status, 128 + the signal that ended it, or -1: not started
+  double seconds = 0;
+  std::size_t peakBytes = 0; ///< highest resident memory
+};
+
+/// Runs this very program with `arguments`; what it prints is thrown away. Kills it when `progress`
+/// is cancelled (and throws what Progress::check() does) or after `maxSeconds`.
+ChildEnd runThisProgram(const std::vector<std::string>& arguments, double maxSeconds,
+                        const Progress& progress);
+
+} // namespace tetvdb::cli

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One model of `tetvdb report`: what the program says of it, as a row of the page.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace tetvdb::cli {
+
+struct ReportSettings {
+  int resolution = 128; ///< voxels along a model's longest side
+  double maxTime = 120; ///< seconds a model
+  std::string mesher = "auto";
+  std::string maxMemory; ///< as --max-memory takes it; empty: its default
+};
+
+/// A model and what to call it.
+struct ReportModel {
+  std::string path, name;
+};
+
+/// Voxelizes the model in a child process with a picture, and looks for its defects. Fails for
+/// nothing that a model does; throws when cancelled, and Error(Write) where no temporary folder can
+/// be made.
+nlohmann::ordered_json reportRow(const ReportModel& model, const ReportSettings& settings,
+                                 const Progress& progress);
+
+/// The whole page, which needs no other file: `rows` and what is said of all of them.
+std::string reportPage(const std::vector<nlohmann::ordered_json>& rows,
+                       const ReportSettings& settings);
+
+} // namespace tetvdb::cli

@@ -105,16 +105,17 @@ TEST(DrawSurface, ofALevelSetIsTheBall) {
 }
 
 /// Within a voxel of the ball; normals that differ by what voxels do to them.
-void expectBall(const Drawable& drawn, double voxel, double leastCosine) {
+void expectBall(const Drawable& drawn, double voxel, double leastCosine, double pixel = 0) {
   std::mt19937 random(2);
   double cosines = 0;
   int hits = 0;
   for (int n = 0; n < 2000; ++n) {
     const Vec3d direction = unit(random), aim = unit(random);
-    const Ray ray = towards({kCentre[0] + kRadius * aim[0] * (n % 90) / 100,
-                             kCentre[1] + kRadius * aim[1] * (n % 90) / 100,
-                             kCentre[2] + kRadius * aim[2] * (n % 90) / 100},
-                            direction, 30);
+    Ray ray = towards({kCentre[0] + kRadius * aim[0] * (n % 90) / 100,
+                       kCentre[1] + kRadius * aim[1] * (n % 90) / 100,
+                       kCentre[2] + kRadius * aim[2] * (n % 90) / 100},
+                      direction, 30);
+    ray.pixel = pixel;
     RayHit hit;
     ASSERT_TRUE(drawn.firstHit(ray, hit));
     Vec3d normal;
@@ -137,9 +138,7 @@ TEST(DrawSurface, ofAMaskIsNearTheBallAndSmooth) {
     fog->setName("density");
     fog->setGridClass(openvdb::GRID_FOG_VOLUME);
     expectBall(*drawSurface(fog, {}), voxel, 0.97);
-    VolumeLook wide;
-    wide.pixel = 6 * voxel;
-    expectBall(*drawSurface(ballMask<openvdb::Int32Grid>(voxel), wide), voxel, 0.99);
+    expectBall(*drawSurface(ballMask<openvdb::Int32Grid>(voxel), {}), voxel, 0.99, 6 * voxel);
   }
 }
 
@@ -277,6 +276,23 @@ TEST(DrawFog, isDarkerAwayFromTheLight) {
     fog->gather({{-20, 32.3, z - 0.5}, {1, 0, 0}, 0, 1e6}, 0.5, light, through);
     const double expected = 0.8 * (1 - std::exp(-4)) * std::exp(-4 * (64 - z) / 64);
     EXPECT_NEAR(light[0], expected, 0.06 * expected) << z;
+  }
+}
+
+TEST(DrawVolume, reachesAsFarAsTheBall) {
+  initializeOpenVDB();
+  const auto voxels = drawVoxels(ballMask<openvdb::BoolGrid>(0.05), {});
+  const auto surface = drawSurface(ballLevelSet(), {});
+  std::mt19937 random(5);
+  for (int n = 0; n < 300; ++n) {
+    const Vec3d direction = unit(random);
+    const double reach = dotOf(direction, kCentre) + kRadius;
+    // No less than the voxels whose centres are inside, no more than their leaf nodes.
+    const double leafDiagonal = 8 * std::sqrt(3.0);
+    EXPECT_GE(voxels->support(direction), reach - 0.05);
+    EXPECT_LE(voxels->support(direction), reach + (leafDiagonal + 1) * 0.05);
+    EXPECT_GE(surface->support(direction), reach);
+    EXPECT_LE(surface->support(direction), reach + (leafDiagonal + 4) * kVoxel);
   }
 }
 

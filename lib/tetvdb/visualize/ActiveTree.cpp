@@ -4,6 +4,8 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/GridTypes.h"
 
+#include <algorithm>
+#include <limits>
 #include <tbb/parallel_for.h>
 
 namespace tetvdb {
@@ -70,6 +72,8 @@ void ActiveTree::index(const TreeT& tree) {
     root_[cornerKey(originOf(nodes.uppers[i]->origin()))].upper = &uppers_[i];
   for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
     root_[cornerKey(originOf(tile.getCoord()))].on = true;
+  for (const auto* lower : nodes.lowers)
+    lowerOrigins_.push_back(originOf(lower->origin()));
   openvdb::CoordBBox box;
   if (tree.evalActiveVoxelBoundingBox(box)) {
     low_ = originOf(box.min());
@@ -104,6 +108,77 @@ const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& o
   bit = placeIn(voxel, 3, 4);
   on = lower.tiles->isOn(bit);
   return lower.children->isOn(bit) ? leaves_[lower.child(bit)] : nullptr;
+}
+
+/// Of the nodes in a line along z the lowest and the highest: no other can reach furthest in any
+/// direction.
+void ActiveTree::findOutermost() const {
+  struct Line {
+    std::int32_t low, high;
+  };
+  std::unordered_map<std::uint64_t, Line> lines; // of leaf nodes, and of tiles as large
+  for (std::size_t i = 0; i < lowers_.size(); ++i)
+    for (std::uint32_t column = 0; column < 256; ++column) {
+      std::uint32_t on = 0; // by z
+      for (std::uint32_t z = 0; z < 16; ++z)
+        on |= std::uint32_t(lowers_[i].children->isOn(column << 4 | z) ||
+                            lowers_[i].tiles->isOn(column << 4 | z))
+              << z;
+      if (on == 0)
+        continue;
+      const std::int32_t x = lowerOrigins_[i][0] + 8 * std::int32_t(column >> 4);
+      const std::int32_t y = lowerOrigins_[i][1] + 8 * std::int32_t(column & 15);
+      const std::int32_t low =
+          lowerOrigins_[i][2] + 8 * std::int32_t(openvdb::util::FindLowestOn(on));
+      const std::int32_t high =
+          lowerOrigins_[i][2] + 8 * std::int32_t(openvdb::util::FindHighestOn(on)) + 8;
+      const auto key = std::uint64_t(std::uint32_t(x)) << 32 | std::uint32_t(y);
+      const auto [line, added] = lines.try_emplace(key, Line{low, high});
+      if (!added) {
+        line->second.low = std::min(line->second.low, low);
+        line->second.high = std::max(line->second.high, high);
+      }
+    }
+  for (const auto& [key, line] : lines) {
+    const double x = static_cast<std::int32_t>(key >> 32);
+    const double y = static_cast<std::int32_t>(key & 0xFFFFFFFFu);
+    outermost_.push_back({{x, y, double(line.low)}, {x + 8, y + 8, double(line.high)}});
+  }
+  const auto addCube = [this](const Vec3i& origin, int side) {
+    outermost_.push_back(
+        {{double(origin[0]), double(origin[1]), double(origin[2])},
+         {double(origin[0]) + side, double(origin[1]) + side, double(origin[2]) + side}});
+  };
+  for (const auto& [key, at] : root_) {
+    const auto part = [k = key](int shift) { // 20 bits, with their sign
+      return std::int32_t(std::uint32_t(k >> shift) << 12);
+    };
+    const Vec3i origin{part(40), part(20), part(0)};
+    if (!at.upper) {
+      if (at.on)
+        addCube(origin, 4096);
+      continue;
+    }
+    for (std::uint32_t bit = 0; bit < Mask5::SIZE; ++bit)
+      if (at.upper->tiles->isOn(bit))
+        addCube({origin[0] + 128 * std::int32_t(bit >> 10),
+                 origin[1] + 128 * std::int32_t(bit >> 5 & 31),
+                 origin[2] + 128 * std::int32_t(bit & 31)},
+                128);
+  }
+}
+
+double ActiveTree::support(const Vec3d& direction) const {
+  std::call_once(once_, [this] { findOutermost(); });
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Box& box : outermost_)
+    most = std::max(most, supportOf(box, direction));
+  Box all;
+  if (low_[0] <= high_[0]) {
+    all.add(Vec3d{double(low_[0]), double(low_[1]), double(low_[2])});
+    all.add(Vec3d{high_[0] + 1.0, high_[1] + 1.0, high_[2] + 1.0});
+  }
+  return std::min(most, supportOf(all, direction));
 }
 
 bool ActiveTree::isOn(const Vec3i& voxel) const {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <mutex>
 #include <openvdb/openvdb.h>
 #include <unordered_map>
 #include <vector>
@@ -39,6 +40,11 @@ public:
   /// Active voxels, inclusive; low > high where there are none.
   const Vec3i& low() const { return low_; }
   const Vec3i& high() const { return high_; }
+
+  /// The maximum of the dot product of `direction` with points of leaf nodes and active tiles, or
+  /// with those of the active voxels' box where that is less; -infinity where there are none. The
+  /// first call looks at all nodes.
+  double support(const Vec3d& direction) const;
 
   /// A cube of voxels that a ray goes through.
   struct Span {
@@ -101,6 +107,7 @@ private:
 
   template <class TreeT>
   void index(const TreeT& tree);
+  void findOutermost() const;
   const Corner* corner(const Vec3i& voxel) const;
   const Mask3* leafAt(const Vec3i& voxel, bool& on) const;
   static bool firstOf(const IndexRay& ray, const Span& span, Voxel& found);
@@ -109,7 +116,10 @@ private:
   std::vector<Upper> uppers_;
   std::vector<Lower> lowers_;
   std::vector<const Mask3*> leaves_;
+  std::vector<Vec3i> lowerOrigins_;
   Vec3i low_{0, 0, 0}, high_{-1, -1, -1};
+  mutable std::once_flag once_;
+  mutable std::vector<Box> outermost_; ///< boxes whose hull is that of all nodes
 };
 
 } // namespace tetvdb

@@ -68,4 +68,11 @@ Box GridSpace::bounds(const Vec3i& low, const Vec3i& high) const {
   return box;
 }
 
+double GridSpace::support(const ActiveTree& tree, const Vec3d& direction) const {
+  Vec3d inIndex{}; // a dot product in the world is one in index space, by the matrix's transpose
+  for (std::size_t row = 0; row < 3; ++row)
+    inIndex = plus(inIndex, times(toWorld_[row], direction[row]));
+  return dot(direction, origin_) + tree.support(inIndex);
+}
+
 } // namespace tetvdb

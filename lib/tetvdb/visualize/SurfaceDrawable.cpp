@@ -127,12 +127,11 @@ class SurfaceDrawable : public Drawable {
 public:
   SurfaceDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
       : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_), field_(makeField(*grid_, tree_)),
-        radius_(std::min(std::max(0.75 * look.pixel / space_.voxel(), 1.0), Field::kWidest)),
-        coarse_(look.pixel > 1.5 * space_.voxel()) {}
+        tree_(*grid_), field_(makeField(*grid_, tree_)) {}
 
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
-  double skin() const override { return std::max(1.0, 0.5 * radius_) * space_.voxel(); }
+  double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
+  double skin() const override { return 1.5 * space_.voxel(); }
 
   bool firstHit(const Ray& asked, RayHit& hit) const override {
     Ray ray = asked;
@@ -141,13 +140,15 @@ public:
       return false;
     const IndexRay inside = space_.toIndex(ray);
     typename Field::Sampler sample(field_);
-    if (!find(inside, onCut, sample, hit.t))
+    if (!find(inside, onCut, isCoarse(ray), sample, hit.t))
       return false;
     const Vec3d p = inside.at(hit.t);
     if (onCut) {
       hit.normal = look_.cut->normal;
     } else {
-      hit.normal = space_.normal(outwards(p, sample));
+      const double radius =
+          std::min(std::max(0.75 * ray.pixelAt(hit.t) / space_.voxel(), 1.0), Field::kWidest);
+      hit.normal = space_.normal(outwards(p, radius, sample));
       if (dot(hit.normal, hit.normal) < 0.5)
         hit.normal = times(ray.direction, -1);
       else if (dot(hit.normal, ray.direction) > 0) // a thin wall seen at a grazing angle
@@ -170,7 +171,7 @@ public:
     }
     typename Field::Sampler sample(field_);
     double t = 0;
-    return find(inside, onCut, sample, t);
+    return find(inside, onCut, false, sample, t);
   }
 
 private:
@@ -183,9 +184,22 @@ private:
       return Field(grid);
   }
 
+  /// Voxels are smaller than the ray's pixel: the first one is the surface.
+  bool isCoarse(const Ray& ray) const {
+    const Box box = bounds();
+    return box.low[0] <= box.high[0] && ray.pixelAt(nearest(ray, box)) > 1.5 * space_.voxel();
+  }
+  /// The distance of the box's middle along the ray.
+  static double nearest(const Ray& ray, const Box& box) {
+    Vec3d middle;
+    for (std::size_t a = 0; a < 3; ++a)
+      middle[a] = 0.5 * (box.low[a] + box.high[a]);
+    return std::max(0.0, dot(minus(middle, ray.origin), ray.direction));
+  }
+
   /// The first t at which the field is not negative; `onCut` says, and is told, whether that is
   /// where the ray begins.
-  bool find(const IndexRay& ray, bool& onCut, Sampler& sample, double& t) const {
+  bool find(const IndexRay& ray, bool& onCut, bool coarse, Sampler& sample, double& t) const {
     if (onCut && sample(ray.at(ray.tMin)) >= 0) {
       t = ray.tMin;
       return true;
@@ -200,7 +214,7 @@ private:
       // The surface lies within a voxel of active ones.
       IndexRay rest = ray;
       for (ActiveTree::Voxel voxel; tree_.first(rest, voxel);) {
-        if (coarse_) {
+        if (coarse) {
           t = voxel.t;
           return true;
         }
@@ -261,14 +275,14 @@ private:
     return outValue < inValue ? out + (in - out) * outValue / (outValue - inValue) : in;
   }
 
-  /// Against the field's gradient: over `radius_` voxels.
-  Vec3d outwards(const Vec3d& p, Sampler& sample) const {
+  /// Against the field's gradient: over `radius` voxels.
+  Vec3d outwards(const Vec3d& p, double radius, Sampler& sample) const {
     Vec3d normal{0, 0, 0};
-    if (radius_ <= 2) {
+    if (radius <= 2) {
       for (std::size_t a = 0; a < 3; ++a) {
         Vec3d ahead = p, behind = p;
-        ahead[a] += radius_;
-        behind[a] -= radius_;
+        ahead[a] += radius;
+        behind[a] -= radius;
         normal[a] = sample(behind) - sample(ahead);
       }
       return normal;
@@ -277,9 +291,9 @@ private:
     for (int i = -3; i <= 3; ++i)
       for (int j = -3; j <= 3; ++j)
         for (int k = -3; k <= 3; ++k) {
-          const Vec3d offset{i * radius_ / 3, j * radius_ / 3, k * radius_ / 3};
+          const Vec3d offset{i * radius / 3, j * radius / 3, k * radius / 3};
           const Vec3d q = plus(p, offset);
-          if (dot(offset, offset) <= radius_ * radius_ &&
+          if (dot(offset, offset) <= radius * radius &&
               probe.isOn({cellOf(q[0]), cellOf(q[1]), cellOf(q[2])}))
             normal = minus(normal, offset);
         }
@@ -292,8 +306,6 @@ private:
   GridSpace space_;
   ActiveTree tree_;
   Field field_;
-  double radius_; ///< of normals, in voxels
-  bool coarse_;   ///< voxels are smaller than pixels: the first one is the surface
 };
 
 } // namespace

@@ -24,19 +24,17 @@ struct GridPaint {
 struct VolumeLook {
   GridPaint paint;
   std::optional<CutPlane> cut;
-  /// Side of a pixel in the scene, world units, if known: normals are taken over as much, so that
-  /// voxels smaller than a pixel do not flicker. Of voxels that are larger the edges are drawn.
-  double pixel = 0;
 };
 
-/// Every active voxel as a box, found by walking through the tree: no mesh, no dense copy. Memory:
-/// that of an ActiveTree. The grid must stay as it is. Error(Usage) for a type that is unknown,
-/// Error(Invalid) for a frustum.
+/// Every active voxel as a box, found by walking through the tree: no mesh, no dense copy; edges
+/// are drawn where voxels are larger than pixels. Memory: that of an ActiveTree. The grid must stay
+/// as it is. Error(Usage) for a type that is unknown, Error(Invalid) for a frustum.
 std::unique_ptr<Drawable> drawVoxels(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
 
 /// A smooth surface: of a level set where it is zero, between voxels; of fogs named "density" or
 /// "coverage" where their values, smoothed over three voxels, are a half; of others the same of
-/// their active states. Errors and memory as above.
+/// their active states. Voxels smaller than a pixel are the surface themselves, and normals are
+/// taken over pixels, so that nothing flickers. Errors and memory as above.
 std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
 
 /// The values of the paint's grid (the drawn one's where it has none) on the plane axis = position

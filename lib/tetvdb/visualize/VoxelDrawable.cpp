@@ -14,12 +14,10 @@ class VoxelDrawable : public Drawable {
 public:
   VoxelDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
       : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_) {
-    if (look.pixel > 0 && space_.voxel() >= kEdgePixels * look.pixel)
-      edge_ = std::min(0.5 * look.pixel / space_.voxel(), 0.06);
-  }
+        tree_(*grid_) {}
 
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
+  double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
   double skin() const override { return 1e-3 * space_.voxel(); }
 
   bool firstHit(const Ray& asked, RayHit& hit) const override {
@@ -43,7 +41,7 @@ public:
       hit.normal = onCut ? look_.cut->normal : times(ray.direction, -1);
     }
     hit.color = colorOf(voxel.at);
-    if (isEdge(p, voxel))
+    if (isEdge(p, voxel, ray.pixelAt(voxel.t)))
       for (float& c : hit.color)
         c *= 0.45f;
     hit.lit = true;
@@ -64,14 +62,15 @@ private:
     return paint_.at(space_.toWorld({voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5}));
   }
   /// On the face through which the ray came in, or on the cut.
-  bool isEdge(const Vec3d& p, const ActiveTree::Voxel& voxel) const {
-    if (edge_ == 0)
+  bool isEdge(const Vec3d& p, const ActiveTree::Voxel& voxel, double pixel) const {
+    if (!(pixel > 0 && space_.voxel() >= kEdgePixels * pixel))
       return false;
+    const double edge = std::min(0.5 * pixel / space_.voxel(), 0.06); // half the line, in voxels
     for (std::size_t a = 0; a < 3; ++a) {
       if (static_cast<int>(a) == voxel.axis)
         continue;
       const double part = p[a] - voxel.at[a];
-      if (part < edge_ || part > 1 - edge_)
+      if (part < edge || part > 1 - edge)
         return true;
     }
     return false;
@@ -82,7 +81,6 @@ private:
   VolumePaint paint_;
   GridSpace space_;
   ActiveTree tree_;
-  double edge_ = 0; ///< half the width of the lines, in voxels
 };
 
 } // namespace

@@ -156,6 +156,7 @@ class Job:
         """Waits; the report, or TetvdbError with what the program says."""
         status = self.process.wait()
         self.reader.join()
+        self.process.stderr.close()
         try:
             with open(self.report_path, encoding="utf-8") as file:
                 report = json.load(file)

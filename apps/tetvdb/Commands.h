@@ -23,6 +23,7 @@ Command addTetrahedralize(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);
+Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);
 Command addReport(CLI::App& program);
 Command addBench(CLI::App& program);

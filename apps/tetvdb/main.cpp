@@ -34,6 +34,7 @@ const char* const kExamples = R"(Examples:
   tetvdb info part.msh part.vdb
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
+  tetvdb render part.stl -o part.png
   tetvdb check part.vdb --target blender
   tetvdb report models/ -o report.html
   tetvdb bench
@@ -58,8 +59,8 @@ std::string describeParseError(const CLI::ParseError& error, int argc, char** ar
     text = "a command is missing";
   else if (!known && argv[1][0] != '-')
     text = "'" + std::string(argv[1]) +
-           "' is no command; there are voxelize, tetrahedralize, info, compare, repair, check, "
-           "report and bench";
+           "' is no command; there are voxelize, tetrahedralize, info, compare, repair, render, "
+           "check, report and bench";
   return text + "; see '" + help + "'";
 }
 
@@ -70,8 +71,9 @@ int runProgram(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {
-      addVoxelize(program), addTetrahedralize(program), addInfo(program),   addCompare(program),
-      addRepair(program),   addCheck(program),          addReport(program), addBench(program)};
+      addVoxelize(program), addTetrahedralize(program), addInfo(program),
+      addCompare(program),  addRepair(program),         addRender(program),
+      addCheck(program),    addReport(program),         addBench(program)};
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& asked) { // --help, --version

@@ -21,9 +21,12 @@ struct Sizes {
         bar(14 * dot) {}
 };
 
-std::string nameOf(const ColorScale& scale, std::size_t kind) {
-  const std::string& name = scale.kinds[kind];
+std::string cutShort(const std::string& name) {
   return name.size() <= kLongestName ? name : name.substr(0, kLongestName - 2) + "..";
+}
+
+std::string nameOf(const ColorScale& scale, std::size_t kind) {
+  return cutShort(scale.kinds[kind]);
 }
 
 int widestEntry(const ColorScale& scale, int dot) {
@@ -65,7 +68,7 @@ void drawKinds(Image& image, const ColorScale& scale, const Pixel& ink, const Si
 int legendWidth(const ColorScale& scale, int pictureHeight) {
   const Sizes sizes(pictureHeight);
   const int entry = sizes.bar + 4 * sizes.dot + widestEntry(scale, sizes.dot);
-  return 2 * sizes.margin + std::max(entry, textWidth(scale.title, sizes.dot));
+  return 2 * sizes.margin + std::max(entry, textWidth(cutShort(scale.title), sizes.dot));
 }
 
 LegendPlaces drawLegend(Image& image, const ColorScale& scale, const Pixel& ink) {
@@ -76,7 +79,7 @@ LegendPlaces drawLegend(Image& image, const ColorScale& scale, const Pixel& ink)
   places.barRight = left + sizes.bar;
   places.barTop = sizes.margin + 2 * sizes.line;
   places.barBottom = std::max(places.barTop + 2, image.height - sizes.margin - sizes.line);
-  drawText(image, left, sizes.margin, scale.title, ink, sizes.dot);
+  drawText(image, left, sizes.margin, cutShort(scale.title), ink, sizes.dot);
   if (scale.map == nullptr) {
     drawKinds(image, scale, ink, sizes, places);
     return places;

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/RenderJob.h"
+
+#include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/visualize/WritePng.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMostPictures = 9999;
+// What drawing takes at its peak, on top of the mesh (TriangleDrawable.h, Renderer.h).
+constexpr std::size_t kBytesPerFace = 60, kBytesPerPixel = 100;
+
+void requireRoom(std::size_t bytes, std::size_t limit, const char* advice) {
+  const std::size_t left = limit > 0 ? memoryLeft(limit) : availableBytes();
+  if (left > 0 && bytes > left)
+    throw Error(Status::Limit, "",
+                "drawing needs about " + std::to_string(bytes / 1000000) + " MB, there are " +
+                    std::to_string(left / 1000000),
+                advice);
+}
+
+class Render {
+public:
+  Render(const RenderJob& job, Report& report, Progress& progress)
+      : job_(job), report_(report), progress_(progress) {}
+
+  RenderResult run() {
+    checkFiles();
+    std::vector<PictureMaker::Sitter> sitters;
+    {
+      StageTimer timer(report_, "read");
+      progress_.stage("read");
+      for (const RenderInput& input : job_.inputs)
+        sitters.push_back({open(input), std::filesystem::path(input.path).filename().string()});
+    }
+    std::unique_ptr<PictureMaker> maker;
+    {
+      StageTimer timer(report_, "scene");
+      progress_.stage("scene");
+      PictureOptions options = job_.picture;
+      options.turntable = std::max<std::size_t>(job_.turntable, 1);
+      maker = std::make_unique<PictureMaker>(std::move(sitters), options, progress_);
+      requireRoom(kBytesPerPixel * static_cast<std::size_t>(maker->width()) *
+                      static_cast<std::size_t>(maker->height()),
+                  job_.maxMemory, "give a smaller --size, or raise --max-memory");
+    }
+    write(takePictures(*maker));
+    result_.width = maker->width();
+    result_.height = maker->height();
+    result_.scale = maker->scale();
+    for (Drawn drawn : maker->drawn()) {
+      drawn.drawables.clear();
+      drawn.media.clear();
+      result_.drawn.push_back(std::move(drawn));
+    }
+    return std::move(result_);
+  }
+
+private:
+  void checkFiles() {
+    requireExtension(job_.output, {".png"}, "name it .png");
+    if (job_.turntable > kMostPictures)
+      throw Error(Status::Usage, "turntable", "more than 9999 pictures are too many");
+    std::vector<std::string> inputs;
+    for (const RenderInput& input : job_.inputs)
+      inputs.push_back(input.path);
+    for (std::size_t i = 0; i < std::max<std::size_t>(job_.turntable, 1); ++i) {
+      requireNoInput(outputName(i), inputs);
+      if (i == 0)
+        requireWritable(outputName(i));
+    }
+  }
+
+  std::string outputName(std::size_t picture) const {
+    if (job_.turntable == 0)
+      return job_.output;
+    std::string number = std::to_string(picture + 1);
+    number.insert(0, 4 - number.size(), '0');
+    const std::size_t dot = job_.output.size() - 4; // ".png", in any case
+    return job_.output.substr(0, dot) + "." + number + job_.output.substr(dot);
+  }
+
+  // What a file holds, as a subject.
+  std::unique_ptr<Subject> open(const RenderInput& input) try {
+    InputInfo& info = result_.inputs.emplace_back();
+    info.path = input.path;
+    if (input.isVolume)
+      throw Error(Status::Usage, input.path, "is a volume, and only meshes can be rendered");
+    if (holdsTriangles(input.path)) {
+      TriangleMesh mesh = readSoup(input.path, &info, report_, progress_);
+      requireRoom(kBytesPerFace * mesh.triangleCount(), job_.maxMemory,
+                  "raise --max-memory, or use a machine with more");
+      return subjectOf(std::move(mesh), job_.look);
+    }
+    ReadOptions options;
+    options.attributes = !job_.look.color.empty() && job_.look.color != "quality";
+    return subjectOf(readTets(input.path, options, {}, &info, report_, progress_), job_.look);
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    if (error.status() == Status::Cancelled || text.find(input.path) != std::string::npos)
+      throw;
+    throw Error(error.status(), input.path, text);
+  }
+
+  std::vector<std::string> takePictures(const PictureMaker& maker) {
+    StageTimer timer(report_, "render");
+    progress_.stage("render");
+    const std::size_t count = std::max<std::size_t>(job_.turntable, 1);
+    std::vector<std::string> files;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double turn = static_cast<double>(i) / static_cast<double>(count);
+      files.push_back(encodePng(maker.take(turn, progress_)));
+    }
+    return files;
+  }
+
+  void write(const std::vector<std::string>& files) {
+    StageTimer timer(report_, "write");
+    progress_.stage("write");
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      AtomicFile file(outputName(i));
+      file.write(files[i].data(), files[i].size());
+      file.commit();
+      result_.outputs.push_back(written(outputName(i)));
+    }
+  }
+
+  const RenderJob& job_;
+  Report& report_;
+  Progress& progress_;
+  RenderResult result_;
+};
+
+} // namespace
+
+RenderResult run(const RenderJob& job, Report& report, Progress& progress) {
+  if (job.threads <= 0)
+    return Render(job, report, progress).run();
+  tbb::task_arena arena(job.threads);
+  return arena.execute([&] { return Render(job, report, progress).run(); });
+}
+
+} // namespace tetvdb

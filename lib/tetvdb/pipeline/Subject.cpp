@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/Subject.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/visualize/DefectMarks.h"
+#include "tetvdb/visualize/LineDrawable.h"
+#include "tetvdb/visualize/TetSkin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kDefectPixels = 3;
+// Energies are shown from that of the regular tet to three times that at which meshers stop.
+constexpr double kBestEnergy = 3, kPoorEnergy = 30;
+
+Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& used) {
+  Box box;
+  for (const std::uint32_t point : used)
+    box.add(points[point]);
+  return box;
+}
+
+class TriangleSubject : public Subject {
+public:
+  TriangleSubject(TriangleMesh mesh, const MeshLook& look)
+      : mesh_(std::move(mesh)), look_(look), box_(boxOf(mesh_.points, mesh_.triangles)) {
+    if (!look.color.empty())
+      throw Error(Status::Usage, "",
+                  "triangles have no values to colour them by '" + look.color + "'",
+                  "colours are for tets and volumes");
+  }
+
+  Box bounds() const override { return box_; }
+
+  Drawn draw(const ColorScale*, const std::optional<CutPlane>& cut, Progress& progress) override {
+    Drawn drawn;
+    drawn.triangles = mesh_.triangleCount();
+    TriangleLook look;
+    look.color = look_.plain;
+    look.smooth = look_.smooth;
+    look.wire = look_.wire;
+    look.cut = cut;
+    std::vector<Line> lines;
+    if (look_.defects) {
+      DefectMarks marks = markDefects(mesh_, progress);
+      look.marked = std::move(marks.flipped);
+      lines = std::move(marks.lines);
+      drawn.openEdges = marks.openEdges;
+      drawn.nonManifoldEdges = marks.nonManifoldEdges;
+      drawn.flippedFaces = marks.flippedFaces;
+      if (cut)
+        lines.erase(std::remove_if(lines.begin(), lines.end(),
+                                   [&](const Line& line) { return isBeyond(*cut, line); }),
+                    lines.end());
+    }
+    drawn.drawables.push_back(
+        std::make_shared<TriangleDrawable>(std::move(mesh_), std::move(look), progress));
+    if (!lines.empty())
+      drawn.drawables.push_back(std::make_shared<LineDrawable>(std::move(lines), kDefectPixels));
+    return drawn;
+  }
+
+private:
+  static bool isBeyond(const CutPlane& cut, const Line& line) {
+    const auto side = [&](const Vec3d& p) {
+      return p[0] * cut.normal[0] + p[1] * cut.normal[1] + p[2] * cut.normal[2] - cut.offset;
+    };
+    return side(line.from) > 0 || side(line.to) > 0;
+  }
+
+  TriangleMesh mesh_;
+  MeshLook look_;
+  Box box_;
+};
+
+class TetSubject : public Subject {
+public:
+  TetSubject(TetMesh mesh, const MeshLook& look)
+      : mesh_(std::move(mesh)), look_(look), box_(boxOf(mesh_.points, mesh_.tets)) {
+    if (look.defects)
+      throw Error(Status::Usage, "", "defects are those of triangles; the mesh has tets",
+                  "colour them by their quality");
+    if (look.color == "quality")
+      takeQuality();
+    else if (look.color == "region" && find("region") == nullptr)
+      takeRegions();
+    else if (!look.color.empty())
+      takeArray();
+    std::vector<Attribute>().swap(mesh_.attributes);
+  }
+
+  Box bounds() const override { return box_; }
+
+  std::optional<ColorScale> scale() const override {
+    if (values_.on == SurfaceValues::On::Nothing)
+      return std::nullopt;
+    return values_.scale;
+  }
+
+  Drawn draw(const ColorScale* scale, const std::optional<CutPlane>& cut,
+             Progress& progress) override {
+    Drawn drawn;
+    TetSkin skin = tetSkin(mesh_, cut, look_.shrink, progress);
+    if (skin.mesh.triangles.empty())
+      throw Error(Status::Invalid, "", "the cut leaves nothing of the mesh",
+                  "move it within the box");
+    drawn.triangles = skin.mesh.triangleCount();
+    drawn.cutTets = skin.cutTets;
+    TriangleLook look;
+    look.color = look_.plain;
+    look.smooth = look_.smooth;
+    look.wire = look_.wire;
+    if (scale != nullptr)
+      values_.scale = *scale;
+    look.values = skin.values(values_);
+    values_ = {};
+    mesh_ = {};
+    TriangleMesh shown = std::move(skin.mesh);
+    skin = {};
+    drawn.drawables.push_back(
+        std::make_shared<TriangleDrawable>(std::move(shown), std::move(look), progress));
+    return drawn;
+  }
+
+private:
+  const Attribute* find(const std::string& name) const {
+    for (const Attribute& attribute : mesh_.attributes)
+      if (attribute.name == name)
+        return &attribute;
+    return nullptr;
+  }
+
+  void takeQuality() {
+    values_.on = SurfaceValues::On::Faces;
+    values_.values = tetEnergies(mesh_);
+    values_.scale.map = &ColorMap::named("viridis_r"); // good is bright
+    values_.scale.title = "AMIPS energy";
+    values_.scale.low = kBestEnergy;
+    values_.scale.high = kPoorEnergy;
+    values_.scale.logarithmic = true;
+  }
+
+  void takeRegions() {
+    if (mesh_.regions.empty())
+      throw Error(Status::Usage, "", "the mesh has no regions to colour");
+    std::map<std::int32_t, std::size_t> kinds;
+    for (const std::int32_t region : mesh_.regions)
+      kinds.emplace(region, 0);
+    ColorScale& scale = values_.scale;
+    scale.title = "region";
+    for (auto& [region, kind] : kinds) {
+      kind = scale.kinds.size();
+      const auto name = mesh_.regionNames.find(region);
+      scale.kinds.push_back(name != mesh_.regionNames.end() ? name->second
+                                                            : std::to_string(region));
+    }
+    values_.on = SurfaceValues::On::Faces;
+    values_.values.resize(mesh_.tetCount());
+    for (std::size_t tet = 0; tet < mesh_.tetCount(); ++tet)
+      values_.values[tet] = static_cast<float>(kinds[mesh_.regions[mesh_.cell(tet)]]);
+  }
+
+  void takeArray() {
+    const Attribute* attribute = find(look_.color);
+    if (attribute == nullptr) {
+      std::string names;
+      for (const Attribute& other : mesh_.attributes)
+        names += (names.empty() ? "it has " : ", ") + other.name;
+      throw Error(Status::Usage, "", "the mesh has no array '" + look_.color + "'",
+                  names.empty() ? "it has none at all" : names);
+    }
+    const bool onPoints = attribute->on == Attribute::On::Points;
+    values_.on = onPoints ? SurfaceValues::On::Points : SurfaceValues::On::Faces;
+    values_.values.resize(onPoints ? mesh_.points.size() : mesh_.tetCount());
+    for (std::size_t i = 0; i < values_.values.size(); ++i)
+      values_.values[i] = static_cast<float>(magnitude(*attribute, onPoints ? i : mesh_.cell(i)));
+    ColorScale& scale = values_.scale;
+    scale.map = &ColorMap::named("viridis");
+    scale.title = attribute->components > 1 ? "|" + attribute->name + "|" : attribute->name;
+    scale.low = INFINITY;
+    scale.high = -INFINITY;
+    for (const float value : values_.values)
+      if (std::isfinite(value)) {
+        scale.low = std::min(scale.low, double(value));
+        scale.high = std::max(scale.high, double(value));
+      }
+    if (!(scale.low <= scale.high))
+      scale.low = scale.high = 0;
+  }
+
+  static double magnitude(const Attribute& attribute, std::size_t element) {
+    if (attribute.components == 1)
+      return attribute.number(element);
+    double squares = 0;
+    for (std::uint32_t c = 0; c < attribute.components; ++c)
+      squares += attribute.number(element, c) * attribute.number(element, c);
+    return std::sqrt(squares);
+  }
+
+  TetMesh mesh_;
+  MeshLook look_;
+  Box box_;
+  SurfaceValues values_; ///< over tets (On::Faces) or points
+};
+
+} // namespace
+
+std::unique_ptr<Subject> subjectOf(TriangleMesh mesh, const MeshLook& look) {
+  return std::make_unique<TriangleSubject>(std::move(mesh), look);
+}
+
+std::unique_ptr<Subject> subjectOf(TetMesh mesh, const MeshLook& look) {
+  return std::make_unique<TetSubject>(std::move(mesh), look);
+}
+
+} // namespace tetvdb

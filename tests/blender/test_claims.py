@@ -257,7 +257,8 @@ class Claims(blender.Test):
 
     def frames(self, *names, **arguments):
         return {"ask": "sequence", "paths": [str(self.path(name)) for name in names],
-                "grid": "density", "threshold": 0.5, **arguments}
+                "grid": "density", "threshold": 0.5,
+                **{key: list(value) for key, value in arguments.items()}}
 
     @blender.asks
     def test_gap(self):
@@ -273,18 +274,29 @@ class Claims(blender.Test):
 
     @blender.asks
     def test_names_of_frames(self):
-        for name, count in (("n.0001_low.vdb", 9), ("n.0002_low.vdb", 10), ("a.vdb", 9),
-                            ("b.vdb", 9)):
-            self.save(name, block(high=count))
-        self.assertEqual(self.findings("n.0001_low.vdb", "n.0002_low.vdb"),
-                         {"sequence-name": "error"})
-        self.assertEqual(self.findings("a.vdb", "b.vdb"), {"sequence-name": "error"})
-        after, other = yield [self.frames("n.0001_low.vdb", "n.0002_low.vdb", frames=[1, 2]),
-                              self.frames("a.vdb", "b.vdb", frames=[1, 2])]
-        # It is called a sequence of two frames, but the first one stays.
-        self.assertEqual([(o["is_sequence"], o["frames"]) for o in after["objects"]], [(True, 2)])
-        self.assertEqual([f["file"] for f in after["frames"]], ["n.0001_low.vdb"] * 2)
-        self.assertEqual([o["is_sequence"] for o in other["objects"]], [False, False])
+        fine = [["u_8.vdb", "u_9.vdb", "u_10.vdb"], ["k.1001.vdb", "k.1002.vdb"],
+                ["m-1.vdb", "m-2.vdb"], ["z.0000.vdb", "z.0001.vdb"], ["7.vdb", "8.vdb"]]
+        after = ["n.0001_low.vdb", "n.0002_low.vdb"]
+        padded = ["w.1.vdb", "w.02.vdb", "w.3.vdb"]
+        unknown = [["a.vdb", "b.vdb"], ["q.0001.5.vdb", "q.0002.5.vdb"]]
+        for names in [*fine, after, padded, *unknown]:
+            for count, name in enumerate(names):
+                self.save(name, block(high=9 + count))
+            found = {} if names in fine else {"sequence-name": "error"}
+            self.assertEqual(self.findings(*names), found, names)
+        answers = yield [self.frames(*names, frames=range(1, len(names) + 1))
+                         for names in [*fine, after, padded, *unknown]]
+        states = [[(o["is_sequence"], o["frames"]) for o in answer["objects"]]
+                  for answer in answers]
+        shown = [[f["file"] for f in answer["frames"]] for answer in answers]
+        for names, state, files in zip(fine, states, shown):
+            self.assertEqual(state, [(True, len(names))])
+            self.assertEqual(files, names)
+        # These are called sequences, but the first file stays, or one is not found.
+        self.assertEqual(states[-4:-2], [[(True, 2)], [(True, 3)]])
+        self.assertEqual(shown[-4:-2], [[after[0]] * 2, [padded[0], "", padded[2]]])
+        for state in states[-2:]:
+            self.assertEqual(state, [(False, 0), (False, 0)])
 
     @blender.asks
     def test_frames_that_differ(self):

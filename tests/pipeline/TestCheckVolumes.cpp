@@ -159,6 +159,9 @@ TEST_F(CheckVolumes, Sequences) {
             (Set{"error:sequence-name"}));
   EXPECT_EQ(found({save("c.1_low.vdb", density()), save("c.2_low.vdb", density())}),
             (Set{"error:sequence-name"}));
+  EXPECT_EQ(found({save("d.9.vdb", density()), save("d.10.vdb", density())}), Set{});
+  EXPECT_EQ(found({save("e.1.vdb", density()), save("e.02.vdb", density())}),
+            (Set{"error:sequence-name"}));
   EXPECT_EQ(found({a1, save("a.0002.vdb", {box("density", 1, 12, 0.3)})}),
             (Set{"warning:sequence-transform density"}));
   EXPECT_EQ(found({a1, save("a.0002.vdb", {box("density", 1, 12), box("T", 1, 12)})}),

@@ -262,7 +262,7 @@ private:
 
 // "a.0007" of "out/a.0007.vdb" as "a.", 7 and "": what comes before and after its last number.
 struct NumberedName {
-  std::string before, after;
+  std::string before, digits, after;
   std::optional<unsigned long long> number;
 
   explicit NumberedName(const std::string& path) {
@@ -275,6 +275,7 @@ struct NumberedName {
     while (begin > 0 && digit(begin - 1))
       --begin;
     before = (fs::path(path).parent_path() / stem.substr(0, begin)).string();
+    digits = stem.substr(begin, end - begin);
     after = stem.substr(end);
     unsigned long long value = 0;
     if (begin < end &&
@@ -302,6 +303,12 @@ void checkNames(const std::vector<std::string>& paths, CheckTarget target,
           {Weight::Error, "sequence-name", path, "",
            "has '" + name.after + "' after its number: Blender shows the first file in all frames",
            rename});
+    if (name.digits != fmt::format("{:0{}}", *name.number, first.digits.size()))
+      findings.push_back({Weight::Error, "sequence-name", path, "",
+                          fmt::format("has another number of zeros than '{}': players look for a "
+                                      "file that is not there",
+                                      first.digits),
+                          rename});
     numbers.emplace_back(*name.number, path);
   }
   std::sort(numbers.begin(), numbers.end());

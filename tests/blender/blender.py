@@ -13,6 +13,7 @@ import functools
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -76,6 +77,7 @@ class Test(program.CommandLineTest):
         listed, answers = cls.root / "questions.json", cls.root / "answers.json"
         listed.write_text(json.dumps(questions))
         cls.said = run_blender(cls.probe, listed, answers, folder=cls.root / "scripts")
+        cls.version = tuple(map(int, re.search(r"Blender (\d+)\.(\d+)", cls.said).groups()))
         cls.answers = json.loads(answers.read_text())
 
     def setUp(self):

@@ -166,6 +166,7 @@ def render(save, view, centre, width, pixels, samples=32, background=0.0, frame=
     picture = os.path.splitext(save)[0] + ".exr"
     scene.render.filepath = picture
     scene.frame_set(frame)
+    print("picture", save, flush=True)
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(picture)
     values = numpy.array(image.pixels[:], dtype=numpy.float32).reshape(pixels, pixels, 4)

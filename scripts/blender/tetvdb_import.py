@@ -120,17 +120,20 @@ class Job:
     needed as long as it runs."""
 
     def __init__(self, program, arguments):
-        self.stage, self.fraction, self.said = "", 0.0, []
         self.folder = tempfile.TemporaryDirectory(prefix="tetvdb-")
         self.report_path = os.path.join(self.folder.name, "report.json")
         self.command = [program, *arguments(self.folder.name), "-v", "--json", self.report_path]
+        self._start()
+
+    def _start(self):
+        self.stage, self.fraction, self.said = "", 0.0, []
         try:
             self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL,
                                             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                             text=True, errors="replace")
         except OSError as error:
             self.folder.cleanup()
-            raise TetvdbError(f"{program} does not start: {error.strerror}") from error
+            raise TetvdbError(f"{self.command[0]} does not start: {error.strerror}") from error
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
 
@@ -145,18 +148,33 @@ class Job:
                 self.said.append(line)
 
     def running(self):
-        return self.process.poll() is None
+        if self.process.poll() is None:
+            return True
+        # An Exodus file may hold a mesh alone, and no steps.
+        if self.process.returncode == 3 and "--frames" in self.command:
+            self._close()
+            if any("has no time steps" in line for line in self.said):
+                first = self.command.index("--frames")
+                del self.command[first:first + 2]
+                self._start()
+                return True
+        return False
+
+    def _close(self):
+        self.reader.join()
+        self.process.stderr.close()
 
     def cancel(self):
         """Stops it cleanly: no output is left half written."""
-        if self.running():
+        if self.process.poll() is None:
             self.process.terminate()
 
     def finish(self):
         """Waits; the report, or TetvdbError with what the program says."""
-        status = self.process.wait()
-        self.reader.join()
-        self.process.stderr.close()
+        while self.running():
+            self.process.wait()
+        status = self.process.returncode
+        self._close()
         try:
             with open(self.report_path, encoding="utf-8") as file:
                 report = json.load(file)

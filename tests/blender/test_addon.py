@@ -144,6 +144,24 @@ class AddOn(blender.Test):
         self.assertFalse(self.volume_of(together)["is_sequence"])
 
     @blender.asks
+    def test_real_files(self):
+        # Name, arrays, and whether it has steps.
+        asked = [("quadcopter_frame.mesh", "", False), ("hybrid_tetwedge.msh", "", False),
+                 ("table.msh", "all", False), ("vtk/mixed.exo", "T,flow speed", True),
+                 ("vtk/mixed_hdf5.exo", "all", True),
+                 ("vtk/petsc__FourBrickTet-large.exo", "", False), ("vtk/pieces.pvtu", "all", False)]
+        answers = yield [self.imported(name, filepath=str(program.DATA / name), arrays=arrays,
+                                       output=str(self.path(f"{i}.vdb")), size_by="RESOLUTION",
+                                       resolution=24, frames=[1])
+                         for i, (name, arrays, _) in enumerate(asked)]
+        for (name, arrays, steps), answer in zip(asked, answers):
+            volume = self.volume_of(answer)
+            self.assertEqual(volume["is_sequence"], steps, name)
+            self.assertEqual(volume["error"], "", name)
+            self.assertEqual(len(volume["grids"]) > 1, arrays != "", name)
+            self.assertGreater(answer["frames"][0]["volume"], 0, name)
+
+    @blender.asks
     def test_vectors_and_temperatures(self):
         self.write("a.vtu", block())
         look, picture = self.from_above()

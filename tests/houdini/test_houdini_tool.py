@@ -170,6 +170,15 @@ class HoudiniTool(program.CommandLineTest):
         self.assertEqual(sorted(p.name for p in self.folder.glob("*.vdb")),
                          [f"step.{frame:04}.vdb" for frame in (1, 2, 3)])
 
+    def test_exodus_with_and_without_steps(self):
+        for name, file in (("mixed_hdf5.exo", "one.$F4.vdb"),
+                           ("petsc__FourBrickTet-large.exo", "two.vdb")):
+            self.session.objects.children.clear()
+            self.tool.import_mesh(str(program.DATA / "vtk" / name), resolution=16,
+                                  output=str(self.path(file.replace(".$F4", ""))))
+            _, nodes = self.nodes()
+            self.assertEqual(nodes["read_vdb"].parameters["file"], str(self.path(file)))
+
     def test_errors_are_raised(self):
         path = self.write("no.vtu", "nothing")
         with self.assertRaisesRegex(self.tool.TetvdbError, "no.vtu"):

@@ -41,6 +41,13 @@ TEST_P(ExodusMixed, NodalAndElementVariables) {
   EXPECT_EQ(sum, 18);
 }
 
+TEST_P(ExodusMixed, Times) {
+  Report report;
+  Progress progress;
+  const std::string bytes = fileBytes(dataPath(GetParam()));
+  EXPECT_EQ(exodusTimes({bytes, GetParam()}, report, progress), std::vector<double>{0});
+}
+
 TEST(ExodusReader, WithoutAttributes) {
   ReadOptions options;
   options.attributes = false;

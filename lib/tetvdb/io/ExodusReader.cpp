@@ -201,8 +201,8 @@ public:
     return std::move(mesh_);
   }
 
-  /// A mesh that is nothing but the times of the steps, as an array: the form in which a child
-  /// process can hand them over.
+  /// A mesh that is nothing but the times of the steps, as an array on as many points: the form in
+  /// which a child process can hand them over, and which its parent checks.
   CellMesh readTimes() {
     const std::size_t steps = file_.dimension("time_step").value_or(0);
     const auto variable = file_.variable("time_whole");
@@ -213,6 +213,7 @@ public:
     else
       for (std::size_t i = 0; i < steps; ++i)
         times[i] = static_cast<double>(i);
+    mesh_.points.resize(steps);
     mesh_.attributes.push_back({"time", Attribute::On::Points, 1, std::move(times)});
     return std::move(mesh_);
   }

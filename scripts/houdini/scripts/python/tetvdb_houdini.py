@@ -147,7 +147,15 @@ def import_mesh(path, output=None, surface=False, **options):
     voxelize_arguments(). Without `output` the files lie beside the mesh. Raises TetvdbError."""
     path = hou.text.expandString(path) if "$F" not in path else path
     stem = re.sub(r"[._]?\$\{?F\d*\}?", "", os.path.splitext(path)[0])
-    report = run(voxelize_arguments(path, output or stem + ".vdb", surface=surface, **options))
+    arguments = voxelize_arguments(path, output or stem + ".vdb", surface=surface, **options)
+    try:
+        report = run(arguments)
+    except TetvdbError as error:
+        # An Exodus file may hold a mesh alone, and no steps.
+        if "--frames" not in arguments or "has no time steps" not in str(error):
+            raise
+        first = arguments.index("--frames")
+        report = run(arguments[:first] + arguments[first + 2:])
     return load(report, os.path.basename(stem), surface)
 
 

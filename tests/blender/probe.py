@@ -50,7 +50,8 @@ def describe(volume):
         grids.append({"name": grid.name, "type": grid.data_type, "channels": grid.channels,
                       "loaded": bool(loaded and grid.is_loaded),
                       "matrix": [list(row) for row in grid.matrix_object]})
-    return {"error": volume.grids.error_message, "grids": grids}
+    return {"error": volume.grids.error_message, "grids": grids,
+            "velocity": volume.velocity_grid, "velocity_unit": volume.velocity_unit}
 
 
 def ask_list(path):

@@ -204,8 +204,12 @@ class Claims(blender.Test):
         look = lambda file, name: self.look(file + ".vdb", name, kind="color", times="density")
         asked = [("velocity", "velocity"), ("vel", "vel"), ("vel", "velocity"), ("v", "v"),
                  ("v", "velocity"), ("flow", "flow")]
-        yield [*(look(*each) for each in asked), self.look("number.vdb", "v"),
-               self.look("number.vdb", "velocity")]
+        *_, vel, v, flow = yield [
+            *(look(*each) for each in asked), self.look("number.vdb", "v"),
+            self.look("number.vdb", "velocity"),
+            *(self.question("list", name + ".vdb") for name in ("vel", "v", "flow"))]
+        self.assertEqual([each["velocity"] for each in (vel, v, flow)], ["vel", "v", ""])
+        self.assertEqual(vel["velocity_unit"], "FRAME")
         self.assert_nothing(self.taken[-2])
         self.assertAlmostEqual(self.middle(self.taken[-1]), LENGTH, delta=1e-3)
         for (file, name), picture in zip(asked, self.taken):

@@ -11,7 +11,7 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
-  libblosc-dev libtbb-dev libnetcdf-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
+  libblosc-dev libtbb-dev libnetcdf-dev libhdf5-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
   libxxhash-dev libembree-dev libassimp-dev libpng-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
 test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb

@@ -69,7 +69,7 @@ Json framesOf(const SequenceResult& result) {
 void addSequenceOptions(CLI::App& command, SequenceTexts& texts) {
   command
       .add_option("--frames", texts.frames,
-                  "Frames of a sequence to take, counted from 1; makes an Exodus file one")
+                  "Frames of a sequence to take, counted from 1; makes an Exodus or XDMF file one")
       ->type_name("all|FIRST:LAST[:STRIDE]")
       ->check(notEmpty());
   command.add_flag("--allow-gaps", texts.allowGaps,

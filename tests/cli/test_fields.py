@@ -114,6 +114,8 @@ class FieldsTest(program.CommandLineTest):
                                         "'stress' (cells, 6 components)"))
         ask("--grid", "vel,vel", says="twice")
         ask("--derive", "vel", says="NAME=ARRAY:PART")
+        ask("--grid", "temperature,nope", says=("no array 'nope'", "'temperature' (points)",
+                                                "'stress' (cells, 6 components)"))
         ask("--derive", "a=vel:mises", says=("vel", "3 components"))
         ask("--derive", "a=vel:foo", says=("foo", "magnitude"))
         ask("--derive", "a=vel:x,a=vel:y", says="two grids would be named 'a'")

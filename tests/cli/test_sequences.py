@@ -75,6 +75,34 @@ class Sequences(program.CommandLineTest):
                               "--frames", "2:3")
         self.assertEqual([f["time"] for f in some["frames"]], [0.1, 2.5])
 
+    def test_steps_of_xdmf(self):
+        points, tets = lattice(2)
+        numbers = lambda rows: " ".join(str(x) for row in rows for x in row)
+        item = lambda size, text, more="": (f'<DataItem Format="XML" Dimensions="{size}" {more}>'
+                                            f'{text}</DataItem>')
+        step = lambda time: (
+            '<Grid><xi:include xpointer="xpointer(//Grid[@Name=&quot;mesh&quot;]/*[self::Topology '
+            f'or self::Geometry])"/><Time Value="{time}"/><Attribute Name="T" Center="Node">'
+            + item(len(points), " ".join(str(time * 10 + p[0]) for p in points))
+            + "</Attribute></Grid>")
+        self.write("run.xdmf", '<Xdmf Version="3.0" xmlns:xi="http://www.w3.org/2001/XInclude">'
+                   '<Domain><Grid GridType="Collection" CollectionType="Temporal">'
+                   + "".join(step(t) for t in (0, 0.5, 2)) + '</Grid><Grid Name="mesh">'
+                   f'<Topology TopologyType="Tetrahedron" NumberOfElements="{len(tets)}">'
+                   + item(4 * len(tets), numbers(tets), 'NumberType="Int"')
+                   + '</Topology><Geometry GeometryType="XYZ">'
+                   + item(3 * len(points), numbers(points), 'Precision="8"')
+                   + "</Geometry></Grid></Domain></Xdmf>")
+        report = self.report_of("voxelize", "run.xdmf", "-o", "out.vdb", "--voxel-size", 0.125,
+                                "--grid", "T", "--frames", "all")
+        self.assertEqual([f["time"] for f in report["frames"]], [0, 0.5, 2])
+        grids, info = self.grids_of("out.0003.vdb")
+        self.assertEqual(grids["T"]["active_voxels"], 8 ** 3)
+        self.assertAlmostEqual(grids["T"]["max"], 20 + 0.875, places=5)
+        self.assertEqual(info["metadata"]["time"], "2")
+        self.succeed("voxelize", "run.xdmf", "-o", "last.vdb", "--voxel-size", 0.125, "--grid", "T")
+        self.assertEqual(self.hash_of("last.vdb"), self.hash_of("out.0003.vdb"))
+
     def test_finished_frames_are_skipped(self):
         self.frames()
         run = lambda *more: [f["skipped"] for f in self.report_of(

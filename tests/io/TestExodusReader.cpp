@@ -58,6 +58,27 @@ TEST(ExodusReader, WithoutAttributes) {
   EXPECT_EQ(mesh.regions.size(), 9u);
 }
 
+TEST_P(ExodusMixed, TimesOfItsSteps) {
+  const std::string bytes = fileBytes(dataPath(GetParam()));
+  Report report;
+  Progress progress;
+  const std::vector<double> times = exodusTimes({bytes, GetParam()}, report, progress);
+  ASSERT_FALSE(times.empty());
+  for (std::size_t i = 1; i < times.size(); ++i)
+    EXPECT_GT(times[i], times[i - 1]);
+}
+
+TEST_P(ExodusMixed, OnlyWantedVariables) {
+  ReadOptions options;
+  options.arrays = {"T"};
+  Report report;
+  const CellMesh mesh =
+      read(readExodus, fileBytes(dataPath(GetParam())), report, GetParam(), options);
+  ASSERT_EQ(mesh.attributes.size(), 1u);
+  EXPECT_EQ(mesh.attributes[0].name, "T");
+  EXPECT_GE(mesh.unread.size(), 4u); // three components of a vector and a material
+}
+
 TEST(ExodusReader, Hdf5CanBeCancelled) { // it is read in another process
   Progress progress;
   progress.cancel();

@@ -271,6 +271,19 @@ TEST(VtuReader, WithoutAttributesIntegerCellArraysStay) {
   EXPECT_NE(find(mesh, "material", Attribute::On::Cells), nullptr);
 }
 
+TEST(VtuReader, OnlyWantedArrays) {
+  const std::string bytes = fileBytes(dataPath("mixed_raw_zlib_64_little.vtu"));
+  Report report;
+  const CellMesh all = read(readVtu, bytes, report);
+  ReadOptions options;
+  options.arrays = {"T"};
+  const CellMesh mesh = read(readVtu, bytes, report, "test", options);
+  EXPECT_NE(find(mesh, "T", Attribute::On::Points), nullptr);
+  EXPECT_EQ(find(mesh, "flow speed", Attribute::On::Points), nullptr);
+  EXPECT_NE(find(mesh, "material", Attribute::On::Cells), nullptr); // it may tell regions
+  EXPECT_EQ(mesh.attributes.size() + mesh.unread.size(), all.attributes.size());
+}
+
 TEST(VtuReader, CanBeCancelled) {
   Progress progress;
   progress.cancel();

@@ -166,8 +166,9 @@ private:
           return *tuple;
     refuseUnknownPart(name);
     throw Error(Status::Usage, "--grid", "the mesh has no array '" + name + "'",
-                mesh_.attributes.empty() ? "it has no arrays"
-                                         : "its arrays are " + describeArrays(mesh_.attributes));
+                mesh_.attributes.empty() && mesh_.unread.empty()
+                    ? "it has no arrays"
+                    : "its arrays are " + describeArrays(mesh_));
   }
 
   // "stress:foo" where there is an array "stress".
@@ -543,15 +544,19 @@ std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& option
   return fields;
 }
 
-std::string describeArrays(const std::vector<Attribute>& arrays) {
+std::string describeArrays(const TetMesh& mesh) {
   std::string text;
-  for (const Attribute& array : arrays) {
+  const auto add = [&](const std::string& name, Attribute::On on, std::uint32_t components) {
     text += text.empty() ? "" : ", ";
-    text += fmt::format("'{}' ({}", array.name, onText(array.on));
-    if (array.components > 1)
-      text += fmt::format(", {} components", array.components);
+    text += fmt::format("'{}' ({}", name, onText(on));
+    if (components > 1)
+      text += fmt::format(", {} components", components);
     text += ")";
-  }
+  };
+  for (const Attribute& array : mesh.attributes)
+    add(array.name, array.on, array.components);
+  for (const UnreadArray& array : mesh.unread)
+    add(array.name, array.on, array.components);
   return text;
 }
 

@@ -82,7 +82,8 @@ struct Field {
 std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& options, Report& report,
                                  const std::vector<ValueRange>* ranges = nullptr);
 
-/// The arrays of a mesh for messages: "'T' (points), 'stress' (cells, 6 components)".
-std::string describeArrays(const std::vector<Attribute>& arrays);
+/// The arrays of a mesh for messages, those that were not read too: "'T' (points), 'stress' (cells,
+/// 6 components)".
+std::string describeArrays(const TetMesh& mesh);
 
 } // namespace tetvdb

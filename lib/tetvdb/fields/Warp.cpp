@@ -23,14 +23,15 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
     if (error.status() != Status::Usage)
       throw;
     throw Error(Status::Usage, "--warp", "the mesh has no array '" + warp.array + "'",
-                mesh.attributes.empty() ? "it has no arrays"
-                                        : "its arrays are " + describeArrays(mesh.attributes));
+                mesh.attributes.empty() && mesh.unread.empty()
+                    ? "it has no arrays"
+                    : "its arrays are " + describeArrays(mesh));
   }
   const Field& field = fields.front();
   if (field.kind != FieldKind::Vector || field.on != Attribute::On::Points)
     throw Error(Status::Usage, "--warp",
                 "the array '" + warp.array + "' does not have a vector for every point",
-                "its arrays are " + describeArrays(mesh.attributes));
+                "its arrays are " + describeArrays(mesh));
   if (field.notFinite > 0)
     throw Error(Status::Invalid, "--warp",
                 "the array '" + warp.array + "' has no finite vector at " +

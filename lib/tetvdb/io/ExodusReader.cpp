@@ -201,9 +201,7 @@ public:
     return std::move(mesh_);
   }
 
-  /// A mesh that is nothing but the times of the steps, as an array on as many points: the form in
-  /// which a child process can hand them over, and which its parent checks.
-  CellMesh readTimes() {
+  std::vector<double> readTimes() {
     const std::size_t steps = file_.dimension("time_step").value_or(0);
     const auto variable = file_.variable("time_whole");
     std::vector<double> times(steps);
@@ -213,9 +211,7 @@ public:
     else
       for (std::size_t i = 0; i < steps; ++i)
         times[i] = static_cast<double>(i);
-    mesh_.points.resize(steps);
-    mesh_.attributes.push_back({"time", Attribute::On::Points, 1, std::move(times)});
-    return std::move(mesh_);
+    return times;
   }
 
 private:
@@ -407,6 +403,10 @@ private:
     const std::vector<std::string> names = file_.strings("name_nod_var");
     const auto together = file_.variable("vals_nod_var");
     for (std::size_t k = 0; k < names.size(); ++k) {
+      if (!options_.wants(names[k])) {
+        mesh_.unread.push_back({names[k], Attribute::On::Points, 1});
+        continue;
+      }
       const std::string name = "vals_nod_var" + std::to_string(k + 1);
       const auto variable = together ? together : file_.variable(name);
       if (!variable)
@@ -430,8 +430,11 @@ private:
       return;
     const std::vector<std::string> names = file_.strings("name_elem_var");
     for (std::size_t k = 0; k < names.size(); ++k) {
-      if (!options_.attributes && names[k] != options_.regionArray)
+      if (!options_.wants(names[k]) && names[k] != options_.regionArray) {
+        if (options_.attributes)
+          mesh_.unread.push_back({names[k], Attribute::On::Cells, 1});
         continue;
+      }
       const std::string name = "vals_elem_var" + std::to_string(k + 1) + "eb";
       std::vector<double> values;
       bool wide = false;
@@ -483,13 +486,16 @@ CellMesh readExodus(const Source& source, const ReadOptions& options, Report& re
 
 std::vector<double> exodusTimes(const Source& source, Report& report, Progress& progress) {
   std::lock_guard<std::mutex> lock(netcdfMutex());
+  if (source.bytes.substr(0, 3) == "CDF")
+    return ExodusFile(source, {}, report, progress).readTimes();
   const auto read = [&](Report& childReport, Progress& childProgress) {
-    return ExodusFile(source, {}, childReport, childProgress).readTimes();
+    return NumberArrays{ExodusFile(source, {}, childReport, childProgress).readTimes()};
   };
-  const CellMesh mesh = source.bytes.substr(0, 3) == "CDF"
-                            ? read(report, progress)
-                            : readIsolated(read, source.path, report, progress);
-  return std::get<std::vector<double>>(mesh.attributes.front().values);
+  NumberArrays arrays = readArraysIsolated(read, source.path, {}, report, progress);
+  auto* times = arrays.empty() ? nullptr : std::get_if<std::vector<double>>(&arrays.front());
+  if (times == nullptr)
+    throw Error(Status::Invalid, source.path, "its times cannot be read", kCut);
+  return std::move(*times);
 }
 
 } // namespace tetvdb

@@ -78,8 +78,13 @@ public:
       text(attribute.name);
       number(attribute.on);
       number(attribute.components);
-      number(static_cast<std::uint8_t>(attribute.values.index()));
-      std::visit([&](const auto& values) { array(values); }, attribute.values);
+      values(attribute.values);
+    }
+    number<std::uint64_t>(mesh.unread.size());
+    for (const UnreadArray& array : mesh.unread) {
+      text(array.name);
+      number(array.on);
+      number(array.components);
     }
     array(mesh.regions);
     number<std::uint64_t>(mesh.regionNames.size());
@@ -87,6 +92,13 @@ public:
       number(id);
       text(name);
     }
+    findings(report);
+  }
+  void mesh(const NumberArrays& arrays, const Report& report) {
+    number(Outcome::Mesh);
+    number<std::uint64_t>(arrays.size());
+    for (const Attribute::Values& one : arrays)
+      values(one);
     findings(report);
   }
   void mesh(const TriangleMesh& mesh, const Report& report) {
@@ -104,6 +116,10 @@ public:
   }
 
 private:
+  void values(const Attribute::Values& all) {
+    number(static_cast<std::uint8_t>(all.index()));
+    std::visit([&](const auto& numbers) { array(numbers); }, all);
+  }
   void findings(const Report& report) {
     number<std::uint64_t>(report.warnings.size());
     for (const Warning& warning : report.warnings) {
@@ -245,6 +261,11 @@ public:
     findings(report);
     checkMesh(mesh);
   }
+  void mesh(NumberArrays& arrays, Report& report) {
+    for (auto n = number<std::uint64_t>(); n > 0; --n)
+      arrays.push_back(values());
+    findings(report);
+  }
   void mesh(CellMesh& mesh, Report& report) {
     array(mesh.points);
     array(mesh.nodes);
@@ -259,6 +280,13 @@ public:
     }
     for (auto n = number<std::uint64_t>(); n > 0; --n)
       mesh.attributes.push_back(attribute());
+    for (auto n = number<std::uint64_t>(); n > 0; --n) {
+      UnreadArray unread;
+      unread.name = text();
+      unread.on = number<Attribute::On>();
+      unread.components = number<std::uint32_t>();
+      mesh.unread.push_back(std::move(unread));
+    }
     array(mesh.regions);
     for (auto n = number<std::uint64_t>(); n > 0; --n) {
       const auto id = number<std::int32_t>();
@@ -287,24 +315,29 @@ private:
     attribute.name = text();
     attribute.on = number<Attribute::On>();
     attribute.components = number<std::uint32_t>();
+    attribute.values = values();
+    return attribute;
+  }
+  Attribute::Values values() {
+    Attribute::Values all;
     switch (number<std::uint8_t>()) {
     case 0:
-      attribute.values = std::vector<float>();
+      all = std::vector<float>();
       break;
     case 1:
-      attribute.values = std::vector<double>();
+      all = std::vector<double>();
       break;
     case 2:
-      attribute.values = std::vector<std::int32_t>();
+      all = std::vector<std::int32_t>();
       break;
     case 3:
-      attribute.values = std::vector<std::int64_t>();
+      all = std::vector<std::int64_t>();
       break;
     default:
       fail();
     }
-    std::visit([&](auto& values) { array(values); }, attribute.values);
-    return attribute;
+    std::visit([&](auto& numbers) { array(numbers); }, all);
+    return all;
   }
 
   // A child whose memory was overwritten may have said anything.
@@ -380,6 +413,12 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress) {
   return readInChild(read, path, {}, report, progress);
+}
+
+NumberArrays readArraysIsolated(const std::function<NumberArrays(Report&, Progress&)>& read,
+                                const std::string& path, const IsolationLimits& limits,
+                                Report& report, Progress& progress) {
+  return readInChild(read, path, limits, report, progress);
 }
 
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,

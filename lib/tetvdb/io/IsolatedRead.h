@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace tetvdb {
 
@@ -26,6 +27,14 @@ struct IsolationLimits {
   std::uint64_t memory = 0; ///< bytes beyond what this process has; never more than 3/4 of the free
   unsigned seconds = 0;     ///< of processor time
 };
+
+/// Arrays of numbers, whatever they are for.
+using NumberArrays = std::vector<Attribute::Values>;
+
+/// The same for arrays of numbers, with limits. What they hold is not checked.
+NumberArrays readArraysIsolated(const std::function<NumberArrays(Report&, Progress&)>& read,
+                                const std::string& path, const IsolationLimits& limits,
+                                Report& report, Progress& progress);
 
 /// The same for triangles, with limits.
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,

@@ -13,6 +13,7 @@
 #include "tetvdb/io/UcdReader.h"
 #include "tetvdb/io/VtkReader.h"
 #include "tetvdb/io/VtuReader.h"
+#include "tetvdb/io/XdmfReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 
 #include <algorithm>
@@ -49,6 +50,8 @@ ReadFunction readerOf(MeshFormat format) {
     return readPvtu;
   case MeshFormat::Exodus:
     return readExodus;
+  case MeshFormat::Xdmf:
+    return readXdmf;
   default:
     return nullptr; // triangles, or unknown
   }
@@ -132,7 +135,30 @@ void chooseRegions(CellMesh& mesh, const ReadOptions& options) {
       }
 }
 
+// Arrays that were read for regions alone, or by a reader that reads all.
+void leaveOutUnwanted(CellMesh& mesh, const ReadOptions& options) {
+  std::vector<Attribute> wanted;
+  for (Attribute& array : mesh.attributes) {
+    if (options.wants(array.name))
+      wanted.push_back(std::move(array));
+    else if (options.attributes)
+      mesh.unread.push_back({array.name, array.on, array.components});
+  }
+  mesh.attributes = std::move(wanted);
+}
+
 } // namespace
+
+bool ReadOptions::wants(std::string_view name) const {
+  if (!attributes)
+    return false;
+  constexpr std::size_t longestEnding = 3; // "_xx"
+  return arrays.empty() ||
+         std::any_of(arrays.begin(), arrays.end(), [&](const std::string& wanted) {
+           return name.size() <= wanted.size() + longestEnding &&
+                  name.substr(0, wanted.size()) == wanted;
+         });
+}
 
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
                    Progress& progress, MeshFormat* format) {
@@ -144,8 +170,8 @@ CellMesh readCells(const std::string& path, const ReadOptions& options, Report& 
   const ReadFunction read = readerOf(found);
   if (read == nullptr)
     throw Error(Status::Invalid, path, describeUnknownFormat(source.bytes, path),
-                "readable are .msh, .mesh, .meshb, .node/.ele, .vol, .inp, .vtk, .vtu, .pvtu and "
-                "Exodus files");
+                "readable are .msh, .mesh, .meshb, .node/.ele, .vol, .inp, .vtk, .vtu, .pvtu, "
+                ".xdmf and Exodus files");
   CellMesh mesh;
   try {
     mesh = read(source, options, report, progress);
@@ -161,8 +187,7 @@ CellMesh readCells(const std::string& path, const ReadOptions& options, Report& 
                 "no tetrahedra or other solid cells; it holds " + describeCells(mesh),
                 "mesh its volume first, or export the volume mesh too");
   chooseRegions(mesh, options);
-  if (!options.attributes)
-    mesh.attributes.clear();
+  leaveOutUnwanted(mesh, options);
   return mesh;
 }
 

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tetvdb {
 
@@ -31,6 +32,7 @@ enum class MeshFormat : std::uint8_t {
   Vtu,         ///< .vtu
   Pvtu,        ///< .pvtu
   Exodus,      ///< .exo, .e, .exo2, .g
+  Xdmf,        ///< .xdmf, .xmf; its numbers may lie in HDF5 files beside it
   Stl,         ///< triangles, like all that follow: io/TriangleReader.h reads them
   Obj,
   Off, ///< OFF, COFF, NOFF, ...
@@ -57,7 +59,13 @@ struct ReadOptions {
   /// cell array with a usual name (material, MaterialIds, region, mat_id, ... ; any case).
   std::string regionArray;
   bool attributes = true; ///< false: point and cell arrays other than regions are left out
-  int timeStep = -1;      ///< of files with several (Exodus): counted from 0; -1: the last
+  /// With `attributes`: names of the arrays that are wanted, those of an array's components
+  /// ("u_x" of "u") being wanted with it; empty: all. Others are named in CellMesh::unread alone.
+  std::vector<std::string> arrays;
+  int timeStep = -1; ///< of files with several (Exodus, XDMF): counted from 0; -1: the last
+
+  /// Whether the values of the array `name` are asked for.
+  bool wants(std::string_view name) const;
 };
 
 /// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for anything that

@@ -156,6 +156,8 @@ std::string_view formatName(MeshFormat format) {
     return "VTK .pvtu";
   case MeshFormat::Exodus:
     return "Exodus";
+  case MeshFormat::Xdmf:
+    return "XDMF";
   case MeshFormat::Stl:
     return "STL";
   case MeshFormat::Obj:
@@ -202,6 +204,8 @@ MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path) {
   if (const MeshFormat triangles = sniffTriangles(bytes, text, ending);
       triangles != MeshFormat::Unknown)
     return triangles;
+  if (startsWith(text, "<") && contains(lowered(head), "<xdmf"))
+    return MeshFormat::Xdmf;
   if (startsWith(start, "<?xml") || startsWith(start, "<vtkfile") || startsWith(start, "<!--")) {
     if (contains(head, "PUnstructuredGrid"))
       return MeshFormat::Pvtu;

@@ -392,7 +392,7 @@ void appendPiece(CellMesh& whole, CellMesh&& piece, Report& report) {
   if (first + piece.points.size() >= 0xffffffffu)
     throw Error(Status::Limit, "", "the pieces together have more than 2^32 - 2 points",
                 "read them one by one");
-  appendAttributes(whole, piece, report);
+  appendAttributes(whole, piece, report); // of unread ones the first piece tells
   whole.points.insert(whole.points.end(), piece.points.begin(), piece.points.end());
 
   const auto shift = static_cast<std::uint32_t>(first);

@@ -470,13 +470,15 @@ private:
   void readArray(std::string label, std::size_t width, std::size_t tuples, Number as) {
     const std::size_t n = product(width, tuples);
     const bool wanted = inData_ && width > 0 && width <= 1u << 16 && tuples == elements_ &&
-                        (options_.attributes || label == options_.regionArray ||
+                        (options_.wants(label) || label == options_.regionArray ||
                          (on_ == Attribute::On::Cells && isInteger(as)));
     if (!wanted) {
       if (inData_ && tuples != elements_)
         report_.warn("array-of-other-length",
                      "the array '" + label + "' is left out: it has " + std::to_string(tuples) +
                          " elements in place of " + std::to_string(elements_));
+      else if (inData_ && options_.attributes && width > 0 && width <= 1u << 16)
+        mesh_.unread.push_back({std::move(label), on_, static_cast<std::uint32_t>(width)});
       return skipNumbers(as, n);
     }
     const Array array = numbers(as, n);

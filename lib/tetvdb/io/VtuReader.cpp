@@ -286,6 +286,12 @@ private:
       if (known) // time steps of one array
         continue;
       const std::uint32_t width = components(node, 1);
+      const bool forRegions =
+          on == Attribute::On::Cells && (isInteger(*type) || name == options_.regionArray);
+      if (options_.attributes && !options_.wants(name) && !forRegions) {
+        mesh.unread.push_back({std::move(name), on, width});
+        continue;
+      }
       mesh.attributes.push_back(
           toAttribute(std::move(name), on, width, array(node, product(elements, width))));
       progress_.update(0.9);

@@ -33,4 +33,11 @@ struct Attribute {
   bool isInteger() const { return values.index() >= 2; }
 };
 
+/// An array that a file has and nobody asked for.
+struct UnreadArray {
+  std::string name;
+  Attribute::On on = Attribute::On::Points;
+  std::uint32_t components = 1;
+};
+
 } // namespace tetvdb

@@ -49,6 +49,7 @@ struct CellMesh {
   std::vector<std::uint32_t> nodes;
   std::vector<CellRun> runs;
   std::vector<Attribute> attributes; ///< those On::Cells have one element for every cell of `runs`
+  std::vector<UnreadArray> unread;   ///< other arrays of the file, for messages
   /// Region (material) number of every cell of `runs`; empty where the file has none.
   std::vector<std::int32_t> regions;
   std::map<std::int32_t, std::string> regionNames;

@@ -250,6 +250,7 @@ void keepSolidValues(CellMesh& mesh, TetMesh& result) {
   if (!mesh.regions.empty())
     removeFlat(mesh.regions, 1, mesh.runs);
   result.attributes = std::move(mesh.attributes);
+  result.unread = std::move(mesh.unread);
   result.regions = std::move(mesh.regions);
   result.regionNames = std::move(mesh.regionNames);
 }

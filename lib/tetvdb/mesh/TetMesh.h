@@ -36,6 +36,7 @@ struct TetMesh {
   CurvedTets curved;                 ///< empty in most meshes
   std::size_t cellCount = 0;         ///< solid cells of the input
   std::vector<Attribute> attributes; ///< On::Points over `points`, On::Cells over solid cells
+  std::vector<UnreadArray> unread;   ///< other arrays of the input, for messages
   std::vector<std::int32_t> regions; ///< of every solid cell; empty where the input has none
   std::map<std::int32_t, std::string> regionNames;
 

@@ -6,6 +6,7 @@
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/io/VtuMarkup.h"
+#include "tetvdb/io/XdmfReader.h"
 
 #include <algorithm>
 #include <charconv>
@@ -167,12 +168,15 @@ std::vector<Frame> framesOfCollection(const std::string& path) {
   return frames;
 }
 
-std::vector<Frame> framesOfExodus(const std::string& path, Report& report, Progress& progress) {
+std::vector<Frame> framesOfFile(const std::string& path, Report& report, Progress& progress) {
   const MappedFile file(path);
-  if (sniffMeshFormat(file.bytes(), path) != MeshFormat::Exodus)
+  const MeshFormat format = sniffMeshFormat(file.bytes(), path);
+  if (format != MeshFormat::Exodus && format != MeshFormat::Xdmf)
     throw Error(Status::Usage, "--frames", path + " is no sequence",
-                "name a .pvd file, an Exodus file or a pattern such as 'frame_*.vtu'");
-  const std::vector<double> times = exodusTimes(file.source(), report, progress);
+                "name a .pvd, .xdmf or Exodus file or a pattern such as 'frame_*.vtu'");
+  const std::vector<double> times = format == MeshFormat::Xdmf
+                                        ? xdmfTimes(file.source())
+                                        : exodusTimes(file.source(), report, progress);
   if (times.empty())
     throw Error(Status::Invalid, path, "has no time steps", "leave --frames out");
   std::vector<Frame> frames;
@@ -214,7 +218,7 @@ std::vector<Frame> findFrames(const std::vector<std::string>& inputs,
   else if (isCollection(inputs.front()))
     frames = framesOfCollection(inputs.front());
   else
-    frames = framesOfExodus(inputs.front(), report, progress);
+    frames = framesOfFile(inputs.front(), report, progress);
   return range ? chosen(std::move(frames), *range) : frames;
 }
 

@@ -30,7 +30,7 @@ struct FrameRange {
 /// - one .pvd file: a frame for each of its times, its parts together;
 /// - one name with '*' or '?' that is no file itself: a frame for each file that matches, by the
 ///   last number in its name. Numbers that leave out a step are an error unless `allowGaps`;
-/// - with `range`, one Exodus file: its time steps.
+/// - with `range`, one Exodus or XDMF file: its time steps.
 /// Empty where the inputs are plain meshes. Throws Error(Invalid) for a collection that cannot be
 /// read, a file that is missing, a pattern that nothing matches and for gaps; Error(Usage) for a
 /// range beyond the last frame, a range of inputs that are no sequence, and for a sequence beside

@@ -2,6 +2,9 @@
 #include "tetvdb/pipeline/FrameMark.h"
 
 #include "tetvdb/core/Version.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/XdmfReader.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <filesystem>
@@ -66,8 +69,13 @@ void addFields(Text& text, const VoxelizeJob& job) {
 std::string frameMark(const VoxelizeJob& job) {
   Text text;
   text << version();
-  for (const std::string& input : job.inputs)
+  for (const std::string& input : job.inputs) {
     addInput(text, input);
+    const MappedFile file(input);
+    if (sniffMeshFormat(file.bytes(), input) == MeshFormat::Xdmf)
+      for (const std::string& beside : xdmfFiles(file.source()))
+        addInput(text, beside);
+  }
   text << job.read.regionArray << job.read.timeStep << job.filter.regions << job.filter.exclude
        << job.filter.boxMin << job.filter.boxMax;
   text << job.clean.weldDistance << job.clean.orient << static_cast<int>(job.solid.inside)

@@ -30,10 +30,11 @@ from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProp
                        IntProperty, StringProperty)
 from bpy_extras.io_utils import ImportHelper
 
-SUFFIXES = (".vtu", ".pvtu", ".pvd", ".vtk", ".e", ".exo", ".exo2", ".g", ".msh", ".mesh", ".meshb",
-            ".node", ".ele", ".vol", ".inp", ".stl", ".obj", ".off", ".ply", ".3mf", ".glb",
-            ".gltf", ".fbx", ".dae")
-EXODUS = (".e", ".exo", ".exo2", ".g")
+SUFFIXES = (".vtu", ".pvtu", ".pvd", ".vtk", ".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf", ".msh",
+            ".mesh", ".meshb", ".node", ".ele", ".vol", ".inp", ".stl", ".obj", ".off", ".ply",
+            ".3mf", ".glb", ".gltf", ".fbx", ".dae")
+# Formats that hold steps in one file.
+STEPPED = (".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf")
 # Grids that are no arrays of the mesh.
 OWN_GRIDS = ("density", "surface", "mask", "fog", "coverage", "tet_id", "material")
 # From cold to hot.
@@ -74,8 +75,9 @@ def collection_of(paths):
         numbers = re.findall(r"[0-9]+", os.path.splitext(os.path.basename(path))[0])
         return (int(numbers[-1]) if numbers else -1, path)
 
-    entries = "".join(f'<DataSet timestep="{step}" part="0" file={quoteattr(os.path.abspath(path))}/>'
-                      for step, path in enumerate(sorted(paths, key=number)))
+    ordered = enumerate(map(os.path.abspath, sorted(paths, key=number)))
+    entries = "".join(f'<DataSet timestep="{step}" part="0" file={quoteattr(path)}/>'
+                      for step, path in ordered)
     return f'<VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>'
 
 
@@ -87,7 +89,7 @@ def inputs_of(paths, sequence, folder):
         with open(listed, "w", encoding="utf-8") as file:
             file.write(collection_of(paths))
         return [listed], []
-    if sequence and os.path.splitext(paths[0])[1].lower() in EXODUS:
+    if sequence and os.path.splitext(paths[0])[1].lower() in STEPPED:
         return list(paths), ["--frames", "all"]
     return list(paths), []
 
@@ -150,7 +152,7 @@ class Job:
     def running(self):
         if self.process.poll() is None:
             return True
-        # An Exodus file may hold a mesh alone, and no steps.
+        # An Exodus or XDMF file may hold a mesh alone, and no steps.
         if self.process.returncode == 3 and "--frames" in self.command:
             self._close()
             if any("has no time steps" in line for line in self.said):
@@ -377,8 +379,8 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         "the material spreads them over the range")
     sequence: BoolProperty(
         name="Sequence", default=True,
-        description="Files that are selected, and the steps of an Exodus file, are frames (those of "
-        "a .pvd always are). Off: they are laid together, and the first step is taken")
+        description="Files that are selected, and the steps of an Exodus or XDMF file, are frames "
+        "(those of a .pvd always are). Off: they are laid together, and the last step is taken")
     warp: StringProperty(
         name="Deform By", description="An array by which points move, and a factor: disp*10")
     surface: BoolProperty(

@@ -3,9 +3,9 @@
 
     blender -b --factory-startup --python-exit-code 1 --python probe.py -- QUESTIONS.json ANSWERS.json
 
-QUESTIONS is a list of objects with the key `ask` (a function below, without `ask_`) and its arguments; ANSWERS has
-their results in the same order, or {"exception": TEXT}. Nothing is judged here, and nothing of TetVDB
-is used.
+QUESTIONS is a list of objects with the key `ask` (a function below, without `ask_`) and its
+arguments; ANSWERS has their results in the same order, or {"exception": TEXT}. Nothing is judged
+here, and nothing of TetVDB is used.
 """
 
 import json

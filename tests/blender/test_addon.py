@@ -20,6 +20,21 @@ def block(corner=(0.1, 0.1, 0.1), side=1.0, heat=lambda x: 300 + 200 * x):
                                    ("vel", [(3.0, 0.0, 4.0 * p[0]) for p in points])])
 
 
+def xdmf(steps):
+    """A cube that moves by 0.5 a step, and starts there."""
+    grids = ""
+    for step in range(1, steps + 1):
+        points, tets = lattice(1, origin=(0.5 * step, 0, 0))
+        item = lambda rows, kind: (
+            f'<DataItem Dimensions="{len(rows)} {len(rows[0])}" NumberType="{kind}" Format="XML">'
+            + " ".join(str(x) for row in rows for x in row) + "</DataItem>")
+        grids += (f'<Grid Name="s"><Time Value="{step}"/><Topology TopologyType="Tetrahedron" '
+                  f'NumberOfElements="{len(tets)}">{item(tets, "Int")}</Topology>'
+                  f'<Geometry GeometryType="XYZ">{item(points, "Float")}</Geometry></Grid>')
+    return ('<Xdmf Version="3.0"><Domain><Grid Name="run" GridType="Collection" '
+            f'CollectionType="Temporal">{grids}</Grid></Domain></Xdmf>')
+
+
 class AddOn(blender.Test):
     probe = blender.HERE / "addon_probe.py"
 
@@ -122,12 +137,16 @@ class AddOn(blender.Test):
             f'<DataSet timestep="{frame}" part="0" file="step_{frame + 8}.vtu"/>'
             for frame in (1, 2, 3)) + "</Collection></VTKFile>")
         names = [f"step_{frame + 8}.vtu" for frame in (3, 1, 2)]
-        collection, again, files, together = yield [
+        self.write("steps.xdmf", xdmf(3))
+        collection, again, files, together, steps, last = yield [
             self.imported("run.pvd", arrays="temperature", frames=[1, 2, 3, 4]),
             self.imported("run.pvd", arrays="temperature", frames=[1]),  # all frames are there
             self.imported(names[0], files=names, output=str(self.path("files.vdb")),
                           arrays="temperature", frames=[1, 2, 3]),
-            self.imported(names[0], files=names, output=str(self.path("one.vdb")), sequence=False)]
+            self.imported(names[0], files=names, output=str(self.path("one.vdb")), sequence=False),
+            self.imported("steps.xdmf", frames=[1, 2, 3]),
+            self.imported("steps.xdmf", output=str(self.path("last.vdb")), sequence=False,
+                          frames=[1])]
         for answer, name in ((collection, "run"), (again, "run"), (files, "files")):
             volume = self.volume_of(answer)
             self.assertEqual((volume["is_sequence"], volume["frames"], volume["start"],
@@ -142,6 +161,10 @@ class AddOn(blender.Test):
             self.assertEqual(material["range"], [100, 300])  # of all frames
             self.assertAlmostEqual(material["inputs"]["Density"], 20 / 2, delta=1e-3)
         self.assertFalse(self.volume_of(together)["is_sequence"])
+        self.assertEqual(self.volume_of(steps)["frames"], 3)
+        self.assertFalse(self.volume_of(last)["is_sequence"])
+        for seen, step in zip(steps["frames"] + last["frames"], (1, 2, 3, 3)):
+            self.assertAlmostEqual(seen["box"][0][0], 0.5 * step, delta=0.501 * SIZE)
 
     @blender.asks
     def test_real_files(self):
@@ -149,7 +172,8 @@ class AddOn(blender.Test):
         asked = [("quadcopter_frame.mesh", "", False), ("hybrid_tetwedge.msh", "", False),
                  ("table.msh", "all", False), ("vtk/mixed.exo", "T,flow speed", True),
                  ("vtk/mixed_hdf5.exo", "all", True),
-                 ("vtk/petsc__FourBrickTet-large.exo", "", False), ("vtk/pieces.pvtu", "all", False)]
+                 ("vtk/petsc__FourBrickTet-large.exo", "", False),
+                 ("vtk/pieces.pvtu", "all", False)]
         answers = yield [self.imported(name, filepath=str(program.DATA / name), arrays=arrays,
                                        output=str(self.path(f"{i}.vdb")), size_by="RESOLUTION",
                                        resolution=24, frames=[1])

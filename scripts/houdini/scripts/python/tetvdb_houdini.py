@@ -20,7 +20,8 @@ import time
 
 import hou
 
-EXODUS = (".e", ".exo", ".exo2", ".g")
+# Formats that hold steps in one file.
+STEPPED = (".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf")
 
 
 class TetvdbError(Exception):
@@ -44,7 +45,8 @@ def pattern_of(path):
 
 def voxelize_arguments(path, output, resolution=256, voxel_size=None, arrays="", surface=False,
                        y_up=True, all_steps=True, more=""):
-    """The arguments of tetvdb. `path` may have $F4 in it; all steps of an Exodus file are frames."""
+    """The arguments of tetvdb. `path` may have $F4 in it; all steps of an Exodus or XDMF file are
+    frames."""
     grids = ["density"] + ["surface"] * surface
     grids += [name.strip() for name in arrays.split(",") if name.strip()]
     arguments = ["voxelize", pattern_of(path), "-o", output, "--grid", ",".join(grids)]
@@ -54,7 +56,7 @@ def voxelize_arguments(path, output, resolution=256, voxel_size=None, arrays="",
         arguments += ["--resolution", str(int(resolution))]
     if y_up:
         arguments += ["--up-axis", "y"]
-    if all_steps and os.path.splitext(path)[1].lower() in EXODUS:
+    if all_steps and os.path.splitext(path)[1].lower() in STEPPED:
         arguments += ["--frames", "all"]
     return arguments + shlex.split(more)
 
@@ -151,7 +153,7 @@ def import_mesh(path, output=None, surface=False, **options):
     try:
         report = run(arguments)
     except TetvdbError as error:
-        # An Exodus file may hold a mesh alone, and no steps.
+        # An Exodus or XDMF file may hold a mesh alone, and no steps.
         if "--frames" not in arguments or "has no time steps" not in str(error):
             raise
         first = arguments.index("--frames")

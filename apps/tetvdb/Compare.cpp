@@ -6,6 +6,8 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/ComparePicture.h"
+#include "tetvdb/pipeline/JobFiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options {
-  std::string a, b;
+  std::string a, b, output;
   double tolerance = 0;
 };
 
@@ -26,6 +28,9 @@ const char* const kExamples = R"(Examples:
   tetvdb compare a.vdb b.nvdb --tolerance 1e-3   values may differ by as much
   tetvdb compare broken.stl whole.stl --tolerance 0.2
       8 if a point of one surface is farther than 0.2 units from the other
+
+  tetvdb compare before.vdb after.vdb -o difference.png
+      a picture as well: both, and where they differ; of meshes both in colours of their distance
 
 Grids are paired by name and compared voxel by voxel; a voxel that is inactive counts with the
 grid's background. IoU: voxels active in both over voxels active in either.
@@ -98,8 +103,13 @@ void runCompare(const Options& options, Session& session) {
                 std::string("is a ") + (volumes ? "mesh" : "volume") + ", but " + options.a +
                     " is a " + (volumes ? "volume" : "mesh"),
                 "compare two volumes or two meshes; 'tetvdb repair' makes a mesh of a volume");
+  if (!options.output.empty()) {
+    requireExtension(options.output, {".png"}, "name it .png");
+    requireNoInput(options.output, {options.a, options.b});
+    requireWritable(options.output);
+  }
   if (!volumes) {
-    compareMeshFiles(options.a, options.b, options.tolerance, session);
+    compareMeshFiles(options.a, options.b, options.tolerance, options.output, session);
     return;
   }
   session.progress.stage("read");
@@ -110,6 +120,11 @@ void runCompare(const Options& options, Session& session) {
   const bool same = within(comparison, options.tolerance);
   session.sections["compare"] = sectionOf(comparison, same);
   session.text = textOf(comparison, options, same);
+  if (!options.output.empty()) {
+    session.progress.stage("draw");
+    writeComparison(comparePicture(a, b, namesOf(options.a, options.b), session.progress),
+                    options.output, session);
+  }
   session.textIsSummary = true;
   if (!same)
     session.status = Status::Found;
@@ -123,6 +138,9 @@ Command addCompare(CLI::App& program) {
   auto options = std::make_shared<Options>();
   command->add_option("A", options->a, "A volume or a mesh")->required()->type_name("");
   command->add_option("B", options->b, "Another of the same kind")->required()->type_name("");
+  command->add_option("-o,--output", options->output, "Draw both and their difference: .png")
+      ->check(notEmpty())
+      ->type_name("FILE");
   command
       ->add_option("--tolerance", options->tolerance,
                    "Largest difference of values to accept; of meshes, largest distance")

@@ -2,11 +2,14 @@
 #include "CompareMeshFiles.h"
 
 #include "JsonReport.h"
+#include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/surface/CompareMeshes.h"
 #include "tetvdb/surface/TetSurface.h"
+#include "tetvdb/visualize/WritePng.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace tetvdb::cli {
@@ -52,8 +55,19 @@ std::string textOf(const char* way, const OneSidedDistance& distance) {
 
 } // namespace
 
+ComparedNames namesOf(const std::string& a, const std::string& b) {
+  return {std::filesystem::path(a).filename().string(),
+          std::filesystem::path(b).filename().string()};
+}
+
+void writeComparison(const Image& picture, const std::string& output, Session& session) {
+  writePng(output, picture);
+  const OutputInfo info = written(output);
+  session.sections["output"] = {{{"path", info.path}, {"bytes", info.bytes}}};
+}
+
 void compareMeshFiles(const std::string& a, const std::string& b, double tolerance,
-                      Session& session) {
+                      const std::string& output, Session& session) {
   session.sections["input"] = Json::array();
   session.progress.stage("read");
   const TriangleMesh first = readSurface(a, session), second = readSurface(b, session);
@@ -72,6 +86,11 @@ void compareMeshFiles(const std::string& a, const std::string& b, double toleran
                   distance.hausdorff / distance.diagonal, distance.diagonal) +
       (same ? "same\n" : "different\n");
   session.textIsSummary = true;
+  if (!output.empty()) {
+    session.progress.stage("draw");
+    writeComparison(comparePicture(first, second, namesOf(a, b), session.progress), output,
+                    session);
+  }
   if (!same)
     session.status = Status::Found;
 }

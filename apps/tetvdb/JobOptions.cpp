@@ -38,6 +38,14 @@ void addInsideOptions(CLI::App& command, JobOptions& options) {
       ->check(notEmpty());
 }
 
+void addPreviewOption(CLI::App& command, JobOptions& options, const std::string& shows) {
+  command
+      .add_option("--preview", options.preview,
+                  "Write a picture as well, .png: " + shows + ", side by side")
+      ->type_name("FILE")
+      ->check(notEmpty());
+}
+
 void addWeldOption(CLI::App& command, JobOptions& options) {
   command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
       ->type_name("D")
@@ -124,6 +132,16 @@ nlohmann::ordered_json toJson(const CleanCounts& cleaned) {
           {"flipped_faces", cleaned.flippedFaces},
           {"flipped_parts", cleaned.flippedParts},
           {"inside_out", cleaned.insideOut}};
+}
+
+void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
+                   nlohmann::ordered_json& sections) {
+  if (!preview)
+    return;
+  sections["preview"] = {{"path", path},
+                         {"panels", preview->panels},
+                         {"width", preview->width},
+                         {"height", preview->height}};
 }
 
 } // namespace tetvdb::cli

@@ -5,12 +5,14 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <tbb/global_control.h>
 
@@ -24,6 +26,7 @@ struct JobOptions {
   std::string epsilon;
   int threads = 0;
   std::string maxMemory, maxTime;
+  std::string preview;
 };
 
 /// --voxel-size and --resolution.
@@ -36,6 +39,8 @@ void addWeldOption(CLI::App& command, JobOptions& options);
 void addCleaningOptions(CLI::App& command, JobOptions& options);
 /// --epsilon; the command says what it means and parses it.
 void addEpsilonOption(CLI::App& command, JobOptions& options, const std::string& description);
+/// --preview; `shows` says what is in the picture.
+void addPreviewOption(CLI::App& command, JobOptions& options, const std::string& shows);
 /// --threads, --max-memory and --max-time.
 void addLimitOptions(CLI::App& command, JobOptions& options);
 
@@ -58,6 +63,10 @@ public:
 private:
   tbb::global_control control_;
 };
+
+/// What a preview shows, as section "preview"; nothing where there is none.
+void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
+                   nlohmann::ordered_json& sections);
 
 /// What cleaning did, for the report.
 nlohmann::ordered_json toJson(const CleanCounts& cleaned);

@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 
 struct Options : JobOptions {
   std::vector<std::string> inputs;
-  std::string output, view = "iso", upAxis = "z", cut, color, colorMap, range, size, background;
+  std::string output, view, upAxis = "z", cut, color, colorMap, range, size, background;
+  std::string style, grid, slice; // of volumes
   bool perspective = false, wire = false, smooth = false, defects = false;
   int turntable = 0;
 };
@@ -37,8 +38,53 @@ const char* const kExamples = R"(Examples:
   tetvdb render part.stl -o turn.png --turntable 36 --perspective
       turn.0001.png to turn.0036.png
 
---cut takes a share of the box, x=0.5, or a coordinate with the unit u, x=12.5u; what is on the eye's
-side goes away. --range is low:high of the colours. Lengths are in the input's units.)";
+  tetvdb render smoke.vdb -o smoke.png --style fog
+      a volume: surface, voxels, fog, or a slice of its values
+  tetvdb render run.0040.vdb -o slice.png --slice y=0.5 --color temperature --range 290:600
+
+--cut and --slice take a share of the box, x=0.5, or a coordinate with the unit u, x=12.5u;
+of what is cut the part on the eye's side goes away. --range is low:high of the colours. Lengths are in the input's units.)";
+
+VolumeStyle styleNamed(const std::string& name) {
+  if (name == "voxels")
+    return VolumeStyle::Voxels;
+  if (name == "surface")
+    return VolumeStyle::Surface;
+  return name == "fog" ? VolumeStyle::Fog : VolumeStyle::Auto;
+}
+
+// Without --view: onto the slice, or from the front, right and above.
+std::string viewFor(const Options& options, const VolumeShow& volume) {
+  if (!options.view.empty())
+    return options.view;
+  if (volume.style != VolumeStyle::Slice)
+    return "iso";
+  if (volume.slice.axis == 0)
+    return "right";
+  const bool isLevel = (volume.slice.axis == 2) == (options.upAxis == "z");
+  return isLevel ? "top" : "front";
+}
+
+void setVolume(const Options& options, RenderJob& job) {
+  bool anyVolume = false;
+  for (const RenderInput& input : job.inputs)
+    anyVolume = anyVolume || input.isVolume;
+  if (!anyVolume && !(options.style.empty() && options.grid.empty() && options.slice.empty()))
+    throw Error(Status::Usage, "--style, --grid, --slice", "are for volumes; the input is a mesh",
+                "leave them out");
+  if (!options.slice.empty() && !options.style.empty())
+    throw Error(Status::Usage, "--slice", "is a style of its own",
+                "leave --style out, or use --cut to open the volume");
+  job.volume.style = styleNamed(options.style);
+  job.volume.grid = options.grid;
+  if (options.slice.empty())
+    return;
+  const Cut plane = parseCut("--slice", options.slice);
+  job.volume.style = VolumeStyle::Slice;
+  job.volume.slice.axis = static_cast<int>(plane.axis);
+  job.volume.slice.at = plane.at;
+  job.volume.slice.inUnits = plane.inUnits;
+}
 
 RenderJob makeJob(const Options& options) {
   RenderJob job;
@@ -52,7 +98,8 @@ RenderJob makeJob(const Options& options) {
   job.look.smooth = options.smooth;
   job.look.defects = options.defects;
   PictureOptions& picture = job.picture;
-  picture.view = options.view;
+  setVolume(options, job);
+  picture.view = viewFor(options, job.volume);
   if (options.upAxis == "y")
     picture.worldUp = {0, 1, 0};
   picture.lens.perspective = options.perspective;
@@ -77,7 +124,9 @@ Json numberOf(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Json inputOf(const InputInfo& info) {
+Json inputOf(const InputInfo& info, bool isVolume) {
+  if (isVolume)
+    return {{"path", info.path}, {"kind", "volume"}};
   const bool hasTets = info.tets > 0;
   return {{"path", info.path},
           {"format", formatName(info.format)},
@@ -86,11 +135,11 @@ Json inputOf(const InputInfo& info) {
           {hasTets ? "tets" : "triangles", hasTets ? info.tets : info.triangles}};
 }
 
-Json pictureOf(const RenderResult& result, const Options& options) {
+Json pictureOf(const RenderResult& result, const std::string& view, bool defects) {
   Json subjects = Json::array();
   for (const Drawn& drawn : result.drawn) {
     Json subject = {{"triangles", drawn.triangles}, {"cut_tets", drawn.cutTets}};
-    if (options.defects)
+    if (defects)
       subject["defects"] = {{"open_edges", drawn.openEdges},
                             {"nonmanifold_edges", drawn.nonManifoldEdges},
                             {"flipped_faces", drawn.flippedFaces}};
@@ -108,7 +157,7 @@ Json pictureOf(const RenderResult& result, const Options& options) {
     }
   }
   return {{"width", result.width}, {"height", result.height},
-          {"view", options.view},  {"pictures", result.outputs.size()},
+          {"view", view},          {"pictures", result.outputs.size()},
           {"colors", colors},      {"subjects", subjects}};
 }
 
@@ -143,9 +192,9 @@ void runRender(const Options& options, Session& session) {
   const AllowThreads allowed(job.threads);
   const RenderResult result = run(job, session.report, session.progress);
   session.sections["input"] = Json::array();
-  for (const InputInfo& info : result.inputs)
-    session.sections["input"].push_back(inputOf(info));
-  session.sections["picture"] = pictureOf(result, options);
+  for (std::size_t i = 0; i < result.inputs.size(); ++i)
+    session.sections["input"].push_back(inputOf(result.inputs[i], job.inputs[i].isVolume));
+  session.sections["picture"] = pictureOf(result, job.picture.view, options.defects);
   for (const OutputInfo& output : result.outputs)
     session.sections["output"].push_back({{"path", output.path}, {"bytes", output.bytes}});
   session.text = summaryOf(result, options);
@@ -185,7 +234,7 @@ void addLookOptions(CLI::App& command, Options& options) {
       ->check(notEmpty());
   command
       .add_option("--color", options.color,
-                  "Of tets: quality, region, or an array by name (vectors by their length)")
+                  "Of tets: quality, region, or an array; of volumes: a grid (vectors by length)")
       ->type_name("NAME")
       ->check(notEmpty());
   command
@@ -204,12 +253,30 @@ void addLookOptions(CLI::App& command, Options& options) {
       "Of triangles: open edges red, of three faces or more yellow, flipped faces blue");
 }
 
+void addVolumeOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--style", options.style,
+                  "Of volumes: surface, voxels (default where there are few), or fog")
+      ->check(CLI::IsMember({"auto", "surface", "voxels", "fog"}).description(""))
+      ->type_name("auto|surface|voxels|fog");
+  command
+      .add_option(
+          "--grid", options.grid,
+          "The grid that is drawn (default: surface, density, coverage, mask, or the first)")
+      ->type_name("NAME")
+      ->check(notEmpty());
+  command
+      .add_option("--slice", options.slice, "Of volumes: values on a plane, every voxel as it is")
+      ->type_name("AXIS=SHARE|AXIS=Xu")
+      ->check(notEmpty());
+}
+
 } // namespace
 
 Command addRender(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("render", "Draw meshes");
+  CLI::App* command = program.add_subcommand("render", "Draw meshes and volumes");
   auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->inputs, "Meshes of triangles or tets")
+  command->add_option("FILE", options->inputs, "Meshes of triangles or tets, volumes")
       ->required()
       ->type_name("...");
   command->add_option("-o,--output", options->output, "Picture to write: .png")
@@ -218,6 +285,7 @@ Command addRender(CLI::App& program) {
       ->check(notEmpty());
   addPictureOptions(*command, *options);
   addLookOptions(*command, *options);
+  addVolumeOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

@@ -40,6 +40,7 @@ RepairJob makeJob(const Options& options) {
   RepairJob job;
   job.input = options.input;
   job.output = options.output;
+  job.preview = options.preview;
   job.grid = options.grid;
   const MappedFile readable(options.input); // says so at once if the file is not there
   job.isVolume = signatureOf(options.input) != VolumeSignature::None;
@@ -126,6 +127,7 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
   session.sections["input"] = Json::array({input});
   session.sections["repair"] = repairOf(result);
   session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result);
   session.textIsSummary = true;
 }
@@ -144,6 +146,7 @@ Command addRepair(CLI::App& program) {
       ->required()
       ->type_name("FILE")
       ->check(notEmpty());
+  addPreviewOption(*command, *options, "before, with defects, and after");
   command->add_option("--grid", options->grid, "Grid of a volume (default: the first solid one)")
       ->type_name("NAME")
       ->check(notEmpty());

@@ -50,6 +50,7 @@ TetrahedralizeJob makeJob(const Options& options, const CLI::App& command) {
   TetrahedralizeJob job;
   job.inputs = options.inputs;
   job.output = options.output;
+  job.preview = options.preview;
   setCleaning(options, job.clean);
   if (!options.epsilon.empty())
     job.epsilon = parseRelativeLength("--epsilon", options.epsilon, Voxels::None);
@@ -136,6 +137,7 @@ void runTetrahedralize(const Options& options, const CLI::App& command, Session&
   mesh["boolean"] = options.boolean.empty() ? Json() : Json(options.boolean);
   mesh["regions"] = regionsOf(result);
   session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result, session.report);
   session.textIsSummary = true;
 }
@@ -156,6 +158,7 @@ Command addTetrahedralize(CLI::App& program) {
       ->required()
       ->type_name("FILE")
       ->check(notEmpty());
+  addPreviewOption(*command, *options, "the input with its defects and the tets, cut open");
   addEpsilonOption(*command, *options,
                    "How far the tets' surface may be from the triangles (default 1e-3d: a "
                    "thousandth of the diagonal)");

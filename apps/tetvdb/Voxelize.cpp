@@ -51,6 +51,8 @@ const char* const kExamples = R"(Examples:
       only the regions named "bone" and numbered 4
   tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf
       two meshes as one volume, only cells that meet the box
+  tetvdb voxelize broken.stl -o solid.vdb --preview solid.png
+      a picture besides: the input with its defects, the tets, the volume, a slice
   tetvdb voxelize part.vtu --write-mesh part.msh
       converts the mesh, without a volume
   tetvdb voxelize broken.stl -o solid.vdb --resolution 1024 --grid mask
@@ -169,6 +171,7 @@ VoxelizeJob makeJob(const Options& options) {
   job.inputs = options.inputs;
   job.output = options.output;
   job.meshOutput = options.writeMesh;
+  job.preview = options.preview;
   job.read.regionArray = options.regionArray;
   job.filter.regions = options.regions;
   job.filter.exclude = options.exclude;
@@ -342,6 +345,7 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
   session.sections["grids"] = gridsOf(result);
   session.sections["output"] = outputsOf(result);
+  reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result, options, session.report);
   if (!result.device.why.empty()) {
     session.sections["mesh"]["device_why"] = result.device.why;
@@ -449,6 +453,7 @@ Command addVoxelize(CLI::App& program) {
           ".obj, .ply, .off or .3mf")
       ->type_name("FILE")
       ->check(notEmpty());
+  addPreviewOption(*command, *options, "the input, the tets, the volume and a slice");
   addSizeOptions(*command, *options);
   command->add_option("--origin", options->origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
       ->type_name("X,Y,Z")

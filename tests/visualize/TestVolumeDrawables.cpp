@@ -287,12 +287,11 @@ TEST(DrawVolume, reachesAsFarAsTheBall) {
   for (int n = 0; n < 300; ++n) {
     const Vec3d direction = unit(random);
     const double reach = dotOf(direction, kCentre) + kRadius;
-    // No less than the voxels whose centres are inside, no more than their leaf nodes.
-    const double leafDiagonal = 8 * std::sqrt(3.0);
+    // Voxels whose centres are inside, of the level set those of the narrow band.
     EXPECT_GE(voxels->support(direction), reach - 0.05);
-    EXPECT_LE(voxels->support(direction), reach + (leafDiagonal + 1) * 0.05);
+    EXPECT_LE(voxels->support(direction), reach + 0.05);
     EXPECT_GE(surface->support(direction), reach);
-    EXPECT_LE(surface->support(direction), reach + (leafDiagonal + 4) * kVoxel);
+    EXPECT_LE(surface->support(direction), reach + 4 * kVoxel);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/visualize/WritePng.h"
 
 #include <algorithm>
@@ -92,8 +93,11 @@ private:
   std::unique_ptr<Subject> open(const RenderInput& input) try {
     InputInfo& info = result_.inputs.emplace_back();
     info.path = input.path;
-    if (input.isVolume)
-      throw Error(Status::Usage, input.path, "is a volume, and only meshes can be rendered");
+    if (input.isVolume) {
+      VolumeShow show = job_.volume;
+      show.color = job_.look.color;
+      return subjectOf(readVolume(input.path, progress_), show);
+    }
     if (holdsTriangles(input.path)) {
       TriangleMesh mesh = readSoup(input.path, &info, report_, progress_);
       requireRoom(kBytesPerFace * mesh.triangleCount(), job_.maxMemory,

@@ -14,6 +14,7 @@
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/PictureMaker.h"
 #include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/pipeline/VolumeSubject.h"
 
 #include <cstddef>
 #include <optional>
@@ -30,7 +31,8 @@ struct RenderInput {
 struct RenderJob {
   std::vector<RenderInput> inputs;
   std::string output; ///< .png; of a turntable OUT.0001.png and so on
-  MeshLook look;
+  MeshLook look;      ///< of meshes
+  VolumeShow volume;  ///< of volumes; `look.color` is its colour too
   PictureOptions picture;
   std::size_t turntable = 0; ///< so many pictures of a full turn; 0: one picture
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has

@@ -38,13 +38,17 @@ public:
                      "name it .stl, .obj, .ply, .off or .3mf");
     requireNoInput(job_.output, {job_.input});
     requireWritable(job_.output);
+    checkPreviewPath(job_.preview, {job_.input});
     TriangleMesh surface = job_.isVolume ? fromVolume() : fromMesh();
     result_.vertices = surface.points.size();
     result_.triangles = surface.triangleCount();
     result_.volumeAfter = volumeOf(surface);
+    if (!job_.preview.empty())
+      preview_.surface(surface, "repaired", report_, progress_);
     StageTimer timer(report_, "write");
     progress_.stage("write");
     writeTriangles(job_.output, surface, progress_);
+    result_.preview = preview_.writeBeside(job_.output, job_.preview);
     result_.output = written(job_.output);
     return std::move(result_);
   }
@@ -58,11 +62,15 @@ private:
       progress_.stage("read");
       volume = readVolume(job_.input, progress_);
     }
+    if (!job_.preview.empty())
+      preview_.volume(volume, report_, progress_);
     return extract(volume, nullptr);
   }
 
   TriangleMesh fromMesh() {
     TriangleMesh mesh = read();
+    if (!job_.preview.empty())
+      preview_.input(mesh, report_, progress_);
     clean(mesh);
     if (!job_.remesh && job_.solid.shell == 0 && isInOrder(mesh)) {
       result_.remeshed = false;
@@ -150,6 +158,7 @@ private:
   const RepairJob& job_;
   Report& report_;
   Progress& progress_;
+  Preview preview_;
   RepairResult result_;
 };
 

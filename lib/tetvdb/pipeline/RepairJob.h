@@ -11,6 +11,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/surface/SurfaceDefects.h"
@@ -32,6 +33,7 @@ struct RepairJob {
   bool isVolume = false;     ///< the input is a .vdb or .nvdb file
   std::string grid;          ///< of a volume, as ExtractOptions::grid
   std::string output;        ///< .stl, .obj, .ply, .off or .3mf
+  std::string preview;       ///< .png of before and after (Preview.h); empty: none
   CleanOptions clean;        ///< of triangles
   SolidOptions solid;        ///< of meshes
   Vec3d voxelSize{0, 0, 0};  ///< of meshes, as VoxelizeOptions::voxelSize
@@ -54,6 +56,7 @@ struct RepairResult {
   double volumeBefore = 0;                 ///< of meshes, cleaned; world units cubed
   double volumeAfter = 0;
   OutputInfo output;
+  std::optional<PreviewInfo> preview;
 };
 
 /// Reads and cleans. A mesh that is then closed, manifold, oriented and without self-intersections

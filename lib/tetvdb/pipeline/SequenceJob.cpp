@@ -169,6 +169,9 @@ private:
   void check() const {
     if (frames_.empty())
       throw Error(Status::Usage, "", "the sequence has no frames");
+    if (!job_.preview.empty())
+      throw Error(Status::Usage, "--preview", "is for one frame; this is a sequence",
+                  "render frames with 'tetvdb render run.0001.vdb -o run.png'");
     if (!job_.meshOutput.empty())
       throw Error(Status::Usage, "--write-mesh", "is for one mesh, not for a sequence",
                   "leave it out");

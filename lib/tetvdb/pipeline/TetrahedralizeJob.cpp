@@ -21,6 +21,7 @@ void checkJob(const TetrahedralizeJob& job) {
   requireExtension(job.output, {".msh", ".mesh", ".vtu"}, "name it .msh, .mesh or .vtu");
   requireNoInput(job.output, job.inputs);
   requireWritable(job.output);
+  checkPreviewPath(job.preview, job.inputs);
   for (const RelativeLength& length : {job.epsilon, job.edgeLength})
     if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
       throw Error(Status::Usage, "--epsilon, --edge-length",
@@ -81,6 +82,11 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
   TetrahedralizeResult result;
   std::vector<TriangleMesh> meshes = readAll(job, result, report, progress);
   progress.check();
+  Preview preview;
+  if (!job.preview.empty()) {
+    Report told; // of mixed units, when the files were read
+    preview.input(mergeMeshes(std::vector<TriangleMesh>(meshes), told), report, progress);
+  }
   cleanAll(job, meshes, result, report, progress);
 
   TetrahedralizeOptions options = job.mesher;
@@ -91,6 +97,8 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
   progress.stage("tetrahedralize");
   Tetrahedralization made = tetrahedralize(meshes, options, report, progress);
   meshes = {};
+  if (!job.preview.empty())
+    preview.tets(made.mesh, report, progress);
 
   progress.check();
   StageTimer timer(report, "write");
@@ -101,6 +109,7 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
   result.regionNames = regionNames(job);
   mesh.regionNames = result.regionNames;
   writeTetMesh(job.output, mesh, progress);
+  result.preview = preview.writeBeside(job.output, job.preview);
   result.output = written(job.output);
   return result;
 }

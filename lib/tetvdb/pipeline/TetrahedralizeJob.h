@@ -12,6 +12,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/MeshSummary.h"
+#include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/surface/CleanTriangles.h"
@@ -20,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,7 @@ struct TetrahedralizeJob {
   RelativeLength edgeLength;    ///< 0: as TetrahedralizeOptions::edgeLength; not in voxels
   TetrahedralizeOptions mesher; ///< its lengths and its maxMemory are overruled by the job's
   std::string output;           ///< .msh, .mesh or .vtu
+  std::string preview;          ///< .png of the input and the tets (Preview.h); empty: none
   int threads = 0;              ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0;    ///< bytes for the whole process; 0: what the machine has available
 };
@@ -43,6 +46,7 @@ struct TetrahedralizeResult {
   MeshSummary mesh;
   std::map<std::int32_t, std::string> regionNames; ///< as written
   OutputInfo output;
+  std::optional<PreviewInfo> preview;
 };
 
 /// Reads, cleans every input for itself, tetrahedralizes and writes. Region 1, 2, ... of the file

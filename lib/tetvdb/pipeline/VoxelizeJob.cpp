@@ -46,6 +46,7 @@ void checkOutputs(const VoxelizeJob& job) {
     requireNoInput(job.output, job.inputs);
     requireWritable(job.output);
   }
+  checkPreviewPath(job.preview, job.inputs);
   if (!job.meshOutput.empty()) {
     requireExtension(job.meshOutput,
                      {".msh", ".mesh", ".vtu", ".stl", ".obj", ".ply", ".off", ".3mf"},
@@ -212,11 +213,22 @@ void dropStale(const Volume& volume, std::vector<NanoBytes>& nano) {
 template <typename WriteMesh>
 void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& volume,
                   const std::vector<NanoBytes>& nano, const PackedGrids& packed,
-                  VoxelizeResult& result, Report& report, Progress& progress) {
+                  const Preview& preview, VoxelizeResult& result, Report& report,
+                  Progress& progress) {
   StageTimer timer(report, "write");
   progress.stage("write");
   if (!job.meshOutput.empty())
     writeMesh();
+  if (!preview.isEmpty()) {
+    try {
+      preview.write(job.preview);
+    } catch (...) {
+      if (!job.meshOutput.empty())
+        ::unlink(job.meshOutput.c_str());
+      throw;
+    }
+    result.preview = preview.info();
+  }
   if (!job.output.empty()) {
     try {
       if (!nano.empty())
@@ -228,12 +240,16 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     } catch (...) {
       if (!job.meshOutput.empty())
         ::unlink(job.meshOutput.c_str()); // nothing, or everything
+      if (!preview.isEmpty())
+        ::unlink(job.preview.c_str());
       throw;
     }
     result.outputs.push_back(written(job.output));
   }
   if (!job.meshOutput.empty())
     result.outputs.push_back(written(job.meshOutput));
+  if (!preview.isEmpty())
+    result.outputs.push_back(written(job.preview));
 }
 
 // The grids that are named, those of the shape, then those of arrays, one transform. The last are
@@ -270,7 +286,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   sampling.maxMemory = memoryLeft(job.maxMemory);
   sampling.allowEmpty = options.allowEmpty;
   SnapCounts counts;
-  if (fs::path(job.output).extension() == ".vdb") {
+  if (fs::path(job.output).extension() == ".vdb" && job.preview.empty()) {
     PackOptions pack;
     pack.folder = fs::path(job.output).parent_path().string();
     pack.half = job.half;
@@ -293,6 +309,9 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   };
   TetMesh mesh = mergeMeshes(readAll<TetMesh>(job, result, report, progress, read), report);
   progress.check();
+  Preview preview(job.up == UpAxis::Y);
+  if (!job.preview.empty())
+    preview.tets(mesh, report, progress);
   Volume volume;
   std::vector<NanoBytes> nano;
   PackedGrids packed;
@@ -304,11 +323,13 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
     dropStale(volume, nano);
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
+    if (!job.preview.empty())
+      preview.volume(volume, report, progress);
   }
   progress.check();
   writeOutputs(
-      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, packed, result,
-      report, progress);
+      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, packed, preview,
+      result, report, progress);
 }
 
 void add(CleanCounts& sum, const CleanCounts& more) {
@@ -325,12 +346,17 @@ void add(CleanCounts& sum, const CleanCounts& more) {
 class TriangleRun {
 public:
   TriangleRun(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress)
-      : job_(job), result_(result), report_(report), progress_(progress) {}
+      : job_(job), result_(result), report_(report), progress_(progress),
+        preview_(job.up == UpAxis::Y) {}
 
   void run() {
     checkMesher(job_);
     read();
     progress_.check();
+    if (!job_.preview.empty()) {
+      Report told; // of mixed units, when the files were read
+      preview_.input(mergeMeshes(std::vector<TriangleMesh>(meshes_), told), report_, progress_);
+    }
     clean();
     if (!job_.output.empty() || needsTets(job_))
       takeRoad();
@@ -342,9 +368,11 @@ public:
         volume.metadata["units"] = units_;
     }
     dropStale(volume, nano_);
+    if (!job_.preview.empty() && !job_.output.empty())
+      preview_.volume(volume, report_, progress_);
     progress_.check();
     writeOutputs(
-        job_, [&] { writeMesh(); }, volume, nano_, {}, result_, report_, progress_);
+        job_, [&] { writeMesh(); }, volume, nano_, {}, preview_, result_, report_, progress_);
   }
 
 private:
@@ -407,6 +435,8 @@ private:
     result_.made = summarize(std::move(made), tets_);
     result_.tets = result_.made->tets;
     result_.volume = result_.made->statistics.volume;
+    if (!job_.preview.empty())
+      preview_.tets(tets_, report_, progress_);
     if (meshes_.size() == job_.inputs.size())
       for (const std::string& name : uniqueStems(job_.inputs))
         tets_.regionNames[static_cast<std::int32_t>(tets_.regionNames.size()) + 1] = name;
@@ -464,6 +494,7 @@ private:
   VoxelizeResult& result_;
   Report& report_;
   Progress& progress_;
+  Preview preview_;
   std::vector<TriangleMesh> meshes_; ///< one, or one a material
   std::string units_;
   GridTransform transform_;

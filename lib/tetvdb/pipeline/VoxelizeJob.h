@@ -21,6 +21,7 @@
 #include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/MeshSummary.h"
+#include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/surface/CleanTriangles.h"
@@ -56,6 +57,9 @@ struct VoxelizeJob {
   /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
+  /// .png that shows the input, the tets, the volume and a slice of it, side by side (Preview.h);
+  /// empty: none.
+  std::string preview;
   /// Ranges of the fields in place of their own (resolveFields()); empty: their own.
   std::vector<ValueRange> fieldRanges;
   std::map<std::string, std::string> metadata; ///< more of it for the file
@@ -83,6 +87,7 @@ struct VoxelizeResult {
   OccupancyPath path = OccupancyPath::Auto;
   std::vector<GridInfo> grids;
   std::vector<OutputInfo> outputs;
+  std::optional<PreviewInfo> preview;
 };
 
 /// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Triangles
@@ -93,8 +98,8 @@ struct VoxelizeResult {
 /// input's number being 1. Outputs are checked before any work: their extensions (Error(Usage)) and
 /// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
 /// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
-/// "upload" and "download"; "fields" where `shapes` asks for grids. The winding number is the
-/// CPU's: asking for a GPU is a warning
+/// "upload" and "download"; "preview" where a preview is asked for; "fields" where `shapes` asks
+/// for grids. The winding number is the CPU's: asking for a GPU is a warning
 /// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of cells
 /// for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
 /// renderers would not show is a warning ("hidden-values"), and one that `half` cannot hold is

@@ -24,6 +24,9 @@ std::uint32_t placeIn(const Vec3i& voxel, int log2Side, int log2Cells) {
                                     (voxel[2] >> log2Side & last));
 }
 
+/// Lines of leaf nodes up to which single voxels are looked at for support().
+constexpr std::size_t kFewLines = 4096;
+
 Vec3i originOf(const openvdb::Coord& c) {
   return {c.x(), c.y(), c.z()};
 }
@@ -110,45 +113,61 @@ const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& o
   return lower.children->isOn(bit) ? leaves_[lower.child(bit)] : nullptr;
 }
 
-/// Of the nodes in a line along z the lowest and the highest: no other can reach furthest in any
-/// direction.
+/// Calls `f(origin, mask)` for leaf nodes, and with a null mask for active tiles as large.
+template <class F>
+void ActiveTree::forNodes(const F& f) const {
+  for (std::size_t i = 0; i < lowers_.size(); ++i)
+    for (std::uint32_t cell = 0; cell < Mask4::SIZE; ++cell) {
+      const bool isNode = lowers_[i].children->isOn(cell);
+      if (!isNode && !lowers_[i].tiles->isOn(cell))
+        continue;
+      const Vec3i& origin = lowerOrigins_[i];
+      f(Vec3i{origin[0] + 8 * std::int32_t(cell >> 8), origin[1] + 8 * std::int32_t(cell >> 4 & 15),
+              origin[2] + 8 * std::int32_t(cell & 15)},
+        isNode ? leaves_[lowers_[i].child(cell)] : nullptr);
+    }
+}
+
+/// Of what lies in a line along z only the lowest and the highest can reach furthest in any
+/// direction: of leaf nodes (and tiles as large), or in small trees, where those are a large part
+/// of the whole, of voxels.
 void ActiveTree::findOutermost() const {
   struct Line {
-    std::int32_t low, high;
+    std::int32_t x, y, low, high;
   };
-  std::unordered_map<std::uint64_t, Line> lines; // of leaf nodes, and of tiles as large
-  for (std::size_t i = 0; i < lowers_.size(); ++i)
-    for (std::uint32_t column = 0; column < 256; ++column) {
-      std::uint32_t on = 0; // by z
-      for (std::uint32_t z = 0; z < 16; ++z)
-        on |= std::uint32_t(lowers_[i].children->isOn(column << 4 | z) ||
-                            lowers_[i].tiles->isOn(column << 4 | z))
-              << z;
-      if (on == 0)
-        continue;
-      const std::int32_t x = lowerOrigins_[i][0] + 8 * std::int32_t(column >> 4);
-      const std::int32_t y = lowerOrigins_[i][1] + 8 * std::int32_t(column & 15);
-      const std::int32_t low =
-          lowerOrigins_[i][2] + 8 * std::int32_t(openvdb::util::FindLowestOn(on));
-      const std::int32_t high =
-          lowerOrigins_[i][2] + 8 * std::int32_t(openvdb::util::FindHighestOn(on)) + 8;
-      const auto key = std::uint64_t(std::uint32_t(x)) << 32 | std::uint32_t(y);
-      const auto [line, added] = lines.try_emplace(key, Line{low, high});
-      if (!added) {
-        line->second.low = std::min(line->second.low, low);
-        line->second.high = std::max(line->second.high, high);
-      }
+  std::unordered_map<std::uint64_t, Line> lines;
+  const auto add = [&lines](const Line& part) {
+    const auto key = std::uint64_t(std::uint32_t(part.x)) << 32 | std::uint32_t(part.y);
+    const auto [line, added] = lines.try_emplace(key, part);
+    if (!added) {
+      line->second.low = std::min(line->second.low, part.low);
+      line->second.high = std::max(line->second.high, part.high);
     }
-  for (const auto& [key, line] : lines) {
-    const double x = static_cast<std::int32_t>(key >> 32);
-    const double y = static_cast<std::int32_t>(key & 0xFFFFFFFFu);
-    outermost_.push_back({{x, y, double(line.low)}, {x + 8, y + 8, double(line.high)}});
-  }
-  const auto addCube = [this](const Vec3i& origin, int side) {
-    outermost_.push_back(
-        {{double(origin[0]), double(origin[1]), double(origin[2])},
-         {double(origin[0]) + side, double(origin[1]) + side, double(origin[2]) + side}});
   };
+  forNodes([&](const Vec3i& node, const Mask3*) { add({node[0], node[1], node[2], node[2] + 8}); });
+  std::int32_t side = 8;
+  if (lines.size() <= kFewLines) {
+    lines.clear();
+    side = 1;
+    forNodes([&](const Vec3i& node, const Mask3* leaf) {
+      for (std::uint32_t column = 0; column < 64; ++column) {
+        const std::uint64_t slab =
+            leaf ? leaf->getWord<openvdb::Index64>(column >> 3) : ~std::uint64_t(0);
+        const auto run = static_cast<std::uint32_t>(slab >> (8 * (column & 7)) & 0xFF);
+        if (run != 0)
+          add({node[0] + std::int32_t(column >> 3), node[1] + std::int32_t(column & 7),
+               node[2] + std::int32_t(openvdb::util::FindLowestOn(run)),
+               node[2] + std::int32_t(openvdb::util::FindHighestOn(run)) + 1});
+      }
+    });
+  }
+  const auto addBox = [this](const Vec3i& low, std::int32_t width, std::int32_t height) {
+    outermost_.push_back(
+        {{double(low[0]), double(low[1]), double(low[2])},
+         {double(low[0]) + width, double(low[1]) + width, double(low[2]) + height}});
+  };
+  for (const auto& [key, line] : lines)
+    addBox({line.x, line.y, line.low}, side, line.high - line.low);
   for (const auto& [key, at] : root_) {
     const auto part = [k = key](int shift) { // 20 bits, with their sign
       return std::int32_t(std::uint32_t(k >> shift) << 12);
@@ -156,15 +175,15 @@ void ActiveTree::findOutermost() const {
     const Vec3i origin{part(40), part(20), part(0)};
     if (!at.upper) {
       if (at.on)
-        addCube(origin, 4096);
+        addBox(origin, 4096, 4096);
       continue;
     }
     for (std::uint32_t bit = 0; bit < Mask5::SIZE; ++bit)
       if (at.upper->tiles->isOn(bit))
-        addCube({origin[0] + 128 * std::int32_t(bit >> 10),
-                 origin[1] + 128 * std::int32_t(bit >> 5 & 31),
-                 origin[2] + 128 * std::int32_t(bit & 31)},
-                128);
+        addBox({origin[0] + 128 * std::int32_t(bit >> 10),
+                origin[1] + 128 * std::int32_t(bit >> 5 & 31),
+                origin[2] + 128 * std::int32_t(bit & 31)},
+               128, 128);
   }
 }
 

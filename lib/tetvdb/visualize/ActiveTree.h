@@ -41,9 +41,8 @@ public:
   const Vec3i& low() const { return low_; }
   const Vec3i& high() const { return high_; }
 
-  /// The maximum of the dot product of `direction` with points of leaf nodes and active tiles, or
-  /// with those of the active voxels' box where that is less; -infinity where there are none. The
-  /// first call looks at all nodes.
+  /// The maximum of the dot product of `direction` with points of active voxels, in large trees
+  /// with those of leaf nodes; -infinity where there are none. The first call looks at all nodes.
   double support(const Vec3d& direction) const;
 
   /// A cube of voxels that a ray goes through.
@@ -108,6 +107,8 @@ private:
   template <class TreeT>
   void index(const TreeT& tree);
   void findOutermost() const;
+  template <class F>
+  void forNodes(const F& f) const;
   const Corner* corner(const Vec3i& voxel) const;
   const Mask3* leafAt(const Vec3i& voxel, bool& on) const;
   static bool firstOf(const IndexRay& ray, const Span& span, Voxel& found);
@@ -119,7 +120,7 @@ private:
   std::vector<Vec3i> lowerOrigins_;
   Vec3i low_{0, 0, 0}, high_{-1, -1, -1};
   mutable std::once_flag once_;
-  mutable std::vector<Box> outermost_; ///< boxes whose hull is that of all nodes
+  mutable std::vector<Box> outermost_; ///< boxes whose hull is that of all
 };
 
 } // namespace tetvdb

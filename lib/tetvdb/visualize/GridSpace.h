@@ -23,8 +23,7 @@ public:
   Vec3d normal(const Vec3d& gradient) const;
   /// The box of the voxels from `low` to `high`, inclusive.
   Box bounds(const Vec3i& low, const Vec3i& high) const;
-  /// How far the tree's active voxels reach in a direction, in the world (Drawable::support()): to
-  /// within a leaf node.
+  /// How far the tree's active voxels reach in a direction, in the world (Drawable::support()).
   double support(const ActiveTree& tree, const Vec3d& direction) const;
   /// The shortest side of a voxel, world units.
   double voxel() const { return voxel_; }

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/Preview.h"
+
+#include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/pipeline/PictureMaker.h"
+#include "tetvdb/pipeline/VolumeSubject.h"
+#include "tetvdb/visualize/WritePng.h"
+
+#include <algorithm>
+#include <memory>
+#include <unistd.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240; ///< of a panel
+
+PictureOptions optionsFor(bool yUp) {
+  PictureOptions options;
+  options.width = kWidth;
+  options.height = kHeight;
+  options.captions = true;
+  if (yUp)
+    options.worldUp = {0, 1, 0};
+  return options;
+}
+
+Image pictureOf(std::unique_ptr<Subject> subject, const std::string& caption,
+                const PictureOptions& options, Report& report, Progress& progress) {
+  StageTimer timer(report, "preview");
+  progress.stage("preview");
+  std::vector<PictureMaker::Sitter> sitters;
+  sitters.push_back({std::move(subject), caption});
+  return PictureMaker(std::move(sitters), options, progress).take(0, progress);
+}
+
+} // namespace
+
+void checkPreviewPath(const std::string& path, const std::vector<std::string>& inputs) {
+  if (path.empty())
+    return;
+  requireExtension(path, {".png"}, "name it .png");
+  requireNoInput(path, inputs);
+  requireWritable(path);
+}
+
+void Preview::input(const TriangleMesh& mesh, Report& report, Progress& progress) {
+  surface(mesh, "input", report, progress);
+}
+
+void Preview::surface(const TriangleMesh& mesh, const std::string& panel, Report& report,
+                      Progress& progress) {
+  MeshLook look;
+  look.defects = true;
+  panels_.push_back({panel, pictureOf(subjectOf(TriangleMesh(mesh), look), panel, optionsFor(yUp_),
+                                      report, progress)});
+}
+
+void Preview::tets(const TetMesh& mesh, Report& report, Progress& progress) {
+  MeshLook look;
+  look.color = "quality";
+  PictureOptions options = optionsFor(yUp_);
+  options.cut = Cut{};
+  panels_.push_back({"tets", pictureOf(subjectOf(TetMesh(mesh), look), "tets, cut by quality",
+                                       options, report, progress)});
+}
+
+void Preview::volume(const Volume& volume, Report& report, Progress& progress) {
+  VolumeShow show;
+  panels_.push_back(
+      {"volume", pictureOf(subjectOf(volume, show), "volume", optionsFor(yUp_), report, progress)});
+  show.style = VolumeStyle::Slice;
+  show.slice.axis = yUp_ ? 1 : 2;
+  PictureOptions options = optionsFor(yUp_);
+  options.view = "top";
+  panels_.push_back({"slice", pictureOf(subjectOf(volume, show), yUp_ ? "slice y" : "slice z",
+                                        options, report, progress)});
+}
+
+PreviewInfo Preview::info() const {
+  PreviewInfo info;
+  for (const Panel& panel : panels_) {
+    info.panels.push_back(panel.name);
+    info.width += panel.image.width;
+    info.height = std::max(info.height, panel.image.height);
+  }
+  return info;
+}
+
+void Preview::write(const std::string& path) const {
+  if (panels_.empty())
+    return;
+  const PreviewInfo size = info();
+  Image strip(size.width, size.height);
+  int x = 0;
+  for (const Panel& panel : panels_) {
+    strip.paste(panel.image, x, 0);
+    x += panel.image.width;
+  }
+  writePng(path, strip);
+}
+
+std::optional<PreviewInfo> Preview::writeBeside(const std::string& output,
+                                                const std::string& path) const {
+  if (panels_.empty())
+    return std::nullopt;
+  try {
+    write(path);
+  } catch (...) {
+    ::unlink(output.c_str());
+    throw;
+  }
+  return info();
+}
+
+} // namespace tetvdb

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/VolumeSubject.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/visualize/GridSpace.h"
+#include "tetvdb/visualize/VolumeLook.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::array<const char*, 4> kShapes = {"surface", "density", "coverage", "mask"};
+constexpr int kMostVoxelsAsVoxels = 128; ///< along the longest side
+
+class VolumeSubject : public Subject {
+public:
+  VolumeSubject(Volume volume, const VolumeShow& show) : volume_(std::move(volume)), show_(show) {
+    infos_ = describe(volume_);
+    shape_ = show.grid.empty() ? mainGrid() : named(show.grid, "--grid");
+    if (infos_[shape_].activeVoxels == 0)
+      throw Error(Status::Invalid, infos_[shape_].name, "holds no active voxels");
+    const bool isShape =
+        std::find(kShapes.begin(), kShapes.end(), infos_[shape_].name) != kShapes.end();
+    if (show.plainColor)
+      color_ = std::nullopt;
+    else if (!show.color.empty())
+      color_ = named(show.color, "--color");
+    else if (!isShape || show.style == VolumeStyle::Slice)
+      color_ = shape_;
+    const GridInfo& info = infos_[shape_];
+    const GridSpace space(grid(shape_)->transform());
+    bounds_ = space.bounds(info.boxMin, info.boxMax);
+    style_ = show.style == VolumeStyle::Auto ? styleFor(info) : show.style;
+    if (style_ == VolumeStyle::Slice) {
+      const auto axis = static_cast<std::size_t>(show.slice.axis);
+      const double low = bounds_.low[axis], high = bounds_.high[axis];
+      place_ = show.slice.inUnits ? show.slice.at : low + show.slice.at * (high - low);
+      if (!(place_ >= low && place_ <= high))
+        throw Error(Status::Usage, "--slice",
+                    "lies outside of the volume, which spans " + std::to_string(low) + " to " +
+                        std::to_string(high) + " along that axis");
+    }
+  }
+
+  Box bounds() const override {
+    Box box = bounds_;
+    if (style_ == VolumeStyle::Slice) {
+      const auto axis = static_cast<std::size_t>(show_.slice.axis);
+      box.low[axis] = box.high[axis] = place_;
+    }
+    return box;
+  }
+
+  std::optional<ColorScale> scale() const override {
+    if (!color_)
+      return std::nullopt;
+    const GridInfo& info = infos_[*color_];
+    ColorScale scale;
+    scale.low = info.minValue;
+    scale.high = info.maxValue;
+    if (!(scale.low < scale.high)) { // one value, or none that is a number
+      scale.low = std::isfinite(info.minValue) ? info.minValue : 0;
+      scale.high = scale.low + 1;
+    }
+    scale.title = info.name;
+    return scale;
+  }
+
+  Drawn draw(const ColorScale* scale, const std::optional<CutPlane>& cut,
+             Progress& progress) override {
+    GridPaint paint;
+    paint.plain = show_.plain;
+    if (color_ && scale != nullptr) {
+      paint.grid = grid(*color_);
+      paint.colorOf = [colors = *scale](double value) { return colors(value); };
+    }
+    Drawn drawn;
+    const openvdb::GridBase::ConstPtr shape = grid(shape_);
+    if (style_ == VolumeStyle::Fog) {
+      FogLook look;
+      look.paint = paint;
+      look.cut = cut;
+      const double most = infos_[shape_].maxValue;
+      look.depth /= most > 0 && std::isfinite(most) ? most : 1; // so much at the greatest value
+      if (!color_)
+        look.paint.plain = {0.9F, 0.9F, 0.9F};
+      drawn.media.push_back(drawFog(shape, look, progress));
+      return drawn;
+    }
+    VolumeLook look;
+    look.paint = paint;
+    look.cut = cut;
+    if (style_ == VolumeStyle::Slice)
+      drawn.drawables.push_back(drawSlice(shape, show_.slice.axis, place_, look));
+    else if (style_ == VolumeStyle::Voxels)
+      drawn.drawables.push_back(drawVoxels(shape, look));
+    else
+      drawn.drawables.push_back(drawSurface(shape, look));
+    return drawn;
+  }
+
+private:
+  openvdb::GridBase::ConstPtr grid(std::size_t i) const { return volume_.grids().all[i]; }
+
+  std::size_t mainGrid() const {
+    if (infos_.empty())
+      throw Error(Status::Invalid, "", "holds no grids");
+    for (const char* name : kShapes)
+      for (std::size_t i = 0; i < infos_.size(); ++i)
+        if (infos_[i].name == name && infos_[i].activeVoxels > 0)
+          return i;
+    return 0;
+  }
+
+  std::size_t named(const std::string& name, const char* option) const {
+    std::string names;
+    for (std::size_t i = 0; i < infos_.size(); ++i) {
+      if (infos_[i].name == name)
+        return i;
+      names += (names.empty() ? "" : ", ") + infos_[i].name;
+    }
+    throw Error(Status::Usage, option, "the volume has no grid '" + name + "'",
+                names.empty() ? "it holds none" : "there are: " + names);
+  }
+
+  static VolumeStyle styleFor(const GridInfo& info) {
+    if (info.gridClass == "level set")
+      return VolumeStyle::Surface;
+    std::int64_t longest = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      longest = std::max(longest, std::int64_t(info.boxMax[a]) - info.boxMin[a] + 1);
+    return longest <= kMostVoxelsAsVoxels ? VolumeStyle::Voxels : VolumeStyle::Surface;
+  }
+
+  Volume volume_;
+  VolumeShow show_;
+  std::vector<GridInfo> infos_;
+  std::size_t shape_ = 0;
+  std::optional<std::size_t> color_;
+  VolumeStyle style_ = VolumeStyle::Voxels;
+  Box bounds_;
+  double place_ = 0; ///< of a slice, world units
+};
+
+} // namespace
+
+std::unique_ptr<Subject> subjectOf(Volume volume, const VolumeShow& show) {
+  return std::make_unique<VolumeSubject>(std::move(volume), show);
+}
+
+} // namespace tetvdb

@@ -51,7 +51,7 @@ TEST(VtkReader, QuadraticCells) {
   for (const CellRun& run : mesh.runs)
     EXPECT_TRUE(run.quadratic);
   EXPECT_EQ(mesh.runs[0].fileType, "tetra10");
-  EXPECT_EQ(mesh.nodes.size(), 5u * 10 + 3 * 8 + 6 * 6);
+  EXPECT_EQ(mesh.nodes.size(), 5u * 10 + 3 * 27 + 6 * 18);
   EXPECT_EQ(mesh.attributes.at(0).name, "material");
 }
 

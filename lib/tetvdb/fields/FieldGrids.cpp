@@ -2,6 +2,7 @@
 #include "tetvdb/fields/FieldGrids.h"
 
 #include "tetvdb/fields/LeafSample.h"
+#include "tetvdb/fields/LeafShapes.h"
 #include "tetvdb/io/LeafPacker.h"
 #include "tetvdb/voxelize/LeafRows.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
@@ -22,48 +23,6 @@ struct Reading {
   // Of each tet (slot) and number: at the first corner, and how much more at the three others.
   std::vector<std::array<double, 4>> corners;
   std::vector<double> cells;
-};
-
-// Points and weights that make up a value at a voxel: the four of a linear tet, or the ten of the
-// quadratic one that the voxel's tet was cut from.
-struct CellShape {
-  std::array<std::uint32_t, 10> points;
-  std::array<double, 10> weights;
-  std::size_t count = 4;
-
-  CellShape(const TetMesh& mesh, const LeafSample& sample, std::size_t voxel) {
-    const std::size_t slot = sample.slot(voxel), tet = sample.tet(slot);
-    const auto& w = sample.weights(voxel);
-    const double whole[4] = {1 - (w[0] + w[1] + w[2]), w[0], w[1], w[2]};
-    const std::uint32_t cell = mesh.curved.cellOfTet[tet];
-    if (cell == CurvedTets::kLinear) {
-      for (std::size_t i = 0; i < 4; ++i) {
-        points[i] = sample.point(slot, i);
-        weights[i] = whole[i];
-      }
-      return;
-    }
-    // Coordinates in the cell: those of the tet's corners, a corner or the middle of an edge of the
-    // cell each, weighted.
-    static constexpr std::uint8_t kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-    double at[4] = {0, 0, 0, 0};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint8_t node = mesh.curved.corners[tet][sample.place(slot, i)];
-      if (node < 4) {
-        at[node] += whole[i];
-        continue;
-      }
-      at[kEdges[node - 4][0]] += whole[i] / 2;
-      at[kEdges[node - 4][1]] += whole[i] / 2;
-    }
-    count = 10;
-    for (std::size_t i = 0; i < 10; ++i)
-      points[i] = mesh.curved.nodes[10 * std::size_t(cell) + i];
-    for (std::size_t i = 0; i < 4; ++i)
-      weights[i] = at[i] * (2 * at[i] - 1);
-    for (std::size_t i = 0; i < 6; ++i)
-      weights[4 + i] = 4 * at[kEdges[i][0]] * at[kEdges[i][1]];
-  }
 };
 
 void convert(const double* value, float& out) {
@@ -97,13 +56,15 @@ public:
                !field.turned),
         asIs_(field.clamp.empty() && field.scale == 1 && field.offset == 0) {}
 
-  void evaluate(const LeafSample& sample, Reading& reading, Value* out) const {
+  /// `shapes` are those of the sample where the mesh has quadratic cells.
+  void evaluate(const LeafSample& sample, const LeafShapes& shapes, Reading& reading,
+                Value* out) const {
     if (field_.on == Attribute::On::Cells)
       return ofCells(sample, reading, out);
     if (field_.kind == FieldKind::Integer)
       return ofNearestCorner(sample, out);
     if (!mesh_.curved.empty())
-      return ofShapes(sample, out);
+      return ofShapes(sample, shapes, out);
     gather(sample, reading);
     switch (field_.sources.size()) {
     case 1:
@@ -179,17 +140,17 @@ private:
   }
 
   // By the shape functions of each voxel's cell, whatever it is.
-  void ofShapes(const LeafSample& sample, Value* out) const {
+  void ofShapes(const LeafSample& sample, const LeafShapes& shapes, Value* out) const {
     for (std::size_t v = 0; v < sample.count(); ++v) {
-      const CellShape shape(mesh_, sample, v);
+      const std::uint32_t* points = shapes.points(v);
+      const double* weights = shapes.weights(v);
       double read[9];
       for (std::size_t k = 0; k < field_.sources.size(); ++k) {
         const Field::Source& source = field_.sources[k];
-        const double base = source.array->number(shape.points[0], source.component);
+        const double base = source.array->number(points[0], source.component);
         double sum = 0; // of differences, so that a constant stays itself
-        for (std::size_t i = 1; i < shape.count; ++i)
-          sum +=
-              shape.weights[i] * (source.array->number(shape.points[i], source.component) - base);
+        for (std::size_t i = 1; i < shapes.count(v); ++i)
+          sum += weights[i] * (source.array->number(points[i], source.component) - base);
         read[k] = base + sum;
       }
       out[v] = finished(read);
@@ -254,7 +215,7 @@ public:
   virtual void* begin(const NodeIndex& node) = 0;
   /// The leaf at `offset` in the node, with the voxels of `sample`.
   virtual void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
-                    Reading& reading) = 0;
+                    const LeafShapes& shapes, Reading& reading) = 0;
   virtual void end(void* node, const NodeIndex& index) = 0;
   virtual void drop(void* node) = 0;
   virtual void tile(const NodeIndex& index, std::uint32_t owner) = 0;
@@ -285,11 +246,11 @@ public:
 
   void* begin(const NodeIndex& node) override { return assembly_.begin(node).release(); }
 
-  void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
+  void leaf(void* node, openvdb::Index offset, const LeafSample& sample, const LeafShapes& shapes,
             Reading& reading) override {
     auto* lower = static_cast<Lower*>(node);
     std::array<Value, LeafSample::kVoxels> values;
-    values_.evaluate(sample, reading, values.data());
+    values_.evaluate(sample, shapes, reading, values.data());
     const std::size_t count = sample.count();
     const bool finite = std::all_of(values.data(), values.data() + count,
                                     [](const Value& value) { return isFinite(value); });
@@ -359,15 +320,18 @@ private:
 
 struct FieldGrids::Scratch {
   LeafSample sample;
+  LeafShapes shapes;
   Reading reading;
 };
 
 struct FieldGrids::State {
-  State(const SnappedMesh& mesh, bool weights)
-      : scratches([&mesh, weights] {
-          return Scratch{LeafSample(mesh, weights), {}};
+  State(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
+        bool weights)
+      : curved(weights && !mesh.curved.empty()), scratches([&mesh, &snapped, transform, weights] {
+          return Scratch{LeafSample(snapped, weights), LeafShapes(mesh, transform), {}};
         }) {}
 
+  bool curved; ///< shapes are needed
   std::vector<std::unique_ptr<GridBuilder>> builders;
   tbb::enumerable_thread_specific<Scratch> scratches;
   std::atomic<bool> any{false};
@@ -389,9 +353,11 @@ struct FieldGrids::FieldNode : NodeSink::Node {
   FieldNode& operator=(const FieldNode&) = delete;
 
   void leaf(openvdb::Index offset, Scratch& scratch) const {
+    if (state.curved)
+      scratch.shapes.find(scratch.sample);
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (nodes[i] != nullptr)
-        state.builders[i]->leaf(nodes[i], offset, scratch.sample, scratch.reading);
+        state.builders[i]->leaf(nodes[i], offset, scratch.sample, scratch.shapes, scratch.reading);
   }
 
   State& state;
@@ -400,16 +366,16 @@ struct FieldGrids::FieldNode : NodeSink::Node {
 };
 
 FieldGrids::FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped,
-                       const std::vector<Field>& fields)
-    : FieldGrids(mesh, snapped, fields, false, {}) {}
+                       const GridTransform& transform, const std::vector<Field>& fields)
+    : FieldGrids(mesh, snapped, transform, fields, false, {}) {}
 
 FieldGrids::FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped,
-                       const std::vector<Field>& fields, bool asHalf,
-                       const std::vector<std::unique_ptr<PackedGrid>>& packed) {
+                       const GridTransform& transform, const std::vector<Field>& fields,
+                       bool asHalf, const std::vector<std::unique_ptr<PackedGrid>>& packed) {
   const bool weights = std::any_of(fields.begin(), fields.end(), [](const Field& field) {
     return field.on == Attribute::On::Points;
   });
-  state_ = std::make_unique<State>(snapped, weights);
+  state_ = std::make_unique<State>(mesh, snapped, transform, weights);
   for (std::size_t i = 0; i < fields.size(); ++i)
     addBuilder(fields[i], mesh, asHalf, packed.empty() ? nullptr : packed[i].get());
 }

@@ -21,10 +21,12 @@ std::size_t leafBytes(FieldKind kind);
 
 class FieldGrids : public NodeSink {
 public:
-  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const std::vector<Field>& fields);
+  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
+             const std::vector<Field>& fields);
   /// Packs every leaf at once: the grids go to `packed`, an entry a field with its store set.
-  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const std::vector<Field>& fields,
-             bool asHalf, const std::vector<std::unique_ptr<PackedGrid>>& packed);
+  FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
+             const std::vector<Field>& fields, bool asHalf,
+             const std::vector<std::unique_ptr<PackedGrid>>& packed);
   ~FieldGrids() override;
 
   std::unique_ptr<Node> begin(const NodeIndex& node) override;

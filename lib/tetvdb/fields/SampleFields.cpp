@@ -75,7 +75,7 @@ SnapCounts sample(const TetMesh& mesh, const GridTransform& transform,
       packed.back()->store = store;
     }
   }
-  FieldGrids grids(mesh, snapped, fields, pack != nullptr && pack->half, packed);
+  FieldGrids grids(mesh, snapped, transform, fields, pack != nullptr && pack->half, packed);
   const OrientationCounts oriented = rasterizeNodes(snapped, true, grids, progress);
   if (!grids.any() && !options.allowEmpty)
     throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",

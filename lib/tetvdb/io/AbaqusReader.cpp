@@ -51,6 +51,8 @@ struct Instance {
 };
 
 /// The kind of an element type such as C3D10M, DC3D8 or COH3D6; corners 0 for one without volume.
+/// The mids of C3D10, C3D20, C3D15 and C3D13 are in VTK's order (Abaqus Analysis User's Guide,
+/// "Three-dimensional solid element library", node ordering).
 CellKind elementKind(const std::string& type) {
   std::size_t digits = std::string::npos;
   for (const char* family : {"COH3D", "C3D"})
@@ -67,18 +69,18 @@ CellKind elementKind(const std::string& type) {
   switch (nodes) {
   case 4:
   case 10:
-    return {"", CellType::Tetra, 4, nodes};
+    return {"", CellType::Tetra, 4, nodes, keptNodes(CellType::Tetra, nodes)};
   case 5:
   case 13:
-    return {"", CellType::Pyramid, 5, nodes};
+    return {"", CellType::Pyramid, 5, nodes, keptNodes(CellType::Pyramid, nodes)};
   case 6:
   case 15:
   case 18:
-    return {"", CellType::Wedge, 6, nodes};
+    return {"", CellType::Wedge, 6, nodes, nodes == 15 ? 15u : 0u};
   case 8:
   case 20:
   case 27:
-    return {"", CellType::Hexahedron, 8, nodes};
+    return {"", CellType::Hexahedron, 8, nodes, nodes == 20 ? 20u : 0u};
   default:
     return {"", CellType::OtherSolid, 0, 0};
   }
@@ -187,7 +189,7 @@ private:
         while (deck_.nextField(field)) {
           if (field.empty())
             continue;
-          if (got++ >= kind.corners)
+          if (got++ >= kind.stored())
             continue;
           part.mesh.nodes.push_back(static_cast<std::uint32_t>(checkId(deck_.integer(field))));
         }
@@ -211,7 +213,7 @@ private:
       return;
     std::vector<CellRun>& runs = part.mesh.runs;
     if (runs.empty() || runs.back().fileType != type)
-      runs.push_back({kind.type, kind.corners, 0, type.substr(0, 20), kind.quadratic()});
+      runs.push_back({kind.type, kind.stored(), 0, type.substr(0, 20), kind.quadratic()});
     runs.back().count += count;
   }
 

@@ -5,6 +5,7 @@
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/IsolatedRead.h"
 #include "tetvdb/io/NetCdfSize.h"
+#include "tetvdb/mesh/CurvedShape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -187,6 +188,19 @@ CellKind kindOf(const std::string& elementType, std::size_t nodes) {
   return {elementType.c_str(), CellType::OtherSolid, 0, each};
 }
 
+/// Of nodes in VTK's order their place in Exodus', whose mids of vertical edges come before those
+/// above, and the middle of the cell before those of its faces ("EXODUS II: A Finite Element Data
+/// Model", node ordering); null where the two agree.
+const std::uint8_t* orderOf(CellType type, std::size_t nodes) {
+  static constexpr std::uint8_t hexahedron[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,
+                                                9,  10, 11, 16, 17, 18, 19, 12, 13,
+                                                14, 15, 23, 24, 25, 26, 21, 22, 20};
+  static constexpr std::uint8_t wedge[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11};
+  if (type == CellType::Hexahedron && (nodes == 20 || nodes == 27))
+    return hexahedron;
+  return type == CellType::Wedge && nodes == 15 ? wedge : nullptr;
+}
+
 class ExodusFile {
 public:
   ExodusFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
@@ -340,10 +354,15 @@ private:
     if (nodes < kind.corners)
       file_.fail("elements of type " + type + " with " + std::to_string(nodes) + " nodes");
     file_.checkSize(*connect, cells > SIZE_MAX / nodes ? SIZE_MAX : cells * nodes, name);
-    // Of ten-node tets all are kept; their order is VTK's.
-    const bool all = kind.type == CellType::Tetra && nodes == 10;
-    const std::uint32_t kept = all ? 10 : kind.corners;
-    readNodes(*connect, name, cells, nodes, kept);
+    CellKind stored = kind;
+    // Of wedges with nodes in their faces the order is not written down.
+    if (curvedShape(kind.type, nodes) && !(kind.type == CellType::Wedge && nodes == 18) &&
+        !(kind.type == CellType::Pyramid && nodes == 14)) {
+      stored.kept = static_cast<std::uint32_t>(nodes);
+      stored.order = orderOf(kind.type, nodes);
+    }
+    const std::uint32_t kept = stored.stored();
+    readNodes(*connect, name, cells, nodes, stored);
     if (mesh_.runs.empty() || mesh_.runs.back().fileType != kind.name ||
         mesh_.runs.back().nodesPerCell != kept)
       mesh_.runs.push_back({kind.type, kept, 0, kind.name, kind.quadratic()});
@@ -351,8 +370,8 @@ private:
   }
 
   void readNodes(const Variable& connect, const std::string& name, std::size_t cells,
-                 std::size_t nodes, std::size_t corners) {
-    mesh_.nodes.reserve(mesh_.nodes.size() + cells * corners);
+                 std::size_t nodes, const CellKind& kind) {
+    mesh_.nodes.reserve(mesh_.nodes.size() + cells * kind.stored());
     const std::size_t step = std::max<std::size_t>(1, kChunk / nodes);
     std::vector<long long> buffer(std::min(cells, step) * nodes);
     const auto points = static_cast<long long>(mesh_.points.size());
@@ -366,8 +385,10 @@ private:
                          "' refers to node " + std::to_string(node) + ", but there are " +
                          std::to_string(points) + " nodes, numbered from 1",
                      "repair the file or export it again");
-        if (i % nodes < corners)
+        if (i % nodes < kind.stored())
           mesh_.nodes.push_back(static_cast<std::uint32_t>(node - 1));
+        if (i % nodes == nodes - 1)
+          orderLast(mesh_, kind);
       }
       progress_.check();
     }

@@ -24,6 +24,19 @@ constexpr CellKind wedge(const char* name, std::uint32_t nodes) {
 constexpr CellKind pyramid(const char* name, std::uint32_t nodes) {
   return {name, CellType::Pyramid, 5, nodes};
 }
+// Of kept nodes in VTK's order their place in Gmsh's ("Node ordering" in its reference manual,
+// which gives each type's edges and faces).
+constexpr std::uint8_t kTetra10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
+constexpr std::uint8_t kHexahedron27[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 13, 9,  16, 18,
+                                          19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26};
+constexpr std::uint8_t kWedge18[] = {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16};
+constexpr std::uint8_t kPyramid14[] = {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12, 13};
+
+constexpr CellKind curved(CellKind kind, const std::uint8_t* order) {
+  kind.kept = kind.nodes;
+  kind.order = order;
+  return kind;
+}
 constexpr CellKind pointwise(const char* name) {
   return {name, CellType::OtherSolid, 0, 1};
 }
@@ -55,7 +68,7 @@ std::array<CellKind, kTypes> makeKinds() {
     kinds[84 + i] = flat("element of order 0", 1);
 
   kinds[4] = tetra("tetra", 4);
-  kinds[11] = tetra("tetra10", 10);
+  kinds[11] = curved(tetra("tetra10", 10), kTetra10);
   kinds[29] = tetra("tetra20", 20);
   kinds[30] = tetra("tetra35", 35);
   kinds[31] = tetra("tetra56", 56);
@@ -75,8 +88,8 @@ std::array<CellKind, kTypes> makeKinds() {
   kinds[139] = tetra("tetra5", 5);
 
   kinds[5] = hexahedron("hexahedron", 8);
-  kinds[12] = hexahedron("hexahedron27", 27);
-  kinds[17] = hexahedron("hexahedron20", 20);
+  kinds[12] = curved(hexahedron("hexahedron27", 27), kHexahedron27);
+  kinds[17] = curved(hexahedron("hexahedron20", 20), kHexahedron27);
   kinds[92] = hexahedron("hexahedron64", 64);
   kinds[93] = hexahedron("hexahedron125", 125);
   kinds[94] = hexahedron("hexahedron216", 216);
@@ -93,8 +106,8 @@ std::array<CellKind, kTypes> makeKinds() {
   kinds[105] = hexahedron("hexahedron104", 104);
 
   kinds[6] = wedge("wedge", 6);
-  kinds[13] = wedge("wedge18", 18);
-  kinds[18] = wedge("wedge15", 15);
+  kinds[13] = curved(wedge("wedge18", 18), kWedge18);
+  kinds[18] = curved(wedge("wedge15", 15), kWedge18);
   kinds[90] = wedge("wedge40", 40);
   kinds[91] = wedge("wedge75", 75);
   kinds[106] = wedge("wedge126", 126);
@@ -111,8 +124,8 @@ std::array<CellKind, kTypes> makeKinds() {
   kinds[117] = wedge("wedge78", 78);
 
   kinds[7] = pyramid("pyramid", 5);
-  kinds[14] = pyramid("pyramid14", 14);
-  kinds[19] = pyramid("pyramid13", 13);
+  kinds[14] = curved(pyramid("pyramid14", 14), kPyramid14);
+  kinds[19] = curved(pyramid("pyramid13", 13), kPyramid14);
   kinds[118] = pyramid("pyramid30", 30);
   kinds[119] = pyramid("pyramid55", 55);
   kinds[120] = pyramid("pyramid91", 91);

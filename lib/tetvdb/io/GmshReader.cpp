@@ -381,9 +381,10 @@ private:
   void readNodesOf(const CellKind& kind) {
     for (std::uint32_t k = 0; k < kind.nodes; ++k) {
       const std::int64_t id = in_.text.integer();
-      if (k < kind.corners)
+      if (k < kind.stored())
         addNode(id);
     }
+    orderLast(mesh_, kind);
   }
 
   void readElements2() {
@@ -421,7 +422,7 @@ private:
     const auto skipped = static_cast<std::size_t>(tags);
     const std::size_t stride = 4 * (1 + skipped + kind.nodes);
     const std::size_t n = in_.bytes.checkCount(follow, stride, "elements");
-    mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.corners) * (n > 1 ? n : 0));
+    mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.stored()) * (n > 1 ? n : 0));
     std::int32_t physical = 0, geometrical = 0;
     std::size_t alike = 0; // elements not yet counted, all with these tags
     for (std::size_t i = 0; i < n; ++i) {
@@ -438,8 +439,9 @@ private:
         alike = 0;
       }
       numberElement(number(0));
-      for (std::uint32_t k = 0; k < kind.corners; ++k)
+      for (std::uint32_t k = 0; k < kind.stored(); ++k)
         addNode(number(1 + skipped + k));
+      orderLast(mesh_, kind);
       ++alike;
     }
     addElements(kind, alike, physical, geometrical);
@@ -499,15 +501,16 @@ private:
     if (wantsData())
       for (std::size_t i = 0; i < n; ++i)
         elementIds_.add(loadNumber<T>(from + i * stride, swap));
-    const std::size_t corners = kind.corners;
+    const std::size_t stored = kind.stored();
     const std::size_t before = mesh_.nodes.size();
-    mesh_.nodes.resize(before + corners * n);
+    mesh_.nodes.resize(before + stored * n);
     std::uint32_t* to = mesh_.nodes.data() + before;
     for (std::size_t i = 0; i < n; ++i, from += stride) {
       if (i % kPerUpdate == kPerUpdate - 1)
         update();
-      for (std::size_t k = 0; k < corners; ++k) {
-        const auto id = static_cast<std::int64_t>(loadNumber<T>(from + sizeof(T) * (1 + k), swap));
+      for (std::size_t k = 0; k < stored; ++k) {
+        const std::size_t place = 1 + (kind.order != nullptr ? kind.order[k] : k);
+        const auto id = static_cast<std::int64_t>(loadNumber<T>(from + sizeof(T) * place, swap));
         const std::uint32_t index = nodeIds_.find(id);
         if (index == IdMap::kNone) {
           elements_ += i;

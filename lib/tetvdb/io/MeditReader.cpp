@@ -5,6 +5,7 @@
 
 #include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/CellRuns.h"
+#include "tetvdb/io/NodeOrder.h"
 #include "tetvdb/io/NumberParser.h"
 
 #include <algorithm>
@@ -34,7 +35,7 @@ constexpr Keyword kCellKeywords[] = {
     {24, "TrianglesP2", {"triangle6", kFlat, 0, 6}},
     {25, "EdgesP2", {"edge3", kFlat, 0, 3}},
     {27, "QuadrilateralsQ2", {"quad9", kFlat, 0, 9}},
-    {30, "TetrahedraP2", {"tetra10", CellType::Tetra, 4, 10}},
+    {30, "TetrahedraP2", {"tetra10", CellType::Tetra, 4, 10, 10}},
     {33, "HexahedraQ2", {"hexahedron27", CellType::Hexahedron, 8, 27}},
     {49, "Pyramids", {"pyramid", CellType::Pyramid, 5, 5}},
     {86, "PrismsP2", {"wedge18", CellType::Wedge, 6, 18}},
@@ -98,7 +99,7 @@ public:
   }
 
   void beginCells(const CellKind& kind, std::size_t count) {
-    mesh_.nodes.reserve(mesh_.nodes.size() + count * kind.corners);
+    mesh_.nodes.reserve(mesh_.nodes.size() + count * kind.stored());
     mesh_.regions.reserve(mesh_.regions.size() + count);
   }
 
@@ -135,6 +136,7 @@ public:
         in_.fail("a cell uses vertex " + std::to_string(std::uint64_t(node) + 1) + " of " +
                      std::to_string(mesh_.points.size()),
                  "the file is damaged; export it again");
+    orderMids(mesh_);
     bool told = false;
     std::size_t cell = 0;
     for (const CellRun& run : mesh_.runs) {
@@ -212,7 +214,7 @@ CellMesh readMedit(const Source& source, const ReadOptions&, Report& report, Pro
       for (std::size_t i = 0; i < n; ++i) {
         for (std::uint32_t k = 0; k < kind->nodes; ++k) {
           const std::int64_t number = in.integer();
-          if (k < kind->corners)
+          if (k < kind->stored())
             mesh.addNode(number);
         }
         mesh.addRegion(in.realInteger());
@@ -282,7 +284,7 @@ CellMesh readMeditBinary(const Source& source, const ReadOptions&, Report& repor
           return width == 4 ? loadNumber<std::int32_t>(at + 4 * k, in.swap())
                             : loadNumber<std::int64_t>(at + 8 * k, in.swap());
         };
-        for (std::uint32_t k = 0; k < kind->corners; ++k)
+        for (std::uint32_t k = 0; k < kind->stored(); ++k)
           mesh.addNode(number(k));
         mesh.addRegion(number(kind->nodes));
       }

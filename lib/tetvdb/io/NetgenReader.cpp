@@ -4,6 +4,7 @@
 #include "tetvdb/io/NetgenReader.h"
 
 #include "tetvdb/io/CellRuns.h"
+#include "tetvdb/io/NodeOrder.h"
 #include "tetvdb/io/NumberParser.h"
 
 #include <limits>
@@ -24,7 +25,7 @@ const CellKind* volumeElement(std::int64_t nodes) {
                                    {"pyramid", CellType::Pyramid, 5, 5},
                                    {"wedge", CellType::Wedge, 6, 6},
                                    {"hexahedron", CellType::Hexahedron, 8, 8},
-                                   {"tetra10", CellType::Tetra, 4, 10},
+                                   {"tetra10", CellType::Tetra, 4, 10, 10},
                                    {"wedge12", CellType::Wedge, 6, 12},
                                    {"pyramid13", CellType::Pyramid, 5, 13},
                                    {"wedge15", CellType::Wedge, 6, 15},
@@ -91,6 +92,7 @@ public:
         in_.fail("an element uses point " + std::to_string(std::uint64_t(node) + 1) + " of " +
                      std::to_string(mesh_.points.size()),
                  "the file is damaged; export it again");
+    orderMids(mesh_);
     return std::move(mesh_);
   }
 
@@ -124,7 +126,7 @@ private:
         const std::int64_t number = in_.integer();
         if (number < 1 || number >= std::int64_t(IdMap::kNone))
           in_.fail("an element uses point " + std::to_string(number) + ", which does not exist");
-        if (k < kind->corners)
+        if (k < kind->stored())
           mesh_.nodes.push_back(static_cast<std::uint32_t>(number - 1));
       }
       mesh_.regions.push_back(static_cast<std::int32_t>(material));

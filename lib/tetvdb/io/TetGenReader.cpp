@@ -4,6 +4,7 @@
 #include "tetvdb/io/TetGenReader.h"
 
 #include "tetvdb/io/CellRuns.h"
+#include "tetvdb/io/NodeOrder.h"
 #include "tetvdb/io/NumberParser.h"
 
 #include <limits>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr CellKind kTetra{"tetra", CellType::Tetra, 4, 4};
-constexpr CellKind kTetra10{"tetra10", CellType::Tetra, 4, 10};
+constexpr CellKind kTetra10{"tetra10", CellType::Tetra, 4, 10, 10};
 
 /// One of the counts in the head line of a file; absent ones are 0.
 std::int64_t headNumber(NumberParser& head, NumberParser& in, const char* things,
@@ -113,7 +114,7 @@ CellMesh readTetGenPair(const Source& nodeFile, const Source& eleFile, const Rea
   in.checkCount(declared, "tetrahedra",
                 2 * (1 + kind.nodes + static_cast<std::size_t>(attributes)));
   const auto n = static_cast<std::size_t>(declared);
-  mesh.nodes.reserve(4 * n);
+  mesh.nodes.reserve(kind.stored() * n);
   std::vector<std::vector<double>> columns(static_cast<std::size_t>(attributes));
   for (std::vector<double>& values : columns)
     values.reserve(n);
@@ -126,7 +127,7 @@ CellMesh readTetGenPair(const Source& nodeFile, const Source& eleFile, const Rea
         in.fail("a tetrahedron uses node " + std::to_string(id) + ", which " + nodeFile.path +
                     " does not have",
                 "check that both files belong together");
-      if (k < 4)
+      if (k < kind.stored())
         mesh.nodes.push_back(index);
     }
     for (std::vector<double>& values : columns)
@@ -135,6 +136,7 @@ CellMesh readTetGenPair(const Source& nodeFile, const Source& eleFile, const Rea
       progress.update(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(n));
   }
   appendCells(mesh, kind, n);
+  orderMids(mesh);
   if (!columns.empty())
     asRegions(columns[0], mesh.regions);
   addAttributes(mesh, nodes.attributes, Attribute::On::Points);

@@ -2,6 +2,7 @@
 #include "tetvdb/io/VtkCells.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/CurvedShape.h"
 
 #include <algorithm>
 #include <array>
@@ -224,8 +225,7 @@ private:
     if (mesh_.nodes.capacity() == 0)
       mesh_.nodes.reserve(cells_.connectivity.size());
     if (kind.nodes != 0) {
-      const std::uint8_t kept =
-          kind.type == CellType::Tetra && kind.nodes == 10 ? kind.nodes : kind.corners;
+      const std::uint8_t kept = curvedShape(kind.type, kind.nodes) ? kind.nodes : kind.corners;
       copyCorners(from + begin(beginCell), kind.nodes, kept, endCell - beginCell);
       return addRun(kind, kept, endCell - beginCell, kind.nodes != kind.corners);
     }

@@ -41,7 +41,8 @@ struct Cells {
 
 /// Appends `cells` to `mesh`, whose points they refer to. Throws Error(Invalid) for offsets that do
 /// not rise or do not fit, nodes out of range, node counts that do not fit the type. Kept are the
-/// corners, of tets with ten nodes all. A mesh of one linear type is taken over without a copy.
+/// corners, of quadratic cells (mesh/CurvedShape.h) all nodes. A mesh of one linear type is taken
+/// over without a copy.
 void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress);
 
 /// Appends `piece` to `whole`; points are not merged. Attributes that one of the two lacks, or has

@@ -17,9 +17,8 @@ namespace tetvdb {
 
 /// Node order within a cell is VTK's (vtkCellType.h), corners first, for every file format:
 /// hexahedron 0-3 bottom, 4-7 top, both counter-clockwise seen from above; voxel in x-y-z lattice
-/// order; wedge 0-2, 3-5; pyramid 0-3 base, 4 apex. Ten-node tets may keep all
-/// nodes (nodesPerCell 10): corners, then the mids of edges 01, 12, 02, 03, 13, 23. Of other
-/// quadratic cells only the corners are used.
+/// order; wedge 0-2, 3-5; pyramid 0-3 base, 4 apex. Quadratic cells may keep all nodes
+/// (curvedShape()): the corners, then the others as mesh/CurvedShape.h says.
 enum class CellType : std::uint8_t {
   Tetra,
   Voxel, ///< VTK's axis-aligned hexahedron

@@ -2,7 +2,9 @@
 #include "tetvdb/mesh/SplitCells.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/mesh/CutTet10.h"
+#include "tetvdb/mesh/CurvedShape.h"
+#include "tetvdb/mesh/CutQuadratic.h"
+#include "tetvdb/mesh/SplitByShape.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
 #include <algorithm>
@@ -18,50 +20,6 @@ namespace {
 
 constexpr std::uint64_t kMostTets = 0xfffffffeU;
 constexpr std::size_t kCellsPerUpdate = std::size_t(1) << 18;
-
-/// Faces of a cell type by local corner, wound alike as seen from outside; -1 ends a short face.
-struct CellShape {
-  int corners;
-  int tets; ///< how many a cell without repeated corners is cut into
-  std::vector<std::vector<int>> faces;
-};
-
-CellShape prism(int sides) {
-  CellShape shape{2 * sides, 3 * (sides - 2), {{}, {}}};
-  for (int i = 0; i < sides; ++i) {
-    const int next = (i + 1) % sides;
-    shape.faces[0].push_back(sides - 1 - i);
-    shape.faces[1].push_back(sides + i);
-    shape.faces.push_back({i, next, next + sides, i + sides});
-  }
-  return shape;
-}
-
-const CellShape* shapeOf(CellType type) {
-  static const CellShape voxel{
-      8, 6, {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  static const CellShape pyramid{5, 2, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}};
-  static const CellShape wedge = prism(3);
-  static const CellShape hexahedron = prism(4);
-  static const CellShape pentagonal = prism(5);
-  static const CellShape hexagonal = prism(6);
-  switch (type) {
-  case CellType::Voxel:
-    return &voxel;
-  case CellType::Hexahedron:
-    return &hexahedron;
-  case CellType::Wedge:
-    return &wedge;
-  case CellType::Pyramid:
-    return &pyramid;
-  case CellType::PentagonalPrism:
-    return &pentagonal;
-  case CellType::HexagonalPrism:
-    return &hexagonal;
-  default:
-    return nullptr;
-  }
-}
 
 bool isFiltered(const CellFilter& filter) {
   bool boxed = false;
@@ -178,45 +136,6 @@ private:
   bool byRegion_ = false;
 };
 
-/// Adds the tets of one cell to `tets`; returns whether their orientations differ, as they do where
-/// the cell is not convex.
-bool splitByShape(const CellShape& shape, const std::uint32_t* nodes,
-                  const std::vector<Vec3d>& points, std::vector<std::uint32_t>& tets) {
-  std::uint32_t apex = nodes[0];
-  for (int i = 1; i < shape.corners; ++i)
-    if (isBefore(points, nodes[i], apex))
-      apex = nodes[i];
-  bool positive = false;
-  bool negative = false;
-  for (const std::vector<int>& face : shape.faces) {
-    std::array<std::uint32_t, 6> corner;
-    const std::size_t sides = face.size();
-    std::size_t first = 0;
-    bool atApex = false;
-    for (std::size_t i = 0; i < sides; ++i) {
-      corner[i] = nodes[face[i]];
-      // By number, not by place: collapsed cells repeat a corner.
-      atApex = atApex || corner[i] == apex;
-      if (isBefore(points, corner[i], corner[first]))
-        first = i;
-    }
-    if (atApex)
-      continue;
-    for (std::size_t i = 1; i + 1 < sides; ++i) {
-      const std::uint32_t a = corner[first];
-      const std::uint32_t b = corner[(first + i) % sides];
-      const std::uint32_t c = corner[(first + i + 1) % sides];
-      if (a == b || b == c || c == a)
-        continue;
-      const double volume = sixfoldVolume(points[apex], points[a], points[b], points[c]);
-      positive = positive || volume > 0;
-      negative = negative || volume < 0;
-      tets.insert(tets.end(), {apex, a, b, c});
-    }
-  }
-  return positive && negative;
-}
-
 /// Removes the elements of Flat runs from an array with `components` numbers a cell.
 template <class T>
 void removeFlat(std::vector<T>& values, std::size_t components, const std::vector<CellRun>& runs) {
@@ -293,51 +212,50 @@ bool holdsOnlyTets(const std::vector<CellRun>& runs) {
   });
 }
 
-bool holdsOnlyTet10(const std::vector<CellRun>& runs) {
+// Whether all solid cells are quadratic ones that kept their nodes: beside others these would leave
+// slits, where a curved face meets a flat one.
+bool holdsOnlyCurved(const std::vector<CellRun>& runs) {
   return std::all_of(runs.begin(), runs.end(), [](const CellRun& run) {
-    return (run.type == CellType::Tetra && run.nodesPerCell == 10) || run.type == CellType::Flat ||
-           run.count == 0;
+    return run.type == CellType::Flat || run.count == 0 ||
+           curvedShape(run.type, run.nodesPerCell).has_value();
   });
 }
 
-// The tets of a mesh of ten-node tets into `made`.
-void cutCurved(const CellMesh& mesh, const Chooser& chooser, TetMesh& result,
+// The tets of a mesh of quadratic cells into `made`.
+void cutCurved(CellMesh& mesh, const Chooser& chooser, TetMesh& result,
                std::vector<std::uint32_t>& made, Tally& tally, Progress& progress) {
   const std::uint32_t* nodes = mesh.nodes.data();
   std::size_t cell = 0;
   std::uint32_t own = 0;
+  CurvedCells& curved = result.curved;
+  QuadraticCutter cutter(mesh.points);
   for (const CellRun& run : mesh.runs) {
-    if (run.type == CellType::Flat) {
-      nodes += run.nodesPerCell * run.count;
+    const std::size_t each = run.nodesPerCell;
+    if (run.type == CellType::Flat || run.count == 0) {
+      nodes += each * run.count;
       cell += run.count;
       continue;
     }
-    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, nodes += 10) {
+    const CurvedShape shape = *curvedShape(run.type, each);
+    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, nodes += each) {
       if (i % kCellsPerUpdate == 0)
         progress.update(static_cast<double>(own) / static_cast<double>(result.cellCount));
-      if (!chooser.keeps(cell, nodes, 10)) {
+      if (!chooser.keeps(cell, nodes, each)) {
         tally.filtered = true;
         continue;
       }
-      const auto number = static_cast<std::uint32_t>(result.curved.nodes.size() / 10);
-      result.curved.nodes.insert(result.curved.nodes.end(), nodes, nodes + 10);
-      bool positive = false;
-      bool negative = false;
-      for (const auto& corners : cutTet10(nodes, mesh.points)) {
-        for (const std::uint8_t corner : corners)
-          made.push_back(nodes[corner]);
-        const std::uint32_t* v = made.data() + made.size() - 4;
-        const double volume = sixfoldVolume(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
-                                            mesh.points[v[3]]);
-        positive = positive || volume > 0;
-        negative = negative || volume < 0;
-        result.curved.corners.push_back(corners);
-        result.curved.cellOfTet.push_back(number);
-        result.cellOfTet.push_back(own);
-      }
-      tally.concave += positive && negative ? 1 : 0;
+      const auto number = static_cast<std::uint32_t>(curved.cells.size());
+      curved.cells.push_back({curved.nodes.size(), shape});
+      curved.nodes.insert(curved.nodes.end(), nodes, nodes + each);
+      if (cutter.cut(shape, nodes, made, curved.corners))
+        ++tally.concave;
+      curved.cellOfTet.resize(made.size() / 4, number);
+      result.cellOfTet.resize(made.size() / 4, own);
     }
   }
+  for (Attribute& array : mesh.attributes)
+    if (array.on == Attribute::On::Points)
+      cutter.addValues(array);
 }
 
 } // namespace
@@ -384,9 +302,13 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   };
   refuseAbove(solid);
 
-  const bool curved = holdsOnlyTet10(mesh.runs);
-  if (curved)
-    expectedTets = 8 * solid;
+  const bool curved = holdsOnlyCurved(mesh.runs);
+  if (curved) {
+    expectedTets = 0;
+    for (const CellRun& run : mesh.runs)
+      if (run.type != CellType::Flat && run.count > 0)
+        expectedTets += run.count * tetsOf(*curvedShape(run.type, run.nodesPerCell));
+  }
   const Chooser chooser(mesh, filter, report);
   if (!chooser.active())
     refuseAbove(expectedTets);

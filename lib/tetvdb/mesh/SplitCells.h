@@ -37,10 +37,11 @@ std::string describeCells(const CellMesh& mesh);
 /// Subdivide Pyramids, Prisms and Hexahedra into Tetrahedra", with positions in place of indices.)
 /// Polyhedra must be star-shaped about that vertex with consistent faces; others are skipped.
 ///
-/// A mesh whose solid cells are all tets of ten nodes that are kept is cut at these nodes
-/// (mesh/CutTet10.h): it follows curved edges, and TetMesh::curved has what shape functions need.
-/// Where other cells are among them, or their mids are not kept, quadratic cells are taken by their
-/// corners.
+/// A mesh whose solid cells are all quadratic and keep their nodes (mesh/CurvedShape.h) is cut at
+/// these (mesh/CutQuadratic.h): it follows curved edges, and TetMesh::curved has what shape
+/// functions need. Points are added, with values, in the middles of faces and hexahedra that have
+/// no node there. Where other cells are among them, or nodes are not kept, quadratic cells are
+/// taken by their corners.
 ///
 /// `report` receives a warning for skipped cells (and `partial`, since they leave holes), for
 /// quadratic cells taken by their corners, for cells that are not convex, and for a region that is

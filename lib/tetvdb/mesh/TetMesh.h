@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/mesh/Attribute.h"
+#include "tetvdb/mesh/CurvedShape.h"
 
 #include <array>
 #include <cstddef>
@@ -13,17 +14,23 @@
 
 namespace tetvdb {
 
-/// Ten-node tets, each cut into eight tets at its own nodes (mesh/CutTet10.h): values at points are
-/// those of the cell's quadratic shape functions, not of the eight tets.
-struct CurvedTets {
+/// Quadratic cells, each cut into tets at its own nodes (mesh/CutQuadratic.h): values at points are
+/// those of the cell's shape functions, not of the tets.
+struct CurvedCells {
   static constexpr std::uint32_t kLinear = 0xFFFFFFFFu;
+  struct Cell {
+    std::uint64_t first = 0; ///< of its points in `nodes`
+    CurvedShape shape = CurvedShape::Tet10;
+  };
 
-  std::vector<std::uint32_t> nodes; ///< ten points a cell: corners, mids of 01, 12, 02, 03, 13, 23
-  /// Of every tet of the mesh the number of its cell in `nodes`; kLinear: it is none of them.
+  std::vector<std::uint32_t> nodes; ///< points, as many a cell as its shape has nodes
+  std::vector<Cell> cells;
+  /// Of every tet of the mesh the number of its cell; kLinear: it is none of them.
   std::vector<std::uint32_t> cellOfTet;
-  std::vector<std::array<std::uint8_t, 4>> corners; ///< which of the ten a tet's corners are
+  std::vector<std::array<std::uint8_t, 4>>
+      corners; ///< which places of its cell a tet's corners are
 
-  bool empty() const { return nodes.empty(); }
+  bool empty() const { return cells.empty(); }
 };
 
 /// Tetrahedra in world space. Orientation is free: voxelizing turns negative ones round.
@@ -33,7 +40,7 @@ struct TetMesh {
   /// Solid cell of the input that each tet comes from; empty: tet i is cell i. Solid cells are
   /// numbered from 0 in file order, those of kinds that were skipped or filtered out included.
   std::vector<std::uint32_t> cellOfTet;
-  CurvedTets curved;                 ///< empty in most meshes
+  CurvedCells curved;                ///< empty in most meshes
   std::size_t cellCount = 0;         ///< solid cells of the input
   std::vector<Attribute> attributes; ///< On::Points over `points`, On::Cells over solid cells
   std::vector<UnreadArray> unread;   ///< other arrays of the input, for messages

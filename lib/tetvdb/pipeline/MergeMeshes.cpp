@@ -61,18 +61,21 @@ void appendRegions(TetMesh& to, const TetMesh& from, Report& report) {
 void appendCurved(TetMesh& to, const TetMesh& from) {
   if (to.curved.empty() && from.curved.empty())
     return;
-  CurvedTets& all = to.curved;
-  const CurvedTets& more = from.curved;
+  CurvedCells& all = to.curved;
+  const CurvedCells& more = from.curved;
   const auto firstPoint = static_cast<std::uint32_t>(to.points.size());
-  const auto firstCell = static_cast<std::uint32_t>(all.nodes.size() / 10);
-  all.cellOfTet.resize(to.tetCount(), CurvedTets::kLinear);
+  const auto firstCell = static_cast<std::uint32_t>(all.cells.size());
+  const std::uint64_t firstNode = all.nodes.size();
+  for (const CurvedCells::Cell& cell : more.cells)
+    all.cells.push_back({firstNode + cell.first, cell.shape});
+  all.cellOfTet.resize(to.tetCount(), CurvedCells::kLinear);
   all.corners.resize(to.tetCount());
   for (const std::uint32_t node : more.nodes)
     all.nodes.push_back(firstPoint + node);
   for (const std::uint32_t cell : more.cellOfTet)
-    all.cellOfTet.push_back(cell == CurvedTets::kLinear ? cell : firstCell + cell);
+    all.cellOfTet.push_back(cell == CurvedCells::kLinear ? cell : firstCell + cell);
   all.corners.insert(all.corners.end(), more.corners.begin(), more.corners.end());
-  all.cellOfTet.resize(to.tetCount() + from.tetCount(), CurvedTets::kLinear);
+  all.cellOfTet.resize(to.tetCount() + from.tetCount(), CurvedCells::kLinear);
   all.corners.resize(to.tetCount() + from.tetCount());
 }
 

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/LeafShapes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetvdb {
+namespace {
+
+// Of the cell's size: what rounding of the nodes leaves.
+constexpr double kAffineError = 1e-12;
+constexpr double kNewtonError = 1e-13;
+constexpr double kAcceptedError = 1e-9;
+constexpr int kMostSteps = 12;
+// Beyond the reference cell: chords lie outside of arcs, by no more than this in sane cells.
+constexpr double kMostOutside = 0.3;
+
+bool isNear(CurvedShape shape, const Vec3d& at) {
+  const double low = -kMostOutside, high = 1 + kMostOutside;
+  switch (shape) {
+  case CurvedShape::Tet10:
+    return at[0] > low && at[1] > low && at[2] > low && at[0] + at[1] + at[2] < high;
+  case CurvedShape::Hex20:
+  case CurvedShape::Hex27:
+    return std::abs(at[0]) < high && std::abs(at[1]) < high && std::abs(at[2]) < high;
+  case CurvedShape::Wedge15:
+  case CurvedShape::Wedge18:
+    return at[0] > low && at[1] > low && at[0] + at[1] < high && std::abs(at[2]) < high;
+  case CurvedShape::Pyramid13:
+  case CurvedShape::Pyramid14:
+    return at[2] > low && at[2] < high && std::abs(at[0]) + std::abs(at[1]) + at[2] < high;
+  }
+  return false;
+}
+
+// Node numbers of an origin and three neighbours, whose places span the reference cell.
+std::array<std::size_t, 4> spanOf(CurvedShape shape) {
+  switch (shape) {
+  case CurvedShape::Hex20:
+  case CurvedShape::Hex27:
+    return {0, 1, 3, 4};
+  case CurvedShape::Pyramid13:
+  case CurvedShape::Pyramid14:
+    return {0, 1, 2, 4};
+  default:
+    return {0, 1, 2, 3};
+  }
+}
+
+double dot(const Vec3d& a, const Vec3d& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+Vec3d cross(const Vec3d& a, const Vec3d& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+Vec3d minus(const Vec3d& a, const Vec3d& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+double largest(const Vec3d& a) {
+  return std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])});
+}
+
+} // namespace
+
+// Whether every node is where an affine map has it that fits four of them.
+bool LeafShapes::isAffine(const CurvedCells::Cell& cell) const {
+  const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
+  const auto span = spanOf(cell.shape);
+  const Vec3d origin = mesh_->points[nodes[span[0]]], place = placeOf(cell.shape, span[0]);
+  Vec3d edges[3], axes[3];
+  double size = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    edges[k] = minus(mesh_->points[nodes[span[k + 1]]], origin);
+    axes[k] = minus(placeOf(cell.shape, span[k + 1]), place);
+    size = std::max(size, largest(edges[k]));
+  }
+  const double determinant = dot(axes[0], cross(axes[1], axes[2]));
+  for (std::size_t i = 0; i < nodeCount(cell.shape); ++i) {
+    const Vec3d d = minus(placeOf(cell.shape, i), place);
+    const double along[3] = {dot(d, cross(axes[1], axes[2])) / determinant,
+                             dot(d, cross(axes[2], axes[0])) / determinant,
+                             dot(d, cross(axes[0], axes[1])) / determinant};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double expected =
+          origin[k] + (along[0] * edges[0][k] + along[1] * edges[1][k] + along[2] * edges[2][k]);
+      // Positions are rounded by their own size, not the cell's.
+      const double error = kAffineError * (size + std::abs(origin[k]));
+      if (!(std::abs(mesh_->points[nodes[i]][k] - expected) <= error))
+        return false;
+    }
+  }
+  return true;
+}
+
+LeafShapes::Slot LeafShapes::slotOf(const LeafSample& sample, std::size_t slot) const {
+  Slot result;
+  const std::size_t tet = sample.tet(slot);
+  const std::uint32_t number = mesh_->curved.cellOfTet[tet];
+  if (number == CurvedCells::kLinear)
+    return result;
+  const CurvedCells::Cell& cell = mesh_->curved.cells[number];
+  result.curved = true;
+  result.affine = isAffine(cell);
+  for (std::size_t i = 0; i < 4; ++i)
+    result.places[i] = placeOf(cell.shape, mesh_->curved.corners[tet][sample.place(slot, i)]);
+  return result;
+}
+
+Vec3d LeafShapes::centre(const LeafSample& sample, std::size_t voxel) const {
+  const std::uint32_t offset = sample.offset(voxel);
+  const std::uint32_t local[3] = {offset >> 6, offset >> 3 & 7, offset & 7};
+  Vec3d p{};
+  for (std::size_t k = 0; k < 3; ++k)
+    p[k] = transform_.origin[k] +
+           transform_.voxelSize[k] *
+               static_cast<double>(sample.origin()[k] + static_cast<std::int32_t>(local[k]));
+  return p;
+}
+
+void LeafShapes::weigh(const CurvedCells::Cell& cell, const Vec3d& target, const Vec3d& start,
+                       double* weights) const {
+  const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
+  const std::size_t n = nodeCount(cell.shape);
+  std::array<std::array<double, 3>, kMostCurvedNodes> gradients;
+  const Vec3d& base = mesh_->points[nodes[0]];
+  double size = 0;
+  for (std::size_t i = 1; i < n; ++i)
+    size = std::max(size, largest(minus(mesh_->points[nodes[i]], base)));
+  const Vec3d wanted = minus(target, base);
+  Vec3d at = start;
+  for (int step = 0; step < kMostSteps; ++step) {
+    shapeFunctions(cell.shape, at, weights, gradients.data());
+    Vec3d rest = wanted, by[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    for (std::size_t i = 1; i < n; ++i) {
+      const Vec3d d = minus(mesh_->points[nodes[i]], base);
+      for (std::size_t k = 0; k < 3; ++k) {
+        rest[k] -= weights[i] * d[k];
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          by[axis][k] += gradients[i][axis] * d[k];
+      }
+    }
+    const double error = largest(rest);
+    if (error <= kNewtonError * size || (step == kMostSteps - 1 && error <= kAcceptedError * size))
+      return;
+    const double determinant = dot(by[0], cross(by[1], by[2]));
+    at[0] += dot(rest, cross(by[1], by[2])) / determinant;
+    at[1] += dot(rest, cross(by[2], by[0])) / determinant;
+    at[2] += dot(rest, cross(by[0], by[1])) / determinant;
+    if (!isNear(cell.shape, at)) // not a number, too
+      break;
+  }
+  shapeFunctions(cell.shape, start, weights);
+}
+
+void LeafShapes::find(const LeafSample& sample) {
+  slots_.resize(sample.slots());
+  for (std::size_t s = 0; s < sample.slots(); ++s)
+    slots_[s] = slotOf(sample, s);
+  counts_.resize(sample.count());
+  points_.resize(sample.count() * kMostCurvedNodes);
+  weights_.resize(sample.count() * kMostCurvedNodes);
+  for (std::size_t v = 0; v < sample.count(); ++v) {
+    std::uint32_t* points = points_.data() + v * kMostCurvedNodes;
+    double* weights = weights_.data() + v * kMostCurvedNodes;
+    const std::size_t slot = sample.slot(v);
+    const auto& w = sample.weights(v);
+    const double corners[4] = {1 - (w[0] + w[1] + w[2]), w[0], w[1], w[2]};
+    if (!slots_[slot].curved) {
+      counts_[v] = 4;
+      for (std::size_t i = 0; i < 4; ++i) {
+        points[i] = sample.point(slot, i);
+        weights[i] = corners[i];
+      }
+      continue;
+    }
+    const CurvedCells::Cell& cell = mesh_->curved.cells[mesh_->curved.cellOfTet[sample.tet(slot)]];
+    Vec3d at{0, 0, 0};
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        at[k] += corners[i] * slots_[slot].places[i][k];
+    counts_[v] = nodeCount(cell.shape);
+    std::copy_n(mesh_->curved.nodes.data() + cell.first, counts_[v], points);
+    if (slots_[slot].affine)
+      shapeFunctions(cell.shape, at, weights);
+    else
+      weigh(cell, centre(sample, v), at, weights);
+  }
+}
+
+} // namespace tetvdb

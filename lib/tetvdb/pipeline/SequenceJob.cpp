@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/fields/Field.h"
+#include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/pipeline/FrameMark.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -78,6 +79,7 @@ Look lookAt(const VoxelizeJob& job, const Frame& frame, Report& report, Progress
   ReadOptions read = job.read;
   read.timeStep = frame.timeStep;
   read.attributes = needsTwoPassesOfArrays(job) || !job.warp.array.empty();
+  read.arrays = neededArrays(job.fields, job.warp);
   std::vector<TetMesh> meshes;
   for (const std::string& input : frame.inputs) {
     meshes.push_back(readTets(input, read, job.filter, nullptr, report, progress));

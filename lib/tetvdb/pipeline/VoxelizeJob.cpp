@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleFields.h"
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
@@ -302,8 +303,11 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
 }
 
 void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Progress& progress) {
+  ReadOptions wanted = job.read;
+  if (wanted.arrays.empty() && job.meshOutput.empty())
+    wanted.arrays = neededArrays(job.fields, job.warp);
   const auto read = [&](const std::string& path, InputInfo& info) {
-    TetMesh one = readTets(path, job.read, job.filter, &info, report, progress);
+    TetMesh one = readTets(path, wanted, job.filter, &info, report, progress);
     warpPoints(one, job.warp);
     return one;
   };

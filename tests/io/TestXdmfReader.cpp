@@ -252,6 +252,24 @@ TEST(XdmfReader, SpatialCollectionsAndTrees) {
   EXPECT_EQ(cells.nodes[8], 5u);
 }
 
+// Blocks of cells on the points of the first.
+TEST(XdmfReader, PartsThatShareTheirPoints) {
+  const auto part = [](const std::string& nodes, const std::string& points) {
+    return grid("<Topology TopologyType=\"Tetrahedron\">" +
+                item("1 4", nodes, R"(Format="XML" NumberType="Int")") + "</Topology>" + points +
+                scalar("id", "Cell", nodes.substr(0, 1), "1"));
+  };
+  const CellMesh cells =
+      read(readXdmf,
+           document(grid(part("0 1 2 3", geometry()) +
+                             part("4 3 2 1", "<Geometry Reference=\"//Grid/Grid[1]/Geometry\"/>"),
+                         "GridType=\"Collection\" CollectionType=\"Spatial\"")));
+  EXPECT_EQ(cells.points.size(), 10u);
+  EXPECT_EQ(cells.nodes, (std::vector<std::uint32_t>{0, 1, 2, 3, 9, 8, 7, 6}));
+  EXPECT_EQ(cells.points[9], (Vec3d{1, 1, 1}));
+  EXPECT_EQ(numbers(cells, "id", kOnCells), (Doubles{0, 4}));
+}
+
 // --- Steps --------------------------------------------------------------------------------------
 
 // meshio's TimeSeriesWriter: the mesh stands apart.

@@ -212,6 +212,9 @@ private:
     for (Piece& known : pieces_) {
       if (known.geometry != piece.geometry)
         continue;
+      // In a collection these are parts of one mesh; beside it they repeat some of its cells.
+      if (known.topology != piece.topology && grid.parent() != markup_.domain())
+        continue;
       if (known.topology != piece.topology)
         return leaveOut(grid, "has cells of its own on the points of '" +
                                   std::string(known.grid.attribute("Name").value()) + "'");

@@ -18,9 +18,9 @@ namespace tetvdb {
 /// The uniform grids of the first domain, of spatial collections and trees all, of temporal
 /// collections the step options.timeStep (the last where that is -1), laid together. Grids with the
 /// same topology (by reference or XInclude) are one mesh with the attributes of all, as FEniCS
-/// writes one temporal collection a function; grids with other cells on the points of another grid
-/// are left out with a warning (FEniCS' mesh tags). Files are looked for where the XML's names say,
-/// beside the .xdmf file where these are relative; HDF5 is read by a child process
+/// writes one temporal collection a function; grids of the domain with other cells on the points of
+/// another grid are left out with a warning (FEniCS' mesh tags). Files are looked for where the
+/// XML's names say, beside the .xdmf file where these are relative; HDF5 is read by a child process
 /// (io/Hdf5Arrays.h).
 /// Throws Error(Invalid) for whatever is not a whole mesh, for structured grids and for data items
 /// that are functions; Error(Usage) for a time step that the file does not have.

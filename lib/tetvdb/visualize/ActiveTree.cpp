@@ -11,11 +11,18 @@
 namespace tetvdb {
 namespace {
 
-/// Of the 4096^3 voxels around one: 20 bits an axis.
-std::uint64_t cornerKey(const Vec3i& voxel) {
-  const auto part = [](std::int32_t v) { return std::uint64_t(std::uint32_t(v) >> 12); };
-  return part(voxel[0]) << 40 | part(voxel[1]) << 20 | part(voxel[2]);
+/// Of the 4096^3 voxels around one, by their place in units of 4096: 20 bits an axis.
+std::uint64_t cornerKey(const Vec3i& cell) {
+  const auto part = [](std::int32_t v) { return std::uint64_t(std::uint32_t(v) & 0xFFFFF); };
+  return part(cell[0]) << 40 | part(cell[1]) << 20 | part(cell[2]);
 }
+
+Vec3i cornerOf(const Vec3i& voxel) {
+  return {voxel[0] >> 12, voxel[1] >> 12, voxel[2] >> 12};
+}
+
+/// Corners up to which a dense table of them is kept: 8 bytes each.
+constexpr double kMostInTable = 1 << 17;
 
 std::uint32_t placeIn(const Vec3i& voxel, int log2Side, int log2Cells) {
   const std::int32_t last = (1 << log2Cells) - 1;
@@ -72,9 +79,9 @@ void ActiveTree::index(const TreeT& tree) {
   take(uppers_, nodes.uppers);
   take(lowers_, nodes.lowers);
   for (std::size_t i = 0; i < uppers_.size(); ++i)
-    root_[cornerKey(originOf(nodes.uppers[i]->origin()))].upper = &uppers_[i];
+    root_[cornerKey(cornerOf(originOf(nodes.uppers[i]->origin())))].upper = &uppers_[i];
   for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
-    root_[cornerKey(originOf(tile.getCoord()))].on = true;
+    root_[cornerKey(cornerOf(originOf(tile.getCoord())))].on = true;
   for (const auto* lower : nodes.lowers)
     lowerOrigins_.push_back(originOf(lower->origin()));
   openvdb::CoordBBox box;
@@ -82,6 +89,25 @@ void ActiveTree::index(const TreeT& tree) {
     low_ = originOf(box.min());
     high_ = originOf(box.max());
   }
+  tabulateRoot();
+}
+
+void ActiveTree::tabulateRoot() {
+  if (low_[0] > high_[0])
+    return;
+  rootLow_ = cornerOf(low_);
+  double cells = 1;
+  for (std::size_t a = 0; a < 3; ++a) {
+    rootCount_[a] = (high_[a] >> 12) - rootLow_[a] + 1;
+    cells *= rootCount_[a];
+  }
+  if (cells > kMostInTable)
+    return;
+  rootTable_.reserve(static_cast<std::size_t>(cells));
+  for (std::int32_t i = 0; i < rootCount_[0]; ++i)
+    for (std::int32_t j = 0; j < rootCount_[1]; ++j)
+      for (std::int32_t k = 0; k < rootCount_[2]; ++k)
+        rootTable_.push_back(cornerInMap({rootLow_[0] + i, rootLow_[1] + j, rootLow_[2] + k}));
 }
 
 ActiveTree::ActiveTree(const openvdb::GridBase& grid) {
@@ -90,14 +116,14 @@ ActiveTree::ActiveTree(const openvdb::GridBase& grid) {
                 "a grid of type " + grid.valueType() + " is unknown");
 }
 
-const ActiveTree::Corner* ActiveTree::corner(const Vec3i& voxel) const {
-  const auto found = root_.find(cornerKey(voxel));
+const ActiveTree::Corner* ActiveTree::cornerInMap(const Vec3i& cell) const {
+  const auto found = root_.find(cornerKey(cell));
   return found == root_.end() ? nullptr : &found->second;
 }
 
 const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& on) const {
   on = false;
-  const Corner* at = corner(voxel);
+  const Corner* at = corner(cornerOf(voxel));
   if (!at)
     return nullptr;
   on = at->on;
@@ -219,7 +245,7 @@ bool ActiveTree::firstOf(const IndexRay& ray, const Span& span, Voxel& found) {
   Vec3i high = span.origin;
   for (std::int32_t& c : high)
     c += (1 << span.log2Side) - 1;
-  Cells voxels(ray, span.begin, span.axis, 0, span.origin, high);
+  Cells voxels(ray, *span.inverse, span.begin, span.axis, 0, span.origin, high);
   do {
     if (span.mask && !span.mask->isOn(placeIn(voxels.cell, 0, 3)))
       continue;

@@ -51,7 +51,8 @@ public:
     int log2Side = 0;
     const openvdb::util::NodeMask<3>* mask = nullptr; ///< of a leaf; null: all active
     double begin = 0, end = 0;                        ///< t
-    int axis = -1; ///< along which the ray came in; -1: it began inside
+    int axis = -1;                  ///< along which the ray came in; -1: it began inside
+    const Vec3d* inverse = nullptr; ///< of the ray's direction
   };
   /// Calls `stop(span)` for leaves and active tiles along the ray, in order, until it is true.
   /// Returns whether it was.
@@ -109,11 +110,25 @@ private:
   void findOutermost() const;
   template <class F>
   void forNodes(const F& f) const;
-  const Corner* corner(const Vec3i& voxel) const;
+  const Corner* corner(const Vec3i& cell) const {
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int32_t place = cell[a] - rootLow_[a];
+      if (place < 0 || place >= rootCount_[a])
+        return nullptr;
+      at = at * static_cast<std::size_t>(rootCount_[a]) + static_cast<std::size_t>(place);
+    }
+    return rootTable_.empty() ? cornerInMap(cell) : rootTable_[at];
+  }
+  const Corner* cornerInMap(const Vec3i& cell) const;
+  void tabulateRoot();
   const Mask3* leafAt(const Vec3i& voxel, bool& on) const;
   static bool firstOf(const IndexRay& ray, const Span& span, Voxel& found);
 
-  std::unordered_map<std::uint64_t, Corner> root_;
+  std::unordered_map<std::uint64_t, Corner> root_; ///< by corner's place in units of 4096
+  // The same as a dense table of the corners in the active voxels' box, where these are few.
+  Vec3i rootLow_{0, 0, 0}, rootCount_{0, 0, 0};
+  std::vector<const Corner*> rootTable_;
   std::vector<Upper> uppers_;
   std::vector<Lower> lowers_;
   std::vector<const Mask3*> leaves_;

@@ -21,20 +21,22 @@ struct ActiveTree::Cells {
   double t;
   int axis;
 
-  Cells(const IndexRay& ray, double begin, int enteredBy, int log2Side, const Vec3i& low,
-        const Vec3i& high)
+  /// `inverse` is that of the ray's direction; infinite where that is 0.
+  Cells(const IndexRay& ray, const Vec3d& inverse, double begin, int enteredBy, int log2Side,
+        const Vec3i& low, const Vec3i& high)
       : t(begin), axis(enteredBy), low_(low), high_(high) {
-    const Vec3d p = ray.at(begin);
-    const double side = std::ldexp(1.0, log2Side);
+    const auto side = static_cast<double>(1 << log2Side);
+    const double perSide = 1 / side; // exact
     for (std::size_t a = 0; a < 3; ++a) {
-      const double place = std::floor(p[a] / side);
+      const double d = ray.direction[a];
+      const double place = std::floor((ray.origin[a] + begin * d) * perSide);
       const double inside = std::min(std::max(place, double(low[a])), double(high[a]));
       cell[a] = static_cast<std::int32_t>(inside);
-      const double d = ray.direction[a];
       step_[a] = d > 0 ? 1 : -1;
-      delta_[a] = d == 0 ? std::numeric_limits<double>::infinity() : side / std::abs(d);
-      const double face = (inside + (d > 0 ? 1 : 0)) * side;
-      next_[a] = d == 0 ? std::numeric_limits<double>::infinity() : (face - ray.origin[a]) / d;
+      delta_[a] = std::abs(inverse[a]) * side;
+      const double face = (d > 0 ? inside + 1 : inside) * side;
+      next_[a] =
+          d == 0 ? std::numeric_limits<double>::infinity() : (face - ray.origin[a]) * inverse[a];
     }
   }
   double leaves() const { return std::min(next_[0], std::min(next_[1], next_[2])); }
@@ -60,6 +62,9 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
   // What the active voxels' box leaves of the ray.
   double begin = ray.tMin, end = ray.tMax;
   int enteredBy = -1;
+  Vec3d inverse;
+  for (std::size_t a = 0; a < 3; ++a)
+    inverse[a] = 1 / ray.direction[a];
   for (std::size_t a = 0; a < 3; ++a) {
     const double low = low_[a], high = double(high_[a]) + 1, d = ray.direction[a];
     if (d == 0) {
@@ -67,8 +72,8 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
         return false;
       continue;
     }
-    const double in = ((d > 0 ? low : high) - ray.origin[a]) / d;
-    const double out = ((d > 0 ? high : low) - ray.origin[a]) / d;
+    const double in = ((d > 0 ? low : high) - ray.origin[a]) * inverse[a];
+    const double out = ((d > 0 ? high : low) - ray.origin[a]) * inverse[a];
     if (in > begin) {
       begin = in;
       enteredBy = static_cast<int>(a);
@@ -96,12 +101,13 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
     s.begin = cells.t;
     s.end = std::min(end, cells.leaves());
     s.axis = cells.axis;
+    s.inverse = &inverse;
     return stop(s);
   };
 
-  Cells root(ray, begin, enteredBy, 12, shifted(low_, 12), shifted(high_, 12));
+  Cells root(ray, inverse, begin, enteredBy, 12, shifted(low_, 12), shifted(high_, 12));
   do {
-    const Corner* at = corner(scaled(root.cell, 12));
+    const Corner* at = corner(root.cell);
     if (!at)
       continue;
     if (!at->upper) {
@@ -110,7 +116,8 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
       continue;
     }
     const Upper& upper = *at->upper;
-    Cells upperCells(ray, root.t, root.axis, 7, scaled(root.cell, 5), filled(root.cell, 5));
+    Cells upperCells(ray, inverse, root.t, root.axis, 7, scaled(root.cell, 5),
+                     filled(root.cell, 5));
     do {
       const Vec3i& u = upperCells.cell;
       const auto bit =
@@ -121,7 +128,7 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
         continue;
       }
       const Lower& lower = lowers_[upper.child(bit)];
-      Cells leaves(ray, upperCells.t, upperCells.axis, 3, scaled(u, 4), filled(u, 4));
+      Cells leaves(ray, inverse, upperCells.t, upperCells.axis, 3, scaled(u, 4), filled(u, 4));
       do {
         const Vec3i& l = leaves.cell;
         const auto place =

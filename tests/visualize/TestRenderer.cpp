@@ -148,6 +148,8 @@ TEST(Renderer, OcclusionInACorner) {
   options.lighting.lampLight = 0;
   options.lighting.skyLight = options.lighting.groundLight = 1;
   options.lighting.occlusionRange = 10;
+  options.skyRays = 16;
+  options.refinedShare = 0;
   for (const bool smooth : {false, true}) {
     options.smoothSky = smooth;
     Progress progress;

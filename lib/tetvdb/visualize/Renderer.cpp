@@ -59,6 +59,7 @@ struct Gathered {
   std::array<float, 3> normal{0, 0, 0}; ///< the mean; zero where nothing was hit
   float depth = 0;
   std::uint8_t contrast = 0; ///< within the pixel
+  std::uint8_t hits = 0;     ///< samples that hit something: normal and depth are their means
 };
 
 // As bright as the eye takes it: near enough to sRGB.
@@ -84,7 +85,7 @@ public:
   }
 
   Image run() {
-    eachPixel(0, 0.6, [this](int x, int y) { gather(x, y, kFew); });
+    eachPixel(0, 0.6, [this](int x, int y) { gather(x, y, 0, kFew); });
     refine();
     compose();
     return std::move(image_);
@@ -111,18 +112,28 @@ private:
            static_cast<std::size_t>(x);
   }
 
-  void gather(int x, int y, std::uint32_t count) {
+  // Adds samples number `from` to `to` - 1 to those that are there.
+  void gather(int x, int y, std::uint32_t from, std::uint32_t to) {
     const std::uint64_t scramble = hash(static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x));
-    const std::uint32_t rays = std::max(1U, options_.skyRays / count);
-    Gathered pixel;
-    Pixel light;
+    const std::uint32_t raysOfFew = std::max(1U, options_.skyRays / kFew);
+    const std::uint32_t rays = from < kFew ? raysOfFew : std::max(1U, options_.skyRays / kMany);
+    const auto before = static_cast<float>(from);
+    Gathered pixel = gathered_[index(x, y)];
+    Pixel light = scaled(image_.at(x, y), before);
     Rgb low{1, 1, 1}, high{0, 0, 0};
-    float skyWeight = 0, skyOpen = 0;
-    int hits = 0;
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (float& channel : pixel.sky)
+      channel *= before;
+    float skyWeight = pixel.sky[0] + pixel.sky[1] + pixel.sky[2];
+    float skyOpen = skyWeight * pixel.visible;
+    for (float& axis : pixel.normal)
+      axis *= pixel.hits;
+    pixel.depth *= pixel.hits;
+    for (std::uint32_t i = from; i < to; ++i) {
       const Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
       const double jitter = static_cast<double>(hash(scramble + i) >> 11) * 0x1p-53;
-      const Sample sample = lights_.sample(ray, scramble, i * rays, rays, jitter);
+      const std::uint32_t first =
+          i < kFew ? i * rays : kFew * raysOfFew + (i - kFew) * rays; // of the sky's rays
+      const Sample sample = lights_.sample(ray, scramble, first, rays, jitter);
       light.red += sample.fixed[0];
       light.green += sample.fixed[1];
       light.blue += sample.fixed[2];
@@ -140,20 +151,19 @@ private:
         pixel.normal[c] += static_cast<float>(sample.normal[c]);
       }
       pixel.depth += static_cast<float>(sample.depth);
-      hits += sample.hit;
+      pixel.hits = static_cast<std::uint8_t>(pixel.hits + sample.hit);
     }
-    const float share = 1 / static_cast<float>(count);
+    const float share = 1 / static_cast<float>(to);
     for (std::size_t c = 0; c < 3; ++c) {
       pixel.sky[c] *= share;
       const int range = static_cast<int>(std::lround((high[c] - low[c]) * 255));
       pixel.contrast = static_cast<std::uint8_t>(std::max<int>(pixel.contrast, range));
-      if (hits > 0)
-        pixel.normal[c] /= static_cast<float>(hits);
+      pixel.normal[c] /= static_cast<float>(std::max<int>(pixel.hits, 1));
     }
-    if (hits > 0 && hits < static_cast<int>(count)) // a silhouette, whatever its colour
+    if (pixel.hits > 0 && pixel.hits < to) // a silhouette, whatever its colour
       pixel.contrast = std::max(pixel.contrast, std::uint8_t(kLeastContrast));
     pixel.visible = skyWeight > 0 ? skyOpen / skyWeight : 1;
-    pixel.depth /= static_cast<float>(std::max(hits, 1));
+    pixel.depth /= static_cast<float>(std::max<int>(pixel.hits, 1));
     gathered_[index(x, y)] = pixel;
     image_.at(x, y) = scaled(light, share);
   }
@@ -203,7 +213,7 @@ private:
       return;
     eachPixel(0.6, 0.95, [&](int x, int y) {
       if (contrasts[index(x, y)] >= limit)
-        gather(x, y, kMany);
+        gather(x, y, kFew, kMany);
     });
   }
 

@@ -22,6 +22,7 @@ const std::vector<Case>& allCases() {
       {"levelset", "a level set against OpenVDB's meshToVolume, with errors", runLevelSet, false},
       {"coverage", "the exact share of every voxel", runCoverage, false},
       {"rules", "conservative masks against the mask by centres", runRules, false},
+      {"render", "a picture of 10^6 triangles by the whole program", runRender, false},
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;

@@ -50,6 +50,7 @@ void runReadTriangles(const Setup&, Tables&);
 void runLevelSet(const Setup&, Tables&);
 void runCoverage(const Setup&, Tables&);
 void runRules(const Setup&, Tables&);
+void runRender(const Setup&, Tables&);
 
 /// What `triangles` has done in a process of its own, to see its memory: nothing, mask or
 /// meshToVolume; the mesh's name; resolution; --shrink; threads. Returns the exit status.

@@ -4,6 +4,7 @@
 #include "tetvdb/visualize/Srgb.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tbb/parallel_for.h>
 
 namespace tetvdb {
@@ -31,7 +32,7 @@ std::vector<std::uint8_t> srgbBytes(const Image& image, bool withAlpha) {
       bytes[i * channels + 2] = srgbByte(p.blue * whole);
       if (withAlpha)
         bytes[i * channels + 3] =
-            static_cast<std::uint8_t>(std::clamp(p.alpha, 0.0F, 1.0F) * 255 + 0.5F);
+            static_cast<std::uint8_t>(std::lround(std::clamp(p.alpha, 0.0F, 1.0F) * 255));
     }
   });
   return bytes;

@@ -24,7 +24,7 @@ inline float srgbOfLinear(float light) {
 /// The nearest of 256 sRGB values; light outside of [0, 1] is clamped, what is no number is black.
 inline std::uint8_t srgbByte(float light) {
   const float clamped = light > 0 ? std::min(light, 1.0F) : 0.0F;
-  return static_cast<std::uint8_t>(srgbOfLinear(clamped) * 255 + 0.5F);
+  return static_cast<std::uint8_t>(std::lround(srgbOfLinear(clamped) * 255));
 }
 
 /// 0xRRGGBB of sRGB as linear light.

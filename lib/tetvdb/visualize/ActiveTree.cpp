@@ -59,6 +59,17 @@ std::uint32_t ActiveTree::Inner<Mask>::child(std::uint32_t bit) const {
 template struct ActiveTree::Inner<openvdb::util::NodeMask<5>>;
 template struct ActiveTree::Inner<openvdb::util::NodeMask<4>>;
 
+void ActiveTree::Lower::findBlocks() {
+  // A word of the masks is a line of y and z with y / 4 the same: four lines of 16 cells along z.
+  for (std::uint32_t word = 0; word < Mask4::WORD_COUNT; ++word) {
+    const auto any =
+        children->getWord<openvdb::Index64>(word) | tiles->getWord<openvdb::Index64>(word);
+    for (std::uint32_t z = 0; z < 4; ++z)
+      if (any & (std::uint64_t(0x000F000F000F000F) << (4 * z)))
+        blocks |= std::uint64_t(1) << ((word >> 4) << 4 | (word & 3) << 2 | z);
+  }
+}
+
 template <class TreeT>
 void ActiveTree::index(const TreeT& tree) {
   const NodeLists<TreeT> nodes(tree);
@@ -78,6 +89,8 @@ void ActiveTree::index(const TreeT& tree) {
   };
   take(uppers_, nodes.uppers);
   take(lowers_, nodes.lowers);
+  tbb::parallel_for(std::size_t(0), lowers_.size(),
+                    [&](std::size_t i) { lowers_[i].findBlocks(); });
   for (std::size_t i = 0; i < uppers_.size(); ++i)
     root_[cornerKey(cornerOf(originOf(nodes.uppers[i]->origin())))].upper = &uppers_[i];
   for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
@@ -232,12 +245,35 @@ bool ActiveTree::isOn(const Vec3i& voxel) const {
   return leaf ? leaf->isOn(placeIn(voxel, 0, 3)) : on;
 }
 
-bool ActiveTree::Probe::isOn(const Vec3i& voxel) {
+void ActiveTree::Probe::find(const Vec3i& voxel) {
   const Vec3i leaf{voxel[0] & ~7, voxel[1] & ~7, voxel[2] & ~7};
   if (leaf != leaf_) {
     leaf_ = leaf;
     mask_ = tree_.leafAt(voxel, tile_);
   }
+}
+
+double ActiveTree::Probe::filled(const Vec3i& cell, int log2Side) {
+  const Vec3i voxel{cell[0] * (1 << log2Side), cell[1] * (1 << log2Side),
+                    cell[2] * (1 << log2Side)};
+  find(voxel);
+  if (!mask_)
+    return tile_ ? 1 : 0;
+  const std::uint32_t side = 1u << log2Side;
+  const std::uint64_t run = (std::uint64_t(1) << side) - 1; // along z
+  std::uint64_t lines = 0;                                  // along y and z
+  for (std::uint32_t y = 0; y < side; ++y)
+    lines |= run << (8 * y);
+  lines <<= 8 * (voxel[1] & 7) + (voxel[2] & 7);
+  std::uint32_t on = 0;
+  for (std::uint32_t x = 0; x < side; ++x)
+    on += openvdb::util::CountOn(
+        mask_->getWord<openvdb::Index64>((std::uint32_t(voxel[0]) & 7) + x) & lines);
+  return double(on) / double(side * side * side);
+}
+
+bool ActiveTree::Probe::isOn(const Vec3i& voxel) {
+  find(voxel);
   return mask_ ? mask_->isOn(placeIn(voxel, 0, 3)) : tile_;
 }
 

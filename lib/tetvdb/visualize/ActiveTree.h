@@ -72,8 +72,12 @@ public:
   public:
     explicit Probe(const ActiveTree& tree) : tree_(tree) {}
     bool isOn(const Vec3i& voxel);
+    /// The share of active voxels in a cube of side 2^log2Side, 1 to 8; `cell` in units of it.
+    double filled(const Vec3i& cell, int log2Side);
 
   private:
+    void find(const Vec3i& voxel);
+
     const ActiveTree& tree_;
     Vec3i leaf_{1, 1, 1}; // no leaf's origin
     const openvdb::util::NodeMask<3>* mask_ = nullptr;
@@ -97,7 +101,11 @@ private:
     std::uint32_t child(std::uint32_t bit) const;
   };
   using Upper = Inner<Mask5>;
-  using Lower = Inner<Mask4>;
+  struct Lower : Inner<Mask4> {
+    /// Which of its 4^3 blocks of 4^3 cells hold anything: rays pass the others in one step.
+    std::uint64_t blocks = 0;
+    void findBlocks();
+  };
   struct Corner { ///< of the root: 4096^3 voxels
     const Upper* upper = nullptr;
     bool on = false;

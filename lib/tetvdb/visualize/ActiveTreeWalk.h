@@ -128,18 +128,24 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
         continue;
       }
       const Lower& lower = lowers_[upper.child(bit)];
-      Cells leaves(ray, inverse, upperCells.t, upperCells.axis, 3, scaled(u, 4), filled(u, 4));
+      Cells blocks(ray, inverse, upperCells.t, upperCells.axis, 5, scaled(u, 2), filled(u, 2));
       do {
-        const Vec3i& l = leaves.cell;
-        const auto place =
-            static_cast<std::uint32_t>((l[0] & 15) << 8 | (l[1] & 15) << 4 | (l[2] & 15));
-        if (lower.children->isOn(place)) {
-          if (span(leaves, 3, leaves_[lower.child(place)]))
+        const Vec3i& b = blocks.cell;
+        if (!(lower.blocks >> ((b[0] & 3) << 4 | (b[1] & 3) << 2 | (b[2] & 3)) & 1))
+          continue;
+        Cells leaves(ray, inverse, blocks.t, blocks.axis, 3, scaled(b, 2), filled(b, 2));
+        do {
+          const Vec3i& l = leaves.cell;
+          const auto place =
+              static_cast<std::uint32_t>((l[0] & 15) << 8 | (l[1] & 15) << 4 | (l[2] & 15));
+          if (lower.children->isOn(place)) {
+            if (span(leaves, 3, leaves_[lower.child(place)]))
+              return true;
+          } else if (lower.tiles->isOn(place) && span(leaves, 3, nullptr)) {
             return true;
-        } else if (lower.tiles->isOn(place) && span(leaves, 3, nullptr)) {
-          return true;
-        }
-      } while (leaves.step() && leaves.t <= end);
+          }
+        } while (leaves.step() && leaves.t <= end);
+      } while (blocks.step() && blocks.t <= end);
     } while (upperCells.step() && upperCells.t <= end);
   } while (root.step() && root.t <= end);
   return false;

@@ -60,6 +60,12 @@ std::array<double, 3> splineWeights(double p) {
   return {0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)};
 }
 
+/// Their derivatives.
+std::array<double, 3> splineSlopes(double p) {
+  const double f = p - std::floor(p) - 0.5;
+  return {f - 0.5, -2 * f, f + 0.5};
+}
+
 /// One half less than what `value(i, j, k)` amounts to around p.
 template <class Value>
 double splineSum(const Vec3d& p, const Value& value) {
@@ -287,15 +293,22 @@ private:
       }
       return normal;
     }
+    // Of the share of active voxels in cubes about as large as the radius, a quadratic B-spline.
     ActiveTree::Probe probe(tree_);
-    for (int i = -3; i <= 3; ++i)
-      for (int j = -3; j <= 3; ++j)
-        for (int k = -3; k <= 3; ++k) {
-          const Vec3d offset{i * radius / 3, j * radius / 3, k * radius / 3};
-          const Vec3d q = plus(p, offset);
-          if (dot(offset, offset) <= radius * radius &&
-              probe.isOn({cellOf(q[0]), cellOf(q[1]), cellOf(q[2])}))
-            normal = minus(normal, offset);
+    const int log2Side = radius < 3 ? 1 : radius < 6 ? 2 : 3;
+    const double side = 1 << log2Side;
+    const Vec3d q{p[0] / side, p[1] / side, p[2] / side};
+    const Vec3i low{cellOf(q[0]) - 1, cellOf(q[1]) - 1, cellOf(q[2]) - 1};
+    const auto wx = splineWeights(q[0]), wy = splineWeights(q[1]), wz = splineWeights(q[2]);
+    const auto sx = splineSlopes(q[0]), sy = splineSlopes(q[1]), sz = splineSlopes(q[2]);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double share =
+              probe.filled({low[0] + int(i), low[1] + int(j), low[2] + int(k)}, log2Side);
+          normal[0] -= sx[i] * wy[j] * wz[k] * share;
+          normal[1] -= wx[i] * sy[j] * wz[k] * share;
+          normal[2] -= wx[i] * wy[j] * sz[k] * share;
         }
     return normal;
   }

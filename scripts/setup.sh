@@ -3,10 +3,11 @@
 #
 # Installs the Debian 12 packages that TetVDB needs and that are not there yet.
 #
-#   scripts/setup.sh [--build] [--test] [--demo] [--check] [--blender]      without options: --build
+#   scripts/setup.sh [--build] [--test] [--check] [--browser] [--blender]      without options: --build
 #
 # --build  compiler and libraries      --test   what the tests need besides
-# --demo   the renderer of the demo    --check  clang-format, clang-tidy, clang for the fuzzers
+# --check  clang-format, clang-tidy, clang for the fuzzers
+# --browser  Chromium, for the test that works the report's page (500 MB)
 # --blender  Blender, for the tests that look at volumes in it (up to 1 GB)
 set -euo pipefail
 
@@ -16,8 +17,8 @@ build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev li
   nlohmann-json3-dev libfmt-dev)
 test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb
   python3-numpy libopenvdb-tools libnanovdb-tools)
-demo=(libopenvdb-tools)
 check=(clang clang-format-14 clang-tidy-14)
+browser=(chromium)
 blender=(blender python3 python3-openvdb python3-numpy)
 
 wanted=()
@@ -25,10 +26,10 @@ for option in "${@:---build}"; do
   case $option in
     --build) wanted+=("${build[@]}") ;;
     --test) wanted+=("${build[@]}" "${test[@]}") ;;
-    --demo) wanted+=("${build[@]}" "${demo[@]}") ;;
     --check) wanted+=("${check[@]}") ;;
+    --browser) wanted+=("${browser[@]}") ;;
     --blender) wanted+=("${blender[@]}") ;;
-    *) sed -n '4,10s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) sed -n '4,11s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 done
 

@@ -44,7 +44,8 @@ window.addEventListener("load", async () => {
     result.pictures = [];
     for (const image of document.querySelectorAll("#rows img")) {
       image.loading = "eager";
-      await image.decode();
+      for (let i = 0; i < 100 && !(image.complete && image.naturalWidth); ++i)
+        await new Promise(resolve => setTimeout(resolve, 50));
       result.pictures.push([image.naturalWidth, image.naturalHeight]);
     }
     document.querySelector("#rows td.picture button").click();

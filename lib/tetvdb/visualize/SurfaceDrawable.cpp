@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <openvdb/tools/Count.h>
 
 namespace tetvdb {
 namespace {
@@ -27,6 +28,7 @@ public:
         scale_(-1 / grid.voxelSize()[0]) {}
   /// Distances allow steps this share of what they say, in voxels.
   static constexpr double kStride = 0.9;
+  static constexpr double kNarrowest = 1;
   static constexpr double kWidest = 2; ///< normals are no wider than the narrow band
 
   class Sampler {
@@ -85,7 +87,8 @@ double splineSum(const Vec3d& p, const Value& value) {
 class OccupancyField {
 public:
   explicit OccupancyField(const ActiveTree& tree) : tree_(tree) {}
-  static constexpr double kStride = 0; // no distance
+  static constexpr double kStride = 0;      // no distance
+  static constexpr double kNarrowest = 2.5; ///< voxels have sides, which are not to be seen
   static constexpr double kWidest = 64;
 
   class Sampler {
@@ -108,6 +111,7 @@ public:
   explicit FogField(const openvdb::GridBase& grid)
       : tree_(static_cast<const openvdb::FloatGrid&>(grid).constTree()) {}
   static constexpr double kStride = 0;
+  static constexpr double kNarrowest = 1;
   static constexpr double kWidest = 64;
 
   class Sampler {
@@ -127,6 +131,12 @@ public:
 private:
   const openvdb::FloatTree& tree_;
 };
+
+/// Active voxels all have one value: states say it all, and are cheaper to ask.
+bool isUniform(const openvdb::FloatGrid& grid) {
+  const auto range = openvdb::tools::minMax(grid.tree());
+  return !(range.min() < range.max());
+}
 
 template <class Field>
 class SurfaceDrawable : public Drawable {
@@ -152,8 +162,8 @@ public:
     if (onCut) {
       hit.normal = look_.cut->normal;
     } else {
-      const double radius =
-          std::min(std::max(0.75 * ray.pixelAt(hit.t) / space_.voxel(), 1.0), Field::kWidest);
+      const double radius = std::min(
+          std::max(0.75 * ray.pixelAt(hit.t) / space_.voxel(), Field::kNarrowest), Field::kWidest);
       hit.normal = space_.normal(outwards(p, radius, sample));
       if (dot(hit.normal, hit.normal) < 0.5)
         hit.normal = times(ray.direction, -1);
@@ -284,7 +294,7 @@ private:
   /// Against the field's gradient: over `radius` voxels.
   Vec3d outwards(const Vec3d& p, double radius, Sampler& sample) const {
     Vec3d normal{0, 0, 0};
-    if (radius <= 2) {
+    if (!std::is_same<Field, OccupancyField>::value || radius <= 2) {
       for (std::size_t a = 0; a < 3; ++a) {
         Vec3d ahead = p, behind = p;
         ahead[a] += radius;
@@ -333,7 +343,7 @@ std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const Vo
       return std::make_unique<SurfaceDrawable<LevelSetField<openvdb::DoubleTree>>>(grid, look);
   }
   const bool shares = grid->getName() == "density" || grid->getName() == "coverage";
-  if (shares && grid->isType<FloatGrid>())
+  if (shares && grid->isType<FloatGrid>() && !isUniform(static_cast<const FloatGrid&>(*grid)))
     return std::make_unique<SurfaceDrawable<FogField>>(grid, look);
   return std::make_unique<SurfaceDrawable<OccupancyField>>(grid, look);
 }

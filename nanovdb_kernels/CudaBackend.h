@@ -182,7 +182,8 @@ public:
         cudaHostAlloc(reinterpret_cast<void**>(&pinned_), sizeof(Published), cudaHostAllocDefault),
         "no pinned memory");
     pinned_->number = 0;
-    check(cudaEventCreateWithFlags(&pointsHere_, cudaEventDisableTiming), "event");
+    for (cudaEvent_t* e : {&pointsHere_, &fieldsHere_})
+      check(cudaEventCreateWithFlags(e, cudaEventDisableTiming), "event");
     for (cudaEvent_t& e : tetsHere_)
       check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
   }
@@ -190,6 +191,7 @@ public:
     for (const Stage& s : stages_)
       cudaEventDestroy(s.begin);
     cudaEventDestroy(pointsHere_);
+    cudaEventDestroy(fieldsHere_);
     for (cudaEvent_t e : tetsHere_)
       cudaEventDestroy(e);
     cudaFreeHost(pinned_);
@@ -197,6 +199,11 @@ public:
     for (cudaEvent_t e : halfHere_)
       if (e != nullptr)
         cudaEventDestroy(e);
+    for (const Landing& landing : landings_) {
+      cudaFreeHost(landing.base);
+      if (landing.done != nullptr)
+        cudaEventDestroy(landing.done);
+    }
     cudaStreamDestroy(stream_);
   }
   CudaBackend(const CudaBackend&) = delete;
@@ -215,6 +222,9 @@ public:
     if (arriving_ != 0)
       check(cudaStreamWaitEvent(stream_, tetsHere_[part], 0), "upload");
   }
+  /// What comes after the mesh.
+  void awaitFields() { check(cudaStreamWaitEvent(stream_, fieldsHere_, 0), "upload"); }
+  void recordFields(cudaStream_t upload) { check(cudaEventRecord(fieldsHere_, upload), "upload"); }
   void recordPoints(cudaStream_t upload) { check(cudaEventRecord(pointsHere_, upload), "upload"); }
   void recordTets(int part, cudaStream_t upload) {
     check(cudaEventRecord(tetsHere_[part], upload), "upload");
@@ -334,6 +344,30 @@ public:
       copyByThreads(target + (c - 1) * kHalf, staging_ + (c - 1) % 2 * kHalf, sizeOf(c - 1));
     }
   }
+  void upload(void* to, const void* from, u64 bytes) {
+    if (bytes != 0)
+      check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_), "upload");
+  }
+  /// Sends bytes to the host, by one of two ways; landed() waits for the last of that way.
+  void land(int way, const u8* from, u64 bytes) {
+    Landing& landing = landings_[way];
+    if (landing.done == nullptr)
+      check(cudaEventCreateWithFlags(&landing.done, cudaEventDisableTiming), "event");
+    if (bytes > landing.size) {
+      cudaFreeHost(landing.base);
+      landing.base = nullptr;
+      landing.size = 0;
+      check(cudaHostAlloc(reinterpret_cast<void**>(&landing.base), bytes, cudaHostAllocDefault),
+            "out of pinned memory");
+      landing.size = bytes;
+    }
+    check(cudaMemcpyAsync(landing.base, from, bytes, cudaMemcpyDeviceToHost, stream_), "download");
+    check(cudaEventRecord(landing.done, stream_), "download");
+  }
+  const u8* landed(int way) {
+    awaitEvent(landings_[way].done);
+    return landings_[way].base;
+  }
   /// Waits for all that was launched.
   void await() {
     while (true) {
@@ -446,18 +480,24 @@ private:
     u32 words[64];
     u32 number;
   };
+  struct Landing {
+    unsigned char* base = nullptr;
+    u64 size = 0;
+    cudaEvent_t done = nullptr;
+  };
   struct Stage {
     const char* name = "";
     cudaEvent_t begin = nullptr;
   };
   int arriving_ = 0; // parts
-  cudaEvent_t pointsHere_ = nullptr, tetsHere_[kParts] = {};
+  cudaEvent_t pointsHere_ = nullptr, fieldsHere_ = nullptr, tetsHere_[kParts] = {};
   std::vector<Stage> stages_;
   std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr;
   Published* pinned_ = nullptr;
   unsigned char* staging_ = nullptr; // for downloads
   cudaEvent_t halfHere_[2] = {};
+  Landing landings_[2];
   u32 number_ = 0;
   const Progress* progress_ = nullptr;
   DevicePool pool_, temporaries_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CudaBackend.h"
+#include "SampleLeaves.h"
 #include "SharedGrid.h"
 
 #include <algorithm>
@@ -241,6 +242,31 @@ struct Device {
     return view;
   }
 
+  // Samples this device's share of a job.
+  Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                const Progress* progress, ShareOf share) {
+    const Job owners = ownersOf(job);
+    const MeshView view = begin(mesh, owners, progress);
+    const SourceFields fields =
+        placeFields(*backend, job, mesh.tetCount, [&](const void* from, u64 bytes) -> const void* {
+          void* to = backend->alloc<u8>(bytes);
+          copyUp(to, from, bytes);
+          return to;
+        });
+    backend->recordFields(upload);
+    events->record(1, upload);
+    Pipeline<CudaBackend> pipeline(*backend, view, owners, share);
+    pipeline.buildOwners();
+    backend->awaitFields();
+    LeafSampler<CudaBackend>(*backend, pipeline, view, job, fields).run(receiver);
+    events->record(2, backend->stream());
+    backend->await();
+    times = {events->seconds(0, 1), events->seconds(4, 2), 0, backend->stageSeconds()};
+    Counts counts = pipeline.countsOf({}, 0);
+    counts.leaves = pipeline.leaves().count;
+    return counts;
+  }
+
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device() {
@@ -298,6 +324,16 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
     return result;
   } catch (...) {
     s.settle();
+    throw;
+  }
+}
+
+Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                               const Progress* progress) {
+  try {
+    return state_->sample(mesh, job, receiver, progress, {});
+  } catch (...) {
+    state_->settle();
     throw;
   }
 }
@@ -387,6 +423,25 @@ Result SharedVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
   result.counts = pipelines[0]->countsOf(layout.all, layout.whole.size);
   result.bytes = grid;
   return result;
+}
+
+Counts SharedVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                               const Progress* progress) {
+  State& s = *state_;
+  std::vector<Counts> counts(s.devices.size());
+  s.forDevices([&](std::size_t k) {
+    counts[k] =
+        s.devices[k]->sample(mesh, job, receiver, progress,
+                             ShareOf{static_cast<int>(k), static_cast<int>(s.devices.size())});
+  });
+  s.leaves.clear();
+  Counts all = counts[0];
+  all.leaves = 0;
+  for (const Counts& c : counts) {
+    s.leaves.push_back(c.leaves);
+    all.leaves += c.leaves;
+  }
+  return all;
 }
 
 std::vector<Times> SharedVoxelizer::times() const {

@@ -11,6 +11,8 @@
 //   // result.bytes: a NanoVDB grid
 #pragma once
 
+#include "FieldJob.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -95,6 +97,8 @@ public:
   ~HostTwin();
   /// `shares`: as a SharedVoxelizer of so many devices does it.
   Result run(const MeshView& mesh, const Job& job, int shares = 1);
+  /// `shares`: likewise, one after another.
+  Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
 
 private:
   struct State;
@@ -131,6 +135,10 @@ public:
   /// measuring.
   Result run(const MeshView& mesh, const Job& job, const Progress* progress = nullptr);
 
+  /// `receiver` is called by several threads at once, each with nodes that are its device's alone.
+  Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                const Progress* progress = nullptr);
+
   /// Of the last run, by device; downloads are a part of `build` here.
   std::vector<Times> times() const;
   /// Leaves that each device made in the last run.
@@ -160,6 +168,14 @@ public:
   /// level or more and grids beyond 2^63 leaves across, Error(Device) where the device fails,
   /// Error(Cancelled) soon after `progress` says so.
   Result run(const MeshView& mesh, const Job& job, const Progress* progress = nullptr);
+
+  /// Values of arrays at the voxels that tets own, where tets overlap of the one of lowest number;
+  /// bit for bit those of fields/SampleFields.h. `receiver` gets them leaf by leaf, on the calling
+  /// thread; what it throws ends the run. `mesh` is in host memory, without values. Of the counts
+  /// only flipped, dropped and leaves are set. Indices of cells and points are trusted beyond those
+  /// of the tets. Throws as run() does.
+  Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                const Progress* progress = nullptr);
 
   /// Measured by copying 256 MB a few times; takes some 0.1 s.
   Speeds measureSpeeds();

@@ -51,6 +51,14 @@ public:
     std::copy_n(from, n, to);
   }
 
+  void upload(void* to, const void* from, u64 bytes) {
+    if (bytes != 0)
+      std::memcpy(to, from, bytes);
+  }
+  /// Sends bytes to the host, by one of two ways; landed() waits for the last of that way.
+  void land(int way, const u8* from, u64 bytes) { landed_[way].assign(from, from + bytes); }
+  const u8* landed(int way) const { return landed_[way].data(); }
+
   template <typename F>
   void forEach(u64 n, const F& f) {
     for (u64 i = 0; i < n; ++i)
@@ -99,6 +107,7 @@ private:
   }
 
   Blocks blocks_, temporaries_;
+  std::vector<u8> landed_[2];
 };
 
 } // namespace tetvdb::nano

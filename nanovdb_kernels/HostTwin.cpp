@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "HostBackend.h"
+#include "SampleLeaves.h"
 #include "SharedGrid.h"
 
 namespace tetvdb::nano {
@@ -36,6 +37,26 @@ struct HostTwin::State {
 
 HostTwin::HostTwin() : state_(std::make_unique<State>()) {}
 HostTwin::~HostTwin() = default;
+
+Counts HostTwin::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
+                        int shares) {
+  Counts counts;
+  u64 leaves = 0;
+  const Job owners = ownersOf(job);
+  for (int k = 0; k < shares; ++k) {
+    HostBackend& backend = state_->backend;
+    backend.release();
+    Pipeline<HostBackend> pipeline(backend, mesh, owners, ShareOf{k, shares});
+    pipeline.buildOwners();
+    const SourceFields fields =
+        placeFields(backend, job, mesh.tetCount, [](const void* from, u64) { return from; });
+    LeafSampler<HostBackend>(backend, pipeline, mesh, job, fields).run(receiver);
+    counts = pipeline.countsOf({}, 0);
+    leaves += pipeline.leaves().count;
+  }
+  counts.leaves = leaves;
+  return counts;
+}
 
 Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {
   State& s = *state_;

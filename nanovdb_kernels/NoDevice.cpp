@@ -40,6 +40,9 @@ MeshView DeviceVoxelizer::keep(const MeshView&) {
 Result DeviceVoxelizer::run(const MeshView&, const Job&, const Progress*) {
   refuse();
 }
+Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
+  refuse();
+}
 Speeds DeviceVoxelizer::measureSpeeds() {
   refuse();
 }
@@ -61,6 +64,9 @@ void SharedVoxelizer::keep(const MeshView&) {
   refuse();
 }
 Result SharedVoxelizer::run(const MeshView&, const Job&, const Progress*) {
+  refuse();
+}
+Counts SharedVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
   refuse();
 }
 std::vector<Times> SharedVoxelizer::times() const {

@@ -88,6 +88,25 @@ public:
                        upperMasks_);
   }
 
+  /// In place of build(): the leaves that tets own voxels of, in tree order, and the number of the
+  /// owner (of mesh.tets) of each of their voxels.
+  void buildOwners() {
+    checkJob();
+    b_.stage("snap");
+    begin();
+    b_.awaitPoints();
+    snap();
+    found_ = b_.read(findings_);
+    chooseSpace();
+    orient();
+    rasterizeOwners();
+    checkCount(leaves_.count);
+  }
+  const Entries& leaves() const { return leaves_; }
+  const LatticePoint* points() const { return points_; }
+  const u64* ownerMasks() const { return masks_.mask; } ///< by leaf
+  const i32* ownerTable() const { return table_; }      ///< 512 a leaf, -1: none
+
   GridWriter<Backend>& writer() { return *writer_; }
   const KeySpace& space() const { return space_; }
   Kind kind() const { return kind_; }
@@ -218,7 +237,8 @@ public:
     return {found.uppers, found.uppers, found.lowers, found.leaves};
   }
 
-  NodeCounts buildSparse(bool owners) {
+  // The tets' signs, once all are there.
+  void orient() {
     b_.stage("orient");
     signs_ = b_.template alloc<std::int8_t>(mesh_.tetCount);
     forArriving([&](u64 begin, u64 end) {
@@ -229,9 +249,17 @@ public:
     refuseTets(found_.errors);
     counts_.flipped = found_.flipped;
     counts_.dropped = found_.flat;
+  }
+
+  void rasterizeOwners() {
+    TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
+    leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
+  }
+
+  NodeCounts buildSparse(bool owners) {
+    orient();
     if (owners) {
-      TetRasterizer<Backend> tets(b_, space_, points_, mesh_.tets, mesh_.tetCount, signs_);
-      leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
+      rasterizeOwners();
     } else {
       b_.stage("boundary");
       u64 faceCount = 0;

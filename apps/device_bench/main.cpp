@@ -2,6 +2,7 @@
 //
 // What the GPU does in how long, with the floor beside it: the time its least transfers would take
 // at the speeds measured in the same run. Medians of --repeat runs after warming up.
+#include "FieldsOnDevice.h"
 #include "Meshes.h"
 #include "PaperOnDevice.h"
 #include "tetvdb/core/Error.h"
@@ -373,6 +374,12 @@ int main(int argc, char** argv) {
     if (wanted("owners")) {
       large(pinned6, 1024, GridType::Owner, repeats, "owners of 10^6 tets");
       onCpu("owners of 10^6 tets", ball6, 1024, GridKind::TetId);
+    }
+    if (wanted("fields")) {
+      bench::fieldsTable(device, speeds, ball6, "10^6 tets", 256, repeats);
+      bench::fieldsTable(device, speeds, ball6, "10^6 tets", 512, 10);
+      bench::fieldsTable(device, speeds, meshes::ball(118, 1, {0, 0, 0}), "10^7 tets", 256,
+                         repeats);
     }
     if (wanted("dataset"))
       for (int workers : {1, 2, 3, 4})

@@ -331,6 +331,22 @@ void prepareSections(const Options& options, Session& session) {
                       {"output", Json::array()}};
 }
 
+void describeDevices(const VoxelizeResult& result, bool fields, Session& session) {
+  const DeviceUsed& grids = result.device;
+  session.sections["device"] = grids.name;
+  Json& mesh = session.sections["mesh"];
+  if (!grids.why.empty())
+    mesh["device_why"] = grids.why;
+  if (fields)
+    mesh["fields_device"] = result.fieldsDevice.name;
+  if (fields && !result.fieldsDevice.why.empty())
+    mesh["fields_device_why"] = result.fieldsDevice.why;
+  if (!grids.why.empty() && grids.name != "cpu")
+    session.notes.push_back(fmt::format("device: {}, since {}", grids.name, grids.why));
+  if (fields && result.fieldsDevice.name != grids.name)
+    session.notes.push_back("device of the arrays: " + result.fieldsDevice.name);
+}
+
 void runVoxelize(const Options& options, Session& session) {
   prepareSections(options, session);
   const VoxelizeJob job = makeJob(options);
@@ -340,19 +356,13 @@ void runVoxelize(const Options& options, Session& session) {
   if (runAsSequence(job, options.sequence, session))
     return;
   const VoxelizeResult result = run(job, session.report, session.progress);
-  session.sections["device"] = result.device.name;
   session.sections["input"] = inputsOf(result);
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
   session.sections["grids"] = gridsOf(result);
   session.sections["output"] = outputsOf(result);
   reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result, options, session.report);
-  if (!result.device.why.empty()) {
-    session.sections["mesh"]["device_why"] = result.device.why;
-    if (result.device.name != "cpu")
-      session.notes.push_back(
-          fmt::format("device: {}, since {}", result.device.name, result.device.why));
-  }
+  describeDevices(result, !job.fields.empty(), session);
   if (result.mesher)
     session.notes.push_back(
         fmt::format("mesher: {}, since {}", nameOf(result.mesher->road), result.mesher->why));

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Runs on a machine with a GPU: grids from the device against those of the CPU, by hash, and
-// against the host's twin, byte for byte; and what the device refuses. Arguments: mesh files or
-// folders of them; --small leaves out what is slow under compute-sanitizer. Exit status 1 if
-// anything differs.
+// Runs on a machine with a GPU: grids from the device, of arrays too, against those of the CPU, by
+// hash, and against the host's twin, byte for byte; and what the device refuses. Arguments: mesh
+// files or folders of them; --small leaves out what is slow under compute-sanitizer. Exit status 1
+// if anything differs.
+#include "FieldCases.h"
 #include "Grids.h"
 #include "Meshes.h"
 #include "tetvdb/core/Error.h"
@@ -64,6 +65,60 @@ void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMe
       expect(false, what + ": " + e.what());
     }
   }
+}
+
+// Values of arrays: the device's grids against those of the CPU.
+template <typename Device>
+void compareFields(Device& device, const std::string& name, const TetMesh& mesh,
+                   const GridTransform& transform, const FieldOptions& wanted) {
+  try {
+    const SampledFields there =
+        fieldsBy(mesh, transform, wanted,
+                 [&](const nano::MeshView& view, const nano::FieldJob& job,
+                     nano::LeafReceiver& receiver) { device.sample(view, job, receiver); });
+    const SampledFields here = cpuFields(mesh, transform, wanted);
+    expect(there.hash == here.hash, name + ", arrays");
+    expect(there.complete, name + ", arrays: all leaves");
+    expect(there.warnings.size() == here.warnings.size(), name + ", arrays: warnings");
+  } catch (const std::exception& e) {
+    expect(false, name + ", arrays: " + e.what());
+  }
+}
+
+template <typename Device>
+void madeArrays(Device& device, bool small) {
+  using namespace meshes;
+  const auto check = [&](const std::string& name, const TetMesh& mesh,
+                         const GridTransform& transform = {}) {
+    compareFields(device, name, withArrays(mesh, 5), transform, allFields());
+  };
+  for (int cell : {1, 3, 8})
+    check("lattice of ties", scaled(kuhnGrid(3, 3, 3), cell));
+  check("negative, anisotropic", scaled(kuhnGrid(3, 4, 5), 7.3, {-20.1, -5000.7, 3.3}),
+        {{0.9, 1.1, 1.7}, {0.25, -3, 8}});
+  check("overlaps, flips, flat tets", soup(300, 40, 9, 1, 5));
+  check("cells of six tets", withCellsOfSix(scaled(jittered(kuhnGrid(3, 3, 3), 0.2, 9), 6)));
+  check("nothing inside", scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5}));
+  for (const double thin : {1e-3, 1e-5, 4e-6})
+    check("slivers",
+          mapped(jittered(kuhnGrid(4, 4, small ? 40 : 400), 0.2, 3), [=](const Vec3d& p) {
+            return Vec3d{p[0] * 11, p[1] * 9 + 3, p[2] * thin * 9 + 4 - thin};
+          }));
+  for (std::uint64_t seed = 0; seed < (small ? 3u : 40u); ++seed) {
+    TetMesh mesh = soup(1 + seed * 7 % 40, seed % 3 == 0 ? 1 : 20 * double(seed % 3),
+                        seed % 2 == 0 ? 2 : 25, seed, 2);
+    if (seed % 4 > 1)
+      mesh = rounded(std::move(mesh), seed % 8 > 3 ? 1 : 0.125);
+    check("soup " + std::to_string(seed), mesh);
+  }
+  check("soup around the origin", mapped(soup(60, 120, 25, 3, 2), [](const Vec3d& p) {
+          return Vec3d{p[0] - 60, p[1] - 60, p[2] - 60};
+        }));
+  if (small)
+    return;
+  check("tets that fill nodes", scaled(kuhnGrid(1, 1, 1), 420, {-40, -30, -20}));
+  check("ball", ball(8, 130, {3, -70, 100}));
+  check("shuffled ball", shuffled(ball(20, 60, {3, -70, 100}), 9));
 }
 
 void madeMeshes(nano::DeviceVoxelizer& device, bool small) {
@@ -183,6 +238,7 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
   for (int k = 0; k < count; ++k)
     numbers.push_back(k);
   nano::SharedVoxelizer shared(numbers);
+  madeArrays(shared, true);
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          std::initializer_list<GridType> types) {
     for (GridType type : types)
@@ -240,6 +296,15 @@ void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
     options.resolution = resolution;
     compare(device, path + " at " + std::to_string(resolution), mesh,
             chooseTransform(mesh, options), false);
+    // Its own arrays where it has any.
+    FieldOptions own;
+    own.all = true;
+    if (!mesh.curved.empty())
+      continue;
+    if (mesh.attributes.empty())
+      compareFields(device, path, withArrays(mesh, 7), chooseTransform(mesh, options), allFields());
+    else
+      compareFields(device, path, mesh, chooseTransform(mesh, options), own);
   }
 }
 
@@ -265,6 +330,7 @@ int main(int argc, char** argv) {
   }
   nano::DeviceVoxelizer device(0);
   madeMeshes(device, small);
+  madeArrays(device, small);
   if (!small) {
     refusals(device);
     stopping(device);

@@ -2,7 +2,6 @@
 #include "tetvdb/fields/Field.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/fields/TensorParts.h"
 
 #include <algorithm>
 #include <array>
@@ -377,6 +376,7 @@ void measure(Field& field, const InUse& inUse) {
   };
   const auto& used = field.on == Attribute::On::Points ? inUse.points : inUse.cells;
   const std::size_t count = used.size();
+  const FieldRule rule = field.rule();
   const Sum sum = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, count, 8192), Sum{},
       [&](const tbb::blocked_range<std::size_t>& range, Sum s) {
@@ -386,7 +386,7 @@ void measure(Field& field, const InUse& inUse) {
             continue;
           for (std::size_t k = 0; k < field.sources.size(); ++k)
             read[k] = field.sources[k].array->number(i, field.sources[k].component);
-          field.derive(read, value);
+          rule.derive(read, value);
           double number = value[0];
           if (field.kind == FieldKind::Vector)
             number = std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
@@ -459,67 +459,18 @@ void requireGrids(const std::vector<Entry>& entries, const char* option,
 
 } // namespace
 
-void Field::derive(const double* read, double* out) const {
-  const auto tensor = [&] {
-    Tensor t;
-    std::copy(read, read + 9, t.begin());
-    return t;
-  };
-  switch (part) {
-  case FieldPart::Whole:
-  case FieldPart::Component:
-    for (int i = 0; i < width(); ++i)
-      out[i] = read[i];
-    if (turned) {
-      out[1] = read[2];
-      out[2] = -read[1];
-    }
-    return;
-  case FieldPart::Magnitude: {
-    double sum = 0;
-    for (std::size_t i = 0; i < sources.size(); ++i)
-      sum += read[i] * read[i];
-    out[0] = std::sqrt(sum);
-    return;
-  }
-  case FieldPart::Mises:
-    out[0] = misesOf(tensor());
-    return;
-  case FieldPart::Trace:
-    out[0] = traceOf(tensor());
-    return;
-  case FieldPart::Determinant:
-    out[0] = determinantOf(tensor());
-    return;
-  case FieldPart::Principal1:
-    out[0] = principalsOf(tensor())[0];
-    return;
-  case FieldPart::Principal2:
-    out[0] = principalsOf(tensor())[1];
-    return;
-  case FieldPart::Principal3:
-    out[0] = principalsOf(tensor())[2];
-    return;
-  }
-}
-
-void Field::store(double* value) const {
-  if (kind != FieldKind::Vector) {
-    double x = value[0];
-    if (!clamp.empty()) // what is not a number stays that
-      x = x < clamp.low ? clamp.low : x > clamp.high ? clamp.high : x;
-    value[0] = scale == 1 && offset == 0 ? x : x * scale + offset;
-    return;
-  }
-  double factor = scale;
-  if (!clamp.empty()) {
-    const double length =
-        std::sqrt(value[0] * value[0] + value[1] * value[1] + value[2] * value[2]);
-    if (length > clamp.high)
-      factor *= clamp.high / length;
-  }
-  for (int i = 0; i < 3; ++i)
-    value[i] *= factor;
+FieldRule Field::rule() const {
+  FieldRule rule;
+  rule.kind = kind;
+  rule.part = part;
+  rule.numbers = static_cast<std::uint8_t>(sources.size());
+  rule.turned = turned;
+  rule.clamped = !clamp.empty();
+  rule.low = clamp.low;
+  rule.high = clamp.high;
+  rule.scale = scale;
+  rule.offset = offset;
+  return rule;
 }
 
 std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& options, Report& report,

@@ -32,8 +32,6 @@ struct ValueRange {
   }
 };
 
-enum class FieldKind : std::uint8_t { Float, Vector, Integer };
-
 /// A grid to be made. Refers to arrays of the mesh it was resolved in.
 struct Field {
   /// One number of a tuple: component `component` of `array`.
@@ -60,10 +58,8 @@ struct Field {
 
   /// Numbers that a voxel gets.
   int width() const { return kind == FieldKind::Vector ? 3 : 1; }
-  /// From the numbers read to the value before clamp and scale; `out` has width() places.
-  void derive(const double* read, double* out) const;
-  /// Clamp and scale, in place.
-  void store(double* value) const;
+  /// How its values are made of the numbers read.
+  FieldRule rule() const;
 };
 
 /// Looks up `options` in `mesh`, in the order of the requests. Arrays "u_x", "u_y", "u_z" (or with

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/FieldGrids.h"
 
+#include "nanovdb_kernels/FieldJob.h"
+#include "tetvdb/fields/CornerValues.h"
 #include "tetvdb/fields/LeafSample.h"
 #include "tetvdb/fields/LeafShapes.h"
 #include "tetvdb/io/LeafPacker.h"
@@ -11,8 +13,10 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <optional>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <utility>
 
 namespace tetvdb {
@@ -51,10 +55,7 @@ template <typename Value>
 class LeafValues {
 public:
   LeafValues(const Field& field, const TetMesh& mesh)
-      : field_(field), mesh_(mesh),
-        plain_((field.part == FieldPart::Whole || field.part == FieldPart::Component) &&
-               !field.turned),
-        asIs_(field.clamp.empty() && field.scale == 1 && field.offset == 0) {}
+      : field_(field), mesh_(mesh), rule_(field.rule()) {}
 
   /// `shapes` are those of the sample where the mesh has quadratic cells.
   void evaluate(const LeafSample& sample, const LeafShapes& shapes, Reading& reading,
@@ -68,11 +69,11 @@ public:
     gather(sample, reading);
     switch (field_.sources.size()) {
     case 1:
-      return interpolate<1>(sample, reading, out);
+      return ofCorners<1>(sample, reading, out);
     case 3:
-      return interpolate<3>(sample, reading, out);
+      return ofCorners<3>(sample, reading, out);
     default:
-      return interpolate<0>(sample, reading, out);
+      return ofCorners<0>(sample, reading, out);
     }
   }
 
@@ -85,19 +86,9 @@ public:
 
 private:
   Value finished(const double* read) const {
-    double derived[3];
-    if (!plain_) {
-      field_.derive(read, derived);
-      read = derived;
-    }
-    double stored[3];
-    if (!asIs_) {
-      std::copy(read, read + field_.width(), stored);
-      field_.store(stored);
-      read = stored;
-    }
+    double made[3];
     Value value;
-    convert(read, value);
+    convert(rule_.finish(read, made), value);
     return value;
   }
 
@@ -125,14 +116,7 @@ private:
   void ofNearestCorner(const LeafSample& sample, Value* out) const {
     const Field::Source& source = field_.sources.front();
     for (std::size_t v = 0; v < sample.count(); ++v) {
-      const auto& w = sample.weights(v);
-      std::size_t nearest = 0;
-      double most = 1 - (w[0] + w[1] + w[2]);
-      for (std::size_t i = 0; i < 3; ++i)
-        if (w[i] > most) {
-          most = w[i];
-          nearest = i + 1;
-        }
+      const std::size_t nearest = nearestCorner(sample.weights(v));
       const double read[1] = {
           source.array->number(sample.point(sample.slot(v), nearest), source.component)};
       out[v] = finished(read);
@@ -178,22 +162,21 @@ private:
 
   // Width 0: as many as the field has.
   template <int Width>
-  void interpolate(const LeafSample& sample, const Reading& reading, Value* out) const {
+  void ofCorners(const LeafSample& sample, const Reading& reading, Value* out) const {
     const std::size_t width = Width == 0 ? field_.sources.size() : std::size_t(Width);
     for (std::size_t v = 0; v < sample.count(); ++v) {
       const auto& w = sample.weights(v);
       const auto* corners = reading.corners.data() + sample.slot(v) * width;
       double read[9];
       for (std::size_t k = 0; k < width; ++k)
-        read[k] =
-            corners[k][0] + (w[0] * corners[k][1] + w[1] * corners[k][2] + w[2] * corners[k][3]);
+        read[k] = interpolate(corners[k], w);
       out[v] = finished(read);
     }
   }
 
   const Field& field_;
   const TetMesh& mesh_;
-  bool plain_, asIs_;
+  FieldRule rule_;
 };
 
 template <typename Value>
@@ -216,12 +199,19 @@ public:
   /// The leaf at `offset` in the node, with the voxels of `sample`.
   virtual void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
                     const LeafShapes& shapes, Reading& reading) = 0;
+  /// The same of values that are there already: 512, of which those in `mask` count.
+  virtual void leafOf(void* node, openvdb::Index offset, const std::array<std::int32_t, 3>& origin,
+                      const std::uint64_t* mask, const void* values) = 0;
   virtual void end(void* node, const NodeIndex& index) = 0;
   virtual void drop(void* node) = 0;
   virtual void tile(const NodeIndex& index, std::uint32_t owner) = 0;
   virtual openvdb::GridBase::Ptr finish(const GridTransform& transform) = 0;
 
   bool ofCells() const { return field_.on == Attribute::On::Cells; }
+  /// Of a leaf's 512 values.
+  std::size_t valueBytes() const {
+    return LeafSample::kVoxels * 4 * static_cast<std::size_t>(field_.width());
+  }
   std::size_t leftOut() const { return leftOut_; }
 
 protected:
@@ -248,38 +238,25 @@ public:
 
   void leaf(void* node, openvdb::Index offset, const LeafSample& sample, const LeafShapes& shapes,
             Reading& reading) override {
-    auto* lower = static_cast<Lower*>(node);
     std::array<Value, LeafSample::kVoxels> values;
     values_.evaluate(sample, shapes, reading, values.data());
-    const std::size_t count = sample.count();
-    const bool finite = std::all_of(values.data(), values.data() + count,
-                                    [](const Value& value) { return isFinite(value); });
-    if (finite && count == LeafSample::kVoxels &&
-        std::all_of(values.begin() + 1, values.end(),
-                    [&](const Value& value) { return value == values[0]; })) {
-      lower->addTile(offset, values[0], true);
-      return;
-    }
-    const auto& origin = sample.origin();
-    auto made =
-        std::make_unique<Leaf>(openvdb::PartialCreate(),
-                               openvdb::Coord(origin[0], origin[1], origin[2]), background_, false);
-    made->allocate();
-    Value* data = made->buffer().data();
-    std::fill_n(data, LeafSample::kVoxels, background_);
-    for (std::size_t v = 0; v < count; ++v) {
-      if (!finite && !isFinite(values[v])) {
-        ++leftOut_;
-        continue;
+    put(*static_cast<Lower*>(node), offset, sample.origin(), sample.count(), sample.offsets(),
+        values.data());
+  }
+
+  void leafOf(void* node, openvdb::Index offset, const std::array<std::int32_t, 3>& origin,
+              const std::uint64_t* mask, const void* values) override {
+    std::array<std::uint16_t, LeafSample::kVoxels> offsets;
+    std::array<Value, LeafSample::kVoxels> active;
+    std::size_t count = 0;
+    const auto* all = static_cast<const unsigned char*>(values);
+    for (std::uint32_t x = 0; x < 8; ++x)
+      for (std::uint64_t word = mask[x]; word != 0; word &= word - 1) {
+        const std::uint32_t at = 64 * x + static_cast<std::uint32_t>(__builtin_ctzll(word));
+        offsets[count] = static_cast<std::uint16_t>(at);
+        std::memcpy(&active[count++], all + at * sizeof(Value), sizeof(Value));
       }
-      data[sample.offset(v)] = values[v];
-      made->getValueMask().setOn(sample.offset(v));
-    }
-    if (made->getValueMask().isOff())
-      return;
-    if (packer_)
-      made = packer_->pack(*made);
-    lower->addLeaf(made.release());
+    put(*static_cast<Lower*>(node), offset, origin, count, offsets.data(), active.data());
   }
 
   void end(void* node, const NodeIndex& index) override {
@@ -310,6 +287,38 @@ public:
   }
 
 private:
+  // The leaf of `count` voxels, at ascending `offsets`.
+  void put(Lower& lower, openvdb::Index offset, const std::array<std::int32_t, 3>& origin,
+           std::size_t count, const std::uint16_t* offsets, const Value* values) {
+    const bool finite =
+        std::all_of(values, values + count, [](const Value& value) { return isFinite(value); });
+    if (finite && count == LeafSample::kVoxels &&
+        std::all_of(values + 1, values + count,
+                    [&](const Value& value) { return value == values[0]; })) {
+      lower.addTile(offset, values[0], true);
+      return;
+    }
+    auto made =
+        std::make_unique<Leaf>(openvdb::PartialCreate(),
+                               openvdb::Coord(origin[0], origin[1], origin[2]), background_, false);
+    made->allocate();
+    Value* data = made->buffer().data();
+    std::fill_n(data, LeafSample::kVoxels, background_);
+    for (std::size_t v = 0; v < count; ++v) {
+      if (!finite && !isFinite(values[v])) {
+        ++leftOut_;
+        continue;
+      }
+      data[offsets[v]] = values[v];
+      made->getValueMask().setOn(offsets[v]);
+    }
+    if (made->getValueMask().isOff())
+      return;
+    if (packer_)
+      made = packer_->pack(*made);
+    lower.addLeaf(made.release());
+  }
+
   LeafValues<Value> values_;
   Value background_;
   bool half_;
@@ -358,6 +367,20 @@ struct FieldGrids::FieldNode : NodeSink::Node {
     for (std::size_t i = 0; i < nodes.size(); ++i)
       if (nodes[i] != nullptr)
         state.builders[i]->leaf(nodes[i], offset, scratch.sample, scratch.shapes, scratch.reading);
+  }
+
+  // Whether the leaf has any voxels.
+  bool leafOf(const nano::LeafBatch& batch, std::uint64_t leaf) const {
+    const std::uint64_t* mask = batch.masks + 8 * leaf;
+    if (std::all_of(mask, mask + 8, [](std::uint64_t word) { return word == 0; }))
+      return false;
+    const std::int32_t* o = batch.origins + 3 * leaf;
+    const auto along = [&](int k) { return static_cast<openvdb::Index>(o[k] >> 3 & 15); };
+    const openvdb::Index offset = along(0) << 8 | along(1) << 4 | along(2);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      state.builders[i]->leafOf(nodes[i], offset, {o[0], o[1], o[2]}, mask,
+                                batch.values[i] + leaf * state.builders[i]->valueBytes());
+    return true;
   }
 
   State& state;
@@ -430,6 +453,34 @@ void FieldGrids::slab(Node& node, int index, const SlabBits& bits, const std::ui
     }
   }
   state_->any = true;
+}
+
+void FieldGrids::take(const nano::LeafBatch& batch) {
+  // Leaves of a node follow one another, and in it those of a slab; slabs share no word of the
+  // node's masks.
+  struct Slab {
+    FieldNode* node;
+    std::uint64_t begin, end;
+  };
+  std::vector<std::unique_ptr<FieldNode>> nodes;
+  std::vector<Slab> slabs;
+  for (std::uint64_t leaf = 0; leaf < batch.count; ++leaf) {
+    const std::int32_t* o = batch.origins + 3 * leaf;
+    const NodeIndex index{nodeOf(o[0]), nodeOf(o[1]), nodeOf(o[2])};
+    const bool fresh = nodes.empty() || nodes.back()->index != index;
+    if (fresh)
+      nodes.push_back(std::make_unique<FieldNode>(*state_, index, true));
+    if (fresh || o[0] != batch.origins[3 * (leaf - 1)])
+      slabs.push_back({nodes.back().get(), leaf, leaf});
+    slabs.back().end = leaf + 1;
+  }
+  tbb::parallel_for(std::size_t(0), slabs.size(), [&](std::size_t i) {
+    for (std::uint64_t leaf = slabs[i].begin; leaf < slabs[i].end; ++leaf)
+      if (slabs[i].node->leafOf(batch, leaf))
+        state_->any = true;
+  });
+  for (std::unique_ptr<FieldNode>& node : nodes)
+    end(std::move(node));
 }
 
 void FieldGrids::end(std::unique_ptr<Node> node) {

@@ -14,6 +14,10 @@
 #include <memory>
 #include <vector>
 
+namespace tetvdb::nano {
+struct LeafBatch; // nanovdb_kernels/FieldJob.h
+}
+
 namespace tetvdb {
 
 /// Bytes of a leaf of a field's grid, allocation included.
@@ -34,6 +38,10 @@ public:
   void end(std::unique_ptr<Node> node) override;
   void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
   void fullNode(const NodeIndex& node, std::uint32_t owner) override;
+
+  /// Leaves whose values were found elsewhere, a field an entry of `batch.values`; takes the place
+  /// of the sink's functions. Whole nodes at a time: no node's leaves come in two batches.
+  void take(const nano::LeafBatch& batch);
 
   /// The finished grids, packed ones too; call once, after the last node.
   openvdb::GridPtrVec finish(const GridTransform& transform);

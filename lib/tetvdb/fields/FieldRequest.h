@@ -8,24 +8,12 @@
 //   options.remap = {{"vonMises", 0, 1}};
 #pragma once
 
-#include <cstdint>
+#include "tetvdb/fields/FieldRule.h"
+
 #include <string>
 #include <vector>
 
 namespace tetvdb {
-
-/// What of an array's tuple is stored.
-enum class FieldPart : std::uint8_t {
-  Whole,       ///< one number or a vector of three; other tuples become one grid a component
-  Component,   ///< one number of the tuple
-  Magnitude,   ///< Euclidean length of a tuple; Frobenius norm of a tensor
-  Mises,       ///< von Mises' equivalent of a symmetric tensor: sqrt(3/2 s:s), s its deviator
-  Trace,       ///< of a tensor
-  Determinant, ///< of a tensor
-  Principal1,  ///< largest eigenvalue of a tensor's symmetric part
-  Principal2,
-  Principal3 ///< smallest
-};
 
 /// One array, or one number made of it.
 struct FieldRequest {

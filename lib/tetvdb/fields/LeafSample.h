@@ -54,6 +54,8 @@ public:
   std::size_t count() const { return count_; } ///< voxels
   std::size_t slots() const { return slots_; } ///< different tets
   std::uint32_t offset(std::size_t voxel) const { return offsets_[voxel]; }
+  /// Of all voxels, ascending.
+  const std::uint16_t* offsets() const { return offsets_.data(); }
   std::size_t slot(std::size_t voxel) const { return slotOf_[voxel]; }
   /// Of the tet's second to fourth corner by position.
   const std::array<double, 3>& weights(std::size_t voxel) const { return weightsOf_[voxel]; }
@@ -84,7 +86,7 @@ private:
     slotAt_[at] = slot;
     tets_[slot] = tet;
     if (weights_)
-      frames_[slot] = TetWeights(*mesh_, tet);
+      frames_[slot] = TetWeights(mesh_->points.data(), mesh_->tets + 4 * std::size_t(tet));
     return slot;
   }
 

@@ -2,47 +2,21 @@
 #include "tetvdb/fields/SampleFields.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/fields/FieldGrids.h"
+#include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TetNodes.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
 
-#include <algorithm>
-#include <fmt/format.h>
+#include <memory>
+#include <vector>
 
 namespace tetvdb {
 namespace {
 
-// A packed leaf is a mask, its place, and a tail that is kept while few are.
-constexpr double kPackedLeafBytes = 240;
-
-double bytesOf(const TreeEstimate& tree, const std::vector<Field>& fields,
-               const PackOptions* pack) {
-  double leaf = 0;
-  for (const Field& field : fields)
-    leaf += pack != nullptr ? kPackedLeafBytes : static_cast<double>(leafBytes(field.kind));
-  return tree.leaves * leaf + tree.lowerNodes * static_cast<double>(kLowerNodeBytes) *
-                                  static_cast<double>(fields.size());
-}
-
-void describeValues(const Field& field, openvdb::GridBase& grid) {
-  grid.insertMeta("source_array", openvdb::StringMetadata(field.array));
-  grid.insertMeta("source_on",
-                  openvdb::StringMetadata(field.on == Attribute::On::Points ? "points" : "cells"));
-  if (!field.original.empty()) {
-    grid.insertMeta("original_min", openvdb::DoubleMetadata(field.original.low));
-    grid.insertMeta("original_max", openvdb::DoubleMetadata(field.original.high));
-  }
-  if (field.scale != 1 || field.offset != 0) {
-    grid.insertMeta("scale", openvdb::DoubleMetadata(field.scale));
-    grid.insertMeta("offset", openvdb::DoubleMetadata(field.offset));
-  }
-  if (!field.clamp.empty()) {
-    grid.insertMeta("clamp_min", openvdb::DoubleMetadata(field.clamp.low));
-    grid.insertMeta("clamp_max", openvdb::DoubleMetadata(field.clamp.high));
-  }
+double bytesOf(const TreeEstimate& tree, const FieldBytes& bytes) {
+  return tree.leaves * bytes.leaf + tree.lowerNodes * bytes.lowerNode;
 }
 
 // The grids of `fields`, in `packed` where `pack` is not null.
@@ -63,33 +37,18 @@ SnapCounts sample(const TetMesh& mesh, const GridTransform& transform,
   limits.maxMemory = options.maxMemory;
   const double working =
       24.0 * static_cast<double>(snapped.pointCount) + 16.0 * static_cast<double>(snapped.tetCount);
+  const FieldBytes bytes = fieldBytes(fields, pack);
   const std::size_t limit = options.maxMemory != 0 ? options.maxMemory : availableBytes();
-  if (working + bytesOf(estimateByBox(snapped), fields, pack) > static_cast<double>(limit))
-    requireMemory(working + bytesOf(estimateByVolume(snapped), fields, pack), limits);
+  if (working + bytesOf(estimateByBox(snapped), bytes) > static_cast<double>(limit))
+    requireMemory(working + bytesOf(estimateByVolume(snapped), bytes), limits);
 
   timer.part("sample");
-  if (pack != nullptr) {
-    const auto store = std::make_shared<TailStore>(pack->folder, pack->inMemory);
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      packed.push_back(std::make_unique<PackedGrid>());
-      packed.back()->store = store;
-    }
-  }
-  FieldGrids grids(mesh, snapped, transform, fields, pack != nullptr && pack->half, packed);
-  const OrientationCounts oriented = rasterizeNodes(snapped, true, grids, progress);
-  if (!grids.any() && !options.allowEmpty)
-    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
-                "use smaller voxels, or --allow-empty to write an empty grid");
+  SampledGrids grids(mesh, snapped, transform, fields, pack, packed);
+  const OrientationCounts oriented = rasterizeNodes(snapped, true, grids.grids(), progress);
+  grids.requireAny(options);
 
   timer.part("tree");
-  made = grids.finish(transform);
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    describeValues(fields[i], *made[i]);
-    if (grids.leftOut(i) > 0)
-      report.warn("voxels-left-out",
-                  fmt::format("{} voxels of '{}' have no finite value and are left out",
-                              grids.leftOut(i), fields[i].name));
-  }
+  made = grids.finish(transform, report);
   SnapCounts counts;
   counts.flipped = oriented.flipped;
   counts.dropped = oriented.dropped;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Barycentric weights of voxel centres in the tet that owns them.
+// Barycentric weights of voxel centres in the tet that owns them; the same source, and the same
+// bits, on the CPU and on a GPU.
 #pragma once
 
-#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/core/HostDevice.h"
+#include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/NearestDouble.h"
+#include "tetvdb/voxelize/Ownership.h"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 namespace tetvdb {
@@ -16,17 +19,17 @@ namespace tetvdb {
 class TetWeights {
 public:
   TetWeights() = default;
-  /// Tet `tet` of `mesh`, which must have volume.
-  TetWeights(const SnappedMesh& mesh, std::size_t tet);
+  /// The tet whose corners are points[vertices[0]] to points[vertices[3]]; it must have volume.
+  TETVDB_HD inline TetWeights(const LatticePoint* points, const std::uint32_t* vertices);
 
   /// Corners by their place in the tet, 0 to 3, in order of position.
-  const std::array<std::uint8_t, 4>& corners() const { return corners_; }
+  TETVDB_HD const std::array<std::uint8_t, 4>& corners() const { return corners_; }
 
   /// Weights of the second, third and fourth corner at the centre of voxel (x, y, z); the first has
   /// what is left to 1. On the lattice that tets are snapped to, so that for a voxel that the tet
   /// owns all four are in [0, 1] but for rounding. Relative to the tet's size they are good to
   /// 2^-30: slivers, where doubles would not do, are computed in 128-bit integers.
-  std::array<double, 3> at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+  TETVDB_HD std::array<double, 3> at(std::int32_t x, std::int32_t y, std::int32_t z) const {
     const double d[3] = {static_cast<double>(x) * kUnits - points_[0].x,
                          static_cast<double>(y) * kUnits - points_[0].y,
                          static_cast<double>(z) * kUnits - points_[0].z};
@@ -39,12 +42,78 @@ public:
 
 private:
   static constexpr double kUnits = static_cast<double>(kUnitsPerVoxel);
-  std::array<double, 3> exactAt(const double (&d)[3]) const;
+  // Cross products and the determinant round by at most 2^-48 size^3 in doubles: above this share
+  // of size^3 a weight is good to 2^-30.
+  static constexpr double kLeastDeterminant = 0x1p-18;
 
-  std::array<LatticePoint, 4> points_{}; // in order of position
-  double gradients_[3][3] = {};          // of the weights, per lattice unit
+  TETVDB_HD static double sizeOf(double v) { return v < 0 ? -v : v; }
+  TETVDB_HD static bool isBefore(const LatticePoint& a, const LatticePoint& b) {
+    if (a.x != b.x)
+      return a.x < b.x;
+    return a.y != b.y ? a.y < b.y : a.z < b.z;
+  }
+  // Puts corners a < b in order.
+  TETVDB_HD inline void order(std::size_t a, std::size_t b);
+  TETVDB_HD inline std::array<double, 3> exactAt(const double (&d)[3]) const;
+
+  LatticePoint points_[4] = {}; // in order of position
+  double gradients_[3][3] = {}; // of the weights, per lattice unit
   std::array<std::uint8_t, 4> corners_{};
   bool exact_ = false;
 };
+
+TETVDB_HD inline void TetWeights::order(std::size_t a, std::size_t b) {
+  if (!isBefore(points_[b], points_[a]))
+    return;
+  const LatticePoint point = points_[a];
+  points_[a] = points_[b];
+  points_[b] = point;
+  const std::uint8_t corner = corners_[a];
+  corners_[a] = corners_[b];
+  corners_[b] = corner;
+}
+
+TETVDB_HD inline TetWeights::TetWeights(const LatticePoint* points, const std::uint32_t* vertices) {
+  corners_ = {0, 1, 2, 3};
+  for (std::size_t i = 0; i < 4; ++i)
+    points_[i] = points[vertices[i]];
+  order(0, 1);
+  order(2, 3);
+  order(0, 2);
+  order(1, 3);
+  order(1, 2);
+
+  double e[3][3]; // differences of lattice points are exact
+  double size = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    e[i][0] = points_[i + 1].x - points_[0].x;
+    e[i][1] = points_[i + 1].y - points_[0].y;
+    e[i][2] = points_[i + 1].z - points_[0].z;
+    for (const double c : e[i])
+      size = sizeOf(c) > size ? sizeOf(c) : size;
+  }
+  for (std::size_t i = 0; i < 3; ++i) { // the cross product of the other two
+    const double(&a)[3] = e[(i + 1) % 3], (&b)[3] = e[(i + 2) % 3];
+    gradients_[i][0] = a[1] * b[2] - a[2] * b[1];
+    gradients_[i][1] = a[2] * b[0] - a[0] * b[2];
+    gradients_[i][2] = a[0] * b[1] - a[1] * b[0];
+  }
+  const double determinant =
+      e[0][0] * gradients_[0][0] + e[0][1] * gradients_[0][1] + e[0][2] * gradients_[0][2];
+  exact_ = !(sizeOf(determinant) > kLeastDeterminant * size * size * size);
+  for (auto& gradient : gradients_)
+    for (double& g : gradient)
+      g /= determinant;
+}
+
+// By Cramer's rule: the weight of a corner is the volume with the centre in its place.
+TETVDB_HD inline std::array<double, 3> TetWeights::exactAt(const double (&d)[3]) const {
+  const LatticePoint centre{points_[0].x + d[0], points_[0].y + d[1], points_[0].z + d[2]};
+  const LatticePoint(&p)[4] = points_;
+  const double whole = nearestDouble(orientation(p[0], p[1], p[2], p[3]));
+  return {nearestDouble(orientation(p[0], centre, p[2], p[3])) / whole,
+          nearestDouble(orientation(p[0], p[1], centre, p[3])) / whole,
+          nearestDouble(orientation(p[0], p[1], p[2], centre)) / whole};
+}
 
 } // namespace tetvdb

@@ -4,7 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/fields/NeededArrays.h"
-#include "tetvdb/fields/SampleFields.h"
+#include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/NanoFile.h"
@@ -286,17 +286,16 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   SampleOptions sampling;
   sampling.maxMemory = memoryLeft(job.maxMemory);
   sampling.allowEmpty = options.allowEmpty;
-  SnapCounts counts;
-  if (fs::path(job.output).extension() == ".vdb" && job.preview.empty()) {
-    PackOptions pack;
-    pack.folder = fs::path(job.output).parent_path().string();
-    pack.half = job.half;
-    counts = packFields(mesh, made.transform, fields, sampling, pack, packed, report, progress);
-  } else {
-    counts = sampleFields(mesh, made.transform, fields, sampling, made.volume, report, progress);
-  }
+  PackOptions pack;
+  pack.folder = fs::path(job.output).parent_path().string();
+  pack.half = job.half;
+  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty();
+  const SnapCounts counts =
+      sampleFields(mesh, made.transform, fields, sampling, packs ? &pack : nullptr, job.device,
+                   result.fieldsDevice, packed, made.volume, report, progress);
   if (fieldsAlone) {
     made.counts = counts;
+    result.device = result.fieldsDevice;
     reportTets(counts, mesh.tetCount(), report);
   }
   return made;
@@ -517,6 +516,9 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
   checkOutputs(job);
   requireDevice(job.device);
   result.holdsTriangles = inputsHoldTriangles(job);
+  if (job.device.kind == DeviceKind::Cuda && !job.shapes.grids.empty())
+    report.warn("device-unused", "surface, fog and coverage are made on the CPU, of the mask that "
+                                 "the GPU makes");
   if (result.holdsTriangles) {
     TriangleRun(job, result, report, progress).run();
   } else {

@@ -83,7 +83,8 @@ struct VoxelizeResult {
   SnapCounts counts;
   ShapeSums shapes;
   GridTransform transform;
-  DeviceUsed device;
+  DeviceUsed device;       ///< of the grids that are no fields; where there are none, of those
+  DeviceUsed fieldsDevice; ///< of the fields
   OccupancyPath path = OccupancyPath::Auto;
   std::vector<GridInfo> grids;
   std::vector<OutputInfo> outputs;
@@ -99,9 +100,9 @@ struct VoxelizeResult {
 /// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
 /// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
 /// "upload" and "download"; "preview" where a preview is asked for; "fields" where `shapes` asks
-/// for grids. The winding number is the CPU's: asking for a GPU is a warning
-/// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of cells
-/// for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
+/// for grids. The winding number and the grids of `shapes` are the CPU's: asking for a GPU is a
+/// warning ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of
+/// cells for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
 /// renderers would not show is a warning ("hidden-values"), and one that `half` cannot hold is
 /// Error(Invalid). Throws what the steps throw; no output file is touched then, unless the mesh
 /// output was already whole. Memory: the mesh, the grids, and estimateMemory() while voxelizing.

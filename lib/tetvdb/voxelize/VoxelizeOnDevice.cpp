@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/DeviceSet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <memory>
+#include <string>
 #include <tbb/task_arena.h>
 #include <utility>
 
@@ -79,26 +81,54 @@ NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
 // (docs/benchmarks.md). Of the device: CUDA's start and the first memory; tets from pageable
 // memory; a byte of the grid, of which the host's memory and OpenVDB's tree take nearly all.
 constexpr double kDeviceStart = 0.42 + 0.05, kDevicePerTet = 2e-9, kDevicePerByte = 0.25e-9;
+// A byte of the values that come down, where the host has no more to do with them.
+constexpr double kDevicePerValueByte = 0.03e-9;
 // Of the CPU: of a core. Leaves of values are bound by memory.
 constexpr double kCpuStart = 2e-3, kCpuPerTet = 90e-9, kCpuPerOwnedTet = 450e-9;
 constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;
+// Of sampling fields, a core's seconds a tet and a number of a voxel, beside its leaf of values;
+// on the device making pinned memory, and tets and arrays from pageable memory.
+constexpr double kCpuPerSampledTet = 280e-9, kCpuPerNumber = 2e-9;
+constexpr double kSamplerStart = 0.04, kDevicePerSampledTet = 5e-9;
 // Threads beyond these gain half as much.
 constexpr double kFullThreads = 16;
 
-} // namespace
+double threadsThatGain() {
+  const double all = tbb::this_task_arena::max_concurrency();
+  return all <= kFullThreads ? all : (all + kFullThreads) / 2;
+}
 
-DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
-                        const VoxelizeOptions& options) {
+// Of a body that fills half of its box.
+struct LeafCounts {
+  double surface, volume;
+};
+LeafCounts leavesOf(const TetMesh& mesh, const GridTransform& transform) {
   const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
   double leaves[3];
   for (std::size_t k = 0; k < 3; ++k)
     leaves[k] = (box.max[k] - box.min[k]) / transform.voxelSize[k] / 8 + 1;
-  // Of a body that fills half of its box.
-  const double surface = leaves[0] * leaves[1] + leaves[1] * leaves[2] + leaves[2] * leaves[0];
-  const double volume = leaves[0] * leaves[1] * leaves[2] / 2;
+  return {leaves[0] * leaves[1] + leaves[1] * leaves[2] + leaves[2] * leaves[0],
+          leaves[0] * leaves[1] * leaves[2] / 2};
+}
+
+} // namespace
+
+DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers) {
+  const double leaves = leavesOf(mesh, transform).volume;
   const auto tets = static_cast<double>(mesh.tetCount());
-  const double all = tbb::this_task_arena::max_concurrency();
-  const double threads = all <= kFullThreads ? all : (all + kFullThreads) / 2;
+  // The host makes the leaves either way.
+  const double trees = leaves * numbers * kCpuPerValueLeaf / threadsThatGain();
+  const double sampled = tets * kCpuPerSampledTet + leaves * 512 * numbers * kCpuPerNumber;
+  return {kCpuStart + trees + sampled / threadsThatGain(),
+          kDeviceStart + kSamplerStart + trees + tets * kDevicePerSampledTet +
+              leaves * numbers * 2048 * kDevicePerValueByte};
+}
+
+DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+                        const VoxelizeOptions& options) {
+  const auto [surface, volume] = leavesOf(mesh, transform);
+  const auto tets = static_cast<double>(mesh.tetCount());
+  const double threads = threadsThatGain();
   DeviceCost cost{kCpuStart, kDeviceStart};
   for (const GridKind kind : options.grids) {
     const bool owners = asksForOwners({kind}), mask = kind == GridKind::Mask;
@@ -114,35 +144,7 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
 
 namespace {
 
-// One device, or several.
-class Devices {
-public:
-  explicit Devices(const std::vector<int>& numbers) {
-    if (numbers.size() == 1)
-      one_ = std::make_unique<nano::DeviceVoxelizer>(numbers[0]);
-    else
-      several_ = std::make_unique<nano::SharedVoxelizer>(numbers);
-  }
-  nano::Result run(const nano::MeshView& mesh, const nano::Job& job, const Progress& progress) {
-    return one_ != nullptr ? one_->run(mesh, job, &progress) : several_->run(mesh, job, &progress);
-  }
-  // The slowest's.
-  nano::Times times() const {
-    if (one_ != nullptr)
-      return one_->times();
-    nano::Times slowest;
-    for (const nano::Times& t : several_->times())
-      if (t.build >= slowest.build)
-        slowest = t;
-    return slowest;
-  }
-
-private:
-  std::unique_ptr<nano::DeviceVoxelizer> one_;
-  std::unique_ptr<nano::SharedVoxelizer> several_;
-};
-
-Voxelization runOnDevice(Devices& devices, const TetMesh& mesh, const VoxelizeOptions& options,
+Voxelization runOnDevice(DeviceSet& devices, const TetMesh& mesh, const VoxelizeOptions& options,
                          std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
   Voxelization result;
   result.transform = chooseTransform(mesh, options);
@@ -240,11 +242,8 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
   progress.stage("voxelize");
   initializeOpenVDB();
   try {
-    Devices devices(choice.numbers);
-    used.name.clear();
-    for (const int number : choice.numbers)
-      used.name += fmt::format("{}cuda:{} {}", used.name.empty() ? "" : ", ", number,
-                               names[static_cast<std::size_t>(number)]);
+    DeviceSet devices(choice, names);
+    used.name = devices.name();
     Voxelization result = runOnDevice(devices, mesh, options, nanoGrids, report, progress);
     reportOrigin(result.transform, options, report);
     reportTets(result.counts, mesh.tetCount(), report);

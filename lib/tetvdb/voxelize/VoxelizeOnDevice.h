@@ -36,6 +36,8 @@ struct DeviceCost {
 };
 DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options);
+/// The same of fields/SampleOnDevice.h, for fields of so many numbers a voxel in all.
+DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers);
 
 /// Throws Error(Device) where `choice` names a GPU that is not there.
 void requireDevice(const DeviceChoice& choice);

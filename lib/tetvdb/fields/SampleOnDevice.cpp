@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/SampleOnDevice.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/fields/SampledGrids.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/DeviceSet.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/TreeEstimate.h"
+
+#include <algorithm>
+#include <atomic>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace tetvdb {
+namespace {
+
+template <typename T>
+constexpr nano::NumberType numberType() {
+  if constexpr (std::is_same_v<T, float>)
+    return nano::NumberType::Float;
+  else if constexpr (std::is_same_v<T, double>)
+    return nano::NumberType::Double;
+  else if constexpr (std::is_same_v<T, std::int32_t>)
+    return nano::NumberType::Int32;
+  else
+    return nano::NumberType::Int64;
+}
+
+nano::ArrayView viewOf(const Attribute& array) {
+  nano::ArrayView view;
+  view.components = array.components;
+  view.elements = array.size();
+  std::visit(
+      [&](const auto& values) {
+        view.values = values.data();
+        view.type = numberType<typename std::decay_t<decltype(values)>::value_type>();
+      },
+      array.values);
+  return view;
+}
+
+// Whether shape functions of quadratic cells are asked for.
+bool needsShapes(const TetMesh& mesh, const std::vector<Field>& fields) {
+  return !mesh.curved.empty() && std::any_of(fields.begin(), fields.end(), [](const Field& field) {
+    return field.on == Attribute::On::Points && field.kind != FieldKind::Integer;
+  });
+}
+
+// Leaves of values on their way into the trees.
+class TreeMaker : public nano::LeafReceiver {
+public:
+  TreeMaker(FieldGrids& grids, const FieldBytes& bytes, const SampleOptions& options,
+            StageTimer& timer)
+      : grids_(grids), bytes_(bytes), timer_(timer) {
+    limits_.maxMemory = options.maxMemory;
+  }
+
+  void expect(std::uint64_t leaves) override {
+    const double all = static_cast<double>(leaves_ += leaves);
+    requireMemory(all * bytes_.leaf + all / 4096 * bytes_.lowerNode, limits_);
+  }
+
+  void take(const nano::LeafBatch& batch) override {
+    if (!begun_.exchange(true))
+      timer_.part("values");
+    arena_.execute([&] { grids_.take(batch); });
+  }
+
+private:
+  FieldGrids& grids_;
+  FieldBytes bytes_;
+  StageTimer& timer_;
+  VoxelizeOptions limits_;
+  std::atomic<std::uint64_t> leaves_{0};
+  std::atomic<bool> begun_{false};
+  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, for a device's thread too
+};
+
+SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform& transform,
+                    const std::vector<Field>& fields, const SampleOptions& options,
+                    const PackOptions* pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
+                    Volume& volume, StageTimer& timer, Report& report, Progress& progress) {
+  timer.part("on the device");
+  const SnappedMesh none; // the device's
+  SampledGrids grids(mesh, none, transform, fields, pack, packed);
+  TreeMaker maker(grids.grids(), fieldBytes(fields, pack), options, timer);
+  const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
+                            mesh.tetCount(), nullptr};
+  const nano::Counts found =
+      devices.sample(view, fieldJobFor(mesh, transform, fields), maker, progress);
+  grids.requireAny(options);
+  timer.part("tree");
+  const openvdb::GridPtrVec made = grids.finish(transform, report);
+  if (pack == nullptr)
+    volume.grids().all.insert(volume.grids().all.end(), made.begin(), made.end());
+  SnapCounts counts;
+  counts.flipped = found.flipped;
+  counts.dropped = found.dropped;
+  return counts;
+}
+
+} // namespace
+
+nano::FieldJob fieldJobFor(const TetMesh& mesh, const GridTransform& transform,
+                           const std::vector<Field>& fields) {
+  nano::FieldJob job;
+  for (std::size_t k = 0; k < 3; ++k) {
+    job.voxelSize[k] = transform.voxelSize[k];
+    job.origin[k] = transform.origin[k];
+  }
+  std::vector<const Attribute*> arrays;
+  for (const Field& field : fields) {
+    nano::FieldView view;
+    view.rule = field.rule();
+    view.onCells = field.on == Attribute::On::Cells;
+    for (std::size_t k = 0; k < field.sources.size(); ++k) {
+      const auto found = std::find(arrays.begin(), arrays.end(), field.sources[k].array);
+      view.sources[k] = {static_cast<std::uint32_t>(found - arrays.begin()),
+                         field.sources[k].component};
+      if (found == arrays.end())
+        arrays.push_back(field.sources[k].array);
+    }
+    job.fields.push_back(view);
+  }
+  for (const Attribute* array : arrays)
+    job.arrays.push_back(viewOf(*array));
+  if (!mesh.cellOfTet.empty())
+    job.cellOfTet = mesh.cellOfTet.data();
+  return job;
+}
+
+SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
+                        const std::vector<Field>& fields, const SampleOptions& options,
+                        const PackOptions* pack, const DeviceChoice& choice, DeviceUsed& used,
+                        std::vector<std::unique_ptr<PackedGrid>>& packed, Volume& volume,
+                        Report& report, Progress& progress) {
+  used = {};
+  const auto onCpu = [&](std::string why) {
+    used.name = "cpu";
+    used.why = std::move(why);
+    return pack != nullptr
+               ? packFields(mesh, transform, fields, options, *pack, packed, report, progress)
+               : sampleFields(mesh, transform, fields, options, volume, report, progress);
+  };
+  if (choice.kind == DeviceKind::Cpu || mesh.tets.empty())
+    return onCpu("");
+  if (needsShapes(mesh, fields)) {
+    const std::string reason = "values in quadratic cells are found on the CPU";
+    if (choice.kind == DeviceKind::Cuda)
+      report.warn("device-unused", reason);
+    return onCpu(reason);
+  }
+  requireDevice(choice);
+  std::string why;
+  const std::vector<std::string> names = nano::listDevices(why);
+  if (choice.kind == DeviceKind::Auto) {
+    if (names.empty())
+      return onCpu(why);
+    double numbers = 0;
+    for (const Field& field : fields)
+      numbers += field.width();
+    const DeviceCost cost = estimateFieldCost(mesh, transform, numbers);
+    if (cost.cpu < cost.device)
+      return onCpu(fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU", cost.cpu,
+                               cost.device));
+    used.why = fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu);
+  }
+  progress.stage("fields");
+  initializeOpenVDB();
+  packed.clear();
+  try {
+    StageTimer timer(report, "fields");
+    timer.part("start");
+    DeviceSet devices(choice, names);
+    used.name = devices.name();
+    return sampleOn(devices, mesh, transform, fields, options, pack, packed, volume, timer, report,
+                    progress);
+  } catch (const Error& e) {
+    if (choice.kind != DeviceKind::Auto ||
+        (e.status() != Status::Device && e.status() != Status::Limit))
+      throw;
+    why = e.what();
+  }
+  report.warn("device-left", "the CPU took over from the GPU: " + why);
+  packed.clear();
+  return onCpu(why);
+}
+
+} // namespace tetvdb

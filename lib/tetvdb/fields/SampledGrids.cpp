@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/fields/SampledGrids.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/voxelize/TreeBuilder.h"
+
+#include <fmt/format.h>
+
+namespace tetvdb {
+namespace {
+
+// A packed leaf is a mask, its place, and a tail that is kept while few are.
+constexpr double kPackedLeafBytes = 240;
+
+void describeValues(const Field& field, openvdb::GridBase& grid) {
+  grid.insertMeta("source_array", openvdb::StringMetadata(field.array));
+  grid.insertMeta("source_on",
+                  openvdb::StringMetadata(field.on == Attribute::On::Points ? "points" : "cells"));
+  if (!field.original.empty()) {
+    grid.insertMeta("original_min", openvdb::DoubleMetadata(field.original.low));
+    grid.insertMeta("original_max", openvdb::DoubleMetadata(field.original.high));
+  }
+  if (field.scale != 1 || field.offset != 0) {
+    grid.insertMeta("scale", openvdb::DoubleMetadata(field.scale));
+    grid.insertMeta("offset", openvdb::DoubleMetadata(field.offset));
+  }
+  if (!field.clamp.empty()) {
+    grid.insertMeta("clamp_min", openvdb::DoubleMetadata(field.clamp.low));
+    grid.insertMeta("clamp_max", openvdb::DoubleMetadata(field.clamp.high));
+  }
+}
+
+} // namespace
+
+FieldBytes fieldBytes(const std::vector<Field>& fields, const PackOptions* pack) {
+  FieldBytes bytes;
+  for (const Field& field : fields) {
+    bytes.leaf += pack != nullptr ? kPackedLeafBytes : static_cast<double>(leafBytes(field.kind));
+    bytes.lowerNode += static_cast<double>(kLowerNodeBytes);
+  }
+  return bytes;
+}
+
+SampledGrids::SampledGrids(const TetMesh& mesh, const SnappedMesh& snapped,
+                           const GridTransform& transform, const std::vector<Field>& fields,
+                           const PackOptions* pack,
+                           std::vector<std::unique_ptr<PackedGrid>>& packed)
+    : fields_(fields) {
+  if (pack != nullptr) {
+    const auto store = std::make_shared<TailStore>(pack->folder, pack->inMemory);
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      packed.push_back(std::make_unique<PackedGrid>());
+      packed.back()->store = store;
+    }
+  }
+  grids_ = std::make_unique<FieldGrids>(mesh, snapped, transform, fields,
+                                        pack != nullptr && pack->half, packed);
+}
+
+void SampledGrids::requireAny(const SampleOptions& options) const {
+  if (!grids_->any() && !options.allowEmpty)
+    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
+                "use smaller voxels, or --allow-empty to write an empty grid");
+}
+
+openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report& report) {
+  openvdb::GridPtrVec made = grids_->finish(transform);
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    describeValues(fields_[i], *made[i]);
+    if (grids_->leftOut(i) > 0)
+      report.warn("voxels-left-out",
+                  fmt::format("{} voxels of '{}' have no finite value and are left out",
+                              grids_->leftOut(i), fields_[i].name));
+  }
+  return made;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The device of a choice, or several that share each job. Internal.
+#pragma once
+
+#include "nanovdb_kernels/DeviceVoxelizer.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+class DeviceSet {
+public:
+  /// `names`: of all devices there are (nano::listDevices()). Throws Error(Device).
+  DeviceSet(const DeviceChoice& choice, const std::vector<std::string>& names) {
+    for (const int number : choice.numbers)
+      name_ += (name_.empty() ? "cuda:" : ", cuda:") + std::to_string(number) + " " +
+               names.at(static_cast<std::size_t>(number));
+    if (choice.numbers.size() == 1)
+      one_ = std::make_unique<nano::DeviceVoxelizer>(choice.numbers[0]);
+    else
+      several_ = std::make_unique<nano::SharedVoxelizer>(choice.numbers);
+  }
+
+  const std::string& name() const { return name_; }
+
+  nano::Result run(const nano::MeshView& mesh, const nano::Job& job, const Progress& progress) {
+    return one_ != nullptr ? one_->run(mesh, job, &progress) : several_->run(mesh, job, &progress);
+  }
+  nano::Counts sample(const nano::MeshView& mesh, const nano::FieldJob& job,
+                      nano::LeafReceiver& receiver, const Progress& progress) {
+    return one_ != nullptr ? one_->sample(mesh, job, receiver, &progress)
+                           : several_->sample(mesh, job, receiver, &progress);
+  }
+
+  /// Of the last job; the slowest device's.
+  nano::Times times() const {
+    if (one_ != nullptr)
+      return one_->times();
+    nano::Times slowest;
+    for (const nano::Times& t : several_->times())
+      if (t.build >= slowest.build)
+        slowest = t;
+    return slowest;
+  }
+
+private:
+  std::string name_;
+  std::unique_ptr<nano::DeviceVoxelizer> one_;
+  std::unique_ptr<nano::SharedVoxelizer> several_;
+};
+
+} // namespace tetvdb

@@ -243,8 +243,8 @@ Image comparePicture(const Volume& a, const Volume& b, const ComparedNames& name
   onlyA->tree().topologyDifference(onlyB->tree());
   onlyB->tree().topologyDifference(allA->tree());
   progress.check();
-  if (shown->stateDiffers == 0 && shown->valueDiffers > 0 && onlyA->tree().empty() &&
-      onlyB->tree().empty()) {
+  const bool sameStates = onlyA->activeVoxelCount() == 0 && onlyB->activeVoxelCount() == 0;
+  if (sameStates && shown->valueDiffers > 0) {
     double largest = 0;
     const auto values = valueDifference(*first, *second, largest);
     sitters.push_back(

@@ -21,9 +21,10 @@ struct ActiveTree::Cells {
   double t;
   int axis;
 
-  /// `inverse` is that of the ray's direction; infinite where that is 0.
-  Cells(const IndexRay& ray, const Vec3d& inverse, double begin, int enteredBy, int log2Side,
-        const Vec3i& low, const Vec3i& high)
+  /// `inverse` is that of the ray's direction; infinite where that is 0. Three of these are made
+  /// for a leaf: as a call it takes an eighth of a ray's time.
+  [[gnu::always_inline]] Cells(const IndexRay& ray, const Vec3d& inverse, double begin,
+                               int enteredBy, int log2Side, const Vec3i& low, const Vec3i& high)
       : t(begin), axis(enteredBy), low_(low), high_(high) {
     const auto side = static_cast<double>(1 << log2Side);
     const double perSide = 1 / side; // exact
@@ -40,7 +41,7 @@ struct ActiveTree::Cells {
     }
   }
   double leaves() const { return std::min(next_[0], std::min(next_[1], next_[2])); }
-  bool step() {
+  [[gnu::always_inline]] bool step() {
     std::size_t a = next_[0] <= next_[1] ? 0 : 1;
     a = next_[2] < next_[a] ? 2 : a;
     if (next_[a] == std::numeric_limits<double>::infinity())

@@ -143,7 +143,11 @@ class SurfaceDrawable : public Drawable {
 public:
   SurfaceDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
       : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_), field_(makeField(*grid_, tree_)) {}
+        tree_(*grid_), field_(makeField(*grid_, tree_)) {
+    const Box box = bounds();
+    for (std::size_t a = 0; a < 3; ++a)
+      middle_[a] = box.low[a] <= box.high[a] ? 0.5 * (box.low[a] + box.high[a]) : 0;
+  }
 
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
   double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
@@ -200,17 +204,11 @@ private:
       return Field(grid);
   }
 
-  /// Voxels are smaller than the ray's pixel: the first one is the surface.
+  /// Voxels are smaller than the ray's pixel is at the middle of the volume: the first one is the
+  /// surface.
   bool isCoarse(const Ray& ray) const {
-    const Box box = bounds();
-    return box.low[0] <= box.high[0] && ray.pixelAt(nearest(ray, box)) > 1.5 * space_.voxel();
-  }
-  /// The distance of the box's middle along the ray.
-  static double nearest(const Ray& ray, const Box& box) {
-    Vec3d middle;
-    for (std::size_t a = 0; a < 3; ++a)
-      middle[a] = 0.5 * (box.low[a] + box.high[a]);
-    return std::max(0.0, dot(minus(middle, ray.origin), ray.direction));
+    const double middle = std::max(0.0, dot(minus(middle_, ray.origin), ray.direction));
+    return ray.pixelAt(middle) > 1.5 * space_.voxel();
   }
 
   /// The first t at which the field is not negative; `onCut` says, and is told, whether that is
@@ -329,6 +327,7 @@ private:
   GridSpace space_;
   ActiveTree tree_;
   Field field_;
+  Vec3d middle_{}; ///< of the bounds
 };
 
 } // namespace

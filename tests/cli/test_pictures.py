@@ -116,6 +116,8 @@ class Previews(CommandLineTest):
                                       "--mesher", "envelope")
         self.assertEqual(panels, ["input", "tets", "volume", "slice"])
         self.assertTrue(any(is_red(p) for row in rows for p in row[:320]), "open edges are red")
+        middle = [p for p in rows[120][960:] if max(p) - min(p) < 12]
+        self.assertGreater(len(middle), 300, "a slice of one value has one colour, grey, no legend")
         panels, _ = self.panels_of("voxelize", "open.off", "-o", "v.vdb", "--resolution", "24",
                                    "--mesher", "winding")
         self.assertEqual(panels, ["input", "volume", "slice"])

@@ -55,6 +55,7 @@ public:
     ColorScale scale;
     scale.low = 0;
     scale.high = largest_ > 0 ? largest_ : 1;
+    scale.map = &ColorMap::named("viridis");
     scale.title = "distance";
     return scale;
   }
@@ -100,6 +101,7 @@ public:
     ColorScale scale;
     scale.low = 0;
     scale.high = *largest_;
+    scale.map = &ColorMap::named("viridis");
     scale.title = "difference";
     return scale;
   }

@@ -30,7 +30,8 @@ public:
       color_ = std::nullopt;
     else if (!show.color.empty())
       color_ = named(show.color, "--color");
-    else if (!isShape || show.style == VolumeStyle::Slice)
+    else if (infos_[shape_].minValue < infos_[shape_].maxValue &&
+             (!isShape || show.style == VolumeStyle::Slice)) // one value needs no legend
       color_ = shape_;
     const GridInfo& info = infos_[shape_];
     const GridSpace space(grid(shape_)->transform());
@@ -67,6 +68,7 @@ public:
       scale.low = std::isfinite(info.minValue) ? info.minValue : 0;
       scale.high = scale.low + 1;
     }
+    scale.map = &ColorMap::named("viridis");
     scale.title = info.name;
     return scale;
   }

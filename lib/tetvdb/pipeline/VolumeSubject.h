@@ -36,7 +36,7 @@ struct VolumeShow {
   /// file's first.
   std::string grid;
   /// The grid that gives the colours; empty: none, but for arrays (grids of other names than those
-  /// above) and slices, which have the colours of their own values.
+  /// above) and slices, which have the colours of their own values where these differ.
   std::string color;
   bool plainColor = false; ///< `plain`, whatever the grid
   SlicePlane slice;        ///< of style Slice

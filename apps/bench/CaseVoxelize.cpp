@@ -126,18 +126,10 @@ void compareOwnersWithVtk(const TetMesh& mesh, int resolution, const Setup& setu
   const VoxelizeOptions options = optionsFor(GridKind::TetId, resolution);
   const GridTransform transform = chooseTransform(mesh, options);
   const VoxelBox box = voxelBox(mesh, transform);
-  int count[3];
-  double low[3], high[3];
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double h = transform.voxelSize[k];
-    count[k] = box.size[k];
-    low[k] = transform.origin[k] + box.min[k] * h;
-    high[k] = transform.origin[k] + (box.min[k] + box.size[k] - 1) * h;
-  }
   OursResult ours;
   const std::vector<Times> times =
       interleave({{"ours", [&] { return timeOurs(mesh, options, &ours); }},
-                  {"vtk", [&] { return vtk.run(count, low, high); }}},
+                  {"vtk", [&] { return vtk.run(box, transform); }}},
                  setup.rounds(3), false);
   Row row;
   row.what =

@@ -150,16 +150,8 @@ private:
     options.grids = {GridKind::TetId};
     const GridTransform transform = chooseTransform(mesh, options);
     const VoxelBox box = voxelBox(mesh, transform);
-    int count[3];
-    double low[3], high[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double h = transform.voxelSize[k];
-      count[k] = box.size[k];
-      low[k] = transform.origin[k] + box.min[k] * h;
-      high[k] = transform.origin[k] + (box.min[k] + box.size[k] - 1) * h;
-    }
     const auto times = compare({{"ours", [&] { return ours(mesh, options, GridKind::TetId); }},
-                                {"vtk", [&] { return vtk.run(count, low, high); }, 1}},
+                                {"vtk", [&] { return vtk.run(box, transform); }, 1}},
                                false, 0.25);
     lines_.push_back(
         {fmt::format("tet numbers of {} tets ({}), {}^3", mesh.tetCount(), name, resolution),

@@ -179,6 +179,16 @@ std::string VtkPeer::line() {
   return text;
 }
 
+double VtkPeer::run(const VoxelBox& box, const GridTransform& transform) {
+  double low[3], high[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double h = transform.voxelSize[k];
+    low[k] = transform.origin[k] + box.min[k] * h;
+    high[k] = transform.origin[k] + (box.min[k] + box.size[k] - 1) * h;
+  }
+  return run({box.size[0], box.size[1], box.size[2]}, low, high);
+}
+
 double VtkPeer::run(const int (&size)[3], const double (&low)[3], const double (&high)[3]) {
   std::fprintf(to_, "%d %d %d %.17g %.17g %.17g %.17g %.17g %.17g\n", size[0], size[1], size[2],
                low[0], high[0], low[1], high[1], low[2], high[2]);

@@ -3,6 +3,8 @@
 // Other programs: the command line, measured as a whole process, and VTK in Python.
 #pragma once
 
+#include "PaperLoop.h"
+
 #include <cstddef>
 #include <cstdio>
 #include <memory>
@@ -55,6 +57,8 @@ public:
 
   /// Samples at `size` points an axis from `low` to `high`; seconds.
   double run(const int (&size)[3], const double (&low)[3], const double (&high)[3]);
+  /// The same at the voxel centres of `box`.
+  double run(const VoxelBox& box, const GridTransform& transform);
   std::size_t activeVoxels() const { return activeVoxels_; }
   /// Highest resident memory of its process so far; 0 where the system does not tell.
   std::size_t peakBytes() const;

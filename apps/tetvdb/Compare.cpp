@@ -122,8 +122,9 @@ void runCompare(const Options& options, Session& session) {
   session.text = textOf(comparison, options, same);
   if (!options.output.empty()) {
     session.progress.stage("draw");
-    writeComparison(comparePicture(a, b, namesOf(options.a, options.b), session.progress),
-                    options.output, session);
+    writeComparison(
+        comparePicture(a, b, comparison, namesOf(options.a, options.b), session.progress),
+        options.output, session);
   }
   session.textIsSummary = true;
   if (!same)

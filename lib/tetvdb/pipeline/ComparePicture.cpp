@@ -213,9 +213,8 @@ Image comparePicture(const TriangleMesh& a, const TriangleMesh& b, const Compare
   return takePicture(std::move(sitters), progress);
 }
 
-Image comparePicture(const Volume& a, const Volume& b, const ComparedNames& names,
-                     Progress& progress) {
-  const VolumeComparison comparison = compareVolumes(a, b);
+Image comparePicture(const Volume& a, const Volume& b, const VolumeComparison& comparison,
+                     const ComparedNames& names, Progress& progress) {
   if (comparison.grids.empty())
     throw Error(Status::Invalid, names.a,
                 "no grid has a partner of the same name and type in the "

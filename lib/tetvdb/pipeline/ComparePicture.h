@@ -28,7 +28,8 @@ Image comparePicture(const TriangleMesh& a, const TriangleMesh& b, const Compare
 /// the difference of their values, with a legend; nothing where nothing differs. Looks at the first
 /// pair of grids that differ, else at the first pair. Throws Error(Invalid) where no grid of the
 /// one has a partner in the other, or neither has an active voxel.
-Image comparePicture(const Volume& a, const Volume& b, const ComparedNames& names,
-                     Progress& progress);
+/// `comparison` is that of the two.
+Image comparePicture(const Volume& a, const Volume& b, const VolumeComparison& comparison,
+                     const ComparedNames& names, Progress& progress);
 
 } // namespace tetvdb

@@ -11,7 +11,7 @@ class SliceDrawable : public Drawable {
 public:
   SliceDrawable(openvdb::GridBase::ConstPtr grid, int axis, double position, const VolumeLook& look)
       : grid_(std::move(grid)), axis_(static_cast<std::size_t>(axis)), position_(position),
-        look_(look), space_(grid_->transform()), tree_(*grid_) {
+        paint_(look.paint), space_(grid_->transform()), tree_(*grid_) {
     if (axis < 0 || axis > 2)
       throw Error(Status::Usage, "", "a slice's axis is x, y or z");
     const openvdb::Mat4d map = grid_->transform().baseMap()->getAffineMap()->getMat4();
@@ -20,7 +20,6 @@ public:
         if (row != column && map[row][column] != 0)
           throw Error(Status::Invalid, grid_->getName(),
                       "the grid's transform turns its axes, so it cannot be cut into slices");
-    paint_ = look.paint;
     if (!paint_.grid && paint_.colorOf)
       paint_.grid = grid_;
     if (paint_.grid)
@@ -80,7 +79,6 @@ private:
   openvdb::GridBase::ConstPtr grid_;
   std::size_t axis_;
   double position_;
-  VolumeLook look_;
   GridPaint paint_;
   std::unique_ptr<GridValues> values_;
   GridSpace space_;

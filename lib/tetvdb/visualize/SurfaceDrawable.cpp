@@ -4,7 +4,7 @@
 // inside; between voxels a level set is trilinear, an occupancy a quadratic B-spline (which is
 // exactly a half on a flat side of voxels, and rounds their corners).
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/visualize/VolumePaint.h"
+#include "tetvdb/visualize/GridDrawable.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
@@ -139,31 +139,27 @@ bool isUniform(const openvdb::FloatGrid& grid) {
 }
 
 template <class Field>
-class SurfaceDrawable : public Drawable {
+class SurfaceDrawable : public GridDrawable {
 public:
   SurfaceDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
-      : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_), field_(makeField(*grid_, tree_)) {
+      : GridDrawable(std::move(grid), look), field_(makeField(*grid_, tree_)) {
     const Box box = bounds();
     for (std::size_t a = 0; a < 3; ++a)
       middle_[a] = box.low[a] <= box.high[a] ? 0.5 * (box.low[a] + box.high[a]) : 0;
   }
 
-  Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
-  double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
   double skin() const override { return 1.5 * space_.voxel(); }
 
   bool firstHit(const Ray& asked, RayHit& hit) const override {
-    Ray ray = asked;
-    bool onCut = false;
-    if (look_.cut && !look_.cut->clip(ray, onCut))
+    Kept kept;
+    if (!keep(asked, kept))
       return false;
-    const IndexRay inside = space_.toIndex(ray);
-    typename Field::Sampler sample(field_);
-    if (!find(inside, onCut, isCoarse(ray), sample, hit.t))
+    const Ray& ray = kept.ray;
+    Sampler sample(field_);
+    if (!find(kept.inside, kept.onCut, isCoarse(ray), sample, hit.t))
       return false;
-    const Vec3d p = inside.at(hit.t);
-    if (onCut) {
+    const Vec3d p = kept.inside.at(hit.t);
+    if (kept.onCut) {
       hit.normal = look_.cut->normal;
     } else {
       const double radius = std::min(
@@ -179,19 +175,17 @@ public:
     return true;
   }
 
-  bool blocks(const Ray& asked) const override {
-    Ray ray = asked;
-    bool onCut = false;
-    if (look_.cut && !look_.cut->clip(ray, onCut))
+  bool blocks(const Ray& ray) const override {
+    Kept kept;
+    if (!keep(ray, kept))
       return false;
-    const IndexRay inside = space_.toIndex(ray);
     if constexpr (Field::kStride == 0) { // as good within a voxel, and many times faster
       ActiveTree::Voxel voxel;
-      return tree_.first(inside, voxel);
+      return tree_.first(kept.inside, voxel);
     }
-    typename Field::Sampler sample(field_);
+    Sampler sample(field_);
     double t = 0;
-    return find(inside, onCut, false, sample, t);
+    return find(kept.inside, kept.onCut, false, sample, t);
   }
 
 private:
@@ -321,11 +315,6 @@ private:
     return normal;
   }
 
-  openvdb::GridBase::ConstPtr grid_;
-  VolumeLook look_;
-  VolumePaint paint_;
-  GridSpace space_;
-  ActiveTree tree_;
   Field field_;
   Vec3d middle_{}; ///< of the bounds
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/visualize/VolumePaint.h"
+#include "tetvdb/visualize/GridDrawable.h"
 
 #include <cmath>
 
@@ -10,51 +10,41 @@ namespace {
 /// Voxels this many pixels wide or wider get their edges drawn.
 constexpr double kEdgePixels = 5;
 
-class VoxelDrawable : public Drawable {
+class VoxelDrawable : public GridDrawable {
 public:
   VoxelDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)
-      : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_) {}
+      : GridDrawable(std::move(grid), look) {}
 
-  Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
-  double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
   double skin() const override { return 1e-3 * space_.voxel(); }
 
   bool firstHit(const Ray& asked, RayHit& hit) const override {
-    Ray ray = asked;
-    bool onCut = false;
-    if (look_.cut && !look_.cut->clip(ray, onCut))
-      return false;
-    const IndexRay inside = space_.toIndex(ray);
+    Kept kept;
     ActiveTree::Voxel voxel;
-    if (!tree_.first(inside, voxel))
+    if (!keep(asked, kept) || !tree_.first(kept.inside, voxel))
       return false;
     hit.t = voxel.t;
-    const Vec3d p = inside.at(voxel.t);
+    const Vec3d p = kept.inside.at(voxel.t);
     const int axis = voxel.axis;
     if (axis >= 0) {
       Vec3d gradient{0, 0, 0};
       const auto a = static_cast<std::size_t>(axis);
-      gradient[a] = inside.direction[a] > 0 ? -1 : 1;
+      gradient[a] = kept.inside.direction[a] > 0 ? -1 : 1;
       hit.normal = space_.normal(gradient);
     } else {
-      hit.normal = onCut ? look_.cut->normal : times(ray.direction, -1);
+      hit.normal = kept.onCut ? look_.cut->normal : times(kept.ray.direction, -1);
     }
     hit.color = colorOf(voxel.at);
-    if (isEdge(p, voxel, ray.pixelAt(voxel.t)))
+    if (isEdge(p, voxel, kept.ray.pixelAt(voxel.t)))
       for (float& c : hit.color)
         c *= 0.45f;
     hit.lit = true;
     return true;
   }
 
-  bool blocks(const Ray& asked) const override {
-    Ray ray = asked;
-    bool onCut = false;
-    if (look_.cut && !look_.cut->clip(ray, onCut))
-      return false;
+  bool blocks(const Ray& ray) const override {
+    Kept kept;
     ActiveTree::Voxel voxel;
-    return tree_.first(space_.toIndex(ray), voxel);
+    return keep(ray, kept) && tree_.first(kept.inside, voxel);
   }
 
 private:
@@ -75,12 +65,6 @@ private:
     }
     return false;
   }
-
-  openvdb::GridBase::ConstPtr grid_;
-  VolumeLook look_;
-  VolumePaint paint_;
-  GridSpace space_;
-  ActiveTree tree_;
 };
 
 } // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "QuadraticMesh.h"
+#include "mesh/OpenFaces.h"
 #include "tetvdb/mesh/CutQuadratic.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
@@ -40,26 +41,6 @@ double volumeOf(const TetMesh& mesh) {
   return sum;
 }
 
-// Faces that belong to one tet alone.
-std::size_t openFaces(const TetMesh& mesh) {
-  std::map<std::array<std::uint32_t, 3>, int> count;
-  for (std::size_t t = 0; t < mesh.tetCount(); ++t)
-    for (std::size_t skip = 0; skip < 4; ++skip) {
-      std::array<std::uint32_t, 3> face{};
-      for (std::size_t i = 0, n = 0; i < 4; ++i)
-        if (i != skip)
-          face[n++] = mesh.tets[4 * t + i];
-      std::sort(face.begin(), face.end());
-      ++count[face];
-    }
-  std::size_t open = 0;
-  for (const auto& [face, times] : count) {
-    EXPECT_LE(times, 2);
-    open += times == 1;
-  }
-  return open;
-}
-
 TEST(CutQuadratic, StraightCellsAreFilled) {
   for (const auto& kind : meshes::quadraticKinds()) {
     SCOPED_TRACE(kind.name);
@@ -81,7 +62,7 @@ TEST(CutQuadratic, NeighboursAgree) {
       continue; // they do not fill the block
     SCOPED_TRACE(kind.name);
     const TetMesh mesh = split(meshes::quadraticBlock(kind, 2).finish(bent, number));
-    EXPECT_EQ(openFaces(mesh), 6u * 4 * 4 * 2);
+    EXPECT_EQ(meshes::openFaces(mesh), 6u * 4 * 4 * 2);
   }
 }
 
@@ -94,7 +75,7 @@ TEST(CutQuadratic, NeighboursOfOtherTypesAgree) {
   const TetMesh mesh = split(two.finish(bent, number));
   // Of a cube 4 faces, of a pyramid 4 triangles, of a wedge 2 squares and 2 triangles; a triangle
   // is cut into 4.
-  EXPECT_EQ(openFaces(mesh), 4u * 8 + 4 * 4 + 2 * 8 + 2 * 4);
+  EXPECT_EQ(meshes::openFaces(mesh), 4u * 8 + 4 * 4 + 2 * 8 + 2 * 4);
 }
 
 // Each corner of a tet is where the cell's shape functions have its place.

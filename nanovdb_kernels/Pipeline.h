@@ -60,13 +60,7 @@ public:
 
   /// First part: everything up to the numbers of nodes (of this share).
   NodeCounts build() {
-    checkJob();
-    b_.stage("snap");
-    begin();
-    b_.awaitPoints();
-    snap();
-    found_ = b_.read(findings_);
-    chooseSpace();
+    placeMesh();
     writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind_, valuesOf(job_.type));
     const bool owners = job_.type == GridType::Owner;
     const bool dense =
@@ -91,13 +85,7 @@ public:
   /// In place of build(): the leaves that tets own voxels of, in tree order, and the number of the
   /// owner (of mesh.tets) of each of their voxels.
   void buildOwners() {
-    checkJob();
-    b_.stage("snap");
-    begin();
-    b_.awaitPoints();
-    snap();
-    found_ = b_.read(findings_);
-    chooseSpace();
+    placeMesh();
     orient();
     rasterizeOwners();
     checkCount(leaves_.count);
@@ -128,6 +116,17 @@ public:
   }
 
   // Public for nvcc alone, as in LevelBuilder.
+
+  /// The points on the lattice, what was found of them, and the space of nodes around them.
+  void placeMesh() {
+    checkJob();
+    b_.stage("snap");
+    begin();
+    b_.awaitPoints();
+    snap();
+    found_ = b_.read(findings_);
+    chooseSpace();
+  }
 
   void begin() {
     findings_ = b_.template alloc<Findings>(1);

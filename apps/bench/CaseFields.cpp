@@ -44,8 +44,7 @@ void runFields(const Setup& setup, Tables& tables) {
                "still have to be read and written.");
   const std::string path = setup.folder + "/ball.vtu", volume = setup.folder + "/ball.vdb",
                     json = setup.folder + "/ball.json";
-  const int resolution =
-      std::max(8, static_cast<int>(256 / std::cbrt(static_cast<double>(setup.shrink))));
+  const int resolution = shrunk(256, setup);
   double low[3], high[3];
   {
     const TetMesh mesh = simulation(1e6 / setup.shrink);
@@ -89,16 +88,16 @@ void runFields(const Setup& setup, Tables& tables) {
   for (const auto& stage : report["stages"])
     parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", stage["name"].get<std::string>(),
                          duration(stage["seconds"].get<double>()));
-  row.note = fmt::format("last run: {}; peak memory {}", parts, size(static_cast<double>(peak)));
+  row.note = "last run: " + parts;
   row.peerName = "(alone)";
+  row.peakBytes = static_cast<double>(peak);
   if (vtk.available()) {
     row.peerName = "vtkResampleToImage";
     row.peer = times[1];
-    const auto theirs = static_cast<double>(vtk.peakBytes());
+    row.peerPeakBytes = static_cast<double>(vtk.peakBytes());
+    row.targetLessBytes = 4;
     row.note +=
-        fmt::format(", VTK's {}: {:.1f} times as much (target 4); VTK {}; {} voxels, VTK "
-                    "{}",
-                    size(theirs), theirs / static_cast<double>(peak), vtk.version(),
+        fmt::format("; VTK {}; {} voxels, VTK {}", vtk.version(),
                     report["grids"][0]["active_voxels"].get<std::uint64_t>(), vtk.activeVoxels());
   }
   tables.add(row);

@@ -19,7 +19,7 @@ struct Shot {
   std::string mesh;
   std::vector<std::string> options;
   double targetSeconds;
-  double inputBytes; ///< of the mesh in memory
+  double inputBytes; ///< of the mesh or the tree in memory
 };
 
 void takeShot(const Shot& shot, const Setup& setup, Tables& tables) {
@@ -42,13 +42,27 @@ void takeShot(const Shot& shot, const Setup& setup, Tables& tables) {
   for (const auto& stage : report["stages"])
     row.note += fmt::format("{} {}, ", stage["name"].get<std::string>(),
                             duration(stage["seconds"].get<double>()));
-  row.note +=
-      fmt::format("peak memory {} ({:.1f} times the mesh's {})", size(static_cast<double>(peak)),
-                  static_cast<double>(peak) / shot.inputBytes, size(shot.inputBytes));
+  row.peakBytes = static_cast<double>(peak);
+  row.targetBytes = shot.targetSeconds > 0 ? 2 * shot.inputBytes : 0;
+  row.note += fmt::format("memory is {:.1f} times that of the input, {}",
+                          row.peakBytes / shot.inputBytes, size(shot.inputBytes));
   row.what = shot.what;
   row.peerName = "(alone)";
   row.targetSeconds = shot.targetSeconds;
   tables.add(row);
+}
+
+/// The sphere's mask; bytes of its tree.
+double writeMask(const std::string& mesh, const std::string& path, int resolution,
+                 const Setup& setup) {
+  const std::string json = path + ".json";
+  const ChildResult result = setup.launcher->run(
+      {setup.program, "voxelize", mesh, "-o", path, "--mesher", "winding", "--grid", "mask",
+       "--resolution", std::to_string(resolution), "--json", json, "-q"});
+  if (result.status != 0)
+    throw Error(Status::Invalid, setup.program, fmt::format("ended with {}", result.status));
+  std::ifstream file(json);
+  return nlohmann::json::parse(file)["grids"][0]["bytes"].get<double>();
 }
 
 } // namespace
@@ -86,6 +100,10 @@ void runRender(const Setup& setup, Tables& tables) {
             0,
             tetBytes},
            setup, tables);
+  const int wide = setup.shrink > 1 ? 512 : 4096;
+  const std::string mask = setup.folder + "/mask.vdb";
+  const double treeBytes = writeMask(stl, mask, wide, setup);
+  takeShot({fmt::format("mask tree, {}^3, .vdb", wide), mask, {}, 3, treeBytes}, setup, tables);
   tables.end();
 }
 

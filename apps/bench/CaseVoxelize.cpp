@@ -15,11 +15,6 @@
 namespace tetvdb::bench {
 namespace {
 
-/// A mesh of N times fewer tets goes with a grid of N times fewer voxels.
-int shrunk(int resolution, const Setup& setup) {
-  return std::max(8, static_cast<int>(resolution / std::cbrt(double(setup.shrink))));
-}
-
 VoxelizeOptions optionsFor(GridKind grid, int resolution) {
   VoxelizeOptions options;
   options.grids = {grid};

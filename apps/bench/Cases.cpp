@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Cases.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -22,7 +23,11 @@ const std::vector<Case>& allCases() {
       {"levelset", "a level set against OpenVDB's meshToVolume, with errors", runLevelSet, false},
       {"coverage", "the exact share of every voxel", runCoverage, false},
       {"rules", "conservative masks against the mask by centres", runRules, false},
-      {"render", "a picture of 10^6 triangles by the whole program", runRender, false},
+      {"render", "pictures of 10^6 triangles and tets by the whole program", runRender, false},
+      {"tets", "time against the number of tets", runTets, false},
+      {"resolution", "time against the number of voxels along a side", runResolution, false},
+      {"mesher", "tetrahedra from triangles, and how that grows", runMesher, false},
+      {"models", "tetrahedra from the files of --mesh, by one thread and all", runModels, true},
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;
@@ -34,6 +39,10 @@ std::string countName(double count) {
   if (std::abs(power - whole) < 0.05)
     return fmt::format("10^{:.0f}", whole);
   return fmt::format("{:.2g}", count);
+}
+
+int shrunk(int resolution, const Setup& setup) {
+  return std::max(8, static_cast<int>(resolution / std::cbrt(static_cast<double>(setup.shrink))));
 }
 
 double timeOurs(const TetMesh& mesh, const VoxelizeOptions& options, OursResult* last) {

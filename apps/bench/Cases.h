@@ -4,6 +4,7 @@
 #pragma once
 
 #include "Children.h"
+#include "Results.h"
 #include "SampleMeshes.h"
 #include "Table.h"
 #include "tetvdb/voxelize/Voxelize.h"
@@ -19,7 +20,8 @@ struct Setup {
   int shrink = 1;      ///< --shrink N: meshes of about N times fewer tets, to try things out
   std::string folder;  ///< an empty one for temporary files
   std::string program; ///< the tetvdb program
-  std::string mesh;    ///< of `triangles`: this file instead of spheres made here
+  /// Files of triangles: of `triangles` instead of spheres made here, of `models`.
+  std::vector<std::string> meshes;
   Launcher* launcher = nullptr;
 
   /// At most `most` rounds, for what takes long.
@@ -51,6 +53,10 @@ void runLevelSet(const Setup&, Tables&);
 void runCoverage(const Setup&, Tables&);
 void runRules(const Setup&, Tables&);
 void runRender(const Setup&, Tables&);
+void runTets(const Setup&, Tables&);
+void runResolution(const Setup&, Tables&);
+void runMesher(const Setup&, Tables&);
+void runModels(const Setup&, Tables&);
 
 /// What `triangles` has done in a process of its own, to see its memory: nothing, mask or
 /// meshToVolume; the mesh's name; resolution; --shrink; threads. Returns the exit status.
@@ -60,6 +66,9 @@ int trianglesChild(const std::vector<std::string>& words);
 
 /// "10^7" or "1.2e6".
 std::string countName(double count);
+
+/// A mesh of N times fewer tets goes with a grid of N times fewer voxels.
+int shrunk(int resolution, const Setup& setup);
 
 /// voxelize() as a rival: timed as its stage is, the tree freed afterwards. `last` receives the
 /// last run's volume statistics if given.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// tetvdb_bench: TetVDB and its peers side by side in one run. docs/benchmarks.md has the results.
+// tetvdb_bench: TetVDB and its peers side by side in one run. docs/benchmarks has the results.
+#include "Book.h"
 #include "Cases.h"
+#include "Machine.h"
 #include "PaperLoop.h"
-#include "tetvdb/core/Version.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -41,20 +42,6 @@ private:
   std::string path_;
 };
 
-std::string firstLine(const std::string& path, const std::string& key) {
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);)
-    if (line.rfind(key, 0) == 0)
-      return line;
-  return "";
-}
-
-std::string loadAverage() {
-  double load[3] = {0, 0, 0};
-  getloadavg(load, 3);
-  return fmt::format("{:.2f} {:.2f} {:.2f}", load[0], load[1], load[2]);
-}
-
 std::string casesHelp() {
   std::string text = "Cases:\n";
   for (const Case& entry : allCases())
@@ -63,10 +50,25 @@ std::string casesHelp() {
   return text;
 }
 
+/// What has to be given again to get the same page.
+std::string optionsGiven(const Setup& setup) {
+  std::string text;
+  if (setup.repeat != Setup().repeat)
+    text += fmt::format(" --repeat {}", setup.repeat);
+  if (setup.shrink != Setup().shrink)
+    text += fmt::format(" --shrink {}", setup.shrink);
+  for (const std::string& mesh : setup.meshes)
+    text += (&mesh == &setup.meshes.front() ? " --mesh " : " ") +
+            std::filesystem::path(mesh).filename().string();
+  if (setup.threads != tbb::this_task_arena::max_concurrency())
+    text += fmt::format(" --threads {}", setup.threads);
+  return text;
+}
+
 int run(int argc, char** argv) {
   Launcher launcher; // first of all: see Launcher
   std::vector<std::string> names;
-  std::string json, parent = std::filesystem::temp_directory_path().string();
+  std::string json, book, parent = std::filesystem::temp_directory_path().string();
   Setup setup;
   setup.launcher = &launcher;
   setup.program = (std::filesystem::canonical("/proc/self/exe").parent_path() / "tetvdb").string();
@@ -82,10 +84,15 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.add_option("--json", json, "Also write all times to this file");
+  app.add_option("--book", book,
+                 "Write each case as a page with its plot and numbers into this folder, and anew "
+                 "the page of all targets")
+      ->type_name("FOLDER");
   app.add_option("--folder", parent, "Where temporary files go")->capture_default_str();
   app.add_option("--program", setup.program, "The tetvdb program that `large` and `huge` run")
       ->capture_default_str();
-  app.add_option("--mesh", setup.mesh, "A file of triangles for `triangles` instead of its own")
+  app.add_option("--mesh", setup.meshes,
+                 "Files of triangles, for `models` and for `triangles` instead of its own")
       ->check(CLI::ExistingFile);
   app.add_option("--shrink", setup.shrink, "So many times fewer tets and voxels, for a try")
       ->check(CLI::Range(1, 10000));
@@ -114,28 +121,37 @@ int run(int argc, char** argv) {
   const TemporaryFolder folder(parent);
   setup.folder = folder.path();
 
+  if (!book.empty()) // before hours of work, not after
+    std::filesystem::create_directories(book);
+
   const double bandwidth = measureBandwidth();
-  const std::string cpu = firstLine("/proc/cpuinfo", "model name");
-  const std::string loadBefore = loadAverage();
-  std::printf(
-      "TetVDB %s; %s; threads %d; OpenMP %s; memory %.1f GB/s (triad, read + written); load "
-      "%s\n",
-      version(), cpu.substr(std::min(cpu.size(), cpu.find(':') + 2)).c_str(), setup.threads,
-      haveOpenMP() ? "yes" : "no: the paper's loop runs on one thread", bandwidth * 1e-9,
-      loadBefore.c_str());
+  const nlohmann::ordered_json machine = describeMachine();
+  std::printf("TetVDB %s; %s; threads %d; OpenMP %s; memory %.1f GB/s (triad, read + written)\n",
+              machine["revision"].get<std::string>().c_str(),
+              machine["processor"].get<std::string>().c_str(), setup.threads,
+              haveOpenMP() ? "yes" : "no: the paper's loop runs on one thread", bandwidth * 1e-9);
   Tables tables(bandwidth);
-  for (const Case* entry : chosen)
-    entry->run(setup, tables);
-  const std::string loadAfter = loadAverage();
-  std::printf("\nload at the end: %s\n", loadAfter.c_str());
+  for (const Case* entry : chosen) {
+    const Work before = workSoFar();
+    const double seconds = secondsOf([&] { entry->run(setup, tables); });
+    const Work after = workSoFar();
+    const double others =
+        std::max(0.0, (after.machine - before.machine - (after.own - before.own)) / seconds);
+    std::printf("\n%.2f cores were busy with other programs\n", others);
+    if (!book.empty())
+      writeChapter(book, {tables.json().back(), entry->about,
+                          fmt::format("tetvdb_bench {}{} --book docs/benchmarks", entry->name,
+                                      optionsGiven(setup)),
+                          machine, setup.threads, bandwidth, seconds, others});
+  }
+  if (!book.empty())
+    writeTargets(book);
 
   if (!json.empty()) {
     std::ofstream file(json);
-    file << nlohmann::ordered_json{{"version", version()},     {"cpu", cpu},
-                                   {"threads", setup.threads}, {"openmp", haveOpenMP()},
-                                   {"bandwidth", bandwidth},   {"load_before", loadBefore},
-                                   {"load_after", loadAfter},  {"shrink", setup.shrink},
-                                   {"cases", tables.json()}}
+    file << nlohmann::ordered_json{{"machine", machine},     {"threads", setup.threads},
+                                   {"openmp", haveOpenMP()}, {"bandwidth", bandwidth},
+                                   {"shrink", setup.shrink}, {"cases", tables.json()}}
                 .dump(2)
          << "\n";
     if (!file.flush()) {

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How TetVDB and others take triangle files as they are found: writes docs/robustness.md.
 
-    scripts/robustness.py --build build/release CORPUS/tri > docs/robustness.md
+    scripts/robustness.py --build build/release CORPUS/tri --page report.html > docs/robustness.md
 
+Defects, voxels, seconds and memory are those of `tetvdb report`, whose page with a picture of every file
+is left at --page.
 Needs python3-openvdb and python3-numpy; PrusaSlicer's column stays empty where it is not installed.
 The truth is tests/corpus/winding_judge, which sums solid angles face by face and shares no code with
 the library. Files are taken one after another; times depend on what else the machine does.
@@ -28,49 +30,24 @@ COARSE, FINE = 64, 256
 TIME = 300  # seconds that a file may take
 MOVE = numpy.array([2.0 ** -24, 2.0 ** -34, 2.0 ** -44])  # of centres, in place of (e, e^2, e^3)
 
-# Linux counts the memory of whoever starts a program as the program's own peak, so that a small
-# process has to do it.
-MEASURE = """
-import os, sys, time
-start = time.monotonic()
-child = os.fork()
-if child == 0:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    os.execv(sys.argv[1], sys.argv[1:])
-_, status, usage = os.wait4(child, 0)
-print(os.waitstatus_to_exitcode(status), time.monotonic() - start, usage.ru_maxrss)
-"""
-
-
-def measure(command):
-    """Exit status, seconds, peak megabytes, what it said on standard error."""
-    done = subprocess.run([sys.executable, "-I", "-S", "-c", MEASURE, *map(str, command)],
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    status, seconds, kilobytes = done.stdout.split()
-    return int(status), float(seconds), int(kilobytes) / 1024, done.stderr.strip()
-
 
 class Ours:
     def __init__(self, program, folder):
         self.program, self.folder = program, folder
 
     def report(self, *arguments):
-        done = subprocess.run([self.program, *arguments, "--json", "-", "-q"], stdout=subprocess.PIPE,
+        done = subprocess.run([self.program, *map(str, arguments), "--json", "-", "-q"], stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True)
         return json.loads(done.stdout) if done.stdout else {"error": done.stderr.strip(),
                                                             "status": done.returncode}
 
 
-def defects_of(report):
-    """Short words for what `tetvdb info` found."""
-    inputs = report.get("input")
-    found = inputs[0].get("defects", {}) if inputs else {}
-    names = (("boundary_edges", "open"), ("nonmanifold_edges", "non-manifold"),
-             ("misoriented_edges", "misoriented"), ("degenerate_faces", "degenerate"),
-             ("duplicate_faces", "duplicate"), ("self_intersections", "crossings"))
-    words = [f"{found[key]}{'+' if key == 'self_intersections' and not found['self_intersections_complete'] else ''} {word}"
-             for key, word in names if found.get(key)]
-    return ", ".join(words) or ("none" if found else "")
+def defects_of(row):
+    """Short words for what `tetvdb report` counted."""
+    names = (("open edges", "open"), ("non-manifold edges", "non-manifold"), ("misoriented edges", "misoriented"),
+             ("degenerate faces", "degenerate"), ("duplicate faces", "duplicate"), ("crossings", "crossings"))
+    words = [f"{row['defects'][key]} {word}" for key, word in names if row["defects"].get(key)]
+    return ", ".join(words) or ("none" if row["kind"] else "")
 
 
 class Truth:
@@ -142,29 +119,25 @@ def prusa(path):
 
 
 class Row:
-    def __init__(self, name):
-        self.name = name
-        self.defects = self.answer = self.prusa = ""
-        self.voxels = self.seconds = self.megabytes = self.ours = self.openvdb = None
+    def __init__(self, found):
+        """`found`: the file's row of `tetvdb report`."""
+        self.name, self.found = found["name"], found
+        self.defects = defects_of(found)
+        self.voxels, self.megabytes = found["voxels"], found["megabytes"]
+        self.seconds = sum(found.get("stages", {}).values()) - found.get("picture_seconds", 0)
+        self.answer = self.prusa = ""
+        self.ours = self.openvdb = None
         self.sampled = 1
         self.openvdb_failed = False
         self.answered = True
 
 
-def examine(path, ours, judge):
-    row = Row(path.name)
+def examine(path, row, ours, judge):
     folder = ours.folder
-    row.defects = defects_of(ours.report("info", str(path)))
-    coarse, fine = os.path.join(folder, "coarse.vdb"), os.path.join(folder, "fine.vdb")
-    off = os.path.join(folder, "cleaned.off")
-    for old in (coarse, fine, off):
+    coarse, off = os.path.join(folder, "coarse.vdb"), os.path.join(folder, "cleaned.off")
+    for old in (coarse, off):
         if os.path.exists(old):
             os.remove(old)
-    status, row.seconds, row.megabytes, said = measure(
-        [ours.program, "voxelize", path, "-o", fine, "--mesher", "winding", "--grid", "mask", "--resolution",
-         str(FINE), "-q", "--max-time", str(TIME)])
-    if status in (0, 1):
-        row.voxels = pyopenvdb.readAll(fine)[0][0].activeVoxelCount()
     row.prusa = prusa(path)
     report = ours.report("voxelize", str(path), "-o", coarse, "--mesher", "winding", "--grid", "mask", "--resolution",
                          str(COARSE), "--write-mesh", off)
@@ -172,9 +145,9 @@ def examine(path, ours, judge):
         sentence = re.sub(rf"^tetvdb: |{re.escape(str(path))}(:\d+)?: ", "", report["error"])
         row.answer = sentence.split(";")[0]
         row.answered = report["status"] == 3 and "\n" not in report["error"]
-        if status in (0, 1):
+        if row.found["status"] in (0, 1):
             row.answer += f" at {COARSE}^3"
-        return row
+        return
     closed = report["mesh"]["closed"]
     row.answer = ("crossings" if closed else "winding number") + \
         (" ~" if judge.undecided_within(report) == judge.ROUGH else "") + (", in part" if report["status"] == 1 else "")
@@ -194,7 +167,6 @@ def examine(path, ours, judge):
         row.openvdb_failed = True
     else:
         row.openvdb = truth.overlap(other)
-    return row
 
 
 def share(value):
@@ -206,7 +178,7 @@ def mean(values):
     return sum(values) / len(values) if values else 0
 
 
-def summary(rows, version):
+def summary(rows, version, total, pictures):
     judged = [r for r in rows if r.ours is not None]
     slowest = max(rows, key=lambda r: r.seconds)
     largest = max(rows, key=lambda r: r.megabytes)
@@ -221,7 +193,7 @@ def summary(rows, version):
     return f"""# Robustness
 
 {len(rows)} triangle files as they are found: prints, scans, CAD exports, game models, regression
-cases of other libraries. `scripts/robustness.py` makes this page; TetVDB {version}.
+cases of other libraries. `scripts/robustness.py` makes this page from `tetvdb report` and others' answers; TetVDB {version}.
 This is the winding road; [meshing.md](meshing.md) tells how `tetrahedralize` fares on such files.
 
 - **Answered: {sum(r.answered for r in rows)} of {len(rows)}.** {len(judged)} became a solid; {len(refused)} were refused with one sentence,
@@ -245,10 +217,10 @@ This is the winding road; [meshing.md](meshing.md) tells how `tetrahedralize` fa
 - *meshToVolume*: `FloatGrid.createLevelSetFromPolygons` of OpenVDB's Python module, half-width 3; inside is where
   values are below 0. It is made for closed surfaces. "none": it found no inside.
 - *PrusaSlicer*: `prusa-slicer --info`: manifold or how many open edges, and volume, for the formats it reads.
-- *Seconds and MB*: `tetvdb voxelize --mesher winding --grid mask --resolution {FINE}` as a whole process, wall time and peak resident
-  memory (`ru_maxrss`); an empty run takes about 35 MB. The machine (2 cores) was nearly idle.
-- *Defects* by `tetvdb info`: open, non-manifold and misoriented edges, degenerate and duplicate faces, pairs of faces that
-  cross (`+`: at least).
+- *Seconds, MB, defects* and voxels by `tetvdb report CORPUS --mesher winding --resolution {FINE}`, each file in a process of
+  its own: the stages that read, clean, voxelize and write (pictures left out; they took {pictures:.0f} s of {total:.0f} s
+  in all), and peak resident memory with the pictures. Defects: open, non-manifold and misoriented edges, degenerate and
+  duplicate faces, pairs of faces that cross.
 
 ## Files
 """
@@ -268,6 +240,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path, help="with the triangle files")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    parser.add_argument("--page", type=pathlib.Path, help="keep the report's page, .html")
     arguments = parser.parse_args()
     program = str(arguments.build / "bin/tetvdb")
     os.environ["TETVDB_PROGRAM"] = program
@@ -277,15 +250,19 @@ def main():
     sys.dont_write_bytecode = True
     import judge_triangles as judge
 
-    rows = []
-    paths = sorted(arguments.folder.iterdir(), key=lambda p: p.name.lower())
     with tempfile.TemporaryDirectory(prefix="tetvdb-robustness-") as folder:
         ours = Ours(program, folder)
-        for path in paths:
-            rows.append(examine(path, ours, judge))
-            print(f"{len(rows)}/{len(paths)} {path.name}", file=sys.stderr, flush=True)
+        page = arguments.page or os.path.join(folder, "report.html")
+        report = ours.report("report", arguments.folder, "-o", page, "--mesher", "winding", "--resolution", FINE,
+                             "--max-time", TIME)
+        if "models" not in report:
+            raise SystemExit(report["error"])
+        rows = [Row(found) for found in sorted(report["models"], key=lambda model: model["name"].lower())]
+        for done, row in enumerate(rows, 1):
+            examine(arguments.folder / row.name, row, ours, judge)
+            print(f"{done}/{len(rows)} {row.name}", file=sys.stderr, flush=True)
     version = subprocess.run([program, "--version"], stdout=subprocess.PIPE, text=True).stdout.split()[-1]
-    print(summary(rows, version))
+    print(summary(rows, version, report["seconds"], report["picture_seconds"]))
     print(markdown(rows))
 
 

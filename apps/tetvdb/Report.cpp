@@ -76,11 +76,14 @@ void runReport(const Options& options, Session& session) {
   session.progress.stage("report");
   std::vector<Json> rows;
   std::size_t whole = 0, partial = 0;
+  double seconds = 0, pictures = 0;
   for (const ReportModel& model : models) {
     rows.push_back(reportRow(model, options.settings, session.progress));
     const int status = rows.back()["status"];
     whole += status == 0;
     partial += status == 1;
+    seconds += rows.back()["seconds"].get<double>();
+    pictures += rows.back().value("picture_seconds", 0.0);
     session.progress.update(static_cast<double>(rows.size()) / static_cast<double>(models.size()));
   }
   const std::string page = reportPage(rows, options.settings);
@@ -95,9 +98,12 @@ void runReport(const Options& options, Session& session) {
   }
   session.sections["models"] = std::move(models_);
   session.sections["output"] = {{{"path", options.output}, {"bytes", page.size()}}};
-  session.text = fmt::format("{}: {:.1f} MB, {} models: {} done, {} in part, {} without a result\n",
+  session.sections["seconds"] = seconds;
+  session.sections["picture_seconds"] = pictures;
+  session.text = fmt::format("{}: {:.1f} MB, {} models: {} done, {} in part, {} without a result; "
+                             "{:.1f} s, {:.1f} s of that for pictures\n",
                              options.output, static_cast<double>(page.size()) / 1e6, models.size(),
-                             whole, partial, models.size() - whole - partial);
+                             whole, partial, models.size() - whole - partial, seconds, pictures);
   session.textIsSummary = true;
 }
 

@@ -114,6 +114,14 @@ std::string describeEnd(const ChildEnd& end, double maxTime) {
   return fmt::format("it left no report (status {})", end.status);
 }
 
+/// "path: what" becomes "what", and "path:3: what" "line 3: what": the row names the file.
+std::string withoutPath(const std::string& error, const std::string& path) {
+  if (error.rfind(path + ":", 0) != 0)
+    return error;
+  const std::string rest = error.substr(path.size() + 1);
+  return rest.rfind(' ', 0) == 0 ? rest.substr(1) : "line " + rest;
+}
+
 void addVoxelization(const Json& made, Json& row) {
   const Json mesh = valueOf(made, "mesh");
   row["tets"] = valueOf(mesh, "tets");
@@ -124,8 +132,11 @@ void addVoxelization(const Json& made, Json& row) {
   row["voxels"] = valueOf(grid, "active_voxels");
   row["volume"] = valueOf(grid, "volume");
   Json stages = Json::object();
-  for (const Json& stage : valueOf(made, "stages"))
-    stages[stage.value("name", "")] = stage.value("seconds", 0.0);
+  for (const Json& stage : valueOf(made, "stages")) { // a name can come several times
+    const std::string name = stage.value("name", "");
+    stages[name] = stages.value(name, 0.0) + stage.value("seconds", 0.0);
+  }
+  row["picture_seconds"] = stages.value("preview", 0.0);
   row["stages"] = std::move(stages);
   for (const Json& warning : valueOf(made, "warnings"))
     row["notes"].push_back(warning.value("text", ""));
@@ -197,8 +208,8 @@ Json reportRow(const ReportModel& model, const ReportSettings& settings, const P
     addVoxelization(made, row);
     addPicture(folder.file("picture.png"), made, row);
     const std::string error = made.value("error", "");
-    if (!error.empty()) // without the path, which the row names
-      row["verdict"] = error.rfind(path + ": ", 0) == 0 ? error.substr(path.size() + 2) : error;
+    if (!error.empty())
+      row["verdict"] = withoutPath(error, path);
   } else {
     row["verdict"] = describeEnd(end, atMost);
   }

@@ -75,6 +75,9 @@ def png_size(data):
     return struct.unpack(">II", data[16:24])
 
 
+NAMES = ["<b>&.off", "box.off", "broken.stl", "cut.off", "deep/open.off", "grid.mesh"]
+
+
 class ReportTest(CommandLineTest):
     def make_models(self):
         models = self.path("models")
@@ -85,6 +88,7 @@ class ReportTest(CommandLineTest):
         (models / "grid.mesh").write_text(medit(*lattice(3)))
         (models / "broken.stl").write_bytes(b"solid nothing")
         (models / "<b>&.off").write_text(off(points, faces))
+        (models / "cut.off").write_text("OFF\n3000000000 1 0\n0 0 0\n")
         (models / "notes.txt").write_text("not a mesh")
         return models
 
@@ -98,7 +102,12 @@ class ReportTest(CommandLineTest):
         page = self.path("r.html").read_text()
         data = self.data_of(page)
         rows = {row["name"]: row for row in data["rows"]}
-        self.assertEqual(sorted(rows), ["<b>&.off", "box.off", "broken.stl", "deep/open.off", "grid.mesh"])
+        self.assertEqual(sorted(rows), NAMES)
+        self.assertTrue(rows["cut.off"]["verdict"].startswith("line 2: "), rows["cut.off"]["verdict"])
+        self.assertEqual(rows["cut.off"]["picture_seconds"], 0)
+        drawn = [row for row in data["rows"] if row["picture"]]
+        self.assertTrue(all(0 < row["picture_seconds"] < row["seconds"] for row in drawn))
+        self.assertAlmostEqual(report["picture_seconds"], sum(row["picture_seconds"] for row in drawn))
         box = rows["box.off"]
         self.assertEqual((box["status"], box["size"], box["defects"]), (0, 12, {}))
         self.assertEqual(box["voxels"], 24 ** 3)
@@ -158,19 +167,19 @@ class ReportTest(CommandLineTest):
             result = json.loads(html.unescape(found.group(1)))
             self.assertNotIn("failed", result, result)
             self.assertEqual(result["errors"], [])
-            self.assertEqual(result["start"], ["<b>&.off", "box.off", "broken.stl", "deep/open.off", "grid.mesh"])
+            self.assertEqual(result["start"], NAMES)
             self.assertEqual(result["falling"][0], "grid.mesh")
-            self.assertEqual(result["falling"][-1], "broken.stl")
+            self.assertEqual(set(result["falling"][-2:]), {"broken.stl", "cut.off"})  # no size
             self.assertEqual(result["fallingAria"], "descending")
             self.assertEqual(result["rising"][0], "deep/open.off")
-            self.assertEqual(result["rising"][-1], "broken.stl")
+            self.assertEqual(set(result["rising"][-2:]), {"broken.stl", "cut.off"})
             self.assertEqual(result["open"], ["deep/open.off"])
             self.assertEqual(result["byDefect"], ["deep/open.off"])
-            self.assertEqual(result["shown"], "1 of 5 shown")
+            self.assertEqual(result["shown"], "1 of 6 shown")
             self.assertEqual(result["pointsOfOne"], 2)
             self.assertEqual(result["points"], 8)
             self.assertEqual((result["nothing"], result["noneVisible"]), ([], True))
-            self.assertEqual(result["refused"], ["broken.stl"])
+            self.assertEqual(result["refused"], ["broken.stl", "cut.off"])
             self.assertEqual(len(result["pictures"]), 4)
             self.assertTrue(all(w > 600 and h > 100 for w, h in result["pictures"]))
             self.assertTrue(result["dialog"])

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <memory>
-#include <numeric>
 
 namespace tetvdb::bench {
 namespace {
@@ -98,13 +97,6 @@ void compareOccupancy(const OccupancySize& size, const Setup& setup, Tables& tab
   row.floorBytes = floorBytes(mesh, static_cast<double>(densityResult.bytes));
   row.note = resultOf(densityResult, loop.activeVoxels());
   tables.add(row);
-}
-
-// Numbers the tets in a cell array, for VTK to look up.
-void numberCells(TetMesh& mesh) {
-  std::vector<std::int32_t> ids(mesh.tetCount());
-  std::iota(ids.begin(), ids.end(), 0);
-  mesh.attributes.push_back({"tet_id", Attribute::On::Cells, 1, std::move(ids)});
 }
 
 void compareOwnersWithVtk(const TetMesh& mesh, int resolution, const Setup& setup, Tables& tables) {

@@ -18,7 +18,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
-#include <numeric>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
@@ -133,10 +132,7 @@ private:
     TetMesh numbered;
     numbered.points = mesh.points;
     numbered.tets = mesh.tets;
-    numbered.cellCount = mesh.tetCount();
-    std::vector<std::int32_t> ids(mesh.tetCount());
-    std::iota(ids.begin(), ids.end(), 0);
-    numbered.attributes.push_back({"tet_id", Attribute::On::Cells, 1, std::move(ids)});
+    numberCells(numbered);
     writeTetMesh(path, numbered, session_.progress);
     VtkPeer vtk(path, "tet_id", threads_);
     std::error_code ignored;

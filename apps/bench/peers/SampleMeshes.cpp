@@ -6,6 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace tetvdb::bench {
 
@@ -25,6 +29,13 @@ TriangleMesh bumpySphere(double faces) {
     const double radius = 1 + 0.05 * std::sin(9 * p[0]) * std::sin(11 * p[1]) * std::sin(10 * p[2]);
     return Vec3d{radius * p[0] + 0.01, radius * p[1] + 0.02, radius * p[2] + 0.03};
   });
+}
+
+void numberCells(TetMesh& mesh) {
+  std::vector<std::int32_t> ids(mesh.tetCount());
+  std::iota(ids.begin(), ids.end(), 0);
+  mesh.cellCount = mesh.tetCount();
+  mesh.attributes.push_back({"tet_id", Attribute::On::Cells, 1, std::move(ids)});
 }
 
 } // namespace tetvdb::bench

@@ -15,4 +15,7 @@ TetMesh ballMesh(double tets);
 /// A sphere with bumps of a twentieth of its radius; about `faces` faces.
 TriangleMesh bumpySphere(double faces);
 
+/// Numbers the tets in a cell array "tet_id", int32, for VTK to look up.
+void numberCells(TetMesh& mesh);
+
 } // namespace tetvdb::bench

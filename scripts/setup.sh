@@ -16,7 +16,7 @@ build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev li
   libxxhash-dev libembree-dev libassimp-dev libpng-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
 test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb
-  python3-numpy libopenvdb-tools libnanovdb-tools)
+  python3-numpy python3-meshio python3-h5py libopenvdb-tools libnanovdb-tools)
 check=(clang clang-format-14 clang-tidy-14)
 browser=(chromium)
 blender=(blender python3 python3-openvdb python3-numpy)

@@ -275,7 +275,7 @@ TEST(XdmfReader, PartsThatShareTheirPoints) {
 // meshio's TimeSeriesWriter: the mesh stands apart.
 std::string meshioSeries() {
   const auto step = [](const std::string& time, const std::string& values) {
-    return grid("<xi:include xpointer=\"xpointer(//Grid[@Name=&quot;mesh&quot;]/*[self::Topology "
+    return grid("<ns0:include xpointer=\"xpointer(//Grid[@Name=&quot;mesh&quot;]/*[self::Topology "
                 "or self::Geometry])\" /><Time Value=\"" +
                     time + "\"/>" + scalar("T", "Node", values, "5"),
                 "");

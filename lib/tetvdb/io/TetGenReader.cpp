@@ -64,7 +64,7 @@ Nodes readNodes(const Source& source, CellMesh& mesh, Progress& progress) {
     for (std::vector<double>& values : nodes.attributes)
       values.push_back(in.value());
     if (markers > 0)
-      in.realInteger();
+      in.value(); // whole by the format; meshio writes an array here
     if (i % kPerUpdate == 0)
       progress.update(0.5 * static_cast<double>(i) / static_cast<double>(n));
   }

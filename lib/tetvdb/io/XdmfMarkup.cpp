@@ -96,8 +96,10 @@ std::vector<pugi::xml_node> XdmfMarkup::children(pugi::xml_node grid, std::strin
       all.push_back(resolved(node));
   };
   for (const pugi::xml_node child : grid.children()) {
-    const std::string_view tag = child.name();
-    if (tag != "xi:include") {
+    // Whatever the prefix: xi by custom, ns0 where Python's xml module chose it (meshio).
+    std::string_view tag = child.name();
+    tag.remove_prefix(std::min(tag.size(), tag.find(':') + 1));
+    if (tag != "include") {
       add(child);
       continue;
     }

@@ -24,11 +24,19 @@ Vec3i cornerOf(const Vec3i& voxel) {
 /// Corners up to which a dense table of them is kept: 8 bytes each.
 constexpr double kMostInTable = 1 << 17;
 
-std::uint32_t placeIn(const Vec3i& voxel, int log2Side, int log2Cells) {
-  const std::int32_t last = (1 << log2Cells) - 1;
-  return static_cast<std::uint32_t>((voxel[0] >> log2Side & last) << 2 * log2Cells |
-                                    (voxel[1] >> log2Side & last) << log2Cells |
-                                    (voxel[2] >> log2Side & last));
+/// Which of a leaf's 4^3 cells of 2^3 voxels hold anything.
+std::uint64_t pairsOf(const openvdb::util::NodeMask<3>& mask) {
+  std::uint64_t pairs = 0;
+  for (std::uint32_t x = 0; x < 4; ++x) {
+    std::uint64_t slab =
+        mask.getWord<openvdb::Index64>(2 * x) | mask.getWord<openvdb::Index64>(2 * x + 1);
+    slab |= slab >> 1; // of z
+    slab = (slab | slab >> 8) & 0x0055005500550055;
+    slab = (slab | slab >> 1) & 0x0033003300330033;
+    slab = (slab | slab >> 2) & 0x000F000F000F000F;
+    pairs |= ((slab | slab >> 12 | slab >> 24 | slab >> 36) & 0xFFFF) << 16 * x;
+  }
+  return pairs;
 }
 
 /// Lines of leaf nodes up to which single voxels are looked at for support().
@@ -64,9 +72,25 @@ void ActiveTree::Lower::findBlocks() {
   for (std::uint32_t word = 0; word < Mask4::WORD_COUNT; ++word) {
     const auto any =
         children->getWord<openvdb::Index64>(word) | tiles->getWord<openvdb::Index64>(word);
-    for (std::uint32_t z = 0; z < 4; ++z)
-      if (any & (std::uint64_t(0x000F000F000F000F) << (4 * z)))
-        blocks |= std::uint64_t(1) << ((word >> 4) << 4 | (word & 3) << 2 | z);
+    const std::uint32_t x = word >> 2, y = word & 3;
+    for (std::uint32_t z = 0; z < 4; ++z) {
+      std::uint64_t lines = any >> (4 * z) & 0x000F000F000F000F;
+      lines = (lines | lines >> 12 | lines >> 24 | lines >> 36) & 0xFFFF;
+      const std::uint32_t block = (x >> 2) << 4 | y << 2 | z;
+      cells[block] |= lines << 16 * (x & 3);
+      blocks |= std::uint64_t(lines != 0) << block;
+    }
+  }
+}
+
+void ActiveTree::Upper::findGroups() {
+  // A word of the masks is two lines of 32 cells along z.
+  for (std::uint32_t word = 0; word < Mask5::WORD_COUNT; ++word) {
+    const auto any =
+        children->getWord<openvdb::Index64>(word) | tiles->getWord<openvdb::Index64>(word);
+    for (std::uint32_t z = 0; z < 8; ++z)
+      if (any & (std::uint64_t(0x0000000F0000000F) << (4 * z)))
+        groups[word >> 6] |= std::uint64_t(1) << ((word >> 1 & 7) << 3 | z);
   }
 }
 
@@ -75,8 +99,10 @@ void ActiveTree::index(const TreeT& tree) {
   const NodeLists<TreeT> nodes(tree);
   const auto leaves = nodes.leaves();
   leaves_.resize(leaves.size());
-  tbb::parallel_for(std::size_t(0), leaves.size(),
-                    [&](std::size_t i) { leaves_[i] = &leaves[i]->getValueMask(); });
+  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+    const Mask3& mask = leaves[i]->getValueMask();
+    leaves_[i] = {&mask, pairsOf(mask), std::uint16_t(mask.countOn())};
+  });
   const auto take = [](auto& into, const auto& from) {
     into.resize(from.size());
     tbb::parallel_for(std::size_t(0), from.size(), [&](std::size_t i) {
@@ -91,6 +117,8 @@ void ActiveTree::index(const TreeT& tree) {
   take(lowers_, nodes.lowers);
   tbb::parallel_for(std::size_t(0), lowers_.size(),
                     [&](std::size_t i) { lowers_[i].findBlocks(); });
+  for (Upper& upper : uppers_)
+    upper.findGroups();
   for (std::size_t i = 0; i < uppers_.size(); ++i)
     root_[cornerKey(cornerOf(originOf(nodes.uppers[i]->origin())))].upper = &uppers_[i];
   for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
@@ -134,7 +162,7 @@ const ActiveTree::Corner* ActiveTree::cornerInMap(const Vec3i& cell) const {
   return found == root_.end() ? nullptr : &found->second;
 }
 
-const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& on) const {
+const ActiveTree::Lower* ActiveTree::lowerAt(const Vec3i& voxel, bool& on) const {
   on = false;
   const Corner* at = corner(cornerOf(voxel));
   if (!at)
@@ -142,29 +170,15 @@ const openvdb::util::NodeMask<3>* ActiveTree::leafAt(const Vec3i& voxel, bool& o
   on = at->on;
   if (!at->upper)
     return nullptr;
-  std::uint32_t bit = placeIn(voxel, 7, 5);
+  const std::uint32_t bit = place<5>(voxel, 7);
   on = at->upper->tiles->isOn(bit);
-  if (!at->upper->children->isOn(bit))
-    return nullptr;
-  const Lower& lower = lowers_[at->upper->child(bit)];
-  bit = placeIn(voxel, 3, 4);
-  on = lower.tiles->isOn(bit);
-  return lower.children->isOn(bit) ? leaves_[lower.child(bit)] : nullptr;
+  return at->upper->children->isOn(bit) ? &lowers_[at->upper->child(bit)] : nullptr;
 }
 
-/// Calls `f(origin, mask)` for leaf nodes, and with a null mask for active tiles as large.
-template <class F>
-void ActiveTree::forNodes(const F& f) const {
-  for (std::size_t i = 0; i < lowers_.size(); ++i)
-    for (std::uint32_t cell = 0; cell < Mask4::SIZE; ++cell) {
-      const bool isNode = lowers_[i].children->isOn(cell);
-      if (!isNode && !lowers_[i].tiles->isOn(cell))
-        continue;
-      const Vec3i& origin = lowerOrigins_[i];
-      f(Vec3i{origin[0] + 8 * std::int32_t(cell >> 8), origin[1] + 8 * std::int32_t(cell >> 4 & 15),
-              origin[2] + 8 * std::int32_t(cell & 15)},
-        isNode ? leaves_[lowers_[i].child(cell)] : nullptr);
-    }
+const ActiveTree::Leaf* ActiveTree::leafIn(const Lower& lower, const Vec3i& voxel, bool& on) const {
+  const std::uint32_t bit = place<4>(voxel, 3);
+  on = lower.tiles->isOn(bit);
+  return lower.children->isOn(bit) ? &leaves_[lower.child(bit)] : nullptr;
 }
 
 /// Of what lies in a line along z only the lowest and the highest can reach furthest in any
@@ -183,12 +197,16 @@ void ActiveTree::findOutermost() const {
       line->second.high = std::max(line->second.high, part.high);
     }
   };
-  forNodes([&](const Vec3i& node, const Mask3*) { add({node[0], node[1], node[2], node[2] + 8}); });
+  const auto forAll = [this](const auto& f) {
+    for (std::size_t i = 0; i < lowers_.size(); ++i)
+      forLeaves(i, f);
+  };
+  forAll([&](const Vec3i& node, const Mask3*) { add({node[0], node[1], node[2], node[2] + 8}); });
   std::int32_t side = 8;
   if (lines.size() <= kFewLines) {
     lines.clear();
     side = 1;
-    forNodes([&](const Vec3i& node, const Mask3* leaf) {
+    forAll([&](const Vec3i& node, const Mask3* leaf) {
       for (std::uint32_t column = 0; column < 64; ++column) {
         const std::uint64_t slab =
             leaf ? leaf->getWord<openvdb::Index64>(column >> 3) : ~std::uint64_t(0);
@@ -207,23 +225,7 @@ void ActiveTree::findOutermost() const {
   };
   for (const auto& [key, line] : lines)
     addBox({line.x, line.y, line.low}, side, line.high - line.low);
-  for (const auto& [key, at] : root_) {
-    const auto part = [k = key](int shift) { // 20 bits, with their sign
-      return std::int32_t(std::uint32_t(k >> shift) << 12);
-    };
-    const Vec3i origin{part(40), part(20), part(0)};
-    if (!at.upper) {
-      if (at.on)
-        addBox(origin, 4096, 4096);
-      continue;
-    }
-    for (std::uint32_t bit = 0; bit < Mask5::SIZE; ++bit)
-      if (at.upper->tiles->isOn(bit))
-        addBox({origin[0] + 128 * std::int32_t(bit >> 10),
-                origin[1] + 128 * std::int32_t(bit >> 5 & 31),
-                origin[2] + 128 * std::int32_t(bit & 31)},
-               128, 128);
-  }
+  forLargeTiles([&](const Vec3i& low, std::int32_t tile) { addBox(low, tile, tile); });
 }
 
 double ActiveTree::support(const Vec3d& direction) const {
@@ -240,25 +242,33 @@ double ActiveTree::support(const Vec3d& direction) const {
 }
 
 bool ActiveTree::isOn(const Vec3i& voxel) const {
-  bool on = false;
-  const Mask3* leaf = leafAt(voxel, on);
-  return leaf ? leaf->isOn(placeIn(voxel, 0, 3)) : on;
+  return Probe(*this).isOn(voxel);
 }
 
 void ActiveTree::Probe::find(const Vec3i& voxel) {
-  const Vec3i leaf{voxel[0] & ~7, voxel[1] & ~7, voxel[2] & ~7};
-  if (leaf != leaf_) {
-    leaf_ = leaf;
-    mask_ = tree_.leafAt(voxel, tile_);
+  const auto isSame = [&voxel](const Vec3i& other, int log2Side) {
+    return ((voxel[0] ^ other[0]) | (voxel[1] ^ other[1]) | (voxel[2] ^ other[2])) >> log2Side == 0;
+  };
+  if (isKnown_ && isSame(inLeaf_, 3))
+    return;
+  if (!isKnown_ || !isSame(inLower_, 7)) {
+    lower_ = tree_.lowerAt(voxel, lowerTile_);
+    inLower_ = voxel;
   }
+  inLeaf_ = voxel;
+  isKnown_ = true;
+  tile_ = lowerTile_;
+  leaf_ = lower_ ? tree_.leafIn(*lower_, voxel, tile_) : nullptr;
 }
 
 double ActiveTree::Probe::filled(const Vec3i& cell, int log2Side) {
   const Vec3i voxel{cell[0] * (1 << log2Side), cell[1] * (1 << log2Side),
                     cell[2] * (1 << log2Side)};
   find(voxel);
-  if (!mask_)
+  if (!leaf_)
     return tile_ ? 1 : 0;
+  if (log2Side == 3)
+    return leaf_->count / 512.0;
   const std::uint32_t side = 1u << log2Side;
   const std::uint64_t run = (std::uint64_t(1) << side) - 1; // along z
   std::uint64_t lines = 0;                                  // along y and z
@@ -268,31 +278,13 @@ double ActiveTree::Probe::filled(const Vec3i& cell, int log2Side) {
   std::uint32_t on = 0;
   for (std::uint32_t x = 0; x < side; ++x)
     on += openvdb::util::CountOn(
-        mask_->getWord<openvdb::Index64>((std::uint32_t(voxel[0]) & 7) + x) & lines);
+        leaf_->mask->getWord<openvdb::Index64>((std::uint32_t(voxel[0]) & 7) + x) & lines);
   return double(on) / double(side * side * side);
 }
 
 bool ActiveTree::Probe::isOn(const Vec3i& voxel) {
   find(voxel);
-  return mask_ ? mask_->isOn(placeIn(voxel, 0, 3)) : tile_;
-}
-
-bool ActiveTree::firstOf(const IndexRay& ray, const Span& span, Voxel& found) {
-  Vec3i high = span.origin;
-  for (std::int32_t& c : high)
-    c += (1 << span.log2Side) - 1;
-  Cells voxels(ray, *span.inverse, span.begin, span.axis, 0, span.origin, high);
-  do {
-    if (span.mask && !span.mask->isOn(placeIn(voxels.cell, 0, 3)))
-      continue;
-    found = {voxels.cell, voxels.t, voxels.axis};
-    return true;
-  } while (voxels.step() && voxels.t <= ray.tMax);
-  return false;
-}
-
-bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
-  return walk(ray, [&](const Span& span) { return firstOf(ray, span, found); });
+  return leaf_ ? leaf_->mask->isOn(place<3>(voxel, 0)) : tile_;
 }
 
 } // namespace tetvdb

@@ -28,9 +28,12 @@ struct IndexRay {
   }
 };
 
-/// Pointers to the masks of a tree 5-4-3, which must outlive it. Memory: 8 bytes a leaf and 0.1 to
+/// Pointers to the masks of a tree 5-4-3, which must outlive it. Memory: 24 bytes a leaf and 0.1 to
 /// 2 KB an internal node. Queries are const and thread-safe.
 class ActiveTree {
+  struct Leaf;
+  struct Lower;
+
 public:
   /// Any of KnownGrids (volume/GridTypes.h); Error(Usage) for others.
   explicit ActiveTree(const openvdb::GridBase& grid);
@@ -44,6 +47,11 @@ public:
   /// The maximum of the dot product of `direction` with points of active voxels, in large trees
   /// with those of leaf nodes; -infinity where there are none. The first call looks at all nodes.
   double support(const Vec3d& direction) const;
+
+  /// Calls `f(low, side)` for every leaf node and active tile, cubes of 8, 128 or 4096 voxels a
+  /// side from voxel `low`. In parallel.
+  template <class F>
+  void forCubes(const F& f) const;
 
   /// A cube of voxels that a ray goes through.
   struct Span {
@@ -79,9 +87,12 @@ public:
     void find(const Vec3i& voxel);
 
     const ActiveTree& tree_;
-    Vec3i leaf_{1, 1, 1}; // no leaf's origin
-    const openvdb::util::NodeMask<3>* mask_ = nullptr;
-    bool tile_ = false;
+    Vec3i inLeaf_{0, 0, 0},
+        inLower_{0, 0, 0}; ///< of which leaf_ and lower_ speak, if they are known
+    bool isKnown_ = false;
+    const Leaf* leaf_ = nullptr;
+    const Lower* lower_ = nullptr;
+    bool tile_ = false, lowerTile_ = false;
   };
 
 private:
@@ -100,24 +111,54 @@ private:
     void count();
     std::uint32_t child(std::uint32_t bit) const;
   };
-  using Upper = Inner<Mask5>;
+  struct Upper : Inner<Mask5> {
+    /// Which of its 8^3 groups of 4^3 cells hold anything.
+    std::array<std::uint64_t, 8> groups{};
+    void findGroups();
+    bool holdsAround(const Vec3i& voxel) const {
+      return groups[std::size_t(voxel[0] >> 9 & 7)] >>
+                 ((voxel[1] >> 6 & 56) | (voxel[2] >> 9 & 7)) &
+             1;
+    }
+  };
   struct Lower : Inner<Mask4> {
     /// Which of its 4^3 blocks of 4^3 cells hold anything: rays pass the others in one step.
     std::uint64_t blocks = 0;
+    std::array<std::uint64_t, 64> cells{}; ///< by block: which of its cells hold anything
     void findBlocks();
+  };
+  /// A leaf node, with what can be known of it without a look at its mask.
+  struct Leaf {
+    const Mask3* mask = nullptr;
+    std::uint64_t pairs = 0; ///< which of its 4^3 cells of 2^3 voxels hold anything
+    std::uint16_t count = 0; ///< of active voxels
   };
   struct Corner { ///< of the root: 4096^3 voxels
     const Upper* upper = nullptr;
     bool on = false;
   };
   struct Cells; ///< a walk over cells of one size
-  struct Found; ///< what lies at a voxel
+  struct Step;
+
+  /// The number of the cell of side 2^log2Side around a voxel in a node of 2^kLog2Cells of them.
+  template <int kLog2Cells>
+  static std::uint32_t place(const Vec3i& voxel, int log2Side) {
+    constexpr std::int32_t kLast = (1 << kLog2Cells) - 1;
+    return static_cast<std::uint32_t>((voxel[0] >> log2Side & kLast) << 2 * kLog2Cells |
+                                      (voxel[1] >> log2Side & kLast) << kLog2Cells |
+                                      (voxel[2] >> log2Side & kLast));
+  }
 
   template <class TreeT>
   void index(const TreeT& tree);
   void findOutermost() const;
+  /// Calls `f(low, mask)` for the leaf nodes in an internal node, and with a null mask for active
+  /// tiles as large.
   template <class F>
-  void forNodes(const F& f) const;
+  void forLeaves(std::size_t lower, const F& f) const;
+  /// Calls `f(low, side)` for the active tiles of 128 and 4096 voxels.
+  template <class F>
+  void forLargeTiles(const F& f) const;
   const Corner* corner(const Vec3i& cell) const {
     std::size_t at = 0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -130,8 +171,9 @@ private:
   }
   const Corner* cornerInMap(const Vec3i& cell) const;
   void tabulateRoot();
-  const Mask3* leafAt(const Vec3i& voxel, bool& on) const;
-  static bool firstOf(const IndexRay& ray, const Span& span, Voxel& found);
+  /// The node of 128^3 voxels around one, or null; `on`: it is an active tile instead.
+  const Lower* lowerAt(const Vec3i& voxel, bool& on) const;
+  const Leaf* leafIn(const Lower& lower, const Vec3i& voxel, bool& on) const;
 
   std::unordered_map<std::uint64_t, Corner> root_; ///< by corner's place in units of 4096
   // The same as a dense table of the corners in the active voxels' box, where these are few.
@@ -139,7 +181,7 @@ private:
   std::vector<const Corner*> rootTable_;
   std::vector<Upper> uppers_;
   std::vector<Lower> lowers_;
-  std::vector<const Mask3*> leaves_;
+  std::vector<Leaf> leaves_;
   std::vector<Vec3i> lowerOrigins_;
   Vec3i low_{0, 0, 0}, high_{-1, -1, -1};
   mutable std::once_flag once_;
@@ -148,4 +190,5 @@ private:
 
 } // namespace tetvdb
 
+#include "tetvdb/visualize/ActiveTreeCubes.h"
 #include "tetvdb/visualize/ActiveTreeWalk.h"

@@ -137,10 +137,9 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
         Cells leaves(ray, inverse, blocks.t, blocks.axis, 3, scaled(b, 2), filled(b, 2));
         do {
           const Vec3i& l = leaves.cell;
-          const auto place =
-              static_cast<std::uint32_t>((l[0] & 15) << 8 | (l[1] & 15) << 4 | (l[2] & 15));
+          const std::uint32_t place = ActiveTree::place<4>(l, 0);
           if (lower.children->isOn(place)) {
-            if (span(leaves, 3, leaves_[lower.child(place)]))
+            if (span(leaves, 3, leaves_[lower.child(place)].mask))
               return true;
           } else if (lower.tiles->isOn(place) && span(leaves, 3, nullptr)) {
             return true;

@@ -182,4 +182,28 @@ Camera::Projected Camera::project(const Vec3d& point) const {
           depth};
 }
 
+Camera::Footprint Camera::footprint(const Vec3d& middle, const Vec3d& reach) const {
+  const Vec3d v = minus(middle, origin_);
+  const double depth = -dot(v, view_.toEye);
+  const double near = depth - reach[2], far = depth + reach[2];
+  Footprint print{0, width_ - 1, 0, height_ - 1, std::max(near, 0.0)};
+  if (lens_.perspective && near <= 0) // around the eye: anywhere
+    return print;
+  // A pixel at the near and at the far end is so large; what lies off the middle is furthest from
+  // it near the eye.
+  const double small = pixelAt(near), large = pixelAt(far);
+  const auto pixel = [](double place, double half, double side, int count) {
+    const double p = std::floor(half + place / side);
+    return static_cast<int>(std::min(std::max(p, -1.0), static_cast<double>(count)));
+  };
+  const auto range = [&](double low, double high, int count, int& first, int& last) {
+    first = std::max(pixel(low, count / 2.0, low < 0 ? small : large, count), 0);
+    last = std::min(pixel(high, count / 2.0, high < 0 ? large : small, count), count - 1);
+  };
+  const double x = dot(v, view_.right), y = -dot(v, view_.up);
+  range(x - reach[0], x + reach[0], width_, print.left, print.right);
+  range(y - reach[1], y + reach[1], height_, print.top, print.bottom);
+  return print;
+}
+
 } // namespace tetvdb

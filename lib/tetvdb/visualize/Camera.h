@@ -76,6 +76,16 @@ public:
   };
   Projected project(const Vec3d& point) const;
 
+  /// The pixels that a box may cover, inclusive, within the picture (right < left: none), and a t
+  /// that it lies behind on all of their rays, 0 or more.
+  struct Footprint {
+    int left, right, top, bottom;
+    double depth;
+  };
+  /// Of a box given by its middle and how far it reaches from there along the view's axes (right,
+  /// up, towards the eye).
+  Footprint footprint(const Vec3d& middle, const Vec3d& reach) const;
+
   /// A pixel's side in world units at that depth.
   double pixelAt(double depth) const { return lens_.perspective ? pixel_ * depth : pixel_; }
   const View& view() const { return view_; }

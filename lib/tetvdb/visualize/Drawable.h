@@ -51,6 +51,8 @@ inline double supportOf(const Box& box, const Vec3d& direction) {
   return sum;
 }
 
+class EntryMap;
+
 /// An opaque thing. Const member functions are thread-safe.
 class Drawable {
 public:
@@ -62,6 +64,9 @@ public:
   virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
   /// The first point within [tMin, tMax], if there is one.
   virtual bool firstHit(const Ray& ray, RayHit& hit) const = 0;
+  /// Adds boxes that hold all of the thing to the map. False where it has none that would say more
+  /// than its hits do, or where that is no faster: then every ray has to be asked.
+  virtual bool mark(EntryMap& /*map*/) const { return false; }
   /// Whether there is a point within [tMin, tMax]: for shadows and ambient occlusion.
   virtual bool blocks(const Ray& ray) const = 0;
   /// How far off the surface a ray must start, in world units, so as not to meet where it began.
@@ -75,6 +80,8 @@ public:
   virtual Box bounds() const = 0;
   /// As Drawable::support().
   virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
+  /// As Drawable::mark().
+  virtual bool mark(EntryMap& /*map*/) const { return false; }
   /// Light that reaches the ray's origin from within [tMin, tMax], and what share of light from
   /// behind gets through. `jitter` in [0, 1) moves the samples by that part of a step.
   virtual void gather(const Ray& ray, double jitter, Rgb& light, float& transmittance) const = 0;

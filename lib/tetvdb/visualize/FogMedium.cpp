@@ -123,6 +123,11 @@ public:
 
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
 
+  bool mark(EntryMap& map) const override {
+    space_.mark(tree_, map);
+    return true;
+  }
+
   void gather(const Ray& asked, double jitter, Rgb& light, float& transmittance) const override {
     light = {0, 0, 0};
     transmittance = 1;

@@ -13,6 +13,10 @@ class GridDrawable : public Drawable {
 public:
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
   double support(const Vec3d& direction) const override { return space_.support(tree_, direction); }
+  bool mark(EntryMap& map) const override {
+    space_.mark(tree_, map);
+    return true;
+  }
 
 protected:
   GridDrawable(openvdb::GridBase::ConstPtr grid, const VolumeLook& look)

@@ -3,8 +3,10 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/visualize/EntryMap.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tetvdb {
 namespace {
@@ -73,6 +75,22 @@ double GridSpace::support(const ActiveTree& tree, const Vec3d& direction) const 
   for (std::size_t row = 0; row < 3; ++row)
     inIndex = plus(inIndex, times(toWorld_[row], direction[row]));
   return dot(direction, origin_) + tree.support(inIndex);
+}
+
+void GridSpace::mark(const ActiveTree& tree, EntryMap& map) const {
+  const View& view = map.view();
+  const std::array<Vec3d, 3> axes = {view.right, view.up, view.toEye};
+  Vec3d half{0, 0, 0}; // of a voxel
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t column = 0; column < 3; ++column)
+      half[a] += std::abs(toWorld_[0][column] * axes[a][0] + toWorld_[1][column] * axes[a][1] +
+                          toWorld_[2][column] * axes[a][2]) /
+                 2;
+  tree.forCubes([&](const Vec3i& low, std::int32_t side) {
+    const double toMiddle = side / 2.0;
+    map.add(toWorld({low[0] + toMiddle, low[1] + toMiddle, low[2] + toMiddle}),
+            times(half, side + 2.0));
+  });
 }
 
 } // namespace tetvdb

@@ -25,6 +25,9 @@ public:
   Box bounds(const Vec3i& low, const Vec3i& high) const;
   /// How far the tree's active voxels reach in a direction, in the world (Drawable::support()).
   double support(const ActiveTree& tree, const Vec3d& direction) const;
+  /// Adds the tree's leaf nodes and active tiles to the map, each a voxel larger on all sides.
+  /// Parallel.
+  void mark(const ActiveTree& tree, EntryMap& map) const;
   /// The shortest side of a voxel, world units.
   double voxel() const { return voxel_; }
 

@@ -3,12 +3,14 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/visualize/EntryMap.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <tbb/parallel_for.h>
 #include <vector>
 
@@ -74,6 +76,7 @@ public:
       : camera_(camera), options_(options), progress_(progress),
         lights_(scene, camera.view(), options.lighting), image_(camera.width(), camera.height()),
         gathered_(image_.pixels.size()) {
+    markEntries(scene);
     const auto rows = static_cast<float>(camera.height());
     for (int y = 0; y < camera.height(); ++y) {
       const float down = (static_cast<float>(y) + 0.5F) / rows;
@@ -92,6 +95,15 @@ public:
   }
 
 private:
+  // Where the whole scene can tell.
+  void markEntries(const Scene& scene) {
+    entries_.emplace(camera_);
+    const auto mark = [this](const auto& thing) { return thing->mark(*entries_); };
+    if (!std::all_of(scene.drawables.begin(), scene.drawables.end(), mark) ||
+        !std::all_of(scene.media.begin(), scene.media.end(), mark))
+      entries_.reset();
+  }
+
   template <typename Visit>
   void eachPixel(double from, double to, const Visit& visit) {
     const int across = (camera_.width() + kTile - 1) / kTile;
@@ -114,6 +126,9 @@ private:
 
   // Adds samples number `from` to `to` - 1 to those that are there.
   void gather(int x, int y, std::uint32_t from, std::uint32_t to) {
+    const double entry = entries_ ? static_cast<double>(entries_->at(x, y)) : 0;
+    if (std::isinf(entry))
+      return; // what is there after no sample at all
     const std::uint64_t scramble = hash(static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x));
     const std::uint32_t raysOfFew = std::max(1U, options_.skyRays / kFew);
     const std::uint32_t rays = from < kFew ? raysOfFew : std::max(1U, options_.skyRays / kMany);
@@ -129,7 +144,8 @@ private:
       axis *= pixel.hits;
     pixel.depth *= pixel.hits;
     for (std::uint32_t i = from; i < to; ++i) {
-      const Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
+      Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
+      ray.tMin = entry;
       const double jitter = static_cast<double>(hash(scramble + i) >> 11) * 0x1p-53;
       const std::uint32_t first =
           i < kFew ? i * rays : kFew * raysOfFew + (i - kFew) * rays; // of the sky's rays
@@ -264,6 +280,7 @@ private:
   Progress& progress_;
   Lights lights_;
   Image image_;
+  std::optional<EntryMap> entries_;
   std::vector<Gathered> gathered_;
   std::vector<Pixel> background_; ///< by row
 };

@@ -150,6 +150,12 @@ public:
 
   double skin() const override { return 1.5 * space_.voxel(); }
 
+  /// A cut shows what lies within a surface, where voxels need not be active.
+  bool mark(EntryMap& map) const override {
+    constexpr bool kOfStates = std::is_same<Field, OccupancyField>::value;
+    return (kOfStates || !look_.cut) && GridDrawable::mark(map);
+  }
+
   bool firstHit(const Ray& asked, RayHit& hit) const override {
     Kept kept;
     if (!keep(asked, kept))

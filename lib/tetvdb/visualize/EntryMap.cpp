@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/visualize/EntryMap.h"
+
+#include <limits>
+
+namespace tetvdb {
+namespace {
+
+// Entries are floats; this much less is less after rounding, too.
+constexpr double kRounding = 1 - 1e-6;
+
+} // namespace
+
+EntryMap::EntryMap(const Camera& camera)
+    : camera_(camera), entries_(static_cast<std::size_t>(camera.width()) *
+                                static_cast<std::size_t>(camera.height())) {
+  for (std::atomic<float>& entry : entries_)
+    entry.store(std::numeric_limits<float>::infinity(), std::memory_order_relaxed);
+}
+
+void EntryMap::add(const Vec3d& middle, const Vec3d& reach) {
+  const Camera::Footprint print = camera_.footprint(middle, reach);
+  const auto nearest = static_cast<float>(print.depth * kRounding);
+  for (int y = print.top; y <= print.bottom; ++y)
+    for (int x = print.left; x <= print.right; ++x) {
+      std::atomic<float>& entry = entries_[index(x, y)];
+      float known = entry.load(std::memory_order_relaxed);
+      while (nearest < known &&
+             !entry.compare_exchange_weak(known, nearest, std::memory_order_relaxed)) {
+      }
+    }
+}
+
+} // namespace tetvdb

@@ -57,13 +57,6 @@ void ActiveTree::Inner<Mask>::count() {
   }
 }
 
-template <class Mask>
-std::uint32_t ActiveTree::Inner<Mask>::child(std::uint32_t bit) const {
-  const auto word = children->template getWord<openvdb::Index64>(bit >> 6);
-  const std::uint64_t earlier = word & ((std::uint64_t(1) << (bit & 63)) - 1);
-  return first + before[bit >> 6] + openvdb::util::CountOn(earlier);
-}
-
 template struct ActiveTree::Inner<openvdb::util::NodeMask<5>>;
 template struct ActiveTree::Inner<openvdb::util::NodeMask<4>>;
 
@@ -88,9 +81,12 @@ void ActiveTree::Upper::findGroups() {
   for (std::uint32_t word = 0; word < Mask5::WORD_COUNT; ++word) {
     const auto any =
         children->getWord<openvdb::Index64>(word) | tiles->getWord<openvdb::Index64>(word);
-    for (std::uint32_t z = 0; z < 8; ++z)
-      if (any & (std::uint64_t(0x0000000F0000000F) << (4 * z)))
-        groups[word >> 6] |= std::uint64_t(1) << ((word >> 1 & 7) << 3 | z);
+    const std::uint32_t x = word >> 4, y = (word & 15) << 1;
+    for (std::uint32_t z = 0; z < 8; ++z) {
+      const std::uint64_t lines = any >> (4 * z) & 0xF, next = any >> (32 + 4 * z) & 0xF;
+      groups[(x >> 2) << 6 | (y >> 2) << 3 | z] |= (lines | next << 4)
+                                                   << ((x & 3) << 4 | (y & 3) << 2);
+    }
   }
 }
 

@@ -109,17 +109,16 @@ private:
     std::uint32_t first = 0;
     std::array<std::uint16_t, Mask::WORD_COUNT> before{}; ///< children in earlier words
     void count();
-    std::uint32_t child(std::uint32_t bit) const;
+    std::uint32_t child(std::uint32_t bit) const {
+      const auto word = children->template getWord<openvdb::Index64>(bit >> 6);
+      const std::uint64_t earlier = word & ((std::uint64_t(1) << (bit & 63)) - 1);
+      return first + before[bit >> 6] + openvdb::util::CountOn(earlier);
+    }
   };
   struct Upper : Inner<Mask5> {
-    /// Which of its 8^3 groups of 4^3 cells hold anything.
-    std::array<std::uint64_t, 8> groups{};
+    /// By group of 4^3 cells, of which it has 8^3: which of them hold anything.
+    std::array<std::uint64_t, 512> groups{};
     void findGroups();
-    bool holdsAround(const Vec3i& voxel) const {
-      return groups[std::size_t(voxel[0] >> 9 & 7)] >>
-                 ((voxel[1] >> 6 & 56) | (voxel[2] >> 9 & 7)) &
-             1;
-    }
   };
   struct Lower : Inner<Mask4> {
     /// Which of its 4^3 blocks of 4^3 cells hold anything: rays pass the others in one step.

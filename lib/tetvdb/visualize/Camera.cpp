@@ -189,16 +189,16 @@ Camera::Footprint Camera::footprint(const Vec3d& middle, const Vec3d& reach) con
   Footprint print{0, width_ - 1, 0, height_ - 1, std::max(near, 0.0)};
   if (lens_.perspective && near <= 0) // around the eye: anywhere
     return print;
-  // A pixel at the near and at the far end is so large; what lies off the middle is furthest from
+  // So many pixels a unit at the near and at the far end; what lies off the middle is furthest from
   // it near the eye.
-  const double small = pixelAt(near), large = pixelAt(far);
-  const auto pixel = [](double place, double half, double side, int count) {
-    const double p = std::floor(half + place / side);
-    return static_cast<int>(std::min(std::max(p, -1.0), static_cast<double>(count)));
+  const double most = 1 / pixelAt(near), least = lens_.perspective ? 1 / pixelAt(far) : most;
+  const auto pixel = [](double p, int count) { // rounded down, and -1 or `count` outside
+    return static_cast<int>(std::min(std::max(p + 1, 0.0), count + 1.0)) - 1;
   };
   const auto range = [&](double low, double high, int count, int& first, int& last) {
-    first = std::max(pixel(low, count / 2.0, low < 0 ? small : large, count), 0);
-    last = std::min(pixel(high, count / 2.0, high < 0 ? large : small, count), count - 1);
+    const double half = count / 2.0;
+    first = std::max(pixel(half + low * (low < 0 ? most : least), count), 0);
+    last = std::min(pixel(half + high * (high < 0 ? least : most), count), count - 1);
   };
   const double x = dot(v, view_.right), y = -dot(v, view_.up);
   range(x - reach[0], x + reach[0], width_, print.left, print.right);

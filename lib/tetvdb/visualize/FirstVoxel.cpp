@@ -158,14 +158,16 @@ bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
     const Vec3i inCorner = v;
     do { // cells of 128^3
       const Upper& upper = *corner->upper;
-      const std::uint32_t bit = place<5>(v, 7);
-      if (!upper.children->isOn(bit)) {
-        if (upper.tiles->isOn(bit))
-          return find();
-        if (!leave(upper.holdsAround(v) ? 7 : 9))
+      const std::uint64_t group = upper.groups[place<3>(v, 9)];
+      const std::uint32_t one = place<2>(v, 7);
+      if (!(group >> one & 1)) {
+        if (!leave(!(group & ahead[one]) ? 9 : holdsAround(group, one) ? 7 : 8))
           return false;
         continue;
       }
+      const std::uint32_t bit = place<5>(v, 7);
+      if (!upper.children->isOn(bit))
+        return find(); // an active tile
       const Lower& lower = lowers_[upper.child(bit)];
       const Vec3i inLower = v;
       do { // blocks of 4^3 leaf nodes

@@ -167,12 +167,14 @@ void XdmfData::need(pugi::xml_node asked) {
   const std::string_view format = item.node.attribute("Format").value();
   if (sameWord(format, "HDF") || sameWord(format, "HDF5") || sameWord(format, "H5")) {
     const std::string text(trimmedText(item.node));
-    const std::size_t colon = text.rfind(":/");
-    if (colon == 0 || colon == std::string::npos)
+    const std::size_t colon = datasetColon(text);
+    if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
       fail(item.node, "'" + text.substr(0, 80) + "' names no dataset, as file.h5:/path does");
     Hdf5Dataset dataset;
     dataset.file = fileOf(item.node, text.substr(0, colon));
     dataset.path = text.substr(colon + 1);
+    if (dataset.path.front() != '/') // FEniCS's checkpoints
+      dataset.path.insert(dataset.path.begin(), '/');
     dataset.sliced = item.sliced;
     dataset.slab = item.slab;
     dataset.least = item.declared ? item.numbers : 0;

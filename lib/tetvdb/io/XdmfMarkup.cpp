@@ -24,6 +24,11 @@ bool sameWord(std::string_view a, std::string_view b) {
                                             [](char x, char y) { return lower(x) == lower(y); });
 }
 
+std::size_t datasetColon(std::string_view text) {
+  const std::size_t colon = text.rfind(":/");
+  return colon != std::string_view::npos ? colon : text.rfind(':');
+}
+
 std::string_view trimmedText(pugi::xml_node element) {
   std::string_view text = element.text().get();
   const auto blank = [](char c) { return static_cast<unsigned char>(c) <= ' '; };

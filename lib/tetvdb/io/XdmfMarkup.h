@@ -39,6 +39,9 @@ private:
 
 /// Whether two texts are equal but for the case of their letters.
 bool sameWord(std::string_view a, std::string_view b);
+/// Where in "file.h5:/path" or "file.h5:path" the colon between file and dataset is; npos where
+/// there is none.
+std::size_t datasetColon(std::string_view text);
 /// The text of an element without white space around it.
 std::string_view trimmedText(pugi::xml_node element);
 

@@ -6,23 +6,21 @@
 #include "tetvdb/io/NumberParser.h"
 #include "tetvdb/io/VtkCells.h"
 #include "tetvdb/io/XdmfData.h"
+#include "tetvdb/io/XdmfFunction.h"
+#include "tetvdb/io/XdmfGrids.h"
 #include "tetvdb/io/XdmfMarkup.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kDeepestGrid = 32;
 
 /// A topology type: its cells are VTK's, nodes in VTK's order.
 struct Shape {
@@ -67,72 +65,7 @@ std::uint64_t indexOf(T value) {
 struct Piece {
   pugi::xml_node grid, topology, geometry;
   std::vector<pugi::xml_node> attributes;
-};
-
-// --- Grids --------------------------------------------------------------------------------------
-
-class Grids {
-public:
-  explicit Grids(const XdmfMarkup& markup) : markup_(markup) {}
-
-  static bool isCollection(pugi::xml_node grid) {
-    const std::string_view type = typeOf(grid);
-    return sameWord(type, "Collection") || sameWord(type, "Tree");
-  }
-  static bool isTemporal(pugi::xml_node grid) {
-    return sameWord(typeOf(grid), "Collection") &&
-           sameWord(grid.attribute("CollectionType").value(), "Temporal");
-  }
-  std::vector<pugi::xml_node> children(pugi::xml_node grid) const {
-    return markup_.children(grid, "Grid");
-  }
-
-  /// The first temporal collection in or below `grid`; null where there is none.
-  pugi::xml_node temporal(pugi::xml_node grid, std::size_t depth = 0) const {
-    if (depth > kDeepestGrid)
-      fail(grid, "grids are nested too deep");
-    if (isTemporal(grid))
-      return grid;
-    if (isCollection(grid) || std::string_view(grid.name()) == "Domain")
-      for (const pugi::xml_node child : children(grid))
-        if (const pugi::xml_node found = temporal(child, depth + 1))
-          return found;
-    return {};
-  }
-
-  /// The uniform grids of `grid` at a step.
-  void uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,
-               std::size_t depth = 0) const {
-    if (depth > kDeepestGrid || found.size() > kMostGrids)
-      fail(grid, "has too many grids in it");
-    if (!isCollection(grid)) {
-      const std::string_view type = typeOf(grid);
-      if (!type.empty() && !sameWord(type, "Uniform"))
-        fail(grid, "is a grid of type '" + std::string(type) + "', which is not read");
-      found.push_back(grid);
-      return;
-    }
-    const std::vector<pugi::xml_node> all = children(grid);
-    if (isTemporal(grid)) {
-      if (step < all.size())
-        uniform(all[step], step, found, depth + 1);
-      return;
-    }
-    for (const pugi::xml_node child : all)
-      uniform(child, step, found, depth + 1);
-  }
-
-  [[noreturn]] void fail(pugi::xml_node grid, const std::string& what,
-                         const char* advice = "repair the file or export it again") const {
-    throw Error(Status::Invalid, markup_.where(grid), what, advice);
-  }
-
-private:
-  static constexpr std::size_t kMostGrids = 1 << 16;
-
-  static std::string_view typeOf(pugi::xml_node grid) { return grid.attribute("GridType").value(); }
-
-  const XdmfMarkup& markup_;
+  pugi::xml_node function; ///< the domain's collection over time that the grid is of, if any
 };
 
 // --- Meshes -------------------------------------------------------------------------------------
@@ -149,16 +82,16 @@ public:
       need(piece);
     data_.load();
     progress_.update(0.4);
-    CellMesh whole;
+    std::vector<FunctionMesh> meshes;
     std::size_t done = 0;
     for (const Piece& piece : pieces_) {
-      CellMesh mesh = make(piece);
-      if (pieces_.size() == 1)
-        return mesh;
-      vtk::appendPiece(whole, std::move(mesh), report_);
+      addMesh({piece.function, make(piece)}, meshes);
       progress_.update(0.4 +
                        0.6 * static_cast<double>(++done) / static_cast<double>(pieces_.size()));
     }
+    CellMesh whole = std::move(meshes.front().mesh);
+    for (std::size_t i = 1; i < meshes.size(); ++i)
+      vtk::appendPiece(whole, std::exchange(meshes[i].mesh, {}), report_);
     return whole;
   }
 
@@ -166,6 +99,36 @@ private:
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what,
                          const char* advice = "repair the file or export it again") const {
     throw Error(Status::Invalid, markup_.where(node), what, advice);
+  }
+
+  struct FunctionMesh {
+    pugi::xml_node function; ///< Piece::function
+    CellMesh mesh;
+  };
+
+  // A mesh that is there already, written once more for another function, gives its arrays alone.
+  static void addMesh(FunctionMesh&& added, std::vector<FunctionMesh>& meshes) {
+    CellMesh& mesh = added.mesh;
+    const auto sameRun = [](const CellRun& a, const CellRun& b) {
+      return a.type == b.type && a.nodesPerCell == b.nodesPerCell && a.count == b.count;
+    };
+    for (auto& [function, known] : meshes) {
+      if (function == added.function || known.points != mesh.points || known.nodes != mesh.nodes ||
+          !std::equal(known.runs.begin(), known.runs.end(), mesh.runs.begin(), mesh.runs.end(),
+                      sameRun))
+        continue;
+      for (Attribute& attribute : mesh.attributes)
+        if (!hasAttribute(known, attribute.name, attribute.on))
+          known.attributes.push_back(std::move(attribute));
+      known.unread.insert(known.unread.end(), mesh.unread.begin(), mesh.unread.end());
+      return;
+    }
+    meshes.push_back(std::move(added));
+  }
+  static bool hasAttribute(const CellMesh& mesh, const std::string& name, Attribute::On on) {
+    return std::any_of(mesh.attributes.begin(), mesh.attributes.end(), [&](const Attribute& other) {
+      return other.on == on && other.name == name;
+    });
   }
 
   void findPieces() {
@@ -182,7 +145,6 @@ private:
                   "it has " + std::to_string(steps));
     const std::size_t step =
         options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep) : steps - (steps > 0);
-    std::vector<pugi::xml_node> uniform;
     for (const pugi::xml_node grid : all) {
       // Beside collections over time stands the mesh that these refer to.
       if (temporal && !grids_.temporal(grid))
@@ -190,10 +152,8 @@ private:
       if (grids_.isTemporal(grid) && grids_.children(grid).size() != steps)
         leaveOut(grid, "has another number of steps");
       else
-        grids_.uniform(grid, step, uniform);
+        addGrids(grid, step, temporal ? grid : pugi::xml_node());
     }
-    for (const pugi::xml_node grid : uniform)
-      addGrid(grid);
     if (pieces_.empty())
       throw Error(Status::Invalid, source_.path, "has no grid with a topology and a geometry",
                   "export it again");
@@ -204,9 +164,16 @@ private:
                                       "' is left out: it " + why);
   }
 
-  void addGrid(pugi::xml_node grid) {
+  void addGrids(pugi::xml_node top, std::size_t step, pugi::xml_node function) {
+    std::vector<pugi::xml_node> uniform;
+    grids_.uniform(top, step, uniform);
+    for (const pugi::xml_node grid : uniform)
+      addGrid(grid, function);
+  }
+
+  void addGrid(pugi::xml_node grid, pugi::xml_node function) {
     Piece piece{grid, markup_.child(grid, "Topology"), markup_.child(grid, "Geometry"),
-                markup_.children(grid, "Attribute")};
+                markup_.children(grid, "Attribute"), function};
     if (!piece.topology || !piece.geometry)
       fail(grid, piece.topology ? "has no <Geometry>" : "has no <Topology>", "export it again");
     for (Piece& known : pieces_) {
@@ -231,9 +198,11 @@ private:
   }
   // Those on nodes and cells that are asked for, or that could tell regions.
   bool isWanted(pugi::xml_node attribute) const {
+    const std::string_view name = attribute.attribute("Name").value();
+    if (isFunction(attribute))
+      return options_.wants(name);
     if (!onPoints(attribute) && !sameWord(attribute.attribute("Center").value(), "Cell"))
       return false;
-    const std::string_view name = attribute.attribute("Name").value();
     return options_.wants(name) ||
            (!onPoints(attribute) && (name == options_.regionArray || holdsIntegers(attribute)));
   }
@@ -255,8 +224,9 @@ private:
     shapeOf(piece.topology);
     data_.need(itemOf(piece.topology));
     for (const pugi::xml_node attribute : piece.attributes)
-      if (isWanted(attribute) && !isFunction(attribute))
-        data_.need(itemOf(attribute));
+      if (isWanted(attribute))
+        for (const pugi::xml_node item : itemsOf(attribute))
+          data_.need(item);
   }
 
   pugi::xml_node itemOf(pugi::xml_node parent) const {
@@ -264,6 +234,19 @@ private:
     if (!item)
       fail(parent, "has no <DataItem>", "export it again");
     return item;
+  }
+
+  // That are to be read of an attribute: a function's are its cells' and its numbers.
+  std::vector<pugi::xml_node> itemsOf(pugi::xml_node attribute) const {
+    if (!isFunction(attribute))
+      return {itemOf(attribute)};
+    if (!xdmfFunction(attribute))
+      return {};
+    std::vector<pugi::xml_node> items = markup_.children(attribute, "DataItem");
+    if (items.size() < 2)
+      fail(attribute, "has too few data items for a function", "export it again");
+    items.resize(2);
+    return items;
   }
 
   std::vector<pugi::xml_node> geometryItems(const Piece& piece) const {
@@ -433,12 +416,18 @@ private:
       name = "unnamed";
     const auto on = onPoints(node) ? Attribute::On::Points : Attribute::On::Cells;
     if (!isWanted(node)) {
+      if (const std::optional<XdmfFunction> function = xdmfFunction(node)) {
+        mesh.unread.push_back({std::move(name), function->on, 1});
+        return;
+      }
       const bool elsewhere =
           on == Attribute::On::Cells && !sameWord(node.attribute("Center").value(), "Cell");
       if (options_.attributes && !elsewhere)
         mesh.unread.push_back({std::move(name), on, 1});
       return;
     }
+    if (const std::optional<XdmfFunction> function = xdmfFunction(node))
+      return readFunction(node, *function, std::move(name), mesh);
     if (isFunction(node)) {
       report_.warn("array-left-out", "the array '" + name + "' is a '" +
                                          node.attribute("ItemType").value() +
@@ -447,10 +436,7 @@ private:
     }
     Attribute attribute;
     attribute.values = data_.take(itemOf(node));
-    const bool known =
-        std::any_of(mesh.attributes.begin(), mesh.attributes.end(),
-                    [&](const Attribute& other) { return other.on == on && other.name == name; });
-    if (known)
+    if (hasAttribute(mesh, name, on))
       return;
     const std::size_t elements =
         on == Attribute::On::Points ? mesh.points.size() : mesh.cellCount();
@@ -467,6 +453,22 @@ private:
     attribute.components = static_cast<std::uint32_t>(numbers / elements);
     if (attribute.components == 6 && sameWord(node.attribute("AttributeType").value(), "Tensor6"))
       std::visit([](auto& values) { orderTensor(values); }, attribute.values);
+    mesh.attributes.push_back(std::move(attribute));
+  }
+
+  void readFunction(pugi::xml_node node, const XdmfFunction& function, std::string&& name,
+                    CellMesh& mesh) {
+    const std::vector<pugi::xml_node> items = itemsOf(node);
+    const Attribute::Values dofs = data_.take(items[0]), numbers = data_.take(items[1]);
+    if (hasAttribute(mesh, name, function.on))
+      return;
+    if (function.degree > 1)
+      report_.warn("linear-array", "the array '" + name + "' is a function of degree " +
+                                       std::to_string(function.degree) +
+                                       "; its values at the corners of cells are taken, between "
+                                       "them it becomes linear");
+    Attribute attribute = arrayOf(function, dofs, numbers, mesh, markup_.where(node));
+    attribute.name = std::move(name);
     mesh.attributes.push_back(std::move(attribute));
   }
 
@@ -487,60 +489,9 @@ private:
   Report& report_;
   Progress& progress_;
   XdmfMarkup markup_;
-  Grids grids_;
+  XdmfGrids grids_;
   XdmfData data_;
   std::vector<Piece> pieces_;
-};
-
-// --- Times --------------------------------------------------------------------------------------
-
-std::vector<double> numbersIn(std::string_view text, const std::string& where) {
-  NumberParser in(text, where);
-  std::vector<double> numbers;
-  while (!in.atEnd())
-    numbers.push_back(in.real());
-  return numbers;
-}
-
-// <Time> of the collection itself: a list, or start, step and number.
-std::vector<double> timesOfCollection(const XdmfMarkup& markup, pugi::xml_node time) {
-  const std::string_view type = time.attribute("TimeType").value();
-  const pugi::xml_node item = markup.child(time, "DataItem");
-  const std::string_view format = item.attribute("Format").value();
-  if (!item || (!format.empty() && !sameWord(format, "XML")))
-    return {};
-  std::vector<double> numbers = numbersIn(item.text().get(), markup.where(item));
-  if (!sameWord(type, "HyperSlab"))
-    return sameWord(type, "List") ? numbers : std::vector<double>();
-  if (numbers.size() != 3 || !(numbers[2] >= 0 && numbers[2] <= 1e6))
-    return {};
-  std::vector<double> times;
-  for (double i = 0; i < numbers[2]; ++i)
-    times.push_back(numbers[0] + i * numbers[1]);
-  return times;
-}
-
-/// Collects the files that data items name.
-class FileNames : public pugi::xml_tree_walker {
-public:
-  explicit FileNames(const std::string& path)
-      : folder_(std::filesystem::path(path).parent_path()) {}
-
-  bool for_each(pugi::xml_node& node) override {
-    const std::string_view format = node.attribute("Format").value();
-    if (format.empty() || sameWord(format, "XML"))
-      return true;
-    const std::string_view text = trimmedText(node);
-    const std::string_view name = text.substr(0, text.rfind(":/"));
-    if (!name.empty())
-      names.insert((folder_ / std::filesystem::path(name)).string());
-    return true;
-  }
-
-  std::set<std::string> names;
-
-private:
-  std::filesystem::path folder_;
 };
 
 } // namespace
@@ -548,39 +499,6 @@ private:
 CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
   return XdmfFile(source, options, report, progress).read();
-}
-
-std::vector<std::string> xdmfFiles(const Source& source) {
-  const XdmfMarkup markup(source);
-  FileNames files(source.path);
-  markup.domain().traverse(files);
-  return {files.names.begin(), files.names.end()};
-}
-
-std::vector<double> xdmfTimes(const Source& source) {
-  const XdmfMarkup markup(source);
-  const Grids grids(markup);
-  const pugi::xml_node temporal = grids.temporal(markup.domain());
-  if (!temporal)
-    return {};
-  const std::vector<pugi::xml_node> steps = grids.children(temporal);
-  std::vector<double> times;
-  if (const pugi::xml_node time = markup.child(temporal, "Time"))
-    times = timesOfCollection(markup, time);
-  if (times.size() == steps.size() && !times.empty())
-    return times;
-  times.clear();
-  bool all = true;
-  for (const pugi::xml_node step : steps) {
-    const pugi::xml_node time = markup.child(step, "Time");
-    const std::vector<double> value =
-        numbersIn(time.attribute("Value").value(), markup.where(step));
-    all = all && value.size() == 1;
-    times.push_back(all ? value.front() : 0);
-  }
-  for (std::size_t i = 0; i < times.size() && !all; ++i)
-    times[i] = static_cast<double>(i);
-  return times;
 }
 
 } // namespace tetvdb

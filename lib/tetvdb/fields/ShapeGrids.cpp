@@ -6,6 +6,7 @@
 #include "tetvdb/fields/Coverage.h"
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/LevelSet.h"
+#include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
@@ -47,6 +48,7 @@ struct Solid {
   Boundary faces;
   std::optional<RimWinding> rim; // of an open soup
   double shell = 0;              // half its thickness, voxels
+  std::optional<FillRule> rule;  // where faces close and windings say what is inside
 };
 
 // For all grids that are asked for.
@@ -73,6 +75,20 @@ openvdb::FloatGrid::Ptr coverageOf(const Solid& solid, const GridTransform& tran
                                        "once, by {:.6g} voxels' volume that is counted once",
                                        sum.overlapVoxels, sum.overlap));
   return grid;
+}
+
+// Leaves those parts of the faces that are the solid's boundary.
+void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) {
+  TrimmedFaces trimmed = trimFaces(solid.mesh, solid.faces, *solid.rule, progress);
+  counts = trimmed.counts;
+  if (!trimmed.complete)
+    report.warn("untrimmed", "too many faces cross to be cut along each other: the level set's "
+                             "magnitudes are distances to all faces, those inside of the solid "
+                             "included");
+  if (!trimmed.changed)
+    return;
+  solid.mesh = std::move(trimmed.mesh);
+  solid.faces = std::move(trimmed.faces);
 }
 
 openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
@@ -102,6 +118,10 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
     filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
   }
   if (asksFor(options, ShapeGrid::Surface) || asksFor(options, ShapeGrid::Fog)) {
+    if (solid.rule) {
+      timer.part("trim");
+      trim(solid, sums.trim, report, progress);
+    }
     timer.part("level set");
     surface = surfaceOf(solid, inside, made.transform, options, progress);
   }
@@ -159,8 +179,9 @@ ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxeli
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0};
+  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0, {}};
   solid.faces = boundaryFaces(solid.mesh, progress);
+  solid.rule = FillRule::Positive;
   return add(std::move(solid), options, made, timer, report, progress);
 }
 
@@ -171,20 +192,23 @@ ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0};
+  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0, {}};
   solid.faces = soupFaces(mesh, solid.mesh);
   solid.shell = how.shell / 2 / made.transform.voxelSize[0];
   const bool byWinding = how.method == SolidMethod::Winding && how.shell == 0 &&
                          (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
   const bool covers = asksFor(options, ShapeGrid::Coverage);
+  solid.rule = fillRuleOf(how);
   if (byWinding || covers || how.method == SolidMethod::Centroid) {
     const SoupRim rim = soupRim(mesh.triangles, progress);
     if (covers)
       requireCoverable(how, rim);
     if (how.method == SolidMethod::Centroid)
       closeToCentre(rim.edges, solid.mesh, solid.faces);
-    else if (!rim.edges.empty())
+    else if (!rim.edges.empty()) {
       solid.rim.emplace(windingOfRim(rim.edges, solid.mesh));
+      solid.rule.reset();
+    }
   }
   return add(std::move(solid), options, made, timer, report, progress);
 }

@@ -13,6 +13,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/CoverageSum.h"
+#include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
@@ -38,6 +39,7 @@ struct ShapeOptions {
 /// What else addShapeGrids() found.
 struct ShapeSums {
   CoverageSum coverage; ///< where ShapeGrid::Coverage was asked for
+  TrimCounts trim;      ///< where a level set or fog was
 };
 
 /// Throws Error(Usage) for a half-width out of range, a grid asked for twice, or a level set of

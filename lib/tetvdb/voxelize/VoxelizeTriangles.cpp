@@ -49,12 +49,6 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
     throw Error(Status::Invalid, "", "the mesh has no triangles");
 }
 
-FillRule fillRule(const SolidOptions& solid) {
-  if (solid.method == SolidMethod::Centroid || solid.inside == InsideRule::Parity)
-    return FillRule::Odd;
-  return solid.inside == InsideRule::NonZero ? FillRule::NonZero : FillRule::Positive;
-}
-
 std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
   if (solid.shell > 0)
     return "no voxel centre lies in the shell";
@@ -85,6 +79,23 @@ std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
 }
 
 } // namespace
+
+std::optional<FillRule> fillRuleOf(const SolidOptions& solid) {
+  if (solid.shell > 0)
+    return std::nullopt;
+  if (solid.method == SolidMethod::Centroid)
+    return FillRule::Odd;
+  switch (solid.inside) {
+  case InsideRule::Winding:
+    return FillRule::Positive;
+  case InsideRule::NonZero:
+    return FillRule::NonZero;
+  case InsideRule::Parity:
+    return FillRule::Odd;
+  default:
+    return std::nullopt;
+  }
+}
 
 GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
                               double shell) {
@@ -121,8 +132,8 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
     rim = soupRim(mesh.triangles, progress);
     result.counts.openEdges = rim.edges.size();
   }
-  const FillRule rule = fillRule(solid);
   const bool flood = solid.method == SolidMethod::Winding && solid.inside == InsideRule::Flood;
+  const FillRule rule = fillRuleOf(solid).value_or(FillRule::Positive);
   std::optional<RimWinding> winding;
   if (solid.method == SolidMethod::Centroid)
     closeToCentre(rim.edges, snapped, chain);

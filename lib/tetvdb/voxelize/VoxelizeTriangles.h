@@ -9,7 +9,10 @@
 #pragma once
 
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/Voxelize.h"
+
+#include <optional>
 
 namespace tetvdb {
 
@@ -37,6 +40,9 @@ struct SolidOptions {
   /// a face.
   double shell = 0;
 };
+
+/// Which winding numbers are inside; none for shells and InsideRule::Flood, which do not ask.
+std::optional<FillRule> fillRuleOf(const SolidOptions& solid);
 
 /// Voxel size and origin that voxelize() would use, as chooseTransform() for tets.
 GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,

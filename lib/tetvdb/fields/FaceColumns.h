@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How often a closed chain of faces goes around the places on either side of one of its faces.
+#pragma once
+
+#include "tetvdb/fields/FacePieces.h"
+#include "tetvdb/fields/WeldedFaces.h"
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/LatticePlane.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+namespace tetvdb {
+
+struct SideWindings {
+  std::int64_t front, back; ///< where the face's corners turn counter-clockwise, and behind it
+};
+
+/// Refers to faces and tree.
+class FaceColumns {
+public:
+  /// `tree` holds the faces' boxes.
+  FaceColumns(const WeldedFaces& welded, const BoxTree& tree) : welded_(welded), tree_(tree) {}
+
+  /// The winding numbers just off `face` at a point of it, by the signed faces that a line along
+  /// its steepest axis crosses, exact. None where the line meets an edge, or at the point a face
+  /// that is not in this one's plane: another point will do. `looked` grows by the faces that were
+  /// looked at. Thread-safe.
+  std::optional<SideWindings> at(const FacePlanes& face, const LiftedPoint& point,
+                                 std::size_t& looked) const;
+
+private:
+  const WeldedFaces& welded_;
+  const BoxTree& tree_;
+};
+
+} // namespace tetvdb

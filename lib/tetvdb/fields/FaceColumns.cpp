@@ -50,43 +50,38 @@ int roughSide(const std::array<Vec3d, 3>& c, const LiftedPoint& point) {
 
 std::optional<SideWindings> FaceColumns::at(const FacePlanes& face, const LiftedPoint& point,
                                             std::size_t& looked) const {
-  const std::size_t axis = point.axis(), p = (axis + 1) % 3, q = (axis + 2) % 3;
-  const Vec3d& at = point.position();
-  const double slack = point.error() + 1;
+  const std::size_t axis = point.axis();
+  Vec3d from = point.position();
+  from[axis] -= point.error() + 1;
   std::int64_t above = 0, here = 0;
   bool tie = false;
-  tree_.visit(
-      [&](const Box& box) {
-        return box.low[p] <= at[p] && at[p] <= box.high[p] && box.low[q] <= at[q] &&
-               at[q] <= box.high[q] && box.high[axis] >= at[axis] - slack;
-      },
-      [&](std::uint32_t other) {
-        ++looked;
-        const std::array<Vec3d, 3> c = welded_.cornersOf(other);
-        const int first = turn(c[0], c[1], point), second = turn(c[1], c[2], point),
-                  third = turn(c[2], c[0], point);
-        const int least = std::min({first, second, third}), most = std::max({first, second, third});
-        if (least < 0 && most > 0)
-          return false;
-        tie = least == 0 || most == 0;
-        if (tie)
-          return true;
-        const std::int64_t crossing = least * std::int64_t(welded_.faces[other].weight);
-        int side = roughSide(c, point);
-        if (side == 0) {
-          const LatticePlane plane = LatticePlane::through(c[0], c[1], c[2]);
-          side = point.side(plane);
-          if (side == 0) {
-            here += crossing;
-            tie = !plane.coincides(face.plane);
-            return tie;
-          }
-        }
-        // Below its plane: the normal's part along the axis has the sign of the turns.
-        if (side * least < 0)
-          above += crossing;
-        return false;
-      });
+  boxes_.above(axis, from, [&](std::uint32_t other) {
+    ++looked;
+    const std::array<Vec3d, 3> c = welded_.cornersOf(other);
+    const int first = turn(c[0], c[1], point), second = turn(c[1], c[2], point),
+              third = turn(c[2], c[0], point);
+    const int least = std::min({first, second, third}), most = std::max({first, second, third});
+    if (least < 0 && most > 0)
+      return false;
+    tie = least == 0 || most == 0;
+    if (tie)
+      return true;
+    const std::int64_t crossing = least * std::int64_t(welded_.faces[other].weight);
+    int side = roughSide(c, point);
+    if (side == 0) {
+      const LatticePlane plane = LatticePlane::through(c[0], c[1], c[2]);
+      side = point.side(plane);
+      if (side == 0) {
+        here += crossing;
+        tie = !plane.coincides(face.plane);
+        return tie;
+      }
+    }
+    // Below its plane: the normal's part along the axis has the sign of the turns.
+    if (side * least < 0)
+      above += crossing;
+    return false;
+  });
   if (tie)
     return std::nullopt;
   const bool frontIsUp = face.plane.n[axis] > 0;

@@ -5,7 +5,7 @@
 
 #include "tetvdb/fields/FacePieces.h"
 #include "tetvdb/fields/WeldedFaces.h"
-#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/BoxBlocks.h"
 #include "tetvdb/geometry/LatticePlane.h"
 
 #include <cstddef>
@@ -18,11 +18,11 @@ struct SideWindings {
   std::int64_t front, back; ///< where the face's corners turn counter-clockwise, and behind it
 };
 
-/// Refers to faces and tree.
+/// Refers to faces and boxes.
 class FaceColumns {
 public:
-  /// `tree` holds the faces' boxes.
-  FaceColumns(const WeldedFaces& welded, const BoxTree& tree) : welded_(welded), tree_(tree) {}
+  /// `boxes` are the faces'.
+  FaceColumns(const WeldedFaces& welded, const BoxBlocks& boxes) : welded_(welded), boxes_(boxes) {}
 
   /// The winding numbers just off `face` at a point of it, by the signed faces that a line along
   /// its steepest axis crosses, exact. None where the line meets an edge, or at the point a face
@@ -33,7 +33,7 @@ public:
 
 private:
   const WeldedFaces& welded_;
-  const BoxTree& tree_;
+  const BoxBlocks& boxes_;
 };
 
 } // namespace tetvdb

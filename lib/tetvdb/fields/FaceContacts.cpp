@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/FaceContacts.h"
 
-#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/geometry/FaceContact.h"
+#include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <memory>
+#include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -21,70 +21,106 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 constexpr std::size_t kMostPairs = std::size_t(1) << 25;
 constexpr std::size_t kMostPairsOfFace = 64;
 
-// The corner of `face` that is not one of `other`'s, if they have an edge in common; else 3.
-std::size_t loneCorner(const WeldedFace& face, const WeldedFace& other) {
-  std::size_t lone = 3, common = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (std::find(other.corners.begin(), other.corners.end(), face.corners[k]) !=
-        other.corners.end())
-      ++common;
-    else
-      lone = k;
-  }
-  return common == 2 ? lone : 3;
+// Bit k: corner k of `face` is one of `other`'s.
+unsigned sharedCorners(const WeldedFace& face, const WeldedFace& other) {
+  const auto& c = other.corners;
+  unsigned bits = 0;
+  for (unsigned k = 0; k < 3; ++k)
+    bits |= unsigned(face.corners[k] == c[0] || face.corners[k] == c[1] || face.corners[k] == c[2])
+            << k;
+  return bits;
 }
+
+// Whether the corners of `face` but for the shared ones are all on one side of the other's plane:
+// then no more is common than these. By doubles; false where they cannot tell.
+bool surelyOnOneSide(const std::vector<Vec3d>& points, const WeldedFace& face, unsigned shared,
+                     const WeldedFace& plane) {
+  const Vec3d& a = points[plane.corners[0]];
+  const Vec3d u = minus(points[plane.corners[1]], a), v = minus(points[plane.corners[2]], a);
+  Vec3d n, most;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double left = u[(k + 1) % 3] * v[(k + 2) % 3], right = u[(k + 2) % 3] * v[(k + 1) % 3];
+    n[k] = left - right;
+    most[k] = std::abs(left) + std::abs(right);
+  }
+  int side = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if ((shared >> k & 1) != 0)
+      continue;
+    const Vec3d w = minus(points[face.corners[k]], a);
+    const double value = dot(n, w);
+    // Fewer than 8 roundings; differences are exact.
+    const double bound =
+        0x1p-49 * (most[0] * std::abs(w[0]) + most[1] * std::abs(w[1]) + most[2] * std::abs(w[2]));
+    if (!(std::abs(value) > bound))
+      return false;
+    const int here = value > 0 ? 1 : -1;
+    if (side * here < 0)
+      return false;
+    side = here;
+  }
+  return true;
+}
+
+struct EdgePair {
+  std::uint32_t a, b;
+  std::uint8_t cornerA, cornerB; // opposite to the edge
+};
+
+struct Found {
+  std::vector<Pair> meeting;
+  std::vector<EdgePair> edges;
+};
 
 } // namespace
 
-FaceContacts findContacts(const WeldedFaces& welded, const BoxTree& tree, Progress& progress) {
+FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Progress& progress) {
   const std::size_t count = welded.faces.size();
   const std::size_t most = kMostPairs + kMostPairsOfFace * count;
-  struct Found {
-    std::vector<Pair> meeting, edges;
-  };
   tbb::enumerable_thread_specific<Found> locals;
   // Other faces at the edge opposite to a corner: 0, 1 or more.
-  std::unique_ptr<std::atomic<std::uint8_t>[]> atEdge(new std::atomic<std::uint8_t>[3 * count]());
-  const auto addToEdge = [&](std::size_t face, std::size_t corner) {
-    std::atomic<std::uint8_t>& edge = atEdge[3 * face + corner];
-    if (edge.fetch_add(1, std::memory_order_relaxed) != 0)
-      edge.store(2, std::memory_order_relaxed);
-  };
+  std::vector<std::uint8_t> atEdge(3 * count, 0);
   std::atomic<std::size_t> looked{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
-    progress.check();
-    if (looked > most)
+  std::atomic<bool> equal{false};
+  const auto look = [&](std::uint32_t first, std::uint32_t second, Found& found) {
+    const WeldedFace &a = welded.faces[first], &b = welded.faces[second];
+    const unsigned shared = sharedCorners(a, b);
+    if (shared == 7) {
+      equal = true;
       return;
+    }
+    const unsigned sharedOfB = shared == 0 ? 0 : sharedCorners(b, a);
+    if (!surelyOnOneSide(welded.points, b, sharedOfB, a) &&
+        !surelyOnOneSide(welded.points, a, shared, b) &&
+        facesMeet(welded.points, a.corners.data(), b.corners.data()))
+      found.meeting.push_back({first, second});
+    const auto lone = [](unsigned bits) { // of two bits out of three
+      return static_cast<std::uint8_t>(bits == 6 ? 0 : bits == 5 ? 1 : 2);
+    };
+    if (shared == 3 || shared == 5 || shared == 6)
+      found.edges.push_back({first, second, lone(shared), lone(sharedOfB)});
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.blocks(), 64), [&](const auto& range) {
+    progress.check();
     Found& found = locals.local();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const auto face = static_cast<std::uint32_t>(i);
-      std::size_t pairs = 0;
-      tree.visit([&](const Box& box) { return box.meets(tree.box(face)); },
-                 [&](std::uint32_t other) {
-                   if (other <= face)
-                     return false;
-                   ++pairs;
-                   const WeldedFace &a = welded.faces[face], &b = welded.faces[other];
-                   if (facesMeet(welded.points, a.corners.data(), b.corners.data()))
-                     found.meeting.push_back({face, other});
-                   const std::size_t lone = loneCorner(a, b);
-                   if (lone < 3) {
-                     addToEdge(face, lone);
-                     addToEdge(other, loneCorner(b, a));
-                     found.edges.push_back({face, other});
-                   }
-                   return pairs > most;
-                 });
-      if ((looked += pairs) > most)
+    for (std::size_t block = range.begin(); block != range.end(); ++block) {
+      if (looked > most || equal)
         return;
+      std::size_t pairs = 0;
+      boxes.pairs(block, [&](std::uint32_t first, std::uint32_t second) {
+        look(first, second, found);
+        return ++pairs > most;
+      });
+      looked += pairs;
     }
   });
   FaceContacts contacts;
-  contacts.starts.assign(count + 1, 0);
-  if (looked > most) {
-    contacts.complete = false;
+  contacts.equal = equal;
+  contacts.complete = equal || looked <= most;
+  if (equal || looked > most)
     return contacts;
-  }
+
+  contacts.starts.assign(count + 1, 0);
   std::vector<Pair> meeting;
   for (const Found& found : locals)
     for (const auto& [a, b] : found.meeting) {
@@ -100,14 +136,18 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxTree& tree, Progre
   for (std::size_t i = 0; i < count; ++i)
     contacts.starts[i + 1] += contacts.starts[i];
   for (const Found& found : locals)
-    for (const auto& [a, b] : found.edges) {
-      const std::size_t lone = loneCorner(welded.faces[a], welded.faces[b]);
-      const bool alone = atEdge[3 * a + lone] == 1 &&
-                         atEdge[3 * b + loneCorner(welded.faces[b], welded.faces[a])] == 1;
-      if (alone && !contacts.isMet(a) && !contacts.isMet(b))
-        contacts.neighbours.push_back({a, b});
+    for (const EdgePair& pair : found.edges) {
+      std::uint8_t &a = atEdge[3 * std::size_t(pair.a) + pair.cornerA],
+                   &b = atEdge[3 * std::size_t(pair.b) + pair.cornerB];
+      a = a == 0 ? 1 : 2;
+      b = b == 0 ? 1 : 2;
     }
-  tbb::parallel_sort(contacts.neighbours.begin(), contacts.neighbours.end());
+  for (const Found& found : locals)
+    for (const EdgePair& pair : found.edges)
+      if (atEdge[3 * std::size_t(pair.a) + pair.cornerA] == 1 &&
+          atEdge[3 * std::size_t(pair.b) + pair.cornerB] == 1 && !contacts.isMet(pair.a) &&
+          !contacts.isMet(pair.b))
+        contacts.neighbours.push_back({pair.a, pair.b});
   return contacts;
 }
 

@@ -6,6 +6,7 @@
 #include "tetvdb/fields/FaceContacts.h"
 #include "tetvdb/fields/FacePieces.h"
 #include "tetvdb/fields/WeldedFaces.h"
+#include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <array>
@@ -54,8 +55,8 @@ struct Rest {
 class Trimmer {
 public:
   Trimmer(const WeldedFaces& welded, FillRule rule, Progress& progress)
-      : welded_(welded), rule_(rule), progress_(progress), tree_(boxes(welded)),
-        columns_(welded, tree_), contacts_(findContacts(welded, tree_, progress)) {}
+      : welded_(welded), rule_(rule), progress_(progress), boxes_(boxesOf(welded)),
+        columns_(welded, boxes_), contacts_(findContacts(welded, boxes_, progress)) {}
 
   // False where it is given up.
   bool run() {
@@ -72,7 +73,7 @@ public:
   const std::vector<Rest>& rests() const { return rests_; }
 
 private:
-  static std::vector<Box> boxes(const WeldedFaces& welded) {
+  static std::vector<Box> boxesOf(const WeldedFaces& welded) {
     std::vector<Box> boxes(welded.faces.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096),
                       [&](const auto& range) {
@@ -153,10 +154,9 @@ private:
   }
 
   double roughArea(std::uint32_t face) const {
-    const Vec3d& n = LatticePlane::through(welded_.cornersOf(face)[0], welded_.cornersOf(face)[1],
-                                           welded_.cornersOf(face)[2])
-                         .roundedN;
-    return std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+    const std::array<Vec3d, 3> c = welded_.cornersOf(face);
+    const Vec3d n = cross(minus(c[1], c[0]), minus(c[2], c[0]));
+    return dot(n, n);
   }
 
   void cutFaces() {
@@ -234,7 +234,7 @@ private:
   const WeldedFaces& welded_;
   const FillRule rule_;
   Progress& progress_;
-  const BoxTree tree_;
+  const BoxBlocks boxes_;
   const FaceColumns columns_;
   const FaceContacts contacts_;
   std::vector<Rest> rests_;
@@ -247,20 +247,24 @@ private:
 TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRule rule,
                        Progress& progress) {
   TrimmedFaces trimmed;
-  const WeldedFaces welded = weldFaces(mesh, boundary, progress);
+  WeldedFaces welded = weldFaces(mesh, boundary, progress);
   if (welded.extent > kMaxPlaneExtent) {
     trimmed.complete = false;
     return trimmed;
   }
-  Trimmer trimmer(welded, rule, progress);
-  trimmed.complete = trimmer.run();
+  auto trimmer = std::make_unique<Trimmer>(welded, rule, progress);
+  if (trimmer->contacts().equal) {
+    mergeEqualFaces(welded);
+    trimmer = std::make_unique<Trimmer>(welded, rule, progress);
+  }
+  trimmed.complete = trimmer->run();
   TrimCounts& counts = trimmed.counts;
   for (std::size_t i = 0; i < welded.faces.size(); ++i)
-    counts.met += trimmer.contacts().complete && trimmer.contacts().isMet(i);
+    counts.met += trimmer->contacts().complete && trimmer->contacts().isMet(i);
   if (!trimmed.complete)
     return trimmed;
   counts.removed = welded.cancelled;
-  for (const Rest& rest : trimmer.rests()) {
+  for (const Rest& rest : trimmer->rests()) {
     if (!rest.parts.empty()) {
       ++counts.cut;
       counts.pieces += rest.parts.size();
@@ -280,7 +284,7 @@ TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRu
   for (const Vec3d& p : welded.points)
     add(p);
   for (std::size_t i = 0; i < welded.faces.size(); ++i) {
-    const Rest& rest = trimmer.rests()[i];
+    const Rest& rest = trimmer->rests()[i];
     for (const Outline& part : rest.parts) {
       const auto first = static_cast<std::uint32_t>(out.points.size());
       for (const Vec3d& p : part)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces of a solid as a chain of triangles in space: equal places are one point, equal
-// triangles one face.
+// The faces of a solid as a chain of triangles in space: equal places are one point.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -16,20 +15,20 @@
 
 namespace tetvdb {
 
-/// A triangle whose corners ascend. Its front is where they turn counter-clockwise.
+/// A triangle whose corners ascend by position. Its front is where they turn counter-clockwise.
 struct WeldedFace {
   std::array<std::uint32_t, 3> corners;
   std::int32_t weight; ///< not 0; > 0 where the front is outside, as often as that
 };
 
-/// The same for any order of the faces and points that it is made from.
+/// The same but for numbering for any order of the faces and points that it is made from.
 struct WeldedFaces {
-  std::vector<Vec3d> points; ///< ascending, none twice; lattice units from `first`
+  std::vector<Vec3d> points; ///< none twice; lattice units from `first`
   std::vector<WeldedFace> faces;
   LatticePoint first{0, 0, 0}; ///< least coordinates of any corner
   double extent = 0;           ///< largest coordinate of `points`
-  /// Faces that others over the same places cancel, and those that are collinear.
-  std::size_t cancelled = 0, flat = 0;
+  /// Faces left out: collinear ones, and those that others over the same places cancel.
+  std::size_t flat = 0, cancelled = 0;
 
   std::array<Vec3d, 3> cornersOf(std::size_t face) const {
     const std::array<std::uint32_t, 3>& c = faces[face].corners;
@@ -37,7 +36,10 @@ struct WeldedFaces {
   }
 };
 
-/// Parallel sorts of points and faces; 32 bytes a point and 28 a face beside the result.
+/// Without collinear faces; faces over the same places stay several. About 50 ns a face.
 WeldedFaces weldFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress);
+
+/// Makes faces over the same places one, with the sum of their weights, or none.
+void mergeEqualFaces(WeldedFaces& welded);
 
 } // namespace tetvdb

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Many boxes in blocks of eight along a curve through space, and these in blocks of eight again:
+// quick to build, and quick to ask which pairs of boxes meet.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// Boxes are kept in single precision, rounded outward: those that meet are always told, and some
+/// that do not but by a 2^-22th of their distance from 0. Coordinates must be finite. The same for
+/// any number of threads; queries are thread-safe.
+class BoxBlocks {
+public:
+  static constexpr std::size_t kWidth = 8;
+
+  /// Parallel but for a radix sort: about 40 ns a box.
+  explicit BoxBlocks(const std::vector<Box>& boxes);
+
+  std::size_t blocks() const { return levels_.empty() ? 0 : levels_.front().size(); }
+
+  /// Calls found(item, other) for the pairs of which the first is in block `block` and the second
+  /// in it or a later one; ends when found() returns true. All blocks together give every pair that
+  /// meets once.
+  template <typename Found>
+  void pairs(std::size_t block, const Found& found) const;
+
+  /// Calls found(item) for the boxes that a line along `axis` passes through at the place `at`
+  /// or above it; ends when found() returns true.
+  template <typename Found>
+  void above(std::size_t axis, const Vec3d& at, const Found& found) const;
+
+private:
+  // Eight boxes, by coordinate. Those that are not there are empty.
+  struct Block {
+    std::array<std::array<float, kWidth>, 3> low, high;
+  };
+  struct FloatBox {
+    std::array<float, 3> low, high;
+  };
+  // A bit for each box of the block that meets the other.
+  static unsigned meeting(const Block& block, const FloatBox& box) {
+    std::array<std::uint8_t, kWidth> meets;
+    for (std::size_t i = 0; i < kWidth; ++i)
+      meets[i] = static_cast<std::uint8_t>(
+          (block.low[0][i] <= box.high[0]) & (box.low[0] <= block.high[0][i]) &
+          (block.low[1][i] <= box.high[1]) & (box.low[1] <= block.high[1][i]) &
+          (block.low[2][i] <= box.high[2]) & (box.low[2] <= block.high[2][i]));
+    unsigned bits = 0;
+    for (std::size_t i = 0; i < kWidth; ++i)
+      bits |= unsigned(meets[i]) << i;
+    return bits;
+  }
+  static FloatBox outward(const Box& box);
+  static FloatBox boxOf(const Block& block, std::size_t i) {
+    return {{block.low[0][i], block.low[1][i], block.low[2][i]},
+            {block.high[0][i], block.high[1][i], block.high[2][i]}};
+  }
+  static FloatBox boxOf(const Block& block);
+
+  // Calls visit(block of the lowest level) for those with boxes that meet `box` and a number of at
+  // least `first`, ascending; ends when visit() returns true.
+  template <typename Visit>
+  void descend(const FloatBox& box, std::size_t first, const Visit& visit) const {
+    struct Place {
+      std::size_t level, block;
+    };
+    std::array<Place, kWidth * 24> stack;
+    std::size_t depth = 0;
+    if (!levels_.empty())
+      stack[depth++] = {levels_.size() - 1, 0};
+    while (depth > 0) {
+      const auto [level, block] = stack[--depth];
+      if (level == 0) {
+        if (visit(block))
+          return;
+        continue;
+      }
+      const unsigned bits = meeting(levels_[level][block], box);
+      for (std::size_t i = kWidth; i-- > 0;) {
+        const std::size_t child = kWidth * block + i;
+        // The last block of the lowest level below the child.
+        if ((bits >> i & 1) != 0 && (child + 1) << (3 * (level - 1)) > first)
+          stack[depth++] = {level - 1, child};
+      }
+    }
+  }
+
+  std::vector<std::uint32_t> order_;       // item in each place of the lowest level
+  std::vector<std::vector<Block>> levels_; // the lowest first; block i of one holds 8 i ... 8 i + 7
+  std::vector<FloatBox> bounds_;           // of the lowest level's blocks
+};
+
+template <typename Found>
+void BoxBlocks::pairs(std::size_t block, const Found& found) const {
+  const Block& own = levels_.front()[block];
+  descend(bounds_[block], block, [&](std::size_t other) {
+    const Block& boxes = levels_.front()[other];
+    for (std::size_t i = 0; i < kWidth && kWidth * block + i < order_.size(); ++i) {
+      unsigned bits = meeting(boxes, boxOf(own, i));
+      if (other == block)
+        bits &= ~0u << (i + 1);
+      for (; bits != 0; bits &= bits - 1)
+        if (found(order_[kWidth * block + i],
+                  order_[kWidth * other + static_cast<std::size_t>(__builtin_ctz(bits))]))
+          return true;
+    }
+    return false;
+  });
+}
+
+template <typename Found>
+void BoxBlocks::above(std::size_t axis, const Vec3d& at, const Found& found) const {
+  Box line;
+  line.add(at);
+  FloatBox box = outward(line);
+  box.high[axis] = std::numeric_limits<float>::max();
+  descend(box, 0, [&](std::size_t block) {
+    for (unsigned bits = meeting(levels_.front()[block], box); bits != 0; bits &= bits - 1)
+      if (found(order_[kWidth * block + static_cast<std::size_t>(__builtin_ctz(bits))]))
+        return true;
+    return false;
+  });
+}
+
+} // namespace tetvdb

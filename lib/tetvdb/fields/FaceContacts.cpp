@@ -103,15 +103,15 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.blocks(), 64), [&](const auto& range) {
     progress.check();
     Found& found = locals.local();
+    std::vector<Pair> pairs;
     for (std::size_t block = range.begin(); block != range.end(); ++block) {
       if (looked > most || equal)
         return;
-      std::size_t pairs = 0;
-      boxes.pairs(block, [&](std::uint32_t first, std::uint32_t second) {
+      pairs.clear();
+      boxes.pairs(block, most, pairs);
+      for (const auto& [first, second] : pairs)
         look(first, second, found);
-        return ++pairs > most;
-      });
-      looked += pairs;
+      looked += pairs.size();
     }
   });
   FaceContacts contacts;

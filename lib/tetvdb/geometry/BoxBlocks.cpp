@@ -62,6 +62,26 @@ BoxBlocks::FloatBox BoxBlocks::boxOf(const Block& block) {
   return box;
 }
 
+TETVDB_MULTIVERSION
+void BoxBlocks::pairs(std::size_t block, std::size_t most,
+                      std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const {
+  const Block& own = levels_.front()[block];
+  descend(bounds_[block], block, [&](std::size_t other) {
+    const Block& boxes = levels_.front()[other];
+    unsigned near = meeting(own, bounds_[other]);
+    for (; near != 0; near &= near - 1) {
+      const auto i = static_cast<std::size_t>(__builtin_ctz(near));
+      unsigned bits = meeting(boxes, boxOf(own, i));
+      if (other == block)
+        bits &= ~0u << (i + 1);
+      for (; bits != 0; bits &= bits - 1)
+        found.push_back({order_[kWidth * block + i],
+                         order_[kWidth * other + static_cast<std::size_t>(__builtin_ctz(bits))]});
+    }
+    return found.size() > most;
+  });
+}
+
 BoxBlocks::BoxBlocks(const std::vector<Box>& boxes) : order_(boxes.size()) {
   if (boxes.empty())
     return;

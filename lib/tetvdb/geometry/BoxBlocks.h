@@ -4,12 +4,15 @@
 // quick to build, and quick to ask which pairs of boxes meet.
 #pragma once
 
+#include "tetvdb/core/Multiversion.h"
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/BoxTree.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <utility>
 #include <vector>
 
 namespace tetvdb {
@@ -26,11 +29,11 @@ public:
 
   std::size_t blocks() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
-  /// Calls found(item, other) for the pairs of which the first is in block `block` and the second
-  /// in it or a later one; ends when found() returns true. All blocks together give every pair that
-  /// meets once.
-  template <typename Found>
-  void pairs(std::size_t block, const Found& found) const;
+  /// Adds to `found` the pairs of which the first is in block `block` and the second in it or a
+  /// later one; ends when there are more than `most` in it. All blocks together give every pair
+  /// that meets once.
+  void pairs(std::size_t block, std::size_t most,
+             std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
 
   /// Calls found(item) for the boxes that a line along `axis` passes through at the place `at`
   /// or above it; ends when found() returns true.
@@ -39,24 +42,25 @@ public:
 
 private:
   // Eight boxes, by coordinate. Those that are not there are empty.
-  struct Block {
+  struct alignas(64) Block {
     std::array<std::array<float, kWidth>, 3> low, high;
   };
   struct FloatBox {
     std::array<float, 3> low, high;
   };
   // A bit for each box of the block that meets the other.
-  static unsigned meeting(const Block& block, const FloatBox& box) {
-    std::array<std::uint8_t, kWidth> meets;
-    for (std::size_t i = 0; i < kWidth; ++i)
-      meets[i] = static_cast<std::uint8_t>(
-          (block.low[0][i] <= box.high[0]) & (box.low[0] <= block.high[0][i]) &
-          (block.low[1][i] <= box.high[1]) & (box.low[1] <= block.high[1][i]) &
-          (block.low[2][i] <= box.high[2]) & (box.low[2] <= block.high[2][i]));
-    unsigned bits = 0;
-    for (std::size_t i = 0; i < kWidth; ++i)
-      bits |= unsigned(meets[i]) << i;
-    return bits;
+  TETVDB_INLINE static unsigned meeting(const Block& block, const FloatBox& box) {
+    typedef float Floats __attribute__((vector_size(kWidth * sizeof(float))));
+    typedef std::int32_t Ints __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
+    const Floats* low = reinterpret_cast<const Floats*>(block.low.data());
+    const Floats* high = reinterpret_cast<const Floats*>(block.high.data());
+    const Ints meets = (low[0] <= box.high[0]) & (high[0] >= box.low[0]) & (low[1] <= box.high[1]) &
+                       (high[1] >= box.low[1]) & (low[2] <= box.high[2]) & (high[2] >= box.low[2]);
+    const Ints bits = meets & Ints{1, 2, 4, 8, 16, 32, 64, 128};
+    typedef std::uint64_t Halves __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
+    const auto two = reinterpret_cast<Halves>(bits); // the same bytes
+    const std::uint64_t one = two[0] | two[1] | two[2] | two[3];
+    return static_cast<unsigned>(one | one >> 32);
   }
   static FloatBox outward(const Box& box);
   static FloatBox boxOf(const Block& block, std::size_t i) {
@@ -68,7 +72,7 @@ private:
   // Calls visit(block of the lowest level) for those with boxes that meet `box` and a number of at
   // least `first`, ascending; ends when visit() returns true.
   template <typename Visit>
-  void descend(const FloatBox& box, std::size_t first, const Visit& visit) const {
+  TETVDB_INLINE void descend(const FloatBox& box, std::size_t first, const Visit& visit) const {
     struct Place {
       std::size_t level, block;
     };
@@ -97,24 +101,6 @@ private:
   std::vector<std::vector<Block>> levels_; // the lowest first; block i of one holds 8 i ... 8 i + 7
   std::vector<FloatBox> bounds_;           // of the lowest level's blocks
 };
-
-template <typename Found>
-void BoxBlocks::pairs(std::size_t block, const Found& found) const {
-  const Block& own = levels_.front()[block];
-  descend(bounds_[block], block, [&](std::size_t other) {
-    const Block& boxes = levels_.front()[other];
-    for (std::size_t i = 0; i < kWidth && kWidth * block + i < order_.size(); ++i) {
-      unsigned bits = meeting(boxes, boxOf(own, i));
-      if (other == block)
-        bits &= ~0u << (i + 1);
-      for (; bits != 0; bits &= bits - 1)
-        if (found(order_[kWidth * block + i],
-                  order_[kWidth * other + static_cast<std::size_t>(__builtin_ctz(bits))]))
-          return true;
-    }
-    return false;
-  });
-}
 
 template <typename Found>
 void BoxBlocks::above(std::size_t axis, const Vec3d& at, const Found& found) const {

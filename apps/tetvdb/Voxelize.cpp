@@ -280,6 +280,10 @@ Json gridsOf(const VoxelizeResult& result) {
     if (result.grids[i].name == "coverage") {
       list[i]["filled"] = filledVolume(result.grids[i], result.shapes.coverage.filled);
       list[i]["overlap"] = filledVolume(result.grids[i], result.shapes.coverage.overlap);
+    } else if (result.grids[i].name == "surface" || result.grids[i].name == "fog") {
+      const TrimCounts& trim = result.shapes.trim;
+      list[i]["trim"] = {
+          {"met", trim.met}, {"removed", trim.removed}, {"cut", trim.cut}, {"pieces", trim.pieces}};
     }
   return list;
 }

@@ -56,10 +56,11 @@ void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
   const bool covers = asksFor(options, ShapeGrid::Coverage);
   const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
   double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
+  const double trimming = bands > 0 && solid.rule ? 200 : 0; // bytes a face
   if (bands > 0)
     leaves += bands * estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell);
   const double bytes = 48.0 * static_cast<double>(solid.mesh.pointCount) +
-                       40.0 * static_cast<double>(solid.faces.faces.size()) +
+                       (40.0 + trimming) * static_cast<double>(solid.faces.faces.size()) +
                        leaves * static_cast<double>(leafBytes(GridKind::Density)) +
                        (leaves / 128 + 64) * static_cast<double>(kLowerNodeBytes);
   VoxelizeOptions limit;

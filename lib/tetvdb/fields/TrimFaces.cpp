@@ -184,6 +184,8 @@ private:
   }
 
   void cutFace(const FacePlanes& face, std::vector<const FacePlanes*> others, Rest& rest) {
+    std::sort(others.begin(), others.end(),
+              [](const FacePlanes* a, const FacePlanes* b) { return a->corners < b->corners; });
     // In an order that looks random, pieces stay few (Paterson and Yao 1990).
     std::uint64_t random = others.size();
     for (std::size_t i = others.size(); i > 1; --i) {

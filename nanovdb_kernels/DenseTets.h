@@ -64,6 +64,15 @@ TETVDB_HD inline void crossOf(const float (&a)[3], const float (&b)[3], float (&
 constexpr float kExactExtent = 16;
 constexpr float kFloatError = 0x1p-19f; // 32 u
 
+constexpr float kVoxelOfUnit = 0x1p-20f;
+
+/// From a to b, in voxels.
+TETVDB_HD inline void edgeOf(const DensePoint& a, const DensePoint& b, float (&edge)[3]) {
+  edge[0] = static_cast<float>(b.x - a.x) * kVoxelOfUnit;
+  edge[1] = static_cast<float>(b.y - a.y) * kVoxelOfUnit;
+  edge[2] = static_cast<float>(b.z - a.z) * kVoxelOfUnit;
+}
+
 /// The z component of the normal of face i, exactly: products of 32-bit differences.
 TETVDB_HD inline i64 exactNormalZ(const DensePoint (&v)[4], int i) {
   const DensePoint &a = v[faceCorner(i, 0)], &b = v[faceCorner(i, 1)], &c = v[faceCorner(i, 2)];
@@ -76,16 +85,10 @@ TETVDB_HD inline i64 exactNormalZ(const DensePoint (&v)[4], int i) {
 template <typename ExactSign>
 TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exactSign, int& sign,
                                   DenseTet& t) {
-  constexpr float kVoxel = 0x1p-20f;
-  const float u[3] = {static_cast<float>(v[1].x - v[0].x) * kVoxel,
-                      static_cast<float>(v[1].y - v[0].y) * kVoxel,
-                      static_cast<float>(v[1].z - v[0].z) * kVoxel};
-  const float w[3] = {static_cast<float>(v[2].x - v[0].x) * kVoxel,
-                      static_cast<float>(v[2].y - v[0].y) * kVoxel,
-                      static_cast<float>(v[2].z - v[0].z) * kVoxel};
-  const float q[3] = {static_cast<float>(v[3].x - v[0].x) * kVoxel,
-                      static_cast<float>(v[3].y - v[0].y) * kVoxel,
-                      static_cast<float>(v[3].z - v[0].z) * kVoxel};
+  float u[3], w[3], q[3];
+  edgeOf(v[0], v[1], u);
+  edgeOf(v[0], v[2], w);
+  edgeOf(v[0], v[3], q);
   const auto lowest = [](i32 a, i32 b, i32 c, i32 d) {
     const i32 e = a < b ? a : b, f = c < d ? c : d;
     return e < f ? e : f;
@@ -102,7 +105,7 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
                        highest(v[0].z, v[1].z, v[2].z, v[3].z)};
   float extent[3];
   for (int k = 0; k < 3; ++k)
-    extent[k] = static_cast<float>(high[k] - low[k]) * kVoxel;
+    extent[k] = static_cast<float>(high[k] - low[k]) * kVoxelOfUnit;
   const bool wide =
       extent[0] > kExactExtent || extent[1] > kExactExtent || extent[2] > kExactExtent;
   float n[3]; // of the face opposite to vertex 1, inward for a positive tet
@@ -134,16 +137,13 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
     const DensePoint& a = v[i == 0 ? 1 : 0]; // a corner of the face
     const auto from = [&](i32 voxel, i32 unit) {
       return static_cast<float>(static_cast<i32>(static_cast<u32>(voxel) << kLatticeBits) - unit) *
-             kVoxel;
+             kVoxelOfUnit;
     };
     const float x = from(first[0], a.x), y = from(first[1], a.y), z = from(first[2], a.z);
     if (i == 0) {
-      const float e[3] = {static_cast<float>(v[3].x - v[1].x) * kVoxel,
-                          static_cast<float>(v[3].y - v[1].y) * kVoxel,
-                          static_cast<float>(v[3].z - v[1].z) * kVoxel};
-      const float f[3] = {static_cast<float>(v[2].x - v[1].x) * kVoxel,
-                          static_cast<float>(v[2].y - v[1].y) * kVoxel,
-                          static_cast<float>(v[2].z - v[1].z) * kVoxel};
+      float e[3], f[3];
+      edgeOf(v[1], v[3], e);
+      edgeOf(v[1], v[2], f);
       crossOf(e, f, n);
     } else if (i == 1) {
       crossOf(w, q, n);

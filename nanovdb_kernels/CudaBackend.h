@@ -177,12 +177,13 @@ __global__ void publishKernel(const u32* from, u32 words, u32* to, u32* flag, u3
 class CudaBackend {
 public:
   CudaBackend() {
-    check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "no stream");
+    for (cudaStream_t* stream : {&stream_, &down_})
+      check(cudaStreamCreateWithFlags(stream, cudaStreamNonBlocking), "no stream");
     check(
         cudaHostAlloc(reinterpret_cast<void**>(&pinned_), sizeof(Published), cudaHostAllocDefault),
         "no pinned memory");
     pinned_->number = 0;
-    for (cudaEvent_t* e : {&pointsHere_, &fieldsHere_})
+    for (cudaEvent_t* e : {&pointsHere_, &fieldsHere_, &made_})
       check(cudaEventCreateWithFlags(e, cudaEventDisableTiming), "event");
     for (cudaEvent_t& e : tetsHere_)
       check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
@@ -192,6 +193,7 @@ public:
       cudaEventDestroy(s.begin);
     cudaEventDestroy(pointsHere_);
     cudaEventDestroy(fieldsHere_);
+    cudaEventDestroy(made_);
     for (cudaEvent_t e : tetsHere_)
       cudaEventDestroy(e);
     cudaFreeHost(pinned_);
@@ -205,6 +207,7 @@ public:
         cudaEventDestroy(landing.done);
     }
     cudaStreamDestroy(stream_);
+    cudaStreamDestroy(down_);
   }
   CudaBackend(const CudaBackend&) = delete;
   CudaBackend& operator=(const CudaBackend&) = delete;
@@ -348,7 +351,9 @@ public:
     if (bytes != 0)
       check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream_), "upload");
   }
-  /// Sends bytes to the host, by one of two ways; landed() waits for the last of that way.
+  /// Sends bytes to the host, by one of two ways; landed() waits for the last of that way. What is
+  /// launched next does not wait for the copy, and must leave `from` as it is until that has
+  /// landed.
   void land(int way, const u8* from, u64 bytes) {
     Landing& landing = landings_[way];
     if (landing.done == nullptr)
@@ -357,12 +362,17 @@ public:
       cudaFreeHost(landing.base);
       landing.base = nullptr;
       landing.size = 0;
-      check(cudaHostAlloc(reinterpret_cast<void**>(&landing.base), bytes, cudaHostAllocDefault),
+      u64 size = u64(1) << 20;
+      while (size < bytes) // so that batches of about a size do not make it grow again and again
+        size *= 2;
+      check(cudaHostAlloc(reinterpret_cast<void**>(&landing.base), size, cudaHostAllocDefault),
             "out of pinned memory");
-      landing.size = bytes;
+      landing.size = size;
     }
-    check(cudaMemcpyAsync(landing.base, from, bytes, cudaMemcpyDeviceToHost, stream_), "download");
-    check(cudaEventRecord(landing.done, stream_), "download");
+    check(cudaEventRecord(made_, stream_), "download");
+    check(cudaStreamWaitEvent(down_, made_, 0), "download");
+    check(cudaMemcpyAsync(landing.base, from, bytes, cudaMemcpyDeviceToHost, down_), "download");
+    check(cudaEventRecord(landing.done, down_), "download");
   }
   const u8* landed(int way) {
     awaitEvent(landings_[way].done);
@@ -379,6 +389,11 @@ public:
       if (progress_ != nullptr)
         progress_->check();
     }
+  }
+  /// Waits for everything, failed or not.
+  void settle() {
+    cudaStreamSynchronize(stream_);
+    cudaStreamSynchronize(down_);
   }
   /// Waiting ends with Error(Cancelled) where this says so; null: never.
   void setProgress(const Progress* progress) { progress_ = progress; }
@@ -489,11 +504,12 @@ private:
     const char* name = "";
     cudaEvent_t begin = nullptr;
   };
-  int arriving_ = 0; // parts
+  int arriving_ = 0;           // parts
+  cudaEvent_t made_ = nullptr; // what lands next
   cudaEvent_t pointsHere_ = nullptr, fieldsHere_ = nullptr, tetsHere_[kParts] = {};
   std::vector<Stage> stages_;
   std::size_t used_ = 0;
-  cudaStream_t stream_ = nullptr;
+  cudaStream_t stream_ = nullptr, down_ = nullptr;
   Published* pinned_ = nullptr;
   unsigned char* staging_ = nullptr; // for downloads
   cudaEvent_t halfHere_[2] = {};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "BandLeaves.h"
 #include "CudaBackend.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
@@ -158,7 +159,7 @@ struct Device {
       check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, stream), "upload");
       return;
     }
-    constexpr u64 kHalf = u64(8) << 20;
+    constexpr u64 kHalf = u64(4) << 20;
     unsigned char* staging = uploadStaging.atLeast(2 * kHalf);
     for (u64 done = 0; done < bytes; done += kHalf) {
       const int half = static_cast<int>(done / kHalf % 2);
@@ -176,14 +177,18 @@ struct Device {
     }
   }
 
-  // Starts a run; returns where the mesh will be.
-  MeshView begin(const MeshView& mesh, const Job& job, const Progress* progress) {
+  void begin(const Progress* progress) {
     check(cudaSetDevice(device), "device");
     backend->release();
     backend->clearStages();
     backend->setProgress(progress);
     events->record(0, upload);
     events->record(4, backend->stream());
+  }
+
+  // Starts a run; returns where the mesh will be.
+  MeshView begin(const MeshView& mesh, const Job& job, const Progress* progress) {
+    begin(progress);
     // Parts of some megabytes: smaller ones are launches for little.
     const u64 parts = std::min<u64>(mesh.tetCount / 200000 + 1, CudaBackend::kParts);
     backend->setArriving(job.resident ? 0 : static_cast<int>(parts));
@@ -192,11 +197,25 @@ struct Device {
     return view;
   }
 
+  // Uploads an array that is needed until the next run.
+  const void* copied(const void* from, u64 bytes) {
+    void* to = backend->alloc<u8>(bytes);
+    copyUp(to, from, bytes);
+    return to;
+  }
+
+  // After the last of a run whose results came down by the way.
+  void finish() {
+    events->record(2, backend->stream());
+    backend->await();
+    times = {events->seconds(0, 1), events->seconds(4, 2), 0, backend->stageSeconds()};
+  }
+
   // After a failure: nothing reads the caller's arrays any more.
   void settle() {
     cudaSetDevice(device);
     cudaStreamSynchronize(upload);
-    cudaStreamSynchronize(backend->stream());
+    backend->settle();
     cudaGetLastError();
   }
 
@@ -248,23 +267,33 @@ struct Device {
     const Job owners = ownersOf(job);
     const MeshView view = begin(mesh, owners, progress);
     const SourceFields fields =
-        placeFields(*backend, job, mesh.tetCount, [&](const void* from, u64 bytes) -> const void* {
-          void* to = backend->alloc<u8>(bytes);
-          copyUp(to, from, bytes);
-          return to;
-        });
+        placeFields(*backend, job, mesh.tetCount,
+                    [&](const void* from, u64 bytes) { return copied(from, bytes); });
     backend->recordFields(upload);
     events->record(1, upload);
     Pipeline<CudaBackend> pipeline(*backend, view, owners, share);
     pipeline.buildOwners();
     backend->awaitFields();
     LeafSampler<CudaBackend>(*backend, pipeline, view, job, fields).run(receiver);
-    events->record(2, backend->stream());
-    backend->await();
-    times = {events->seconds(0, 1), events->seconds(4, 2), 0, backend->stageSeconds()};
+    finish();
     Counts counts = pipeline.countsOf({}, 0);
     counts.leaves = pipeline.leaves().count;
     return counts;
+  }
+
+  // This device's share of a band's nodes.
+  u64 distances(const DistanceJob& job, DistanceReceiver& receiver, const Progress* progress,
+                const NodeShare& share) {
+    begin(progress);
+    std::vector<u64> starts;
+    const PlacedBand band = placeBand(
+        job, share, starts, [&](const void* from, u64 bytes) { return copied(from, bytes); });
+    backend->recordFields(upload);
+    events->record(1, upload);
+    backend->awaitFields();
+    const u64 leaves = BandLeaves<CudaBackend>(*backend, band, starts).run(share.begin, receiver);
+    finish();
+    return leaves;
   }
 
   Device(const Device&) = delete;
@@ -332,6 +361,16 @@ Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafRe
                                const Progress* progress) {
   try {
     return state_->sample(mesh, job, receiver, progress, {});
+  } catch (...) {
+    state_->settle();
+    throw;
+  }
+}
+
+u64 DeviceVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receiver,
+                               const Progress* progress) {
+  try {
+    return state_->distances(job, receiver, progress, shareOfNodes(job, 0, 1));
   } catch (...) {
     state_->settle();
     throw;
@@ -441,6 +480,20 @@ Counts SharedVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafRe
     s.leaves.push_back(c.leaves);
     all.leaves += c.leaves;
   }
+  return all;
+}
+
+u64 SharedVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receiver,
+                               const Progress* progress) {
+  State& s = *state_;
+  s.leaves.assign(s.devices.size(), 0);
+  s.forDevices([&](std::size_t k) {
+    const auto share = shareOfNodes(job, static_cast<int>(k), static_cast<int>(s.devices.size()));
+    s.leaves[k] = s.devices[k]->distances(job, receiver, progress, share);
+  });
+  u64 all = 0;
+  for (const u64 leaves : s.leaves)
+    all += leaves;
   return all;
 }
 

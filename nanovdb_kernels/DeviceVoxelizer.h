@@ -11,6 +11,7 @@
 //   // result.bytes: a NanoVDB grid
 #pragma once
 
+#include "DistanceJob.h"
 #include "FieldJob.h"
 
 #include <cstddef>
@@ -99,6 +100,7 @@ public:
   Result run(const MeshView& mesh, const Job& job, int shares = 1);
   /// `shares`: likewise, one after another.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
+  std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
 
 private:
   struct State;
@@ -139,6 +141,10 @@ public:
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                 const Progress* progress = nullptr);
 
+  /// Devices share the nodes; `receiver` is called by several threads at once.
+  std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver,
+                          const Progress* progress = nullptr);
+
   /// Of the last run, by device; downloads are a part of `build` here.
   std::vector<Times> times() const;
   /// Leaves that each device made in the last run.
@@ -176,6 +182,16 @@ public:
   /// of the tets. Throws as run() does.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                 const Progress* progress = nullptr);
+
+  /// Squared distances in a band around faces; those within the radius are bit for bit those of
+  /// fields/DistanceBand.h. `receiver` gets them in batches of 16 MB at most, on the calling
+  /// thread;
+  /// what it throws ends the run. Returns how many leaves there were. Memory on the device: the
+  /// job's arrays, 300 MB, and 4 bytes for every leaf of a batch and face that comes near to it, at
+  /// most 1 GB but for a node that alone has more. Indices of faces and points are trusted. Throws
+  /// Error(Limit) for memory, Error(Device) and Error(Cancelled) as run() does.
+  std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver,
+                          const Progress* progress = nullptr);
 
   /// Measured by copying 256 MB a few times; takes some 0.1 s.
   Speeds measureSpeeds();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "BandLeaves.h"
 #include "HostBackend.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
@@ -56,6 +57,20 @@ Counts HostTwin::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver&
   }
   counts.leaves = leaves;
   return counts;
+}
+
+u64 HostTwin::distances(const DistanceJob& job, DistanceReceiver& receiver, int shares) {
+  u64 leaves = 0;
+  for (int k = 0; k < shares; ++k) {
+    HostBackend& backend = state_->backend;
+    backend.release();
+    const NodeShare share = shareOfNodes(job, k, shares);
+    std::vector<u64> starts;
+    const PlacedBand band =
+        placeBand(job, share, starts, [](const void* from, u64) { return from; });
+    leaves += BandLeaves<HostBackend>(backend, band, starts).run(share.begin, receiver);
+  }
+  return leaves;
 }
 
 Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {

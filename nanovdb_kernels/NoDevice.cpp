@@ -43,6 +43,9 @@ Result DeviceVoxelizer::run(const MeshView&, const Job&, const Progress*) {
 Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
   refuse();
 }
+std::uint64_t DeviceVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
+  refuse();
+}
 Speeds DeviceVoxelizer::measureSpeeds() {
   refuse();
 }
@@ -67,6 +70,9 @@ Result SharedVoxelizer::run(const MeshView&, const Job&, const Progress*) {
   refuse();
 }
 Counts SharedVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
+  refuse();
+}
+std::uint64_t SharedVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
   refuse();
 }
 std::vector<Times> SharedVoxelizer::times() const {

@@ -335,20 +335,25 @@ void prepareSections(const Options& options, Session& session) {
                       {"output", Json::array()}};
 }
 
-void describeDevices(const VoxelizeResult& result, bool fields, Session& session) {
+void describeDevices(const VoxelizeResult& result, bool fields, bool levelSet, Session& session) {
   const DeviceUsed& grids = result.device;
   session.sections["device"] = grids.name;
   Json& mesh = session.sections["mesh"];
   if (!grids.why.empty())
     mesh["device_why"] = grids.why;
-  if (fields)
-    mesh["fields_device"] = result.fieldsDevice.name;
-  if (fields && !result.fieldsDevice.why.empty())
-    mesh["fields_device_why"] = result.fieldsDevice.why;
   if (!grids.why.empty() && grids.name != "cpu")
     session.notes.push_back(fmt::format("device: {}, since {}", grids.name, grids.why));
-  if (fields && result.fieldsDevice.name != grids.name)
-    session.notes.push_back("device of the arrays: " + result.fieldsDevice.name);
+  const auto describe = [&](const char* key, const char* what, const DeviceUsed& used) {
+    mesh[fmt::format("{}_device", key)] = used.name;
+    if (!used.why.empty())
+      mesh[fmt::format("{}_device_why", key)] = used.why;
+    if (used.name != grids.name)
+      session.notes.push_back(fmt::format("device of the {}: {}", what, used.name));
+  };
+  if (fields)
+    describe("fields", "arrays", result.fieldsDevice);
+  if (levelSet)
+    describe("surface", "level set", result.shapes.device);
 }
 
 void runVoxelize(const Options& options, Session& session) {
@@ -366,7 +371,10 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["output"] = outputsOf(result);
   reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result, options, session.report);
-  describeDevices(result, !job.fields.empty(), session);
+  const auto& shapes = job.shapes.grids;
+  const bool levelSet = std::any_of(shapes.begin(), shapes.end(),
+                                    [](ShapeGrid kind) { return kind != ShapeGrid::Coverage; });
+  describeDevices(result, !job.fields.empty(), levelSet, session);
   if (result.mesher)
     session.notes.push_back(
         fmt::format("mesher: {}, since {}", nameOf(result.mesher->road), result.mesher->why));

@@ -225,7 +225,7 @@ TEST(LevelSet, DegenerateFaces) {
   const std::vector<std::uint32_t> triangles = {0, 2, 1, 3, 3, 3, 4, 5, 5};
   Progress progress;
   const auto empty = openvdb::BoolGrid::create(false);
-  const auto grid = levelSet(mesh, faces, *empty, GridTransform{}, 4, 0, progress);
+  const auto grid = levelSet(mesh, faces, *empty, GridTransform{}, 4, 0, rasterizeBand, progress);
   std::size_t seen = 0;
   for (int x = -12; x < 28; ++x)
     for (int y = -10; y < 38; ++y)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Runs on a machine with a GPU: grids from the device, of arrays too, against those of the CPU, by
-// hash, and against the host's twin, byte for byte; and what the device refuses. Arguments: mesh
-// files or folders of them; --small leaves out what is slow under compute-sanitizer. Exit status 1
-// if anything differs.
+// Runs on a machine with a GPU: grids from the device, of arrays and level sets too, against those
+// of the CPU, by hash, and against the host's twin, byte for byte; and what the device refuses.
+// Arguments: mesh files or folders of them; --small leaves out what is slow under
+// compute-sanitizer. Exit status 1 if anything differs.
+#include "BandCases.h"
 #include "FieldCases.h"
 #include "Grids.h"
 #include "Meshes.h"
@@ -121,6 +122,63 @@ void madeArrays(Device& device, bool small) {
   check("shuffled ball", shuffled(ball(20, 60, {3, -70, 100}), 9));
 }
 
+// Level sets: with the device's distances against the CPU's.
+template <typename Device>
+void compareBands(Device& device, const std::string& name, const BandCase& band) {
+  const auto distances = [&](const nano::DistanceJob& job, nano::DistanceReceiver& receiver) {
+    if (job.nodeCount != 0)
+      device.distances(job, receiver);
+  };
+  try {
+    expect(levelSetHash(band, rasterizerBy(distances)) == levelSetHash(band, rasterizeBand),
+           name + ", level set");
+  } catch (const std::exception& e) {
+    expect(false, name + ", level set: " + e.what());
+  }
+}
+
+template <typename Device>
+void madeBands(Device& device, bool small) {
+  using namespace meshes;
+  const auto check = [&](const std::string& name, const TetMesh& mesh, double halfWidth = 3,
+                         double shell = 0) {
+    compareBands(device, name, bandOf(mesh, {}, halfWidth, shell));
+  };
+  const auto turned = [](const Vec3d& p) {
+    return Vec3d{0.8 * p[0] - 0.6 * p[1], 0.48 * p[0] + 0.64 * p[1] - 0.6 * p[2],
+                 0.36 * p[0] + 0.48 * p[1] + 0.8 * p[2]};
+  };
+  for (int cell : {1, 3, 8})
+    check("lattice of ties", scaled(kuhnGrid(3, 3, 3), cell));
+  for (const double halfWidth : {1.0, 6.5, 30.0})
+    check("half-widths", mapped(scaled(kuhnGrid(2, 2, 2), 17, {-20, -130, 3}), turned), halfWidth);
+  check("shell", mapped(scaled(kuhnGrid(2, 2, 2), 17, {-20, -130, 3}), turned), 3, 4.75);
+  check("overlaps, flips, flat tets", soup(300, 40, 9, 1, 5));
+  check("many faces a leaf", scaled(jittered(kuhnGrid(9, 9, 9), 0.2, 9, true), 0.9));
+  check("slivers", mapped(jittered(kuhnGrid(4, 4, 40), 0.2, 3), [](const Vec3d& p) {
+          return Vec3d{p[0] * 11, p[1] * 9 + 3, p[2] * 1e-5 + 4};
+        }));
+  check("tiny and large", joined(soup(400, 100, 0.7, 7), soup(3, 100, 90, 8)));
+  compareBands(device, "segments and points",
+               bandOfFaces({{0.3, 0.2, 0.1}, {9.75, 4.25, -3.25}, {-6, 2, 3}, {12.5, 19, 12}},
+                           {0, 1, 1, 2, 2, 2, 0, 3, 3}, 4));
+  for (std::uint64_t seed = 0; seed < (small ? 3u : 40u); ++seed) {
+    TetMesh mesh = soup(1 + seed * 7 % 40, seed % 3 == 0 ? 1 : 20 * double(seed % 3),
+                        seed % 2 == 0 ? 2 : 25, seed, 2);
+    if (seed % 4 > 1)
+      mesh = rounded(std::move(mesh), seed % 8 > 3 ? 1 : 0.125);
+    check("soup " + std::to_string(seed), mesh, seed % 5 == 0 ? 9 : 3);
+  }
+  if (small)
+    return;
+  check("giant faces", mapped(scaled(kuhnGrid(1, 1, 1), 900, {-40, -30, -20}), turned));
+  check("ball in many batches", ball(30, 400, {1000, 5, -3000}));
+  check("far more faces than voxels", ball(60, 30, {3, -70, 100}));
+  check("many nodes", mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+          return Vec3d{p[0] * 300000 - 60000, p[1] * 2 + p[0] * 40, p[2] * 2 - 1};
+        }));
+}
+
 void madeMeshes(nano::DeviceVoxelizer& device, bool small) {
   using namespace meshes;
   const auto check = [&](const std::string& name, const TetMesh& mesh,
@@ -229,6 +287,24 @@ void stopping(nano::DeviceVoxelizer& device) {
     expect(e.status() == Status::Limit, e.what());
     std::printf("%s\n", e.what());
   }
+  // A level set ends between batches, and when what takes its leaves fails.
+  const BandCase band = bandOf(meshes::ball(30, 400, {1000, 5, -3000}));
+  Progress none;
+  const DistanceBand placed(band.mesh, band.faces, band.halfWidth, none);
+  CollectedBand found(placed);
+  expect(refuses(Status::Cancelled,
+                 [&] { device.distances(distanceJobFor(placed), found, &cancelled); }),
+         "a level set cancelled");
+  struct Refusing : nano::DistanceReceiver {
+    int batches = 0;
+    void take(const nano::DistanceBatch&) override {
+      if (++batches == 2)
+        throw Error(Status::Limit, "", "no room");
+    }
+  } refusing;
+  expect(refuses(Status::Limit, [&] { device.distances(distanceJobFor(placed), refusing); }),
+         "leaves refused");
+  compareBands(device, "after stopping", band);
   compare(device, "after stopping", meshes::scaled(meshes::kuhnGrid(2, 2, 2), 5), {}, true);
 }
 
@@ -239,6 +315,7 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
     numbers.push_back(k);
   nano::SharedVoxelizer shared(numbers);
   madeArrays(shared, true);
+  madeBands(shared, small);
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          std::initializer_list<GridType> types) {
     for (GridType type : types)
@@ -296,6 +373,8 @@ void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
     options.resolution = resolution;
     compare(device, path + " at " + std::to_string(resolution), mesh,
             chooseTransform(mesh, options), false);
+    compareBands(device, path + " at " + std::to_string(resolution),
+                 bandOf(mesh, chooseTransform(mesh, options)));
     // Its own arrays where it has any.
     FieldOptions own;
     own.all = true;
@@ -331,6 +410,7 @@ int main(int argc, char** argv) {
   nano::DeviceVoxelizer device(0);
   madeMeshes(device, small);
   madeArrays(device, small);
+  madeBands(device, small);
   if (!small) {
     refusals(device);
     stopping(device);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/fields/LeafDistance.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -29,6 +30,14 @@ public:
   /// Nodes with voxels that may be within the radius: ascending, none twice.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
 
+  /// The faces that come near to nodes()[i]: nodeFaces()[starts()[i]] to
+  /// nodeFaces()[starts()[i + 1]], that not included.
+  const std::vector<NodeFace>& nodeFaces() const { return pairs_; }
+  const std::vector<std::uint64_t>& starts() const { return starts_; }
+  const SnappedMesh& mesh() const { return mesh_; }
+  const Boundary& faces() const { return faces_; }
+  double radius() const { return radius_; }
+
   /// Receives a leaf: its position in the node, (x * 16 + y) * 16 + z in leaves, and the squared
   /// distance of every voxel, voxels, [(x * 8 + y) * 8 + z]; a number above the square of the
   /// radius stands for all that are farther.
@@ -41,18 +50,12 @@ public:
   void rasterize(std::size_t node, const LeafSink& sink) const;
 
 private:
-  struct Pair {
-    NodeIndex node;
-    std::uint32_t face;
-    bool operator<(const Pair& o) const { return node != o.node ? node < o.node : face < o.face; }
-  };
-
   const SnappedMesh& mesh_;
   const Boundary& faces_;
   double radius_;
-  std::vector<Pair> pairs_;
+  std::vector<NodeFace> pairs_;
   std::vector<NodeIndex> nodes_;
-  std::vector<std::size_t> starts_; ///< of each node's faces in pairs_, and the end
+  std::vector<std::uint64_t> starts_;
 };
 
 /// Leaves that a level set of these faces is expected to have.

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A face as seven linear forms, from which the distance of any point follows without a branch.
+// A face as seven linear forms, from which the distance of any point follows without a branch; the
+// same source, and the same bits, on the CPU and on a GPU.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/NearestDouble.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/voxelize/Ownership.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
+#include <cstddef>
 
 namespace tetvdb {
 
@@ -19,9 +21,9 @@ namespace tetvdb {
 struct LinearForm {
   Vec3d slope{0, 0, 0};
   double constant = 0;
-  double operator()(const Vec3d& p) const { return dot(slope, p) + constant; }
+  TETVDB_HD double operator()(const Vec3d& p) const { return dot(slope, p) + constant; }
   /// Largest difference from the value in the middle of a cube, for half a side.
-  double swing(double half) const {
+  TETVDB_HD double swing(double half) const {
     return half * (std::abs(slope[0]) + std::abs(slope[1]) + std::abs(slope[2]));
   }
 };
@@ -37,69 +39,82 @@ struct FaceFrame {
   Vec3d low{}, high{}; ///< box
 };
 
+/// Puts corners p and q in order of position.
+TETVDB_HD inline void orderCorners(LatticePoint& p, LatticePoint& q) {
+  const bool before = q.x != p.x ? q.x < p.x : q.y != p.y ? q.y < p.y : q.z < p.z;
+  if (!before)
+    return;
+  const LatticePoint t = p;
+  p = q;
+  q = t;
+}
+
+/// The linear form of that slope which is 0 at p.
+TETVDB_HD inline LinearForm formThrough(const Vec3d& slope, const Vec3d& p) {
+  return LinearForm{slope, -dot(slope, p)};
+}
+
+/// A segment: an edge with an outside on either side of it.
+TETVDB_HD inline void frameSegment(const Vec3d& from, const Vec3d& to, FaceFrame& frame) {
+  const Vec3d edge = minus(to, from);
+  const double length = std::sqrt(dot(edge, edge));
+  const Vec3d direction = length > 0 ? times(edge, 1 / length) : Vec3d{1, 0, 0};
+  std::size_t least = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (std::abs(direction[k]) < std::abs(direction[least]))
+      least = k;
+  Vec3d other{0, 0, 0};
+  other[least] = 1;
+  Vec3d side = cross(direction, other);
+  side = times(side, 1 / std::sqrt(dot(side, side)));
+  frame.height = formThrough(cross(direction, side), from);
+  for (std::size_t k = 0; k < 3; ++k) {
+    frame.along[k] = formThrough(direction, from);
+    frame.length[k] = length;
+    frame.beyond[k] = formThrough(k == 1 ? times(side, -1) : side, from);
+  }
+}
+
 /// The frame of a, b, c seen from voxel `origin`. The corners are taken in order of position: the
 /// frame is the same for any order of them.
-inline FaceFrame faceFrame(LatticePoint a, LatticePoint b, LatticePoint c, const Vec3d& origin) {
-  const auto before = [](const LatticePoint& p, const LatticePoint& q) {
-    return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z);
-  };
-  if (before(b, a))
-    std::swap(a, b);
-  if (before(c, b))
-    std::swap(b, c);
-  if (before(b, a))
-    std::swap(a, b);
-  const auto seen = [&](const LatticePoint& p) {
+TETVDB_HD inline FaceFrame faceFrame(LatticePoint a, LatticePoint b, LatticePoint c,
+                                     const Vec3d& origin) {
+  orderCorners(a, b);
+  orderCorners(b, c);
+  orderCorners(a, b);
+  const auto seen = [&origin](const LatticePoint& p) {
     constexpr auto unit = static_cast<double>(kUnitsPerVoxel);
     return Vec3d{(p.x - origin[0] * unit) * kVoxelsPerUnit,
                  (p.y - origin[1] * unit) * kVoxelsPerUnit,
                  (p.z - origin[2] * unit) * kVoxelsPerUnit};
   };
-  const auto through = [](const Vec3d& slope, const Vec3d& p) {
-    return LinearForm{slope, -dot(slope, p)};
-  };
   const Vec3d corners[3] = {seen(a), seen(b), seen(c)};
   FaceFrame frame;
-  for (std::size_t k = 0; k < 3; ++k) {
-    frame.low[k] = std::min({corners[0][k], corners[1][k], corners[2][k]});
-    frame.high[k] = std::max({corners[0][k], corners[1][k], corners[2][k]});
-  }
+  frame.low = frame.high = corners[0];
+  for (std::size_t i = 1; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double p = corners[i][k];
+      frame.low[k] = p < frame.low[k] ? p : frame.low[k];
+      frame.high[k] = p > frame.high[k] ? p : frame.high[k];
+    }
 
   // Exact before it is rounded: slivers would lose it.
   const ExactVector exact = triangleNormal(a, b, c);
-  Vec3d normal{static_cast<double>(exact.x), static_cast<double>(exact.y),
-               static_cast<double>(exact.z)};
+  Vec3d normal{nearestDouble(exact.x), nearestDouble(exact.y), nearestDouble(exact.z)};
   const double area = std::sqrt(dot(normal, normal));
-  if (area > 0) {
-    normal = times(normal, 1 / area);
-    frame.height = through(normal, corners[0]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d &from = corners[k], &to = corners[(k + 1) % 3];
-      const Vec3d edge = minus(to, from);
-      frame.length[k] = std::sqrt(dot(edge, edge));
-      const Vec3d direction = times(edge, 1 / frame.length[k]);
-      frame.along[k] = through(direction, from);
-      frame.beyond[k] = through(cross(direction, normal), from);
-    }
+  if (!(area > 0)) {
+    frameSegment(corners[0], corners[2], frame);
     return frame;
   }
-  // A segment from the first corner to the last: an edge with an outside on either side of it.
-  const Vec3d edge = minus(corners[2], corners[0]);
-  const double length = std::sqrt(dot(edge, edge));
-  const Vec3d direction = length > 0 ? times(edge, 1 / length) : Vec3d{1, 0, 0};
-  const std::size_t least = static_cast<std::size_t>(
-      std::min_element(direction.begin(), direction.end(),
-                       [](double p, double q) { return std::abs(p) < std::abs(q); }) -
-      direction.begin());
-  Vec3d other{0, 0, 0};
-  other[least] = 1;
-  Vec3d side = cross(direction, other);
-  side = times(side, 1 / std::sqrt(dot(side, side)));
-  frame.height = through(cross(direction, side), corners[0]);
+  normal = times(normal, 1 / area);
+  frame.height = formThrough(normal, corners[0]);
   for (std::size_t k = 0; k < 3; ++k) {
-    frame.along[k] = through(direction, corners[0]);
-    frame.length[k] = length;
-    frame.beyond[k] = through(k == 1 ? times(side, -1) : side, corners[0]);
+    const Vec3d &from = corners[k], &to = corners[k == 2 ? 0 : k + 1];
+    const Vec3d edge = minus(to, from);
+    frame.length[k] = std::sqrt(dot(edge, edge));
+    const Vec3d direction = times(edge, 1 / frame.length[k]);
+    frame.along[k] = formThrough(direction, from);
+    frame.beyond[k] = formThrough(cross(direction, normal), from);
   }
   return frame;
 }

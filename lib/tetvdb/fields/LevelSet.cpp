@@ -2,7 +2,6 @@
 #include "tetvdb/fields/LevelSet.h"
 
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/fields/DistanceBand.h"
 
 #include <algorithm>
 #include <atomic>
@@ -25,8 +24,6 @@ using MaskLeaf = openvdb::BoolTree::LeafNodeType;
 using MaskUpper = openvdb::BoolTree::RootNodeType::ChildNodeType;
 using MaskLower = MaskUpper::ChildNodeType;
 
-constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
-constexpr int kLeavesInNode = 4096;
 constexpr std::int32_t kNodesAlong = kRootChildSize / kNodeSize;
 
 // Values and active voxels of a leaf from squared distances in voxels and the voxels inside.
@@ -120,16 +117,14 @@ float backgroundOf(double halfWidth, double voxel) {
 
 class Builder {
 public:
-  Builder(const DistanceBand& band, const openvdb::BoolTree& inside, double halfWidth, double shell,
-          double voxel)
-      : band_(band), inside_(inside), radius_(static_cast<float>(halfWidth)),
-        shell_(static_cast<float>(shell)), voxel_(static_cast<float>(voxel)),
-        background_(backgroundOf(halfWidth, voxel)) {}
+  Builder(const openvdb::BoolTree& inside, double halfWidth, double shell, double voxel)
+      : inside_(inside), radius_(static_cast<float>(halfWidth)), shell_(static_cast<float>(shell)),
+        voxel_(static_cast<float>(voxel)), background_(backgroundOf(halfWidth, voxel)) {}
 
   float background() const { return background_; }
 
-  // `inBand`: the node's number in the band; -1 where it has no part in it.
-  void build(Part& part, std::ptrdiff_t inBand) const {
+  // `distances`: of the node's leaves; null where it has no part in the band.
+  void build(Part& part, const NodeLeaves* distances) const {
     const openvdb::Coord origin(part.index[0] * kNodeSize, part.index[1] * kNodeSize,
                                 part.index[2] * kNodeSize);
     const InsideOfNode inside(inside_, origin);
@@ -145,8 +140,8 @@ public:
       if (signLeaf(squared, words, radius_, shell_, voxel_, background_, signs) || mixed)
         leaves[static_cast<std::size_t>(leaf)] = makeLeaf(leafOrigin(leaf), signs);
     };
-    if (inBand >= 0)
-      band_.rasterize(static_cast<std::size_t>(inBand), add);
+    if (distances != nullptr)
+      (*distances)(add);
 
     part.node = std::make_unique<FloatLower>(origin, background_, false);
     bool uniform = true;
@@ -170,7 +165,6 @@ public:
   }
 
 private:
-  const DistanceBand& band_;
   const openvdb::BoolTree& inside_;
   float radius_, shell_, voxel_, background_;
 };
@@ -246,26 +240,43 @@ openvdb::FloatTree::Ptr assemble(std::vector<Part>& parts, const openvdb::BoolTr
 
 } // namespace
 
-openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
-                                 const openvdb::BoolGrid& inside, const GridTransform& transform,
-                                 double halfWidth, double shell, Progress& progress) {
-  const DistanceBand band(mesh, faces, halfWidth + shell, progress);
-  const Builder builder(band, inside.constTree(), halfWidth, shell, transform.voxelSize[0]);
-  const std::vector<NodeIndex> nodes = nodesOf(band, inside.constTree());
-  std::vector<Part> parts(nodes.size());
-  std::atomic<std::size_t> done{0};
+void rasterizeBand(const DistanceBand& band, const NodeTaker& take, Progress& progress) {
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, nodes.size(), 1),
+      tbb::blocked_range<std::size_t>(0, band.nodes().size(), 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          parts[i].index = nodes[i];
-          const auto at = std::lower_bound(band.nodes().begin(), band.nodes().end(), nodes[i]);
-          const bool isIn = at != band.nodes().end() && *at == nodes[i];
-          builder.build(parts[i], isIn ? at - band.nodes().begin() : -1);
-          progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
+          progress.check();
+          take(i, [&](const DistanceBand::LeafSink& sink) { band.rasterize(i, sink); });
         }
       },
       tbb::simple_partitioner());
+}
+
+openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
+                                 const openvdb::BoolGrid& inside, const GridTransform& transform,
+                                 double halfWidth, double shell, const BandRasterizer& rasterize,
+                                 Progress& progress) {
+  const DistanceBand band(mesh, faces, halfWidth + shell, progress);
+  const Builder builder(inside.constTree(), halfWidth, shell, transform.voxelSize[0]);
+  const std::vector<NodeIndex> nodes = nodesOf(band, inside.constTree());
+  std::vector<Part> parts(nodes.size());
+  std::vector<std::size_t> ofBand, others; // parts of the band's nodes, in its order, and the rest
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    parts[i].index = nodes[i];
+    const bool isIn =
+        ofBand.size() < band.nodes().size() && band.nodes()[ofBand.size()] == nodes[i];
+    (isIn ? ofBand : others).push_back(i);
+  }
+  std::atomic<std::size_t> done{0};
+  const auto build = [&](std::size_t part, const NodeLeaves* leaves) {
+    builder.build(parts[part], leaves);
+    progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
+  };
+  rasterize(
+      band, [&](std::size_t node, const NodeLeaves& leaves) { build(ofBand[node], &leaves); },
+      progress);
+  tbb::parallel_for(std::size_t(0), others.size(),
+                    [&](std::size_t i) { build(others[i], nullptr); });
   auto grid = openvdb::FloatGrid::create(assemble(parts, inside.constTree(), builder.background()));
   grid->setName("surface");
   grid->setGridClass(openvdb::GRID_LEVEL_SET);

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/SampleOnDevice.h"
 
-#include "tetvdb/core/Error.h"
 #include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
-#include "tetvdb/voxelize/DeviceSet.h"
+#include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
 
 #include <algorithm>
 #include <atomic>
-#include <fmt/format.h>
 #include <tbb/task_arena.h>
 #include <type_traits>
 #include <utility>
@@ -139,56 +137,36 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         const PackOptions* pack, const DeviceChoice& choice, DeviceUsed& used,
                         std::vector<std::unique_ptr<PackedGrid>>& packed, Volume& volume,
                         Report& report, Progress& progress) {
-  used = {};
-  const auto onCpu = [&](std::string why) {
-    used.name = "cpu";
-    used.why = std::move(why);
+  const auto onCpu = [&] {
     return pack != nullptr
                ? packFields(mesh, transform, fields, options, *pack, packed, report, progress)
                : sampleFields(mesh, transform, fields, options, volume, report, progress);
   };
-  if (choice.kind == DeviceKind::Cpu || mesh.tets.empty())
-    return onCpu("");
-  if (needsShapes(mesh, fields)) {
-    const std::string reason = "values in quadratic cells are found on the CPU";
-    if (choice.kind == DeviceKind::Cuda)
-      report.warn("device-unused", reason);
-    return onCpu(reason);
-  }
-  requireDevice(choice);
-  std::string why;
-  const std::vector<std::string> names = nano::listDevices(why);
-  if (choice.kind == DeviceKind::Auto) {
-    if (names.empty())
-      return onCpu(why);
+  used = {};
+  if (mesh.tets.empty())
+    return onCpu();
+  DeviceQuestion question;
+  if (needsShapes(mesh, fields))
+    question.unable = "values in quadratic cells are found on the CPU";
+  question.cost = [&] {
     double numbers = 0;
     for (const Field& field : fields)
       numbers += field.width();
-    const DeviceCost cost = estimateFieldCost(mesh, transform, numbers);
-    if (cost.cpu < cost.device)
-      return onCpu(fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU", cost.cpu,
-                               cost.device));
-    used.why = fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu);
-  }
-  progress.stage("fields");
-  initializeOpenVDB();
-  packed.clear();
-  try {
-    StageTimer timer(report, "fields");
-    timer.part("start");
-    DeviceSet devices(choice, names);
-    used.name = devices.name();
-    return sampleOn(devices, mesh, transform, fields, options, pack, packed, volume, timer, report,
-                    progress);
-  } catch (const Error& e) {
-    if (choice.kind != DeviceKind::Auto ||
-        (e.status() != Status::Device && e.status() != Status::Limit))
-      throw;
-    why = e.what();
-  }
-  report.warn("device-left", "the CPU took over from the GPU: " + why);
-  packed.clear();
-  return onCpu(why);
+    return estimateFieldCost(mesh, transform, numbers);
+  };
+  return runOnDevice(
+      choice, question, used, report,
+      [&](const auto& start) {
+        progress.stage("fields");
+        initializeOpenVDB();
+        packed.clear();
+        StageTimer timer(report, "fields");
+        timer.part("start");
+        DeviceSet devices = start();
+        return sampleOn(devices, mesh, transform, fields, options, pack, packed, volume, timer,
+                        report, progress);
+      },
+      onCpu);
 }
 
 } // namespace tetvdb

@@ -5,11 +5,13 @@
 #include "tetvdb/fields/CapFaces.h"
 #include "tetvdb/fields/Coverage.h"
 #include "tetvdb/fields/DistanceBand.h"
+#include "tetvdb/fields/DistanceOnDevice.h"
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
+#include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/SoupRim.h"
@@ -94,16 +96,38 @@ void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) 
 
 openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
                                   const GridTransform& transform, const ShapeOptions& options,
+                                  DeviceUsed& used, StageTimer& timer, Report& report,
                                   Progress& progress) {
-  const auto make = [&] {
-    return levelSet(solid.mesh, solid.faces, *inside, transform, options.halfWidth, solid.shell,
-                    progress);
+  bool capped = false;
+  const auto make = [&](const BandRasterizer& rasterize) {
+    timer.part("level set");
+    const auto once = [&] {
+      return levelSet(solid.mesh, solid.faces, *inside, transform, options.halfWidth, solid.shell,
+                      rasterize, progress);
+    };
+    openvdb::FloatGrid::Ptr grid = once();
+    if (!solid.rim || capped)
+      return grid;
+    capped =
+        addCapFaces(*grid, inside, transform, *solid.rim, solid.mesh, solid.faces, progress) > 0;
+    return capped ? once() : grid;
   };
-  openvdb::FloatGrid::Ptr grid = make();
-  if (solid.rim &&
-      addCapFaces(*grid, inside, transform, *solid.rim, solid.mesh, solid.faces, progress) > 0)
-    grid = make();
-  return grid;
+  DeviceQuestion question;
+  question.cost = [&] {
+    return estimateBandCost(
+        estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell),
+        static_cast<double>(solid.faces.faces.size()));
+  };
+  return runOnDevice(
+      options.device, question, used, report,
+      [&](const auto& start) {
+        timer.part("start");
+        DeviceSet devices = start();
+        return make([&](const DistanceBand& band, const NodeTaker& take, Progress& seen) {
+          rasterizeBandOn(devices, band, take, seen);
+        });
+      },
+      [&] { return make(rasterizeBand); });
 }
 
 ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
@@ -123,8 +147,8 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
       timer.part("trim");
       trim(solid, sums.trim, report, progress);
     }
-    timer.part("level set");
-    surface = surfaceOf(solid, inside, made.transform, options, progress);
+    surface =
+        surfaceOf(solid, inside, made.transform, options, sums.device, timer, report, progress);
   }
   for (const ShapeGrid kind : options.grids) {
     if (kind != ShapeGrid::Fog) {

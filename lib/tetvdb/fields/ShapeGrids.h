@@ -16,6 +16,7 @@
 #include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
@@ -32,7 +33,9 @@ enum class ShapeGrid : std::uint8_t {
 
 struct ShapeOptions {
   std::vector<ShapeGrid> grids;
-  double halfWidth = 3;      ///< of the level set's band, voxels
+  double halfWidth = 3; ///< of the level set's band, voxels
+  /// Where the level set's distances are found; the grids are the same.
+  DeviceChoice device = {DeviceKind::Cpu, {0}};
   std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
 };
 
@@ -40,6 +43,7 @@ struct ShapeOptions {
 struct ShapeSums {
   CoverageSum coverage; ///< where ShapeGrid::Coverage was asked for
   TrimCounts trim;      ///< where a level set or fog was
+  DeviceUsed device;    ///< what found the distances
 };
 
 /// Throws Error(Usage) for a half-width out of range, a grid asked for twice, or a level set of
@@ -49,8 +53,10 @@ void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize);
 /// Adds options.grids, in that order, to the end of made.volume, which must hold the grid "mask"
 /// that voxelize() made of the same mesh. Signs are the mask's, distances those to the boundary of
 /// the tets. Adds stage "fields" to `report`, and the warning "overlap" where tets that overlap
-/// fill voxels more than once. Throws as checkShapes() does, Error(Limit) where memory does not
-/// suffice, Error(Cancelled).
+/// fill voxels more than once. Where options.device is Auto the GPU finds the distances if it is
+/// expected to be faster, and the CPU takes over where it fails or has too little memory, with the
+/// warning "device-left". Throws as checkShapes() does, Error(Limit) where memory does not suffice,
+/// Error(Device) where a GPU is asked for that is not there or fails, Error(Cancelled).
 ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
                         Report& report, Progress& progress);
 

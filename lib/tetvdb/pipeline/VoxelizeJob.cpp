@@ -195,6 +195,7 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   Voxelization made = voxelizeMesh(options);
   ShapeOptions shapes = job.shapes;
   shapes.maxMemory = memoryLeft(job.maxMemory);
+  shapes.device = job.device;
   addShapes(shapes, made);
   openvdb::GridPtrVec& grids = made.volume.grids().all;
   if (!hasMask)
@@ -516,9 +517,10 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
   checkOutputs(job);
   requireDevice(job.device);
   result.holdsTriangles = inputsHoldTriangles(job);
-  if (job.device.kind == DeviceKind::Cuda && !job.shapes.grids.empty())
-    report.warn("device-unused", "surface, fog and coverage are made on the CPU, of the mask that "
-                                 "the GPU makes");
+  const auto& shapes = job.shapes.grids;
+  if (job.device.kind == DeviceKind::Cuda &&
+      std::find(shapes.begin(), shapes.end(), ShapeGrid::Coverage) != shapes.end())
+    report.warn("device-unused", "coverage is found on the CPU");
   if (result.holdsTriangles) {
     TriangleRun(job, result, report, progress).run();
   } else {

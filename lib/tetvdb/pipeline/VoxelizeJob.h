@@ -64,7 +64,7 @@ struct VoxelizeJob {
   std::vector<ValueRange> fieldRanges;
   std::map<std::string, std::string> metadata; ///< more of it for the file
   std::string units;         ///< stored as metadata "units"; no lengths are changed
-  DeviceChoice device;       ///< where tets are voxelized
+  DeviceChoice device;       ///< where tets are voxelized and distances found; not that of `shapes`
   bool half = false;         ///< float grids are stored with 16 bits a value
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
@@ -100,8 +100,8 @@ struct VoxelizeResult {
 /// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
 /// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
 /// "upload" and "download"; "preview" where a preview is asked for; "fields" where `shapes` asks
-/// for grids. The winding number and the grids of `shapes` are the CPU's: asking for a GPU is a
-/// warning ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of
+/// for grids. The winding number and coverage are the CPU's: asking for a GPU is a warning
+/// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of
 /// cells for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
 /// renderers would not show is a warning ("hidden-values"), and one that `half` cannot hold is
 /// Error(Invalid). Throws what the steps throw; no output file is touched then, unless the mesh

@@ -6,6 +6,7 @@
 #include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,6 +35,12 @@ public:
                       nano::LeafReceiver& receiver, const Progress& progress) {
     return one_ != nullptr ? one_->sample(mesh, job, receiver, &progress)
                            : several_->sample(mesh, job, receiver, &progress);
+  }
+
+  std::uint64_t distances(const nano::DistanceJob& job, nano::DistanceReceiver& receiver,
+                          const Progress& progress) {
+    return one_ != nullptr ? one_->distances(job, receiver, &progress)
+                           : several_->distances(job, receiver, &progress);
   }
 
   /// Of the last job; the slowest device's.

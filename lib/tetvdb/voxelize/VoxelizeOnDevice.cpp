@@ -5,7 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
-#include "tetvdb/voxelize/DeviceSet.h"
+#include "tetvdb/voxelize/RunOnDevice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -77,9 +77,10 @@ NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
   return copy;
 }
 
-// Seconds, fitted to what `tetvdb_device_bench auto` measures on an H200 and its host
-// (docs/benchmarks.md). Of the device: CUDA's start and the first memory; tets from pageable
-// memory; a byte of the grid, of which the host's memory and OpenVDB's tree take nearly all.
+// Seconds, fitted to what `tetvdb_device_bench auto`, `fields` and `levelset` measure on an H200
+// and its host (docs/benchmarks.md). Of the device: CUDA's start and the first memory; tets from
+// pageable memory; a byte of the grid, of which the host's memory and OpenVDB's tree take nearly
+// all.
 constexpr double kDeviceStart = 0.42 + 0.05, kDevicePerTet = 2e-9, kDevicePerByte = 0.25e-9;
 // A byte of the values that come down, where the host has no more to do with them.
 constexpr double kDevicePerValueByte = 0.03e-9;
@@ -90,6 +91,10 @@ constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;
 // on the device making pinned memory, and tets and arrays from pageable memory.
 constexpr double kCpuPerSampledTet = 280e-9, kCpuPerNumber = 2e-9;
 constexpr double kSamplerStart = 0.04, kDevicePerSampledTet = 5e-9;
+// Of a level set: making a leaf, and finding its distances, of which a face that is small takes as
+// much as some leaves; on the device from the host's arrays.
+constexpr double kCpuPerBandLeaf = 3e-6, kCpuPerLeafOfDistances = 2e-6;
+constexpr double kCpuPerBandFace = 3e-6, kDevicePerBandFace = 5e-9;
 // Threads beyond these gain half as much.
 constexpr double kFullThreads = 16;
 
@@ -124,6 +129,15 @@ DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform
               leaves * numbers * 2048 * kDevicePerValueByte};
 }
 
+DeviceCost estimateBandCost(double leaves, double faces) {
+  // The host makes the leaves either way.
+  const double trees = leaves * kCpuPerBandLeaf / threadsThatGain();
+  const double found = faces * kCpuPerBandFace / threadsThatGain();
+  return {kCpuStart + trees + found + leaves * kCpuPerLeafOfDistances / threadsThatGain(),
+          kDeviceStart + kSamplerStart + trees + faces * kDevicePerBandFace +
+              leaves * 2048 * kDevicePerValueByte};
+}
+
 DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options) {
   const auto [surface, volume] = leavesOf(mesh, transform);
@@ -144,8 +158,8 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
 
 namespace {
 
-Voxelization runOnDevice(DeviceSet& devices, const TetMesh& mesh, const VoxelizeOptions& options,
-                         std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
+Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeOptions& options,
+                        std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
   Voxelization result;
   result.transform = chooseTransform(mesh, options);
   const auto timed = [&](const char* name, double seconds, Stage stage = {}) {
@@ -207,57 +221,66 @@ void requireDevice(const DeviceChoice& choice) {
   }
 }
 
+bool takesDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
+                 std::vector<std::string>& names, Report& report) {
+  used = {};
+  if (choice.kind == DeviceKind::Cpu)
+    return false;
+  if (!question.unable.empty()) {
+    if (choice.kind == DeviceKind::Cuda)
+      report.warn("device-unused", question.unable);
+    used.why = question.unable;
+    return false;
+  }
+  requireDevice(choice);
+  std::string why;
+  names = nano::listDevices(why);
+  if (choice.kind == DeviceKind::Cuda)
+    return true;
+  if (names.empty()) {
+    used.why = why;
+    return false;
+  }
+  const DeviceCost cost = question.cost();
+  const bool gains = cost.device <= cost.cpu;
+  used.why = gains ? fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu)
+                   : fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU",
+                                 cost.cpu, cost.device);
+  return gains;
+}
+
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
                       const DeviceChoice& choice, DeviceUsed& used,
                       std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
   used = {};
-  const auto onCpu = [&](std::string why) {
-    used.name = "cpu";
-    used.why = std::move(why);
-    return voxelize(mesh, options, report, progress);
-  };
-  if (choice.kind == DeviceKind::Cpu)
-    return onCpu("");
+  const auto onCpu = [&] { return voxelize(mesh, options, report, progress); };
   if (options.grids.empty() || mesh.tets.empty())
-    return onCpu(""); // to be refused
-  if (options.rule != VoxelRule::Centre) {
-    if (choice.kind == DeviceKind::Cuda)
-      report.warn("device-unused", "--rule any and all are the CPU's");
-    return onCpu("--rule any and all are the CPU's");
+    return onCpu(); // to be refused
+  if (choice.kind == DeviceKind::Auto && options.path != OccupancyPath::Auto) {
+    used.why = "a path was asked for";
+    return onCpu();
   }
-  requireDevice(choice);
-  std::string why;
-  const std::vector<std::string> names = nano::listDevices(why);
-  if (choice.kind == DeviceKind::Auto) {
-    if (names.empty())
-      return onCpu(why);
-    if (options.path != OccupancyPath::Auto)
-      return onCpu("a path was asked for");
-    const DeviceCost cost = estimateCost(mesh, chooseTransform(mesh, options), options);
-    if (cost.cpu < cost.device)
-      return onCpu(fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU", cost.cpu,
-                               cost.device));
-    used.why = fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu);
-  }
-  progress.stage("voxelize");
-  initializeOpenVDB();
-  try {
-    DeviceSet devices(choice, names);
-    used.name = devices.name();
-    Voxelization result = runOnDevice(devices, mesh, options, nanoGrids, report, progress);
-    reportOrigin(result.transform, options, report);
-    reportTets(result.counts, mesh.tetCount(), report);
-    requireVoxels(result, options);
-    return result;
-  } catch (const Error& e) {
-    if (choice.kind != DeviceKind::Auto ||
-        (e.status() != Status::Device && e.status() != Status::Limit))
-      throw;
-    report.warn("device-left", std::string("the CPU took over from the GPU: ") + e.what());
-    if (nanoGrids != nullptr)
-      nanoGrids->clear();
-    return onCpu(e.what());
-  }
+  DeviceQuestion question;
+  if (options.rule != VoxelRule::Centre)
+    question.unable = "--rule any and all are the CPU's";
+  question.cost = [&] { return estimateCost(mesh, chooseTransform(mesh, options), options); };
+  return runOnDevice(
+      choice, question, used, report,
+      [&](const auto& start) {
+        progress.stage("voxelize");
+        initializeOpenVDB();
+        DeviceSet devices = start();
+        Voxelization result = voxelizeOn(devices, mesh, options, nanoGrids, report, progress);
+        reportOrigin(result.transform, options, report);
+        reportTets(result.counts, mesh.tetCount(), report);
+        requireVoxels(result, options);
+        return result;
+      },
+      [&] {
+        if (nanoGrids != nullptr)
+          nanoGrids->clear();
+        return onCpu();
+      });
 }
 
 } // namespace tetvdb

@@ -39,6 +39,9 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
 /// The same of fields/SampleOnDevice.h, for fields of so many numbers a voxel in all.
 DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers);
 
+/// The same of fields/DistanceOnDevice.h, for so many leaves of a band and faces.
+DeviceCost estimateBandCost(double leaves, double faces);
+
 /// Throws Error(Device) where `choice` names a GPU that is not there.
 void requireDevice(const DeviceChoice& choice);
 

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Squared distances from the voxel centres of a leaf to a face, and which leaves and rows of voxels
+// to ask; the same source, and the same bits, on the CPU and on a GPU.
+#pragma once
+
+#include "tetvdb/core/HostDevice.h"
+#include "tetvdb/core/Multiversion.h"
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/fields/FaceFrame.h"
+#include "tetvdb/voxelize/Slab.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace tetvdb {
+
+constexpr int kLeavesAlong = kNodeSize / kLeafSize;
+constexpr int kLeavesInNode = kLeavesAlong * kLeavesAlong * kLeavesAlong;
+constexpr int kRowsInLeaf = kLeafSize * kLeafSize;
+constexpr int kVoxelsInLeaf = kRowsInLeaf * kLeafSize;
+
+// From the middle to the outermost centres.
+constexpr double kHalfLeaf = 0.5 * (kLeafSize - 1);
+constexpr double kHalfNode = 0.5 * (kNodeSize - 1);
+
+constexpr double kBoundSlack = 1e-6; ///< more than bounds in doubles can be wrong by
+constexpr double kReachSlack = 1e-5; ///< the same of the rows' single precision
+
+/// A face that comes near to a 128^3 node.
+struct NodeFace {
+  NodeIndex node;
+  std::uint32_t face;
+  bool operator<(const NodeFace& o) const { return node != o.node ? node < o.node : face < o.face; }
+};
+
+/// First voxel of a node.
+TETVDB_HD inline Vec3d firstVoxelOf(const NodeIndex& node) {
+  return {static_cast<double>(node[0]) * kNodeSize, static_cast<double>(node[1]) * kNodeSize,
+          static_cast<double>(node[2]) * kNodeSize};
+}
+
+/// Whether the middle of a cube, half a side away from its outermost centres, leaves some of them
+/// within the radius.
+TETVDB_HD inline bool mayReach(const FaceFrame& face, const Vec3d& middle, double half,
+                               double radius) {
+  if (std::abs(face.height(middle)) > radius + face.height.swing(half) + kBoundSlack)
+    return false;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (face.beyond[k](middle) > radius + face.beyond[k].swing(half) + kBoundSlack)
+      return false;
+  return true;
+}
+
+/// Calls visit(leaf) for the leaves of a node that may have voxels within the radius of a face seen
+/// from the node's first voxel: positions (x * 16 + y) * 16 + z in leaves, ascending.
+template <typename Visit>
+TETVDB_HD inline void forLeavesNear(const FaceFrame& face, double radius, const Visit& visit) {
+  int low[3], high[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double first = std::ceil(face.low[k] - radius), last = std::floor(face.high[k] + radius);
+    low[k] = static_cast<int>(first < 0 ? 0 : first) / kLeafSize;
+    high[k] = last < 0 ? -1 : static_cast<int>(last > kNodeSize - 1 ? kNodeSize - 1 : last);
+    high[k] = high[k] < 0 ? -1 : high[k] / kLeafSize;
+  }
+  for (int x = low[0]; x <= high[0]; ++x)
+    for (int y = low[1]; y <= high[1]; ++y)
+      for (int z = low[2]; z <= high[2]; ++z) {
+        const Vec3d middle{x * kLeafSize + kHalfLeaf, y * kLeafSize + kHalfLeaf,
+                           z * kLeafSize + kHalfLeaf};
+        if (mayReach(face, middle, kHalfLeaf, radius))
+          visit((x * kLeavesAlong + y) * kLeavesAlong + z);
+      }
+}
+
+/// A form in single precision, from the middle of a leaf.
+struct LeafForm {
+  float x, y, z, middle;
+
+  LeafForm() = default;
+  TETVDB_HD LeafForm(const LinearForm& form, const Vec3d& at)
+      : x(static_cast<float>(form.slope[0])), y(static_cast<float>(form.slope[1])),
+        z(static_cast<float>(form.slope[2])), middle(static_cast<float>(form(at))) {}
+  TETVDB_HD TETVDB_INLINE float row(float dx, float dy) const { return middle + (x * dx + y * dy); }
+  TETVDB_HD TETVDB_INLINE float swingZ() const {
+    return static_cast<float>(kHalfLeaf) * (z < 0 ? -z : z);
+  }
+};
+
+/// A face as a leaf sees it: everything that matters is within a few voxels of the leaf's middle,
+/// so single precision is wrong by less than 3e-6 voxels.
+struct LeafFace {
+  LeafForm height, beyond[3], along[3];
+  float past[3];      ///< along at the edge's end, seen from the middle
+  int x0, x1, y0, y1; ///< rows that the radius reaches, inclusive
+};
+
+/// `leaf`: its position in the node, of a face seen from the node's first voxel.
+TETVDB_HD inline LeafFace seenFrom(const FaceFrame& face, int leaf, double radius) {
+  const int position[3] = {leaf / (kLeavesAlong * kLeavesAlong), leaf / kLeavesAlong % kLeavesAlong,
+                           leaf % kLeavesAlong};
+  const Vec3d middle{position[0] * kLeafSize + kHalfLeaf, position[1] * kLeafSize + kHalfLeaf,
+                     position[2] * kLeafSize + kHalfLeaf};
+  LeafFace seen;
+  seen.height = LeafForm(face.height, middle);
+  for (std::size_t k = 0; k < 3; ++k) {
+    seen.beyond[k] = LeafForm(face.beyond[k], middle);
+    seen.along[k] = LeafForm(face.along[k], middle);
+    seen.past[k] = static_cast<float>(face.along[k](middle) - face.length[k]);
+  }
+  const auto first = [&](std::size_t axis) {
+    const double low = std::ceil(face.low[axis] - radius - position[axis] * kLeafSize);
+    return static_cast<int>(low < 0 ? 0 : low);
+  };
+  const auto last = [&](std::size_t axis) {
+    const double high = std::floor(face.high[axis] + radius - position[axis] * kLeafSize);
+    return static_cast<int>(high > kLeafSize - 1 ? kLeafSize - 1 : high);
+  };
+  seen.x0 = first(0);
+  seen.x1 = last(0);
+  seen.y0 = first(1);
+  seen.y1 = last(1);
+  return seen;
+}
+
+/// What of a face's forms is the same along a row of voxels.
+struct FaceRow {
+  float height, beyond[3], along[3];
+};
+
+/// Row (x, y) of a face's leaf; returns whether voxels of it may be within `reach`, the radius and
+/// kReachSlack.
+TETVDB_HD TETVDB_INLINE bool rowOf(const LeafFace& face, int x, int y, float reach, FaceRow& row) {
+  const float dx = static_cast<float>(x) - 3.5f, dy = static_cast<float>(y) - 3.5f;
+  row.height = face.height.row(dx, dy);
+  if ((row.height < 0 ? -row.height : row.height) > reach + face.height.swingZ())
+    return false;
+  for (int k = 0; k < 3; ++k) {
+    row.beyond[k] = face.beyond[k].row(dx, dy);
+    if (row.beyond[k] > reach + face.beyond[k].swingZ())
+      return false;
+  }
+  for (int k = 0; k < 3; ++k)
+    row.along[k] = face.along[k].x * dx + face.along[k].y * dy;
+  return true;
+}
+
+template <typename Number>
+TETVDB_HD TETVDB_INLINE Number largerOf(Number a, Number b) {
+  return a > b ? a : b;
+}
+template <typename Number>
+TETVDB_HD TETVDB_INLINE Number smallerOf(Number a, Number b) {
+  return a < b ? a : b;
+}
+
+/// Squared distance of the row's voxel at `z` from the leaf's middle; of several where Number is a
+/// vector.
+template <typename Number>
+TETVDB_HD TETVDB_INLINE Number squaredDistance(const LeafFace& face, const FaceRow& row, Number z) {
+  const Number zero = z - z;
+  const auto edge = [&](int k, Number q) {
+    const Number uz = row.along[k] + face.along[k].z * z;
+    const Number e = largerOf(largerOf(uz + face.past[k], -(uz + face.along[k].middle)), zero);
+    return q * q + e * e;
+  };
+  const Number b0 = row.beyond[0] + face.beyond[0].z * z, b1 = row.beyond[1] + face.beyond[1].z * z,
+               b2 = row.beyond[2] + face.beyond[2].z * z;
+  const Number nearest = smallerOf(smallerOf(edge(0, b0), edge(1, b1)), edge(2, b2));
+  const Number outside = largerOf(largerOf(b0, b1), b2);
+  const Number s = row.height + face.height.z * z;
+  return s * s + (outside < zero ? zero : nearest);
+}
+
+} // namespace tetvdb

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where a job is done that CPU and GPU can do. Internal.
+#pragma once
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/voxelize/DeviceSet.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// What is known of a job before it is done.
+struct DeviceQuestion {
+  std::string unable; ///< why no GPU can do it; empty: one can
+  /// Asked where the choice is Auto and there is a GPU.
+  std::function<DeviceCost()> cost;
+};
+
+/// Fills `used` for a choice among `names`, all devices there are; returns whether it is the GPU.
+/// Adds the warning "device-unused" where one was asked for that cannot do the job. Throws
+/// Error(Device) where it is not there.
+bool takesDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
+                 std::vector<std::string>& names, Report& report);
+
+/// Returns onDevice(start) or onCpu(), as takesDevice() says; start() returns the DeviceSet of the
+/// choice. Where that is Auto and the device fails or has too little memory onCpu() takes over,
+/// with the warning "device-left"; it must not rest on what onDevice() left behind.
+template <typename OnDevice, typename OnCpu>
+auto runOnDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
+                 Report& report, const OnDevice& onDevice, const OnCpu& onCpu) {
+  std::vector<std::string> names;
+  if (!takesDevice(choice, question, used, names, report))
+    return onCpu();
+  try {
+    return onDevice([&] {
+      DeviceSet devices(choice, names);
+      used.name = devices.name();
+      return devices;
+    });
+  } catch (const Error& e) {
+    if (choice.kind != DeviceKind::Auto ||
+        (e.status() != Status::Device && e.status() != Status::Limit))
+      throw;
+    used = {"cpu", e.what()};
+  }
+  report.warn("device-left", "the CPU took over from the GPU: " + used.why);
+  return onCpu();
+}
+
+} // namespace tetvdb

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Distances to faces in a band around them, leaf by leaf: what DeviceVoxelizer::distances() takes
+// and gives. No type of CUDA or NanoVDB is in here.
+#pragma once
+
+#include "tetvdb/fields/LeafDistance.h"
+
+#include <cstdint>
+
+namespace tetvdb::nano {
+
+/// Faces placed among the 128^3 nodes that they come near to, as fields/DistanceBand.h places them;
+/// arrays in host memory.
+struct DistanceJob {
+  const LatticePoint* points = nullptr;
+  std::uint64_t pointCount = 0;
+  const std::uint32_t* faces = nullptr; ///< three points each, and a number that is not looked at
+  std::uint64_t faceCount = 0;
+  const NodeFace* nodeFaces = nullptr;   ///< by node
+  const std::uint64_t* starts = nullptr; ///< of each node's in nodeFaces, and their number
+  std::uint64_t nodeCount = 0;
+  double radius = 0; ///< voxels
+};
+
+/// Whole nodes of the job, in its order.
+struct DistanceBatch {
+  std::uint64_t firstNode = 0, nodeCount = 0;
+  const std::uint64_t* starts = nullptr; ///< of each node's leaves in the batch, and their number
+  const std::uint16_t* leaves = nullptr; ///< their positions, (x * 16 + y) * 16 + z, ascending
+  /// 512 a leaf, [64 x + 8 y + z]: squared distances, voxels; a number above the square of the
+  /// radius stands for all that are farther.
+  const float* squared = nullptr;
+};
+
+class DistanceReceiver {
+public:
+  virtual ~DistanceReceiver() = default;
+  /// Gets every node once, one without leaves too. The batch is gone when this returns. Where
+  /// several devices share a job their threads call at the same time.
+  virtual void take(const DistanceBatch& batch) = 0;
+};
+
+} // namespace tetvdb::nano

@@ -3,8 +3,11 @@
 // What the GPU does in how long, with the floor beside it: the time its least transfers would take
 // at the speeds measured in the same run. Medians of --repeat runs after warming up.
 #include "FieldsOnDevice.h"
+#include "LevelSetOnDevice.h"
+#include "Measure.h"
 #include "Meshes.h"
 #include "PaperOnDevice.h"
+#include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -13,10 +16,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <functional>
+#include <fmt/format.h>
 #include <memory>
 #include <set>
 #include <string>
@@ -26,19 +28,12 @@
 namespace {
 
 using namespace tetvdb;
+using bench::median;
+using bench::now;
 using nano::GridType;
 using nano::Road;
 
 int repeats = 20;
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 // A mesh in pinned memory.
 struct Pinned {
@@ -65,62 +60,41 @@ nano::Job jobAt(int resolution, GridType type, Road road = Road::Auto) {
   job.type = type;
   job.road = road;
   // Balls have radius 1.
-  job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = 2.0 / resolution;
-  // Off the lattice's symmetry, within one root tile.
-  for (double& o : job.origin)
-    o = -1.0 - 0.3 * 2.0 / resolution;
+  const GridTransform transform = bench::transformAt(resolution);
+  std::copy(transform.voxelSize.begin(), transform.voxelSize.end(), job.voxelSize);
+  std::copy(transform.origin.begin(), transform.origin.end(), job.origin);
   job.name = "grid";
   return job;
 }
 
-struct Measured {
-  double wall = 0, upload = 0, build = 0, download = 0;
-  std::vector<std::pair<std::string, double>> parts;
+// A job of the device's, measured; and what came of it.
+struct GridMeasured : bench::Measured {
   nano::Counts counts;
 };
 
-Measured measure(nano::DeviceVoxelizer& device, const nano::MeshView& mesh, const nano::Job& job,
-                 int times) {
-  Measured m;
-  for (int i = 0; i < 2; ++i)
-    device.run(mesh, job);
-  std::vector<double> wall, upload, build, download;
-  std::vector<std::vector<double>> parts;
-  for (int i = 0; i < times; ++i) {
-    const double start = now();
-    m.counts = device.run(mesh, job).counts;
-    wall.push_back(now() - start);
-    const nano::Times t = device.times();
-    upload.push_back(t.upload);
-    build.push_back(t.build);
-    download.push_back(t.download);
-    m.parts = t.parts;
-    parts.resize(t.parts.size());
-    for (std::size_t k = 0; k < t.parts.size(); ++k)
-      parts[k].push_back(t.parts[k].second);
-  }
-  m.wall = median(wall);
-  m.upload = median(upload);
-  m.build = median(build);
-  m.download = median(download);
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    m.parts[k].second = median(parts[k]);
+GridMeasured measure(nano::DeviceVoxelizer& device, const nano::MeshView& mesh,
+                     const nano::Job& job, int times) {
+  GridMeasured m;
+  static_cast<bench::Measured&>(m) =
+      bench::measure(device, times, [&] { m.counts = device.run(mesh, job).counts; });
   return m;
 }
 
-void print(const std::string& name, const Measured& m, double floorSeconds) {
-  std::printf("%-44s %9.3f ms  floor %7.3f ms (%5.1f %%)  up %.3f build %.3f down %.3f |",
-              name.c_str(), m.wall * 1e3, floorSeconds * 1e3, 100 * floorSeconds / m.wall,
-              m.upload * 1e3, m.build * 1e3, m.download * 1e3);
-  for (const auto& [part, seconds] : m.parts)
-    std::printf(" %s %.3f", part.c_str(), seconds * 1e3);
-  std::printf(" | leaves %llu lower %llu MB %.1f faces %llu %s\n",
-              static_cast<unsigned long long>(m.counts.leaves),
-              static_cast<unsigned long long>(m.counts.lowerNodes),
-              double(m.counts.bufferBytes) * 1e-6,
-              static_cast<unsigned long long>(m.counts.boundaryFaces),
-              m.counts.road == Road::Boundary ? "boundary" : "tets");
-  std::fflush(stdout);
+void print(const std::string& name, const GridMeasured& m, double floorSeconds) {
+  bench::print(name, m, floorSeconds,
+               fmt::format("leaves {} lower {} MB {:.1f} faces {} {}", m.counts.leaves,
+                           m.counts.lowerNodes, double(m.counts.bufferBytes) * 1e-6,
+                           m.counts.boundaryFaces,
+                           m.counts.road == Road::Boundary ? "boundary" : "tets"));
+}
+
+VoxelizeOptions optionsAt(int resolution, GridKind kind) {
+  VoxelizeOptions options;
+  options.grids = {kind};
+  const GridTransform transform = bench::transformAt(resolution);
+  options.voxelSize = transform.voxelSize;
+  options.origin = transform.origin;
+  return options;
 }
 
 // Bytes a second: to the device, from it, and within (read and write counted).
@@ -136,14 +110,14 @@ void paperTable(nano::DeviceVoxelizer& device, const std::string& name, const Pi
     nano::Job job = jobAt(256, GridType::Mask, road);
     const char* by = road == Road::Tets ? ", by tets" : ", by boundary";
     job.download = false;
-    const Measured up = measure(device, mesh.view, job, repeats);
+    const GridMeasured up = measure(device, mesh.view, job, repeats);
     const double within = deviceFloor(mesh.bytes() + double(up.counts.bufferBytes));
     print(name + " at 256^3 from pinned" + by, up, mesh.bytes() / speeds.up + within);
     job.resident = true;
     print(name + " at 256^3 resident" + by, measure(device, resident, job, repeats), within);
   }
   nano::Job down = jobAt(256, GridType::Mask);
-  const Measured all = measure(device, mesh.view, down, repeats);
+  const GridMeasured all = measure(device, mesh.view, down, repeats);
   print(name + " at 256^3, grid to the host", all,
         mesh.bytes() / speeds.up + double(all.counts.bufferBytes) / speeds.down);
   std::vector<double> total, kernel, allocation;
@@ -168,7 +142,7 @@ void large(const Pinned& ball, int resolution, GridType type, int times, const s
   job.resident = true;
   job.download = false;
   try {
-    const Measured m = measure(device, resident, job, times);
+    const GridMeasured m = measure(device, resident, job, times);
     print(name + " at " + std::to_string(resolution) + "^3 resident", m,
           deviceFloor(ball.bytes() + double(m.counts.bufferBytes)));
     std::printf("  device memory %.1f GB\n", double(device.deviceBytes()) * 1e-9);
@@ -219,35 +193,18 @@ void shared(const TetMesh& ball, int resolution, int times, int count) {
 
 // What --device auto goes by, beside what jobs of the program take.
 void automatic(const TetMesh& ball, const char* name, int resolution, GridKind kind) {
-  VoxelizeOptions options;
-  options.grids = {kind};
-  const nano::Job job = jobAt(resolution, GridType::Mask);
-  for (std::size_t k = 0; k < 3; ++k) {
-    options.voxelSize[k] = job.voxelSize[k];
-    options.origin[k] = job.origin[k];
-  }
-  const auto seconds = [&](DeviceKind device) {
-    std::vector<double> all;
-    for (int i = 0; i < 3; ++i) {
-      DeviceUsed used;
-      Report report;
-      Progress progress;
-      const double start = now();
-      voxelize(ball, options, {device, {0}}, used, nullptr, report, progress);
-      all.push_back(now() - start);
-    }
-    return median(all);
-  };
-  const DeviceCost cost = estimateCost(ball, chooseTransform(ball, options), options);
-  const double cpu = seconds(DeviceKind::Cpu), device = seconds(DeviceKind::Cuda);
-  std::printf("%s, %s at %d^3: CPU %.1f ms (expected %.1f), GPU after its start %.1f ms "
-              "(expected with it %.1f)\n",
-              name,
-              kind == GridKind::TetId  ? "tet_id"
-              : kind == GridKind::Mask ? "mask"
-                                       : "density",
-              resolution, cpu * 1e3, cost.cpu * 1e3, device * 1e3, cost.device * 1e3);
-  std::fflush(stdout);
+  const VoxelizeOptions options = optionsAt(resolution, kind);
+  const char* grid = kind == GridKind::TetId  ? "tet_id"
+                     : kind == GridKind::Mask ? "mask"
+                                              : "density";
+  bench::besideCpu(fmt::format("{}, {} at {}^3", name, grid, resolution),
+                   estimateCost(ball, chooseTransform(ball, options), options), 3,
+                   [&](const DeviceChoice& choice) {
+                     DeviceUsed used;
+                     Report report;
+                     Progress progress;
+                     voxelize(ball, options, choice, used, nullptr, report, progress);
+                   });
 }
 
 // The paper's data set: many models, each uploaded, built and downloaded.
@@ -312,13 +269,7 @@ void dataSet(int models, int workers) {
 
 // The CPU on the same machine.
 void onCpu(const std::string& name, const TetMesh& mesh, int resolution, GridKind kind) {
-  VoxelizeOptions options;
-  options.grids = {kind};
-  const nano::Job job = jobAt(resolution, GridType::Mask);
-  for (std::size_t k = 0; k < 3; ++k) {
-    options.voxelSize[k] = job.voxelSize[k];
-    options.origin[k] = job.origin[k];
-  }
+  const VoxelizeOptions options = optionsAt(resolution, kind);
   std::vector<double> seconds;
   for (int i = 0; i < 5; ++i) {
     Report report;
@@ -380,6 +331,15 @@ int main(int argc, char** argv) {
       bench::fieldsTable(device, speeds, ball6, "10^6 tets", 512, 10);
       bench::fieldsTable(device, speeds, meshes::ball(118, 1, {0, 0, 0}), "10^7 tets", 256,
                          repeats);
+    }
+    if (wanted("levelset")) {
+      bench::levelSetTable(device, speeds, ball6, "10^6 tets", 512, repeats);
+      bench::levelSetTable(device, speeds, ball6, "10^6 tets", 1024, 10);
+      bench::levelSetTable(device, speeds, ball5, "10^5 tets", 2048, 5);
+      bench::levelSetTable(device, speeds, meshes::sphere({0, 0, 0}, 1, 289), "10^6 triangles", 512,
+                           repeats);
+      bench::levelSetTable(device, speeds, meshes::sphere({0, 0, 0}, 1, 289), "10^6 triangles",
+                           1024, 10);
     }
     if (wanted("dataset"))
       for (int workers : {1, 2, 3, 4})

@@ -3,6 +3,10 @@
 #include "tetvdb/io/Source.h"
 
 #include <cstdio>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <numeric>
+#include <string>
 #include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
@@ -22,6 +26,19 @@ std::string openingError(const std::string& path) {
     return error.what();
   }
   return {};
+}
+
+/// Bytes of memory that this process takes up, by the system.
+std::size_t residentBytes() {
+  std::size_t size = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> size >> resident;
+  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t sumOf(const Source& source) {
+  return std::accumulate(
+      source.bytes.begin(), source.bytes.end(), std::uint64_t(0),
+      [](std::uint64_t sum, char c) { return sum * 31 + static_cast<unsigned char>(c); });
 }
 
 TEST(MappedFile, HoldsTheBytesOfAFile) {
@@ -50,6 +67,34 @@ TEST(MappedFile, PipesAreReadToTheirEnd) {
   }
   writer.join();
   std::remove(path.c_str());
+}
+
+TEST(Source, whatWasReadIsGivenBackAndReadAgain) {
+  const std::string path = ::testing::TempDir() + "/released." + std::to_string(::getpid());
+  constexpr std::size_t kBytes = (std::size_t(24) << 20) + 77;
+  {
+    std::string text(kBytes, ' ');
+    for (std::size_t i = 0; i < kBytes; ++i)
+      text[i] = static_cast<char>(i * i >> 7);
+    std::ofstream(path, std::ios::binary) << text;
+  }
+  const MappedFile file(path);
+  std::remove(path.c_str());
+  const Source source = file.source();
+  ASSERT_TRUE(source.isMapped);
+  const std::uint64_t sum = sumOf(source);
+  const std::size_t full = residentBytes();
+  source.release();
+  EXPECT_LT(residentBytes() + kBytes * 3 / 4, full);
+  EXPECT_EQ(sumOf(source), sum);
+}
+
+TEST(Source, bytesOfOthersStay) {
+  const std::string text(std::size_t(1) << 16, 'x');
+  const Source source{text, "text"};
+  EXPECT_FALSE(source.isMapped);
+  source.release();
+  EXPECT_EQ(source.bytes, std::string(std::size_t(1) << 16, 'x'));
 }
 
 } // namespace

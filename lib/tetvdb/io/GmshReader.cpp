@@ -539,6 +539,7 @@ private:
   }
 
   void update() {
+    source_.release();
     const std::size_t at = std::max(in_.text.position(), in_.bytes.position());
     progress_.update(static_cast<double>(at) / static_cast<double>(source_.bytes.size()));
   }

@@ -153,6 +153,7 @@ public:
 
 private:
   void update() {
+    source_.release();
     progress_.update(static_cast<double>(in_.position()) /
                      static_cast<double>(source_.bytes.size()));
   }

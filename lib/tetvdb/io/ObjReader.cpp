@@ -33,9 +33,11 @@ public:
     if (source_.bytes.substr(0, 3) == "\xef\xbb\xbf") // a byte order mark
       at_ += 3;
     for (std::size_t lines = 0; at_ != end_; ++lines) {
-      if (lines % kPerUpdate == 0)
+      if (lines % kPerUpdate == 0) {
+        source_.release();
         progress_.update(static_cast<double>(at_ - source_.bytes.data()) /
                          static_cast<double>(source_.bytes.size()));
+      }
       readLine();
     }
     return faces_.finish(report);

@@ -191,6 +191,7 @@ private:
   }
 
   void update() {
+    source_.release();
     progress_.update(static_cast<double>(in_.position()) /
                      static_cast<double>(source_.bytes.size()));
   }
@@ -225,9 +226,11 @@ TriangleMesh readOffBinary(const Source& source, std::size_t begin, std::size_t 
   }
   std::vector<std::uint32_t> corners;
   for (std::int32_t i = 0; i < faces; ++i) {
-    if (i % static_cast<std::int32_t>(kPerUpdate) == 0)
+    if (i % static_cast<std::int32_t>(kPerUpdate) == 0) {
+      source.release();
       progress.update(static_cast<double>(in.position()) /
                       static_cast<double>(source.bytes.size()));
+    }
     const auto n = in.remaining() < 8 ? -1 : in.get<std::int32_t>();
     if (n < 0 || (std::uint64_t(n) + 1) * 4 > in.remaining()) {
       warnOfMissingFaces(report, std::uint64_t(faces), std::uint64_t(i));

@@ -113,7 +113,7 @@ class PlyBody {
 public:
   PlyBody(const Source& source, const PlyHeader& header, Report& report, Progress& progress)
       : header_(header), report_(report), progress_(progress), rows_(source, header),
-        faces_(source.path), path_(source.path) {}
+        faces_(source.path), source_(source) {}
 
   TriangleMesh read() {
     for (const PlyElement& element : header_.elements) {
@@ -157,11 +157,13 @@ private:
     if (kind_ == Kind::Vertex)
       faces_.reserve(std::min<std::uint64_t>(element.count, rows_.remaining() / 3), 0);
     for (std::uint64_t i = 0; i < element.count; ++i) {
-      if (i % kPerUpdate == 0)
+      if (i % kPerUpdate == 0) {
+        source_.release();
         progress_.update(rows_.fraction());
+      }
       if (rows_.atEnd() || !readRow(element) || (i + 1 < element.count && isCut())) {
         if (faces_.faceCount() == 0)
-          throw Error(Status::Invalid, path_,
+          throw Error(Status::Invalid, source_.path,
                       "the file ends after " + std::to_string(i) + " of " +
                           std::to_string(element.count) + " elements '" + element.name +
                           "', before any face",
@@ -259,7 +261,7 @@ private:
   Progress& progress_;
   Rows rows_;
   FaceCollector faces_;
-  const std::string& path_;
+  const Source& source_;
   Kind kind_ = Kind::Other;
   std::size_t axes_[3] = {}; ///< places of x, y, z among the properties
   std::size_t list_ = 0;     ///< place of the corners

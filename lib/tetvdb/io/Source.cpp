@@ -28,6 +28,12 @@ struct Descriptor {
 
 } // namespace
 
+// The mapping begins on a page and ends with one; its pages are clean, so that nothing is lost.
+void Source::release() const noexcept {
+  if (isMapped)
+    ::madvise(const_cast<char*>(bytes.data()), bytes.size(), MADV_DONTNEED);
+}
+
 MappedFile::MappedFile(const std::string& path) : path_(path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.number < 0) {

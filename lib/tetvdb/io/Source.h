@@ -12,6 +12,11 @@ namespace tetvdb {
 struct Source {
   std::string_view bytes;
   std::string path; ///< for messages, and for files that name others beside them
+  bool isMapped = false;
+
+  /// Gives back the memory of what has been read of a mapped file; bytes that are read again come
+  /// from the system's cache. For readers to call now and then: nothing for other bytes.
+  void release() const noexcept;
 };
 
 /// A file mapped read-only, or its bytes where it cannot be mapped (a pipe).
@@ -24,7 +29,7 @@ public:
   MappedFile& operator=(const MappedFile&) = delete;
 
   std::string_view bytes() const noexcept { return {data_, size_}; }
-  Source source() const { return {bytes(), path_}; }
+  Source source() const { return {bytes(), path_, copy_.empty()}; }
 
 private:
   std::string path_;

@@ -18,7 +18,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kHead = 84, kFacet = 50;
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
+constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
 constexpr std::size_t kLook = 4096; // bytes that are looked at to tell text
 constexpr bool kBigEndian = false;  // numbers are stored least byte first
 constexpr std::size_t kMaxFacets = (UINT32_MAX - 1) / 3;
@@ -119,6 +119,7 @@ TriangleMesh readBinary(const Source& source, Report& report, Progress& progress
       if (check == 0.0F)
         to += 3;
     }
+    source.release();
     progress.update(static_cast<double>(done) / static_cast<double>(n));
   }
   mesh.points.resize(static_cast<std::size_t>(to - mesh.points.data()));
@@ -144,9 +145,11 @@ public:
 
   TriangleMesh read() {
     for (std::size_t words = 0; !in_.atEnd(); ++words) {
-      if (words % kPerUpdate == 0)
+      if (words % kPerUpdate == 0) {
+        source_.release();
         progress_.update(static_cast<double>(in_.position()) /
                          static_cast<double>(source_.bytes.size()));
+      }
       readStatement(in_.word());
     }
     finishText();

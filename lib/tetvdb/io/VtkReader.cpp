@@ -65,6 +65,7 @@ public:
       const std::string keyword = lower(in_.word());
       if (!readGeometry(keyword) && !readData(keyword))
         fail("unknown keyword '" + readable(keyword) + "'", kExport);
+      source_.release();
       progress_.update(static_cast<double>(in_.position()) /
                        static_cast<double>(source_.bytes.size()));
     }

@@ -113,8 +113,9 @@ private:
     return a * b;
   }
 
-  /// The `numbers` numbers of a <DataArray>.
+  /// The `numbers` numbers of a <DataArray>. Those before have been taken over by now.
   Array array(pugi::xml_node node, std::size_t numbers) {
+    source_.release();
     const std::string name = node.attribute("Name").value();
     const std::string_view typeName = node.attribute("type").value();
     const auto type = xmlNumber(typeName);
@@ -207,6 +208,7 @@ private:
     progress_.update(0.7);
     readAttributes(piece.child("PointData"), Attribute::On::Points, points, mesh);
     readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
+    source_.release();
     return mesh;
   }
 

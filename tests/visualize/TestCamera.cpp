@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <random>
+#include <vector>
 
 namespace tetvdb {
 namespace {
@@ -132,6 +133,42 @@ TEST(Camera, APerspectiveFramingTouchesOnBothSides) {
   EXPECT_NEAR(bottom, 0.96 * 300, 1e-9);
   EXPECT_GE(left, 0.04 * 400);
   EXPECT_LE(right, 0.96 * 400);
+}
+
+// Points that lie where they may: the margins left and right, and above and below, are alike, and
+// those of one pair are 4 %.
+TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(0, 1);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 200; ++n) {
+    std::vector<Vec3d> points(3 + n % 20);
+    for (Vec3d& p : points)
+      p = {7 + 10 * part(random) * part(random), 3 * part(random), -2 + part(random)};
+    const Support support = [&](const Vec3d& d) {
+      double most = -INFINITY;
+      for (const Vec3d& p : points)
+        most = std::max(most, analytic::dotOf(p, d));
+      return most;
+    };
+    const View view = viewFrom({normal(random), normal(random), normal(random)});
+    const int width = 640, height = n % 2 ? 480 : 900;
+    for (const Lens& lens : {Lens{true, 20}, Lens{true, 75}, Lens{}}) {
+      const Camera camera(view, lens, frame(view, lens, width, height, support), width, height);
+      double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+      for (const Vec3d& point : points) {
+        const Camera::Projected p = camera.project(point);
+        EXPECT_GT(p.depth, 0);
+        left = std::min(left, p.x);
+        right = std::max(right, p.x);
+        top = std::min(top, p.y);
+        bottom = std::max(bottom, p.y);
+      }
+      EXPECT_NEAR(left, width - right, 1e-2) << n;
+      EXPECT_NEAR(top, height - bottom, 1e-2) << n;
+      EXPECT_NEAR(std::min(left / width, top / height), 0.04, 1e-6) << n;
+    }
+  }
 }
 
 TEST(Camera, RaysGoThroughWhatIsProjected) {

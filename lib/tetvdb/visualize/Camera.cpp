@@ -12,6 +12,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMargin = 0.04;   // of the shorter side, all round
+constexpr double kCentred = 1e-6;  // parts of the picture by which its middle may be off
 constexpr double kVertical = 1e-6; // sine of the angle to up below which a view counts as vertical
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
@@ -55,6 +56,41 @@ void halves(const Lens& lens, int width, int height, double& across, double& dow
   const double shorter = std::min(width, height);
   across = half * width / shorter;
   down = half * height / shorter;
+}
+
+/// Where along `side` the eye must be, at depth z, to see as much on one side of the picture's
+/// middle as on the other: planes through it that lean by a slope t to either side both touch the
+/// thing where reach(side, t) + reach(-side, t) = 2 t z. At slope 0 that is its width, at slope
+/// `most` both lie beyond it. Regula falsi with Illinois' halving.
+template <class Reach>
+double middleSeen(const Reach& reach, const Vec3d& side, double most, double z) {
+  double x = 0;
+  const auto excess = [&](double t) {
+    const double there = reach(side, t), back = reach(times(side, -1), t);
+    x = there / 2 - back / 2;
+    return there + back - 2 * t * z;
+  };
+  double low = 0, high = most;
+  double above = excess(low), below = above > 0 ? excess(high) : 0;
+  int moved = 0;
+  for (int round = 0; round < 40 && above > 0 && below < 0; ++round) {
+    const double t = low + (high - low) * above / (above - below);
+    const double value = excess(t);
+    if (std::abs(value) <= kCentred * most * z)
+      break;
+    if (value > 0) {
+      low = t;
+      above = value;
+      below *= moved > 0 ? 0.5 : 1;
+      moved = 1;
+    } else {
+      high = t;
+      below = value;
+      above *= moved < 0 ? 0.5 : 1;
+      moved = -1;
+    }
+  }
+  return x;
 }
 
 } // namespace
@@ -127,11 +163,19 @@ Framing frame(const View& view, const Lens& lens, int width, int height, const S
   };
   const double right = reach(view.right, tx), left = reach(times(view.right, -1), tx);
   const double top = reach(view.up, ty), bottom = reach(times(view.up, -1), ty);
-  const double x = right / 2 - left / 2, y = top / 2 - bottom / 2;
+  double x = right / 2 - left / 2, y = top / 2 - bottom / 2;
   if (lens.perspective) {
     // The eye (x, y, z): x - right edge = t (z - ...) on either side, so that right + left = 2 t z.
+    // The axis that needs the greater z is filled; along the other the thing is put in the middle.
     const double z = std::max((right + left) / (2 * tx), (top + bottom) / (2 * ty));
     framing.span = 2 * (z - middle) * std::min(across, down);
+    const auto centre = [&](const Vec3d& side, double most) {
+      return middleSeen(reach, side, most, z);
+    };
+    if ((right + left) / (2 * tx) < z)
+      x = centre(view.right, tx);
+    if ((top + bottom) / (2 * ty) < z)
+      y = centre(view.up, ty);
   } else {
     framing.span = std::max((right + left) / (2 * across), (top + bottom) / (2 * down)) / inside;
   }

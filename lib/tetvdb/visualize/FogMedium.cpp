@@ -21,9 +21,11 @@ class LightField {
 public:
   LightField() = default;
 
-  /// `density` of a point in the world: optical depth a unit.
-  template <class Density>
-  LightField(const Box& box, const Vec3d& toLight, const Density& density, Progress& progress)
+  /// `makeDensity()` makes, for one thread, a function of a point in the world: optical depth a
+  /// unit.
+  template <class MakeDensity>
+  LightField(const Box& box, const Vec3d& toLight, const MakeDensity& makeDensity,
+             Progress& progress)
       : low_(box.low) {
     double longest = 0;
     for (std::size_t a = 0; a < 3; ++a)
@@ -36,16 +38,18 @@ public:
                              std::size_t(count_[2]));
     reaches_.resize(depth.size());
     // The depth of a cell, from eight points in it.
-    forCells([&](int i, int j, int k, std::size_t at) {
-      double sum = 0;
-      for (int n = 0; n < 8; ++n)
-        sum += density({low_[0] + (i + (n & 1 ? 0.75 : 0.25)) * cell_,
-                        low_[1] + (j + (n & 2 ? 0.75 : 0.25)) * cell_,
-                        low_[2] + (k + (n & 4 ? 0.75 : 0.25)) * cell_});
-      depth[at] = static_cast<float>(sum / 8 * cell_);
+    forCells([&] {
+      return [&, density = makeDensity()](int i, int j, int k, std::size_t at) {
+        double sum = 0;
+        for (int n = 0; n < 8; ++n)
+          sum += density({low_[0] + (i + (n & 1 ? 0.75 : 0.25)) * cell_,
+                          low_[1] + (j + (n & 2 ? 0.75 : 0.25)) * cell_,
+                          low_[2] + (k + (n & 4 ? 0.75 : 0.25)) * cell_});
+        depth[at] = static_cast<float>(sum / 8 * cell_);
+      };
     });
     progress.check();
-    forCells([&](int i, int j, int k, std::size_t at) {
+    const auto reach = [&](int i, int j, int k, std::size_t at) {
       Vec3d p{i + 0.5, j + 0.5, k + 0.5}; // in cells; from the middle, half of its own depth
       double sum = 0.5 * double(depth[at]);
       for (;;) {
@@ -61,7 +65,8 @@ public:
         sum += double(depth[place(c[0], c[1], c[2])]);
       }
       reaches_[at] = static_cast<float>(std::exp(-sum));
-    });
+    };
+    forCells([&] { return reach; });
   }
 
   /// Between the middles of eight cells.
@@ -89,9 +94,11 @@ private:
     return (std::size_t(i) * std::size_t(count_[1]) + std::size_t(j)) * std::size_t(count_[2]) +
            std::size_t(k);
   }
-  template <class F>
-  void forCells(const F& f) const {
+  /// `makeF()` makes the function for one thread.
+  template <class MakeF>
+  void forCells(const MakeF& makeF) const {
     tbb::parallel_for(0, count_[0], [&](int i) {
+      const auto f = makeF();
       for (int j = 0; j < count_[1]; ++j)
         for (int k = 0; k < count_[2]; ++k)
           f(i, j, k, place(i, j, k));
@@ -108,7 +115,7 @@ class FogMedium : public Medium {
 public:
   FogMedium(openvdb::GridBase::ConstPtr grid, const FogLook& look, Progress& progress)
       : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
-        tree_(*grid_), values_(valuesOf(*grid_)) {
+        tree_(*grid_), values_(valuesOf(*grid_)), isOwnPaint_(look.paint.grid == grid_) {
     const Box box = bounds();
     double longest = 0;
     for (std::size_t a = 0; a < 3; ++a)
@@ -118,7 +125,12 @@ public:
     perUnit_ = look.depth / longest;
     step_ = std::max(space_.voxel(), longest / kSteps);
     light_ = LightField(
-        box, look.toLight, [&](const Vec3d& world) { return perUnit_ * valueAt(world); }, progress);
+        box, look.toLight,
+        [&] {
+          return [this, near = std::shared_ptr<GridValues::Reader>(values_->reader())](
+                     const Vec3d& world) { return perUnit_ * valueAt(*near, world); };
+        },
+        progress);
   }
 
   Box bounds() const override { return space_.bounds(tree_.low(), tree_.high()); }
@@ -136,18 +148,24 @@ public:
     if (look_.cut && !look_.cut->clip(ray, onCut))
       return;
     // Samples lie on one comb for the whole ray, whatever nodes it meets.
+    const std::unique_ptr<GridValues::Reader> near = values_->reader();
+    double before = 0; // a value, and what comes of it: runs of one value are common
+    float opacity = 0;
     tree_.walk(space_.toIndex(ray), [&](const ActiveTree::Span& span) {
       const double first = std::ceil(span.begin / step_ - jitter);
       const double last = std::ceil(span.end / step_ - jitter);
       for (double n = first; n < last; ++n) {
         const double t = (n + jitter) * step_;
         const Vec3d world = plus(ray.origin, times(ray.direction, t));
-        const double value = valueAt(world);
+        const double value = valueAt(*near, world);
         if (value <= 0)
           continue;
-        const float opacity = static_cast<float>(-std::expm1(-perUnit_ * value * step_));
+        if (value != before) {
+          opacity = static_cast<float>(-std::expm1(-perUnit_ * value * step_));
+          before = value;
+        }
         const float reaches = look_.ambient + look_.light * light_.at(world);
-        const Rgb color = paint_.at(world);
+        const Rgb color = isOwnPaint_ ? paint_.of(value) : paint_.at(world);
         for (std::size_t c = 0; c < 3; ++c)
           light[c] += transmittance * opacity * reaches * color[c];
         transmittance *= 1 - opacity;
@@ -160,12 +178,12 @@ public:
 
 private:
   /// Of the voxel around a point; 0 where that is not active or the value no positive number.
-  double valueAt(const Vec3d& world) const {
+  double valueAt(GridValues::Reader& near, const Vec3d& world) const {
     const Vec3d p = space_.toIndex(world);
     double value = 0;
-    if (!values_->at({std::int32_t(std::floor(p[0])), std::int32_t(std::floor(p[1])),
-                      std::int32_t(std::floor(p[2]))},
-                     value))
+    if (!near.at({std::int32_t(std::floor(p[0])), std::int32_t(std::floor(p[1])),
+                  std::int32_t(std::floor(p[2]))},
+                 value))
       return 0;
     return value > 0 && std::isfinite(value) ? value : 0;
   }
@@ -176,6 +194,7 @@ private:
   GridSpace space_;
   ActiveTree tree_;
   std::unique_ptr<GridValues> values_;
+  bool isOwnPaint_;    ///< colours are those of the fog's own values
   double perUnit_ = 0; ///< optical depth at value 1, a world unit
   double step_ = 1;    ///< world units
   LightField light_;

@@ -31,7 +31,23 @@ public:
     return on;
   }
 
+  std::unique_ptr<Reader> reader() const override { return std::make_unique<Near>(tree_); }
+
 private:
+  class Near : public Reader {
+  public:
+    explicit Near(const TreeT& tree) : values_(tree) {}
+    bool at(const Vec3i& voxel, double& value) override {
+      typename TreeT::ValueType typed;
+      const bool on = values_.probeValue({voxel[0], voxel[1], voxel[2]}, typed);
+      value = number(typed);
+      return on;
+    }
+
+  private:
+    openvdb::tree::ValueAccessor<const TreeT, false> values_;
+  };
+
   const TreeT& tree_;
 };
 

@@ -17,6 +17,15 @@ public:
   /// Whether the voxel is active; `value` is set in either case (inactive: what the grid holds
   /// there, mostly its background).
   virtual bool at(const Vec3i& voxel, double& value) const = 0;
+
+  /// at() for voxels that lie near one another, by one thread: it remembers the last nodes.
+  class Reader {
+  public:
+    virtual ~Reader() = default;
+    virtual bool at(const Vec3i& voxel, double& value) = 0;
+  };
+  /// The values must outlive it.
+  virtual std::unique_ptr<Reader> reader() const = 0;
 };
 
 /// The grid must outlive it. Any of KnownGrids; Error(Usage) for others.

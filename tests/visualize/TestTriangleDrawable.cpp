@@ -296,5 +296,103 @@ TEST(TriangleDrawable, TheSamePixelsForAnyNumberOfThreads) {
   EXPECT_TRUE(images[0].pixels == images[2].pixels);
 }
 
+// --- Cuts.
+
+void append(TriangleMesh& mesh, const TriangleMesh& other, bool reversed = false) {
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), other.points.begin(), other.points.end());
+  for (std::size_t i = 0; i < other.triangles.size(); i += 3) {
+    mesh.triangles.push_back(first + other.triangles[i]);
+    mesh.triangles.push_back(first + other.triangles[i + (reversed ? 2 : 1)]);
+    mesh.triangles.push_back(first + other.triangles[i + (reversed ? 1 : 2)]);
+  }
+}
+
+/// The area that rays along +y find in the cap's colour on the plane y = at, of a drawing that is
+/// cut there and lies within 3 units of the origin.
+double capArea(TriangleMesh mesh, double at) {
+  Progress progress;
+  TriangleLook look;
+  look.closure = closureOf(mesh, progress);
+  look.cut = CutPlane{{0, -1, 0}, -at};
+  const TriangleDrawable drawable(std::move(mesh), look, progress);
+  constexpr int kRays = 600;
+  constexpr double kStep = 6.0 / kRays;
+  std::size_t caps = 0;
+  for (int i = 0; i < kRays; ++i)
+    for (int j = 0; j < kRays; ++j) {
+      Ray ray;
+      ray.origin = {-3 + (i + 0.5) * kStep, -10, -3 + (j + 0.5) * kStep};
+      ray.direction = {0, 1, 0};
+      RayHit hit;
+      if (!drawable.firstHit(ray, hit) || hit.color != look.capColor)
+        continue;
+      ++caps;
+      EXPECT_NEAR(hit.t, 10 + at, 1e-9);
+      EXPECT_EQ(hit.normal, (Vec3d{0, -1, 0}));
+      EXPECT_TRUE(drawable.blocks(ray));
+    }
+  return static_cast<double>(caps) * kStep * kStep;
+}
+
+constexpr double kBallArea = 1e-2; // facets lie within the ball, rays are a hundredth apart
+
+TEST(TriangleDrawable, ACutBallIsFilled) {
+  for (const double at : {-1.7, -0.31, 0.4}) {
+    const double area = kPi * (4 - at * at);
+    EXPECT_NEAR(capArea(meshes::sphere({0, 0, 0}, 2, 60), at), area, kBallArea * area) << at;
+  }
+}
+
+TEST(TriangleDrawable, ACutBoxIsFilled) {
+  const TriangleMesh box = meshes::box({-1, -2, 0.5}, {2, 1, 1.25}, 3);
+  EXPECT_NEAR(capArea(box, -0.3), 3 * 0.75, 1e-9); // its sides lie between rays
+  EXPECT_EQ(capArea(box, 1.1), 0);
+}
+
+TEST(TriangleDrawable, ACavityStaysEmpty) {
+  TriangleMesh shell = meshes::sphere({0, 0, 0}, 2, 60);
+  append(shell, meshes::sphere({0.1, 0, 0}, 1, 60), true);
+  EXPECT_NEAR(capArea(shell, 0.2), kPi * (4 - 0.04) - kPi * (1 - 0.04), kBallArea * kPi * 4);
+}
+
+TEST(TriangleDrawable, SolidsThatOverlapAreOne) {
+  TriangleMesh pair = meshes::box({-2, -1, -1}, {0.5, 1, 1}, 2);
+  append(pair, meshes::box({-0.5, -1.5, 0}, {2.5, 1.5, 2}, 2));
+  EXPECT_NEAR(capArea(pair, 0.3), 2.5 * 2 + 3 * 2 - 1 * 1, 1e-9);
+}
+
+TEST(TriangleDrawable, FlippedFacesAreNoHoles) {
+  TriangleMesh ball = meshes::sphere({0, 0, 0}, 2, 60);
+  for (std::size_t i = 0; i < ball.triangles.size(); i += 3 * 7)
+    std::swap(ball.triangles[i], ball.triangles[i + 1]);
+  Progress progress;
+  EXPECT_EQ(closureOf(ball, progress), Closure::Parity);
+  EXPECT_NEAR(capArea(std::move(ball), 0.4), kPi * (4 - 0.16), kBallArea * kPi * 4);
+}
+
+TEST(TriangleDrawable, WhatIsOpenStaysAShell) {
+  Progress progress;
+  TriangleMesh ball = meshes::sphere({0, 0, 0}, 2, 60);
+  EXPECT_EQ(closureOf(ball, progress), Closure::Winding);
+  ball.triangles.resize(ball.triangles.size() - 3);
+  EXPECT_EQ(closureOf(ball, progress), Closure::Open);
+  EXPECT_EQ(capArea(ball, 0.4), 0);
+  EXPECT_EQ(closureOf({}, progress), Closure::Open);
+}
+
+// As soups have it, without shared points.
+TEST(TriangleDrawable, ASoupOfAClosedSurfaceIsClosed) {
+  Progress progress;
+  const TriangleMesh box = meshes::box({-1, -1, -1}, {1, 1, 1}, 2);
+  TriangleMesh soup;
+  for (const std::uint32_t corner : box.triangles) {
+    soup.triangles.push_back(static_cast<std::uint32_t>(soup.points.size()));
+    soup.points.push_back(box.points[corner]);
+  }
+  EXPECT_EQ(closureOf(soup, progress), Closure::Winding);
+  EXPECT_NEAR(capArea(std::move(soup), 0.3), 4, 1e-9);
+}
+
 } // namespace
 } // namespace tetvdb

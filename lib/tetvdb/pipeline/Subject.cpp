@@ -45,6 +45,8 @@ public:
     look.smooth = look_.smooth;
     look.wire = look_.wire;
     look.cut = cut;
+    if (cut)
+      look.closure = closureOf(mesh_, progress);
     std::vector<Line> lines;
     if (look_.defects) {
       DefectMarks marks = markDefects(mesh_, progress);

@@ -39,6 +39,30 @@ Vec3d toDouble(const float* v) {
   return {v[0], v[1], v[2]};
 }
 
+// What a ray meets on all of its way.
+struct Crossings {
+  RTCIntersectContext context; // first, since Embree hands back a pointer to it
+  int faces = 0, balance = 0;
+
+  // Refuses every hit, so that the ray goes on.
+  static void count(const RTCFilterFunctionNArguments* arguments) {
+    auto* crossings = reinterpret_cast<Crossings*>(arguments->context);
+    RTCRayN* ray = arguments->ray;
+    RTCHitN* hit = arguments->hit;
+    for (unsigned i = 0; i < arguments->N; ++i) {
+      if (arguments->valid[i] == 0)
+        continue;
+      arguments->valid[i] = 0;
+      const unsigned n = arguments->N;
+      const float slope = RTCHitN_Ng_x(hit, n, i) * RTCRayN_dir_x(ray, n, i) +
+                          RTCHitN_Ng_y(hit, n, i) * RTCRayN_dir_y(ray, n, i) +
+                          RTCHitN_Ng_z(hit, n, i) * RTCRayN_dir_z(ray, n, i);
+      ++crossings->faces;
+      crossings->balance += slope > 0 ? 1 : -1;
+    }
+  }
+};
+
 } // namespace
 
 struct TriangleDrawable::Impl {
@@ -63,11 +87,13 @@ struct TriangleDrawable::Impl {
 
   void fitBox(const TriangleMesh& mesh);
   void build(TriangleMesh& mesh);
-  /// Shortens the ray to what the cut leaves of it; false where that is nothing.
-  bool cut(Ray& ray) const {
-    bool entered = false;
+  /// Shortens the ray to what the cut leaves of it; false where that is nothing. `entered`: it now
+  /// begins on the plane.
+  bool cut(Ray& ray, bool& entered) const {
+    entered = false;
     return !look.cut || look.cut->clip(ray, entered);
   }
+  bool isInside(const Ray& ray) const;
   bool clip(const Ray& ray, double& t0, double& t1) const;
   bool toScene(const Ray& ray, RTCRay& local, double& t0) const;
   Rgb colorAt(std::uint32_t face, float u, float v) const;
@@ -110,7 +136,10 @@ void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
   // Watertight, so that no light falls through edges. The three build qualities could not be told
   // apart, neither in building nor by rays; a compact tree takes 60 bytes a face less, and rays
   // half as long again (docs/benchmarks.md).
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  unsigned flags = RTC_SCENE_FLAG_ROBUST;
+  if (look.cut && look.closure != Closure::Open)
+    flags |= RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION; // Crossings counts by one
+  rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   pointCount = mesh.points.size();
@@ -246,12 +275,37 @@ Vec3d TriangleDrawable::Impl::smoothNormal(std::uint32_t face, float u, float v)
   return size > 0 ? times(n, 1 / size) : n;
 }
 
+/// Whether the surface encloses the point where the ray begins.
+bool TriangleDrawable::Impl::isInside(const Ray& ray) const {
+  RTCRayHit local;
+  double t0 = 0;
+  Ray endless = ray;
+  endless.tMax = kInfinity;
+  if (!toScene(endless, local.ray, t0) || t0 > ray.tMin)
+    return false; // it begins outside of the box
+  local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  Crossings crossings;
+  rtcInitIntersectContext(&crossings.context);
+  crossings.context.filter = Crossings::count;
+  rtcIntersect1(scene, &crossings.context, &local);
+  return look.closure == Closure::Winding ? crossings.balance != 0 : crossings.faces % 2 != 0;
+}
+
 bool TriangleDrawable::firstHit(const Ray& whole, RayHit& hit) const {
   RTCRayHit local;
   double t0 = 0;
   Ray ray = whole;
-  if (!impl_->cut(ray) || !impl_->toScene(ray, local.ray, t0))
+  bool onCut = false;
+  if (!impl_->cut(ray, onCut) || !impl_->toScene(ray, local.ray, t0))
     return false;
+  if (onCut && impl_->look.closure != Closure::Open && impl_->isInside(ray)) {
+    hit.t = ray.tMin;
+    hit.normal = impl_->look.cut->normal;
+    hit.color = impl_->look.capColor;
+    hit.lit = true;
+    return true;
+  }
   local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
@@ -290,8 +344,11 @@ bool TriangleDrawable::blocks(const Ray& whole) const {
   RTCRay local;
   double t0 = 0;
   Ray ray = whole;
-  if (!impl_->cut(ray) || !impl_->toScene(ray, local, t0))
+  bool onCut = false;
+  if (!impl_->cut(ray, onCut) || !impl_->toScene(ray, local, t0))
     return false;
+  if (onCut && impl_->look.closure != Closure::Open && impl_->isInside(ray))
+    return true;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(impl_->scene, &context, &local);

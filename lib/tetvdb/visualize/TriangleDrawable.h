@@ -10,6 +10,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/visualize/Closure.h"
 #include "tetvdb/visualize/ColorMap.h"
 #include "tetvdb/visualize/CutPlane.h"
 #include "tetvdb/visualize/Drawable.h"
@@ -41,8 +42,12 @@ struct TriangleLook {
   /// Faces drawn in markColor, by face; empty: none.
   std::vector<std::uint8_t> marked;
   Rgb markColor{0.03F, 0.12F, 0.85F};
-  /// What is beyond it is not there: one looks into the shell.
+  /// What is beyond it is not there.
   std::optional<CutPlane> cut;
+  /// How the cut tells inside from outside, where it is filled in capColor; Open: it is not, and
+  /// one looks into the shell.
+  Closure closure = Closure::Open;
+  Rgb capColor{0.80F, 0.36F, 0.16F};
 };
 
 /// Both sides of faces are drawn. The mesh is taken over and kept in floats, relative to its box:

@@ -31,6 +31,7 @@ public:
     for (std::size_t a = 0; a < 3; ++a)
       longest = std::max(longest, box.high[a] - box.low[a]);
     cell_ = longest / kLightCells;
+    perCell_ = 1 / cell_;
     for (std::size_t a = 0; a < 3; ++a)
       count_[a] = std::max(
           1, std::min(kLightCells, int(std::ceil((box.high[a] - box.low[a]) / cell_ - 1e-9))));
@@ -73,19 +74,22 @@ public:
   float at(const Vec3d& world) const {
     int low[3];
     float part[3];
+    std::size_t next[3]; // to the next cell along each axis, 0 where there is none
+    const std::size_t strides[3] = {std::size_t(count_[1]) * std::size_t(count_[2]),
+                                    std::size_t(count_[2]), 1};
     for (std::size_t a = 0; a < 3; ++a) {
-      const double p = std::clamp((world[a] - low_[a]) / cell_ - 0.5, 0.0, count_[a] - 1.0);
+      const double last = count_[a] - 1;
+      const double p = std::min(std::max((world[a] - low_[a]) * perCell_ - 0.5, 0.0), last);
       low[a] = std::min(static_cast<int>(p), std::max(count_[a] - 2, 0));
       part[a] = static_cast<float>(p - low[a]);
+      next[a] = count_[a] > 1 ? strides[a] : 0;
     }
+    const float* cell = &reaches_[place(low[0], low[1], low[2])];
     float sum = 0;
-    for (int n = 0; n < 8; ++n) {
-      const int i = std::min(low[0] + (n & 1), count_[0] - 1),
-                j = std::min(low[1] + (n >> 1 & 1), count_[1] - 1),
-                k = std::min(low[2] + (n >> 2), count_[2] - 1);
-      sum += reaches_[place(i, j, k)] * (n & 1 ? part[0] : 1 - part[0]) *
-             (n & 2 ? part[1] : 1 - part[1]) * (n & 4 ? part[2] : 1 - part[2]);
-    }
+    for (int n = 0; n < 8; ++n)
+      sum += cell[(n & 1 ? next[0] : 0) + (n & 2 ? next[1] : 0) + (n & 4 ? next[2] : 0)] *
+             (n & 1 ? part[0] : 1 - part[0]) * (n & 2 ? part[1] : 1 - part[1]) *
+             (n & 4 ? part[2] : 1 - part[2]);
     return sum;
   }
 
@@ -107,6 +111,7 @@ private:
 
   Vec3d low_{};
   double cell_ = 1; ///< side, world units
+  double perCell_ = 1;
   std::array<int, 3> count_{1, 1, 1};
   std::vector<float> reaches_;
 };
@@ -181,9 +186,12 @@ private:
   double valueAt(GridValues::Reader& near, const Vec3d& world) const {
     const Vec3d p = space_.toIndex(world);
     double value = 0;
-    if (!near.at({std::int32_t(std::floor(p[0])), std::int32_t(std::floor(p[1])),
-                  std::int32_t(std::floor(p[2]))},
-                 value))
+    // A call of std::floor() costs as much as all the rest.
+    const auto below = [](double x) {
+      const auto whole = static_cast<std::int32_t>(x);
+      return whole - std::int32_t(x < double(whole));
+    };
+    if (!near.at({below(p[0]), below(p[1]), below(p[2])}, value))
       return 0;
     return value > 0 && std::isfinite(value) ? value : 0;
   }

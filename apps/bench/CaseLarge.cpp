@@ -69,7 +69,7 @@ void runProgram(const Large& large, const std::string& mesh, const Setup& setup,
 }
 
 std::string writeBall(const Setup& setup) {
-  const std::string path = setup.folder + "/ball.msh";
+  std::string path = setup.folder + "/ball.msh";
   Progress progress;
   writeTetMesh(path, ballMesh(1e5), progress);
   return path;

@@ -365,6 +365,38 @@ TEST(LevelSet, FogFromTheLevelSet) {
   EXPECT_EQ(report.stages.back().name, "fields");
 }
 
+// Where there is no GPU: Auto says so, and asking for one is an error.
+TEST(LevelSet, DeviceThatIsNotThere) {
+  const auto isThere = [] {
+    try {
+      requireDevice({DeviceKind::Cuda, {0}});
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  };
+  if (isThere())
+    GTEST_SKIP() << "there is a GPU";
+  const TetMesh cube = meshes::kuhnGrid(2, 2, 2);
+  Report report;
+  Progress progress;
+  Voxelization made = voxelize(cube, maskOf(0.1), report, progress);
+  ShapeOptions shapes = surfaceOf(3);
+  shapes.device.kind = DeviceKind::Auto;
+  const ShapeSums sums = addShapeGrids(cube, shapes, made, report, progress);
+  EXPECT_EQ(sums.device.name, "cpu");
+  EXPECT_FALSE(sums.device.why.empty());
+  EXPECT_EQ(hash(made.volume), hash(make(cube, 0.1).all.volume));
+  shapes.device.kind = DeviceKind::Cuda;
+  try {
+    addShapeGrids(cube, shapes, made, report, progress);
+    FAIL() << "no GPU";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), Status::Device);
+  }
+  EXPECT_TRUE(report.warnings.empty());
+}
+
 TEST(LevelSet, RefusesWhatCannotBe) {
   const auto status = [](const auto& f) {
     try {

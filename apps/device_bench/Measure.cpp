@@ -46,13 +46,13 @@ Measured measure(nano::DeviceVoxelizer& device, int times, const std::function<v
     download.push_back(t.download);
     // A part that comes in several batches counts once.
     std::vector<std::pair<std::string, double>> sums;
-    for (const auto& [name, seconds] : t.parts) {
+    for (const auto& part : t.parts) {
       const auto same = std::find_if(sums.begin(), sums.end(),
-                                     [&](const auto& sum) { return sum.first == name; });
+                                     [&](const auto& sum) { return sum.first == part.first; });
       if (same == sums.end())
-        sums.emplace_back(name, seconds);
+        sums.push_back(part);
       else
-        same->second += seconds;
+        same->second += part.second;
     }
     parts.resize(sums.size());
     for (std::size_t k = 0; k < sums.size(); ++k) {

@@ -58,7 +58,7 @@ void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
   const bool covers = asksFor(options, ShapeGrid::Coverage);
   const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
   double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
-  const double trimming = bands > 0 && solid.rule ? 200 : 0; // bytes a face
+  const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes a face
   if (bands > 0)
     leaves += bands * estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell);
   const double bytes = 48.0 * static_cast<double>(solid.mesh.pointCount) +
@@ -82,12 +82,23 @@ openvdb::FloatGrid::Ptr coverageOf(const Solid& solid, const GridTransform& tran
 
 // Leaves those parts of the faces that are the solid's boundary.
 void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) {
+  constexpr const char* kAllFaces =
+      "the level set's magnitudes are distances to all faces, those inside of the solid included";
+  if (!solid.rule) {
+    counts.met = countMetFaces(solid.mesh, solid.faces, progress);
+    if (counts.met > 0)
+      report.warn(
+          "untrimmed",
+          fmt::format("{} faces cross or touch others, and can only be cut along each other "
+                      "in a mesh without open edges whose inside is not found by flood: {}",
+                      counts.met, kAllFaces));
+    return;
+  }
   TrimmedFaces trimmed = trimFaces(solid.mesh, solid.faces, *solid.rule, progress);
   counts = trimmed.counts;
   if (!trimmed.complete)
-    report.warn("untrimmed", "too many faces cross to be cut along each other: the level set's "
-                             "magnitudes are distances to all faces, those inside of the solid "
-                             "included");
+    report.warn("untrimmed",
+                fmt::format("too many faces cross to be cut along each other: {}", kAllFaces));
   if (!trimmed.changed)
     return;
   solid.mesh = std::move(trimmed.mesh);
@@ -143,7 +154,7 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
     filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
   }
   if (asksFor(options, ShapeGrid::Surface) || asksFor(options, ShapeGrid::Fog)) {
-    if (solid.rule) {
+    if (solid.shell == 0) {
       timer.part("trim");
       trim(solid, sums.trim, report, progress);
     }

@@ -44,6 +44,16 @@ bool isInside(std::int64_t winding, FillRule rule) {
   }
 }
 
+std::vector<Box> boxesOf(const WeldedFaces& welded) {
+  std::vector<Box> boxes(welded.faces.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      for (const Vec3d& corner : welded.cornersOf(i))
+        boxes[i].add(corner);
+  });
+  return boxes;
+}
+
 using Outline = std::vector<Vec3d>;
 
 // What is left of a face.
@@ -73,17 +83,6 @@ public:
   const std::vector<Rest>& rests() const { return rests_; }
 
 private:
-  static std::vector<Box> boxesOf(const WeldedFaces& welded) {
-    std::vector<Box> boxes(welded.faces.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096),
-                      [&](const auto& range) {
-                        for (std::size_t i = range.begin(); i != range.end(); ++i)
-                          for (const Vec3d& corner : welded.cornersOf(i))
-                            boxes[i].add(corner);
-                      });
-    return boxes;
-  }
-
   Fate fateOf(const FacePieces& pieces, std::size_t piece, const FacePlanes& face) {
     std::size_t looked = 0;
     Fate fate = Fate::Either;
@@ -303,6 +302,21 @@ TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRu
   out.boxMin = mesh.boxMin;
   out.boxMax = mesh.boxMax;
   return trimmed;
+}
+
+std::size_t countMetFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress) {
+  WeldedFaces welded = weldFaces(mesh, boundary, progress);
+  FaceContacts contacts = findContacts(welded, BoxBlocks(boxesOf(welded)), progress);
+  if (contacts.equal) {
+    mergeEqualFaces(welded);
+    contacts = findContacts(welded, BoxBlocks(boxesOf(welded)), progress);
+  }
+  if (!contacts.complete)
+    return welded.faces.size();
+  std::size_t met = 0;
+  for (std::size_t i = 0; i < welded.faces.size(); ++i)
+    met += contacts.isMet(i);
+  return met;
 }
 
 } // namespace tetvdb

@@ -48,4 +48,8 @@ struct TrimmedFaces {
 TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRule rule,
                        Progress& progress);
 
+/// How many of the faces others cross, touch or overlap, equal ones counted as one; all of them
+/// where there are too many to look at.
+std::size_t countMetFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress);
+
 } // namespace tetvdb

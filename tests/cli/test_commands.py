@@ -44,6 +44,33 @@ class Voxelize(CommandLineTest):
         for arguments in (["--half-width", 0.5], ["--voxel-size", "1,1,2"]):
             self.refuse(2, "voxelize", "box.mesh", "-o", "no.vdb", "--grid", "surface", *arguments)
 
+    def test_faces_within_a_solid_are_trimmed(self):
+        def boxes(*all_of_them, missing=0):
+            points, faces = [], []
+            for low, high in all_of_them:
+                more, others = box_faces(low, high)
+                faces += [[c + len(points) for c in face] for face in others]
+                points += more
+            return off(points, faces[:len(faces) - missing])
+
+        one = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+        crossing = ((0.5, 0.25, 0.25), (1.5, 0.75, 0.75))
+        for name, second, counts in (("apart", ((3.0, 0.0, 0.0), (4.0, 1.0, 1.0)), (0, 0, False)),
+                                     ("within", ((0.2, 0.2, 0.2), (0.4, 0.4, 0.4)), (0, 12, False)),
+                                     ("crossing", crossing, (10, 2, True))):
+            self.write(name + ".off", boxes(one, second))
+            report = self.report_of("voxelize", name + ".off", "-o", "out.vdb", "--mesher",
+                                    "winding", "--resolution", 32, "--grid", "surface,fog")
+            self.assertEqual(report["warnings"], [])
+            for grid in report["grids"]:
+                trim = grid["trim"]
+                self.assertEqual((trim["met"], trim["removed"], trim["cut"] > 0), counts)
+        self.write("open.off", boxes(one, crossing, missing=1))
+        report = self.report_of("voxelize", "open.off", "-o", "out.vdb", "--mesher", "winding",
+                                "--resolution", 32, "--grid", "surface")
+        self.assertIn("untrimmed", [w["code"] for w in report["warnings"]])
+        self.assertEqual(report["grids"][0]["trim"]["cut"], 0)
+
     def test_rules(self):
         self.write("box.mesh", medit(*lattice(2)))
         arguments = ("box.mesh", "--voxel-size", 0.25, "--rule")

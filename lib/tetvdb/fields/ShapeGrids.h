@@ -52,16 +52,19 @@ void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize);
 
 /// Adds options.grids, in that order, to the end of made.volume, which must hold the grid "mask"
 /// that voxelize() made of the same mesh. Signs are the mask's, distances those to the boundary of
-/// the tets. Adds stage "fields" to `report`, and the warning "overlap" where tets that overlap
-/// fill voxels more than once. Where options.device is Auto the GPU finds the distances if it is
-/// expected to be faster, and the CPU takes over where it fails or has too little memory, with the
-/// warning "device-left". Throws as checkShapes() does, Error(Limit) where memory does not suffice,
-/// Error(Device) where a GPU is asked for that is not there or fails, Error(Cancelled).
+/// the tets' union (fields/TrimFaces.h; where that is given up, to all boundary faces, with the
+/// warning "untrimmed"). Adds stage "fields" to `report`, and the warning "overlap" where tets that
+/// overlap fill voxels more than once. Where options.device is Auto the GPU finds the distances if
+/// it is expected to be faster, and the CPU takes over where it fails or has too little memory,
+/// with the warning "device-left". Throws as checkShapes() does, Error(Limit) where memory does not
+/// suffice, Error(Device) where a GPU is asked for that is not there or fails, Error(Cancelled).
 ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
                         Report& report, Progress& progress);
 
-/// The same for triangles made a solid by `solid`. Distances are to the faces, and where holes are
-/// closed to the surface at which the winding number passes a half, found to about a voxel. With
+/// The same for triangles made a solid by `solid`. Where faces close, distances
+/// are to the boundary of what `solid` takes for inside. Of open meshes, and by InsideRule::Flood,
+/// they are to all faces (a warning says where these cross), and where holes are closed to the
+/// surface at which the winding number passes a half, found to about a voxel. With
 /// solid.shell, distances are to the faces less half of it. Coverage needs faces that close and
 /// InsideRule::Winding: else Error(Invalid) or Error(Usage).
 ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& solid,

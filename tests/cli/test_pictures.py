@@ -108,14 +108,14 @@ class Previews(CommandLineTest):
         self.assertEqual((preview["width"], preview["height"]), (width, height))
         self.assertEqual(preview["path"], "p.png")
         self.assertIn("preview", [stage["name"] for stage in report["stages"]])
-        self.assertEqual(width, 320 * len(preview["panels"]))
+        self.assertEqual(width, 256 * len(preview["panels"]))
         return preview["panels"], rows
 
     def test_voxelize(self):
         panels, rows = self.panels_of("voxelize", "open.off", "-o", "v.vdb", "--resolution", "24",
                                       "--mesher", "envelope")
         self.assertEqual(panels, ["input", "tets", "volume", "slice"])
-        self.assertTrue(any(is_red(p) for row in rows for p in row[:320]), "open edges are red")
+        self.assertTrue(any(is_red(p) for row in rows for p in row[:256]), "open edges are red")
         middle = [p for p in rows[120][960:] if max(p) - min(p) < 12]
         self.assertGreater(len(middle), 300, "a slice of one value has one colour, grey, no legend")
         panels, _ = self.panels_of("voxelize", "open.off", "-o", "v.vdb", "--resolution", "24",
@@ -135,8 +135,8 @@ class Previews(CommandLineTest):
         self.assertEqual(panels, ["input", "tets"])
         panels, rows = self.panels_of("repair", "open.off", "-o", "r.stl", "--resolution", "32")
         self.assertEqual(panels, ["input", "repaired"])
-        self.assertTrue(any(is_red(p) for row in rows for p in row[:320]))
-        self.assertFalse(any(is_red(p) for row in rows for p in row[320:]), "nothing is open now")
+        self.assertTrue(any(is_red(p) for row in rows for p in row[:256]))
+        self.assertFalse(any(is_red(p) for row in rows for p in row[256:]), "nothing is open now")
 
     def test_bad_previews(self):
         self.refuse(2, "voxelize", "tets.mesh", "-o", "v.vdb", "--preview", "p.jpg", says="png")

@@ -14,13 +14,16 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240; ///< of a panel
+// A glance beside the work, not the work: panels are small, and few of their pixels are refined.
+constexpr int kWidth = 256, kHeight = 192; ///< of a panel
+constexpr double kRefinedShare = 0.08;
 
 PictureOptions optionsFor(bool yUp) {
   PictureOptions options;
   options.width = kWidth;
   options.height = kHeight;
   options.captions = true;
+  options.render.refinedShare = kRefinedShare;
   if (yUp)
     options.worldUp = {0, 1, 0};
   return options;

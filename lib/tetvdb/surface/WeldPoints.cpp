@@ -179,4 +179,12 @@ std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double d
   return becomes;
 }
 
+std::vector<std::uint32_t> weldedCorners(const TriangleMesh& mesh, Progress& progress) {
+  const std::vector<std::uint32_t> becomes = weldPoints(mesh.points, 0, progress);
+  std::vector<std::uint32_t> corners(mesh.triangles.size());
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    corners[i] = becomes[mesh.triangles[i]];
+  return corners;
+}
+
 } // namespace tetvdb

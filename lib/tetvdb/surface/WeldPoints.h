@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/mesh/TriangleMesh.h"
 
 #include <cstdint>
 #include <vector>
@@ -15,5 +16,8 @@ namespace tetvdb {
 /// therefore never nearer to one another. Parallel for equal points, linear, deterministic.
 std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double distance,
                                       Progress& progress);
+
+/// The corners of a mesh's triangles, points that are equal being one.
+std::vector<std::uint32_t> weldedCorners(const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

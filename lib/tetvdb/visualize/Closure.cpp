@@ -7,10 +7,7 @@
 namespace tetvdb {
 
 Closure closureOf(const TriangleMesh& mesh, Progress& progress) {
-  const std::vector<std::uint32_t> becomes = weldPoints(mesh.points, 0, progress);
-  std::vector<std::uint32_t> corners(mesh.triangles.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = becomes[mesh.triangles[i]];
+  const std::vector<std::uint32_t> corners = weldedCorners(mesh, progress);
   const EdgeTable edges(corners, mesh.points.size());
   progress.check();
   Closure closure = edges.edgeCount() > 0 ? Closure::Winding : Closure::Open;

@@ -11,10 +11,7 @@ namespace {
 constexpr Rgb kRed = {0.85F, 0.01F, 0.01F}, kYellow = {1, 0.72F, 0};
 
 void markEdges(const TriangleMesh& mesh, DefectMarks& marks, Progress& progress) {
-  const std::vector<std::uint32_t> becomes = weldPoints(mesh.points, 0, progress);
-  std::vector<std::uint32_t> corners(mesh.triangles.size());
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    corners[i] = becomes[mesh.triangles[i]];
+  const std::vector<std::uint32_t> corners = weldedCorners(mesh, progress);
   const EdgeTable edges(corners, mesh.points.size());
   progress.check();
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {

@@ -63,6 +63,55 @@ TEST(TriangleDrawable, HitsAreWhereTheFacesAre) {
   EXPECT_NEAR(hit.normal[2], -1, 1e-6);
 }
 
+// Large meshes have another search tree, and their points are given back piece by piece.
+TEST(TriangleDrawable, HitsOfALargeSoup) {
+  constexpr std::uint32_t kSide = 512; // squares along x and y
+  const auto height = [](double x, double y) { return 0.3 * x + 0.2 * y; };
+  TriangleMesh mesh;
+  const auto add = [&](std::uint32_t i, std::uint32_t j) {
+    const double x = double(i) / kSide, y = double(j) / kSide;
+    mesh.triangles.push_back(static_cast<std::uint32_t>(mesh.points.size()));
+    mesh.points.push_back({x, y, height(x, y)});
+  };
+  for (std::uint32_t i = 0; i < kSide; ++i)
+    for (std::uint32_t j = 0; j < kSide; ++j) {
+      add(i, j), add(i + 1, j), add(i + 1, j + 1);
+      add(i, j), add(i + 1, j + 1), add(i, j + 1);
+    }
+  TriangleLook look;
+  look.values.on = SurfaceValues::On::Faces;
+  for (std::uint32_t face = 0; face < 2 * kSide * kSide; ++face)
+    look.values.values.push_back(float(face % 251));
+  look.values.scale.low = 0;
+  look.values.scale.high = 250;
+  const ColorScale scale = look.values.scale;
+  Progress progress;
+  const TriangleDrawable drawable(std::move(mesh), look, progress);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> inside(0, 1);
+  for (int k = 0; k < 2000; ++k) {
+    const bool onCorner = k % 4 == 0;
+    double x = inside(random), y = inside(random);
+    if (onCorner) {
+      x = std::round(x * kSide) / kSide;
+      y = std::round(y * kSide) / kSide;
+    }
+    Ray ray;
+    ray.origin = {x, y, 2};
+    ray.direction = {0, 0, -1};
+    RayHit hit;
+    ASSERT_TRUE(drawable.firstHit(ray, hit)) << x << " " << y;
+    EXPECT_NEAR(hit.t, 2 - height(x, y), 1e-6);
+    const double i = std::floor(x * kSide), j = std::floor(y * kSide);
+    const double right = x * kSide - i, back = y * kSide - j;
+    const auto nearEdge = [](double a) { return a < 1e-3 || a > 1 - 1e-3; };
+    if (nearEdge(right) || nearEdge(back) || std::abs(right - back) < 1e-3)
+      continue;
+    const auto face = static_cast<std::uint32_t>(2 * (i * kSide + j)) + (back > right);
+    EXPECT_EQ(hit.color, scale(face % 251)) << x << " " << y;
+  }
+}
+
 // What starts a skin off the surface does not meet the surface.
 TEST(TriangleDrawable, TheSkinIsEnough) {
   Progress progress;

@@ -40,6 +40,21 @@ constexpr std::array<std::array<int, 2>, kMany> kPlaces = {{{7, 27},
                                                             {13, 7},
                                                             {19, 25}}};
 
+// Pixels of a block of kBlock x kBlock share one sequence of places in the sky, each with a run of
+// it: together they cover the sky as evenly as one pixel with all of their rays would, and what
+// smoothing averages errs far less than if every pixel threw its own dice.
+constexpr int kBlock = 4;
+constexpr std::uint32_t kBlockPixels = kBlock * kBlock;
+// Further samples of a pixel look for the sky where it shares that of fewer pixels than so many.
+constexpr double kCompany = 32;
+
+// The number of a pixel within its block. Bits of x and y alternate, so that also 2 x 2 of them
+// have an aligned run.
+std::uint32_t placeInBlock(int x, int y) {
+  const auto i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
+  return (i & 1) | (j & 1) << 1 | (i & 2) << 1 | (j & 2) << 2;
+}
+
 // Contrasts, in parts of 255 of a display's range, below which a pixel is not refined.
 constexpr int kLeastContrast = 8;
 
@@ -88,7 +103,7 @@ public:
   }
 
   Image run() {
-    eachPixel(0, 0.6, [this](int x, int y) { gather(x, y, 0, kFew); });
+    eachPixel(0, 0.6, [this](int x, int y) { gather(x, y, 0, kFew, true); });
     refine();
     compose();
     return std::move(image_);
@@ -124,14 +139,24 @@ private:
            static_cast<std::size_t>(x);
   }
 
+  // Where in the block's sequence the sky's rays of a pixel's sample begin, in units of the rays
+  // that a sample has: the first samples of all pixels come first.
+  static std::uint32_t firstSkyRay(int x, int y, std::uint32_t sample) {
+    const std::uint32_t place = placeInBlock(x, y);
+    return sample < kFew ? place * kFew + sample
+                         : kBlockPixels * kFew + place * (kMany - kFew) + (sample - kFew);
+  }
+
   // Adds samples number `from` to `to` - 1 to those that are there.
-  void gather(int x, int y, std::uint32_t from, std::uint32_t to) {
+  void gather(int x, int y, std::uint32_t from, std::uint32_t to, bool looksForSky) {
     const double entry = entries_ ? static_cast<double>(entries_->at(x, y)) : 0;
     if (std::isinf(entry))
       return; // what is there after no sample at all
     const std::uint64_t scramble = hash(static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x));
-    const std::uint32_t raysOfFew = std::max(1U, options_.skyRays / kFew);
-    const std::uint32_t rays = from < kFew ? raysOfFew : std::max(1U, options_.skyRays / kMany);
+    const std::uint64_t skyScramble =
+        hash(~(static_cast<std::uint64_t>(y / kBlock) << 32 | std::uint32_t(x / kBlock)));
+    const std::uint32_t raysAtOnce = std::max(1U, options_.skyRays / kFew);
+    const std::uint32_t rays = looksForSky ? raysAtOnce : 0;
     const auto before = static_cast<float>(from);
     Gathered pixel = gathered_[index(x, y)];
     Pixel light = scaled(image_.at(x, y), before);
@@ -147,16 +172,17 @@ private:
       Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
       ray.tMin = entry;
       const double jitter = static_cast<double>(hash(scramble + i) >> 11) * 0x1p-53;
-      const std::uint32_t first =
-          i < kFew ? i * rays : kFew * raysOfFew + (i - kFew) * rays; // of the sky's rays
-      const Sample sample = lights_.sample(ray, scramble, first, rays, jitter);
+      const Sample sample =
+          lights_.sample(ray, skyScramble, firstSkyRay(x, y, i) * raysAtOnce, rays, jitter);
       light.red += sample.fixed[0];
       light.green += sample.fixed[1];
       light.blue += sample.fixed[2];
       light.alpha += sample.alpha;
-      const float weight = sample.sky[0] + sample.sky[1] + sample.sky[2];
-      skyWeight += weight;
-      skyOpen += weight * sample.visible;
+      if (rays > 0) {
+        const float weight = sample.sky[0] + sample.sky[1] + sample.sky[2];
+        skyWeight += weight;
+        skyOpen += weight * sample.visible;
+      }
       const Pixel& behind = background_[static_cast<std::size_t>(y)];
       const std::array<float, 3> back = {behind.red, behind.green, behind.blue};
       for (std::size_t c = 0; c < 3; ++c) {
@@ -227,18 +253,28 @@ private:
     }
     if (limit == 256)
       return;
-    eachPixel(0.6, 0.95, [&](int x, int y) {
+    std::vector<std::uint8_t> alone(gathered_.size());
+    eachPixel(0.6, 0.65, [&](int x, int y) {
       if (contrasts[index(x, y)] >= limit)
-        gather(x, y, kFew, kMany);
+        alone[index(x, y)] = skyAround(x, y).weights < kCompany;
+    });
+    eachPixel(0.65, 0.95, [&](int x, int y) {
+      if (contrasts[index(x, y)] >= limit)
+        gather(x, y, kFew, kMany, alone[index(x, y)] != 0);
     });
   }
 
-  // The share of the sky that is open at a pixel and at those around it that show the same surface.
-  float openAround(int x, int y) const {
+  // The sky at a pixel and at those around it that show the same surface: how many these are, by
+  // weight, and what share is open.
+  struct Around {
+    double weights = 1;
+    float open = 1;
+  };
+  Around skyAround(int x, int y) const {
     const Gathered& here = gathered_[index(x, y)];
     const Vec3d n = {here.normal[0], here.normal[1], here.normal[2]};
     if (!options_.smoothSky || !(dot(n, n) > 0))
-      return here.visible;
+      return {1, here.visible};
     const Ray ray = camera_.ray(x + 0.5, y + 0.5);
     const double pixel = ray.pixelAt(here.depth);
     const double cosine = std::max(0.05, std::abs(dot(n, ray.direction)));
@@ -260,12 +296,14 @@ private:
         sum += weight * there.visible;
         weights += weight;
       }
-    return weights > 0 ? static_cast<float>(sum / weights) : here.visible;
+    if (!(weights > 0))
+      return {1, here.visible};
+    return {weights, static_cast<float>(sum / weights)};
   }
 
   void compose() {
     std::vector<float> open(gathered_.size());
-    eachPixel(0.95, 1, [&](int x, int y) { open[index(x, y)] = openAround(x, y); });
+    eachPixel(0.95, 1, [&](int x, int y) { open[index(x, y)] = skyAround(x, y).open; });
     for (std::size_t i = 0; i < open.size(); ++i) {
       Pixel& p = image_.pixels[i];
       p.red += gathered_[i].sky[0] * open[i];

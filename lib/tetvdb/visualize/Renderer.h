@@ -25,9 +25,9 @@ struct RenderOptions {
   /// Rays a pixel, sixteen in place of the usual four, go to at most this share of the pixels: to
   /// those where the four, or pixels side by side, differ most.
   double refinedShare = 0.15;
-  /// Rays that look for the sky from every pixel, spread over its four samples; of refined pixels
-  /// every further sample has one, or a sixteenth of so many.
-  std::uint32_t skyRays = 8;
+  /// Rays that look for the sky from every pixel, spread over its first four samples. Of refined
+  /// pixels that few others share their surface with, every further sample has as many.
+  std::uint32_t skyRays = 4;
   /// Evens out the sky's light among pixels of one surface; what it hides is random by nature.
   bool smoothSky = true;
 };

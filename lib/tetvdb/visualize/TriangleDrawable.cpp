@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/TriangleDrawable.h"
 
+#include "tetvdb/core/DiscardPages.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/CornerNormals.h"
@@ -23,6 +24,11 @@ constexpr double kRounding = 4e-7;
 // How far off the surface secondary rays start, in the same units.
 constexpr double kSkin = 4e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Faces from which the search tree is a compact one: 60 bytes a face less, and rays take half as
+// long again (docs/benchmarks.md).
+constexpr std::size_t kCompactFrom = 500000;
+// Points that are turned to floats before their doubles are given back.
+constexpr std::size_t kPointsAtOnce = 1 << 17;
 // What a line on a surface keeps of the surface's light.
 constexpr float kWireShade = 0.08F;
 
@@ -126,7 +132,7 @@ void TriangleDrawable::Impl::fitBox(const TriangleMesh& mesh) {
     scale = 1 / half;
 }
 
-// Points become floats before the tree is built, and the doubles go: both and the tree at once
+// Points become floats before the tree is built, and the doubles go as they are read: both at once
 // would be the peak.
 void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
   device = rtcNewDevice(nullptr);
@@ -134,9 +140,10 @@ void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
     fail(rtcGetDeviceError(nullptr));
   scene = rtcNewScene(device);
   // Watertight, so that no light falls through edges. The three build qualities could not be told
-  // apart, neither in building nor by rays; a compact tree takes 60 bytes a face less, and rays
-  // half as long again (docs/benchmarks.md).
+  // apart, neither in building nor by rays.
   unsigned flags = RTC_SCENE_FLAG_ROBUST;
+  if (mesh.triangleCount() >= kCompactFrom)
+    flags |= RTC_SCENE_FLAG_COMPACT;
   if (look.cut && look.closure != Closure::Open)
     flags |= RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION; // Crossings counts by one
   rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
@@ -149,16 +156,20 @@ void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
   if (floats != nullptr) {
     points = floats;
     floats[0] = floats[1] = floats[2] = 0;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pointCount, 1 << 14),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                          const Vec3d p = times(minus(mesh.points[i], centre), scale);
-                          for (std::size_t axis = 0; axis < 3; ++axis)
-                            // A point that no face uses may lie anywhere.
-                            floats[3 * i + axis] =
-                                static_cast<float>(std::clamp(p[axis], -2.0, 2.0));
-                        }
-                      });
+    for (std::size_t first = 0; first < pointCount; first += kPointsAtOnce) {
+      const std::size_t count = std::min(kPointsAtOnce, pointCount - first);
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(first, first + count, 1 << 12),
+                        [&](const tbb::blocked_range<std::size_t>& range) {
+                          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                            const Vec3d p = times(minus(mesh.points[i], centre), scale);
+                            for (std::size_t axis = 0; axis < 3; ++axis)
+                              // A point that no face uses may lie anywhere.
+                              floats[3 * i + axis] =
+                                  static_cast<float>(std::clamp(p[axis], -2.0, 2.0));
+                          }
+                        });
+      discardPages(&mesh.points[first], count * sizeof(Vec3d));
+    }
     std::vector<Vec3d>().swap(mesh.points);
     triangles = std::move(mesh.triangles);
     if (!triangles.empty()) {

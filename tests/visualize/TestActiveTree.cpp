@@ -134,6 +134,39 @@ TEST(ActiveTree, statesAreTheTrees) {
   EXPECT_GT(on, 1000);
 }
 
+// Also in tiles, across nodes of all sizes and where nothing is.
+TEST(ActiveTree, sharesOfRowsAreThoseOfTheVoxels) {
+  initializeOpenVDB();
+  std::mt19937 random(8);
+  const auto grid = scattered<openvdb::BoolGrid>(random);
+  const ActiveTree tree(*grid);
+  ActiveTree::Probe probe(tree);
+  auto states = grid->getConstAccessor();
+  std::array<int, 3> partly{};
+  for (int log2Side = 1; log2Side <= 3; ++log2Side) {
+    const int side = 1 << log2Side;
+    std::uniform_int_distribution<int> place(-144 / side, 144 / side),
+        far(-5000 / side, 5000 / side);
+    for (int n = 0; n < 40000 >> 2 * (log2Side - 1); ++n) {
+      const Vec3i cell = n % 8 ? Vec3i{place(random), place(random), place(random)}
+                               : Vec3i{far(random), far(random), far(random)};
+      const auto shares = probe.filled(cell, log2Side);
+      for (int k = 0; k < 4; ++k) {
+        int on = 0;
+        for (int x = 0; x < side; ++x)
+          for (int y = 0; y < side; ++y)
+            for (int z = 0; z < side; ++z)
+              on += states.isValueOn(
+                  {cell[0] * side + x, cell[1] * side + y, (cell[2] + k) * side + z});
+        ASSERT_EQ(shares[std::size_t(k)], double(on) / (side * side * side));
+        partly[std::size_t(log2Side) - 1] += on > 0 && on < side * side * side;
+      }
+    }
+  }
+  for (const int count : partly)
+    EXPECT_GT(count, 100);
+}
+
 TEST(ActiveTree, ofAnEmptyTreeNothingIsFound) {
   initializeOpenVDB();
   const auto grid = openvdb::FloatGrid::create();

@@ -39,6 +39,10 @@ std::uint64_t pairsOf(const openvdb::util::NodeMask<3>& mask) {
   return pairs;
 }
 
+bool isSame(const Vec3i& a, const Vec3i& b, int log2Side) {
+  return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> log2Side == 0;
+}
+
 /// Lines of leaf nodes up to which single voxels are looked at for support().
 constexpr std::size_t kFewLines = 4096;
 
@@ -241,41 +245,71 @@ bool ActiveTree::isOn(const Vec3i& voxel) const {
   return Probe(*this).isOn(voxel);
 }
 
-void ActiveTree::Probe::find(const Vec3i& voxel) {
-  const auto isSame = [&voxel](const Vec3i& other, int log2Side) {
-    return ((voxel[0] ^ other[0]) | (voxel[1] ^ other[1]) | (voxel[2] ^ other[2])) >> log2Side == 0;
-  };
-  if (isKnown_ && isSame(inLeaf_, 3))
+void ActiveTree::Probe::findLower(const Vec3i& voxel) {
+  if (isLowerKnown_ && isSame(voxel, inLower_, 7))
     return;
-  if (!isKnown_ || !isSame(inLower_, 7)) {
-    lower_ = tree_.lowerAt(voxel, lowerTile_);
-    inLower_ = voxel;
-  }
+  lower_ = tree_.lowerAt(voxel, lowerTile_);
+  inLower_ = voxel;
+  isLowerKnown_ = true;
+}
+
+void ActiveTree::Probe::find(const Vec3i& voxel) {
+  if (isLeafKnown_ && isSame(voxel, inLeaf_, 3))
+    return;
+  findLower(voxel);
   inLeaf_ = voxel;
-  isKnown_ = true;
+  isLeafKnown_ = true;
   tile_ = lowerTile_;
   leaf_ = lower_ ? tree_.leafIn(*lower_, voxel, tile_) : nullptr;
 }
 
-double ActiveTree::Probe::filled(const Vec3i& cell, int log2Side) {
-  const Vec3i voxel{cell[0] * (1 << log2Side), cell[1] * (1 << log2Side),
-                    cell[2] * (1 << log2Side)};
-  find(voxel);
-  if (!leaf_)
-    return tile_ ? 1 : 0;
+std::array<double, 4> ActiveTree::Probe::filledLeaves(const Vec3i& leaf) {
+  std::array<double, 4> shares{};
+  for (std::size_t k = 0; k < 4;) {
+    const Vec3i voxel{leaf[0] * 8, leaf[1] * 8, (leaf[2] + std::int32_t(k)) * 8};
+    findLower(voxel);
+    // The row runs along a word of the node's masks, to the node's end at most.
+    std::uint32_t bit = place<4>(voxel, 3);
+    const std::size_t end = std::min<std::size_t>(4, k + 16 - (bit & 15));
+    if (!lower_) {
+      std::fill(&shares[k], shares.data() + end, lowerTile_ ? 1.0 : 0.0);
+      k = end;
+      continue;
+    }
+    for (std::uint32_t child = lower_->child(bit); k < end; ++k, ++bit) {
+      if (lower_->children->isOn(bit))
+        shares[k] = tree_.leaves_[child++].count / 512.0;
+      else
+        shares[k] = lower_->tiles->isOn(bit) ? 1 : 0;
+    }
+  }
+  return shares;
+}
+
+std::array<double, 4> ActiveTree::Probe::filled(const Vec3i& cell, int log2Side) {
   if (log2Side == 3)
-    return leaf_->count / 512.0;
-  const std::uint32_t side = 1u << log2Side;
+    return filledLeaves(cell);
+  const std::int32_t side = 1 << log2Side;
   const std::uint64_t run = (std::uint64_t(1) << side) - 1; // along z
   std::uint64_t lines = 0;                                  // along y and z
-  for (std::uint32_t y = 0; y < side; ++y)
+  for (std::int32_t y = 0; y < side; ++y)
     lines |= run << (8 * y);
-  lines <<= 8 * (voxel[1] & 7) + (voxel[2] & 7);
-  std::uint32_t on = 0;
-  for (std::uint32_t x = 0; x < side; ++x)
-    on += openvdb::util::CountOn(
-        leaf_->mask->getWord<openvdb::Index64>((std::uint32_t(voxel[0]) & 7) + x) & lines);
-  return double(on) / double(side * side * side);
+  std::array<double, 4> shares{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Vec3i voxel{cell[0] * side, cell[1] * side, (cell[2] + std::int32_t(k)) * side};
+    find(voxel);
+    if (!leaf_) {
+      shares[k] = tile_ ? 1 : 0;
+      continue;
+    }
+    const std::uint64_t these = lines << (8 * (voxel[1] & 7) + (voxel[2] & 7));
+    std::uint32_t on = 0;
+    for (std::int32_t x = 0; x < side; ++x)
+      on += openvdb::util::CountOn(
+          leaf_->mask->getWord<openvdb::Index64>(std::uint32_t((voxel[0] & 7) + x)) & these);
+    shares[k] = double(on) / double(side * side * side);
+  }
+  return shares;
 }
 
 bool ActiveTree::Probe::isOn(const Vec3i& voxel) {

@@ -80,16 +80,19 @@ public:
   public:
     explicit Probe(const ActiveTree& tree) : tree_(tree) {}
     bool isOn(const Vec3i& voxel);
-    /// The share of active voxels in a cube of side 2^log2Side, 1 to 8; `cell` in units of it.
-    double filled(const Vec3i& cell, int log2Side);
+    /// The shares of active voxels in four cubes of side 2^log2Side, 1 to 8, in a row along z that
+    /// begins with `cell`, in units of the side.
+    std::array<double, 4> filled(const Vec3i& cell, int log2Side);
 
   private:
     void find(const Vec3i& voxel);
+    void findLower(const Vec3i& voxel);
+    std::array<double, 4> filledLeaves(const Vec3i& leaf);
 
     const ActiveTree& tree_;
     Vec3i inLeaf_{0, 0, 0},
         inLower_{0, 0, 0}; ///< of which leaf_ and lower_ speak, if they are known
-    bool isKnown_ = false;
+    bool isLowerKnown_ = false, isLeafKnown_ = false;
     const Leaf* leaf_ = nullptr;
     const Lower* lower_ = nullptr;
     bool tile_ = false, lowerTile_ = false;

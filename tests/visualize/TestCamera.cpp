@@ -137,9 +137,10 @@ TEST(Camera, APerspectiveFramingTouchesOnBothSides) {
 }
 
 // Points that lie where they may: the margins left and right, and above and below, are alike, and
-// those of one pair are 4 %.
+// those of one pair are 4 %, unless the eye would come too near.
 TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
   std::mt19937 random(3);
+  int sharp = 0;
   std::normal_distribution<double> normal;
   for (int n = 0; n < 200; ++n) {
     std::vector<Vec3d> points(30); // of an ellipsoid with a lump
@@ -158,10 +159,11 @@ TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
     const int width = 640, height = n % 2 ? 480 : 900;
     for (const Lens& lens : {Lens{true, 20}, Lens{true, 50}, Lens{}}) {
       const Camera camera(view, lens, frame(view, lens, width, height, support), width, height);
-      double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+      double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9, nearest = 1e9;
       for (const Vec3d& point : points) {
         const Camera::Projected p = camera.project(point);
         EXPECT_GT(p.depth, 0);
+        nearest = std::min(nearest, p.depth);
         left = std::min(left, p.x);
         right = std::max(right, p.x);
         top = std::min(top, p.y);
@@ -169,8 +171,38 @@ TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
       }
       EXPECT_NEAR(left, width - right, 1e-2) << n;
       EXPECT_NEAR(top, height - bottom, 1e-2) << n;
+      const auto extent = [&](const Vec3d& d) {
+        return support(d) + support({-d[0], -d[1], -d[2]});
+      };
+      const double clear = 0.25 * std::max(extent(view.right), extent(view.up));
+      if (lens.perspective && nearest < clear * (1 + 1e-9)) { // sharp towards the eye
+        EXPECT_NEAR(nearest, clear, 1e-9 * clear) << n;
+        EXPECT_GE(std::min(left / width, top / height), 0.04 - 1e-6) << n;
+        ++sharp;
+        continue;
+      }
       EXPECT_NEAR(std::min(left / width, top / height), 0.04, 1e-6) << n;
     }
+  }
+  EXPECT_LT(sharp, 20); // of 400
+}
+
+// A pyramid more pointed than the picture's angle would fit with the eye at its tip.
+TEST(Camera, TheEyeStaysClearOfATip) {
+  const std::vector<Vec3d> points = {{0, 0, 10}, {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
+  const Support support = [&](const Vec3d& d) {
+    double most = -INFINITY;
+    for (const Vec3d& p : points)
+      most = std::max(most, analytic::dotOf(p, d));
+    return most;
+  };
+  const View view = viewNamed("top");
+  const Camera camera(view, {true, 60}, frame(view, {true, 60}, 200, 200, support), 200, 200);
+  EXPECT_NEAR(camera.project(points[0]).depth, 0.5, 1e-9); // a quarter of 2
+  for (const Vec3d& point : points) {
+    const Camera::Projected p = camera.project(point);
+    EXPECT_NEAR(p.x, 100 + point[0] / (10.5 - point[2]) / std::tan(30 * kPi / 180) * 100, 1e-4);
+    EXPECT_NEAR(p.y, 100 - point[1] / (10.5 - point[2]) / std::tan(30 * kPi / 180) * 100, 1e-4);
   }
 }
 

@@ -14,6 +14,9 @@ namespace {
 constexpr double kMargin = 0.04;   // of the shorter side, all round
 constexpr double kCentred = 1e-6;  // parts of the picture by which its middle may be off
 constexpr double kVertical = 1e-6; // sine of the angle to up below which a view counts as vertical
+// How far the eye stays in front of what is nearest, in parts of the larger of the thing's width
+// and height: of what is sharp towards the eye it would stand at the tip.
+constexpr double kClearance = 0.25;
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
 Vec3d unit(const Vec3d& v) {
@@ -145,14 +148,14 @@ Support supportOf(const Box& box) {
   return [box](const Vec3d& direction) { return supportOf(box, direction); };
 }
 
-Framing frame(const View& view, const Lens& lens, int width, int height, const Support& support) {
+Framing frame(const View& view, const Lens& lens, int columns, int rows, const Support& support) {
   Framing framing;
   const double near = support(view.toEye), far = -support(times(view.toEye, -1));
   if (!std::isfinite(near) || !std::isfinite(far))
     return framing;
   const double middle = near / 2 + far / 2;
   double across = 0, down = 0;
-  halves(lens, width, height, across, down);
+  halves(lens, columns, rows, across, down);
   const double inside = 1 - 2 * kMargin;
   // In coordinates (right, up, towards the eye) the planes at the picture's edges are x + t z = c
   // with z towards the eye, t = 0 with parallel rays.
@@ -167,7 +170,10 @@ Framing frame(const View& view, const Lens& lens, int width, int height, const S
   if (lens.perspective) {
     // The eye (x, y, z): x - right edge = t (z - ...) on either side, so that right + left = 2 t z.
     // The axis that needs the greater z is filled; along the other the thing is put in the middle.
-    const double z = std::max((right + left) / (2 * tx), (top + bottom) / (2 * ty));
+    const double width = reach(view.right, 0) + reach(times(view.right, -1), 0);
+    const double height = reach(view.up, 0) + reach(times(view.up, -1), 0);
+    const double z = std::max({(right + left) / (2 * tx), (top + bottom) / (2 * ty),
+                               near + kClearance * std::max(width, height)});
     framing.span = 2 * (z - middle) * std::min(across, down);
     const auto centre = [&](const Vec3d& side, double most) {
       return middleSeen(reach, side, most, z);

@@ -57,9 +57,10 @@ using Support = std::function<double(const Vec3d& direction)>;
 Support supportOf(const Box& box);
 
 /// The closest framing that shows all of what `support` describes, with a margin of 4 % of each
-/// side, in the middle along both sides. Nothing, or a point: a span of 1. Asks `support` six
-/// times, in perspective some twenty times more.
-Framing frame(const View& view, const Lens& lens, int width, int height, const Support& support);
+/// side, in the middle along both sides; in perspective the eye keeps a quarter of the thing's
+/// width or height, of what is larger, in front of it. Nothing, or a point: a span of 1. Asks
+/// `support` ten times, in perspective some twenty times more.
+Framing frame(const View& view, const Lens& lens, int columns, int rows, const Support& support);
 
 /// Maps between pixels and rays. Pixel (x, y) covers [x, x + 1) x [y, y + 1), y downward from the
 /// picture's upper edge.

@@ -14,7 +14,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <nanovdb/NanoVDB.h>
 #include <new>
 #include <tbb/parallel_for.h>
 #include <vector>

@@ -12,11 +12,10 @@ namespace tetvdb {
 /// for what is read for the last time while something as large is made of it. Afterwards the bytes
 /// are undefined until they are written again.
 inline void discardPages(void* data, std::size_t bytes) noexcept {
-  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
-  const auto begin = (reinterpret_cast<std::uintptr_t>(data) + page - 1) / page * page;
-  const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / page * page;
-  if (begin < end)
-    ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(data) % page) % page;
+  if (bytes >= before + page)
+    ::madvise(static_cast<char*>(data) + before, (bytes - before) / page * page, MADV_DONTNEED);
 }
 
 } // namespace tetvdb

@@ -93,7 +93,7 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
     if (!surelyOnOneSide(welded.points, b, sharedOfB, a) &&
         !surelyOnOneSide(welded.points, a, shared, b) &&
         facesMeet(welded.points, a.corners.data(), b.corners.data()))
-      found.meeting.push_back({first, second});
+      found.meeting.emplace_back(first, second);
     const auto lone = [](unsigned bits) { // of two bits out of three
       return static_cast<std::uint8_t>(bits == 6 ? 0 : bits == 5 ? 1 : 2);
     };
@@ -124,8 +124,8 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   std::vector<Pair> meeting;
   for (const Found& found : locals)
     for (const auto& [a, b] : found.meeting) {
-      meeting.push_back({a, b});
-      meeting.push_back({b, a});
+      meeting.emplace_back(a, b);
+      meeting.emplace_back(b, a);
     }
   tbb::parallel_sort(meeting.begin(), meeting.end());
   contacts.others.reserve(meeting.size());
@@ -147,7 +147,7 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
       if (atEdge[3 * std::size_t(pair.a) + pair.cornerA] == 1 &&
           atEdge[3 * std::size_t(pair.b) + pair.cornerB] == 1 && !contacts.isMet(pair.a) &&
           !contacts.isMet(pair.b))
-        contacts.neighbours.push_back({pair.a, pair.b});
+        contacts.neighbours.emplace_back(pair.a, pair.b);
   return contacts;
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <openvdb/tools/Count.h>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -356,7 +357,7 @@ std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const Vo
   const bool shares = grid->getName() == "density" || grid->getName() == "coverage";
   if (shares && grid->isType<FloatGrid>() && !isUniform(static_cast<const FloatGrid&>(*grid)))
     return std::make_unique<SurfaceDrawable<FogField>>(grid, look);
-  return std::make_unique<SurfaceDrawable<OccupancyField>>(grid, look);
+  return std::make_unique<SurfaceDrawable<OccupancyField>>(std::move(grid), look);
 }
 
 } // namespace tetvdb

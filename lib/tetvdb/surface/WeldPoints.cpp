@@ -145,9 +145,8 @@ void weldNear(const std::vector<Vec3d>& points, double distance,
     const Cell home = cellOf(points[i]);
     std::uint32_t first = static_cast<std::uint32_t>(i);
     for (int neighbour = 0; neighbour < 27; ++neighbour) {
-      const auto found =
-          kept.find({{home.corner[0] + neighbour % 3 - 1, home.corner[1] + neighbour / 3 % 3 - 1,
-                      home.corner[2] + neighbour / 9 - 1}});
+      const int x = neighbour % 3 - 1, y = neighbour / 3 % 3 - 1, z = neighbour / 9 - 1;
+      const auto found = kept.find({{home.corner[0] + x, home.corner[1] + y, home.corner[2] + z}});
       if (found == kept.end())
         continue;
       for (const std::uint32_t other : found->second)

@@ -145,7 +145,7 @@ def choose_models(bench, paths):
     """Closed clean models of 1000 to 30000 faces, evenly taken by size."""
     found = []
     for path in paths:
-        inputs = bench.ask("info", path).get("input", [{}])
+        inputs = bench.ask("info", path).get("input") or [{}]  # none of what cannot be read
         defects = inputs[0].get("defects", {})
         faces = inputs[0].get("triangles", 0)
         flaws = ("boundary_edges", "nonmanifold_edges", "misoriented_edges", "degenerate_faces", "self_intersections")

@@ -178,9 +178,10 @@ def study_epsilon(bench, path):
             "voxelize", path, "-o", volume, "--mesher", "envelope", "--epsilon", f"{epsilon}d", "--grid", "mask",
             "--voxel-size", repr(voxel))
         mesh = report.get("mesh") or {}
-        made = status in (0, 1) and volume.exists()
+        road = (mesh.get("mesher") or {}).get("road")
+        made = status in (0, 1) and volume.exists() and road == "envelope"  # else the exact volume stands in
         row["runs"].append({"epsilon": epsilon, "status": status, "seconds": seconds, "megabytes": megabytes,
-                            "tets": mesh.get("tets"), "road": (mesh.get("mesher") or {}).get("road"),
+                            "tets": mesh.get("tets"), "road": road,
                             "epsilon_in_voxels": (mesh.get("epsilon_asked") or 0) / voxel,
                             "iou": iou(bench, truth, volume) if made else None})
     for a, b in itertools.combinations(AUGMENTING, 2):
@@ -340,7 +341,8 @@ def epsilon_text(rows):
 
     def up_to(least):
         """The largest epsilon up to which every model's IoU is at least this."""
-        kept = list(itertools.takewhile(lambda e: all((at(row, e).get("iou") or 0) >= least for row in rows), EPSILONS))
+        kept = list(itertools.takewhile(lambda e: all(at(row, e).get("iou") is None or at(row, e)["iou"] >= least
+                                                     for row in rows), EPSILONS))
         return f"{kept[-1]:g}" if kept else "no epsilon"
 
     each = [[row["name"], row.get("faces", "")] + ["-" if at(row, e).get("iou") is None else f"{at(row, e)['iou']:.4f}"
@@ -350,8 +352,9 @@ def epsilon_text(rows):
                f"status 0, of {len(rows)}"), [line(e) for e in EPSILONS]),
         f"Every model is above 0.99 up to {up_to(0.99)}, above 0.95 up to {up_to(0.95)} and "
         f"above 0.9 up to {up_to(0.9)}.\nParts thinner than twice epsilon may vanish, for their two sides are then within "
-        "epsilon of each other's\nplace: models of thin parts fall first. Of status 1 are meshes that leave faces out or lose "
-        "points, and say so.",
+        "epsilon of each other's\nplace: models of thin parts fall first. A flat side that lies on voxel\ncentres takes or leaves a layer of them "
+        "as soon as it moves, by however little: so do sides on the box's own planes. Of\nstatus 1 are meshes that lose "
+        "points, and runs without tets in time (-), where the exact volume is written instead; both say so.",
         "IoU model by model:",
         table(("model", "faces", *(f"{e:g}" for e in EPSILONS)), each)))
 

@@ -183,6 +183,49 @@ TEST(RimWinding, ManyEdgesAreLookedAtRoughly) {
   }
 }
 
+// A closed surface whose faces look any way is nothing but rim: one net of edges, of which every
+// cluster has many loose ends.
+TEST(RimWinding, FacesThatLookAnyWay) {
+  meshes::Random random(22);
+  Surface s = wavySheet(50, kSize, [] { return true; });
+  for (Point& p : s.points)
+    for (double& c : p)
+      c = 2 * std::round(c / 2) + 2 * std::round(random.between(-9, 9));
+  for (auto& face : s.faces)
+    if (random.unit() < 0.3)
+      std::swap(face[0], face[1]);
+  const RimWinding rim(rimOf(s));
+  ASSERT_TRUE(rim.rough());
+  double sum = 0;
+  int looked = 0;
+  const auto compare = [&](const Point& p, double s_) {
+    const double error = std::abs(crossingsBelow(s, p) + s_ - windingBySolidAngles(s, p));
+    EXPECT_LE(error, 2 * kRoughWindingError);
+    sum += error;
+    ++looked;
+  };
+  for (int i = 0; i < 60; ++i) {
+    // Half of them at the surface, where most is near.
+    Point p = anyPoint(random, 1.5 * kSize);
+    if (i % 2 == 0)
+      for (std::size_t k = 0; k < 3; ++k)
+        p[k] = s.points[std::size_t(i) * 97 % s.points.size()][k] +
+               2 * std::round(random.between(-0.02, 0.02) * kSize / 2) + 1;
+    compare(p, rim.at({p[0], p[1], p[2]}));
+    RimPoints points;
+    const double step = 2 * std::round(0.002 * kSize);
+    for (int k = 0; k < 27; ++k) {
+      points.x.push_back(p[0] + step * (k / 9 - 1));
+      points.y.push_back(p[1] + step * (k / 3 % 3 - 1));
+      points.z.push_back(p[2] + step * (k % 3 - 1));
+    }
+    rim.at({p[0], p[1], p[2]}, 2 * step, points);
+    for (std::size_t k = 0; k < points.size(); k += 13)
+      compare({points.x[k], points.y[k], points.z[k]}, points.sum[k]);
+  }
+  EXPECT_LT(sum / looked, kRoughWindingError / 16);
+}
+
 TEST(RimWinding, FarFromTheOrigin) {
   Surface s = wavySheet(10, kSize, [] { return true; });
   meshes::Random random(5);

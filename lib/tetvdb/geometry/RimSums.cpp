@@ -89,6 +89,8 @@ RimView from(const RimView& rim, std::size_t i) {
 }
 
 // weight * angleUp(); NaN where it takes angleUp() itself to tell.
+// above(a) is a fraction na / da, so that one division is left, that of the tangent: divisions and
+// square roots are what this loop waits for.
 // The arc tangent: of the smaller over the larger, above tan(pi / 8) by
 // atan(t) = pi / 4 + atan((t - 1) / (t + 1)), then the power series, whose first term left out is
 // below 1e-11.
@@ -96,36 +98,39 @@ TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, d
                                    double weight) {
   const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
   const double la = std::sqrt(fa + az * az), lb = std::sqrt(fb + bz * bz);
-  const double ua = az < 0 ? fa / (la - az) : la + az;
-  const double ub = bz < 0 ? fb / (lb - bz) : lb + bz;
+  const double na = az < 0 ? fa : la + az, da = az < 0 ? la - az : 1.0;
+  const double nb = bz < 0 ? fb : lb + bz, db = bz < 0 ? lb - bz : 1.0;
+  const double below = da * db;
   const double left = ax * by, right = ay * bx;
   const double sine = left - right;
   const double flat = ax * bx + ay * by;
-  const double cosine = ua * ub + flat;
-  const double y = std::abs(sine), x = std::abs(cosine);
+  const double cosine = na * nb + flat * below;
+  const double y = std::abs(sine) * below, x = std::abs(cosine);
   const double low = y < x ? y : x, high = y < x ? x : y;
   const bool steep = low > 0.41421356237309503 * high;
   const double u = (steep ? low - high : low) / (steep ? low + high : high);
   const double v = u * u;
-  double series = 1.0 / 25;
-  series = 1.0 / 23 - v * series;
-  series = 1.0 / 21 - v * series;
-  series = 1.0 / 19 - v * series;
-  series = 1.0 / 17 - v * series;
-  series = 1.0 / 15 - v * series;
-  series = 1.0 / 13 - v * series;
-  series = 1.0 / 11 - v * series;
-  series = 1.0 / 9 - v * series;
-  series = 1.0 / 7 - v * series;
-  series = 1.0 / 5 - v * series;
-  series = 1.0 / 3 - v * series;
-  series = 1.0 - v * series;
+  // Two chains, of every other term, so that neither is waited for.
+  const double w = v * v;
+  double even = 1.0 / 25, odd = 1.0 / 23;
+  even = even * w + 1.0 / 21;
+  odd = odd * w + 1.0 / 19;
+  even = even * w + 1.0 / 17;
+  odd = odd * w + 1.0 / 15;
+  even = even * w + 1.0 / 13;
+  odd = odd * w + 1.0 / 11;
+  even = even * w + 1.0 / 9;
+  odd = odd * w + 1.0 / 7;
+  even = even * w + 1.0 / 5;
+  odd = odd * w + 1.0 / 3;
+  even = even * w + 1.0;
+  const double series = even - v * odd;
   double angle = (steep ? kPi / 4 : 0.0) + u * series;
   angle = y < x ? angle : kPi / 2 - angle;
   angle = cosine < 0 ? kPi - angle : angle;
   angle = sine < 0 ? -angle : angle;
-  const bool sure = y > kSure * (std::abs(left) + std::abs(right)) &&
-                    (y + x > 1e-9 * la * lb || flat + az * bz > 0);
+  const bool sure = std::abs(sine) > kSure * (std::abs(left) + std::abs(right)) &&
+                    (y + x > 1e-9 * la * lb * below || flat + az * bz > 0);
   return sure ? 2 * weight * angle : std::numeric_limits<double>::quiet_NaN();
 }
 

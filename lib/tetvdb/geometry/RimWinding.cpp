@@ -14,7 +14,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::size_t kLeafEdges = 16;
+constexpr std::size_t kLeafEdges = 8;
 // Parts of the rim with no more edges than this are never cut apart, so that they have no loose
 // ends: the rim of a single triangle.
 constexpr std::size_t kWholePart = 8;
@@ -22,8 +22,11 @@ constexpr std::size_t kWholePart = 8;
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
-// Of a tangle, clusters as many radii away are looked at from afar.
-constexpr double kRoughDistance = 0.5;
+// Of a tangle, clusters as many radii away are looked at from afar, and so are their loose ends
+// where the ray up from the centre is as many radii away; other loose ends are, up to so many.
+constexpr double kRoughDistance = 1.5;
+constexpr double kRoughRayDistance = 3;
+constexpr std::size_t kMaxRoughLooseEnds = 8;
 
 Vec3d from(const LatticePoint& p, const LatticePoint& q) {
   return {q.x - p.x, q.y - p.y, q.z - p.z};
@@ -164,9 +167,6 @@ void RimWinding::build(Item* begin, Item* end, const std::vector<RimEdge>& edges
   nodes_[index] = node;
 }
 
-// The cone's triangles have corners 0, a, b relative to the centre and area vectors n = a x b / 2.
-// Mean of y over such a triangle is (a + b) / 3, of y y^T
-// (a a^T + b b^T + (a + b)(a + b)^T) / 12.
 void RimWinding::fillMoments(Node& node) const {
   const double inf = std::numeric_limits<double>::infinity();
   node.boxMin = {inf, inf, inf};
@@ -181,51 +181,21 @@ void RimWinding::fillMoments(Node& node) const {
   node.centre = {std::floor((node.boxMin.x + node.boxMax.x) / 2),
                  std::floor((node.boxMin.y + node.boxMax.y) / 2),
                  std::floor((node.boxMin.z + node.boxMax.z) / 2)};
-  double second[3][3] = {};
-  double third[3][3][3] = {};
+  node.cone = ConeMoments(edges_, node.begin, node.end, node.centre);
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
     const Vec3d a = from(node.centre, edges_.a(i)), b = from(node.centre, edges_.b(i));
     const double weight = edges_.weight[i];
-    const Vec3d sum{a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-    Vec3d n = cross(a, b);
+    const Vec3d sum = plus(a, b);
     node.radius = std::max({node.radius, length(a), length(b)});
-    node.area += length(n) / 2 * std::abs(weight);
+    node.area += length(cross(a, b)) / 2 * std::abs(weight);
     node.length += length(from(edges_.a(i), edges_.b(i))) * std::abs(weight);
-    for (double& c : n)
-      c *= weight / 2;
     for (std::size_t k = 0; k < 3; ++k) {
       const double edge = (b[k] - a[k]) * weight;
       node.way[k] += edge;
       for (std::size_t l = 0; l < 3; ++l)
         node.current[3 * k + l] += edge * sum[l] / 2;
     }
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.dipole[k] += n[k];
-      for (std::size_t l = 0; l < 3; ++l) {
-        second[k][l] += n[k] * sum[l] / 3;
-        for (std::size_t m = 0; m < 3; ++m)
-          third[k][l][m] += n[k] * (a[l] * a[m] + b[l] * b[m] + sum[l] * sum[m]) / 12;
-      }
-    }
   }
-  node.trace = second[0][0] + second[1][1] + second[2][2];
-  node.quadrupole = {second[0][0],
-                     second[1][1],
-                     second[2][2],
-                     second[0][1] + second[1][0],
-                     second[0][2] + second[2][0],
-                     second[1][2] + second[2][1]};
-  for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t l = 0; l < 3; ++l)
-      node.bent[k] += 2 * third[l][l][k] + third[k][l][l];
-  const auto mixed = [&](std::size_t k, std::size_t l) { // the factor of y_k^2 y_l
-    return third[l][k][k] + 2 * third[k][k][l];
-  };
-  node.octupole = {third[0][0][0], third[1][1][1],
-                   third[2][2][2], mixed(0, 1),
-                   mixed(0, 2),    mixed(1, 0),
-                   mixed(1, 2),    mixed(2, 0),
-                   mixed(2, 1),    2 * (third[0][1][2] + third[1][0][2] + third[2][0][1])};
 }
 
 void RimWinding::fillLooseEnds(Node& node) {
@@ -242,30 +212,12 @@ void RimWinding::fillLooseEnds(Node& node) {
     LooseEnd sum{ends[i].point, 0};
     for (; i < ends.size() && !less(sum.point, ends[i].point); ++i)
       sum.weight += ends[i].weight;
-    if (sum.weight != 0)
-      looseEnds_.push_back(sum);
+    if (sum.weight == 0)
+      continue;
+    looseEnds_.push_back(sum);
+    node.ends.add(from(node.centre, sum.point), sum.weight);
   }
   node.looseEnd = static_cast<std::uint32_t>(looseEnds_.size());
-}
-
-// 4 pi s of a cluster. An edge's spherical triangle (a, b, up) is the sum of (a, b, centre),
-// (centre, b, up) and (a, centre, up). The first make up the cone, which looks like its
-// moments: the integral of n . r / |r|^3 with r = R + y, expanded to second order in y. The others
-// cancel but at loose ends. The sum is short of 4 pi where the cone passes straight below p; at()
-// sees to that.
-TETVDB_INLINE double RimWinding::coneFromAfar(const Node& node, const Vec3d& r) {
-  const double inverse = 1 / length(r);
-  const double i2 = inverse * inverse, i3 = i2 * inverse, i5 = i3 * i2;
-  const double x = r[0], y = r[1], z = r[2];
-  const auto& q = node.quadrupole;
-  const auto& o = node.octupole;
-  const double square =
-      q[0] * x * x + q[1] * y * y + q[2] * z * z + q[3] * x * y + q[4] * x * z + q[5] * y * z;
-  const double cube = x * x * (o[0] * x + o[3] * y + o[4] * z) +
-                      y * y * (o[1] * y + o[5] * x + o[6] * z) +
-                      z * z * (o[2] * z + o[7] * x + o[8] * y) + o[9] * x * y * z;
-  return (dot(node.dipole, r) + node.trace) * i3 - (3 * square + 1.5 * dot(node.bent, r)) * i5 +
-         7.5 * cube * i5 * i2;
 }
 
 // Walks the tree: clusters for which far(node) holds are done with, the edges of the others are
@@ -331,33 +283,46 @@ std::int64_t RimWinding::turnsAround(const Node& cluster, const LatticePoint& p)
   return static_cast<std::int64_t>(turns);
 }
 
-// Whether a cluster can be looked at from so far outside its ball.
-bool RimWinding::isFar(const Node& node, double distance) const {
-  if (rough())
-    return distance > kRoughDistance * node.radius &&
-           node.looseEnd - node.looseBegin <= (node.end - node.begin) / 2;
+// How a cluster looks from points within `reach` of one that sees its centre at r.
+RimWinding::View RimWinding::viewOf(const Node& node, const Vec3d& r, double reach) const {
+  const double distance = length(r) - node.radius - reach;
+  if (!(distance > 0))
+    return View::Edges;
+  const std::size_t loose = node.looseEnd - node.looseBegin;
+  if (rough()) {
+    if (!(distance > kRoughDistance * node.radius))
+      return View::Edges;
+    const double ray = (r[2] < 0 ? std::hypot(r[0], r[1]) : length(r)) - reach;
+    if (loose == 0 || ray > kRoughRayDistance * node.radius)
+      return View::Moments;
+    return loose <= kMaxRoughLooseEnds ? View::LooseEnds : View::Edges;
+  }
   // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
   const double ratio = node.radius / distance;
-  return distance > 0 && node.looseEnd - node.looseBegin <= kMaxLooseEnds &&
-         node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance;
+  const bool small = node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance;
+  return small && loose <= kMaxLooseEnds ? View::LooseEnds : View::Edges;
 }
 
+// A cluster's angles fall short of 4 pi where its cone passes straight below the point.
 double RimWinding::at(const LatticePoint& p) const {
   double angle = 0;
   LooseAngles loose(p);
   walk(
       [&](const Node& node) {
         const Vec3d r = from(p, node.centre);
-        const double distance = length(r) - node.radius;
-        if (!isFar(node, distance))
+        const View view = viewOf(node, r, 0);
+        if (view == View::Edges)
           return false;
         const bool above = p.x >= node.boxMin.x && p.x <= node.boxMax.x && p.y >= node.boxMin.y &&
                            p.y <= node.boxMax.y && p.z >= node.boxMin.z;
         if (above)
           angle += 4 * kPi * static_cast<double>(turnsAround(node, p));
-        angle += coneFromAfar(node, r);
-        for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-          loose.add(node.centre, looseEnds_[i].point, looseEnds_[i].weight);
+        angle += node.cone.angle(r);
+        if (view == View::Moments)
+          angle += node.ends.angle(r);
+        else
+          for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
+            loose.add(node.centre, looseEnds_[i].point, looseEnds_[i].weight);
         return true;
       },
       [&](std::uint32_t begin, std::uint32_t end) {
@@ -366,14 +331,24 @@ double RimWinding::at(const LatticePoint& p) const {
   return (angle + loose.sum()) / (4 * kPi);
 }
 
-TETVDB_MULTIVERSION
-void RimWinding::addConeFromAfar(const Node& node, RimPoints& points) {
+template <typename Moments>
+TETVDB_INLINE void RimWinding::addMoments(const LatticePoint& centre, const Moments& moments,
+                                          RimPoints& points) {
   const std::size_t n = points.size();
   const double *x = points.x.data(), *y = points.y.data(), *z = points.z.data();
   double* sum = points.sum.data();
   for (std::size_t i = 0; i < n; ++i)
-    sum[i] +=
-        coneFromAfar(node, {node.centre.x - x[i], node.centre.y - y[i], node.centre.z - z[i]});
+    sum[i] += moments.angle({centre.x - x[i], centre.y - y[i], centre.z - z[i]});
+}
+
+TETVDB_MULTIVERSION
+void RimWinding::addCone(const Node& node, RimPoints& points) {
+  addMoments(node.centre, node.cone, points);
+}
+
+TETVDB_MULTIVERSION
+void RimWinding::addEnds(const Node& node, RimPoints& points) {
+  addMoments(node.centre, node.ends, points);
 }
 
 void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points) const {
@@ -382,7 +357,8 @@ void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points)
   double turns = 0;
   walk(
       [&](const Node& node) {
-        if (!isFar(node, length(from(centre, node.centre)) - node.radius - reach))
+        const View view = viewOf(node, from(centre, node.centre), reach);
+        if (view == View::Edges)
           return false;
         const bool above = centre.x + reach >= node.boxMin.x && centre.x - reach <= node.boxMax.x &&
                            centre.y + reach >= node.boxMin.y && centre.y - reach <= node.boxMax.y &&
@@ -397,9 +373,12 @@ void RimWinding::at(const LatticePoint& centre, double reach, RimPoints& points)
                   static_cast<double>(turnsAround(node, {points.x[i], points.y[i], points.z[i]}));
             points.sum[i] += turns;
           }
-        addConeFromAfar(node, points);
-        for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-          addAngles(node.centre, looseEnds_[i].point, looseEnds_[i].weight, points, scratch);
+        addCone(node, points);
+        if (view == View::Moments)
+          addEnds(node, points);
+        else
+          for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
+            addAngles(node.centre, looseEnds_[i].point, looseEnds_[i].weight, points, scratch);
         return true;
       },
       [&](std::uint32_t begin, std::uint32_t end) {

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/RimMoments.h"
 #include "tetvdb/geometry/RimSums.h"
 
 #include <array>
@@ -86,8 +87,7 @@ public:
   Ball reach() const;
 
 private:
-  // A cluster of edges about `centre`. From far away the cone over them with its tip there looks
-  // like its moments; where the cluster cuts a rim open, its loose ends count too.
+  // A cluster of edges about `centre`.
   struct Node {
     LatticePoint boxMin, boxMax, centre;
     double radius;            // of the ends about the centre
@@ -99,11 +99,8 @@ private:
     std::uint32_t looseBegin, looseEnd;
     std::array<double, 3> way;     // sum of the edges as vectors
     std::array<double, 9> current; // of edge vector times middle: xx xy xz yx ...
-    std::array<double, 3> dipole;
-    double trace;
-    std::array<double, 6> quadrupole; // xx yy zz xy xz yz
-    std::array<double, 3> bent;
-    std::array<double, 10> octupole; // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
+    ConeMoments cone;
+    EndMoments ends;
   };
   struct LooseEnd {
     LatticePoint point;
@@ -114,9 +111,13 @@ private:
   void build(Item* begin, Item* end, const std::vector<RimEdge>& edges);
   void fillMoments(Node& node) const;
   void fillLooseEnds(Node& node);
-  static double coneFromAfar(const Node& node, const Vec3d& r);
-  static void addConeFromAfar(const Node& node, RimPoints& points);
-  bool isFar(const Node& node, double distance) const;
+  // By its edges, by the cone's moments and every loose end, or all by moments.
+  enum class View { Edges, LooseEnds, Moments };
+  View viewOf(const Node& node, const Vec3d& r, double reach) const;
+  template <typename Moments>
+  static void addMoments(const LatticePoint& centre, const Moments& moments, RimPoints& points);
+  static void addCone(const Node& node, RimPoints& points);
+  static void addEnds(const Node& node, RimPoints& points);
   std::int64_t turnsAround(const Node& cluster, const LatticePoint& p) const;
   static Vec3d fieldFromAfar(const Node& node, const Vec3d& r);
   double bend(const LatticePoint& centre, double reach) const;

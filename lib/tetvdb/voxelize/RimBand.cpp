@@ -19,7 +19,8 @@ constexpr double kMargin = 3 * kRimWindingError;
 constexpr double kTie = kRimWindingError / 10;
 // Beyond these a box is split rather than predicted.
 constexpr double kMostUnsure = 0.03;
-constexpr double kMostRough = 0.3;
+// And the smallest looked at voxel by voxel.
+constexpr double kMostUnsureOfSmallest = 0.3;
 constexpr std::size_t kMostCurtains = 1024;
 // Not split further.
 constexpr std::int64_t kSmallestBox = 4;
@@ -162,8 +163,7 @@ void RimBand::look(const Corner& origin, const Corner& first, std::int64_t size,
     return;
   const RimWinding::Slope& slope = middle.slope;
   const double unsure = middle.reach * (slope.error + slope.bend * middle.reach / 2);
-  // Small boxes of a tangle are taken by value and slope alone.
-  const double mostUnsure = rim_.rough() && size <= kSmallestBox ? kMostRough : kMostUnsure;
+  const double mostUnsure = size > kSmallestBox ? kMostUnsure : kMostUnsureOfSmallest;
   std::vector<std::uint32_t> curtains;
   if (unsure < mostUnsure && rim_.curtains(middle.centre, static_cast<double>(size) * kHalfVoxel,
                                            kMostCurtains, curtains)) {

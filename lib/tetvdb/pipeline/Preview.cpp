@@ -14,9 +14,11 @@
 namespace tetvdb {
 namespace {
 
-// A glance beside the work, not the work: panels are small, and few of their pixels are refined.
+// A glance beside the work, not the work: panels are small, few of their pixels are refined, and
+// each looks twice for the sky.
 constexpr int kWidth = 256, kHeight = 192; ///< of a panel
-constexpr double kRefinedShare = 0.08;
+constexpr double kRefinedShare = 0.06;
+constexpr std::uint32_t kSkyRays = 2;
 
 PictureOptions optionsFor(bool yUp) {
   PictureOptions options;
@@ -24,6 +26,7 @@ PictureOptions optionsFor(bool yUp) {
   options.height = kHeight;
   options.captions = true;
   options.render.refinedShare = kRefinedShare;
+  options.render.skyRays = kSkyRays;
   if (yUp)
     options.worldUp = {0, 1, 0};
   return options;

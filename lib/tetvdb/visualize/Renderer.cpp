@@ -139,12 +139,18 @@ private:
            static_cast<std::size_t>(x);
   }
 
-  // Where in the block's sequence the sky's rays of a pixel's sample begin, in units of the rays
-  // that a sample has: the first samples of all pixels come first.
-  static std::uint32_t firstSkyRay(int x, int y, std::uint32_t sample) {
-    const std::uint32_t place = placeInBlock(x, y);
-    return sample < kFew ? place * kFew + sample
-                         : kBlockPixels * kFew + place * (kMany - kFew) + (sample - kFew);
+  // Of the sky's rays, by which the first few samples and those that follow have as many, all that
+  // come before a sample of a pixel.
+  std::uint32_t skyRaysBefore(std::uint32_t sample) const {
+    return options_.skyRays * sample / kFew;
+  }
+  // Where in the block's sequence the rays of a pixel's sample begin: the first samples of all
+  // pixels come first.
+  std::uint32_t firstSkyRay(int x, int y, std::uint32_t sample) const {
+    const std::uint32_t place = placeInBlock(x, y), few = skyRaysBefore(kFew);
+    const std::uint32_t before = skyRaysBefore(sample);
+    return sample < kFew ? place * few + before
+                         : kBlockPixels * few + place * (skyRaysBefore(kMany) - few) + before - few;
   }
 
   // Adds samples number `from` to `to` - 1 to those that are there.
@@ -155,8 +161,6 @@ private:
     const std::uint64_t scramble = hash(static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x));
     const std::uint64_t skyScramble =
         hash(~(static_cast<std::uint64_t>(y / kBlock) << 32 | std::uint32_t(x / kBlock)));
-    const std::uint32_t raysAtOnce = std::max(1U, options_.skyRays / kFew);
-    const std::uint32_t rays = looksForSky ? raysAtOnce : 0;
     const auto before = static_cast<float>(from);
     Gathered pixel = gathered_[index(x, y)];
     Pixel light = scaled(image_.at(x, y), before);
@@ -172,8 +176,8 @@ private:
       Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
       ray.tMin = entry;
       const double jitter = static_cast<double>(hash(scramble + i) >> 11) * 0x1p-53;
-      const Sample sample =
-          lights_.sample(ray, skyScramble, firstSkyRay(x, y, i) * raysAtOnce, rays, jitter);
+      const std::uint32_t rays = looksForSky ? skyRaysBefore(i + 1) - skyRaysBefore(i) : 0;
+      const Sample sample = lights_.sample(ray, skyScramble, firstSkyRay(x, y, i), rays, jitter);
       light.red += sample.fixed[0];
       light.green += sample.fixed[1];
       light.blue += sample.fixed[2];

@@ -17,10 +17,13 @@ fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# apt with lists of its own: fetching sources needs neither root nor a change to the system's lists.
+# apt with lists of its own, of the archive that the system's packages come from: fetching sources
+# needs neither root nor a change to the system's lists.
 mkdir -p "$work/lists/partial" "$work/cache/archives/partial" "$work/source"
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
-echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror bookworm main" \
+read -r mirror suite < <(apt-get indextargets --format '$(REPO_URI) $(CODENAME)' \
+  'Created-By: Packages' 'Origin: Debian' | head -1) ||
+  { echo "tsan-tbb: apt knows no Debian archive to fetch sources from" >&2; exit 1; }
+echo "deb-src [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $suite main" \
   >"$work/sources.list"
 apt=(-q -o "Dir::Etc::SourceList=$work/sources.list" -o "Dir::Etc::SourceParts=-"
   -o "Dir::State::Lists=$work/lists" -o "Dir::Cache=$work/cache" -o "APT::Sandbox::User=")

@@ -196,6 +196,8 @@ void RimWinding::fillMoments(Node& node) const {
         node.current[3 * k + l] += edge * sum[l] / 2;
     }
   }
+  // Third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
+  node.remainder = node.area * node.radius * node.radius * node.radius;
 }
 
 void RimWinding::fillLooseEnds(Node& node) {
@@ -297,9 +299,8 @@ RimWinding::View RimWinding::viewOf(const Node& node, const Vec3d& r, double rea
       return View::Moments;
     return loose <= kMaxRoughLooseEnds ? View::LooseEnds : View::Edges;
   }
-  // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
-  const double ratio = node.radius / distance;
-  const bool small = node.area * ratio * ratio * ratio < kClusterError * kPi * distance * distance;
+  const double square = distance * distance;
+  const bool small = node.remainder < kClusterError * kPi * square * square * distance;
   return small && loose <= kMaxLooseEnds ? View::LooseEnds : View::Edges;
 }
 

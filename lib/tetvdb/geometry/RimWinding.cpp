@@ -22,8 +22,8 @@ constexpr std::size_t kWholePart = 8;
 constexpr std::size_t kMaxLooseEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
-// Of a tangle, clusters as many radii away are looked at from afar, and so are their loose ends
-// where the ray up from the centre is as many radii away; other loose ends are, up to so many.
+// Of a tangle, clusters this many radii outside their ball are looked at from afar; all their loose
+// ends are where the ray up from the centre is this many radii away, elsewhere up to a few.
 constexpr double kRoughDistance = 1.5;
 constexpr double kRoughRayDistance = 3;
 constexpr std::size_t kMaxRoughLooseEnds = 8;

@@ -122,13 +122,16 @@ Point anyPoint(meshes::Random& random, double size) {
   return p;
 }
 
-void compareWithDefinition(Surface s, double size, double tolerance, std::uint64_t seed) {
-  meshes::Random random(seed);
-  for (Point& p : s.points) {
-    // In general position: an even number near it.
+// Moves every point to even numbers near it.
+void bringToGeneralPosition(Surface& s, meshes::Random& random) {
+  for (Point& p : s.points)
     for (double& c : p)
       c = 2 * std::round(c / 2) + 2 * std::round(random.between(-9, 9));
-  }
+}
+
+void compareWithDefinition(Surface s, double size, double tolerance, std::uint64_t seed) {
+  meshes::Random random(seed);
+  bringToGeneralPosition(s, random);
   const RimWinding rim(rimOf(s));
   for (int i = 0; i < 500; ++i) {
     const Point p = anyPoint(random, 2 * size);
@@ -188,9 +191,7 @@ TEST(RimWinding, ManyEdgesAreLookedAtRoughly) {
 TEST(RimWinding, FacesThatLookAnyWay) {
   meshes::Random random(22);
   Surface s = wavySheet(50, kSize, [] { return true; });
-  for (Point& p : s.points)
-    for (double& c : p)
-      c = 2 * std::round(c / 2) + 2 * std::round(random.between(-9, 9));
+  bringToGeneralPosition(s, random);
   for (auto& face : s.faces)
     if (random.unit() < 0.3)
       std::swap(face[0], face[1]);

@@ -13,9 +13,7 @@ ConeMoments::ConeMoments(const RimArrays& edges, std::size_t begin, std::size_t 
   double second[3][3] = {};
   double third[3][3][3] = {};
   for (std::size_t i = begin; i != end; ++i) {
-    const LatticePoint p = edges.a(i), q = edges.b(i);
-    const Vec3d a{p.x - centre.x, p.y - centre.y, p.z - centre.z};
-    const Vec3d b{q.x - centre.x, q.y - centre.y, q.z - centre.z};
+    const Vec3d a = from(centre, edges.a(i)), b = from(centre, edges.b(i));
     const Vec3d sum = plus(a, b), n = times(cross(a, b), edges.weight[i] / 2);
     for (std::size_t k = 0; k < 3; ++k) {
       dipole_[k] += n[k];

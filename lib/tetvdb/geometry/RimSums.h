@@ -12,6 +12,11 @@
 
 namespace tetvdb {
 
+/// q as it is seen from p.
+inline Vec3d from(const LatticePoint& p, const LatticePoint& q) {
+  return {q.x - p.x, q.y - p.y, q.z - p.z};
+}
+
 /// Ends and weights of edges, one array a coordinate.
 struct RimView {
   const double *ax, *ay, *az, *bx, *by, *bz, *weight;

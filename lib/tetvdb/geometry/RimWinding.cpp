@@ -28,9 +28,6 @@ constexpr double kRoughDistance = 1.5;
 constexpr double kRoughRayDistance = 3;
 constexpr std::size_t kMaxRoughLooseEnds = 8;
 
-Vec3d from(const LatticePoint& p, const LatticePoint& q) {
-  return {q.x - p.x, q.y - p.y, q.z - p.z};
-}
 bool less(const LatticePoint& a, const LatticePoint& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
@@ -196,8 +193,6 @@ void RimWinding::fillMoments(Node& node) const {
         node.current[3 * k + l] += edge * sum[l] / 2;
     }
   }
-  // Third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
-  node.remainder = node.area * node.radius * node.radius * node.radius;
 }
 
 void RimWinding::fillLooseEnds(Node& node) {
@@ -287,20 +282,21 @@ std::int64_t RimWinding::turnsAround(const Node& cluster, const LatticePoint& p)
 
 // How a cluster looks from points within `reach` of one that sees its centre at r.
 RimWinding::View RimWinding::viewOf(const Node& node, const Vec3d& r, double reach) const {
-  const double distance = length(r) - node.radius - reach;
+  const double away = length(r), distance = away - node.radius - reach;
   if (!(distance > 0))
     return View::Edges;
   const std::size_t loose = node.looseEnd - node.looseBegin;
   if (rough()) {
     if (!(distance > kRoughDistance * node.radius))
       return View::Edges;
-    const double ray = (r[2] < 0 ? std::hypot(r[0], r[1]) : length(r)) - reach;
+    const double ray = (r[2] < 0 ? length({r[0], r[1], 0}) : away) - reach;
     if (loose == 0 || ray > kRoughRayDistance * node.radius)
       return View::Moments;
     return loose <= kMaxRoughLooseEnds ? View::LooseEnds : View::Edges;
   }
-  const double square = distance * distance;
-  const bool small = node.remainder < kClusterError * kPi * square * square * distance;
+  // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
+  const double cube = node.radius * node.radius * node.radius, square = distance * distance;
+  const bool small = node.area * cube < kClusterError * kPi * square * square * distance;
   return small && loose <= kMaxLooseEnds ? View::LooseEnds : View::Edges;
 }
 

@@ -93,7 +93,6 @@ private:
     double radius;            // of the ends about the centre
     double area;              // of the cone's triangles, all positive
     double length;            // of the edges, by weight
-    double remainder;         // of the cone's moments: over pi |r|^5, as a winding number
     std::uint32_t begin, end; // edges
     std::uint32_t skip;       // the node after the whole cluster, depth first
     bool leaf;

@@ -22,9 +22,6 @@ constexpr std::size_t kGroupFaces = 384;
 Vec3d vectorOf(const LatticePoint& p) {
   return {p.x, p.y, p.z};
 }
-Vec3d from(const LatticePoint& p, const LatticePoint& q) {
-  return {q.x - p.x, q.y - p.y, q.z - p.z};
-}
 
 std::vector<Box> boxesOf(const std::vector<ChainWinding::Face>& faces) {
   std::vector<Box> boxes(faces.size());

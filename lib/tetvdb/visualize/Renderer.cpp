@@ -139,8 +139,8 @@ private:
            static_cast<std::size_t>(x);
   }
 
-  // Of the sky's rays, by which the first few samples and those that follow have as many, all that
-  // come before a sample of a pixel.
+  // How many of a pixel's rays to the sky come before those of a sample: skyRays for every kFew
+  // samples, spread evenly.
   std::uint32_t skyRaysBefore(std::uint32_t sample) const {
     return options_.skyRays * sample / kFew;
   }

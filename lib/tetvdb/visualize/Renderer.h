@@ -26,7 +26,7 @@ struct RenderOptions {
   /// those where the four, or pixels side by side, differ most.
   double refinedShare = 0.15;
   /// Rays that look for the sky from every pixel, spread over its first four samples. Of refined
-  /// pixels that few others share their surface with, every further sample has as many.
+  /// pixels that few others share their surface with, further samples have in proportion.
   std::uint32_t skyRays = 4;
   /// Evens out the sky's light among pixels of one surface; what it hides is random by nature.
   bool smoothSky = true;

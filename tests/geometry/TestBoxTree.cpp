@@ -49,6 +49,33 @@ TEST(BoxTree, FindsWhatATestOfAllFinds) {
   }
 }
 
+TEST(BoxTree, FindsBoxesThatHaveMoved) {
+  meshes::Random random(2);
+  for (const std::size_t count : {1u, 7u, 500u}) {
+    std::vector<Box> boxes;
+    for (std::size_t i = 0; i < count; ++i)
+      boxes.push_back(randomBox(random, 3));
+    BoxTree tree(boxes);
+    for (int round = 0; round < 300; ++round) {
+      const auto item = static_cast<std::uint32_t>(random.below(count));
+      boxes[item] = round % 5 == 0 ? Box() : randomBox(random, round % 3 == 0 ? 15 : 2);
+      tree.move(item, boxes[item]);
+      const Box query = randomBox(random, 3);
+      std::vector<std::uint32_t> expected, found;
+      for (std::uint32_t i = 0; i < count; ++i)
+        if (boxes[i].meets(query))
+          expected.push_back(i);
+      tree.visit([&](const Box& box) { return box.meets(query); },
+                 [&](std::uint32_t i) {
+                   found.push_back(i);
+                   return false;
+                 });
+      std::sort(found.begin(), found.end());
+      EXPECT_EQ(found, expected);
+    }
+  }
+}
+
 TEST(BoxTree, EmptyAndEqualBoxes) {
   const auto all = [](const Box&) { return true; };
   std::size_t found = 0;

@@ -103,4 +103,41 @@ TEST(CurvedShape, GradientsAreThoseOfDifferences) {
   }
 }
 
+constexpr CurvedShape kLinearShapes[] = {CurvedShape::Hex8, CurvedShape::Wedge6,
+                                         CurvedShape::Pyramid5};
+
+TEST(CurvedShape, LinearFunctionsAreOneAtTheirNodes) {
+  for (const CurvedShape shape : kLinearShapes) {
+    EXPECT_TRUE(isLinear(shape));
+    for (std::size_t i = 0; i < nodeCount(shape); ++i) {
+      double values[kMostCurvedNodes];
+      shapeFunctions(shape, placeOf(shape, i), values);
+      for (std::size_t k = 0; k < nodeCount(shape); ++k)
+        EXPECT_NEAR(values[k], i == k ? 1 : 0, 2e-9) << i << " " << k;
+    }
+  }
+}
+
+TEST(CurvedShape, LinearPolynomialsAndGradients) {
+  meshes::Random random(5);
+  for (const CurvedShape shape : kLinearShapes)
+    for (int round = 0; round < 100; ++round) {
+      const Vec3d at = inside(shape, random);
+      double values[kMostCurvedNodes];
+      std::array<double, 3> gradients[kMostCurvedNodes];
+      shapeFunctions(shape, at, values, gradients);
+      const auto f = [](const Vec3d& p) { return 1 + 2 * p[0] - 3 * p[1] + 5 * p[2]; };
+      double sum = 0, by[3] = {0, 0, 0};
+      for (std::size_t i = 0; i < nodeCount(shape); ++i) {
+        sum += values[i] * f(placeOf(shape, i));
+        for (std::size_t k = 0; k < 3; ++k)
+          by[k] += gradients[i][k] * f(placeOf(shape, i));
+      }
+      ASSERT_NEAR(sum, f(at), 1e-13);
+      ASSERT_NEAR(by[0], 2, 1e-11);
+      ASSERT_NEAR(by[1], -3, 1e-11);
+      ASSERT_NEAR(by[2], 5, 1e-11);
+    }
+}
+
 } // namespace

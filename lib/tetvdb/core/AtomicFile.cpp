@@ -2,14 +2,20 @@
 #include "tetvdb/core/AtomicFile.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/FileIdentity.h"
+#include "tetvdb/core/TemporaryFile.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 #include <utility>
 
@@ -51,24 +57,117 @@ void writeFully(int descriptor, const char* data, std::size_t size) {
   }
 }
 
+// Standard output or standard error where that is the file, open for writing; -1 where neither is.
+int standardStream(const struct stat& info) {
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    struct stat other {};
+    const int flags = ::fcntl(stream, F_GETFL);
+    if (flags >= 0 && (flags & O_ACCMODE) != O_RDONLY && ::fstat(stream, &other) == 0 &&
+        other.st_dev == info.st_dev && other.st_ino == info.st_ino)
+      return stream;
+  }
+  return -1;
+}
+
+int connectSocket(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) {
+    errno = ENAMETOOLONG;
+    return -1;
+  }
+  path.copy(address.sun_path, path.size());
+  const int stream = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (stream >= 0 &&
+      ::connect(stream, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    const int error = errno;
+    ::close(stream);
+    errno = error;
+    return -1;
+  }
+  return stream;
+}
+
+// Open for writing, at the end of what is there; -1 with errno set where it cannot be, or has
+// become a regular file.
+int openStream(const std::string& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0)
+    return -1;
+  const int standard = standardStream(info);
+  if (standard >= 0)
+    return ::fcntl(standard, F_DUPFD_CLOEXEC, 3);
+  if (S_ISSOCK(info.st_mode))
+    return connectSocket(path);
+  const int stream = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+  if (stream >= 0 && ::fstat(stream, &info) == 0 && S_ISREG(info.st_mode)) {
+    ::close(stream);
+    errno = EEXIST;
+    return -1;
+  }
+  return stream;
+}
+
+// Owner, group and permissions of `target` for the file that will take its place. Where the group
+// cannot be given, neither are its rights.
+void takePermissions(const std::string& target, int descriptor) {
+  struct stat info {
+  }, own{};
+  if (::stat(target.c_str(), &info) != 0 || ::fstat(descriptor, &own) != 0)
+    return;
+  mode_t mode = info.st_mode & 0777;
+  const bool given = ::fchown(descriptor, info.st_uid, info.st_gid) == 0 ||
+                     ::fchown(descriptor, uid_t(-1), info.st_gid) == 0;
+  if (!given && own.st_gid != info.st_gid)
+    mode &= 0707u;
+  ::fchmod(descriptor, mode);
+}
+
 } // namespace
 
 AtomicFile::AtomicFile(std::string path) : path_(std::move(path)) {
   struct stat info {};
-  if (::stat(path_.c_str(), &info) == 0 && S_ISDIR(info.st_mode))
+  const bool exists = ::stat(path_.c_str(), &info) == 0;
+  if (!exists && errno != ENOENT)
+    fail("cannot create the file", errno);
+  if (exists && S_ISDIR(info.st_mode))
     fail("is a directory", 0);
-  temporary_ = path_ + ".tmp" + std::to_string(::getpid());
-  descriptor_ = ::open(temporary_.c_str(), O_CREAT | O_TRUNC | O_RDWR | O_CLOEXEC, 0666);
+  if (exists && ::faccessat(AT_FDCWD, path_.c_str(), W_OK, AT_EACCESS) != 0)
+    fail("cannot write", errno);
+  if (exists && (!S_ISREG(info.st_mode) || standardStream(info) >= 0)) {
+    const char* folder = std::getenv("TMPDIR");
+    descriptor_ = createUnnamedFile(folder != nullptr && *folder != 0 ? folder : "/tmp");
+    if (descriptor_ < 0)
+      fail("cannot create a temporary file", errno);
+  } else {
+    createBeside(followLinks(path_), exists);
+  }
+  buffer_.reserve(kBufferBytes);
+}
+
+void AtomicFile::createBeside(const std::string& target, bool exists) {
+  if (target.empty())
+    fail("cannot create the file", errno);
+  target_ = target;
+  const std::size_t slash = target.rfind('/');
+  const std::string folder = slash == std::string::npos ? "." : target.substr(0, slash + 1);
+  const std::string base = target.substr(slash == std::string::npos ? 0 : slash + 1);
+  if (base.empty())
+    fail("cannot create the file", EISDIR);
+  descriptor_ = createTemporaryFile(folder, base, exists ? 0600 : 0666, temporary_);
   if (descriptor_ < 0)
     fail("cannot create the file", errno);
-  buffer_.reserve(kBufferBytes);
   remember(temporary_.c_str());
+  if (exists)
+    takePermissions(target, descriptor_);
 }
 
 AtomicFile::~AtomicFile() {
   if (descriptor_ < 0)
     return;
   ::close(descriptor_);
+  if (temporary_.empty())
+    return;
   ::unlink(temporary_.c_str());
   forget(temporary_.c_str());
 }
@@ -122,14 +221,56 @@ void AtomicFile::writeAt(std::uint64_t offset, const void* data, std::size_t siz
   }
 }
 
+std::string AtomicFile::nameForLibraries() {
+  flush();
+  foreign_ = true;
+  return "/proc/self/fd/" + std::to_string(descriptor_);
+}
+
 void AtomicFile::commit() {
   flush();
+  if (foreign_)
+    size_ = static_cast<std::uint64_t>(std::max<off_t>(::lseek(descriptor_, 0, SEEK_END), 0));
+  if (target_.empty())
+    send();
+  else
+    replace();
+}
+
+void AtomicFile::send() {
+  const int stream = openStream(path_);
+  if (stream < 0)
+    fail("cannot write", errno);
+  int error = 0;
+  try {
+    for (std::uint64_t at = 0; at < size_;) {
+      buffer_.resize(kBufferBytes);
+      const ssize_t got =
+          ::pread(descriptor_, buffer_.data(), buffer_.size(), static_cast<off_t>(at));
+      if (got < 0 && errno == EINTR)
+        continue;
+      if (got <= 0)
+        throw got < 0 ? errno : EIO;
+      writeFully(stream, buffer_.data(), static_cast<std::size_t>(got));
+      at += static_cast<std::uint64_t>(got);
+    }
+  } catch (int failed) {
+    error = failed;
+  }
+  if (::close(stream) != 0 && error == 0)
+    error = errno;
+  if (error != 0)
+    fail("cannot write", error);
+  ::close(std::exchange(descriptor_, -1));
+}
+
+void AtomicFile::replace() {
   // Some file systems cannot sync (EINVAL); that is no failure to write.
   if (::fsync(descriptor_) != 0 && errno != EINVAL)
     fail("cannot write", errno);
   const int descriptor = std::exchange(descriptor_, -1);
   const bool closed = ::close(descriptor) == 0;
-  const int error = closed && std::rename(temporary_.c_str(), path_.c_str()) == 0 ? 0 : errno;
+  const int error = closed && std::rename(temporary_.c_str(), target_.c_str()) == 0 ? 0 : errno;
   if (error != 0)
     ::unlink(temporary_.c_str());
   forget(temporary_.c_str());

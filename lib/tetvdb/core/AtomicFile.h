@@ -5,6 +5,9 @@
 //   tetvdb::AtomicFile file("out.vdb");
 //   file.write(bytes, size);     // throws Error(Write) at once when the disk is full
 //   file.commit();               // without it the destructor removes the temporary file
+//
+// What is no regular file is never replaced: a pipe, a device, a socket, or a file that is this
+// process's standard output gets the bytes at commit(), from a temporary file without a name.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +19,10 @@ namespace tetvdb {
 /// One writer thread at a time.
 class AtomicFile {
 public:
-  /// Creates the temporary file. Throws Error(Write) where that is not possible.
+  /// Creates the temporary file, beside the file that `path` leads to: a symbolic link stays, and
+  /// what it points to is replaced. Permissions are those of the file that is replaced, or of a new
+  /// file. Throws Error(Write) where that is not possible: a folder, a file or folder that is
+  /// write-protected. Opens no pipe or device yet.
   explicit AtomicFile(std::string path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -30,17 +36,27 @@ public:
   std::uint64_t size() const noexcept { return size_; }
   const std::string& path() const noexcept { return path_; }
 
-  /// Flushes, syncs and renames. Throws Error(Write); the target is then untouched.
+  /// A name of the temporary file for a library that writes it by itself, in place of write();
+  /// commit() takes what is there then.
+  std::string nameForLibraries();
+
+  /// Flushes, syncs and renames, or sends the bytes to the pipe or device (waits for a pipe's
+  /// reader). Throws Error(Write); a regular target is then untouched.
   void commit();
 
 private:
+  void createBeside(const std::string& target, bool exists);
   void flush();
+  void send();
+  void replace();
   [[noreturn]] void fail(const char* what, int error) const;
 
   std::string path_;
-  std::string temporary_;
+  std::string target_;    ///< what is replaced, links followed; empty: bytes are sent to path_
+  std::string temporary_; ///< empty: without a name
   std::string buffer_;
   std::uint64_t size_ = 0;
+  bool foreign_ = false; ///< written by name
   int descriptor_ = -1;
 };
 

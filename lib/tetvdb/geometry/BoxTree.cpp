@@ -24,6 +24,23 @@ BoxTree::BoxTree(std::vector<Box> boxes) : boxes_(std::move(boxes)), order_(boxe
   build(0, 0, static_cast<std::uint32_t>(boxes_.size()));
 }
 
+void BoxTree::move(std::uint32_t item, const Box& box) {
+  if (leafOf_.empty()) {
+    leafOf_.resize(boxes_.size());
+    for (std::size_t node = nodes_.size() / 2; node < nodes_.size(); ++node)
+      for (std::uint32_t i = nodes_[node].first; i < nodes_[node].last; ++i)
+        leafOf_[order_[i]] = static_cast<std::uint32_t>(node);
+  }
+  boxes_[item] = box;
+  if (box.low[0] > box.high[0])
+    return;
+  for (std::size_t node = leafOf_[item]; !nodes_[node].box.contains(box); node = (node - 1) / 2) {
+    nodes_[node].box.add(box);
+    if (node == 0)
+      return;
+  }
+}
+
 void BoxTree::build(std::size_t node, std::uint32_t first, std::uint32_t last) {
   Node& here = nodes_[node];
   here.first = first;

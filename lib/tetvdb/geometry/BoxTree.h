@@ -52,6 +52,11 @@ public:
 
   const Box& box(std::uint32_t item) const { return boxes_[item]; }
 
+  /// Gives an item another box, an empty one where it is gone. What visit() finds stays right; it
+  /// takes longer the more boxes have moved away from where they were when the tree was built. Not
+  /// thread-safe.
+  void move(std::uint32_t item, const Box& box);
+
   /// Calls found(item) for items whose box, and whose ancestors' boxes, satisfy enter(box); ends
   /// when found() returns true. enter(b) must hold for every box that contains a b' with enter(b').
   template <typename Enter, typename Found>
@@ -86,6 +91,7 @@ private:
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
+  std::vector<std::uint32_t> leafOf_; ///< of an item: its node; made by the first move()
 };
 
 } // namespace tetvdb

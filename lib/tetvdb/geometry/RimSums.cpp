@@ -2,6 +2,7 @@
 #include "tetvdb/geometry/RimSums.h"
 
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/ArcTangent.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -77,7 +78,9 @@ double angleOnEdge(const Vec3d& a, const Vec3d& b) {
     back[k] = dot(moved, t) * t[k] - moved[k];
     up[k] = (k == 2 ? 1.0 : 0.0) - t[2] * t[k];
   }
-  return -2 * std::atan2(dot(t, cross(back, up)), dot(back, up));
+  // With t = (x, 0, z) up lies in the plane of edge and back; the sign is that of the move's e^2.
+  const double sine = t[1] == 0 && !alongX ? std::copysign(0.0, -t[0]) : dot(t, cross(back, up));
+  return -2 * std::atan2(sine, dot(back, up));
 }
 
 // Edges that a loop works on at a time, and the partial sums that it keeps.
@@ -91,9 +94,6 @@ RimView from(const RimView& rim, std::size_t i) {
 // weight * angleUp(); NaN where it takes angleUp() itself to tell.
 // above(a) is a fraction na / da, so that one division is left, that of the tangent: divisions and
 // square roots are what this loop waits for.
-// The arc tangent: of the smaller over the larger, above tan(pi / 8) by
-// atan(t) = pi / 4 + atan((t - 1) / (t + 1)), then the power series, whose first term left out is
-// below 1e-11.
 TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, double by, double bz,
                                    double weight) {
   const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
@@ -105,32 +105,11 @@ TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, d
   const double sine = left - right;
   const double flat = ax * bx + ay * by;
   const double cosine = na * nb + flat * below;
-  const double y = std::abs(sine) * below, x = std::abs(cosine);
-  const double low = y < x ? y : x, high = y < x ? x : y;
-  const bool steep = low > 0.41421356237309503 * high;
-  const double u = (steep ? low - high : low) / (steep ? low + high : high);
-  const double v = u * u;
-  // Two chains, of every other term, so that neither is waited for.
-  const double w = v * v;
-  double even = 1.0 / 25, odd = 1.0 / 23;
-  even = even * w + 1.0 / 21;
-  odd = odd * w + 1.0 / 19;
-  even = even * w + 1.0 / 17;
-  odd = odd * w + 1.0 / 15;
-  even = even * w + 1.0 / 13;
-  odd = odd * w + 1.0 / 11;
-  even = even * w + 1.0 / 9;
-  odd = odd * w + 1.0 / 7;
-  even = even * w + 1.0 / 5;
-  odd = odd * w + 1.0 / 3;
-  even = even * w + 1.0;
-  const double series = even - v * odd;
-  double angle = (steep ? kPi / 4 : 0.0) + u * series;
-  angle = y < x ? angle : kPi / 2 - angle;
-  angle = cosine < 0 ? kPi - angle : angle;
-  angle = sine < 0 ? -angle : angle;
-  const bool sure = std::abs(sine) > kSure * (std::abs(left) + std::abs(right)) &&
-                    (y + x > 1e-9 * la * lb * below || flat + az * bz > 0);
+  const double tangent = sine * below;
+  const double angle = arcTangent(tangent, cosine);
+  const bool sure =
+      std::abs(sine) > kSure * (std::abs(left) + std::abs(right)) &&
+      (std::abs(tangent) + std::abs(cosine) > 1e-9 * la * lb * below || flat + az * bz > 0);
   return sure ? 2 * weight * angle : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -178,11 +178,11 @@ void RimWinding::fillMoments(Node& node) const {
   node.centre = {std::floor((node.boxMin.x + node.boxMax.x) / 2),
                  std::floor((node.boxMin.y + node.boxMax.y) / 2),
                  std::floor((node.boxMin.z + node.boxMax.z) / 2)};
-  node.cone = ConeMoments(edges_, node.begin, node.end, node.centre);
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
     const Vec3d a = from(node.centre, edges_.a(i)), b = from(node.centre, edges_.b(i));
     const double weight = edges_.weight[i];
     const Vec3d sum = plus(a, b);
+    node.cone.add({0, 0, 0}, a, b, weight);
     node.radius = std::max({node.radius, length(a), length(b)});
     node.area += length(cross(a, b)) / 2 * std::abs(weight);
     node.length += length(from(edges_.a(i), edges_.b(i))) * std::abs(weight);

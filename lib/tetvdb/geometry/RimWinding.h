@@ -14,6 +14,7 @@
 // the curtain (docs/algorithms.md).
 #pragma once
 
+#include "tetvdb/geometry/DipoleMoments.h"
 #include "tetvdb/geometry/Lattice.h"
 #include "tetvdb/geometry/RimMoments.h"
 #include "tetvdb/geometry/RimSums.h"
@@ -99,7 +100,7 @@ private:
     std::uint32_t looseBegin, looseEnd;
     std::array<double, 3> way;     // sum of the edges as vectors
     std::array<double, 9> current; // of edge vector times middle: xx xy xz yx ...
-    ConeMoments cone;
+    DipoleMoments cone;
     EndMoments ends;
   };
   struct LooseEnd {

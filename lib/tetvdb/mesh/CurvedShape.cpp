@@ -192,6 +192,37 @@ void pyramid14(const T& x, const T& y, const T& z, T* out) {
 }
 
 template <typename T>
+void hexahedron8(const T& x, const T& y, const T& z, T* out) {
+  const T low[3] = {T(0.5) - T(0.5) * x, T(0.5) - T(0.5) * y, T(0.5) - T(0.5) * z};
+  const T high[3] = {T(0.5) + T(0.5) * x, T(0.5) + T(0.5) * y, T(0.5) + T(0.5) * z};
+  const T flat[4] = {low[0] * low[1], high[0] * low[1], high[0] * high[1], low[0] * high[1]};
+  for (std::size_t i = 0; i < 4; ++i) {
+    out[i] = flat[i] * low[2];
+    out[4 + i] = flat[i] * high[2];
+  }
+}
+
+template <typename T>
+void wedge6(const T& x, const T& y, const T& z, T* out) {
+  const T l[3] = {T(1) - x - y, x, y};
+  const T low = T(0.5) - T(0.5) * z, high = T(0.5) + T(0.5) * z;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[i] = l[i] * low;
+    out[3 + i] = l[i] * high;
+  }
+}
+
+// In each section across the axis z, a square of half diagonal 1 - z, bilinear times 1 - z.
+template <typename T>
+void pyramid5(const T& x, const T& y, const T& z, T* out) {
+  const T below = T(1) - z;
+  const T sides[4] = {y - x - below, T(0) - x - y - below, x - y - below, x + y - below};
+  for (std::size_t i = 0; i < 4; ++i)
+    out[i] = T(0.25) * (sides[i] * sides[(i + 1) % 4] / below);
+  out[4] = z;
+}
+
+template <typename T>
 void evaluate(CurvedShape shape, const T& x, const T& y, const T& z, T* out) {
   switch (shape) {
   case CurvedShape::Tet10:
@@ -208,13 +239,20 @@ void evaluate(CurvedShape shape, const T& x, const T& y, const T& z, T* out) {
     return pyramid13(x, y, z, out);
   case CurvedShape::Pyramid14:
     return pyramid14(x, y, z, out);
+  case CurvedShape::Hex8:
+    return hexahedron8(x, y, z, out);
+  case CurvedShape::Wedge6:
+    return wedge6(x, y, z, out);
+  case CurvedShape::Pyramid5:
+    return pyramid5(x, y, z, out);
   }
 }
 
 // Pyramids' functions are quotients that have limits, but no values, at the apex.
 Vec3d belowApex(CurvedShape shape, Vec3d at) {
   constexpr double kNearest = 1e-9;
-  const bool pyramid = shape == CurvedShape::Pyramid13 || shape == CurvedShape::Pyramid14;
+  const bool pyramid = shape == CurvedShape::Pyramid13 || shape == CurvedShape::Pyramid14 ||
+                       shape == CurvedShape::Pyramid5;
   if (pyramid && at[2] > 1 - kNearest && at[2] < 1 + kNearest)
     at[2] = 1 - kNearest;
   return at;
@@ -243,13 +281,32 @@ std::optional<CurvedShape> curvedShape(CellType type, std::size_t nodes) {
   }
 }
 
+std::optional<CurvedShape> cornerShape(CellType type) {
+  switch (type) {
+  case CellType::Voxel:
+  case CellType::Hexahedron:
+    return CurvedShape::Hex8;
+  case CellType::Wedge:
+    return CurvedShape::Wedge6;
+  case CellType::Pyramid:
+    return CurvedShape::Pyramid5;
+  default:
+    return {};
+  }
+}
+
+bool isLinear(CurvedShape shape) {
+  return shape == CurvedShape::Hex8 || shape == CurvedShape::Wedge6 ||
+         shape == CurvedShape::Pyramid5;
+}
+
 std::size_t nodeCount(CurvedShape shape) {
-  constexpr std::size_t counts[] = {10, 20, 27, 15, 18, 13, 14};
+  constexpr std::size_t counts[] = {10, 20, 27, 15, 18, 13, 14, 8, 6, 5};
   return counts[static_cast<std::size_t>(shape)];
 }
 
 std::size_t placeCount(CurvedShape shape) {
-  constexpr std::size_t counts[] = {10, 27, 27, 18, 18, 14, 14};
+  constexpr std::size_t counts[] = {10, 27, 27, 18, 18, 14, 14, 8, 6, 5};
   return counts[static_cast<std::size_t>(shape)];
 }
 
@@ -262,14 +319,17 @@ Vec3d placeOf(CurvedShape shape, std::size_t i) {
     break;
   case CurvedShape::Hex20:
   case CurvedShape::Hex27:
+  case CurvedShape::Hex8:
     place = kHexahedron[i];
     break;
   case CurvedShape::Wedge15:
   case CurvedShape::Wedge18:
+  case CurvedShape::Wedge6:
     place = kWedge[i];
     break;
   case CurvedShape::Pyramid13:
   case CurvedShape::Pyramid14:
+  case CurvedShape::Pyramid5:
     if (i < 13)
       place = i < 5 ? kPyramidCorners[i]
                     : middle(kPyramidCorners[kPyramidEdges[i - 5][0]],

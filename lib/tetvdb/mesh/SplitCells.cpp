@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/mesh/SplitCells.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/mesh/CurvedShape.h"
 #include "tetvdb/mesh/CutQuadratic.h"
@@ -50,6 +51,13 @@ std::string listRegions(const std::set<std::int32_t>& regions,
   return text;
 }
 
+std::vector<std::string> regionNames(const std::map<std::int32_t, std::string>& names) {
+  std::vector<std::string> list;
+  for (const auto& [number, name] : names)
+    list.push_back(name);
+  return list;
+}
+
 /// Region numbers that `wanted` names. Throws Error(Usage) for one that is not in the mesh.
 std::set<std::int32_t> findRegions(const std::vector<std::string>& wanted, const char* option,
                                    const std::set<std::int32_t>& present,
@@ -76,8 +84,9 @@ std::set<std::int32_t> findRegions(const std::vector<std::string>& wanted, const
     if (known)
       continue;
     throw Error(Status::Usage, option, "the mesh has no region " + quoted(text),
-                present.empty() ? "it has no regions at all"
-                                : "its regions are " + listRegions(present, names));
+                suggestName(text, regionNames(names),
+                            present.empty() ? "it has no regions at all"
+                                            : "its regions are " + listRegions(present, names)));
   }
   return found;
 }
@@ -206,6 +215,41 @@ void tell(const Tally& tally, Report& report) {
                                      "tetrahedra overlap there");
 }
 
+// Whether values at points can be asked for.
+bool hasPointArrays(const CellMesh& mesh) {
+  return std::any_of(
+      mesh.attributes.begin(), mesh.attributes.end(),
+      [](const Attribute& attribute) { return attribute.on == Attribute::On::Points; });
+}
+
+// Adds a linear cell to `curved`, where `tets` are its own and follow `before` others.
+void addLinear(CurvedShape shape, CellType type, const std::uint32_t* corners, std::size_t before,
+               const std::vector<std::uint32_t>& tets, CurvedCells& curved) {
+  std::array<std::uint32_t, 8> nodes{};
+  const std::size_t count = nodeCount(shape);
+  std::copy_n(corners, count, nodes.begin());
+  if (type == CellType::Voxel) {
+    std::swap(nodes[2], nodes[3]);
+    std::swap(nodes[6], nodes[7]);
+  }
+  const auto number = static_cast<std::uint32_t>(curved.cells.size());
+  curved.cells.push_back({curved.nodes.size(), shape});
+  curved.nodes.insert(curved.nodes.end(), nodes.begin(),
+                      nodes.begin() + static_cast<std::ptrdiff_t>(count));
+  curved.cellOfTet.resize(before, CurvedCells::kLinear);
+  curved.corners.resize(before);
+  for (std::size_t t = before; t < tets.size() / 4; ++t) {
+    std::array<std::uint8_t, 4> places{};
+    for (std::size_t i = 0; i < 4; ++i)
+      places[i] = static_cast<std::uint8_t>(
+          std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(count),
+                    tets[4 * t + i]) -
+          nodes.begin());
+    curved.cellOfTet.push_back(number);
+    curved.corners.push_back(places);
+  }
+}
+
 bool holdsOnlyTets(const std::vector<CellRun>& runs) {
   return std::all_of(runs.begin(), runs.end(), [](const CellRun& run) {
     return run.type == CellType::Tetra || run.type == CellType::Flat || run.count == 0;
@@ -313,6 +357,7 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   if (!chooser.active())
     refuseAbove(expectedTets);
   const bool onlyTets = !curved && holdsOnlyTets(mesh.runs);
+  const bool shaped = !onlyTets && hasPointArrays(mesh);
   const bool identity = onlyTets && !chooser.active();
   TetMesh result;
   result.cellCount = static_cast<std::size_t>(solid);
@@ -376,6 +421,9 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
         }
         if (splitByShape(*shape, corner, mesh.points, made))
           ++tally.concave;
+        const std::optional<CurvedShape> kind = shaped ? cornerShape(run.type) : std::nullopt;
+        if (kind && made.size() > before)
+          addLinear(*kind, run.type, corner, before / 4, made, result.curved);
       } else if (run.type == CellType::Polyhedron) {
         const auto faces = polyhedronFaces(corner, each);
         if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size())) {
@@ -397,6 +445,10 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
     result.tets = std::move(nodes);
   } else {
     result.tets = std::move(made);
+  }
+  if (!result.curved.empty()) {
+    result.curved.cellOfTet.resize(result.tetCount(), CurvedCells::kLinear);
+    result.curved.corners.resize(result.tetCount());
   }
   tell(tally, report);
   if (result.tets.empty())

@@ -37,6 +37,9 @@ std::string describeCells(const CellMesh& mesh);
 /// Subdivide Pyramids, Prisms and Hexahedra into Tetrahedra", with positions in place of indices.)
 /// Polyhedra must be star-shaped about that vertex with consistent faces; others are skipped.
 ///
+/// Where the mesh has arrays of points, TetMesh::curved says what the shape functions of hexahedra,
+/// wedges and pyramids need; prisms and polyhedra are interpolated by their tets.
+///
 /// A mesh whose solid cells are all quadratic and keep their nodes (mesh/CurvedShape.h) is cut at
 /// these (mesh/CutQuadratic.h): it follows curved edges, and TetMesh::curved has what shape
 /// functions need. Points are added, with values, in the middles of faces and hexahedra that have

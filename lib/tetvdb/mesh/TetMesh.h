@@ -14,8 +14,9 @@
 
 namespace tetvdb {
 
-/// Quadratic cells, each cut into tets at its own nodes (mesh/CutQuadratic.h): values at points are
-/// those of the cell's shape functions, not of the tets.
+/// Cells whose values at points are those of their shape functions, not of the tets that they are
+/// cut into: quadratic ones, cut at their own nodes (mesh/CutQuadratic.h), and linear hexahedra,
+/// wedges and pyramids.
 struct CurvedCells {
   static constexpr std::uint32_t kLinear = 0xFFFFFFFFu;
   struct Cell {
@@ -40,7 +41,7 @@ struct TetMesh {
   /// Solid cell of the input that each tet comes from; empty: tet i is cell i. Solid cells are
   /// numbered from 0 in file order, those of kinds that were skipped or filtered out included.
   std::vector<std::uint32_t> cellOfTet;
-  CurvedCells curved;                ///< empty in most meshes
+  CurvedCells curved;                ///< empty in meshes of linear tets
   std::size_t cellCount = 0;         ///< solid cells of the input
   std::vector<Attribute> attributes; ///< On::Points over `points`, On::Cells over solid cells
   std::vector<UnreadArray> unread;   ///< other arrays of the input, for messages

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whether two paths are one file.
+#pragma once
+
+#include <string>
+#include <sys/types.h>
+#include <tuple>
+
+namespace tetvdb {
+
+/// The path that opening `path` for writing would create or write to: symbolic links followed, also
+/// one to a file that is not there. Empty, with errno set, where links lead in circles.
+std::string followLinks(const std::string& path);
+
+/// What a path stands for, with an order for look-up: equivalent for hard links, symbolic links and
+/// different spellings of one file, whether it is there or not.
+struct FileIdentity {
+  dev_t device = 0; ///< of the file; of its folder where the file is not there
+  ino_t inode = 0;
+  std::string name;      ///< of a file that is not there; with its folder where that is not there
+  bool isDevice = false; ///< a character device, which is not changed by what is written
+
+  friend bool operator<(const FileIdentity& a, const FileIdentity& b) {
+    return std::tie(a.device, a.inode, a.name) < std::tie(b.device, b.inode, b.name);
+  }
+};
+
+/// Asks the file system; never throws.
+FileIdentity identify(const std::string& path);
+/// Of an open file, such as standard output.
+FileIdentity identify(int descriptor);
+
+} // namespace tetvdb

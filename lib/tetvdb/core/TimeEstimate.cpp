@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/TimeEstimate.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kLeastSeconds = 2, kLeastDone = 0.03;
+
+} // namespace
+
+void TimeEstimate::plan(std::vector<PlannedStage> stages, double now) {
+  *this = TimeEstimate();
+  stages_ = std::move(stages);
+  byPlan_ = !stages_.empty();
+  began_ = now;
+  for (const PlannedStage& stage : stages_)
+    all_ += stage.share;
+}
+
+void TimeEstimate::update(std::string_view stage, double fraction, double now) {
+  if (!entered_ || stage != stage_)
+    enter(stage, now);
+  estimate(std::clamp(fraction, 0.0, 1.0), now);
+}
+
+void TimeEstimate::enter(std::string_view stage, double now) {
+  stage_ = stage;
+  entered_ = true;
+  if (!byPlan_) {
+    began_ = now;
+    return;
+  }
+  const auto next =
+      std::find_if(stages_.begin() + static_cast<std::ptrdiff_t>(next_), stages_.end(),
+                   [&](const PlannedStage& planned) { return planned.name == stage; });
+  planned_ = next != stages_.end();
+  if (!planned_)
+    return;
+  at_ = static_cast<std::size_t>(next - stages_.begin());
+  next_ = at_ + 1;
+  before_ = 0;
+  for (std::size_t i = 0; i < at_; ++i)
+    before_ += stages_[i].share;
+  stageBegan_ = now;
+}
+
+void TimeEstimate::estimate(double fraction, double now) {
+  left_.reset();
+  const double taken = now - began_;
+  if (!byPlan_) {
+    done_ = fraction;
+    if (taken >= kLeastSeconds && done_ >= kLeastDone)
+      left_ = taken * (1 - done_) / done_;
+    return;
+  }
+  if (!planned_)
+    return;
+  const double share = stages_[at_].share;
+  done_ = std::max(done_, (before_ + share * fraction) / all_);
+  if (taken < kLeastSeconds || done_ < kLeastDone)
+    return;
+  const double ofShare = taken / (done_ * all_); // seconds
+  const double inStage = now - stageBegan_;
+  const bool knowsStage = fraction >= kLeastDone && inStage >= kLeastSeconds / 2;
+  const double stageLeft =
+      knowsStage ? inStage * (1 - fraction) / fraction : share * (1 - fraction) * ofShare;
+  left_ = stageLeft + (all_ - before_ - share) * ofShare;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How much of a job of several stages is done, and what time is left.
+//
+//   tetvdb::TimeEstimate estimate;
+//   estimate.plan({{"read", 1}, {"voxelize", 5}, {"write", 2}}, 0);
+//   estimate.update("voxelize", 0.4, 12.5);   // seconds on any clock
+//   if (const auto seconds = estimate.left()) ...
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetvdb {
+
+/// A stage that a job will go through, and what it takes beside the others, usually.
+struct PlannedStage {
+  std::string name;
+  double share = 1; ///< above zero, in any unit
+};
+
+/// Not thread-safe. Without a plan every stage is a job of its own.
+class TimeEstimate {
+public:
+  /// The stages to come, in order, from time `now` on; a name can come several times, and stages
+  /// that do not come after all are passed over.
+  void plan(std::vector<PlannedStage> stages, double now);
+  /// The job is in `stage`, of which `fraction` is done, at time `now`, in seconds. A stage that is
+  /// not among those to come belongs to the one that was planned last.
+  void update(std::string_view stage, double fraction, double now);
+
+  /// Share of the job that is done, 0 to 1. With a plan it never falls.
+  double done() const { return done_; }
+  /// Seconds left: what the stage has taken so far says what the rest of it takes, and what the job
+  /// has taken for its shares what the stages to come do. Empty while that says little: in the
+  /// first two seconds, the first 3 % of the job and, without a plan, of the stage, and in stages
+  /// that were not planned.
+  std::optional<double> left() const { return left_; }
+
+private:
+  void enter(std::string_view stage, double now);
+  void estimate(double fraction, double now);
+
+  std::vector<PlannedStage> stages_;
+  std::size_t at_ = 0;   ///< the stage that the job is in
+  std::size_t next_ = 0; ///< the first that has not come
+  bool entered_ = false;
+  bool planned_ = false; ///< whether the current stage is stages_[at_]
+  bool byPlan_ = false;
+  double before_ = 0, all_ = 0; ///< shares of the stages before, and of all
+  double began_ = 0, stageBegan_ = 0;
+  std::string stage_;
+  double done_ = 0;
+  std::optional<double> left_;
+};
+
+} // namespace tetvdb

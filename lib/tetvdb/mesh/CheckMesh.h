@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whether a mesh that was put together in memory keeps what TriangleMesh and TetMesh promise.
+// Readers give none that does not. Functions that take a mesh ask before they look anything up by
+// its indices.
+//
+//   tetvdb::checkMesh(mesh);   // before anything is looked up by its indices
+#pragma once
+
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+namespace tetvdb {
+
+/// Throws Error(Invalid) where an index is not below the number of points, the number of indices is
+/// not a multiple of three, or a coordinate is not finite; the message names the first such
+/// triangle or point, whatever the number of threads. Parallel; reads the mesh once.
+void checkMesh(const TriangleMesh& mesh);
+
+/// The same for tets; and for the cells that they come from: cellOfTet as long as there are tets
+/// (or empty), a region for every cell that a tet names (or none at all), quadratic cells whose
+/// nodes are there. Lengths of attributes are not looked at: only who uses an array asks for its
+/// values.
+void checkMesh(const TetMesh& mesh);
+
+} // namespace tetvdb

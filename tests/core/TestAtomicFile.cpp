@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
+#include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string contentOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> namesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST(AtomicFile, IsAbsentUntilItIsCommitted) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.txt";
+  {
+    AtomicFile file(path);
+    file.write("hello", 5);
+    EXPECT_FALSE(fs::exists(path));
+  }
+  EXPECT_TRUE(namesIn(folder.path()).empty());
+  AtomicFile file(path);
+  file.write("hello", 5);
+  file.writeAt(1, "a", 1);
+  file.commit();
+  EXPECT_EQ(contentOf(path), "hallo");
+  EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"a.txt"});
+}
+
+TEST(AtomicFile, KeepsTheOldFileUntilItIsCommitted) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.txt";
+  std::ofstream(path) << "old";
+  {
+    AtomicFile file(path);
+    file.write("new", 3);
+    EXPECT_EQ(contentOf(path), "old");
+  }
+  EXPECT_EQ(contentOf(path), "old");
+}
+
+TEST(AtomicFile, TemporaryNamesAreNeverTheSame) {
+  const TemporaryFolder folder;
+  std::set<std::string> seen;
+  for (int i = 0; i < 200; ++i) {
+    const AtomicFile file(folder / "a.txt");
+    const auto names = namesIn(folder.path());
+    ASSERT_EQ(names.size(), 1u);
+    EXPECT_TRUE(seen.insert(names.front()).second);
+  }
+}
+
+TEST(AtomicFile, TwoWritersOfOneFileDoNotMixTheirBytes) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.txt";
+  AtomicFile first(path), second(path);
+  first.write("first", 5);
+  second.write("second", 6);
+  first.commit();
+  EXPECT_EQ(contentOf(path), "first");
+  second.commit();
+  EXPECT_EQ(contentOf(path), "second");
+}
+
+TEST(AtomicFile, LargeFilesArriveWhole) {
+  const TemporaryFolder folder;
+  std::string bytes(5000001, ' ');
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    bytes[i] = static_cast<char>(i * 2654435761u >> 24);
+  AtomicFile file(folder / "a.bin");
+  for (std::size_t at = 0; at < bytes.size(); at += 777777)
+    file.write(bytes.data() + at, std::min<std::size_t>(777777, bytes.size() - at));
+  file.commit();
+  EXPECT_EQ(contentOf(folder / "a.bin"), bytes);
+}
+
+TEST(AtomicFile, FoldersAreRefused) {
+  const TemporaryFolder folder;
+  for (const std::string& path : {folder.path().string(), folder / "no/such/folder", folder / ""}) {
+    try {
+      const AtomicFile file(path);
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), Status::Write);
+    }
+  }
+}
+
+} // namespace
+} // namespace tetvdb

@@ -311,7 +311,7 @@ def compare_raw(raw, cleaned, space, points, w, report, facts, folder):
     own = judge("winding", soup, points[::step], folder)
     w = w[::step]
     counts = report["mesh"]["cleaned"]
-    if counts["flipped_faces"] == 0 and counts["duplicate_faces"] == 0:
+    if counts["flipped_faces"] + counts["duplicate_faces"] + counts["inner_faces"] == 0:
         apart = judge("distance", soup, points[::step][:200], folder) > TOUCHING
         off = numpy.abs(own[:200] - w[:200])[apart]
         require(off.size == 0 or off.max() < 1e-4, f"cleaning moved a winding number by {off.max():.3g}")
@@ -325,8 +325,7 @@ def compare_raw(raw, cleaned, space, points, w, report, facts, folder):
 def voxelize(path, folder, *options):
     report = os.path.join(folder, "report.json")
     done = subprocess.run(
-        [PROGRAM, "voxelize", path, "--mesher", "winding", "--threads", "1", "--grid", "mask", "--json", report, "-q",
-         *options],
+        [PROGRAM, "voxelize", path, "--weld", "0", "--threads", "1", "--grid", "mask", "--json", report, "-q", *options],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     text = {}
     if os.path.exists(report):
@@ -382,7 +381,10 @@ def judge_file(path):
         if name in WITHOUT_INSIDE:
             judge_without_inside(path, folder, status, said, facts, seed)
             return {"without inside": WITHOUT_INSIDE[name], **facts}
-        require(status == (1 if readable == "partial" else 0), f"ended with {status}: {said}")
+        doubtful = any(w["code"] == "doubtful-orientation" for w in report["warnings"])
+        require(status == (1 if readable == "partial" or doubtful else 0), f"ended with {status}: {said}")
+        if doubtful:
+            facts["doubtful"] = "orientation"
         cleaned = read_off(off)
         check_subset(raw, cleaned, path.lower().endswith(".3mf"))
         grid = pyopenvdb.readAll(volume)[0][0]

@@ -2,11 +2,17 @@
 #include "tetvdb/surface/CleanTriangles.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/surface/DuplicateFaces.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/surface/CanonicalOrder.h"
+#include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/DecideFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FaceSides.h"
+#include "tetvdb/surface/WeldBoundary.h"
 #include "tetvdb/surface/WeldPoints.h"
 
+#include <cmath>
 #include <optional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -14,6 +20,9 @@
 
 namespace tetvdb {
 namespace {
+
+// Of the area to the power of 1.5; a ball has 0.094.
+constexpr double kNothing = 1e-5;
 
 // Keeps the faces for which keep(corners, face) holds; returns how many went.
 template <typename Keep>
@@ -32,98 +41,115 @@ std::size_t keepFaces(TriangleMesh& mesh, const Keep& keep) {
   return faces - kept;
 }
 
-// Drops points that no face uses; returns how many.
-std::size_t dropUnreferencedPoints(TriangleMesh& mesh) {
-  constexpr std::uint32_t kUsed = 1;
-  std::vector<std::uint32_t> number(mesh.points.size(), 0);
-  for (const std::uint32_t v : mesh.triangles)
-    number[v] = kUsed;
-  std::uint32_t kept = 0;
-  for (std::size_t point = 0; point < mesh.points.size(); ++point) {
-    if (number[point] != kUsed)
-      continue;
-    mesh.points[kept] = mesh.points[point];
-    number[point] = kept++;
-  }
-  const std::size_t dropped = mesh.points.size() - kept;
-  if (dropped == 0)
-    return 0;
-  mesh.points.resize(kept);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 1 << 16),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i)
-                        mesh.triangles[i] = number[mesh.triangles[i]];
-                    });
-  return dropped;
-}
-
-void weld(TriangleMesh& mesh, double distance, CleanCounts& counts, Progress& progress) {
-  const std::vector<std::uint32_t> becomes = weldPoints(mesh.points, distance, progress);
+// Points become those that `becomes` says; drops faces with a repeated point.
+void renumber(TriangleMesh& mesh, const std::vector<std::uint32_t>& becomes, CleanCounts& counts) {
+  std::size_t welded = 0;
   for (std::size_t point = 0; point < becomes.size(); ++point)
-    counts.weldedPoints += becomes[point] != point;
-  if (counts.weldedPoints > 0)
+    welded += becomes[point] != point;
+  if (welded > 0)
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 1 << 16),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                         for (std::size_t i = range.begin(); i != range.end(); ++i)
                           mesh.triangles[i] = becomes[mesh.triangles[i]];
                       });
-  counts.degenerateFaces = keepFaces(mesh, [](const std::uint32_t* v, std::size_t) {
+  counts.weldedPoints += welded;
+  counts.degenerateFaces += keepFaces(mesh, [](const std::uint32_t* v, std::size_t) {
     return v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
   });
   // Points that became another are without faces now, and are not counted twice.
-  counts.unreferencedPoints = dropUnreferencedPoints(mesh) - counts.weldedPoints;
+  counts.unreferencedPoints += dropUnusedPoints(mesh) - welded;
 }
 
-// Whether there were any. `withoutSide`: by face that stays, 1 where its copies left its side open.
-bool dropDuplicates(TriangleMesh& mesh, const EdgeTable& edges, CleanCounts& counts,
-                    std::vector<std::uint8_t>& withoutSide, Progress& progress) {
-  const DuplicateGroups groups = findDuplicates(edges);
-  if (groups.count() == 0)
+// Whether all signed volumes cancel, as where a closed mesh has a copy that looks the other way.
+bool enclosesNothing(const TriangleMesh& mesh, const EdgeTable& edges) {
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (edges.sides(edge).size() % 2 != 0)
+      return false;
+  double volume = 0, area = 0;
+  for (std::size_t face = 0; face < mesh.triangleCount(); ++face) {
+    const std::uint32_t* v = &mesh.triangles[3 * face];
+    const Vec3d a = minus(mesh.points[v[0]], mesh.points[0]);
+    const Vec3d b = minus(mesh.points[v[1]], mesh.points[0]);
+    const Vec3d c = minus(mesh.points[v[2]], mesh.points[0]);
+    volume += dot(a, cross(b, c)) / 6;
+    area += length(cross(minus(b, a), minus(c, a))) / 2;
+  }
+  return std::abs(volume) < kNothing * std::pow(area, 1.5);
+}
+
+// Near points of the boundary become one. Whether any did.
+bool weldNearPoints(TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates candidates,
+                    CleanCounts& counts, Progress& progress) {
+  const BoundaryWeld weld = weldBoundary(mesh, edges, candidates, progress);
+  if (weld.becomes.empty())
     return false;
-  const auto fates = resolveDuplicates(mesh.triangles, mesh.points.size(), groups, progress);
-  for (const FaceFate fate : fates)
-    if (fate != FaceFate::Goes)
-      withoutSide.push_back(fate == FaceFate::StaysWithoutSide);
-  counts.duplicateFaces = keepFaces(
-      mesh, [&](const std::uint32_t*, std::size_t face) { return fates[face] != FaceFate::Goes; });
-  counts.unreferencedPoints += dropUnreferencedPoints(mesh);
+  counts.weldDistance = weld.distance;
+  renumber(mesh, weld.becomes, counts);
   return true;
 }
 
-void turnFaces(TriangleMesh& mesh, const FaceSides& sides, CleanCounts& counts) {
-  for (std::size_t face = 0; face < mesh.triangleCount(); ++face)
-    if (sides.turned()[face]) {
+// Every edge has two faces that run along it in opposite directions, and what they enclose lies
+// behind them.
+bool isPlainSolid(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress) {
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+    const EdgeTable::Sides sides = edges.sides(edge);
+    if (sides.size() != 2 || edges.ascends(sides[0]) == edges.ascends(sides[1]))
+      return false;
+  }
+  FaceSides sides(mesh, edges, progress);
+  sides.alignPatches({});
+  return sides.allShellsLookOutward();
+}
+
+void apply(const FaceDecision& decision, const std::vector<std::uint32_t>& faceWas,
+           TriangleMesh& mesh, CleanCounts& counts) {
+  std::vector<std::uint8_t> dropped(faceWas.size(), 0);
+  for (std::size_t i = 0; i < faceWas.size(); ++i) {
+    const std::size_t face = faceWas[i];
+    if (!decision.dropped.empty() && decision.dropped[i]) {
+      dropped[face] = 1;
+    } else if (!decision.turned.empty() && decision.turned[i]) {
       std::swap(mesh.triangles[3 * face + 1], mesh.triangles[3 * face + 2]);
       ++counts.flippedFaces;
     }
-  counts.flippedParts = sides.turnedShells();
-  counts.insideOut = sides.insideOut();
+  }
+  const std::size_t gone =
+      keepFaces(mesh, [&](const std::uint32_t*, std::size_t face) { return dropped[face] == 0; });
+  counts.innerFaces = decision.innerFaces;
+  counts.duplicateFaces = gone - decision.innerFaces;
+  counts.unreferencedPoints += dropUnusedPoints(mesh);
+  counts.flippedParts = decision.turnedShells;
+  counts.insideOut = decision.insideOut;
+  counts.doubtful = decision.doubtful;
+  counts.fileVolume = decision.fileVolume;
+  counts.turnedVolume = decision.turnedVolume;
 }
 
 } // namespace
 
 CleanCounts cleanTriangles(TriangleMesh& mesh, const CleanOptions& options, Progress& progress) {
-  if (!(options.weldDistance >= 0))
+  if (options.weldDistance && !(*options.weldDistance >= 0))
     throw Error(Status::Usage, "weld distance", "not a length", "give 0 or more, in input units");
+  checkMesh(mesh);
   CleanCounts counts;
-  weld(mesh, options.weldDistance, counts, progress);
+  counts.weldDistance = options.weldDistance.value_or(0);
+  renumber(mesh, weldPoints(mesh.points, counts.weldDistance, progress), counts);
   progress.update(0.3);
-  std::optional<EdgeTable> edges;
-  if (options.duplicates || options.orient)
+  std::optional<EdgeTable> edges(mesh);
+  if (!options.weldDistance &&
+      weldNearPoints(mesh, *edges, WeldCandidates::BoundaryPoints, counts, progress))
     edges.emplace(mesh);
   progress.update(0.5);
-  std::vector<std::uint8_t> withoutSide;
-  if (options.duplicates && dropDuplicates(mesh, *edges, counts, withoutSide, progress) &&
-      options.orient)
-    edges.emplace(mesh);
-  if (options.orient) {
-    FaceSides sides(mesh, *edges, progress);
-    sides.alignPatches(withoutSide);
-    progress.update(0.7);
-    sides.alignByVisibility(progress);
-    sides.turnShells(progress);
-    turnFaces(mesh, sides, counts);
+  if ((!options.duplicates && !options.orient) || isPlainSolid(mesh, *edges, progress)) {
+    progress.update(1);
+    return counts;
   }
+  if (!options.weldDistance && options.duplicates && enclosesNothing(mesh, *edges))
+    weldNearPoints(mesh, *edges, WeldCandidates::AllPoints, counts, progress);
+  edges.reset();
+  const CanonicalOrder canonical = canonicalOrder(mesh);
+  progress.update(0.6);
+  apply(decideFaces(canonical.mesh, options, progress), canonical.faceWas, mesh, counts);
   progress.update(1);
   return counts;
 }

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/TriangleScene.h"
 
 #include <algorithm>
@@ -164,6 +165,8 @@ MeshDistance compareMeshes(const TriangleMesh& a, const TriangleMesh& b,
     if (mesh->triangles.empty())
       throw Error(Status::Invalid, mesh == &a ? "first mesh" : "second mesh",
                   "has no faces to measure from");
+  checkMesh(a);
+  checkMesh(b);
   const TriangleScene sceneA(a);
   progress.check();
   const TriangleScene sceneB(b);

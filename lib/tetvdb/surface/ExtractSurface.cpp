@@ -13,7 +13,7 @@
 namespace tetvdb {
 
 namespace {
-constexpr std::size_t kSimplifyBytes = 350; ///< a triangle, measured
+constexpr std::size_t kSimplifyBytes = 480; ///< a triangle, measured
 }
 
 TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options, Progress& progress,
@@ -21,9 +21,13 @@ TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "simplify", "must be a number of voxels, zero or more");
   const std::unique_ptr<SolidSamples> samples = solidSamples(volume, options.grid);
-  TriangleMesh mesh = marchCubes(*samples, {options.original, options.distance}, progress);
+  MarchedCubes marched;
+  TriangleMesh mesh =
+      marchCubes(*samples, {options.original, options.distance}, progress, &marched);
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the grid has no inside, and so no surface");
+  if (!marched.cubes.empty())
+    sharpenCreases(mesh, marched.contacts, marched.cubes, samples->transform, progress);
   if (extracted != nullptr)
     *extracted = mesh.triangleCount();
   const Vec3d& size = samples->transform.voxelSize;
@@ -36,7 +40,9 @@ TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
                     " triangles, too many to be simplified in memory",
                 "use larger voxels, or --simplify 0");
   progress.stage("simplify");
-  simplifySurface(mesh, options.simplify * *std::min_element(size.begin(), size.end()), progress);
+  SimplifyOptions simplify;
+  simplify.tolerance = options.simplify * *std::min_element(size.begin(), size.end());
+  simplifySurface(mesh, simplify, progress);
   return mesh;
 }
 

@@ -75,6 +75,9 @@ void FaceSides::alignPatches(const std::vector<std::uint8_t>& withoutSide) {
   for (std::size_t face = 0; face < areas_.size(); ++face)
     if (patches_.patchOf[face] != EdgeTable::kNone && (withoutSide.empty() || !withoutSide[face]))
       (patches_.against[face] ? against : with)[patches_.patchOf[face]] += areas_[face];
+  sideless_.resize(patches_.patchCount());
+  for (std::uint32_t patch = 0; patch < sideless_.size(); ++patch)
+    sideless_[patch] = !withoutSide.empty() && with[patch] + against[patch] == 0;
   for (std::size_t face = 0; face < areas_.size(); ++face) {
     const std::uint32_t patch = patches_.patchOf[face];
     if (patch != EdgeTable::kNone && patches_.orientable[patch])

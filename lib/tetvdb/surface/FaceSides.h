@@ -32,7 +32,14 @@ public:
   /// Turns shells that are inside out, with what is nested in them. (TurnShells.cpp)
   void turnShells(Progress& progress);
 
+  /// Whether every shell is closed and has a volume clearly above 0. Patches are aligned.
+  bool allShellsLookOutward() const;
+
   const std::vector<std::uint8_t>& turned() const { return turned_; } ///< by face
+  const FacePatches& patches() const { return patches_; }
+  double area(std::uint32_t face) const { return areas_[face]; }
+  std::uint32_t shellCount() const { return shellCount_; } ///< once patches are aligned
+  std::uint32_t shellOfPatch(std::uint32_t patch) const { return shellOf_[patch]; }
   std::size_t turnedShells() const { return turnedShells_; }
   bool insideOut() const { return insideOut_; } ///< the roots of most volume were turned
 
@@ -88,6 +95,7 @@ private:
   std::vector<double> areas_; ///< by face
   double diagonal_ = 0;       ///< of the mesh's box
   std::vector<std::uint8_t> turned_;
+  std::vector<std::uint8_t> sideless_; ///< by patch: 1 where no face has a side of its own
   /// By patch. Patches whose sides at an edge do not balance belong together there; one that is
   /// balanced by itself only touches the others: two boxes with an edge in common are two shells.
   std::vector<std::uint32_t> shellOf_;

@@ -26,4 +26,14 @@ std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
   return equal;
 }
 
+Vec3d nearestFloats(const Vec3d& p) {
+  Vec3d rounded;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // GCC 12 takes the conversion to float and back for nothing where it makes vectors of it.
+    const volatile float c = static_cast<float>(p[axis]);
+    rounded[axis] = c;
+  }
+  return rounded;
+}
+
 } // namespace tetvdb

@@ -12,4 +12,7 @@ namespace tetvdb {
 /// and 3MF: programs that weld would join them.
 std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points);
 
+/// The nearest point whose coordinates are 32-bit floats.
+Vec3d nearestFloats(const Vec3d& p);
+
 } // namespace tetvdb

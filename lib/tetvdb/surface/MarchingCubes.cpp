@@ -26,8 +26,8 @@ struct Block {
   /// Bit 8 y + z of [8 axis + x]: the edge from voxel (x, y, z) along the axis is crossed.
   std::array<std::uint64_t, 24> crossed{};
   std::array<std::uint16_t, 24> before{}; ///< vertices of the words before this one
-  std::uint32_t vertices = 0, triangles = 0;
-  std::size_t firstVertex = 0, firstTriangle = 0;
+  std::uint32_t vertices = 0, triangles = 0, cubes = 0;
+  std::size_t firstVertex = 0, firstTriangle = 0, firstCube = 0;
 
   std::uint32_t vertex(int axis, int x, int y, int z) const {
     const auto word = static_cast<std::size_t>(8 * axis + x);
@@ -68,8 +68,10 @@ void count(const BlockSamples& samples, Block& block) {
     for (int axis = 0; axis < 3; ++axis)
       if (samples.isInside(x + (axis == 0), y + (axis == 1), z + (axis == 2)) != here)
         block.crossed[static_cast<std::size_t>(8 * axis + x)] |= bit;
-    block.triangles +=
+    const auto triangles =
         static_cast<std::uint32_t>(cubeTable()[cubeCase(samples, x, y, z)].size() / 3);
+    block.triangles += triangles;
+    block.cubes += triangles > 0;
   });
   for (std::size_t word = 0; word < 24; ++word) {
     block.before[word] = static_cast<std::uint16_t>(block.vertices);
@@ -79,34 +81,40 @@ void count(const BlockSamples& samples, Block& block) {
 
 // Where the way from outside to inside enters the solid for good: where the number of faces entered
 // less those left last rises above 0. Where it never does, as faces may look either way, the first
-// face met. Midway where there is none.
-double entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
+// face met. Null where there is none.
+const TriangleScene::Hit* entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
   if (hits.empty())
-    return 0.5 + kReach;
+    return nullptr;
   int depth = 0;
-  double at = backward ? hits.back().t : hits.front().t;
+  const TriangleScene::Hit* found = backward ? &hits.back() : &hits.front();
   const auto pass = [&](const TriangleScene::Hit& hit) {
     const bool entering = hit.leaving == backward;
     depth += entering ? 1 : -1;
     if (entering && depth == 1)
-      at = hit.t;
+      found = &hit;
   };
   if (backward)
     std::for_each(hits.rbegin(), hits.rend(), pass);
   else
     std::for_each(hits.begin(), hits.end(), pass);
-  return at;
+  return found;
 }
 
 class Marching {
 public:
-  Marching(const SolidSamples& samples, const SampledShape& original, Progress& progress)
-      : samples_(samples), original_(original), progress_(progress) {}
+  Marching(const SolidSamples& samples, const SampledShape& original, Progress& progress,
+           MarchedCubes* marched)
+      : samples_(samples), original_(original), progress_(progress),
+        marched_(original.scene != nullptr && original.distance == 0 ? marched : nullptr) {}
 
   TriangleMesh run() {
     findBlocks();
     TriangleMesh mesh;
     mesh.points.resize(numberVertices());
+    if (marched_ != nullptr) {
+      marched_->contacts.assign(mesh.points.size(), {});
+      marched_->cubes.assign(cubes_, {});
+    }
     forEachBlock(0.2, 0.6, [&](const Block& block) { place(block, mesh.points); });
     separate(mesh.points);
     mesh.triangles.resize(3 * triangles_);
@@ -152,8 +160,10 @@ private:
     for (Block& block : blocks_) {
       block.firstVertex = vertices;
       block.firstTriangle = triangles_;
+      block.firstCube = cubes_;
       vertices += block.vertices;
       triangles_ += block.triangles;
+      cubes_ += block.cubes;
     }
     if (vertices >= std::numeric_limits<std::uint32_t>::max())
       throw Error(Status::Limit, "", "the surface has more than 2^32 vertices",
@@ -215,7 +225,12 @@ private:
         direction[axis] = samples_.transform.voxelSize[axis];
         original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach,
                                    hits);
-        t = entrance(hits, startInside) - kReach;
+        if (const TriangleScene::Hit* hit = entrance(hits, startInside)) {
+          t = hit->t - kReach;
+          if (marched_ != nullptr)
+            marched_->contacts[vertex] =
+                contactAt(onEdge(block, v, axis, t), *hit, axis, startInside);
+        }
       } else if (samples_.hasHeights()) {
         const double start = samples.heightAt(v[0], v[1], v[2]);
         const double end =
@@ -228,14 +243,28 @@ private:
     });
   }
 
+  // Faces may look either way: the normal is turned towards the voxel outside.
+  ShapeContact contactAt(const Vec3d& point, const TriangleScene::Hit& hit, std::size_t axis,
+                         bool startInside) const {
+    Vec3d n = original_.scene->normal(hit.triangle);
+    if ((n[axis] > 0) != startInside)
+      n = times(n, -1);
+    return {point, {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}};
+  }
+
   void connect(const Block& block, std::uint32_t* triangles) const {
     BlockSamples samples;
     samples_.load(block.origin, samples);
     std::array<const Block*, 8> around{};
     around[0] = &block;
     std::uint32_t* next = triangles + 3 * block.firstTriangle;
+    std::size_t cube = block.firstCube;
     forEachVoxel([&](int x, int y, int z) {
-      for (const int edge : cubeTable()[cubeCase(samples, x, y, z)]) {
+      const CubeTriangles& corners = cubeTable()[cubeCase(samples, x, y, z)];
+      if (marched_ != nullptr && !corners.empty())
+        marched_->cubes[cube++] = {{block.origin[0] + x, block.origin[1] + y, block.origin[2] + z},
+                                   static_cast<std::uint8_t>(corners.size() / 3)};
+      for (const int edge : corners) {
         const Vec3i start = cubeEdgeStart(edge);
         const int vx = x + start[0], vy = y + start[1], vz = z + start[2];
         const auto neighbour = static_cast<std::size_t>(vx >> 3 | vy >> 3 << 1 | vz >> 3 << 2);
@@ -288,15 +317,16 @@ private:
   const SolidSamples& samples_;
   const SampledShape original_;
   Progress& progress_;
+  MarchedCubes* marched_; ///< null where nobody asks
   std::vector<Block> blocks_;
-  std::size_t triangles_ = 0;
+  std::size_t triangles_ = 0, cubes_ = 0;
 };
 
 } // namespace
 
 TriangleMesh marchCubes(const SolidSamples& samples, const SampledShape& original,
-                        Progress& progress) {
-  return Marching(samples, original, progress).run();
+                        Progress& progress, MarchedCubes* marched) {
+  return Marching(samples, original, progress, marched).run();
 }
 
 } // namespace tetvdb

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <functional>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -17,17 +19,20 @@ constexpr std::size_t kFirstRound = 1 << 10;
 constexpr std::size_t kLargestRound = 1 << 16;
 constexpr std::size_t kFacesPerTask = 1 << 8;
 
+BoxTree treeOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners) {
+  std::vector<Box> boxes(corners.size() / 3);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    boxes[i / 3].add(points[corners[i]]);
+  return BoxTree(std::move(boxes));
+}
+
 } // namespace
 
 SelfIntersections countIntersections(const std::vector<Vec3d>& points,
                                      const std::vector<std::uint32_t>& corners, std::size_t limit,
                                      Progress& progress) {
   const std::size_t faces = corners.size() / 3;
-  std::vector<Box> boxes(faces);
-  for (std::size_t face = 0; face < faces; ++face)
-    for (std::size_t k = 0; k < 3; ++k)
-      boxes[face].add(points[corners[3 * face + k]]);
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree = treeOf(points, corners);
 
   // Pairs of one face with later ones; no more are counted than would pass the limit.
   const auto pairsOf = [&](std::uint32_t face) {
@@ -57,6 +62,36 @@ SelfIntersections countIntersections(const std::vector<Vec3d>& points,
       return {limit, false};
   }
   return result;
+}
+
+std::vector<std::uint32_t> facesThatMeetOthers(const std::vector<Vec3d>& points,
+                                               const std::vector<std::uint32_t>& corners,
+                                               const std::vector<char>& looked,
+                                               Progress& progress) {
+  const std::size_t faces = corners.size() / 3;
+  const BoxTree tree = treeOf(points, corners);
+  std::vector<char> meets(faces, 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      progress.check();
+                      for (std::size_t face = range.begin(); face != range.end(); ++face) {
+                        if (!looked.empty() && looked[face] == 0)
+                          continue;
+                        const Box& box = tree.box(static_cast<std::uint32_t>(face));
+                        tree.visit([&](const Box& other) { return other.meets(box); },
+                                   [&](std::uint32_t other) {
+                                     meets[face] = other != face &&
+                                                   facesMeet(points, &corners[3 * face],
+                                                             &corners[3 * std::size_t(other)]);
+                                     return meets[face] != 0;
+                                   });
+                      }
+                    });
+  std::vector<std::uint32_t> found;
+  for (std::uint32_t face = 0; face < faces; ++face)
+    if (meets[face] != 0)
+      found.push_back(face);
+  return found;
 }
 
 } // namespace tetvdb

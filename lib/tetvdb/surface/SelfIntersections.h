@@ -22,4 +22,10 @@ SelfIntersections countIntersections(const std::vector<Vec3d>& points,
                                      const std::vector<std::uint32_t>& corners, std::size_t limit,
                                      Progress& progress);
 
+/// Of the faces `looked` at (all where that is empty) those that are of such a pair, ascending.
+/// Otherwise as above.
+std::vector<std::uint32_t> facesThatMeetOthers(const std::vector<Vec3d>& points,
+                                               const std::vector<std::uint32_t>& corners,
+                                               const std::vector<char>& looked, Progress& progress);
+
 } // namespace tetvdb

@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FacePatches.h"
@@ -265,6 +266,7 @@ std::string unitOf(double diagonal) {
 
 SurfaceDefects surfaceDefects(const TriangleMesh& mesh, const DefectOptions& options,
                               Progress& progress) {
+  checkMesh(mesh);
   SurfaceDefects defects;
   defects.vertices = mesh.points.size();
   defects.triangles = mesh.triangleCount();

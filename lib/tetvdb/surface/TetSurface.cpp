@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/SplitFans.h"
 
 #include <algorithm>
@@ -180,6 +181,7 @@ private:
 } // namespace
 
 TriangleMesh tetSurface(const TetMesh& mesh, Progress& progress) {
+  checkMesh(mesh);
   return Surface(mesh, progress).run();
 }
 

@@ -261,4 +261,12 @@ bool TriangleScene::isWithin(const Vec3d& p, double distance) const {
   return query.triangle != 0xFFFFFFFFu;
 }
 
+Vec3d TriangleScene::normal(std::uint32_t triangle) const {
+  const std::vector<Vec3d>& points = impl_->mesh.points;
+  const std::uint32_t* v = &impl_->mesh.triangles[3 * std::size_t(triangle)];
+  const Vec3d n = cross(minus(points[v[1]], points[v[0]]), minus(points[v[2]], points[v[0]]));
+  const double l = length(n);
+  return times(n, l > 0 ? 1 / l : 0);
+}
+
 } // namespace tetvdb

@@ -47,6 +47,9 @@ public:
   /// closest().
   bool isWithin(const Vec3d& p, double distance) const;
 
+  /// Of unit length; 0 for a face without area.
+  Vec3d normal(std::uint32_t triangle) const;
+
 private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -19,6 +19,8 @@ constexpr double kLeastVolumeOpen = 0.02;
 constexpr double kLeastVolumeAsked = 0.001;
 constexpr std::size_t kShellsAsked = 5000;
 constexpr double kLeastVolumeClosed = 1e-12;
+// Of closed shells, from where on rounding has no part in which way they look.
+constexpr double kLeastVolumeSure = 1e-8;
 constexpr std::size_t kSamplesPerShell = 5;
 
 } // namespace
@@ -30,6 +32,7 @@ struct FaceSides::Shell {
   Box box;
   bool closed = true;
   bool orientable = true;
+  bool sideless = true; ///< no face has a side of its own
   bool hasSide = false;
   std::uint32_t number = 0;
 
@@ -77,13 +80,22 @@ std::vector<FaceSides::Shell> FaceSides::measureShells() const {
     if (sum != 0)
       shells[shell].closed = false;
   }
-  for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch)
-    if (!patches_.orientable[patch])
-      shells[shellOf_[patch]].orientable = false;
+  for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch) {
+    Shell& shell = shells[shellOf_[patch]];
+    shell.orientable = shell.orientable && patches_.orientable[patch] != 0;
+    shell.sideless = shell.sideless && sideless_[patch] != 0;
+  }
   for (Shell& shell : shells)
     shell.hasSide =
         shell.orientable && shell.bulk() > (shell.closed ? kLeastVolumeClosed : kLeastVolumeOpen);
   return shells;
+}
+
+bool FaceSides::allShellsLookOutward() const {
+  const std::vector<Shell> shells = measureShells();
+  return std::all_of(shells.begin(), shells.end(), [](const Shell& shell) {
+    return shell.closed && shell.volume > 0 && shell.bulk() > kLeastVolumeSure;
+  });
 }
 
 // Open shells of much area for their volume: a tub of thin walls with holes in it. The faces say
@@ -207,7 +219,8 @@ void FaceSides::turnShells(Progress& progress) {
       turn[rank] = turn[container.rank];
       around += container.winding * turn[container.rank];
     }
-    if (shell.volume * turn[rank] < 0 && around <= 0)
+    const bool looksInward = shell.volume * turn[rank] < 0;
+    if (shell.sideless ? looksInward != (around > 0) : looksInward && around <= 0)
       turn[rank] = -turn[rank];
     if (shell.containers.empty()) {
       rootVolume += std::abs(shell.volume);

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/tetrahedralize/Classify.h"
 #include "tetvdb/tetrahedralize/Envelope.h"
 #include "tetvdb/tetrahedralize/Improve.h"
@@ -280,6 +281,8 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
         Status::Usage, "",
         fmt::format("{} meshes were given; {} can be told apart", inputs.size(), kMaxInputs),
         "join some of them into one file");
+  for (const TriangleMesh& input : inputs)
+    checkMesh(input);
   const Box box = boxOf(inputs);
   if (!(box.low[0] <= box.high[0]))
     throw Error(Status::Invalid, "", "the mesh has no triangles");

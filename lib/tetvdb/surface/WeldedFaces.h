@@ -3,10 +3,8 @@
 // The faces of a solid as a chain of triangles in space: equal places are one point.
 #pragma once
 
-#include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Vec3.h"
-#include "tetvdb/voxelize/BoundaryFaces.h"
-#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/geometry/Lattice.h"
 
 #include <array>
 #include <cstddef>
@@ -35,9 +33,6 @@ struct WeldedFaces {
     return {points[c[0]], points[c[1]], points[c[2]]};
   }
 };
-
-/// Without collinear faces; faces over the same places stay several. About 50 ns a face.
-WeldedFaces weldFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress);
 
 /// Makes faces over the same places one, with the sum of their weights, or none.
 void mergeEqualFaces(WeldedFaces& welded);

@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/CollapseEdges.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CrossingGuard.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <OpenMesh/Tools/Decimater/BaseDecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
+#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <memory>
+#include <queue>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint32_t kNone = SimplifyState::kNone;
+constexpr double kLeastCosine = 0.5;    ///< of the angle by which a face may turn in one step
+constexpr double kLeastAgreement = 0.3; ///< cosine between a point's normal and its face's
+constexpr double kLeastShape = 0.02;    ///< height over longest side of a new face, unless it grows
+constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex stand for
+constexpr double kOnFace = 0.01;      ///< square of the distance of a point that lies on its face
+constexpr std::size_t kMaxFaces = 32; ///< around a vertex
+constexpr int kTries = 4;             ///< neighbours that a vertex is tried to move onto
+// What a squared length adds to a squared distance when edges are ordered: flat parts keep
+// well-shaped triangles.
+constexpr double kLengthWeight = 1e-3;
+
+struct Traits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+};
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+using Vertex = HalfEdgeMesh::VertexHandle;
+using HalfEdge = HalfEdgeMesh::HalfedgeHandle;
+using Collapse = OpenMesh::Decimater::CollapseInfoT<HalfEdgeMesh>;
+
+std::size_t at(OpenMesh::BaseHandle handle) {
+  return static_cast<std::size_t>(handle.idx());
+}
+
+// The faces at the vertices of one region. What has a corner in another region stays as it is.
+struct Patch {
+  SimplifyState& surface;
+  HalfEdgeMesh mesh;
+  std::vector<std::uint32_t> vertexOf; ///< in the surface
+  std::vector<std::uint32_t> faceOf;
+  /// Of the patch's faces in their order, then others near; null where crossings may come.
+  std::unique_ptr<CrossingGuard> guard;
+
+  explicit Patch(SimplifyState& s) : surface(s) {}
+  const Vec3d& point(Vertex v) const { return surface.points[vertexOf[at(v)]]; }
+};
+
+// Orders collapses: OpenMesh's quadric module has no term for lengths, and forgets between passes.
+template <class Mesh>
+class CostModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
+public:
+  using Self = CostModule;
+  using Handle = OpenMesh::Decimater::ModHandleT<Self>;
+  using Base = OpenMesh::Decimater::ModBaseT<Mesh>;
+  using CollapseInfo = typename Base::CollapseInfo;
+  DECIMATER_MODNAME(Cost)
+
+  explicit CostModule(Mesh& mesh) : Base(mesh, false) {}
+  void use(Patch& patch) { patch_ = &patch; }
+
+  float collapse_priority(const CollapseInfo& c) override {
+    const Vec3d& to = patch_->point(c.v1);
+    const Vec3d step = minus(to, patch_->point(c.v0));
+    return static_cast<float>(std::max(quadric(c.v0).at(to), 0.0) +
+                              kLengthWeight * dot(step, step));
+  }
+  void postprocess_collapse(const CollapseInfo& c) override { quadric(c.v1).add(quadric(c.v0)); }
+
+private:
+  Quadric& quadric(Vertex v) { return patch_->surface.quadrics[patch_->vertexOf[at(v)]]; }
+  Patch* patch_ = nullptr;
+};
+
+// Forbids what leaves the tolerance, turns faces over, makes needles or crossings.
+template <class Mesh>
+class ToleranceModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
+public:
+  using Self = ToleranceModule;
+  using Handle = OpenMesh::Decimater::ModHandleT<Self>;
+  using Base = OpenMesh::Decimater::ModBaseT<Mesh>;
+  using CollapseInfo = typename Base::CollapseInfo;
+  DECIMATER_MODNAME(Tolerance)
+
+  explicit ToleranceModule(Mesh& mesh) : Base(mesh, true) {}
+  void use(Patch& patch) { patch_ = &patch; }
+
+  float collapse_priority(const CollapseInfo& c) override {
+    return isAllowed(c) ? float(Base::LEGAL_COLLAPSE) : float(Base::ILLEGAL_COLLAPSE);
+  }
+
+  // Every collapse follows a collapse_priority() of its own vertex, though other vertices' may
+  // have come in between.
+  void preprocess_collapse(const CollapseInfo& c) override {
+    if (looked_ != c.v0v1)
+      isAllowed(c);
+    looked_.invalidate();
+    keepPoints();
+    if (CrossingGuard* guard = patch_->guard.get()) {
+      guard->remove(static_cast<std::uint32_t>(c.fl.idx()));
+      guard->remove(static_cast<std::uint32_t>(c.fr.idx()));
+      for (std::size_t i = 0; i < faces_.size(); ++i)
+        guard->change(faces_[i].number, added_[i]);
+    }
+    merged_ = {isFeature(c.v0vl) || isFeature(c.vlv1), isFeature(c.vrv0) || isFeature(c.v1vr)};
+  }
+
+  void postprocess_collapse(const CollapseInfo& c) override {
+    Mesh& mesh = this->mesh();
+    const std::array<Vertex, 2> others{c.vl, c.vr};
+    for (std::size_t i = 0; i < 2; ++i)
+      if (merged_[i])
+        mesh.status(mesh.edge_handle(mesh.find_halfedge(c.v1, others[i]))).set_feature(true);
+  }
+
+private:
+  struct Face {
+    std::uint32_t number; ///< in the patch
+    std::array<Vec3d, 3> corners;
+    Vec3d normal; ///< of unit length
+  };
+
+  bool isFeature(HalfEdge h) { return this->mesh().status(this->mesh().edge_handle(h)).feature(); }
+  std::uint32_t vertexOf(Vertex v) const { return patch_->vertexOf[at(v)]; }
+  std::uint32_t& firstGone(std::uint32_t face) {
+    return patch_->surface.firstGone[patch_->faceOf[face]];
+  }
+
+  static double shape(const Vec3d& twiceNormal, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d ab = minus(b, a), bc = minus(c, b), ca = minus(a, c);
+    return length(twiceNormal) / std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
+  }
+
+  // Leaves the new faces in faces_ and added_, those around v0 in around_, and in gone_ the points
+  // that the new faces stand for.
+  bool isAllowed(const CollapseInfo& c) {
+    looked_.invalidate();
+    if (!isManifold(c) || !isUpright(c))
+      return false;
+    const SimplifyState& s = patch_->surface;
+    gone_.clear();
+    owner_.clear();
+    squares_.clear();
+    if (s.original != nullptr) {
+      if (!assign(vertexOf(c.v0)))
+        return false;
+      for (const std::uint32_t face : around_)
+        for (std::uint32_t v = firstGone(face); v != kNone; v = s.nextGone[v])
+          if (!assign(v))
+            return false;
+      if (!std::all_of(faces_.begin(), faces_.end(),
+                       [&](const Face& face) { return isNearOriginal(face); }))
+        return false;
+    }
+    if (patch_->guard != nullptr && patch_->guard->crosses(added_, around_))
+      return false;
+    looked_ = c.v0v1;
+    return true;
+  }
+
+  // Beyond OpenMesh's own tests: no vertex is left of fewer than three faces, or of very many.
+  bool isManifold(const CollapseInfo& c) {
+    Mesh& mesh = this->mesh();
+    return mesh.valence(c.v0) + mesh.valence(c.v1) <= kMaxFaces + 4 && mesh.valence(c.vl) > 3 &&
+           mesh.valence(c.vr) > 3;
+  }
+
+  // Whether the faces around v0, moved onto v1, keep their sides and shape.
+  bool isUpright(const CollapseInfo& c) {
+    Mesh& mesh = this->mesh();
+    const Vec3d& old = patch_->point(c.v0);
+    const Vec3d& moved = patch_->point(c.v1);
+    faces_.clear();
+    added_.clear();
+    around_.clear();
+    for (auto h = mesh.voh_begin(c.v0); h.is_valid(); ++h) {
+      const auto face = mesh.face_handle(*h);
+      around_.push_back(static_cast<std::uint32_t>(face.idx()));
+      if (face == c.fl || face == c.fr)
+        continue;
+      const Vertex va = mesh.to_vertex_handle(*h);
+      const Vertex vb = mesh.to_vertex_handle(mesh.next_halfedge_handle(*h));
+      const Vec3d& a = patch_->point(va);
+      const Vec3d& b = patch_->point(vb);
+      const Vec3d before = cross(minus(a, old), minus(b, old));
+      const Vec3d after = cross(minus(a, moved), minus(b, moved));
+      if (!(dot(before, after) > kLeastCosine * length(before) * length(after) &&
+            shape(after, moved, a, b) >
+                std::min(kLeastShape, shape(before, old, a, b) * (1 - 1e-9))))
+        return false;
+      faces_.push_back({around_.back(), {moved, a, b}, times(after, 1 / length(after))});
+      added_.push_back({vertexOf(c.v1), vertexOf(va), vertexOf(vb)});
+    }
+    return true;
+  }
+
+  // Looks at the middle of a new face and at the side that is new as well.
+  bool isNearOriginal(const Face& face) const {
+    const SimplifyState& s = patch_->surface;
+    const auto& [a, b, c] = face.corners;
+    const Vec3d side = minus(b, a);
+    if (!s.isNear(plus(a, times(side, 0.5))))
+      return false;
+    if (dot(side, side) > s.longSide)
+      for (const double t : {0.25, 0.75})
+        if (!s.isNear(plus(a, times(side, t))))
+          return false;
+    return s.isNear(times(plus(a, plus(b, c)), 1.0 / 3));
+  }
+
+  // Finds the nearest of faces_ that looks the way of a point that is gone.
+  bool assign(std::uint32_t v) {
+    const Vec3d& p = patch_->surface.points[v];
+    double nearest = kHeldTolerance * kHeldTolerance;
+    std::uint32_t owner = kNone;
+    const std::array<float, 3>& n = patch_->surface.normals[v];
+    for (const Face& face : faces_) {
+      if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] >
+            kLeastAgreement))
+        continue;
+      const double squared = nearestOnTriangle(minus(face.corners[0], p), minus(face.corners[1], p),
+                                               minus(face.corners[2], p))
+                                 .squared;
+      if (squared < nearest) {
+        nearest = squared;
+        owner = face.number;
+        if (squared < 1e-12)
+          break;
+      }
+    }
+    if (owner == kNone)
+      return false;
+    gone_.push_back(v);
+    owner_.push_back(owner);
+    squares_.push_back(nearest);
+    return true;
+  }
+
+  void keepPoints() {
+    if (patch_->surface.original == nullptr)
+      return;
+    for (const std::uint32_t face : around_)
+      firstGone(face) = kNone;
+    // On large flat faces every second point that lies on them does.
+    const bool many = gone_.size() > kManyPoints;
+    for (std::size_t i = 0; i < gone_.size(); ++i) {
+      if (many && i % 2 == 1 && squares_[i] < kOnFace)
+        continue;
+      patch_->surface.nextGone[gone_[i]] = firstGone(owner_[i]);
+      firstGone(owner_[i]) = gone_[i];
+    }
+  }
+
+  Patch* patch_ = nullptr;
+  HalfEdge looked_; ///< what faces_ and the others are of
+  std::array<bool, 2> merged_{};
+  std::vector<Face> faces_;
+  std::vector<CrossingGuard::Corners> added_;
+  std::vector<std::uint32_t> around_, gone_, owner_;
+  std::vector<double> squares_; ///< of the distances from gone_ to owner_
+};
+
+// OpenMesh's DecimaterT asks all modules about every half-edge around the vertices near a
+// collapse. This one orders by cost alone and asks about the tolerance when a vertex's turn comes:
+// the same steps with a fraction of the questions (docs/benchmarks.md).
+class LazyDecimater : public OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh> {
+public:
+  using Base = OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh>;
+
+  LazyDecimater(Patch& patch, Progress& progress)
+      : Base(patch.mesh), patch_(patch), progress_(progress) {
+    add(cost_);
+    add(tolerance_);
+    initialize();
+    module(cost_).use(patch);
+    module(tolerance_).use(patch);
+    stamp_.resize(patch.mesh.n_vertices(), 0);
+  }
+
+  /// At most that many collapses; returns their number.
+  std::size_t decimate(std::size_t most) {
+    for (const Vertex v : patch_.mesh.vertices())
+      enqueue(v);
+    std::size_t collapses = 0;
+    for (std::size_t steps = 0; !queue_.empty() && collapses < most; ++steps) {
+      if (steps % 1024 == 0)
+        progress_.check();
+      const Entry entry = queue_.top();
+      queue_.pop();
+      const Vertex v(static_cast<int>(entry.vertex));
+      if (!patch_.mesh.status(v).deleted() && stamp_[entry.vertex] == entry.stamp)
+        collapses += tryToRemove(v);
+    }
+    return collapses;
+  }
+
+private:
+  struct Entry {
+    float cost;
+    std::uint32_t vertex, stamp;
+    bool operator<(const Entry& other) const { // the queue's top is its largest
+      return cost != other.cost ? cost > other.cost : vertex > other.vertex;
+    }
+  };
+  struct Choice {
+    float cost;
+    HalfEdge halfEdge;
+    int end;
+  };
+
+  void choose(Vertex v) {
+    choices_.clear();
+    if (patch_.mesh.status(v).locked())
+      return;
+    for (auto h = patch_.mesh.voh_begin(v); h.is_valid(); ++h)
+      choices_.push_back({module(cost_).collapse_priority(Collapse(patch_.mesh, *h)), *h,
+                          patch_.mesh.to_vertex_handle(*h).idx()});
+  }
+
+  void enqueue(Vertex v) {
+    choose(v);
+    float least = std::numeric_limits<float>::infinity();
+    for (const Choice& choice : choices_)
+      least = std::min(least, choice.cost);
+    ++stamp_[at(v)];
+    if (!choices_.empty())
+      queue_.push({least, static_cast<std::uint32_t>(v.idx()), stamp_[at(v)]});
+  }
+
+  bool tryToRemove(Vertex v) {
+    choose(v);
+    std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
+      return a.cost != b.cost ? a.cost < b.cost : a.end < b.end;
+    });
+    int tries = 0;
+    for (const Choice& choice : choices_) {
+      if (tries++ == kTries)
+        return false;
+      Collapse collapse(patch_.mesh, choice.halfEdge);
+      if (!is_collapse_legal(collapse) || module(tolerance_).collapse_priority(collapse) < 0)
+        continue;
+      preprocess_collapse(collapse);
+      patch_.mesh.collapse(choice.halfEdge);
+      postprocess_collapse(collapse);
+      enqueue(collapse.v1);
+      neighbours_.clear();
+      for (auto n = patch_.mesh.vv_begin(collapse.v1); n.is_valid(); ++n)
+        neighbours_.push_back(*n);
+      for (const Vertex n : neighbours_)
+        enqueue(n);
+      return true;
+    }
+    return false;
+  }
+
+  Patch& patch_;
+  Progress& progress_;
+  CostModule<HalfEdgeMesh>::Handle cost_;
+  ToleranceModule<HalfEdgeMesh>::Handle tolerance_;
+  std::priority_queue<Entry> queue_;
+  std::vector<std::uint32_t> stamp_; ///< of a vertex: its newest entry in the queue
+  std::vector<Choice> choices_;
+  std::vector<Vertex> neighbours_;
+};
+
+bool isWithin(const SimplifyState& s, std::uint32_t face, std::uint32_t region,
+              const std::vector<std::uint32_t>& regionOf) {
+  const std::uint32_t* v = &s.mesh.triangles[3 * std::size_t(face)];
+  return regionOf[v[0]] == region && regionOf[v[1]] == region && regionOf[v[2]] == region;
+}
+
+// The region's faces as a half-edge mesh, vertices in the surface's order, with what is locked
+// and what is a feature.
+void build(Patch& patch, const CollapseRegion& region, const std::vector<std::uint32_t>& regionOf,
+           bool guarded) {
+  const SimplifyState& s = patch.surface;
+  HalfEdgeMesh& mesh = patch.mesh;
+  patch.faceOf = region.faces;
+  std::vector<CrossingGuard::Corners> corners;
+  for (const std::uint32_t face : patch.faceOf)
+    for (std::size_t k = 0; k < 3; ++k)
+      patch.vertexOf.push_back(s.mesh.triangles[3 * std::size_t(face) + k]);
+  std::sort(patch.vertexOf.begin(), patch.vertexOf.end());
+  patch.vertexOf.erase(std::unique(patch.vertexOf.begin(), patch.vertexOf.end()),
+                       patch.vertexOf.end());
+  const auto numberOf = [&](std::uint32_t v) {
+    const auto found = std::lower_bound(patch.vertexOf.begin(), patch.vertexOf.end(), v);
+    return Vertex(static_cast<int>(found - patch.vertexOf.begin()));
+  };
+  mesh.reserve(patch.vertexOf.size(), 2 * patch.faceOf.size(), patch.faceOf.size());
+  mesh.request_vertex_status();
+  mesh.request_edge_status();
+  mesh.request_halfedge_status();
+  mesh.request_face_status();
+  for (const std::uint32_t v : patch.vertexOf) {
+    const Vec3d& p = s.points[v];
+    mesh.status(mesh.add_vertex({p[0], p[1], p[2]})).set_locked(regionOf[v] != region.number);
+  }
+  for (const std::uint32_t face : patch.faceOf) {
+    const std::uint32_t* v = &s.mesh.triangles[3 * std::size_t(face)];
+    corners.push_back({v[0], v[1], v[2]});
+    if (!mesh.add_face(numberOf(v[0]), numberOf(v[1]), numberOf(v[2])).is_valid())
+      throw Error(Status::Invalid, "", "the surface is no closed manifold");
+    if (!isWithin(s, face, region.number, regionOf))
+      for (std::size_t k = 0; k < 3; ++k)
+        mesh.status(numberOf(v[k])).set_locked(true);
+  }
+  for (const std::uint32_t face : region.others) {
+    const std::uint32_t* v = &s.mesh.triangles[3 * std::size_t(face)];
+    corners.push_back({v[0], v[1], v[2]});
+  }
+  std::vector<std::uint8_t> count(patch.vertexOf.size(), 0);
+  for (const VertexPair& edge : region.features) {
+    const Vertex a = numberOf(edge[0]), b = numberOf(edge[1]);
+    mesh.status(mesh.edge_handle(mesh.find_halfedge(a, b))).set_feature(true);
+    for (const Vertex v : {a, b}) {
+      mesh.status(v).set_feature(true);
+      count[at(v)] = static_cast<std::uint8_t>(std::min(count[at(v)] + 1, 3));
+    }
+  }
+  for (const auto v : mesh.vertices()) // corners, and ends of creases that run out
+    if (mesh.status(v).feature() && count[at(v)] != 2)
+      mesh.status(v).set_locked(true);
+  if (guarded)
+    patch.guard = std::make_unique<CrossingGuard>(s.mesh.points, std::move(corners));
+}
+
+} // namespace
+
+std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
+                          const std::vector<std::uint32_t>& regionOf, bool guarded,
+                          std::size_t most, Progress& progress) {
+  if (region.faces.empty())
+    return 0;
+  Patch patch(state);
+  build(patch, region, regionOf, guarded);
+  LazyDecimater decimater(patch, progress);
+  const std::size_t collapses = decimater.decimate(most);
+  HalfEdgeMesh& mesh = patch.mesh;
+  for (const auto face : mesh.all_faces()) {
+    const std::uint32_t number = patch.faceOf[at(face)];
+    if (!isWithin(state, number, region.number, regionOf))
+      continue;
+    state.isGone[number] = mesh.status(face).deleted();
+    std::size_t k = 3 * std::size_t(number);
+    if (!state.isGone[number])
+      for (const auto v : mesh.fv_range(face))
+        state.mesh.triangles[k++] = patch.vertexOf[at(v)];
+  }
+  region.features.clear();
+  for (const auto edge : mesh.edges()) {
+    const std::uint32_t a = patch.vertexOf[at(edge.v0())], b = patch.vertexOf[at(edge.v1())];
+    if (mesh.status(edge).feature() && regionOf[a] == region.number && regionOf[b] == region.number)
+      region.features.push_back({std::min(a, b), std::max(a, b)});
+  }
+  return collapses;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/DecideFaces.h"
+
+#include "tetvdb/surface/DuplicateFaces.h"
+#include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/FaceSides.h"
+#include "tetvdb/surface/GroupWinding.h"
+#include "tetvdb/surface/SolidField.h"
+#include "tetvdb/surface/WindingField.h"
+
+#include <algorithm>
+#include <optional>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMostSamples = 2048, kLeastSamples = 128;
+constexpr std::size_t kMostWork = 4000000;   ///< solid angles, for each field
+constexpr std::size_t kMostValues = 8000000; ///< samples times patches
+// Of the samples that are inside with confidence.
+constexpr double kLost = 0.01;
+// A field whose error falls to this share of another's is nearer, or much nearer, to a solid's.
+constexpr double kNearer = 0.9, kMuchNearer = 0.5;
+// Where this share of the file's solid is lost, and the field is farther than kVague from a
+// solid's, neither orientation is sure.
+constexpr double kDiffer = 0.1, kVague = 0.06;
+
+// The mesh without the faces that duplicates make superfluous.
+struct KeptFaces {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> was;        ///< by kept face
+  std::vector<std::uint8_t> withoutSide; ///< by kept face; may be empty
+};
+
+KeptFaces keepFaces(const TriangleMesh& mesh, const std::vector<FaceFate>& fates) {
+  KeptFaces kept;
+  kept.mesh.points = mesh.points;
+  for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
+    if (!fates.empty() && fates[face] == FaceFate::Goes)
+      continue;
+    kept.was.push_back(face);
+    const std::uint32_t* v = &mesh.triangles[3 * std::size_t(face)];
+    kept.mesh.triangles.insert(kept.mesh.triangles.end(), v, v + 3);
+    if (!fates.empty())
+      kept.withoutSide.push_back(fates[face] == FaceFate::StaysWithoutSide);
+  }
+  return kept;
+}
+
+bool isTwoSided(const EdgeTable& edges) {
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (edges.sides(edge).size() != 2)
+      return false;
+  return true;
+}
+
+class Decision {
+public:
+  Decision(const TriangleMesh& mesh, const CleanOptions& options, Progress& progress)
+      : mesh_(mesh), progress_(progress), fileEdges_(mesh) {
+    std::vector<FaceFate> fates;
+    if (options.duplicates) {
+      const DuplicateGroups groups = findDuplicates(fileEdges_);
+      if (groups.count() > 0)
+        fates = resolveDuplicates(mesh.triangles, mesh.points.size(), groups, progress);
+    }
+    kept_ = keepFaces(mesh, fates);
+    edges_.emplace(kept_.mesh);
+    setDropped();
+    if (options.orient)
+      orient();
+  }
+
+  FaceDecision take() { return std::move(result_); }
+
+private:
+  bool dropsFaces() const { return kept_.was.size() < mesh_.triangleCount(); }
+
+  void setDropped() {
+    result_.dropped.clear();
+    if (!dropsFaces())
+      return;
+    result_.dropped.assign(mesh_.triangleCount(), 1);
+    for (const std::uint32_t face : kept_.was)
+      result_.dropped[face] = 0;
+  }
+
+  void orient() {
+    FaceSides sides(kept_.mesh, *edges_, progress_);
+    sides.alignPatches(kept_.withoutSide);
+    sides.alignByVisibility(progress_);
+    sides.turnShells(progress_);
+    turned_ = sides.turned();
+    result_.turnedShells = sides.turnedShells();
+    result_.insideOut = sides.insideOut();
+    if (dropsFaces() || !isTwoSided(*edges_))
+      judge(sides);
+    if (result_.turned.empty() && !keepsFile_) {
+      result_.turned.assign(mesh_.triangleCount(), 0);
+      for (std::size_t face = 0; face < turned_.size(); ++face)
+        result_.turned[kept_.was[face]] = turned_[face];
+    }
+  }
+
+  // Of all faces, as the file has them.
+  static SolidField fileField(const TriangleMesh& mesh, const EdgeTable& edges,
+                              const WindingSamples& samples, Progress& progress) {
+    const WindingField winding(mesh, edges);
+    SolidField field;
+    field.values.resize(samples.points.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, field.values.size(), 16),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        progress.check();
+                        for (std::size_t i = range.begin(); i != range.end(); ++i)
+                          field.values[i] = static_cast<float>(winding.at(samples.points[i]));
+                      });
+    return field;
+  }
+
+  void keepFile(bool duplicatesToo) {
+    keepsFile_ = true;
+    result_.innerFaces = 0;
+    setDropped();
+    result_.turnedShells = 0;
+    result_.insideOut = false;
+    if (duplicatesToo)
+      result_.dropped.clear();
+  }
+
+  // Accepts what was decided, betters it, or goes back to the file's own orientation.
+  void judge(const FaceSides& sides) {
+    const FacePatches& patches = sides.patches();
+    const std::uint32_t patchCount = patches.patchCount();
+    const std::vector<std::uint8_t> none(mesh_.triangleCount(), 0);
+    const std::vector<std::uint32_t> one(mesh_.triangleCount(), 0);
+    const std::size_t open = std::max(GroupWinding::openEdges(fileEdges_, one, none),
+                                      GroupWinding::openEdges(*edges_, patches.patchOf, turned_));
+    std::size_t count = std::min(kMostSamples, kMostWork / std::max<std::size_t>(open, 1));
+    count = std::min(count, kMostValues / std::max(patchCount, 1u));
+    if (count < kLeastSamples)
+      return; // a tangle, whose field says little
+    const WindingSamples samples = windingSamples(kept_.mesh, patches.patchOf, patchCount, count);
+    const SolidField file = fileField(mesh_, fileEdges_, samples, progress_);
+    if (file.isSolid() && !dropsFaces())
+      return keepFile(false);
+
+    const TriangleScene scene(kept_.mesh);
+    const GroupWinding groups(kept_.mesh, *edges_, scene, patches.patchOf, patchCount, turned_,
+                              samples.points, progress_);
+    SolidField field = sumOf(groups, patchCount);
+    dropInnerWalls(patches, groups, field);
+    // Faces that cancel their copies hold nothing: what cleaning gains is no reason against it.
+    if (file.isSolid() &&
+        2 * file.shareInside(samples.spread) > field.shareInside(samples.spread) &&
+        (!field.isSolid() || isLost(file, field, samples)))
+      return keepFile(isHarmedByDropping(file, samples));
+    if (!field.isSolid())
+      turnPatches(sides, groups, field);
+    const double lost = file.shareLostIn(field, samples.spread);
+    if (field.error() > kNearer * file.error() && isLost(file, field, samples)) {
+      keepFile(true);
+      result_.doubtful = file.differenceFrom(field, samples.spread) > kDiffer;
+    } else {
+      result_.doubtful = lost > kDiffer && field.error() > kVague;
+    }
+    if (result_.doubtful) {
+      result_.fileVolume = samples.volume * file.shareInside(samples.spread);
+      result_.turnedVolume = samples.volume * field.shareInside(samples.spread);
+    }
+  }
+
+  static bool isLost(const SolidField& file, const SolidField& field,
+                     const WindingSamples& samples) {
+    return file.shareLostIn(field, samples.points.size()) > kLost;
+  }
+
+  // Whether dropping duplicates, with all sides as the file has them, loses what was solid.
+  bool isHarmedByDropping(const SolidField& file, const WindingSamples& samples) const {
+    const SolidField kept = fileField(kept_.mesh, *edges_, samples, progress_);
+    return isLost(file, kept, samples) || !kept.isSolid();
+  }
+
+  // Patches that do not close and stand within the solid that the others make, on both sides.
+  void dropInnerWalls(const FacePatches& patches, const GroupWinding& groups, SolidField& field) {
+    const std::vector<std::uint8_t> inner = innerGroups(groups, patches.patchCount(), field);
+    if (std::find(inner.begin(), inner.end(), 1) == inner.end())
+      return;
+    result_.dropped.resize(mesh_.triangleCount(), 0);
+    for (std::size_t face = 0; face < turned_.size(); ++face)
+      if (patches.patchOf[face] != EdgeTable::kNone && inner[patches.patchOf[face]]) {
+        result_.dropped[kept_.was[face]] = 1;
+        ++result_.innerFaces;
+      }
+  }
+
+  void turnPatches(const FaceSides& sides, const GroupWinding& groups, SolidField& field) {
+    const FacePatches& patches = sides.patches();
+    const std::uint32_t patchCount = patches.patchCount();
+    std::vector<double> area(patchCount, 0);
+    for (std::uint32_t face = 0; face < turned_.size(); ++face)
+      if (patches.patchOf[face] != EdgeTable::kNone)
+        area[patches.patchOf[face]] += sides.area(face);
+    // Shells of several patches, then patches; the largest first.
+    std::vector<std::vector<std::uint32_t>> shells(sides.shellCount()), sets;
+    for (std::uint32_t patch = 0; patch < patchCount; ++patch)
+      shells[sides.shellOfPatch(patch)].push_back(patch);
+    for (auto& shell : shells)
+      if (shell.size() > 1)
+        sets.push_back(std::move(shell));
+    std::vector<std::uint32_t> order(patchCount);
+    for (std::uint32_t patch = 0; patch < patchCount; ++patch)
+      order[patch] = patch;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
+    for (const std::uint32_t patch : order)
+      sets.push_back({patch});
+    SolidField better = field;
+    const std::vector<std::uint8_t> turn =
+        turnTowardsSolid(groups, patchCount, sets, better, progress_);
+    // What is lost by it must be worth it.
+    if (better.error() > kNearer * field.error() ||
+        (field.shareInsideLostIn(better) > kDiffer && better.error() > kMuchNearer * field.error()))
+      return;
+    field = std::move(better);
+    for (std::uint32_t face = 0; face < turned_.size(); ++face)
+      if (patches.patchOf[face] != EdgeTable::kNone)
+        turned_[face] ^= turn[patches.patchOf[face]];
+  }
+
+  const TriangleMesh& mesh_;
+  Progress& progress_;
+  EdgeTable fileEdges_;
+  KeptFaces kept_;
+  std::optional<EdgeTable> edges_;   ///< of kept_.mesh
+  std::vector<std::uint8_t> turned_; ///< by kept face
+  bool keepsFile_ = false;
+  FaceDecision result_;
+};
+
+} // namespace
+
+FaceDecision decideFaces(const TriangleMesh& mesh, const CleanOptions& options,
+                         Progress& progress) {
+  return Decision(mesh, options, progress).take();
+}
+
+} // namespace tetvdb

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/DropSheets.h"
+
+#include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/WindingField.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMostSamples = 64, kLeastSamples = 8; // faces of a part
+constexpr double kMostWork = 2e8;                           // solid angles of boundary edges
+constexpr double kInside = 0.6;                             // of a winding number, to be sure
+constexpr double kOffset = 1e-5;                            // from a face, of the diagonal
+
+struct Part {
+  std::vector<std::uint32_t> faces;
+  bool open = false;
+};
+
+std::vector<Part> findParts(const TriangleMesh& mesh, const EdgeTable& edges) {
+  DisjointSets sets(mesh.triangleCount());
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+    const EdgeTable::Sides sides = edges.sides(edge);
+    for (std::size_t i = 1; i < sides.size(); ++i)
+      sets.join(EdgeTable::faceOf(sides[0]), EdgeTable::faceOf(sides[i]));
+  }
+  std::vector<std::uint32_t> number(mesh.triangleCount(), EdgeTable::kNone);
+  std::vector<Part> parts;
+  for (std::uint32_t face = 0; face < number.size(); ++face) {
+    const std::uint32_t first = sets.find(face);
+    if (first == face) {
+      number[face] = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    number[face] = number[first];
+    parts[number[face]].faces.push_back(face);
+  }
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+    int excess = 0;
+    for (const std::uint32_t side : edges.sides(edge))
+      excess += edges.ascends(side) ? 1 : -1;
+    if (excess != 0)
+      parts[number[EdgeTable::faceOf(edges.sides(edge)[0])]].open = true;
+  }
+  return parts;
+}
+
+class SheetSearch {
+public:
+  explicit SheetSearch(const TriangleMesh& mesh) : mesh_(mesh), field_(mesh) {
+    Box box;
+    for (const std::uint32_t corner : mesh.triangles)
+      box.add(mesh.points[corner]);
+    offset_ = kOffset * length(minus(box.high, box.low));
+  }
+
+  std::size_t boundaryEdges() const { return field_.boundaryEdges(); }
+
+  bool isSheet(const Part& part, std::size_t samples) const {
+    std::vector<double> sums{0};
+    for (const std::uint32_t face : part.faces)
+      sums.push_back(sums.back() + length(normal(face)));
+    std::size_t bounding = 0, looked = 0, last = part.faces.size();
+    for (std::size_t i = 0; i < samples; ++i) {
+      const double wanted = sums.back() * (double(i) + 0.5) / double(samples);
+      const auto above = std::upper_bound(sums.begin() + 1, sums.end(), wanted);
+      const auto at =
+          std::min(static_cast<std::size_t>(above - sums.begin()) - 1, part.faces.size() - 1);
+      if (samples > part.faces.size() && at == last)
+        continue;
+      last = at;
+      const double inner = innerWinding(part.faces[at]);
+      if (inner >= 2 - kInside)
+        continue;
+      ++looked;
+      bounding += inner > kInside;
+    }
+    return 2 * bounding < looked || looked == 0;
+  }
+
+private:
+  Vec3d normal(std::uint32_t face) const {
+    const std::uint32_t* c = &mesh_.triangles[3 * std::size_t(face)];
+    return cross(minus(mesh_.points[c[1]], mesh_.points[c[0]]),
+                 minus(mesh_.points[c[2]], mesh_.points[c[0]]));
+  }
+
+  double innerWinding(std::uint32_t face) const {
+    const std::uint32_t* c = &mesh_.triangles[3 * std::size_t(face)];
+    const Vec3d middle =
+        times(plus(plus(mesh_.points[c[0]], mesh_.points[c[1]]), mesh_.points[c[2]]), 1.0 / 3);
+    const Vec3d n = normal(face);
+    const double size = length(n);
+    return size > 0 ? field_.at(minus(middle, times(n, offset_ / size))) : 0;
+  }
+
+  const TriangleMesh& mesh_;
+  WindingField field_;
+  double offset_ = 0;
+};
+
+} // namespace
+
+SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress) {
+  SheetCounts counts;
+  const EdgeTable edges(mesh);
+  std::vector<Part> parts = findParts(mesh, edges);
+  parts.erase(
+      std::remove_if(parts.begin(), parts.end(), [](const Part& part) { return !part.open; }),
+      parts.end());
+  if (parts.empty())
+    return counts;
+  const SheetSearch search(mesh);
+  const double each = double(parts.size()) * double(search.boundaryEdges());
+  if (each * kLeastSamples > kMostWork) {
+    counts.complete = false;
+    return counts;
+  }
+  const std::size_t samples = static_cast<std::size_t>(
+      std::clamp(kMostWork / each, double(kLeastSamples), double(kMostSamples)));
+  std::vector<char> isSheet(parts.size(), 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts.size(), 1), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      progress.check();
+      isSheet[i] = search.isSheet(parts[i], samples);
+    }
+  });
+  std::vector<char> drops(mesh.triangleCount(), 0);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (isSheet[i] == 0)
+      continue;
+    ++counts.parts;
+    for (const std::uint32_t face : parts[i].faces)
+      drops[face] = 1;
+  }
+  if (counts.parts > 0) {
+    counts.faces = dropFaces(mesh, drops);
+    dropUnusedPoints(mesh);
+  }
+  return counts;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/FaceContacts.h"
+
+#include "tetvdb/geometry/FaceContact.h"
+#include "tetvdb/geometry/VectorMath.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+namespace tetvdb {
+namespace {
+
+using Pair = std::pair<std::uint32_t, std::uint32_t>;
+
+constexpr std::size_t kMostPairs = std::size_t(1) << 25;
+constexpr std::size_t kMostPairsOfFace = 64;
+
+// Bit k: corner k of `face` is one of `other`'s.
+unsigned sharedCorners(const WeldedFace& face, const WeldedFace& other) {
+  const auto& c = other.corners;
+  unsigned bits = 0;
+  for (unsigned k = 0; k < 3; ++k)
+    bits |= unsigned(face.corners[k] == c[0] || face.corners[k] == c[1] || face.corners[k] == c[2])
+            << k;
+  return bits;
+}
+
+// Whether the corners of `face` but for the shared ones are all on one side of the other's plane:
+// then no more is common than these. By doubles; false where they cannot tell.
+bool surelyOnOneSide(const std::vector<Vec3d>& points, const WeldedFace& face, unsigned shared,
+                     const WeldedFace& plane) {
+  const Vec3d& a = points[plane.corners[0]];
+  const Vec3d u = minus(points[plane.corners[1]], a), v = minus(points[plane.corners[2]], a);
+  Vec3d n, most;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double left = u[(k + 1) % 3] * v[(k + 2) % 3], right = u[(k + 2) % 3] * v[(k + 1) % 3];
+    n[k] = left - right;
+    most[k] = std::abs(left) + std::abs(right);
+  }
+  int side = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if ((shared >> k & 1) != 0)
+      continue;
+    const Vec3d w = minus(points[face.corners[k]], a);
+    const double value = dot(n, w);
+    // Fewer than 8 roundings; differences are exact.
+    const double bound =
+        0x1p-49 * (most[0] * std::abs(w[0]) + most[1] * std::abs(w[1]) + most[2] * std::abs(w[2]));
+    if (!(std::abs(value) > bound))
+      return false;
+    const int here = value > 0 ? 1 : -1;
+    if (side * here < 0)
+      return false;
+    side = here;
+  }
+  return true;
+}
+
+struct EdgePair {
+  std::uint32_t a, b;
+  std::uint8_t cornerA, cornerB; // opposite to the edge
+};
+
+struct Found {
+  std::vector<Pair> meeting;
+  std::vector<EdgePair> edges;
+};
+
+} // namespace
+
+FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Progress& progress) {
+  const std::size_t count = welded.faces.size();
+  const std::size_t most = kMostPairs + kMostPairsOfFace * count;
+  tbb::enumerable_thread_specific<Found> locals;
+  // Other faces at the edge opposite to a corner: 0, 1 or more.
+  std::vector<std::uint8_t> atEdge(3 * count, 0);
+  std::atomic<std::size_t> looked{0};
+  std::atomic<bool> equal{false};
+  const auto look = [&](std::uint32_t first, std::uint32_t second, Found& found) {
+    const WeldedFace &a = welded.faces[first], &b = welded.faces[second];
+    const unsigned shared = sharedCorners(a, b);
+    if (shared == 7) {
+      equal = true;
+      return;
+    }
+    const unsigned sharedOfB = shared == 0 ? 0 : sharedCorners(b, a);
+    if (!surelyOnOneSide(welded.points, b, sharedOfB, a) &&
+        !surelyOnOneSide(welded.points, a, shared, b) &&
+        facesMeet(welded.points, a.corners.data(), b.corners.data()))
+      found.meeting.emplace_back(first, second);
+    const auto lone = [](unsigned bits) { // of two bits out of three
+      return static_cast<std::uint8_t>(bits == 6 ? 0 : bits == 5 ? 1 : 2);
+    };
+    if (shared == 3 || shared == 5 || shared == 6)
+      found.edges.push_back({first, second, lone(shared), lone(sharedOfB)});
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.blocks(), 64), [&](const auto& range) {
+    progress.check();
+    Found& found = locals.local();
+    std::vector<Pair> pairs;
+    for (std::size_t block = range.begin(); block != range.end(); ++block) {
+      if (looked > most || equal)
+        return;
+      pairs.clear();
+      boxes.pairs(block, most, pairs);
+      for (const auto& [first, second] : pairs)
+        look(first, second, found);
+      looked += pairs.size();
+    }
+  });
+  FaceContacts contacts;
+  contacts.equal = equal;
+  contacts.complete = equal || looked <= most;
+  if (equal || looked > most)
+    return contacts;
+
+  contacts.starts.assign(count + 1, 0);
+  std::vector<Pair> meeting;
+  for (const Found& found : locals)
+    for (const auto& [a, b] : found.meeting) {
+      meeting.emplace_back(a, b);
+      meeting.emplace_back(b, a);
+    }
+  tbb::parallel_sort(meeting.begin(), meeting.end());
+  contacts.others.reserve(meeting.size());
+  for (const auto& [face, other] : meeting) {
+    ++contacts.starts[face + 1];
+    contacts.others.push_back(other);
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    contacts.starts[i + 1] += contacts.starts[i];
+  for (const Found& found : locals)
+    for (const EdgePair& pair : found.edges) {
+      std::uint8_t &a = atEdge[3 * std::size_t(pair.a) + pair.cornerA],
+                   &b = atEdge[3 * std::size_t(pair.b) + pair.cornerB];
+      a = a == 0 ? 1 : 2;
+      b = b == 0 ? 1 : 2;
+    }
+  for (const Found& found : locals)
+    for (const EdgePair& pair : found.edges)
+      if (atEdge[3 * std::size_t(pair.a) + pair.cornerA] == 1 &&
+          atEdge[3 * std::size_t(pair.b) + pair.cornerB] == 1 && !contacts.isMet(pair.a) &&
+          !contacts.isMet(pair.b))
+        contacts.neighbours.emplace_back(pair.a, pair.b);
+  return contacts;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Closes a mesh by faces over its boundary edges.
+//
+//   tetvdb::HoleFilling filling = tetvdb::fillHoles(mesh, progress);
+//   for (const tetvdb::FilledHole& hole : filling.holes)
+//     print(hole.edges, hole.faces);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace tetvdb {
+
+struct FilledHole {
+  std::size_t edges = 0; ///< of the boundary, all loops of the hole together
+  std::size_t faces = 0; ///< added
+};
+
+struct HoleFilling {
+  std::vector<FilledHole> holes; ///< in the order of their faces
+};
+
+/// Adds faces after those that are there, over the points that are there, until no edge is
+/// run along oftener in one direction than in the other. Loops (BoundaryLoops.h) that lie in one
+/// plane, one within the other and running in opposite directions, bound one hole in the shape of a
+/// ring. Plane holes are triangulated in their plane (TriangulatePolygon.h), others so that they
+/// bend least (TriangulateLoop.h). What was there stays as it is, bit for bit. About 2 us a
+/// boundary edge of small holes.
+HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress);
+
+} // namespace tetvdb

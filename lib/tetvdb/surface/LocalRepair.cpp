@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/LocalRepair.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/SeparatePoints.h"
+#include "tetvdb/surface/SplitFans.h"
+#include "tetvdb/surface/SurfaceDefects.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kMostChange = 0.01; // of the solid's volume
+constexpr double kLeastSamples = 4;  // points that may differ whatever their share
+
+// Points that are equal as floats become the first of them.
+void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
+  const std::vector<std::uint32_t> equal = equalAsFloats(mesh.points);
+  if (equal.empty())
+    return;
+  std::map<std::array<float, 3>, std::uint32_t> first;
+  std::vector<std::uint32_t> becomes(mesh.points.size());
+  std::iota(becomes.begin(), becomes.end(), 0u);
+  std::vector<std::uint32_t> ascending = equal;
+  std::sort(ascending.begin(), ascending.end());
+  for (const std::uint32_t point : ascending) {
+    const Vec3d& p = mesh.points[point];
+    becomes[point] = first
+                         .try_emplace({static_cast<float>(p[0]), static_cast<float>(p[1]),
+                                       static_cast<float>(p[2])},
+                                      point)
+                         .first->second;
+    if (becomes[point] == point)
+      continue;
+    ++repair.stitched.joinedPoints;
+    repair.stitched.largestMove =
+        std::max(repair.stitched.largestMove, length(minus(p, mesh.points[becomes[point]])));
+  }
+  std::vector<char> drops(mesh.triangleCount(), 0);
+  for (std::size_t face = 0; face < drops.size(); ++face) {
+    std::uint32_t* c = &mesh.triangles[3 * face];
+    for (std::size_t k = 0; k < 3; ++k)
+      c[k] = becomes[c[k]];
+    drops[face] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
+  }
+  dropFaces(mesh, drops);
+  dropUnusedPoints(mesh);
+}
+
+bool isBalanced(const TriangleMesh& mesh) {
+  const EdgeTable edges(mesh);
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+    int excess = 0;
+    for (const std::uint32_t side : edges.sides(edge))
+      excess += edges.ascends(side) ? 1 : -1;
+    if (excess != 0)
+      return false;
+  }
+  return edges.edgeCount() > 0;
+}
+
+// Edges of several faces and points of several fans; says what is broken then.
+std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
+  const std::size_t points = mesh.points.size();
+  splitFans(mesh, progress);
+  const SeparatedPoints separated = separateEqualPoints(mesh, points, progress);
+  repair.separatedPoints = separated.points;
+  repair.largestMove = std::max(repair.stitched.largestMove, separated.largestMove);
+  return whatIsBroken(mesh, progress, true);
+}
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+} // namespace
+
+std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress, bool flatFacesAllowed) {
+  DefectOptions options;
+  options.windingSamples = 0;
+  options.maxIntersections = 0;
+  const SurfaceDefects defects = surfaceDefects(mesh, options, progress);
+  if (defects.boundaryEdges > 0)
+    return counted(defects.boundaryEdges, "boundary edge", "boundary edges");
+  if (defects.nonManifoldEdges > 0)
+    return counted(defects.nonManifoldEdges, "edge of three faces or more",
+                   "edges of three faces or more");
+  if (defects.misorientedEdges > 0)
+    return counted(defects.misorientedEdges, "edge whose faces do not look the same way",
+                   "edges whose faces do not look the same way");
+  if (defects.nonManifoldVertices > 0)
+    return counted(defects.nonManifoldVertices, "vertex of several fans",
+                   "vertices of several fans");
+  if (defects.duplicateFaces > 0)
+    return counted(defects.duplicateFaces, "duplicate face", "duplicate faces");
+  if (defects.degenerateFaces > 0 && !flatFacesAllowed)
+    return counted(defects.degenerateFaces, "face without area", "faces without area");
+  if (!(defects.volume > 0))
+    return "no volume";
+  if (const std::size_t equal = equalAsFloats(mesh.points).size(); equal > 0)
+    return std::to_string(equal) + " vertices equal as 32-bit floats";
+  options.maxIntersections = 100000;
+  if (const SurfaceDefects met = surfaceDefects(mesh, options, progress); met.selfIntersections > 0)
+    return counted(met.selfIntersections, "pair of faces that cross", "pairs of faces that cross");
+  return "";
+}
+
+LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
+  LocalRepair repair;
+  TriangleMesh work = mesh;
+  const auto failed = [&](const std::string& why) {
+    repair.why = why;
+    return repair;
+  };
+  joinEqualAsFloats(work, repair);
+  const StitchCounts stitched = stitchBoundaries(work, progress);
+  repair.stitched.joinedPoints += stitched.joinedPoints;
+  repair.stitched.largestMove = std::max(repair.stitched.largestMove, stitched.largestMove);
+  repair.stitched.splitFaces = stitched.splitFaces;
+  repair.stitched.flippedFaces = stitched.flippedFaces;
+  if (!isBalanced(work)) {
+    repair.sheets = dropSheets(work, progress);
+    if (!repair.sheets.complete)
+      return failed("too many open parts");
+    if (work.triangles.empty())
+      return failed("sheets alone");
+    repair.holes = fillHoles(work, progress).holes;
+    if (!isBalanced(work))
+      return failed("edges that no faces over them can close");
+  }
+  const TriangleMesh closed = work;
+  std::string broken = partWhatTouches(work, repair, progress);
+  if (!broken.empty()) {
+    work = closed;
+    repair.crossings = removeCrossings(work, progress);
+    if (!repair.crossings.complete)
+      return failed("faces that cross, too many to cut");
+    joinEqualAsFloats(work, repair);
+    if (!isBalanced(work))
+      return failed("edges left open where faces were cut");
+    broken = partWhatTouches(work, repair, progress);
+  }
+  if (!broken.empty())
+    return failed(broken);
+  repair.solids = compareSolids(mesh, work, progress);
+  const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
+  const double most = std::max(kMostChange * repair.solids.before, kLeastSamples * each);
+  if (repair.solids.lost > most || repair.solids.gained > most)
+    return failed("closing it would change its volume");
+  repair.succeeded = true;
+  mesh = std::move(work);
+  return repair;
+}
+
+} // namespace tetvdb

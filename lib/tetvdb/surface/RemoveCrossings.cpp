@@ -1,0 +1,541 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/RemoveCrossings.h"
+
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/LatticePlane.h"
+#include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/FillHoles.h"
+#include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/StitchBoundaries.h"
+#include "tetvdb/surface/TriangulatePolygon.h"
+#include "tetvdb/surface/TrimChain.h"
+#include "tetvdb/surface/WeldedFaces.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMostRounds = 6;
+constexpr std::size_t kMostPartCorners = 4096; // of one face, which are compared with one another
+constexpr double kSame = 8;                    // lattice units, within which corners are one
+constexpr double kStraight = 16; // lattice units, by which a corner may be off a straight line
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+using Loop = std::vector<std::uint32_t>;
+
+bool isPositive(std::int64_t winding) {
+  return winding > 0;
+}
+
+// The faces on a lattice, and which of the mesh they are.
+struct LatticeChain {
+  WeldedFaces welded;
+  std::vector<std::uint32_t> pointOf; ///< of the mesh, by point of `welded`
+  std::vector<std::uint32_t> source;  ///< face of the mesh, by face of `welded`
+  Vec3d origin{0, 0, 0};
+  double scale = 1; ///< lattice units in a world unit: a power of two
+
+  Vec3d toWorld(const Vec3d& p) const { return plus(origin, times(p, 1 / scale)); }
+};
+
+LatticeChain latticeChain(const TriangleMesh& mesh) {
+  LatticeChain chain;
+  Box box;
+  for (const std::uint32_t corner : mesh.triangles)
+    box.add(mesh.points[corner]);
+  chain.origin = box.low;
+  double extent = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    extent = std::max(extent, box.high[axis] - box.low[axis]);
+  int exponent = 0;
+  std::frexp(extent, &exponent); // extent <= 2^exponent
+  chain.scale = std::ldexp(1, 40 - exponent);
+
+  // Numbered by position, so that nothing follows from the order of faces.
+  std::map<Vec3d, std::uint32_t> corners; // the first corner's point of the mesh
+  std::vector<Vec3d> snapped(mesh.points.size());
+  std::vector<std::uint32_t> number(mesh.points.size(), kNone);
+  for (const std::uint32_t corner : mesh.triangles) {
+    if (number[corner] != kNone)
+      continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      snapped[corner][axis] = std::round((mesh.points[corner][axis] - box.low[axis]) * chain.scale);
+    number[corner] = 0;
+    corners.try_emplace(snapped[corner], corner);
+  }
+  for (auto& [p, point] : corners) {
+    chain.pointOf.push_back(point);
+    point = static_cast<std::uint32_t>(chain.welded.points.size());
+    chain.welded.points.push_back(p);
+    for (const double c : p)
+      chain.welded.extent = std::max(chain.welded.extent, c);
+  }
+  for (std::size_t point = 0; point < number.size(); ++point)
+    if (number[point] != kNone)
+      number[point] = corners.at(snapped[point]);
+
+  struct Weighed {
+    WeldedFace face;
+    std::uint32_t source;
+  };
+  std::vector<Weighed> all;
+  const std::vector<Vec3d>& points = chain.welded.points;
+  for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
+    std::array<std::uint32_t, 3> c;
+    for (std::size_t k = 0; k < 3; ++k)
+      c[k] = number[mesh.triangles[3 * std::size_t(face) + k]];
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ||
+        areCollinear(points[c[0]], points[c[1]], points[c[2]])) {
+      ++chain.welded.flat;
+      continue;
+    }
+    std::int32_t weight = 1;
+    const auto order = [&](std::size_t i, std::size_t k) {
+      if (points[c[k]] < points[c[i]]) {
+        std::swap(c[i], c[k]);
+        weight = -weight;
+      }
+    };
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    all.push_back({{c, weight}, face});
+  }
+  std::sort(all.begin(), all.end(), [](const Weighed& a, const Weighed& b) {
+    return a.face.corners != b.face.corners ? a.face.corners < b.face.corners : a.source < b.source;
+  });
+  for (std::size_t i = 0, end; i < all.size(); i = end) {
+    std::int32_t sum = 0;
+    for (end = i; end < all.size() && all[end].face.corners == all[i].face.corners; ++end)
+      sum += all[end].face.weight;
+    if (sum == 0)
+      continue;
+    std::size_t first = i;
+    while (all[first].face.weight * sum < 0)
+      ++first;
+    chain.welded.faces.push_back({all[i].face.corners, sum});
+    chain.source.push_back(all[first].source);
+  }
+  return chain;
+}
+
+// --- Corners of parts as points of the mesh.
+
+class PartPoints {
+public:
+  PartPoints(TriangleMesh& mesh, const LatticeChain& chain, bool floats)
+      : mesh_(mesh), chain_(chain), floats_(floats) {}
+
+  // Corners of faces that are cut are found again as what they are.
+  void addCorner(std::uint32_t latticePoint) {
+    const Vec3d& p = chain_.welded.points[latticePoint];
+    if (find(p) == kNone)
+      insert(p, chain_.pointOf[latticePoint]);
+  }
+  std::uint32_t at(const Vec3d& p) {
+    const std::uint32_t found = find(p);
+    if (found != kNone)
+      return found;
+    Vec3d world = chain_.toWorld(p);
+    if (floats_)
+      world = nearestFloats(world);
+    const auto [entry, isNew] =
+        byPosition_.try_emplace(world, static_cast<std::uint32_t>(mesh_.points.size()));
+    if (isNew)
+      mesh_.points.push_back(world);
+    insert(p, entry->second);
+    return entry->second;
+  }
+  // On the lattice, unrounded.
+  const Vec3d& lattice(std::uint32_t point) const { return positions_.at(point); }
+
+private:
+  using Cell = std::array<std::int64_t, 3>;
+  static Cell cellOf(const Vec3d& p) {
+    return {static_cast<std::int64_t>(std::floor(p[0] / (2 * kSame))),
+            static_cast<std::int64_t>(std::floor(p[1] / (2 * kSame))),
+            static_cast<std::int64_t>(std::floor(p[2] / (2 * kSame)))};
+  }
+  std::uint32_t find(const Vec3d& p) const {
+    const Cell middle = cellOf(p);
+    for (int n = 0; n < 27; ++n) {
+      const auto entry =
+          cells_.find({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
+      if (entry == cells_.end())
+        continue;
+      for (const auto& [at, point] : entry->second)
+        if (length(minus(at, p)) <= kSame)
+          return point;
+    }
+    return kNone;
+  }
+  void insert(const Vec3d& p, std::uint32_t point) {
+    cells_[cellOf(p)].emplace_back(p, point);
+    positions_.try_emplace(point, p);
+    byPosition_.try_emplace(mesh_.points[point], point);
+  }
+
+  TriangleMesh& mesh_;
+  const LatticeChain& chain_;
+  const bool floats_;
+  std::map<Cell, std::vector<std::pair<Vec3d, std::uint32_t>>> cells_;
+  std::map<std::uint32_t, Vec3d> positions_;
+  std::map<Vec3d, std::uint32_t> byPosition_; ///< in the world
+};
+
+// --- The parts of one face put together again.
+
+// What stays of a face, one way round: edges with the face on their left.
+struct Region {
+  std::uint32_t face; ///< of the chain
+  bool inverse;
+  std::set<Edge> edges;
+};
+
+bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
+  const Vec3d way = minus(b, a), to = minus(p, a);
+  const double size = length(way);
+  if (!(size > 0))
+    return false;
+  along = dot(to, way) / size;
+  return along > kSame && along < size - kSame && length(cross(way, to)) <= kStraight * size;
+}
+
+class Regions {
+public:
+  Regions(const TriangleMesh& mesh, PartPoints& points) : mesh_(mesh), points_(points) {}
+
+  // False where there are too many corners.
+  bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
+    for (const bool inverse : {false, true}) {
+      std::vector<Loop> outlines;
+      std::set<std::uint32_t> corners;
+      for (const FacePart& part : parts) {
+        if (part.inverse != inverse)
+          continue;
+        Loop loop;
+        for (const Vec3d& p : part.outline) {
+          const std::uint32_t v = points_.at(p);
+          if (loop.empty() || (loop.back() != v && loop.front() != v))
+            loop.push_back(v);
+        }
+        if (loop.size() < 3)
+          continue;
+        if (inverse)
+          std::reverse(loop.begin(), loop.end());
+        corners.insert(loop.begin(), loop.end());
+        outlines.push_back(std::move(loop));
+      }
+      if (corners.size() > kMostPartCorners)
+        return false;
+      Region region{face, inverse, {}};
+      for (const Loop& loop : outlines)
+        addOutline(loop, corners, region.edges);
+      if (!region.edges.empty())
+        regions_.push_back(std::move(region));
+    }
+    return true;
+  }
+
+  // Takes out corners that are straight in every region that has them, but for corners of faces.
+  void dropStraightCorners(const std::set<std::uint32_t>& faceCorners) {
+    std::map<std::uint32_t, std::vector<std::size_t>> regionsAt;
+    for (std::size_t i = 0; i < regions_.size(); ++i)
+      for (const Edge& edge : regions_[i].edges)
+        if (auto& at = regionsAt[edge.first]; at.empty() || at.back() != i)
+          at.push_back(i);
+    for (const auto& [v, at] : regionsAt) {
+      if (faceCorners.count(v) > 0)
+        continue;
+      std::vector<Edge> spans; // from the corner before to the one after, by region
+      for (const std::size_t i : at) {
+        Edge span{kNone, kNone};
+        std::size_t out = 0, in = 0;
+        const std::set<Edge>& edges = regions_[i].edges;
+        for (auto e = edges.lower_bound({v, 0}); e != edges.end() && e->first == v; ++e, ++out)
+          span.second = e->second;
+        for (const Edge& edge : edges)
+          if (edge.second == v) {
+            span.first = edge.first;
+            ++in;
+          }
+        double along;
+        if (in != 1 || out != 1 || edges.count({span.first, span.second}) > 0 ||
+            span.first == span.second ||
+            !isBetween(points_.lattice(span.first), points_.lattice(span.second),
+                       points_.lattice(v), along)) {
+          spans.clear();
+          break;
+        }
+        spans.push_back(span);
+      }
+      for (std::size_t k = 0; k < spans.size(); ++k) {
+        std::set<Edge>& edges = regions_[at[k]].edges;
+        edges.erase({spans[k].first, v});
+        edges.erase({v, spans[k].second});
+        edges.insert(spans[k]);
+      }
+    }
+  }
+
+  // Splits edges at corners of other regions that lie on them.
+  void addCornersOfOthers() {
+    std::set<std::uint32_t> all;
+    for (const Region& region : regions_)
+      for (const Edge& edge : region.edges)
+        all.insert(edge.first);
+    const std::vector<std::uint32_t> corners(all.begin(), all.end());
+    std::vector<Box> boxes;
+    for (const std::uint32_t v : corners)
+      boxes.push_back(Box{points_.lattice(v), points_.lattice(v)});
+    const BoxTree tree(boxes);
+    for (Region& region : regions_) {
+      const std::set<Edge> edges = region.edges;
+      for (const Edge& edge : edges) {
+        const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
+        Box box;
+        box.add(a);
+        box.add(b);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          box.low[axis] -= kStraight;
+          box.high[axis] += kStraight;
+        }
+        std::vector<std::pair<double, std::uint32_t>> between;
+        tree.visit([&](const Box& other) { return other.meets(box); },
+                   [&](std::uint32_t item) {
+                     double along;
+                     if (isBetween(a, b, points_.lattice(corners[item]), along))
+                       between.emplace_back(along, corners[item]);
+                     return false;
+                   });
+        if (between.empty())
+          continue;
+        std::sort(between.begin(), between.end());
+        region.edges.erase(edge);
+        std::uint32_t from = edge.first;
+        between.emplace_back(0, edge.second);
+        for (const auto& [along, to] : between) {
+          if (region.edges.erase({to, from}) == 0)
+            region.edges.insert({from, to});
+          from = to;
+        }
+      }
+    }
+  }
+
+  // Triangles of all regions; false where one cannot be triangulated.
+  bool triangulate(const LatticeChain& chain, std::vector<std::uint32_t>& corners) const {
+    std::vector<Vec3d> lattice(mesh_.points.size());
+    for (const Region& region : regions_) {
+      const std::array<Vec3d, 3> c = chain.welded.cornersOf(region.face);
+      const Vec3d normal =
+          times(cross(minus(c[1], c[0]), minus(c[2], c[0])), region.inverse ? -1.0 : 1.0);
+      for (const Edge& edge : region.edges)
+        lattice[edge.first] = points_.lattice(edge.first);
+      const std::vector<Loop> loops = loopsOf(region.edges);
+      for (const std::vector<Loop>& polygon : polygonsOf(loops, lattice, normal)) {
+        const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
+        if (!triangulatePolygon(mesh_.points, polygon, normal, none, corners) &&
+            !triangulatePolygon(lattice, polygon, normal, none, corners))
+          return false;
+      }
+    }
+    return true;
+  }
+
+private:
+  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners,
+                  std::set<Edge>& edges) const {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::uint32_t a = loop[i], b = loop[(i + 1) % loop.size()];
+      std::vector<std::pair<double, std::uint32_t>> between;
+      for (const std::uint32_t v : corners) {
+        double along;
+        if (v != a && v != b &&
+            isBetween(points_.lattice(a), points_.lattice(b), points_.lattice(v), along))
+          between.emplace_back(along, v);
+      }
+      std::sort(between.begin(), between.end());
+      std::uint32_t from = a;
+      between.emplace_back(0, b);
+      for (const auto& [along, to] : between) {
+        if (edges.erase({to, from}) == 0)
+          edges.insert({from, to});
+        from = to;
+      }
+    }
+  }
+
+  // Simple loops of edges that close.
+  static std::vector<Loop> loopsOf(std::set<Edge> edges) {
+    std::vector<Loop> loops;
+    while (!edges.empty()) {
+      Loop way{edges.begin()->first};
+      std::map<std::uint32_t, std::size_t> placeOf{{way.front(), 0}};
+      while (true) {
+        const auto next = edges.lower_bound({way.back(), 0});
+        if (next == edges.end() || next->first != way.back())
+          break;
+        const std::uint32_t to = next->second;
+        edges.erase(next);
+        const auto seen = placeOf.find(to);
+        if (seen == placeOf.end()) {
+          placeOf[to] = way.size();
+          way.push_back(to);
+          continue;
+        }
+        const auto first = way.begin() + static_cast<std::ptrdiff_t>(seen->second);
+        Loop loop(first, way.end());
+        for (auto v = first + 1; v != way.end(); ++v)
+          placeOf.erase(*v);
+        way.erase(first + 1, way.end());
+        if (loop.size() > 2)
+          loops.push_back(std::move(loop));
+      }
+    }
+    return loops;
+  }
+
+  // Outlines, each with the holes in it.
+  static std::vector<std::vector<Loop>> polygonsOf(const std::vector<Loop>& loops,
+                                                   const std::vector<Vec3d>& points,
+                                                   const Vec3d& normal) {
+    const Vec3d unit = times(normal, 1 / length(normal));
+    std::vector<double> areas;
+    for (const Loop& loop : loops) {
+      Vec3d sum{0, 0, 0};
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        sum = plus(sum, cross(minus(points[loop[i]], points[loop[0]]),
+                              minus(points[loop[(i + 1) % loop.size()]], points[loop[0]])));
+      areas.push_back(dot(sum, unit));
+    }
+    const auto turnsAround = [&](const Loop& loop, const Vec3d& p) {
+      double turn = 0;
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Vec3d a = minus(points[loop[i]], p),
+                    b = minus(points[loop[(i + 1) % loop.size()]], p);
+        turn += std::atan2(dot(cross(a, b), unit), dot(a, b));
+      }
+      return turn > 3;
+    };
+    std::vector<std::vector<Loop>> polygons;
+    std::vector<std::size_t> outlineOf;
+    for (std::size_t i = 0; i < loops.size(); ++i)
+      if (areas[i] > 0) {
+        polygons.push_back({loops[i]});
+        outlineOf.push_back(i);
+      }
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+      if (!(areas[i] < 0))
+        continue;
+      std::size_t best = polygons.size();
+      for (std::size_t k = 0; k < polygons.size(); ++k) {
+        const Loop& outline = loops[outlineOf[k]];
+        if (areas[outlineOf[k]] <= -areas[i] ||
+            (best < polygons.size() && areas[outlineOf[best]] <= areas[outlineOf[k]]))
+          continue;
+        // By a corner that is not the outline's as well.
+        const auto own = std::find_if(loops[i].begin(), loops[i].end(), [&](std::uint32_t v) {
+          return std::find(outline.begin(), outline.end(), v) == outline.end();
+        });
+        if (own == loops[i].end() || turnsAround(outline, points[*own]))
+          best = k;
+      }
+      if (best < polygons.size())
+        polygons[best].push_back(loops[i]);
+    }
+    return polygons;
+  }
+
+  const TriangleMesh& mesh_;
+  PartPoints& points_;
+  std::vector<Region> regions_;
+};
+
+bool areFloats(const std::vector<Vec3d>& points) {
+  return std::all_of(points.begin(), points.end(),
+                     [](const Vec3d& p) { return nearestFloats(p) == p; });
+}
+
+enum class Round { Done, Again, GivenUp };
+
+Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress& progress) {
+  const LatticeChain chain = latticeChain(mesh);
+  const TrimmedChain trimmed = trimChain(chain.welded, isPositive, progress);
+  if (!trimmed.complete)
+    return Round::GivenUp;
+  if (counts.rounds == 0)
+    counts.metFaces =
+        static_cast<std::size_t>(std::count(trimmed.isMet.begin(), trimmed.isMet.end(), char(1)));
+  // What stays of the mesh. Of a face that stays the back is inside, since it is wound around more
+  // often than the front: it looks the way it did.
+  std::vector<char> drops(mesh.triangleCount(), 1);
+  PartPoints points(mesh, chain, floats);
+  Regions regions(mesh, points);
+  std::set<std::uint32_t> faceCorners;
+  std::size_t cut = 0, kept = 0;
+  for (std::size_t i = 0; i < trimmed.rests.size(); ++i) {
+    if (trimmed.rests[i].parts.empty())
+      continue;
+    for (const std::uint32_t corner : chain.welded.faces[i].corners) {
+      points.addCorner(corner);
+      faceCorners.insert(chain.pointOf[corner]);
+    }
+  }
+  for (std::size_t i = 0; i < trimmed.rests.size(); ++i) {
+    const FaceRest& rest = trimmed.rests[i];
+    if (!rest.parts.empty()) {
+      ++cut;
+      if (!regions.add(static_cast<std::uint32_t>(i), rest.parts))
+        return Round::GivenUp;
+    } else if (rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse) {
+      ++kept;
+      drops[chain.source[i]] = 0;
+    }
+  }
+  if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
+    return Round::Done; // faces without area cross nothing
+  regions.dropStraightCorners(faceCorners);
+  regions.addCornersOfOthers();
+  std::vector<std::uint32_t> added;
+  if (!regions.triangulate(chain, added))
+    return Round::GivenUp;
+  counts.cutFaces += cut;
+  counts.addedFaces += added.size() / 3;
+  counts.removedFaces += dropFaces(mesh, drops) - cut;
+  mesh.triangles.insert(mesh.triangles.end(), added.begin(), added.end());
+  mesh.faceCount = mesh.triangleCount();
+  dropUnusedPoints(mesh);
+  stitchBoundaries(mesh, progress);
+  fillHoles(mesh, progress); // slits that rounding leaves
+  return mesh.triangles.empty() ? Round::GivenUp : Round::Again;
+}
+
+} // namespace
+
+CrossingCounts removeCrossings(TriangleMesh& mesh, Progress& progress) {
+  CrossingCounts counts;
+  const TriangleMesh before = mesh;
+  const bool floats = areFloats(mesh.points);
+  Round round = Round::Again;
+  for (; round == Round::Again && counts.rounds < kMostRounds; ++counts.rounds)
+    round = cutOnce(mesh, floats, counts, progress);
+  if (round == Round::GivenUp) {
+    counts.complete = false;
+    mesh = before;
+  }
+  return counts;
+}
+
+} // namespace tetvdb

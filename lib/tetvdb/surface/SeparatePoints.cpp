@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/SeparatePoints.h"
+
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/FaceContact.h"
+#include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/FloatPositions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr int kFirstStep = -22, kLastStep = -12; // powers of two of the largest coordinate
+constexpr int kMostRounds = 3;
+
+using FloatPosition = std::array<float, 3>;
+
+FloatPosition rounded(const Vec3d& p) {
+  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
+class Separating {
+public:
+  Separating(TriangleMesh& mesh, const std::vector<std::uint32_t>& equal) : mesh_(mesh) {
+    for (const Vec3d& p : mesh.points) {
+      used_.insert(rounded(p));
+      for (const double c : p)
+        size_ = std::max(size_, std::abs(c));
+    }
+    for (const std::uint32_t point : equal)
+      facesAt_[point];
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+      if (const auto entry = facesAt_.find(mesh.triangles[i]); entry != facesAt_.end())
+        entry->second.push_back(static_cast<std::uint32_t>(i / 3));
+  }
+
+  // Whether there was a place for it; the first of many where the point's faces cross no others, if
+  // that is asked for.
+  bool move(std::uint32_t point, bool free) {
+    const std::vector<std::uint32_t>& faces = facesAt_[point];
+    const Vec3d from = from_.try_emplace(point, mesh_.points[point]).first->second;
+    const Vec3d last = mesh_.points[point];
+    mesh_.points[point] = from;
+    std::vector<Vec3d> before, ways(2, Vec3d{0, 0, 0});
+    for (const std::uint32_t face : faces) {
+      before.push_back(normal(face));
+      if (const double size = length(before.back()); size > 0)
+        ways[0] = minus(ways[0], times(before.back(), 1 / size));
+      ways.push_back(minus(middle(face), from));
+      ways[1] = plus(ways[1], ways.back());
+    }
+    for (int step = kFirstStep; step <= kLastStep; ++step)
+      for (const Vec3d& way : ways) {
+        const double size = length(way);
+        if (size > 0 &&
+            moveTo(point, plus(from, times(way, std::ldexp(size_, step) / size)), faces, before)) {
+          if (!free || !crosses(point))
+            return true;
+          used_.erase(rounded(mesh_.points[point]));
+          mesh_.points[point] = from;
+        }
+      }
+    mesh_.points[point] = last;
+    used_.insert(rounded(last));
+    return false;
+  }
+
+  // Whether a face of the point meets another in more than they share.
+  bool crosses(std::uint32_t point) {
+    if (tree_ == nullptr) {
+      std::vector<Box> boxes(mesh_.triangleCount());
+      for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+        boxes[i / 3].add(at(i));
+      tree_ = std::make_unique<BoxTree>(std::move(boxes));
+    }
+    bool found = false;
+    for (const std::uint32_t face : facesAt_[point]) {
+      Box box;
+      for (std::size_t k = 0; k < 3; ++k)
+        box.add(at(3 * std::size_t(face) + k));
+      const double margin = std::ldexp(size_, kLastStep); // others may have moved
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.low[axis] -= margin;
+        box.high[axis] += margin;
+      }
+      tree_->visit([&](const Box& other) { return other.meets(box); },
+                   [&](std::uint32_t other) {
+                     found =
+                         found || (other != face && hasArea(face) && hasArea(other) &&
+                                   facesMeet(mesh_.points, &mesh_.triangles[3 * std::size_t(face)],
+                                             &mesh_.triangles[3 * std::size_t(other)]));
+                     return found;
+                   });
+    }
+    return found;
+  }
+
+  double moveOf(std::uint32_t point) const {
+    return length(minus(mesh_.points[point], from_.at(point)));
+  }
+
+private:
+  // Whether `position`, rounded, is free and turns none of the faces, which had those normals.
+  bool moveTo(std::uint32_t point, const Vec3d& position, const std::vector<std::uint32_t>& faces,
+              const std::vector<Vec3d>& before) {
+    const FloatPosition to = rounded(position);
+    if (used_.count(to) > 0)
+      return false;
+    const Vec3d from = mesh_.points[point];
+    mesh_.points[point] = nearestFloats(position);
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      if (!(dot(normal(faces[i]), before[i]) > 0)) {
+        mesh_.points[point] = from;
+        return false;
+      }
+    used_.insert(to);
+    return true;
+  }
+  const Vec3d& at(std::size_t corner) const { return mesh_.points[mesh_.triangles[corner]]; }
+  Vec3d normal(std::size_t face) const {
+    return cross(minus(at(3 * face + 1), at(3 * face)), minus(at(3 * face + 2), at(3 * face)));
+  }
+  Vec3d middle(std::size_t face) const {
+    return times(plus(plus(at(3 * face), at(3 * face + 1)), at(3 * face + 2)), 1.0 / 3);
+  }
+
+  bool hasArea(std::uint32_t face) const {
+    const std::size_t i = 3 * std::size_t(face);
+    return !areCollinear(at(i), at(i + 1), at(i + 2));
+  }
+
+  TriangleMesh& mesh_;
+  double size_ = 0;
+  std::set<FloatPosition> used_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> facesAt_;
+  std::unordered_map<std::uint32_t, Vec3d> from_; ///< of points that moved
+  std::unique_ptr<BoxTree> tree_;                 ///< of faces, made when first asked for
+};
+
+} // namespace
+
+SeparatedPoints separateEqualPoints(TriangleMesh& mesh, std::size_t firstAdded,
+                                    Progress& progress) {
+  SeparatedPoints counts;
+  std::vector<std::uint32_t> moving = equalAsFloats(mesh.points);
+  for (std::size_t point = firstAdded; point < mesh.points.size(); ++point)
+    moving.push_back(static_cast<std::uint32_t>(point));
+  if (moving.empty())
+    return counts;
+  std::sort(moving.begin(), moving.end());
+  moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
+  Separating separating(mesh, moving);
+  std::set<FloatPosition> kept;
+  std::vector<std::uint32_t> moved;
+  for (const std::uint32_t point : moving) {
+    progress.check();
+    const bool isFirst = kept.insert(rounded(mesh.points[point])).second;
+    if (isFirst && point < firstAdded)
+      continue;
+    if (separating.move(point, false))
+      moved.push_back(point);
+    else
+      counts.complete = false;
+  }
+  for (int round = 0; round < kMostRounds; ++round) {
+    bool again = false;
+    for (const std::uint32_t point : moved) {
+      progress.check();
+      if (separating.crosses(point))
+        again = separating.move(point, true) || again;
+    }
+    if (!again)
+      break;
+  }
+  counts.points = moved.size();
+  for (const std::uint32_t point : moved)
+    counts.largestMove = std::max(counts.largestMove, separating.moveOf(point));
+  return counts;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/SharpenCreases.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/SelfIntersections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kSharpCosine = 0.9; ///< of the angle between two normals of a cube with a crease
+constexpr double kFlat = 0.02;       ///< eigenvalue over the largest: no plane stands that way
+constexpr double kOutside = 0.6;     ///< voxels that the point may lie outside its cube
+constexpr int kSweeps = 12;
+constexpr int kRounds = 4; ///< of leaving fans out that cross faces
+constexpr std::size_t kCubesPerTask = 512;
+
+using Matrix = std::array<Vec3d, 3>; ///< rows
+
+// Eigenvalues on the diagonal of `m`, eigenvectors in the columns of `vectors`: cyclic Jacobi
+// rotations (Golub and Van Loan, Matrix Computations, 8.5).
+void diagonalize(Matrix& m, Matrix& vectors) {
+  vectors = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+  for (int sweep = 0; sweep < kSweeps; ++sweep)
+    for (std::size_t p = 0; p < 2; ++p)
+      for (std::size_t q = p + 1; q < 3; ++q) {
+        if (m[p][q] == 0)
+          continue;
+        const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+        const double t = (theta < 0 ? -1 : 1) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+        const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double a = m[k][p], b = m[k][q];
+          m[k][p] = c * a - s * b;
+          m[k][q] = s * a + c * b;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double a = m[p][k], b = m[q][k];
+          m[p][k] = c * a - s * b;
+          m[q][k] = s * a + c * b;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double a = vectors[k][p], b = vectors[k][q];
+          vectors[k][p] = c * a - s * b;
+          vectors[k][q] = s * a + c * b;
+        }
+      }
+}
+
+// The point next to the planes in least squares; of several the one next to their points' mean.
+// Directions along which the planes say next to nothing are left out.
+Vec3d nearestToPlanes(const std::vector<const ShapeContact*>& planes) {
+  Vec3d mean{0, 0, 0};
+  for (const ShapeContact* plane : planes)
+    mean = plus(mean, times(plane->point, 1.0 / static_cast<double>(planes.size())));
+  Matrix m{}, vectors;
+  Vec3d right{0, 0, 0};
+  for (const ShapeContact* plane : planes) {
+    const Vec3d n{plane->normal[0], plane->normal[1], plane->normal[2]};
+    const double distance = dot(n, minus(plane->point, mean));
+    for (std::size_t i = 0; i < 3; ++i) {
+      right[i] += n[i] * distance;
+      for (std::size_t j = 0; j < 3; ++j)
+        m[i][j] += n[i] * n[j];
+    }
+  }
+  diagonalize(m, vectors);
+  const double largest = std::max({m[0][0], m[1][1], m[2][2]});
+  Vec3d result = mean;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(m[k][k] > kFlat * largest))
+      continue;
+    const Vec3d v{vectors[0][k], vectors[1][k], vectors[2][k]};
+    result = plus(result, times(v, dot(v, right) / m[k][k]));
+  }
+  return result;
+}
+
+class Sharpening {
+public:
+  Sharpening(TriangleMesh& mesh, const std::vector<ShapeContact>& contacts,
+             const std::vector<CubePatch>& cubes, const GridTransform& transform,
+             Progress& progress)
+      : mesh_(mesh), contacts_(contacts), cubes_(cubes), transform_(transform), progress_(progress),
+        first_(cubes.size() + 1, 0), isSharp_(cubes.size(), 0), apex_(cubes.size()) {
+    for (std::size_t i = 0; i < cubes.size(); ++i)
+      first_[i + 1] = first_[i] + cubes[i].triangles;
+  }
+
+  std::size_t run() {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cubes_.size(), kCubesPerTask),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        progress_.check();
+                        for (std::size_t i = range.begin(); i != range.end(); ++i)
+                          look(i);
+                      });
+    const std::size_t before = mesh_.points.size();
+    marched_ = mesh_.triangles;
+    for (int round = 0;; ++round) {
+      const std::vector<std::size_t> cubeOf = addPoints(before);
+      mesh_.triangles.clear();
+      emit(before);
+      flipEdges(before);
+      if (round == kRounds || !dropCrossing(before, cubeOf))
+        break;
+    }
+    mesh_.faceCount = mesh_.triangleCount();
+    return mesh_.points.size() - before;
+  }
+
+private:
+  // Whether a cube has one surface with a crease, and where its point is.
+  void look(std::size_t i) {
+    std::vector<std::uint32_t> corners(mesh_.triangles.begin() + std::ptrdiff_t(3 * first_[i]),
+                                       mesh_.triangles.begin() + std::ptrdiff_t(3 * first_[i + 1]));
+    const std::size_t triangles = corners.size() / 3;
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    if (corners.size() != triangles + 2) // more than one disk
+      return;
+    std::vector<const ShapeContact*> planes;
+    double least = 1;
+    for (const std::uint32_t v : corners) {
+      const ShapeContact& contact = contacts_[v];
+      const auto& n = contact.normal;
+      if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+        return;
+      for (const ShapeContact* other : planes)
+        least = std::min(least, double(n[0]) * other->normal[0] + double(n[1]) * other->normal[1] +
+                                    double(n[2]) * other->normal[2]);
+      planes.push_back(&contact);
+    }
+    if (least > kSharpCosine)
+      return;
+    apex_[i] = nearestToPlanes(planes);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double inCube =
+          (apex_[i][axis] - transform_.origin[axis]) / transform_.voxelSize[axis] -
+          cubes_[i].cube[axis];
+      if (!(inCube > -kOutside && inCube < 1 + kOutside))
+        return;
+    }
+    isSharp_[i] = 1;
+  }
+
+  // Points that would equal another one are left out with their cubes. Returns the points' cubes.
+  std::vector<std::size_t> addPoints(std::size_t before) {
+    std::vector<std::size_t> cubeOf;
+    for (bool isDone = false; !isDone;) {
+      mesh_.points.resize(before);
+      cubeOf.clear();
+      for (std::size_t i = 0; i < cubes_.size(); ++i)
+        if (isSharp_[i] != 0) {
+          cubeOf.push_back(i);
+          mesh_.points.push_back(apex_[i]);
+        }
+      isDone = true;
+      for (const std::uint32_t v : equalAsFloats(mesh_.points))
+        if (v >= before) {
+          isSharp_[cubeOf[v - before]] = 0;
+          isDone = false;
+        }
+    }
+    return cubeOf;
+  }
+
+  // Fans that cross other faces: their cubes are left as they were. Whether there were any.
+  bool dropCrossing(std::size_t before, const std::vector<std::size_t>& cubeOf) {
+    std::vector<char> isFan(mesh_.triangleCount(), 0);
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      if (mesh_.triangles[i] >= before)
+        isFan[i / 3] = 1;
+    const std::vector<std::uint32_t> crossing =
+        facesThatMeetOthers(mesh_.points, mesh_.triangles, isFan, progress_);
+    for (const std::uint32_t face : crossing)
+      for (std::size_t k = 0; k < 3; ++k)
+        if (const std::uint32_t v = mesh_.triangles[3 * std::size_t(face) + k]; v >= before)
+          isSharp_[cubeOf[v - before]] = 0;
+    return !crossing.empty();
+  }
+
+  // Sides of a cube's triangles that only one of them has.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> border(std::size_t i) const {
+    std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
+    for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        sides.insert({marched_[3 * t + k], marched_[3 * t + (k + 1) % 3]});
+    for (std::size_t t = first_[i]; t < first_[i + 1]; ++t) // in their own order
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = marched_[3 * t + k], b = marched_[3 * t + (k + 1) % 3];
+        if (sides.count({b, a}) == 0)
+          result.emplace_back(a, b);
+      }
+    return result;
+  }
+
+  void emit(std::size_t before) {
+    std::vector<std::uint32_t>& triangles = mesh_.triangles;
+    auto apex = static_cast<std::uint32_t>(before);
+    for (std::size_t i = 0; i < cubes_.size(); ++i) {
+      if (isSharp_[i] == 0) {
+        triangles.insert(triangles.end(), marched_.begin() + std::ptrdiff_t(3 * first_[i]),
+                         marched_.begin() + std::ptrdiff_t(3 * first_[i + 1]));
+        continue;
+      }
+      for (const auto& [a, b] : border(i))
+        triangles.insert(triangles.end(), {a, b, apex});
+      ++apex;
+    }
+  }
+
+  // An edge between two fans becomes the edge between their points. Two cubes have two such edges
+  // where both run through their common face: the first one is flipped.
+  void flipEdges(std::size_t before) {
+    const EdgeTable edges(mesh_);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
+    std::vector<std::array<std::uint32_t, 4>> flips; // both sides, both points
+    for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+      const EdgeTable::Sides sides = edges.sides(edge);
+      if (sides.size() != 2 || edges.highPoint(edge) >= before)
+        continue;
+      const std::uint32_t c = edges.opposite(sides[0]), d = edges.opposite(sides[1]);
+      if (c < before || d < before || !joined.insert({std::min(c, d), std::max(c, d)}).second)
+        continue;
+      flips.push_back({sides[0], sides[1], c, d});
+    }
+    for (const auto& [first, second, c, d] : flips) {
+      const std::uint32_t a = mesh_.triangles[first], b = mesh_.triangles[EdgeTable::next(first)];
+      const auto put = [&](std::uint32_t side, const std::array<std::uint32_t, 3>& corners) {
+        std::copy(corners.begin(), corners.end(),
+                  mesh_.triangles.begin() + std::ptrdiff_t(side / 3 * 3));
+      };
+      put(first, {c, a, d});
+      put(second, {d, b, c});
+    }
+  }
+
+  TriangleMesh& mesh_;
+  const std::vector<ShapeContact>& contacts_;
+  const std::vector<CubePatch>& cubes_;
+  const GridTransform& transform_;
+  Progress& progress_;
+  std::vector<std::uint32_t> marched_; ///< corners of the faces as they came
+  std::vector<std::size_t> first_;     ///< triangle of a cube
+  std::vector<char> isSharp_;          ///< of a cube
+  std::vector<Vec3d> apex_;            ///< of a cube: the point of its fan
+};
+
+} // namespace
+
+std::size_t sharpenCreases(TriangleMesh& mesh, const std::vector<ShapeContact>& contacts,
+                           const std::vector<CubePatch>& cubes, const GridTransform& transform,
+                           Progress& progress) {
+  return Sharpening(mesh, contacts, cubes, transform, progress).run();
+}
+
+} // namespace tetvdb

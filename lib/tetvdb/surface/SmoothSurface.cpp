@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/SmoothSurface.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/FeatureEdges.h"
+#include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/SelfIntersections.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr int kRounds = 20;        ///< of a step in and a step out
+constexpr double kStepIn = 0.5;    ///< share of the way to the neighbours' mean
+constexpr double kStepOut = -0.53; ///< Taubin: 1 / kStepIn + 1 / kStepOut is the pass band, above 0
+constexpr double kLeastCosine = 0.2; ///< of the angle by which a face may turn
+constexpr int kHalvings = 4;         ///< of a vertex's way, before it stays in its place
+constexpr int kBisections = 40;
+constexpr int kVolumeHalvings = 8;
+
+struct Traits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+};
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
+
+class Smoothing {
+public:
+  Smoothing(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress)
+      : mesh_(mesh), options_(options), progress_(progress), first_(mesh.points),
+        target_(mesh.points), share_(mesh.points.size(), 1.0), isHeld_(mesh.points.size(), 0) {
+    build();
+    if (options.featureDegrees < 180)
+      for (const VertexPair& edge : featureEdges(mesh, options.featureDegrees))
+        isHeld_[edge[0]] = isHeld_[edge[1]] = 1;
+  }
+
+  SmoothCounts run() {
+    for (int round = 0; round < kRounds; ++round) {
+      step(kStepIn);
+      step(kStepOut);
+      progress_.update(0.5 * round / kRounds);
+    }
+    // Not at every step: what a step in could not reach, the step out would move away from.
+    for (std::size_t v = 0; v < first_.size(); ++v)
+      mesh_.points[v] = bounded(v, mesh_.points[v]);
+    wanted_ = volumeOf(first_);
+    keepVolume();
+    backOff();
+    // Backing off may have cost volume: less of all ways then, down to none.
+    for (int halving = 1; !hasVolume(); ++halving) {
+      for (double& share : share_)
+        share = halving < kVolumeHalvings ? share / 2 : 0;
+      place(1);
+      backOff();
+    }
+    return counts();
+  }
+
+private:
+  void build() {
+    halfEdges_.reserve(mesh_.points.size(), mesh_.triangles.size() / 2, mesh_.triangleCount());
+    for (std::size_t v = 0; v < mesh_.points.size(); ++v)
+      halfEdges_.add_vertex(HalfEdgeMesh::Point(0, 0, 0));
+    const auto vertex = [&](std::size_t corner) {
+      return HalfEdgeMesh::VertexHandle(static_cast<int>(mesh_.triangles[corner]));
+    };
+    bool isManifold = true;
+    for (std::size_t i = 0; i < mesh_.triangles.size() && isManifold; i += 3)
+      isManifold = halfEdges_.add_face(vertex(i), vertex(i + 1), vertex(i + 2)).is_valid();
+    for (const auto edge : halfEdges_.edges())
+      isManifold = isManifold && !halfEdges_.is_boundary(edge);
+    if (!isManifold)
+      throw Error(Status::Invalid, "", "the surface is no closed manifold");
+  }
+
+  Vec3d neighboursMean(std::size_t v) const {
+    Vec3d sum{0, 0, 0};
+    int count = 0;
+    const HalfEdgeMesh::VertexHandle centre(static_cast<int>(v));
+    for (auto n = halfEdges_.cvv_begin(centre); n.is_valid(); ++n, ++count)
+      sum = plus(sum, mesh_.points[static_cast<std::size_t>(n->idx())]);
+    return count > 0 ? times(sum, 1.0 / count) : mesh_.points[v];
+  }
+
+  // No farther than allowed from where the vertex began.
+  Vec3d bounded(std::size_t v, const Vec3d& p) const {
+    const Vec3d way = minus(p, first_[v]);
+    const double far = length(way);
+    return far > options_.distance ? plus(first_[v], times(way, options_.distance / far)) : p;
+  }
+
+  // Along the normal alone: the way along the surface would use up the distance for nothing.
+  void step(double share) {
+    const std::vector<Vec3d> normals = areaNormals();
+    std::vector<Vec3d> next = mesh_.points;
+    for (std::size_t v = 0; v < next.size(); ++v) {
+      const double square = dot(normals[v], normals[v]);
+      if (isHeld_[v] != 0 || !(square > 0))
+        continue;
+      const double along = dot(minus(neighboursMean(v), mesh_.points[v]), normals[v]) / square;
+      next[v] = plus(mesh_.points[v], times(normals[v], share * along));
+    }
+    mesh_.points = std::move(next);
+  }
+
+  // Of the faces around a vertex: a third of their area along their normals.
+  std::vector<Vec3d> areaNormals() const {
+    std::vector<Vec3d> normals(first_.size(), Vec3d{0, 0, 0});
+    for (std::size_t face = 0; face < mesh_.triangleCount(); ++face) {
+      const Vec3d n = times(normalOf(mesh_.points, face), 1.0 / 6);
+      for (std::size_t k = 0; k < 3; ++k) {
+        Vec3d& sum = normals[mesh_.triangles[3 * face + k]];
+        sum = plus(sum, n);
+      }
+    }
+    return normals;
+  }
+
+  double volumeOf(const std::vector<Vec3d>& points) const {
+    double sum = 0;
+    const Vec3d& origin = first_[mesh_.triangles[0]];
+    for (std::size_t i = 0; i < mesh_.triangles.size(); i += 3)
+      sum += dot(minus(points[mesh_.triangles[i]], origin),
+                 cross(minus(points[mesh_.triangles[i + 1]], origin),
+                       minus(points[mesh_.triangles[i + 2]], origin)));
+    return sum / 6;
+  }
+
+  bool hasVolume() const {
+    return !(std::abs(volumeOf(mesh_.points) - wanted_) > options_.volumeShare * std::abs(wanted_));
+  }
+
+  void place(double share) {
+    for (std::size_t v = 0; v < first_.size(); ++v)
+      mesh_.points[v] = plus(first_[v], times(minus(target_[v], first_[v]), share * share_[v]));
+  }
+
+  // The volume as it was, by a way along the normals where it is free, then by less of all ways.
+  void keepVolume() {
+    for (int round = 0; round < 3; ++round)
+      offset(wanted_ - volumeOf(mesh_.points));
+    target_ = mesh_.points;
+    if (hasVolume())
+      return;
+    double low = 0, high = 1;
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = (low + high) / 2;
+      place(middle);
+      (hasVolume() ? low : high) = middle;
+    }
+    place(low);
+    target_ = mesh_.points;
+  }
+
+  void offset(double volumeToAdd) {
+    const std::vector<Vec3d> normals = areaNormals();
+    double area = 0;
+    for (std::size_t v = 0; v < normals.size(); ++v)
+      if (isHeld_[v] == 0)
+        area += length(normals[v]);
+    if (!(area > 0))
+      return;
+    for (std::size_t v = 0; v < normals.size(); ++v)
+      if (const double l = length(normals[v]); isHeld_[v] == 0 && l > 0)
+        mesh_.points[v] =
+            bounded(v, plus(mesh_.points[v], times(normals[v], volumeToAdd / area / l)));
+  }
+
+  Vec3d normalOf(const std::vector<Vec3d>& points, std::size_t face) const {
+    const std::uint32_t* v = &mesh_.triangles[3 * face];
+    return cross(minus(points[v[1]], points[v[0]]), minus(points[v[2]], points[v[0]]));
+  }
+
+  // Faces that may not lie as they do now.
+  std::vector<std::uint32_t> badFaces() {
+    std::vector<std::uint32_t> bad;
+    for (std::uint32_t face = 0; face < mesh_.triangleCount(); ++face) {
+      const Vec3d before = normalOf(first_, face), now = normalOf(mesh_.points, face);
+      if (!(dot(before, now) > kLeastCosine * length(before) * length(now)))
+        bad.push_back(face);
+    }
+    if (!bad.empty()) // collinear ones perhaps
+      return bad;
+    bad = facesThatMeetOthers(mesh_.points, mesh_.triangles, {}, progress_);
+    if (!bad.empty() && !knowsFirst_) {
+      knowsFirst_ = true;
+      metFirst_ = facesThatMeetOthers(first_, mesh_.triangles, {}, progress_);
+    }
+    std::vector<std::uint32_t> added;
+    std::set_difference(bad.begin(), bad.end(), metFirst_.begin(), metFirst_.end(),
+                        std::back_inserter(added));
+    return added;
+  }
+
+  // Vertices at bad faces halve their way, then stay; so do their neighbours if that is not enough.
+  void backOff() {
+    for (std::size_t round = 0;; ++round) {
+      progress_.update(0.6);
+      std::vector<char> touched(first_.size(), 0);
+      for (const std::uint32_t face : badFaces())
+        for (std::size_t k = 0; k < 3; ++k)
+          touched[mesh_.triangles[3 * std::size_t(face) + k]] = 1;
+      for (const std::uint32_t v : equalAsFloats(mesh_.points))
+        touched[v] = 1;
+      for (std::size_t ring = 0; ring < round / kHalvings; ++ring) {
+        const std::vector<char> inner = touched;
+        for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+          if (inner[mesh_.triangles[i]] != 0)
+            for (std::size_t k = 0; k < 3; ++k)
+              touched[mesh_.triangles[i / 3 * 3 + k]] = 1;
+      }
+      bool isMoving = false;
+      for (std::size_t v = 0; v < touched.size(); ++v)
+        if (touched[v] != 0 && share_[v] > 0) {
+          share_[v] = share_[v] > std::exp2(-kHalvings) ? share_[v] / 2 : 0;
+          isMoving = true;
+        }
+      if (!isMoving)
+        return;
+      place(1);
+    }
+  }
+
+  SmoothCounts counts() const {
+    SmoothCounts result;
+    for (std::size_t v = 0; v < first_.size(); ++v) {
+      const double far = length(minus(mesh_.points[v], first_[v]));
+      result.moved += far > 0;
+      result.held += isHeld_[v] != 0;
+      result.backed += share_[v] < 1;
+      result.largest = std::max(result.largest, far);
+    }
+    return result;
+  }
+
+  TriangleMesh& mesh_;
+  const SmoothOptions& options_;
+  Progress& progress_;
+  const std::vector<Vec3d> first_; ///< where the vertices began
+  std::vector<Vec3d> target_;      ///< where they would go
+  std::vector<double> share_;      ///< of the way there
+  std::vector<char> isHeld_;
+  double wanted_ = 0;                   ///< volume
+  bool knowsFirst_ = false;             ///< metFirst_
+  std::vector<std::uint32_t> metFirst_; ///< faces that met others in the input
+  HalfEdgeMesh halfEdges_;              ///< topology alone
+};
+
+} // namespace
+
+SmoothCounts smoothSurface(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress) {
+  if (!(options.distance > 0) || !std::isfinite(options.distance))
+    throw Error(Status::Usage, "smooth", "needs a distance above zero");
+  if (mesh.triangles.empty())
+    return {};
+  return Smoothing(mesh, options, progress).run();
+}
+
+} // namespace tetvdb

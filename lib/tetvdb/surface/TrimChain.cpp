@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/TrimChain.h"
+
+#include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/FaceColumns.h"
+#include "tetvdb/surface/FaceContacts.h"
+#include "tetvdb/surface/FacePieces.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <memory>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+// Of all faces together, beyond which trimming is given up: pieces of memory and of time.
+constexpr std::size_t kMostPieces = std::size_t(1) << 22;
+constexpr std::size_t kMostCuts = std::size_t(1) << 26;  // looks at pieces
+constexpr std::size_t kMostLooks = std::size_t(1) << 29; // at faces of columns
+constexpr unsigned kMostAttempts = 32;                   // to find a point that decides
+
+std::vector<Box> boxesOf(const WeldedFaces& welded) {
+  std::vector<Box> boxes(welded.faces.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      for (const Vec3d& corner : welded.cornersOf(i))
+        boxes[i].add(corner);
+  });
+  return boxes;
+}
+
+class Trimmer {
+public:
+  Trimmer(const WeldedFaces& welded, bool (*isInside)(std::int64_t), Progress& progress)
+      : welded_(welded), isInside_(isInside), progress_(progress), boxes_(boxesOf(welded)),
+        columns_(welded, boxes_), contacts_(findContacts(welded, boxes_, progress)) {}
+
+  const FaceContacts& contacts() const { return contacts_; }
+
+  // Empty where it is given up.
+  std::vector<FaceRest> run() {
+    rests_.resize(welded_.faces.size());
+    judgePatches();
+    if (!gaveUp_)
+      cutFaces();
+    if (gaveUp_)
+      rests_.clear();
+    return std::move(rests_);
+  }
+
+private:
+  // Of faces that lie on one another the first stands for all.
+  PartFate fateOf(const FacePieces& pieces, std::size_t piece, const FacePlanes& face,
+                  std::uint32_t number) {
+    std::size_t looked = 0;
+    PartFate fate = PartFate::Undecided;
+    for (unsigned attempt = 0; attempt < kMostAttempts; ++attempt) {
+      std::int64_t u, v;
+      if (!pieces.innerPoint(piece, attempt, u, v))
+        continue;
+      const auto sides = columns_.at(face, LiftedPoint(face.plane, face.axis, u, v), looked);
+      if (!sides)
+        continue;
+      const bool front = isInside_(sides->front), back = isInside_(sides->back);
+      fate = front == back || sides->first != number ? PartFate::Goes
+             : back                                  ? PartFate::Stays
+                                                     : PartFate::StaysInverse;
+      break;
+    }
+    if ((looks_ += looked) > kMostLooks)
+      gaveUp_ = true;
+    return fate;
+  }
+
+  // Faces that hang together by edges that belong to no others, and that no face meets, have the
+  // same on their either side: one point tells of all of them.
+  void judgePatches() {
+    DisjointSets patches(welded_.faces.size());
+    for (const auto& [a, b] : contacts_.neighbours)
+      if (areContinued(welded_.faces[a], welded_.faces[b]))
+        patches.join(a, b);
+    std::vector<std::uint32_t> first, patchOf(welded_.faces.size());
+    for (std::uint32_t i = 0; i < patchOf.size(); ++i) {
+      patchOf[i] = patches.find(i);
+      if (patchOf[i] == i && !contacts_.isMet(i))
+        first.push_back(i);
+    }
+    // A thin face may hide its answer, the largest of the patch does not.
+    std::vector<std::uint32_t> largest = patchOf;
+    std::vector<double> area(patchOf.size(), -1);
+    for (std::uint32_t i = 0; i < patchOf.size(); ++i)
+      if (const double own = roughArea(i); own > area[patchOf[i]]) {
+        area[patchOf[i]] = own;
+        largest[patchOf[i]] = i;
+      }
+    // Of a patch, as its faces are weighed: the front of those of positive weight.
+    std::vector<PartFate> fates(patchOf.size(), PartFate::Stays);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, first.size(), 16), [&](const auto& r) {
+      progress_.check();
+      for (std::size_t i = r.begin(); i != r.end() && !gaveUp_; ++i) {
+        const std::uint32_t asked = largest[first[i]];
+        const FacePlanes face(welded_.cornersOf(asked));
+        fates[first[i]] =
+            turned(fateOf(FacePieces(face), 0, face, asked), welded_.faces[asked].weight < 0);
+      }
+    });
+    for (std::uint32_t i = 0; i < patchOf.size(); ++i)
+      if (!contacts_.isMet(i))
+        rests_[i].fate = turned(fates[patchOf[i]], welded_.faces[i].weight < 0);
+  }
+
+  static PartFate turned(PartFate fate, bool turn) {
+    if (!turn || fate == PartFate::Goes || fate == PartFate::Undecided)
+      return fate;
+    return fate == PartFate::Stays ? PartFate::StaysInverse : PartFate::Stays;
+  }
+
+  // Across the edge they share the front goes on as the front, and weighs the same.
+  static bool areContinued(const WeldedFace& a, const WeldedFace& b) {
+    const auto runs = [](const WeldedFace& face, std::uint32_t from, std::uint32_t to) {
+      const auto& c = face.corners;
+      const auto at = std::find(c.begin(), c.end(), from) - c.begin();
+      return c[static_cast<std::size_t>((at + 1) % 3)] == to ? 1 : -1;
+    };
+    std::array<std::uint32_t, 2> shared{};
+    std::size_t found = 0;
+    for (const std::uint32_t corner : a.corners)
+      if (std::find(b.corners.begin(), b.corners.end(), corner) != b.corners.end())
+        shared[found++] = corner;
+    const int turn = -runs(a, shared[0], shared[1]) * runs(b, shared[0], shared[1]);
+    return a.weight == turn * b.weight;
+  }
+
+  double roughArea(std::uint32_t face) const {
+    const std::array<Vec3d, 3> c = welded_.cornersOf(face);
+    const Vec3d n = cross(minus(c[1], c[0]), minus(c[2], c[0]));
+    return dot(n, n);
+  }
+
+  void cutFaces() {
+    std::vector<std::uint32_t> met;
+    for (std::uint32_t i = 0; i < welded_.faces.size(); ++i)
+      if (contacts_.isMet(i))
+        met.push_back(i);
+    std::vector<std::uint32_t> place(welded_.faces.size());
+    for (std::uint32_t i = 0; i < met.size(); ++i)
+      place[met[i]] = i;
+    std::vector<std::unique_ptr<FacePlanes>> planes(met.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, met.size(), 256), [&](const auto& r) {
+      for (std::size_t i = r.begin(); i != r.end(); ++i)
+        planes[i] = std::make_unique<FacePlanes>(welded_.cornersOf(met[i]));
+    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, met.size(), 1), [&](const auto& range) {
+      progress_.check();
+      for (std::size_t i = range.begin(); i != range.end() && !gaveUp_; ++i) {
+        std::vector<const FacePlanes*> others;
+        for (std::size_t k = contacts_.starts[met[i]]; k != contacts_.starts[met[i] + 1]; ++k)
+          others.push_back(planes[place[contacts_.others[k]]].get());
+        cutFace(met[i], *planes[i], std::move(others), rests_[met[i]]);
+      }
+    });
+  }
+
+  void cutFace(std::uint32_t number, const FacePlanes& face, std::vector<const FacePlanes*> others,
+               FaceRest& rest) {
+    std::sort(others.begin(), others.end(),
+              [](const FacePlanes* a, const FacePlanes* b) { return a->corners < b->corners; });
+    // In an order that looks random, pieces stay few (Paterson and Yao 1990).
+    std::uint64_t random = others.size();
+    for (std::size_t i = others.size(); i > 1; --i) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      std::swap(others[i - 1], others[(random >> 33) % i]);
+    }
+    FacePieces pieces(face);
+    for (const FacePlanes* other : others) {
+      const std::size_t before = pieces.size(), looked = pieces.cut(*other);
+      if ((cuts_ += looked) > kMostCuts || (pieces_ += pieces.size() - before) > kMostPieces)
+        gaveUp_ = true;
+      if (gaveUp_)
+        return;
+    }
+    std::vector<PartFate> fates(pieces.size(), PartFate::Undecided);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pieces.size(), 16), [&](const auto& r) {
+      progress_.check();
+      for (std::size_t i = r.begin(); i != r.end() && !gaveUp_; ++i)
+        if (pieces.isLeaf(i))
+          fates[i] = fateOf(pieces, i, face, number);
+    });
+    // Halves come after what they are halves of.
+    std::vector<std::uint8_t> mixed(pieces.size(), 0);
+    for (std::size_t i = pieces.size(); i-- > 0;) {
+      if (pieces.isLeaf(i))
+        continue;
+      const std::size_t a = pieces.halves(i), b = a + 1;
+      mixed[i] = mixed[a] != 0 || mixed[b] != 0 ||
+                 (fates[a] != fates[b] && fates[a] != PartFate::Undecided &&
+                  fates[b] != PartFate::Undecided);
+      fates[i] = fates[a] == PartFate::Undecided ? fates[b] : fates[a];
+    }
+    rest.fate = fates[0];
+    if (mixed[0] == 0)
+      return;
+    std::vector<std::size_t> open{0};
+    while (!open.empty()) {
+      const std::size_t at = open.back();
+      open.pop_back();
+      if (mixed[at] != 0) {
+        open.push_back(pieces.halves(at));
+        open.push_back(pieces.halves(at) + 1);
+      } else if (fates[at] == PartFate::Stays || fates[at] == PartFate::StaysInverse) {
+        rest.parts.push_back({pieces.outline(at), fates[at] == PartFate::StaysInverse});
+      }
+    }
+  }
+
+  const WeldedFaces& welded_;
+  bool (*const isInside_)(std::int64_t);
+  Progress& progress_;
+  const BoxBlocks boxes_;
+  const FaceColumns columns_;
+  const FaceContacts contacts_;
+  std::vector<FaceRest> rests_;
+  std::atomic<std::size_t> pieces_{0}, cuts_{0}, looks_{0};
+  std::atomic<bool> gaveUp_{false};
+};
+
+} // namespace
+
+TrimmedChain trimChain(const WeldedFaces& welded, bool (*isInside)(std::int64_t),
+                       Progress& progress) {
+  TrimmedChain trimmed;
+  if (welded.extent > kMaxPlaneExtent) {
+    trimmed.complete = false;
+    return trimmed;
+  }
+  Trimmer trimmer(welded, isInside, progress);
+  const FaceContacts& contacts = trimmer.contacts();
+  trimmed.hasEqualFaces = contacts.equal;
+  trimmed.complete = contacts.complete && !contacts.equal;
+  if (!trimmed.complete)
+    return trimmed;
+  for (std::size_t i = 0; i < welded.faces.size(); ++i)
+    trimmed.isMet.push_back(contacts.isMet(i));
+  trimmed.rests = trimmer.run();
+  trimmed.complete = trimmed.rests.size() == welded.faces.size();
+  return trimmed;
+}
+
+} // namespace tetvdb

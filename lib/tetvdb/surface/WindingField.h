@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/TriangleScene.h"
+#include "tetvdb/surface/WindingCurtain.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace tetvdb {
+
+/// The generalised winding number of a mesh at points off its faces, by one ray and the solid
+/// angles of its boundary edges: a mesh and a curtain that stands on its boundary and goes up to
+/// infinity are closed together, so that their winding number is what a ray downwards crosses, of
+/// the mesh alone since the ray runs along the curtain. In floats where faces are crossed
+/// (TriangleScene.h). The mesh must outlive it; at() is thread-safe and takes about 1 us, and 20 ns
+/// more for each boundary edge.
+class WindingField {
+public:
+  WindingField(const TriangleMesh& mesh, const EdgeTable& edges);
+  explicit WindingField(const TriangleMesh& mesh) : WindingField(mesh, EdgeTable(mesh)) {}
+
+  double at(const Vec3d& p) const;
+  std::size_t boundaryEdges() const { return boundary_.size(); }
+
+private:
+  TriangleScene scene_;
+  std::vector<CurtainEdge> boundary_;
+  double reach_ = 0;
+};
+
+} // namespace tetvdb

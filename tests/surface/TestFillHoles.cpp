@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ManifoldCheck.h"
+#include "TriangleMeshes.h"
+#include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/FillHoles.h"
+
+#include <algorithm>
+#include <gtest/gtest.h>
+
+namespace tetvdb {
+namespace {
+
+using namespace tetvdb::meshes;
+
+// What was there is there still, as it was, and the mesh is closed.
+HoleFilling filled(TriangleMesh& mesh) {
+  const TriangleMesh before = mesh;
+  Progress progress;
+  HoleFilling filling = fillHoles(mesh, progress);
+  EXPECT_EQ(manifoldDefect(mesh), "");
+  EXPECT_EQ(mesh.points, before.points);
+  EXPECT_TRUE(std::equal(before.triangles.begin(), before.triangles.end(), mesh.triangles.begin()));
+  std::size_t faces = 0;
+  for (const FilledHole& hole : filling.holes)
+    faces += hole.faces;
+  EXPECT_EQ(mesh.triangleCount(), before.triangleCount() + faces);
+  return filling;
+}
+
+TEST(FillHoles, OneFace) {
+  TriangleMesh mesh = without(box({0, 0, 0}, {1, 1, 1}, 3), [](std::size_t f) { return f == 11; });
+  const HoleFilling filling = filled(mesh);
+  ASSERT_EQ(filling.holes.size(), 1u);
+  EXPECT_EQ(filling.holes[0].edges, 3u);
+  EXPECT_EQ(filling.holes[0].faces, 1u);
+  EXPECT_NEAR(signedVolume(mesh), 1, 1e-15);
+}
+
+TEST(FillHoles, ALidComesBack) {
+  for (const int n : {1, 2, 7}) {
+    // The last 2 n^2 faces are one side of the box.
+    const std::size_t first = std::size_t(10 * n * n);
+    TriangleMesh mesh =
+        without(box({0, 0, 0}, {1, 2, 3}, n), [&](std::size_t f) { return f >= first; });
+    dropUnusedPoints(mesh); // within the lid
+    const HoleFilling filling = filled(mesh);
+    ASSERT_EQ(filling.holes.size(), 1u);
+    EXPECT_EQ(filling.holes[0].edges, std::size_t(4 * n));
+    EXPECT_EQ(filling.holes[0].faces, std::size_t(4 * n - 2));
+    EXPECT_NEAR(signedVolume(mesh), 6, 1e-12);
+  }
+}
+
+TEST(FillHoles, CurvedHolesFollowTheSurface) {
+  TriangleMesh ball = sphere({0, 0, 0}, 1, 16);
+  const double whole = signedVolume(ball);
+  TriangleMesh mesh = without(ball, [](std::size_t f) { return f % 256 < 9; });
+  dropUnusedPoints(mesh);
+  const HoleFilling filling = filled(mesh);
+  EXPECT_GT(filling.holes.size(), 0u);
+  EXPECT_NEAR(signedVolume(mesh), whole, 0.01 * whole);
+}
+
+TEST(FillHoles, HolesThatTouchAtAPointAreTwo) {
+  const TriangleMesh ball = sphere({0, 0, 0}, 1, 6);
+  // Two faces that have one point in common.
+  std::size_t second = 0;
+  for (std::size_t f = 1; f < ball.triangleCount() && second == 0; ++f) {
+    std::size_t common = 0;
+    for (std::size_t i = 0; i < 9; ++i)
+      common += ball.triangles[i / 3] == ball.triangles[3 * f + i % 3];
+    if (common == 1)
+      second = f;
+  }
+  TriangleMesh mesh = without(ball, [&](std::size_t f) { return f == 0 || f == second; });
+  const HoleFilling filling = filled(mesh);
+  EXPECT_EQ(filling.holes.size(), 2u);
+  EXPECT_EQ(mesh.triangleCount(), ball.triangleCount());
+  EXPECT_NEAR(signedVolume(mesh), signedVolume(ball), 1e-12);
+}
+
+TEST(FillHoles, ARingStaysOpenWithin) {
+  // A cup's wall without its upper edge: two shells whose loops lie in one plane.
+  TriangleMesh cup =
+      joined({without(box({0, 0, 0}, {4, 4, 4}), [](std::size_t f) { return f >= 10; }),
+              flipped(without(box({1, 1, 1}, {3, 3, 4}), [](std::size_t f) { return f >= 10; }))});
+  const HoleFilling filling = filled(cup);
+  ASSERT_EQ(filling.holes.size(), 1u);
+  EXPECT_EQ(filling.holes[0].edges, 8u);
+  EXPECT_NEAR(signedVolume(cup), 64 - 12, 1e-12);
+}
+
+TEST(FillHoles, LongLoopsAreCutIntoShort) {
+  TriangleMesh tube = moved(cylinder(1, 3, 700, false), [](const Vec3d& p) {
+    return Vec3d{p[0], p[1], p[2] + (p[2] > 0 ? 0.2 * p[0] * p[1] : 0.1 * p[0] * p[0])};
+  });
+  const HoleFilling filling = filled(tube);
+  ASSERT_EQ(filling.holes.size(), 2u);
+  EXPECT_EQ(filling.holes[0].faces, 698u);
+  // Of heights over the disc: 3 + 0 - 0.1 / 4 of its area, whatever spans the saddle between
+  // the least and the largest height.
+  EXPECT_NEAR(signedVolume(tube), kPi * (3 - 0.025), 0.35);
+}
+
+TEST(FillHoles, NothingToDo) {
+  TriangleMesh mesh = torus();
+  EXPECT_TRUE(filled(mesh).holes.empty());
+}
+
+} // namespace
+} // namespace tetvdb

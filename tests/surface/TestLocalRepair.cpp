@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ManifoldCheck.h"
+#include "TriangleMeshes.h"
+#include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/surface/LocalRepair.h"
+#include "tetvdb/surface/MeshChanges.h"
+
+#include <gtest/gtest.h>
+
+namespace tetvdb {
+namespace {
+
+using namespace tetvdb::meshes;
+
+LocalRepair repaired(TriangleMesh& mesh) {
+  Progress progress;
+  cleanTriangles(mesh, {}, progress);
+  LocalRepair repair = repairLocally(mesh, progress);
+  EXPECT_EQ(repair.succeeded, repair.why.empty());
+  if (repair.succeeded) {
+    EXPECT_EQ(manifoldDefect(mesh), "");
+    EXPECT_EQ(whatIsBroken(mesh, progress), "");
+  }
+  return repair;
+}
+
+TEST(LocalRepair, WhatIsBrokenIsNamed) {
+  Progress progress;
+  EXPECT_EQ(whatIsBroken(box(), progress), "");
+  EXPECT_EQ(whatIsBroken(without(box(), [](std::size_t f) { return f == 0; }), progress),
+            "3 boundary edges");
+  EXPECT_EQ(whatIsBroken(flipped(box()), progress), "no volume");
+  EXPECT_EQ(whatIsBroken(joined({box(), box({0.5, 0.2, 0.3}, {2, 0.7, 0.8})}), progress)
+                    .find("pairs of faces that cross") == std::string::npos,
+            false);
+}
+
+TEST(LocalRepair, HolesAlone) {
+  const TriangleMesh whole = torus(1, 0.4, 60, 30);
+  TriangleMesh mesh = without(whole, [](std::size_t f) { return f % 301 < 3; });
+  const TriangleMesh torn = mesh;
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(repair.holes.size(), 12u);
+  const MeshChanges changes = meshChanges(torn, mesh);
+  EXPECT_EQ(changes.kept, torn.triangleCount());
+  EXPECT_EQ(changes.removed, 0u);
+  EXPECT_EQ(mesh.triangleCount(), whole.triangleCount());
+  EXPECT_NEAR(signedVolume(mesh), signedVolume(whole), 1e-3 * signedVolume(whole));
+}
+
+TEST(LocalRepair, SheetsGoAndSolidsStay) {
+  TriangleMesh mesh = joined({box({0, 0, 0}, {1, 1, 1}, 3), sheet(4, 2)});
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(repair.sheets.parts, 1u);
+  EXPECT_EQ(repair.sheets.faces, 32u);
+  EXPECT_EQ(mesh.triangleCount(), 108u);
+  TriangleMesh alone = sheet(4);
+  EXPECT_EQ(repaired(alone).why, "sheets alone");
+  EXPECT_EQ(alone.triangleCount(), 32u);
+}
+
+TEST(LocalRepair, AnOpenBoxIsASolid) {
+  TriangleMesh mesh = without(box({0, 0, 0}, {1, 1, 1}, 2), [](std::size_t f) { return f >= 40; });
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(repair.sheets.parts, 0u);
+  EXPECT_NEAR(signedVolume(mesh), 1, 1e-14);
+}
+
+TEST(LocalRepair, SolidsThatTouchMoveApart) {
+  // At an edge, at a point, and two wedges of one solid at an edge.
+  for (const TriangleMesh& given :
+       {joined({box({0, 0, 0}, {1, 1, 1}, 2), box({1, 1, 0}, {2, 2, 1}, 2)}),
+        joined({box({0, 0, 0}, {1, 1, 1}, 2), box({1, 1, 1}, {2, 2, 2}, 2)})}) {
+    TriangleMesh mesh = given;
+    const double volume = signedVolume(mesh);
+    const LocalRepair repair = repaired(mesh);
+    ASSERT_TRUE(repair.succeeded) << repair.why;
+    EXPECT_GT(repair.separatedPoints, 0u);
+    EXPECT_LT(repair.largestMove, 1e-5);
+    EXPECT_NEAR(signedVolume(mesh), volume, 1e-5);
+    EXPECT_GT(meshChanges(given, mesh).kept, given.triangleCount() / 2);
+  }
+}
+
+TEST(LocalRepair, EqualAsFloatsBecomeOne) {
+  TriangleMesh mesh = unwelded(sphere({3, 4, 5}, 1, 6));
+  Random random(9);
+  for (Vec3d& p : mesh.points)
+    for (double& c : p)
+      c = double(float(c)) * (1 + 1e-12 * random.unit());
+  const std::size_t faces = mesh.triangleCount();
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(mesh.triangleCount(), faces);
+}
+
+TEST(LocalRepair, WhatFailsIsLeftAsItWas) {
+  TriangleMesh mesh = moebius();
+  Progress progress;
+  cleanTriangles(mesh, {}, progress);
+  const TriangleMesh before = mesh;
+  const LocalRepair repair = repairLocally(mesh, progress);
+  EXPECT_FALSE(repair.succeeded);
+  EXPECT_FALSE(repair.why.empty());
+  EXPECT_EQ(mesh.triangles, before.triangles);
+  EXPECT_EQ(mesh.points, before.points);
+}
+
+} // namespace
+} // namespace tetvdb

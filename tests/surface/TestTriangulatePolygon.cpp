@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "TriangleMeshes.h"
+#include "tetvdb/surface/TriangulatePolygon.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+using namespace tetvdb::meshes;
+using Loop = std::vector<std::uint32_t>;
+
+const EdgeTaken kNoneTaken = [](std::uint32_t, std::uint32_t) { return false; };
+
+// Twice the area of each triangle seen along z, none of which may be 0 or less; their sum.
+double areaOf(const std::vector<Vec3d>& points, const Loop& corners) {
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    const Vec3d &a = points[corners[i]], &b = points[corners[i + 1]], &c = points[corners[i + 2]];
+    const double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    EXPECT_GT(area, 0);
+    sum += area / 2;
+  }
+  return sum;
+}
+
+double shoelace(const std::vector<Vec3d>& points, const std::vector<Loop>& loops) {
+  double sum = 0;
+  for (const Loop& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec3d &a = points[loop[i]], &b = points[loop[(i + 1) % loop.size()]];
+      sum += (a[0] * b[1] - a[1] * b[0]) / 2;
+    }
+  return sum;
+}
+
+// Edges that are run along in one direction alone are those of the loops.
+void expectBoundary(const Loop& corners, const std::vector<Loop>& loops) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses, excess;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::uint32_t a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+    EXPECT_EQ((++uses[{a, b}]), 1);
+    ++excess[{a, b}];
+    --excess[{b, a}];
+  }
+  std::size_t edges = 0;
+  for (const Loop& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i, ++edges)
+      EXPECT_EQ((excess[{loop[i], loop[(i + 1) % loop.size()]}]), 1);
+  std::size_t found = 0;
+  for (const auto& [edge, count] : excess)
+    found += count > 0;
+  EXPECT_EQ(found, edges);
+}
+
+void expectFilled(const std::vector<Vec3d>& points, const std::vector<Loop>& loops) {
+  Loop corners;
+  ASSERT_TRUE(triangulatePolygon(points, loops, {0, 0, 1}, kNoneTaken, corners));
+  EXPECT_NEAR(areaOf(points, corners), shoelace(points, loops), 1e-12);
+  expectBoundary(corners, loops);
+}
+
+Loop all(const std::vector<Vec3d>& points) {
+  Loop loop(points.size());
+  std::iota(loop.begin(), loop.end(), 0u);
+  return loop;
+}
+
+TEST(TriangulatePolygon, StarsAndCombs) {
+  Random random(5);
+  for (int n : {3, 4, 7, 30, 150}) {
+    std::vector<Vec3d> points;
+    for (int i = 0; i < n; ++i) {
+      const double r = 0.2 + random.unit(), angle = 2 * kPi * i / n;
+      points.push_back({r * std::cos(angle), r * std::sin(angle), 0.3});
+    }
+    expectFilled(points, {all(points)});
+  }
+  std::vector<Vec3d> comb;
+  for (int i = 0; i < 20; ++i)
+    comb.push_back({double(i), i % 2 == 0 ? 0.0 : 5.0, 0});
+  comb.push_back({19, 6, 0});
+  comb.push_back({-1, 6, 0});
+  expectFilled(comb, {all(comb)});
+}
+
+TEST(TriangulatePolygon, PointsOnALineKeepTheirArea) {
+  std::vector<Vec3d> points;
+  for (int side = 0; side < 4; ++side)
+    for (int i = 0; i < 6; ++i) {
+      const double t = i / 6.0;
+      const Vec3d at[4] = {{t, 0, 0}, {1, t, 0}, {1 - t, 1, 0}, {0, 1 - t, 0}};
+      points.push_back(at[side]);
+    }
+  expectFilled(points, {all(points)});
+}
+
+TEST(TriangulatePolygon, HolesStayOpen) {
+  std::vector<Vec3d> points;
+  std::vector<Loop> loops(1);
+  const auto add = [&](double x, double y, double r, int n, bool clockwise) {
+    Loop loop;
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * kPi * i / n * (clockwise ? -1 : 1);
+      loop.push_back(static_cast<std::uint32_t>(points.size()));
+      points.push_back({x + r * std::cos(angle), y + r * std::sin(angle), 0});
+    }
+    return loop;
+  };
+  loops[0] = add(0, 0, 3, 40, false);
+  for (int i = 0; i < 5; ++i)
+    loops.push_back(add(2 * std::cos(i), 2 * std::sin(i), 0.4, 9 + i, true));
+  loops.push_back(add(0, 0, 0.5, 3, true));
+  expectFilled(points, loops);
+}
+
+TEST(TriangulatePolygon, SeenFromBelow) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
+  Loop corners;
+  ASSERT_TRUE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, -1}, kNoneTaken, corners));
+  EXPECT_EQ(corners.size(), 6u);
+  expectBoundary(corners, {{0, 1, 2, 3}});
+}
+
+TEST(TriangulatePolygon, AvoidsEdgesThatExist) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  for (const bool first : {true, false}) {
+    Loop corners;
+    ASSERT_TRUE(triangulatePolygon(
+        points, {{0, 1, 2, 3}}, {0, 0, 1},
+        [&](std::uint32_t a, std::uint32_t b) { return (a + b == 2) == first && (a + b) % 2 == 0; },
+        corners));
+    std::map<std::uint32_t, int> uses;
+    for (const std::uint32_t c : corners)
+      ++uses[c];
+    EXPECT_EQ(uses[0], first ? 1 : 2);
+  }
+}
+
+TEST(TriangulatePolygon, RefusesWhatCrossesItself) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
+  Loop corners;
+  EXPECT_FALSE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, 1}, kNoneTaken, corners));
+  EXPECT_TRUE(corners.empty());
+}
+
+} // namespace
+} // namespace tetvdb

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "TriangleMeshes.h"
+#include "tetvdb/surface/CompareSolids.h"
+#include "tetvdb/surface/SampleBox.h"
+#include "tetvdb/surface/WindingField.h"
+
+#include <gtest/gtest.h>
+
+namespace tetvdb {
+namespace {
+
+using namespace tetvdb::meshes;
+
+TEST(WindingField, EqualsTheSumOfSolidAngles) {
+  const TriangleMesh ball = sphere({0, 0, 0}, 1, 6);
+  for (const TriangleMesh& mesh :
+       {ball, without(ball, [](std::size_t f) { return f % 7 == 0; }),
+        without(torus(), [](std::size_t f) { return f < 200; }), sheet(),
+        joined({ball, flipped(box()), box({-0.3, -0.3, -0.3}, {2, 0.4, 0.4})})}) {
+    const WindingField field(mesh);
+    Box box;
+    for (const Vec3d& p : mesh.points)
+      box.add(p);
+    box.add(Vec3d{box.low[0] - 0.5, box.low[1] - 0.5, box.low[2] - 0.5});
+    for (std::size_t i = 0; i < 300; ++i) {
+      const Vec3d p = pointInBox(box, i);
+      EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-9);
+    }
+  }
+}
+
+TEST(CompareSolids, VolumesLostAndGained) {
+  Progress progress;
+  const TriangleMesh big = box({0, 0, 0}, {2, 1, 1}), small = box({0, 0, 0}, {1, 1, 1});
+  SolidComparison solids = compareSolids(big, small, progress);
+  EXPECT_NEAR(solids.before, 2, 0.02);
+  EXPECT_NEAR(solids.after, 1, 0.02);
+  EXPECT_NEAR(solids.lost, 1, 0.02);
+  EXPECT_EQ(solids.gained, 0);
+  solids = compareSolids(small, big, progress);
+  EXPECT_NEAR(solids.gained, 1, 0.02);
+  EXPECT_EQ(solids.lost, 0);
+}
+
+TEST(CompareSolids, ThinPartsAreSeenToo) {
+  Progress progress;
+  // A rod of a thousandth of the box.
+  const TriangleMesh rod =
+      joined({box({0, 0, 0}, {1, 0.03, 0.03}), box({0, 0.97, 0.97}, {1, 1, 1})});
+  const SolidComparison solids = compareSolids(rod, rod, progress);
+  EXPECT_NEAR(solids.before, 2 * 0.0009, 0.0002);
+  EXPECT_EQ(solids.lost + solids.gained, 0);
+  EXPECT_EQ(solids.before, solids.after);
+}
+
+} // namespace
+} // namespace tetvdb

@@ -18,7 +18,7 @@ try:
         import pyopenvdb as vdb
     import vtkmodules.vtkCommonDataModel as model
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonCore import reference, vtkPoints
     from vtkmodules.vtkFiltersCore import vtkProbeFilter
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 except ImportError as error:
@@ -50,15 +50,15 @@ def block(n, seed):
     return points, np.concatenate(tets), rng
 
 
-def grid_of(points, tets, point_arrays, cell_arrays):
+def grid_of(points, tets, point_arrays, cell_arrays, kind=model.VTK_TETRA):
     mesh = model.vtkUnstructuredGrid()
     at = vtkPoints()
     at.SetDataTypeToDouble()
     at.SetData(numpy_to_vtk(points, deep=1))
     mesh.SetPoints(at)
     cells = model.vtkCellArray()
-    cells.SetData(4, numpy_to_vtkIdTypeArray(tets.ravel().astype(np.int64), deep=1))
-    mesh.SetCells(model.VTK_TETRA, cells)
+    cells.SetData(tets.shape[1], numpy_to_vtkIdTypeArray(tets.ravel().astype(np.int64), deep=1))
+    mesh.SetCells(kind, cells)
     for data, arrays in ((mesh.GetPointData(), point_arrays), (mesh.GetCellData(), cell_arrays)):
         for name, values in arrays.items():
             array = numpy_to_vtk(np.ascontiguousarray(values), deep=1)
@@ -98,7 +98,90 @@ def judge_owners(points, tets, mesh, where, owners, found):
     assert (found["q"] == q).all()
 
 
+def warped_cells(kind, n, seed):
+    """n^3 cubes whose points are moved, as they are, or cut in two wedges or six pyramids each."""
+    rng = np.random.default_rng(seed)
+    at, number, cells = [], {}, []
+
+    def point(p):
+        key = tuple(round(float(x), 6) for x in p)
+        if key not in number:
+            number[key] = len(at)
+            at.append(key)
+        return number[key]
+
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    for i, j, k in np.ndindex(n, n, n):
+        base = np.array([i, j, k])
+        if kind == model.VTK_HEXAHEDRON:
+            cells.append([point(base + (a, b, c)) for c in (0, 1) for a, b in square])
+        elif kind == model.VTK_WEDGE:
+            for corners in (square[:3], [square[0], square[2], square[3]]):
+                cells.append([point(base + (a, b, c)) for c in (0, 1) for a, b in corners])
+        else:
+            for axis in range(3):
+                for level in (0, 1):
+                    face = [np.roll((level, a, b), axis) for a, b in square]
+                    face = face if level == 0 else face[::-1]
+                    cells.append([point(base + f) for f in face] + [point(base + 0.5)])
+    points = np.array(at) + rng.uniform(-0.12, 0.12, (len(at), 3))
+    return points / n, np.array(cells), rng
+
+
+def judge_shapes(mesh, array, name, voxel_size, folder, least):
+    """Each voxel's value against vtkCell.EvaluatePosition() of the cell that owns it, to 1e-5 of
+    the range, but where the centre lies outside of that cell."""
+    ids = numpy_to_vtk(np.arange(mesh.GetNumberOfCells(), dtype=np.float64), deep=1)
+    ids.SetName("owner")
+    mesh.GetCellData().AddArray(ids)
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetFileName(str(folder / "b.vtu"))
+    writer.SetInputData(mesh)
+    writer.Write()
+    subprocess.run([PROGRAM, "voxelize", str(folder / "b.vtu"), "-o", str(folder / "b.vdb"),
+                    "--voxel-size", repr(voxel_size), "--grid", array + ",owner", "-q"], check=True)
+    index, values = active(vdb.read(str(folder / "b.vdb"), array))
+    same, owners = active(vdb.read(str(folder / "b.vdb"), "owner"))
+    assert (index == same).all()
+    nodes = vtk_to_numpy(mesh.GetPointData().GetArray(array)).astype(np.float64)
+    spread = np.ptp(nodes)
+    rng = np.random.default_rng(0)
+    some = rng.choice(len(index), min(len(index), 20000), replace=False)
+    worst, judged = 0, 0
+    by_owner = some[np.argsort(owners[some], kind="stable")]
+    last = -1
+    for v in by_owner:
+        owner = int(round(float(owners[v])))
+        if owner != last:
+            cell = mesh.GetCell(owner)
+            of_cell = [nodes[cell.GetPointId(i)] for i in range(cell.GetNumberOfPoints())]
+            last = owner
+        closest, sub, place, distance, weights = [0.0] * 3, reference(0), [0.0] * 3, \
+            reference(0.0), [0.0] * len(of_cell)
+        where = [float(x) * voxel_size for x in index[v]]
+        if cell.EvaluatePosition(where, closest, sub, place, distance, weights) != 1:
+            continue
+        if min(place) < 0 or max(place) > 1:
+            continue
+        judged += 1
+        worst = max(worst, abs(float(values[v]) - np.dot(weights, of_cell)) / spread)
+    print("%s: %d of %d voxels judged, largest difference %.2g of the range"
+          % (name, judged, len(some), worst))
+    assert judged > least * len(some), (judged, len(some))
+    assert worst < 1e-5, worst
+
+
+def judge_linear_cells():
+    with tempfile.TemporaryDirectory() as folder:
+        for kind, name in ((model.VTK_HEXAHEDRON, "hexahedra"), (model.VTK_WEDGE, "wedges"),
+                           (model.VTK_PYRAMID, "pyramids")):
+            points, cells, rng = warped_cells(kind, 4, 5)
+            mesh = grid_of(points, cells, {"T": rng.uniform(-40, 1200, len(points))}, {}, kind)
+            judge_shapes(mesh, "T", name, 0.02, pathlib.Path(folder), 0.9)
+
+
 def main():
+    judge_linear_cells()
     points, tets, rng = block(6, 1)
     cells = np.arange(len(tets))
     mesh = grid_of(points, tets,

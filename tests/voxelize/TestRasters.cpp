@@ -205,7 +205,7 @@ TEST(TetRaster, BoxesAreInsideOrOutsideForSure) {
     const std::uint32_t tet[4] = {0, 1, 2, 3};
     mesh.tets = tet;
     mesh.tetCount = 1;
-    const VoxelBox box{{slab.x, slab.y, slab.z}, {slab.x + 7, slab.y + 127, slab.z + 127}};
+    const TetBox box{{slab.x, slab.y, slab.z}, {slab.x + 7, slab.y + 127, slab.z + 127}};
     const Cover cover = classifyBox(mesh, 0, box);
     inside += cover == Cover::Inside;
     if (cover == Cover::Partial)

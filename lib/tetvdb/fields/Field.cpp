@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/Field.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/fields/GridNames.h"
 
 #include <algorithm>
 #include <array>
@@ -146,7 +148,8 @@ private:
     return assemble(name, on);
   }
 
-  Tuple wanted(const std::string& name) {
+  // The array of that name; nothing where there is none.
+  std::optional<Tuple> known(const std::string& name) {
     const auto points = lookUp(name, Attribute::On::Points);
     const auto cells = lookUp(name, Attribute::On::Cells);
     if (points && cells)
@@ -163,22 +166,50 @@ private:
       if (name.rfind(prefix, 0) == 0)
         if (auto tuple = lookUp(name.substr(prefix.size()), on))
           return *tuple;
-    refuseUnknownPart(name);
-    throw Error(Status::Usage, "--grid", "the mesh has no array '" + name + "'",
-                mesh_.attributes.empty() && mesh_.unread.empty()
-                    ? "it has no arrays"
-                    : "its arrays are " + describeArrays(mesh_));
+    return {};
   }
 
-  // "stress:foo" where there is an array "stress".
+  // "stress.xx" or "stress:mises" as the part of an array; nothing where it is none.
+  std::optional<std::pair<Tuple, FieldRequest>> partOf(const FieldRequest& request) {
+    const std::string& name = request.array;
+    const auto mark = name.find_last_of(".:");
+    if (request.part != FieldPart::Whole || mark == std::string::npos || mark == 0)
+      return {};
+    FieldRequest part = request;
+    part.array = name.substr(0, mark);
+    if (!readPart(std::string_view(name).substr(mark + 1), part))
+      return {};
+    auto tuple = known(part.array);
+    if (!tuple)
+      return {};
+    if (part.grid.empty())
+      part.grid = tuple->name + "." + name.substr(mark + 1);
+    return std::pair(std::move(*tuple), std::move(part));
+  }
+
+  // `mayBeGrid`: a grid of another kind could have been meant.
+  [[noreturn]] void refuseUnknown(const std::string& name, bool mayBeGrid) {
+    refuseUnknownPart(name);
+    std::vector<std::string> names = arrayNames(mesh_);
+    std::string advice =
+        names.empty() ? "it has no arrays" : "its arrays are " + describeArrays(mesh_);
+    if (mayBeGrid) {
+      advice += "; grids of every mesh are " + listGrids();
+      names.insert(names.begin(), kGridNames.begin(), kGridNames.end());
+    }
+    throw Error(Status::Usage, mayBeGrid ? "--grid" : "", "the mesh has no array '" + name + "'",
+                suggestName(name, names, advice));
+  }
+
+  // "stress:foo" or "stress.foo" where there is an array "stress".
   void refuseUnknownPart(const std::string& name) const {
-    const auto colon = name.rfind(':');
+    const auto colon = name.find_last_of(".:");
     if (colon == std::string::npos)
       return;
     const std::string array = name.substr(0, colon);
     if (!lookUp(array, Attribute::On::Points) && !lookUp(array, Attribute::On::Cells))
       return;
-    throw Error(Status::Usage, "--derive",
+    throw Error(Status::Usage, "",
                 fmt::format("'{}' is nothing that can be made of the array '{}'",
                             name.substr(colon + 1), array),
                 "choose from magnitude, mises, trace, determinant, principal1, principal2, "
@@ -188,8 +219,12 @@ private:
   // --- making fields ---
 
   void add(const FieldRequest& request) {
-    const Tuple tuple = wanted(request.array);
-    add(tuple, request, request.grid.empty() ? tuple.name : request.grid);
+    if (const auto tuple = known(request.array))
+      add(*tuple, request, request.grid.empty() ? tuple->name : request.grid);
+    else if (const auto part = partOf(request))
+      add(part->first, part->second, part->second.grid);
+    else
+      refuseUnknown(request.array, request.grid.empty() && request.part == FieldPart::Whole);
   }
 
   void addAll() {
@@ -316,8 +351,7 @@ private:
 
   [[noreturn]] static void refusePart(const Tuple& tuple, const std::string& part,
                                       const std::string& why) {
-    throw Error(Status::Usage, "--derive",
-                fmt::format("the array '{}' has not {}", tuple.name, part), why);
+    throw Error(Status::Usage, "", fmt::format("the array '{}' has not {}", tuple.name, part), why);
   }
 
   void checkLengths(const Tuple& tuple) const {
@@ -449,11 +483,12 @@ void requireGrids(const std::vector<Entry>& entries, const char* option,
                                    [&](const Field& field) { return field.name == entry.grid; });
     if (known)
       continue;
-    std::string names;
+    std::vector<std::string> names;
     for (const Field& field : fields)
-      names += (names.empty() ? "" : ", ") + field.name;
-    throw Error(Status::Usage, option, "no grid is made of an array and named '" + entry.grid + "'",
-                "there are " + names);
+      names.push_back(field.name);
+    throw Error(
+        Status::Usage, option, "no grid is made of an array and named '" + entry.grid + "'",
+        suggestName(entry.grid, names, fmt::format("there are {}", fmt::join(names, ", "))));
   }
 }
 
@@ -493,6 +528,15 @@ std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& option
     setStorage(field, options);
   }
   return fields;
+}
+
+std::vector<std::string> arrayNames(const TetMesh& mesh) {
+  std::vector<std::string> names;
+  for (const Attribute& array : mesh.attributes)
+    names.push_back(array.name);
+  for (const UnreadArray& array : mesh.unread)
+    names.push_back(array.name);
+  return names;
 }
 
 std::string describeArrays(const TetMesh& mesh) {

@@ -81,5 +81,7 @@ std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& option
 /// The arrays of a mesh for messages, those that were not read too: "'T' (points), 'stress' (cells,
 /// 6 components)".
 std::string describeArrays(const TetMesh& mesh);
+/// The names of the arrays of a mesh, those that were not read too.
+std::vector<std::string> arrayNames(const TetMesh& mesh);
 
 } // namespace tetvdb

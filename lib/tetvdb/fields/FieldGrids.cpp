@@ -57,7 +57,7 @@ public:
   LeafValues(const Field& field, const TetMesh& mesh)
       : field_(field), mesh_(mesh), rule_(field.rule()) {}
 
-  /// `shapes` are those of the sample where the mesh has quadratic cells.
+  /// `shapes` are those of the sample where the mesh has cells with shape functions.
   void evaluate(const LeafSample& sample, const LeafShapes& shapes, Reading& reading,
                 Value* out) const {
     if (field_.on == Attribute::On::Cells)
@@ -136,6 +136,15 @@ private:
         for (std::size_t i = 1; i < shapes.count(v); ++i)
           sum += weights[i] * (source.array->number(points[i], source.component) - base);
         read[k] = base + sum;
+        if (shapes.beyond(v)) {
+          double low = base, high = base;
+          for (std::size_t i = 1; i < shapes.count(v); ++i) {
+            const double value = source.array->number(points[i], source.component);
+            low = value < low ? value : low;
+            high = value > high ? value : high;
+          }
+          read[k] = read[k] < low ? low : read[k] > high ? high : read[k];
+        }
       }
       out[v] = finished(read);
     }
@@ -526,6 +535,13 @@ openvdb::GridPtrVec FieldGrids::finish(const GridTransform& transform) {
 
 std::size_t FieldGrids::leftOut(std::size_t i) const {
   return state_->builders[i]->leftOut();
+}
+
+std::size_t FieldGrids::byTets() const {
+  std::size_t count = 0;
+  for (const Scratch& scratch : state_->scratches)
+    count += scratch.shapes.missed();
+  return count;
 }
 
 bool FieldGrids::any() const {

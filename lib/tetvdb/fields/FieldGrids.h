@@ -47,6 +47,8 @@ public:
   openvdb::GridPtrVec finish(const GridTransform& transform);
   /// Voxels left out of field `i`, their values being no finite numbers.
   std::size_t leftOut(std::size_t i) const;
+  /// Voxels in linear cells with shape functions that have the values of their tets (LeafShapes.h).
+  std::size_t byTets() const;
   /// Whether any voxel had an owner.
   bool any() const;
 

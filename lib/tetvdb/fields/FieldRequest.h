@@ -11,14 +11,18 @@
 #include "tetvdb/fields/FieldRule.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tetvdb {
 
 /// One array, or one number made of it.
 struct FieldRequest {
-  std::string grid;  ///< name of the grid; empty: the array's
-  std::string array; ///< name in the input; "points:NAME" and "cells:NAME" where both have it
+  std::string grid; ///< name of the grid; empty: the array's
+  /// Name in the input; "points:NAME" and "cells:NAME" where both have it. With FieldPart::Whole
+  /// and where there is no array of that name also "ARRAY.PART" and "ARRAY:PART", such as
+  /// "stress.xx" and "stress:mises", of which the grid's name, unless given, is "ARRAY.PART".
+  std::string array;
   FieldPart part = FieldPart::Whole;
   /// FieldPart::Component: "x", "y", "z", "xx", "xy", ... or a number from 0.
   std::string component;
@@ -33,6 +37,10 @@ struct NamedNumber {
   std::string grid;
   double value = 0;
 };
+
+/// Reads "magnitude", "mises", "trace", "determinant", "principal1" to "principal3" or a component
+/// ("x", "xy", "2") into `request`; false, and nothing changed, for any other text.
+bool readPart(std::string_view text, FieldRequest& request);
 
 struct FieldOptions {
   std::vector<FieldRequest> requests;

@@ -15,19 +15,22 @@ constexpr int kMostSteps = 12;
 // Beyond the reference cell: chords lie outside of arcs, by no more than this in sane cells.
 constexpr double kMostOutside = 0.3;
 
-bool isNear(CurvedShape shape, const Vec3d& at) {
-  const double low = -kMostOutside, high = 1 + kMostOutside;
+bool isWithin(CurvedShape shape, const Vec3d& at, double margin) {
+  const double low = -margin, high = 1 + margin;
   switch (shape) {
   case CurvedShape::Tet10:
     return at[0] > low && at[1] > low && at[2] > low && at[0] + at[1] + at[2] < high;
   case CurvedShape::Hex20:
   case CurvedShape::Hex27:
+  case CurvedShape::Hex8:
     return std::abs(at[0]) < high && std::abs(at[1]) < high && std::abs(at[2]) < high;
   case CurvedShape::Wedge15:
   case CurvedShape::Wedge18:
+  case CurvedShape::Wedge6:
     return at[0] > low && at[1] > low && at[0] + at[1] < high && std::abs(at[2]) < high;
   case CurvedShape::Pyramid13:
   case CurvedShape::Pyramid14:
+  case CurvedShape::Pyramid5:
     return at[2] > low && at[2] < high && std::abs(at[0]) + std::abs(at[1]) + at[2] < high;
   }
   return false;
@@ -38,9 +41,11 @@ std::array<std::size_t, 4> spanOf(CurvedShape shape) {
   switch (shape) {
   case CurvedShape::Hex20:
   case CurvedShape::Hex27:
+  case CurvedShape::Hex8:
     return {0, 1, 3, 4};
   case CurvedShape::Pyramid13:
   case CurvedShape::Pyramid14:
+  case CurvedShape::Pyramid5:
     return {0, 1, 2, 4};
   default:
     return {0, 1, 2, 3};
@@ -101,6 +106,8 @@ LeafShapes::Slot LeafShapes::slotOf(const LeafSample& sample, std::size_t slot) 
   const CurvedCells::Cell& cell = mesh_->curved.cells[number];
   result.curved = true;
   result.affine = isAffine(cell);
+  if (!result.affine)
+    result.size = sizeOf(cell);
   for (std::size_t i = 0; i < 4; ++i)
     result.places[i] = placeOf(cell.shape, mesh_->curved.corners[tet][sample.place(slot, i)]);
   return result;
@@ -117,17 +124,22 @@ Vec3d LeafShapes::centre(const LeafSample& sample, std::size_t voxel) const {
   return p;
 }
 
-void LeafShapes::weigh(const CurvedCells::Cell& cell, const Vec3d& target, const Vec3d& start,
+double LeafShapes::sizeOf(const CurvedCells::Cell& cell) const {
+  const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
+  const Vec3d& base = mesh_->points[nodes[0]];
+  double size = 0;
+  for (std::size_t i = 1; i < nodeCount(cell.shape); ++i)
+    size = std::max(size, largest(minus(mesh_->points[nodes[i]], base)));
+  return size;
+}
+
+bool LeafShapes::solve(const CurvedCells::Cell& cell, double size, const Vec3d& target, Vec3d& at,
                        double* weights) const {
   const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
   const std::size_t n = nodeCount(cell.shape);
   std::array<std::array<double, 3>, kMostCurvedNodes> gradients;
   const Vec3d& base = mesh_->points[nodes[0]];
-  double size = 0;
-  for (std::size_t i = 1; i < n; ++i)
-    size = std::max(size, largest(minus(mesh_->points[nodes[i]], base)));
   const Vec3d wanted = minus(target, base);
-  Vec3d at = start;
   for (int step = 0; step < kMostSteps; ++step) {
     shapeFunctions(cell.shape, at, weights, gradients.data());
     Vec3d rest = wanted, by[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -141,15 +153,15 @@ void LeafShapes::weigh(const CurvedCells::Cell& cell, const Vec3d& target, const
     }
     const double error = largest(rest);
     if (error <= kNewtonError * size || (step == kMostSteps - 1 && error <= kAcceptedError * size))
-      return;
+      return true;
     const double determinant = dot(by[0], cross(by[1], by[2]));
     at[0] += dot(rest, cross(by[1], by[2])) / determinant;
     at[1] += dot(rest, cross(by[2], by[0])) / determinant;
     at[2] += dot(rest, cross(by[0], by[1])) / determinant;
-    if (!isNear(cell.shape, at)) // not a number, too
+    if (!isWithin(cell.shape, at, kMostOutside)) // not a number, too
       break;
   }
-  shapeFunctions(cell.shape, start, weights);
+  return false;
 }
 
 void LeafShapes::find(const LeafSample& sample) {
@@ -157,6 +169,7 @@ void LeafShapes::find(const LeafSample& sample) {
   for (std::size_t s = 0; s < sample.slots(); ++s)
     slots_[s] = slotOf(sample, s);
   counts_.resize(sample.count());
+  beyond_.assign(sample.count(), 0);
   points_.resize(sample.count() * kMostCurvedNodes);
   weights_.resize(sample.count() * kMostCurvedNodes);
   for (std::size_t v = 0; v < sample.count(); ++v) {
@@ -165,12 +178,15 @@ void LeafShapes::find(const LeafSample& sample) {
     const std::size_t slot = sample.slot(v);
     const auto& w = sample.weights(v);
     const double corners[4] = {1 - (w[0] + w[1] + w[2]), w[0], w[1], w[2]};
-    if (!slots_[slot].curved) {
+    const auto takeTet = [&] {
       counts_[v] = 4;
       for (std::size_t i = 0; i < 4; ++i) {
         points[i] = sample.point(slot, i);
         weights[i] = corners[i];
       }
+    };
+    if (!slots_[slot].curved) {
+      takeTet();
       continue;
     }
     const CurvedCells::Cell& cell = mesh_->curved.cells[mesh_->curved.cellOfTet[sample.tet(slot)]];
@@ -180,10 +196,19 @@ void LeafShapes::find(const LeafSample& sample) {
         at[k] += corners[i] * slots_[slot].places[i][k];
     counts_[v] = nodeCount(cell.shape);
     std::copy_n(mesh_->curved.nodes.data() + cell.first, counts_[v], points);
-    if (slots_[slot].affine)
+    if (slots_[slot].affine) {
       shapeFunctions(cell.shape, at, weights);
-    else
-      weigh(cell, centre(sample, v), at, weights);
+      continue;
+    }
+    Vec3d found = at;
+    if (solve(cell, slots_[slot].size, centre(sample, v), found, weights)) {
+      beyond_[v] = isLinear(cell.shape) && !isWithin(cell.shape, found, 0) ? 1 : 0;
+    } else if (isLinear(cell.shape)) {
+      takeTet();
+      ++missed_;
+    } else {
+      shapeFunctions(cell.shape, at, weights);
+    }
   }
 }
 

@@ -11,8 +11,9 @@ std::vector<std::string> neededArrays(const FieldOptions& fields, const Warp& wa
   std::vector<std::string> names;
   const auto add = [&](std::string_view name) {
     names.emplace_back(name);
-    if (const auto colon = name.rfind(':'); colon != std::string_view::npos && colon > 0)
-      names.emplace_back(name.substr(0, colon));
+    for (const char mark : {':', '.'}) // before the name of a part
+      if (const auto at = name.rfind(mark); at != std::string_view::npos && at > 0)
+        names.emplace_back(name.substr(0, at));
   };
   const auto addAny = [&](std::string_view name) {
     add(name);

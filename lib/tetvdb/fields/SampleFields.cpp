@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/SampledGrids.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TetNodes.h"
@@ -28,6 +29,7 @@ SnapCounts sample(const TetMesh& mesh, const GridTransform& transform,
   initializeOpenVDB();
   if (mesh.tetCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
+  checkMesh(mesh);
   StageTimer timer(report, "fields");
   timer.part("snap");
   const SnappedMesh snapped = snapMesh(mesh, transform, progress);

@@ -29,8 +29,9 @@ struct SampleOptions {
 
 /// Adds a grid for each of `fields` to `volume`: Float, Vec3s or Int32, a fog volume if Float.
 /// Active are the voxels that a tet owns (voxelize/Ownership.h), but for those whose value is no
-/// finite number. Arrays of the points are interpolated between the owner's corners, integers take
-/// the value of the corner with the largest weight; arrays of the cells are taken as they are.
+/// finite number. Arrays of the points are interpolated between the owner's corners, or by the
+/// shape functions of the cell that it is cut out of (TetMesh::curved); integers take the value of
+/// the corner with the largest weight; arrays of the cells are taken as they are.
 /// Tuples are interpolated first, and their invariants taken then. Between points of a linear field
 /// values are exact but for rounding to float: the weights are those of the snapped tet, 2^-20 of a
 /// voxel from the tet in world space.
@@ -39,7 +40,13 @@ struct SampleOptions {
 /// original * scale + offset.
 /// The values depend on mesh, transform and fields alone, not on threads, nor on the order of tets
 /// and points but where tets overlap. Adds stage "fields" to `report`; returns what snapping found.
-/// One rasterisation for all fields; about 60 ns a tet and 10 ns a voxel and number on one core.
+/// Warns ("values-by-tets") of voxels in linear cells whose place in the cell is not found, as
+/// where it is turned inside out: they have the values of their tets.
+///
+/// One rasterisation for all fields; about 60 ns a tet and 10 ns a voxel and number on one core,
+/// and 0.3 us more a voxel in a cell with shape functions that is no affine image of its reference
+/// cell.
+///
 /// Throws Error(Limit) where the grids would not fit in memory, Error(Invalid) where no voxel
 /// centre lies inside the mesh, Error(Cancelled). Uses the calling thread's TBB arena.
 SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,

@@ -42,7 +42,7 @@ nano::ArrayView viewOf(const Attribute& array) {
   return view;
 }
 
-// Whether shape functions of quadratic cells are asked for.
+// Whether shape functions of cells other than linear tets are asked for.
 bool needsShapes(const TetMesh& mesh, const std::vector<Field>& fields) {
   return !mesh.curved.empty() && std::any_of(fields.begin(), fields.end(), [](const Field& field) {
     return field.on == Attribute::On::Points && field.kind != FieldKind::Integer;
@@ -147,7 +147,7 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
     return onCpu();
   DeviceQuestion question;
   if (needsShapes(mesh, fields))
-    question.unable = "values in quadratic cells are found on the CPU";
+    question.unable = "values by the shape functions of cells are found on the CPU";
   question.cost = [&] {
     double numbers = 0;
     for (const Field& field : fields)

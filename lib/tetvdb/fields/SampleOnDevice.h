@@ -19,7 +19,7 @@ namespace tetvdb {
 /// packFields() where `pack` is not null, into `packed`, else sampleFields(), into `volume`; on the
 /// device of `choice`. Where that is Auto the CPU takes what it is expected to be faster at, and
 /// takes over where the device fails or has too little memory, with a warning ("device-left").
-/// Float values at points of quadratic cells (mesh.curved) are the CPU's: a warning
+/// Float values at points of cells with shape functions (mesh.curved) are the CPU's: a warning
 /// ("device-unused") where the GPU was asked for.
 /// Stage "fields" of `report` has the parts "on the device" (until the first leaves come down) and
 /// "values" in place of the CPU's.
@@ -31,7 +31,8 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         std::vector<std::unique_ptr<PackedGrid>>& packed, Volume& volume,
                         Report& report, Progress& progress);
 
-/// The job for `fields` of `mesh`, whose arrays it refers to; without quadratic cells.
+/// The job for `fields` of `mesh`, whose arrays it refers to; without cells that have shape
+/// functions.
 nano::FieldJob fieldJobFor(const TetMesh& mesh, const GridTransform& transform,
                            const std::vector<Field>& fields);
 

@@ -72,6 +72,11 @@ openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report&
                   fmt::format("{} voxels of '{}' have no finite value and are left out",
                               grids_->leftOut(i), fields_[i].name));
   }
+  if (const std::size_t count = grids_->byTets(); count > 0)
+    report.warn("values-by-tets",
+                fmt::format("{} voxels lie in hexahedra, wedges or pyramids that are turned inside "
+                            "out or twisted; their values are interpolated in tetrahedra",
+                            count));
   return made;
 }
 

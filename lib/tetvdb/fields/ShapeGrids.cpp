@@ -7,7 +7,10 @@
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/DistanceOnDevice.h"
 #include "tetvdb/fields/LevelSet.h"
+#include "tetvdb/fields/ShellSurface.h"
 #include "tetvdb/fields/TrimFaces.h"
+#include "tetvdb/fields/WholeBoxLevelSet.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
@@ -19,6 +22,7 @@
 #include "tetvdb/voxelize/TreeEstimate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <optional>
@@ -39,6 +43,12 @@ openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
   throw Error(Status::Usage, "addShapeGrids()", "the volume has no grid 'mask'");
 }
 
+// A whole box is made without a band, but where holes are closed they are found in one.
+double bandOf(const ShapeOptions& options) {
+  constexpr double kUsual = 3;
+  return options.halfWidth == kWholeBox ? kUsual : options.halfWidth;
+}
+
 bool asksFor(const ShapeOptions& options, ShapeGrid kind) {
   return std::find(options.grids.begin(), options.grids.end(), kind) != options.grids.end();
 }
@@ -51,16 +61,64 @@ struct Solid {
   std::optional<RimWinding> rim; // of an open soup
   double shell = 0;              // half its thickness, voxels
   std::optional<FillRule> rule;  // where faces close and windings say what is inside
+  openvdb::BoolGrid::Ptr filled; // of a shell on one side of the faces: what they enclose
+  double thickness = 0;          // of that shell, voxels
+  bool outward = false;
 };
 
-// For all grids that are asked for.
+// Voxels beyond the mesh on every side of its whole box.
+constexpr std::int32_t kBeyondMesh = 3;
+
+// The box in which a level set without a band is made.
+VoxelBox wholeBox(const Solid& solid, const openvdb::BoolGrid& inside,
+                  const ShapeOptions& options) {
+  if (options.box)
+    return *options.box;
+  openvdb::CoordBBox box = inside.evalActiveVoxelBoundingBox();
+  for (const BoundaryFace& face : solid.faces.faces)
+    for (const std::uint32_t corner : {face.a, face.b, face.c}) {
+      const LatticePoint& p = solid.mesh.points[corner];
+      const auto voxel = [&](double units, double shell) {
+        return static_cast<std::int32_t>(std::floor(units * kVoxelsPerUnit + shell));
+      };
+      const auto ceiling = [&](double units) {
+        return static_cast<std::int32_t>(std::ceil(units * kVoxelsPerUnit - solid.shell));
+      };
+      box.expand(openvdb::Coord(ceiling(p.x), ceiling(p.y), ceiling(p.z)));
+      box.expand(openvdb::Coord(voxel(p.x, solid.shell), voxel(p.y, solid.shell),
+                                voxel(p.z, solid.shell)));
+    }
+  box.expand(kBeyondMesh);
+  VoxelBox voxels;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxels.low[static_cast<std::size_t>(axis)] = box.min()[axis];
+    voxels.high[static_cast<std::size_t>(axis)] = box.max()[axis];
+  }
+  return voxels;
+}
+
+// The memory of a level set that has every voxel of a box, and of the blocks that make it.
+void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOptions& options) {
+  double leaves = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    leaves *= static_cast<double>(box.size(axis)) / kLeafSize + 2;
+  VoxelizeOptions limit;
+  limit.maxMemory = options.maxMemory;
+  requireMemory(leaves * static_cast<double>(leafBytes(GridKind::Density) + 32) +
+                    100.0 * static_cast<double>(solid.faces.faces.size()),
+                limit);
+}
+
+// For all grids that are asked for; of a whole box, for what is done before.
 void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
   const bool covers = asksFor(options, ShapeGrid::Coverage);
   const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
   double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
   const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes a face
   if (bands > 0)
-    leaves += bands * estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell);
+    leaves += (solid.filled ? bands + 1 : bands) *
+              estimateBandLeaves(solid.mesh, solid.faces,
+                                 bandOf(options) + solid.shell + solid.thickness);
   const double bytes = 48.0 * static_cast<double>(solid.mesh.pointCount) +
                        (40.0 + trimming) * static_cast<double>(solid.faces.faces.size()) +
                        leaves * static_cast<double>(leafBytes(GridKind::Density)) +
@@ -113,9 +171,17 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
   const auto make = [&](const BandRasterizer& rasterize) {
     timer.part("level set");
     const auto once = [&] {
-      return levelSet(solid.mesh, solid.faces, *inside, transform, options.halfWidth, solid.shell,
+      return levelSet(solid.mesh, solid.faces, *inside, transform, bandOf(options), solid.shell,
                       rasterize, progress);
     };
+    if (options.halfWidth == kWholeBox) {
+      if (solid.rim)
+        addCapFaces(*once(), inside, transform, *solid.rim, solid.mesh, solid.faces, progress);
+      const VoxelBox box = wholeBox(solid, *inside, options);
+      requireBoxMemory(solid, box, options);
+      return wholeBoxLevelSet(solid.mesh, solid.faces, *inside, transform, box, solid.shell,
+                              progress);
+    }
     openvdb::FloatGrid::Ptr grid = once();
     if (!solid.rim || capped)
       return grid;
@@ -126,11 +192,14 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
   DeviceQuestion question;
   question.cost = [&] {
     return estimateBandCost(
-        estimateBandLeaves(solid.mesh, solid.faces, options.halfWidth + solid.shell),
+        estimateBandLeaves(solid.mesh, solid.faces, bandOf(options) + solid.shell),
         static_cast<double>(solid.faces.faces.size()));
   };
+  // Distances in a whole box are the CPU's.
+  const DeviceChoice device =
+      options.halfWidth == kWholeBox ? DeviceChoice{DeviceKind::Cpu, {0}} : options.device;
   return runOnDevice(
-      options.device, question, used, report,
+      device, question, used, report,
       [&](const auto& start) {
         timer.part("start");
         DeviceSet devices = start();
@@ -139,6 +208,22 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
         });
       },
       [&] { return make(rasterizeBand); });
+}
+
+openvdb::FloatGrid::Ptr sidedSurfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
+                                       const GridTransform& transform, const ShapeOptions& options,
+                                       DeviceUsed& used, StageTimer& timer, Report& report,
+                                       Progress& progress) {
+  const double size = transform.voxelSize[0];
+  ShapeOptions wide = options;
+  wide.halfWidth = options.halfWidth + solid.thickness;
+  const openvdb::FloatGrid::Ptr distance =
+      surfaceOf(solid, solid.filled, transform, wide, used, timer, report, progress);
+  timer.part("side");
+  openvdb::FloatGrid::Ptr grid = shellSurface(*distance, *inside, solid.thickness * size,
+                                              solid.outward, options.halfWidth * size);
+  grid->setTransform(makeTransform(transform));
+  return grid;
 }
 
 ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
@@ -154,12 +239,17 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
     filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
   }
   if (asksFor(options, ShapeGrid::Surface) || asksFor(options, ShapeGrid::Fog)) {
-    if (solid.shell == 0) {
-      timer.part("trim");
-      trim(solid, sums.trim, report, progress);
+    if (solid.filled) {
+      surface = sidedSurfaceOf(solid, inside, made.transform, options, sums.device, timer, report,
+                               progress);
+    } else {
+      if (solid.shell == 0) {
+        timer.part("trim");
+        trim(solid, sums.trim, report, progress);
+      }
+      surface =
+          surfaceOf(solid, inside, made.transform, options, sums.device, timer, report, progress);
     }
-    surface =
-        surfaceOf(solid, inside, made.transform, options, sums.device, timer, report, progress);
   }
   for (const ShapeGrid kind : options.grids) {
     if (kind != ShapeGrid::Fog) {
@@ -191,10 +281,16 @@ void requireCoverable(const SolidOptions& how, const SoupRim& rim) {
 } // namespace
 
 void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
-  if (!(options.halfWidth >= kMinHalfWidth && options.halfWidth <= kMaxHalfWidth))
+  if (options.halfWidth == kWholeBox) {
+    if (asksFor(options, ShapeGrid::Fog))
+      throw Error(Status::Usage, "--grid fog", "rises to 1 at a half-width that is a number",
+                  "give --half-width a number, or make 'surface' alone");
+  } else if (!(options.halfWidth >= kMinHalfWidth && options.halfWidth <= kMaxHalfWidth)) {
     throw Error(Status::Usage, "--half-width",
                 fmt::format("{} voxels is not between {} and {}", options.halfWidth, kMinHalfWidth,
-                            kMaxHalfWidth));
+                            kMaxHalfWidth),
+                "'all' has every voxel of the mesh's box");
+  }
   for (std::size_t i = 0; i < options.grids.size(); ++i) {
     const ShapeGrid kind = options.grids[i];
     if (std::find(options.grids.begin(), options.grids.begin() + static_cast<std::ptrdiff_t>(i),
@@ -212,25 +308,67 @@ void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
 ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
                         Report& report, Progress& progress) {
   checkShapes(options, made.transform.voxelSize);
+  checkMesh(mesh);
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0, {}};
+  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0, {}, {}, 0, false};
   solid.faces = boundaryFaces(solid.mesh, progress);
   solid.rule = FillRule::Positive;
   return add(std::move(solid), options, made, timer, report, progress);
 }
 
+namespace {
+
+// Of a closed mesh: what it encloses.
+void fillForShell(Solid& solid, const TriangleMesh& mesh, const SolidOptions& how,
+                  const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
+  const SoupRim rim = soupRim(mesh.triangles, progress);
+  if (!rim.edges.empty())
+    throw Error(Status::Invalid, "--grid surface",
+                fmt::format("of a shell on one side needs faces that close; the mesh has {} open "
+                            "edges",
+                            rim.edges.size()),
+                "ask for density or mask, or leave --shell-side out");
+  const double wide = options.halfWidth + how.shell / transform.voxelSize[0];
+  if (wide > kMaxHalfWidth)
+    throw Error(Status::Usage, "--shell",
+                fmt::format("the shell's thickness and the half-width are {:.4g} voxels together, "
+                            "a level set has at most {}",
+                            wide, kMaxHalfWidth),
+                "use larger voxels");
+  SolidOptions filled = how;
+  filled.shell = 0;
+  VoxelizeOptions same;
+  same.voxelSize = transform.voxelSize;
+  same.origin = transform.origin;
+  same.grids = {GridKind::Mask};
+  same.maxMemory = options.maxMemory;
+  same.allowEmpty = true;
+  Report told;
+  solid.filled = maskOf(voxelize(mesh, filled, same, told, progress));
+  solid.thickness = how.shell / transform.voxelSize[0];
+  solid.outward = how.side == ShellSide::Outward;
+}
+
+} // namespace
+
 ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
                         const ShapeOptions& options, Voxelization& made, Report& report,
                         Progress& progress) {
   checkShapes(options, made.transform.voxelSize);
+  checkMesh(mesh);
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0, {}};
+  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0, {}, {}, 0,
+              false};
   solid.faces = soupFaces(mesh, solid.mesh);
-  solid.shell = how.shell / 2 / made.transform.voxelSize[0];
+  const bool onSide = how.shell > 0 && how.side != ShellSide::Both;
+  if (onSide && !asksFor(options, ShapeGrid::Coverage))
+    fillForShell(solid, mesh, how, options, made.transform, progress);
+  else
+    solid.shell = how.shell / 2 / made.transform.voxelSize[0];
   const bool byWinding = how.method == SolidMethod::Winding && how.shell == 0 &&
                          (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
   const bool covers = asksFor(options, ShapeGrid::Coverage);

@@ -16,11 +16,14 @@
 #include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace tetvdb {
@@ -31,9 +34,14 @@ enum class ShapeGrid : std::uint8_t {
   Coverage ///< float fog "coverage" (fields/Coverage.h)
 };
 
+/// A half-width that has every voxel of a box in the band (fields/WholeBoxLevelSet.h).
+constexpr double kWholeBox = std::numeric_limits<double>::infinity();
+
 struct ShapeOptions {
   std::vector<ShapeGrid> grids;
-  double halfWidth = 3; ///< of the level set's band, voxels
+  double halfWidth = 3; ///< of the level set's band, voxels, or kWholeBox
+  /// With kWholeBox, the box; none: the mesh's, grown by three voxels.
+  std::optional<VoxelBox> box;
   /// Where the level set's distances are found; the grids are the same.
   DeviceChoice device = {DeviceKind::Cpu, {0}};
   std::size_t maxMemory = 0; ///< bytes for this stage; 0: what the machine has available
@@ -65,7 +73,8 @@ ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxeli
 /// are to the boundary of what `solid` takes for inside. Of open meshes, and by InsideRule::Flood,
 /// they are to all faces (a warning says where these cross), and where holes are closed to the
 /// surface at which the winding number passes a half, found to about a voxel. With
-/// solid.shell, distances are to the faces less half of it. Coverage needs faces that close and
+/// solid.shell, distances are to the faces less half of it; by its side those of shellSurface(), of
+/// closed meshes alone (else Error(Invalid)). Coverage needs faces that close and
 /// InsideRule::Winding: else Error(Invalid) or Error(Usage).
 ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& solid,
                         const ShapeOptions& options, Voxelization& made, Report& report,

@@ -16,6 +16,9 @@ constexpr double kMostShown = 1000;
 /// Largest number that 16 bits hold.
 constexpr double kLargestHalf = 65504;
 
+/// The warning's code.
+constexpr const char* kHiddenValues = "hidden-values";
+
 /// Why a renderer would not show the values of a grid of single numbers as they are: "has negative
 /// values, which renderers take for nothing". Empty where it would, or where the grid holds none.
 std::string whyHidden(const GridInfo& grid);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/Warp.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/Field.h"
 
@@ -23,9 +24,10 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
     if (error.status() != Status::Usage)
       throw;
     throw Error(Status::Usage, "--warp", "the mesh has no array '" + warp.array + "'",
-                mesh.attributes.empty() && mesh.unread.empty()
-                    ? "it has no arrays"
-                    : "its arrays are " + describeArrays(mesh));
+                suggestName(warp.array, arrayNames(mesh),
+                            mesh.attributes.empty() && mesh.unread.empty()
+                                ? "it has no arrays"
+                                : "its arrays are " + describeArrays(mesh)));
   }
   const Field& field = fields.front();
   if (field.kind != FieldKind::Vector || field.on != Attribute::On::Points)

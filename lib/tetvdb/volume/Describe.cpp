@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <vector>
 
 namespace tetvdb {
 namespace {
@@ -186,6 +189,74 @@ Counts count(const TreeT& tree, bool packed) {
   return total;
 }
 
+// Voxels of negative value, active or not: those inside a level set.
+template <class TreeT>
+double countNegative(const TreeT& tree) {
+  using Lists = NodeLists<TreeT>;
+  const auto negative = [](const auto& value) { return value < 0; };
+  const Lists nodes(tree);
+  const auto tiles = [&](const auto& node, double dim) {
+    std::uint64_t found = 0;
+    for (auto tile = node.cbeginValueAll(); tile; ++tile)
+      found += negative(*tile) ? 1 : 0;
+    return static_cast<double>(found) * dim * dim * dim;
+  };
+  // Whole numbers: the same in any order.
+  double sum = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, nodes.lowers.size()), 0.0,
+      [&](const auto& range, double part) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          for (auto leaf = nodes.lowers[i]->cbeginChildOn(); leaf; ++leaf) {
+            const auto* values = leaf->buffer().data();
+            part += static_cast<double>(std::count_if(values, values + leaf->SIZE, negative));
+          }
+          part += tiles(*nodes.lowers[i], static_cast<double>(TreeT::LeafNodeType::DIM));
+        }
+        return part;
+      },
+      std::plus<>());
+  for (const auto* node : nodes.uppers)
+    sum += tiles(*node, Lists::Lower::DIM);
+  for (auto tile = tree.root().cbeginValueAll(); tile; ++tile)
+    sum += negative(*tile) ? std::pow(static_cast<double>(Lists::Upper::DIM), 3) : 0;
+  return sum;
+}
+
+// The sum of all active values, in one order whatever the threads.
+double sumOfActive(const openvdb::FloatTree& tree) {
+  using Lists = NodeLists<openvdb::FloatTree>;
+  const Lists nodes(tree);
+  std::vector<double> sums(nodes.lowers.size());
+  tbb::parallel_for(std::size_t(0), sums.size(), [&](std::size_t i) {
+    for (auto leaf = nodes.lowers[i]->cbeginChildOn(); leaf; ++leaf)
+      for (auto value = leaf->cbeginValueOn(); value; ++value)
+        sums[i] += static_cast<double>(*value);
+    for (auto tile = nodes.lowers[i]->cbeginValueOn(); tile; ++tile)
+      sums[i] += static_cast<double>(*tile) * std::pow(8.0, 3);
+  });
+  double sum = 0;
+  for (const double part : sums)
+    sum += part;
+  for (const auto* node : nodes.uppers)
+    for (auto tile = node->cbeginValueOn(); tile; ++tile)
+      sum += static_cast<double>(*tile) * std::pow(static_cast<double>(Lists::Lower::DIM), 3);
+  for (auto tile = tree.root().cbeginValueOn(); tile; ++tile)
+    sum += static_cast<double>(*tile) * std::pow(static_cast<double>(Lists::Upper::DIM), 3);
+  return sum;
+}
+
+// How many voxels' volume is inside what the grid shows.
+double voxelsInside(const openvdb::GridBase& grid, std::uint64_t active) {
+  if (grid.isType<openvdb::FloatGrid>()) {
+    const auto& tree = static_cast<const openvdb::FloatGrid&>(grid).constTree();
+    if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
+      return countNegative(tree);
+    if (grid.getName() == "coverage")
+      return sumOfActive(tree);
+  }
+  return static_cast<double>(active);
+}
+
 Vec3i toArray(const openvdb::Coord& c) {
   return {c.x(), c.y(), c.z()};
 }
@@ -230,7 +301,9 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
   info.activeTiles = counts.activeTiles;
   info.leaves = counts.leaves;
   info.bytes = counts.bytes;
-  info.volume = static_cast<double>(counts.activeVoxels) * transform.voxelVolume();
+  const auto inside = packed != nullptr ? static_cast<double>(counts.activeVoxels)
+                                        : voxelsInside(grid, counts.activeVoxels);
+  info.volume = inside * transform.voxelVolume();
   if (!counts.box.empty()) {
     info.boxMin = toArray(counts.box.min());
     info.boxMax = toArray(counts.box.max());

@@ -48,7 +48,7 @@ struct GridInfo {
   std::uint64_t activeTiles = 0;
   std::uint64_t leaves = 0;
   std::uint64_t bytes = 0; ///< memory of the tree
-  double volume = 0;       ///< active voxels times the voxel's volume, world units cubed
+  double volume = 0;       ///< units^3: active voxels; level sets: those below 0; coverage: the sum
   Vec3i boxMin{0, 0, 0};   ///< active voxels, inclusive; boxMin > boxMax when there are none
   Vec3i boxMax{-1, -1, -1};
   double minValue = 0; ///< over active values; of the magnitude for vectors

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/BoundaryRaster.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/voxelize/FaceRaster.h"
-#include "tetvdb/voxelize/RimBand.h"
+#include "tetvdb/voxelize/WindingBand.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bitset>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -24,10 +25,11 @@
 namespace tetvdb {
 namespace {
 
-// In place of a face: the node has voxels at which the rim has to be looked at.
-constexpr std::uint32_t kRimInNode = 0xFFFFFFFFu;
+// In place of a face: the node has voxels of the winding band.
+constexpr std::uint32_t kBandInNode = 0xFFFFFFFFu;
 
-// A face that may have crossings in a node.
+// A face that may have crossings in a node. The triangles over holes are counted from the number of
+// faces on.
 struct FaceInNode {
   std::int32_t x, y, z;
   std::uint32_t face;
@@ -36,46 +38,70 @@ struct FaceInNode {
   }
 };
 
-FaceRaster prepare(const SnappedMesh& mesh, const BoundaryFace& f) {
-  return {mesh.points[f.a], mesh.points[f.b], mesh.points[f.c], f.weight};
-}
+// The faces of the boundary and the triangles over its holes.
+class AllFaces {
+public:
+  AllFaces(const SnappedMesh& mesh, const Boundary& boundary, const TriangleClusters* holes)
+      : mesh_(mesh), boundary_(boundary), holes_(holes) {
+    if (size() >= kBandInNode)
+      throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
+  }
 
-std::vector<FaceInNode> binFaces(const SnappedMesh& mesh, const Boundary& boundary,
-                                 const FillOptions& fill, Progress& progress) {
+  std::size_t size() const {
+    return boundary_.faces.size() + (holes_ != nullptr ? holes_->triangleCount() : 0);
+  }
+  bool isOverHole(std::size_t i) const { return i >= boundary_.faces.size(); }
+  FaceRaster prepare(std::size_t i) const {
+    if (isOverHole(i)) {
+      const FillTriangle& t = holes_->triangle(i - boundary_.faces.size());
+      return {t.a, t.b, t.c, t.weight};
+    }
+    const BoundaryFace& f = boundary_.faces[i];
+    return {mesh_.points[f.a], mesh_.points[f.b], mesh_.points[f.c], f.weight};
+  }
+
+private:
+  const SnappedMesh& mesh_;
+  const Boundary& boundary_;
+  const TriangleClusters* holes_;
+};
+
+std::vector<FaceInNode> binFaces(const AllFaces& faces, const WindingBand* band,
+                                 Progress& progress) {
   tbb::enumerable_thread_specific<std::vector<FaceInNode>> locals;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, boundary.faces.size(), 4096), [&](const auto& range) {
-        progress.check();
-        auto& out = locals.local();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const FaceRaster face = prepare(mesh, boundary.faces[i]);
-          if (!face.crossesColumns())
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& range) {
+    progress.check();
+    auto& out = locals.local();
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const FaceRaster face = faces.prepare(i);
+      if (!face.crossesColumns())
+        continue;
+      for (auto x = nodeOf(face.xMin()); x <= nodeOf(face.xMax()); ++x)
+        for (auto y = nodeOf(face.yMin()); y <= nodeOf(face.yMax()); ++y) {
+          const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
+          std::int64_t low, high;
+          if (!face.zRange(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
             continue;
-          for (auto x = nodeOf(face.xMin()); x <= nodeOf(face.xMax()); ++x)
-            for (auto y = nodeOf(face.yMin()); y <= nodeOf(face.yMax()); ++y) {
-              const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
-              std::int64_t low, high;
-              if (!face.zRange(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
-                continue;
-              for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
-                out.push_back({x, y, z, static_cast<std::uint32_t>(i)});
-            }
+          for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
+            out.push_back({x, y, z, static_cast<std::uint32_t>(i)});
         }
-      });
+    }
+  });
   auto all = joinedVectors<FaceInNode>(locals);
-  if (fill.rim != nullptr)
-    for (const NodeIndex& node : RimBand(*fill.rim, progress).nodes())
-      all.push_back({node[0], node[1], node[2], kRimInNode});
+  if (band != nullptr)
+    for (const NodeIndex& node : band->nodes())
+      all.push_back({node[0], node[1], node[2], kBandInNode});
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }
 
 // What a slab's rows have come to at its bottom, carried up from node to node.
 struct SlabCarry {
-  /// The whole number nearest to the winding number: signed crossings, plus `rims` for open soups.
+  /// The whole number nearest to the winding number: signed crossings, plus `rests` for open soups.
   std::array<std::int32_t, kSlabRows> sums{};
-  std::vector<std::int32_t> rims; ///< empty: all 0
-  bool uniform = true;            // all rows have sums[0]
+  std::vector<std::int32_t> rests; ///< empty: all 0
+  std::vector<std::int32_t> holes; ///< crossings of the triangles over holes; empty: all 0
+  bool uniform = true;             // all rows have sums[0]
 
   void refreshUniform() {
     std::int32_t differs = 0;
@@ -97,34 +123,14 @@ bool isInside(std::int32_t sum, FillRule rule) {
   return sum > 0;
 }
 
-// RimWinding at the voxels of a slab where it matters.
-struct SlabRim {
+// What is known of the triangles over holes in a slab: their crossings, and their solid angles over
+// 4 pi where these matter.
+struct SlabHoles {
+  SlabCrossings crossings;
   SlabBits flags;
   std::vector<double> values; // of row r, voxel z at [r * 128 + z]
 
-  SlabRim() : values(std::size_t(kSlabRows) * kNodeSize) {}
-
-  // `leaves`: of the slab's node.
-  void look(const RimBand& band, const NodeIndex& node, int slab, const std::bitset<4096>& leaves) {
-    std::memset(&flags, 0, sizeof flags);
-    RimBand::Leaf leaf;
-    for (int i = 0; i < 256; ++i) {
-      if (!leaves[static_cast<std::size_t>(slab * 256 + i)])
-        continue;
-      const int y0 = i / 16 * kLeafSize, z0 = i % 16 * kLeafSize;
-      band.look({node[0] * kNodeSize + slab * kLeafSize, node[1] * kNodeSize + y0,
-                 node[2] * kNodeSize + z0},
-                leaf);
-      for (int x = 0; x < kLeafSize; ++x)
-        for (int y = 0; y < kLeafSize; ++y) {
-          const int row = x * kNodeSize + y0 + y;
-          flags.rows[row][z0 >> 6] |= (leaf.flags[static_cast<std::size_t>(x)] >> (8 * y) & 0xFF)
-                                      << (z0 & 63);
-          std::copy_n(leaf.values.data() + x * 64 + y * 8, kLeafSize,
-                      values.data() + row * kNodeSize + z0);
-        }
-    }
-  }
+  SlabHoles() : values(std::size_t(kSlabRows) * kNodeSize) {}
 };
 
 // Bit z of the result: parity of the bits at or below z.
@@ -144,16 +150,58 @@ struct RowCrossings {
   const SlabCrossings::Extra *extra, *extraEnd;
 };
 
-// Calls visit(z, sum) with the sum of the crossings up to every voxel of the row.
-template <typename Visit>
-void countCrossings(RowCrossings row, std::int32_t sum, const Visit& visit) {
-  for (int z = 0; z < kNodeSize; ++z) {
-    sum += static_cast<std::int32_t>(row.entering[z >> 6] >> (z & 63) & 1);
-    sum -= static_cast<std::int32_t>(row.leaving[z >> 6] >> (z & 63) & 1);
-    for (; row.extra != row.extraEnd && row.extra->z == z; ++row.extra)
-      sum += row.extra->weight;
-    visit(z, sum);
+// Sums a row's crossings up, voxel by voxel.
+class CrossingSum {
+public:
+  CrossingSum(const RowCrossings& row, std::int32_t before) : row_(row), sum_(before) {}
+
+  // To be called for z = 0, 1, ...: the sum of the crossings up to there.
+  std::int32_t upTo(int z) {
+    sum_ += static_cast<std::int32_t>(row_.entering[z >> 6] >> (z & 63) & 1);
+    sum_ -= static_cast<std::int32_t>(row_.leaving[z >> 6] >> (z & 63) & 1);
+    for (; row_.extra != row_.extraEnd && row_.extra->z == z; ++row_.extra)
+      sum_ += row_.extra->weight;
+    return sum_;
   }
+
+private:
+  RowCrossings row_;
+  std::int32_t sum_;
+};
+
+// The crossings of a slab's rows, to be asked for in order; rows may be left out.
+class RowsOf {
+public:
+  explicit RowsOf(SlabCrossings& crossings) : crossings_(crossings) {
+    std::sort(crossings.extra.begin(), crossings.extra.end(), [](const auto& a, const auto& b) {
+      return std::tie(a.row, a.z, a.weight) < std::tie(b.row, b.z, b.weight);
+    });
+    next_ = crossings.extra.data();
+    end_ = next_ + crossings.extra.size();
+  }
+  RowCrossings row(std::int32_t r) {
+    while (next_ != end_ && next_->row < r)
+      ++next_;
+    RowCrossings row{crossings_.entering.rows[r], crossings_.leaving.rows[r], next_, next_};
+    while (row.extraEnd != end_ && row.extraEnd->row == r)
+      ++row.extraEnd;
+    next_ = row.extraEnd;
+    return row;
+  }
+
+private:
+  const SlabCrossings& crossings_;
+  const SlabCrossings::Extra *next_, *end_;
+};
+
+// All crossings of a row.
+std::int32_t totalOf(const RowCrossings& row) {
+  std::int32_t sum = 0;
+  for (int word = 0; word < 2; ++word)
+    sum += __builtin_popcountll(row.entering[word]) - __builtin_popcountll(row.leaving[word]);
+  for (const SlabCrossings::Extra* e = row.extra; e != row.extraEnd; ++e)
+    sum += e->weight;
+  return sum;
 }
 
 void setVoxel(std::uint64_t* row, int z) {
@@ -163,65 +211,61 @@ void setVoxel(std::uint64_t* row, int z) {
 // One row by counting, where the sum leaves {0, 1}.
 void countRow(const RowCrossings& row, FillRule rule, std::int32_t& sum, std::uint64_t* inside) {
   std::uint64_t out[2] = {0, 0};
-  std::int32_t last = sum;
-  countCrossings(row, sum, [&](int z, std::int32_t s) {
-    last = s;
-    if (isInside(s, rule))
+  CrossingSum crossings(row, sum);
+  for (int z = 0; z < kNodeSize; ++z) {
+    sum = crossings.upTo(z);
+    if (isInside(sum, rule))
       setVoxel(out, z);
-  });
-  sum = last;
+  }
   inside[0] = out[0];
   inside[1] = out[1];
 }
 
-// One row past voxels where the rim has to be looked at.
-void countRowWithRim(const RowCrossings& row, FillRule rule, const std::uint64_t* flags,
-                     const double* values, std::int32_t& sum, std::int32_t& rim,
-                     std::uint64_t* inside) {
+// One row past voxels of the winding band. `rest`: what the crossings fall short of `sum` by.
+void countRowInBand(const RowCrossings& row, const RowCrossings& holeRow, FillRule rule,
+                    const std::uint64_t* flags, const double* values, std::int32_t holesBefore,
+                    std::int32_t& sum, std::int32_t& rest, std::uint64_t* inside) {
   std::uint64_t out[2] = {0, 0};
-  std::int32_t last = sum;
-  countCrossings(row, sum - rim, [&](int z, std::int32_t crossings) {
+  CrossingSum faces(row, sum - rest), holes(holeRow, holesBefore);
+  for (int z = 0; z < kNodeSize; ++z) {
+    const std::int32_t crossings = faces.upTo(z), below = holes.upTo(z);
     if ((flags[z >> 6] >> (z & 63) & 1) != 0)
-      rim = nearestWinding(crossings + values[z]) - crossings;
-    last = crossings + rim;
-    if (isInside(last, rule))
+      rest = nearestWinding(crossings - below + values[z]) - crossings;
+    sum = crossings + rest;
+    if (isInside(sum, rule))
       setVoxel(out, z);
-  });
-  sum = last;
+  }
   inside[0] = out[0];
   inside[1] = out[1];
 }
 
 // Turns crossings into occupancy, in place of the entering bits, and advances the carry. Returns
-// whether any voxel is inside.
+// whether any voxel is inside. `holes`: of the slab, where there are voxels of the winding band.
 //
 // While the sum stays in {0, 1} it is the parity of the crossings, and parity is 64 voxels at a
 // time. It does stay there if every entering crossing is followed by a set voxel and every leaving
 // one by a clear one; the rows where that fails are counted.
-bool sumCrossings(SlabCrossings& crossings, FillRule rule, const SlabRim* rim, SlabCarry& carry) {
-  std::sort(crossings.extra.begin(), crossings.extra.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.row, a.z, a.weight) < std::tie(b.row, b.z, b.weight);
-  });
-  if (rim != nullptr)
-    carry.rims.resize(kSlabRows);
-  RowCrossings row{};
-  row.extraEnd = crossings.extra.data();
-  const SlabCrossings::Extra* const end = row.extraEnd + crossings.extra.size();
+bool sumCrossings(SlabCrossings& crossings, FillRule rule, SlabHoles* holes, SlabCarry& carry) {
+  std::optional<RowsOf> holeRows;
+  if (holes != nullptr) {
+    holeRows.emplace(holes->crossings);
+    carry.rests.resize(kSlabRows);
+    carry.holes.resize(kSlabRows);
+  }
+  RowsOf rows(crossings);
   std::uint64_t any = 0;
   for (std::int32_t r = 0; r < kSlabRows; ++r) {
+    const auto index = static_cast<std::size_t>(r);
+    const RowCrossings row = rows.row(r);
     std::uint64_t* in = crossings.entering.rows[r];
     const std::uint64_t* out = crossings.leaving.rows[r];
-    std::int32_t& sum = carry.sums[static_cast<std::size_t>(r)];
-    row.entering = in;
-    row.leaving = out;
-    row.extra = row.extraEnd;
-    while (row.extraEnd != end && row.extraEnd->row == r)
-      ++row.extraEnd;
+    std::int32_t& sum = carry.sums[index];
 
-    if (rim != nullptr && (rim->flags.rows[r][0] | rim->flags.rows[r][1]) != 0) {
-      countRowWithRim(row, rule, rim->flags.rows[r],
-                      rim->values.data() + std::size_t(r) * kNodeSize, sum,
-                      carry.rims[static_cast<std::size_t>(r)], in);
+    if (holes != nullptr && (holes->flags.rows[r][0] | holes->flags.rows[r][1]) != 0) {
+      const RowCrossings holeRow = holeRows->row(r);
+      countRowInBand(row, holeRow, rule, holes->flags.rows[r],
+                     holes->values.data() + index * kNodeSize, carry.holes[index], sum,
+                     carry.rests[index], in);
       any |= in[0] | in[1];
       continue;
     }
@@ -246,6 +290,14 @@ bool sumCrossings(SlabCrossings& crossings, FillRule rule, const SlabRim* rim, S
   return any != 0;
 }
 
+// What the triangles over holes add to the carry in a slab.
+void addHoles(SlabCrossings& crossings, SlabCarry& carry) {
+  carry.holes.resize(kSlabRows);
+  RowsOf rows(crossings);
+  for (std::int32_t r = 0; r < kSlabRows; ++r)
+    carry.holes[static_cast<std::size_t>(r)] += totalOf(rows.row(r));
+}
+
 // A slab without crossings: every row is full or empty by its carry.
 bool extendRows(const SlabCarry& carry, FillRule rule, SlabBits& bits) {
   bool any = false;
@@ -260,15 +312,15 @@ bool extendRows(const SlabCarry& carry, FillRule rule, SlabBits& bits) {
 // What a thread works in.
 struct Scratch {
   SlabCrossings crossings;
-  std::unique_ptr<SlabRim> rim; // made when first needed
+  std::unique_ptr<SlabHoles> holes; // made when first needed
 };
 
 class Stack {
 public:
-  Stack(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill, NodeSink& sink,
-        const Progress& progress, bool splitNodes)
-      : mesh_(mesh), boundary_(boundary), fill_(fill), sink_(sink), progress_(progress),
-        carries_(kSlabsPerNode), grain_(splitNodes ? 1 : kSlabsPerNode) {}
+  Stack(const AllFaces& faces, const WindingBand* band, FillRule rule, NodeSink& sink,
+        bool splitNodes)
+      : faces_(faces), band_(band), rule_(rule), sink_(sink), carries_(kSlabsPerNode),
+        grain_(splitNodes ? 1 : kSlabsPerNode) {}
 
   using Pairs = const FaceInNode*;
 
@@ -285,8 +337,9 @@ public:
       begin = nodeEnd;
       ++z;
     }
-    // Above the last face nothing is inside: the faces close, or far from the rim its share ends.
-    const std::int32_t open = fill_.rule == FillRule::Odd ? 1 : ~0;
+    // Above the last face nothing is inside: the faces close, or the winding number ends far from
+    // the holes.
+    const std::int32_t open = rule_ == FillRule::Odd ? 1 : ~0;
     for (const SlabCarry& carry : carries_)
       if (std::any_of(carry.sums.begin(), carry.sums.end(),
                       [open](std::int32_t sum) { return (sum & open) != 0; }))
@@ -301,9 +354,9 @@ private:
     bool uniform = true;
     for (const SlabCarry& carry : carries_)
       uniform = uniform && carry.uniform &&
-                isInside(carry.sums[0], fill_.rule) == isInside(carries_[0].sums[0], fill_.rule);
+                isInside(carry.sums[0], rule_) == isInside(carries_[0].sums[0], rule_);
     if (uniform) {
-      if (isInside(carries_[0].sums[0], fill_.rule))
+      if (isInside(carries_[0].sums[0], rule_))
         sink_.fullRun(x, y, zBegin, zEnd);
       return;
     }
@@ -311,7 +364,7 @@ private:
     for (std::int32_t z = zBegin; z < zEnd; ++z) {
       std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
       for (int s = 0; s < kSlabsPerNode; ++s)
-        if (extendRows(carries_[static_cast<std::size_t>(s)], fill_.rule, *bits))
+        if (extendRows(carries_[static_cast<std::size_t>(s)], rule_, *bits))
           sink_.slab(*node, s, *bits, nullptr);
       sink_.end(std::move(node));
     }
@@ -320,43 +373,52 @@ private:
   void node(std::int32_t x, std::int32_t y, std::int32_t z, Pairs begin, Pairs end,
             tbb::enumerable_thread_specific<Scratch>& scratch) {
     std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
-    std::vector<FaceRaster> faces;
+    std::vector<FaceRaster> faces, overHoles;
     faces.reserve(static_cast<std::size_t>(end - begin));
-    std::bitset<4096> rimLeaves;
+    bool inBand = false;
     for (Pairs p = begin; p != end; ++p)
-      if (p->face == kRimInNode)
-        rimLeaves = RimBand(*fill_.rim, progress_).leaves({x, y, z});
+      if (p->face == kBandInNode)
+        inBand = true;
       else
-        faces.push_back(prepare(mesh_, boundary_.faces[p->face]));
+        (faces_.isOverHole(p->face) ? overHoles : faces).push_back(faces_.prepare(p->face));
     const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize,
                        z0 = std::int64_t(z) * kNodeSize;
+    const WindingBand::Node banding = inBand ? band_->enter({x, y, z}) : WindingBand::Node();
     const auto slabs = [&](const tbb::blocked_range<int>& range) {
       Scratch& local = scratch.local();
+      if (local.holes == nullptr && (inBand || !overHoles.empty()))
+        local.holes = std::make_unique<SlabHoles>();
       SlabCrossings& crossings = local.crossings;
       for (int s = range.begin(); s != range.end(); ++s) {
         const std::int64_t first = x0 + s * kLeafSize;
+        // Whether any of them is in the slab: then they are in `into`.
+        const auto rasterize = [&](const std::vector<FaceRaster>& some, SlabCrossings& into) {
+          bool cleared = false;
+          for (const FaceRaster& face : some) {
+            if (face.xMax() < first || face.xMin() >= first + kLeafSize)
+              continue;
+            if (!cleared)
+              into.clear();
+            cleared = true;
+            face.rasterize(first, y0, z0, into);
+          }
+          return cleared;
+        };
         SlabCarry& carry = carries_[static_cast<std::size_t>(s)];
-        bool cleared = false;
-        for (const FaceRaster& face : faces) {
-          if (face.xMax() < first || face.xMin() >= first + kLeafSize)
-            continue;
-          if (!cleared)
-            crossings.clear();
-          cleared = true;
-          face.rasterize(first, y0, z0, crossings);
-        }
-        const SlabRim* rim = nullptr;
-        if (hasBits(rimLeaves, s)) {
-          if (!cleared)
-            crossings.clear();
-          cleared = true;
-          if (local.rim == nullptr)
-            local.rim = std::make_unique<SlabRim>();
-          local.rim->look(RimBand(*fill_.rim, progress_), {x, y, z}, s, rimLeaves);
-          rim = local.rim.get();
-        }
-        const bool any = cleared ? sumCrossings(crossings, fill_.rule, rim, carry)
-                                 : extendRows(carry, fill_.rule, crossings.entering);
+        const bool crossed = rasterize(faces, crossings);
+        const bool holes = !overHoles.empty() && rasterize(overHoles, local.holes->crossings);
+        const bool banded =
+            inBand && band_->evaluate(banding, s, local.holes->flags, local.holes->values);
+        if (banded && !crossed)
+          crossings.clear();
+        if (banded && !holes)
+          local.holes->crossings.clear();
+        const bool any =
+            crossed || banded
+                ? sumCrossings(crossings, rule_, banded ? local.holes.get() : nullptr, carry)
+                : extendRows(carry, rule_, crossings.entering);
+        if (holes)
+          addHoles(local.holes->crossings, carry);
         if (any)
           sink_.slab(*node, s, crossings.entering, nullptr);
       }
@@ -367,18 +429,10 @@ private:
     sink_.end(std::move(node));
   }
 
-  static bool hasBits(const std::bitset<4096>& leaves, int slab) {
-    for (std::size_t i = 0; i < 256; ++i)
-      if (leaves[static_cast<std::size_t>(slab) * 256 + i])
-        return true;
-    return false;
-  }
-
-  const SnappedMesh& mesh_;
-  const Boundary& boundary_;
-  const FillOptions& fill_;
+  const AllFaces& faces_;
+  const WindingBand* band_;
+  FillRule rule_;
   NodeSink& sink_;
-  const Progress& progress_;
   std::vector<SlabCarry> carries_;
   std::size_t grain_;
 };
@@ -402,7 +456,12 @@ std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& bo
 
 void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill,
                        NodeSink& sink, Progress& progress) {
-  const std::vector<FaceInNode> pairs = binFaces(mesh, boundary, fill, progress);
+  const AllFaces faces(mesh, boundary, fill.holes);
+  std::optional<WindingBand> band;
+  if (fill.holes != nullptr)
+    band.emplace(*fill.holes, progress);
+  const WindingBand* const bandOrNull = band ? &*band : nullptr;
+  const std::vector<FaceInNode> pairs = binFaces(faces, bandOrNull, progress);
   std::vector<std::size_t> starts;
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (i == 0 || pairs[i].x != pairs[i - 1].x || pairs[i].y != pairs[i - 1].y)
@@ -417,7 +476,7 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const 
       tbb::blocked_range<std::size_t>(0, starts.size() - 1, 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          Stack stack(mesh, boundary, fill, sink, progress, splitNodes);
+          Stack stack(faces, bandOrNull, fill.rule, sink, splitNodes);
           stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], scratch);
           progress.update(static_cast<double>(++done) / static_cast<double>(starts.size()));
         }

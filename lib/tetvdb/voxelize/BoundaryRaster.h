@@ -3,12 +3,12 @@
 // Occupancy from faces alone: along each z column the signed crossings of the faces are summed, and
 // the sum decides which voxels are inside. Interior faces of tets cancel exactly under the
 // ownership rule, so with the boundary of tets this is their union, voxel by voxel; with a closed
-// triangle soup the sum is its winding number, and with an open one its winding number less
-// RimWinding.
+// triangle soup the sum is its winding number; with an open one the solid angles of the triangles
+// over its holes are added (WindingBand.h).
 #pragma once
 
 #include "tetvdb/core/Progress.h"
-#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/geometry/TriangleClusters.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -25,9 +25,9 @@ enum class FillRule : std::uint8_t { Positive, NonZero, Odd };
 
 struct FillOptions {
   FillRule rule = FillRule::Positive;
-  /// The rim of an open soup; null where the faces close. With FillRule::Odd it has no meaning:
-  /// then every edge must have an even number of faces.
-  const RimWinding* rim = nullptr;
+  /// The triangles that fill the holes of an open soup (fillHoles()); null where the faces close.
+  /// With FillRule::Odd they have no meaning: then every edge must have an even number of faces.
+  const TriangleClusters* holes = nullptr;
 };
 
 /// Hands every node that is not empty to `sink`: those that faces meet slab by slab, full ones

@@ -2,6 +2,7 @@
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/Lattice.h"
 #include "tetvdb/voxelize/Slab.h"
 
 #include <algorithm>
@@ -41,6 +42,13 @@ void WorldBox::add(const WorldBox& other) {
     max[k] = std::max(max[k], other.max[k]);
   }
   finite = finite && other.finite;
+}
+
+void WorldBox::grow(double length) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    min[k] -= length;
+    max[k] += length;
+  }
 }
 
 // Nearly always all points are in use, or at least those on the sides of the box of all points;
@@ -85,45 +93,45 @@ WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint
   return boxOf(indices.size(), [&](std::size_t i) { return points[indices[i]]; });
 }
 
-GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options) {
-  GridTransform transform;
-  transform.voxelSize = options.voxelSize;
-  transform.origin = options.origin;
-  for (double c : options.origin)
-    if (!std::isfinite(c))
-      throw Error(Status::Usage, "--origin", "not a finite number");
-  if (!box.finite)
-    throw Error(Status::Invalid, "", "a coordinate of the mesh is not a finite number",
-                "repair the mesh");
+namespace {
 
-  const Vec3d& h = options.voxelSize;
-  if (h[0] == 0 && h[1] == 0 && h[2] == 0) {
-    if (options.resolution < 1)
-      throw Error(Status::Usage, "--resolution", "must be 1 or more");
-    const double longest =
-        std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
-    if (!(longest > 0))
-      throw Error(Status::Invalid, "", "all points of the mesh coincide");
-    const double size = longest / options.resolution;
-    transform.voxelSize = {size, size, size};
-  }
-  const Vec3d& size = transform.voxelSize;
+double longestSide(const WorldBox& box) {
+  const double longest =
+      std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
+  if (!(longest > 0))
+    throw Error(Status::Invalid, "", "all points of the mesh coincide");
+  return longest;
+}
+
+// The option that a size which cannot be used came from.
+const char* sizeOption(const VoxelizeOptions& options) {
+  if (options.voxelSize[0] != 0)
+    return "--voxel-size";
+  return options.fit.voxels > 0 ? "--fit" : "--resolution";
+}
+
+void checkSize(const Vec3d& size, const VoxelizeOptions& options) {
   for (double s : size)
     if (!(s > 0) || !std::isfinite(s))
       throw Error(Status::Usage, "--voxel-size", fmt::format("{} is not a positive length", s));
   if (size[0] * size[1] * size[2] < kMinVoxelVolume)
     throw Error(
-        h[0] == 0 ? Status::Limit : Status::Usage, h[0] == 0 ? "--resolution" : "--voxel-size",
+        options.voxelSize[0] == 0 ? Status::Limit : Status::Usage, sizeOption(options),
         fmt::format("a voxel of {:.4g} x {:.4g} x {:.4g} is below OpenVDB's smallest volume, "
                     "3e-15 cubic units (1.45e-5 a side)",
                     size[0], size[1], size[2]),
         "use larger voxels, or scale the model to a smaller unit: millimetres for metres");
+}
 
+// The asked origin, or one that has the box within 32-bit index space.
+GridTransform placed(const WorldBox& box, const Vec3d& size, const VoxelizeOptions& options) {
+  checkSize(size, options);
+  GridTransform transform{size, options.origin};
   for (std::size_t k = 0; k < 3; ++k) {
     const double extent = (box.max[k] - box.min[k]) / size[k];
     if (!(extent < 2 * kMaxIndex - kRootChildSize))
       throw Error(
-          Status::Limit, h[0] == 0 ? "--resolution" : "--voxel-size",
+          Status::Limit, sizeOption(options),
           fmt::format("the mesh is {:.4g} voxels long, more than 32-bit index space holds", extent),
           "use larger voxels");
     const double low = (box.min[k] - transform.origin[k]) / size[k];
@@ -137,8 +145,105 @@ GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& option
   return transform;
 }
 
+// The box's middle is that of the voxels 0 to fit.voxels - 1.
+GridTransform centred(const WorldBox& box, double size, const VoxelizeOptions& options) {
+  checkSize({size, size, size}, options);
+  GridTransform transform{{size, size, size}, {}};
+  for (std::size_t k = 0; k < 3; ++k)
+    transform.origin[k] = box.min[k] + (box.max[k] - box.min[k]) / 2 -
+                          size * (static_cast<double>(options.fit.voxels) - 1) / 2;
+  return transform;
+}
+
+// The first of the sizes longest / voxels, the two next to it, and longest / (voxels - k lattice
+// units), k = 1, 2, 4, ..., whose transform is right: rounding to the lattice adds up to a unit to
+// a box, and so one voxel too many.
+template <typename TransformOf, typename IsRight>
+GridTransform smallestRight(double longest, double voxels, const TransformOf& transformOf,
+                            const IsRight& isRight) {
+  double size = longest / voxels;
+  for (int neighbour = 0; neighbour < 3; ++neighbour, size = std::nextafter(size, 2 * size))
+    if (const GridTransform transform = transformOf(size); isRight(transform))
+      return transform;
+  for (double less = kVoxelsPerUnit; less <= 0.5; less *= 2)
+    if (const GridTransform transform = transformOf(longest / (voxels - less)); isRight(transform))
+      return transform;
+  throw Error(Status::Limit, "",
+              "the mesh lies so far from the origin that its coordinates do not have the digits to "
+              "place voxels of that size",
+              "move it to the origin, or use larger voxels");
+}
+
+GridTransform byResolution(const WorldBox& box, const VoxelizeOptions& options, BoxEnds ends) {
+  if (options.resolution < 1)
+    throw Error(Status::Usage, "--resolution", "must be 1 or more");
+  const double longest = longestSide(box);
+  return smallestRight(
+      longest, options.resolution,
+      [&](double size) {
+        return placed(box, {size, size, size}, options);
+      },
+      [&](const GridTransform& transform) {
+        return isWithinResolution(box, transform, options.resolution, ends);
+      });
+}
+
+GridTransform byFit(const WorldBox& box, const VoxelizeOptions& options) {
+  const FitBox& fit = options.fit;
+  if (fit.padding < 0 || fit.padding > (fit.voxels - 1) / 2)
+    throw Error(Status::Usage, "--padding",
+                fmt::format("{} voxels on each side leave none of {} for the model", fit.padding,
+                            fit.voxels),
+                "give less than half of the voxels of --fit");
+  return smallestRight(
+      longestSide(box), fit.voxels - 2 * fit.padding,
+      [&](double size) { return centred(box, size, options); },
+      [&](const GridTransform& transform) { return isWithinFit(box, transform, fit); });
+}
+
+} // namespace
+
+bool isWithinResolution(const WorldBox& box, const GridTransform& transform, int voxels,
+                        BoxEnds ends) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = snapToLattice(box.min[k], transform.origin[k], transform.voxelSize[k]);
+    const double high = snapToLattice(box.max[k], transform.origin[k], transform.voxelSize[k]);
+    // A half-open interval that is no longer than `voxels` has no more centres, wherever it lies.
+    if (ends == BoxEnds::OneIn && high - low > voxels * static_cast<double>(kUnitsPerVoxel))
+      return false;
+    if (ends == BoxEnds::BothIn && floorVoxel(high + 1) - ceilVoxel(low - 1) >= voxels)
+      return false;
+  }
+  return true;
+}
+
+bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitBox& fit) {
+  constexpr double half = static_cast<double>(kUnitsPerVoxel) / 2;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = snapToLattice(box.min[k], transform.origin[k], transform.voxelSize[k]);
+    const double high = snapToLattice(box.max[k], transform.origin[k], transform.voxelSize[k]);
+    if (low < (2.0 * fit.padding - 1) * half ||
+        high > (2.0 * (static_cast<double>(fit.voxels) - fit.padding) - 1) * half)
+      return false;
+  }
+  return true;
+}
+
+GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options, BoxEnds ends) {
+  for (double c : options.origin)
+    if (!std::isfinite(c))
+      throw Error(Status::Usage, "--origin", "not a finite number");
+  if (!box.finite)
+    throw Error(Status::Invalid, "", "a coordinate of the mesh is not a finite number",
+                "repair the mesh");
+  const Vec3d& h = options.voxelSize;
+  if (h[0] != 0 || h[1] != 0 || h[2] != 0)
+    return placed(box, h, options);
+  return options.fit.voxels > 0 ? byFit(box, options) : byResolution(box, options, ends);
+}
+
 void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report) {
-  if (transform.origin == options.origin)
+  if (transform.origin == options.origin || options.fit.voxels > 0)
     return;
   report.warn("origin-moved",
               fmt::format("the mesh lies outside 32-bit index space; the origin was moved to "

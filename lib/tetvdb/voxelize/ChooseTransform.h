@@ -21,16 +21,35 @@ struct WorldBox {
   bool finite = true; ///< false: one of the points was not
 
   void add(const WorldBox& other);
+  /// Moves every side outward.
+  void grow(double length);
 };
 
 /// Box of those of `points` that `indices` (of cells or faces) name. Parallel; where every side of
 /// the box is touched by some point in use, which is nearly always so, it looks at few indices.
 WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices);
 
-/// Voxel size and origin for a mesh in that box: options.voxelSize, or by options.resolution along
-/// the longest side; the origin moved by a multiple of 4096 voxels where the box leaves 32-bit
-/// index space. Throws as voxelize() does.
-GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options);
+/// Which voxel centres on the ends of a box, along each axis, count as in it.
+enum class BoxEnds : std::uint8_t {
+  OneIn, ///< those at one end, as by the ownership rule (voxelize/Ownership.h)
+  BothIn ///< those at both, as of a shell
+};
+
+/// Voxel size and origin for a mesh in that box. options.voxelSize; or the smallest size by which
+/// no side of the box, snapped to the lattice, has more than options.resolution voxels; or that by
+/// which the box fits options.fit. The origin is options.origin, moved by a multiple of 4096 voxels
+/// where the box leaves 32-bit index space, or what options.fit asks for. Throws as voxelize()
+/// does.
+GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options,
+                              BoxEnds ends = BoxEnds::OneIn);
+
+/// Whether no side of the box, snapped to the lattice, can have more than that many voxel centres.
+bool isWithinResolution(const WorldBox& box, const GridTransform& transform, int voxels,
+                        BoxEnds ends = BoxEnds::OneIn);
+
+/// Whether the box, snapped to the lattice, lies within the cubes of the voxels fit.padding to
+/// fit.voxels - 1 - fit.padding.
+bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitBox& fit);
 
 /// Warns ("origin-moved") where `transform` has another origin than was asked for.
 void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <utility>
 
 namespace tetvdb {
 
@@ -56,12 +55,17 @@ void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped,
     chain.faces.push_back({e.b, e.a, index, e.weight});
 }
 
-RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
+std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,
+                                   const SnappedMesh& snapped) {
   std::vector<RimEdge> edges;
   edges.reserve(rim.size());
   for (const IndexedRimEdge& e : rim)
     edges.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
-  return RimWinding(std::move(edges));
+  return edges;
+}
+
+RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
+  return RimWinding(boundaryEdges(rim, snapped));
 }
 
 } // namespace tetvdb

@@ -22,6 +22,10 @@ Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped);
 /// centre to `snapped` and these faces to `chain`.
 void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain);
 
+/// The boundary edges of a soup, in place.
+std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,
+                                   const SnappedMesh& snapped);
+
 /// The winding number of a soup's rim.
 RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped);
 

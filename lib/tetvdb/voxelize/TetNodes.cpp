@@ -49,14 +49,14 @@ struct Bins {
 
 // Calls visit(x, y, z, slab) for every slab that may hold voxels of the tet.
 template <typename Visit>
-void eachSlab(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box, const Visit& visit) {
+void eachSlab(const SnappedMesh& mesh, std::size_t tet, const TetBox& box, const Visit& visit) {
   const auto node = [](std::int64_t v) { return v >> 7; };
   const bool large = box.spansNodes();
   for (std::int64_t x = node(box.min[0]); x <= node(box.max[0]); ++x)
     for (std::int64_t y = node(box.min[1]); y <= node(box.max[1]); ++y)
       for (std::int64_t z = node(box.min[2]); z <= node(box.max[2]); ++z) {
         if (large) {
-          VoxelBox nodeBox;
+          TetBox nodeBox;
           const std::int64_t first[3] = {x * kNodeSize, y * kNodeSize, z * kNodeSize};
           for (int k = 0; k < 3; ++k) {
             nodeBox.min[k] = first[k];
@@ -86,7 +86,7 @@ void countHere(const SnappedMesh& mesh, std::size_t tet, OrientationCounts& coun
       tetOrientation(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]));
 }
 
-void checkExtent(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box) {
+void checkExtent(const SnappedMesh& mesh, std::size_t tet, const TetBox& box) {
   constexpr std::int64_t limit = std::int64_t(1) << 20;
   for (int k = 0; k < 3; ++k)
     if (box.max[k] - box.min[k] < limit - 1)
@@ -143,7 +143,7 @@ public:
       pairs[c].reserve(chunkSize + chunkSize / 2);
       const std::size_t end = std::min((c + 1) * chunkSize, mesh_.tetCount);
       for (std::size_t t = c * chunkSize; t != end; ++t) {
-        const VoxelBox box = voxelBox(mesh_, t);
+        const TetBox box = voxelBox(mesh_, t);
         if (box.empty() || box.spansNodes())
           countHere(mesh_, t, counts[c]);
         if (box.empty())
@@ -224,7 +224,7 @@ Bins sortedBins(const SnappedMesh& mesh, Progress& progress) {
         progress.check();
         Local& local = locals.local();
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
-          const VoxelBox box = voxelBox(mesh, t);
+          const TetBox box = voxelBox(mesh, t);
           if (box.empty() || box.spansNodes())
             countHere(mesh, t, local.counts);
           if (box.empty())

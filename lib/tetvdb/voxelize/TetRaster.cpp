@@ -212,7 +212,7 @@ TETVDB_INLINE void bound(const Plane& p, double rowBase, const Doubles& y, Doubl
 
 // Calls emit(row, lo, hi) with lo < hi for every run of voxels of the slab that the tet owns.
 template <typename Emit>
-TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin& slab,
+TETVDB_INLINE void rasterize(const Tet& t, const TetBox& box, const SlabOrigin& slab,
                              const Emit& emit) {
   const std::int64_t xBegin = std::max(box.min[0], slab.x);
   const std::int64_t xEnd = std::min(box.max[0], slab.x + kLeafSize - 1) + 1;
@@ -287,8 +287,8 @@ TETVDB_INLINE void rasterize(const Tet& t, const VoxelBox& box, const SlabOrigin
   }
 }
 
-TETVDB_INLINE VoxelBox boxOf(const Tet& t) {
-  VoxelBox box;
+TETVDB_INLINE TetBox boxOf(const Tet& t) {
+  TetBox box;
   const auto axis = [&](double LatticePoint::*k, int i) {
     box.min[i] =
         ceilVoxel(std::min(std::min(t.v[0].*k, t.v[1].*k), std::min(t.v[2].*k, t.v[3].*k)));
@@ -301,7 +301,7 @@ TETVDB_INLINE VoxelBox boxOf(const Tet& t) {
   return box;
 }
 
-TETVDB_INLINE void countOrientation(const Tet& t, const VoxelBox& box, const SlabOrigin& slab,
+TETVDB_INLINE void countOrientation(const Tet& t, const TetBox& box, const SlabOrigin& slab,
                                     OrientationCounts& counts) {
   const bool first = box.min[0] >= slab.x && box.min[0] < slab.x + kLeafSize &&
                      box.min[1] >= slab.y && box.min[1] < slab.y + kNodeSize &&
@@ -312,7 +312,7 @@ TETVDB_INLINE void countOrientation(const Tet& t, const VoxelBox& box, const Sla
 
 } // namespace
 
-VoxelBox voxelBox(const SnappedMesh& mesh, std::size_t tet) {
+TetBox voxelBox(const SnappedMesh& mesh, std::size_t tet) {
   Tet t;
   for (std::size_t i = 0; i < 4; ++i)
     t.v[i] = mesh.points[mesh.tets[4 * tet + i]];
@@ -325,7 +325,7 @@ TETVDB_MULTIVERSION void rasterizeTets(const SnappedMesh& mesh, const std::uint3
   Tet t;
   for (std::size_t i = 0; i < count; ++i) {
     const bool solid = prepare(mesh, tets[i], t);
-    const VoxelBox box = boxOf(t);
+    const TetBox box = boxOf(t);
     countOrientation(t, box, slab, counts);
     if (!solid)
       continue;
@@ -339,7 +339,7 @@ TETVDB_MULTIVERSION void rasterizeOwners(const SnappedMesh& mesh, const std::uin
   Tet t;
   for (std::size_t i = 0; i < count; ++i) {
     const bool solid = prepare(mesh, tets[i], t);
-    const VoxelBox box = boxOf(t);
+    const TetBox box = boxOf(t);
     countOrientation(t, box, slab, counts);
     if (!solid)
       continue;
@@ -363,7 +363,7 @@ TETVDB_MULTIVERSION void rasterizeOwners(const SnappedMesh& mesh, const std::uin
   }
 }
 
-Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box) {
+Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const TetBox& box) {
   Tet t;
   for (std::size_t i = 0; i < 4; ++i)
     t.v[i] = mesh.points[mesh.tets[4 * tet + i]];

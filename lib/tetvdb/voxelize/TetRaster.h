@@ -31,7 +31,7 @@ struct OrientationCounts {
 };
 
 /// Inclusive box of the voxel centres within the box of a tet; empty where min > max.
-struct VoxelBox {
+struct TetBox {
   std::int64_t min[3], max[3];
   bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
   /// Whether it spans three nodes or more along an axis, so that a node may lie wholly inside or
@@ -41,7 +41,7 @@ struct VoxelBox {
     return spans(0) || spans(1) || spans(2);
   }
 };
-VoxelBox voxelBox(const SnappedMesh& mesh, std::size_t tet);
+TetBox voxelBox(const SnappedMesh& mesh, std::size_t tet);
 
 /// Sets the bits of all voxels owned by any of `count` tets. Along a row, each face plane bounds
 /// the voxels inside from below or from above; the bounds are computed in doubles with a proven
@@ -60,6 +60,6 @@ void rasterizeOwners(const SnappedMesh& mesh, const std::uint32_t* tets, std::si
 /// How a tet lies to a box of voxel centres (inclusive, voxels). Conservative: Inside and Outside
 /// are certain.
 enum class Cover : std::uint8_t { Outside, Partial, Inside };
-Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const VoxelBox& box);
+Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const TetBox& box);
 
 } // namespace tetvdb

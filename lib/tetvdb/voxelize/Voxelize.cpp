@@ -2,6 +2,7 @@
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -79,6 +80,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   progress.stage("voxelize");
   if (options.grids.empty())
     throw Error(Status::Usage, "--grid", "no grid was asked for");
+  checkMesh(mesh);
   if (mesh.tetCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
   const bool owners = std::any_of(options.grids.begin(), options.grids.end(), needsOwner);

@@ -42,11 +42,18 @@ enum class VoxelRule : std::uint8_t {
           ///< where tets overlap, that is not known, and they are left out
 };
 
+/// A cube of voxels, numbered from (0, 0, 0), in whose middle the box of the mesh is placed, so
+/// large that its longest side takes all voxels but the padding.
+struct FitBox {
+  int voxels = 0;  ///< along each axis; 0: no such cube
+  int padding = 0; ///< voxels on each side that are left free
+};
+
 struct VoxelizeOptions {
-  Vec3d voxelSize{0, 0, 0}; ///< world units, one an axis; all zero: from `resolution`
-  int resolution =
-      256; ///< voxels along the longest side of the mesh's box; used where voxelSize is 0
-  Vec3d origin{0, 0, 0}; ///< world units: the centre of voxel (0, 0, 0)
+  Vec3d voxelSize{0, 0, 0}; ///< world units, one an axis; all zero: from `fit` or `resolution`
+  int resolution = 256;     ///< most voxels along any side of the mesh's box; where voxelSize is 0
+  Vec3d origin{0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
+  FitBox fit;               ///< in place of `resolution` and `origin`; where voxelSize is 0
   std::vector<GridKind> grids{GridKind::Density};
   OccupancyPath path = OccupancyPath::Auto;
   VoxelRule rule =

@@ -3,6 +3,7 @@
 
 #include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
@@ -256,6 +257,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
   const auto onCpu = [&] { return voxelize(mesh, options, report, progress); };
   if (options.grids.empty() || mesh.tets.empty())
     return onCpu(); // to be refused
+  checkMesh(mesh);
   if (choice.kind == DeviceKind::Auto && options.path != OccupancyPath::Auto) {
     used.why = "a path was asked for";
     return onCpu();

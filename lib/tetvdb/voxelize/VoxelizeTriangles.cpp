@@ -2,13 +2,18 @@
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/geometry/FillHoles.h"
+#include "tetvdb/geometry/TriangleClusters.h"
+#include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/FloodRaster.h"
+#include "tetvdb/voxelize/KeepResolution.h"
+#include "tetvdb/voxelize/MaskRaster.h"
 #include "tetvdb/voxelize/RuleSink.h"
 #include "tetvdb/voxelize/ShellRaster.h"
+#include "tetvdb/voxelize/ShellSide.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/SoupRim.h"
@@ -18,6 +23,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <functional>
 #include <optional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -33,7 +39,8 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
   for (const GridKind kind : options.grids)
     if (kind == GridKind::TetId || kind == GridKind::Material)
       throw Error(Status::Usage, "--grid",
-                  "tet_id and material need tetrahedra, the input is triangles",
+                  kind == GridKind::TetId ? "tet_id needs tetrahedra, the input is triangles"
+                                          : "material is made by voxelizeMaterials()",
                   "ask for density or mask");
   if (options.rule != VoxelRule::Centre &&
       (solid.shell > 0 || solid.method != SolidMethod::Winding ||
@@ -43,6 +50,9 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
                 "leave one of them out");
   if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
     throw Error(Status::Usage, "--shell", fmt::format("{} is not a thickness", solid.shell));
+  if (solid.shell > 0 && solid.side != ShellSide::Both && solid.inside == InsideRule::Flood)
+    throw Error(Status::Usage, "--shell-side", "does not go with --inside flood",
+                "leave one of them out");
   if (mesh.triangleCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
   if (mesh.triangles.empty())
@@ -80,6 +90,55 @@ std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
 
 } // namespace
 
+namespace {
+
+// How far a shell reaches beyond the faces, world units.
+double reachOf(const TriangleMesh& mesh, const SolidOptions& solid) {
+  if (solid.side == ShellSide::Both)
+    return solid.shell / 2;
+  if (solid.side == ShellSide::Outward)
+    return solid.shell;
+  Progress progress;
+  const bool closed = soupRim(mesh.triangles, progress).edges.empty();
+  return closed ? 0 : solid.shell * (1 + 1e-5); // so that both ends lie within the box
+}
+
+openvdb::BoolGrid::Ptr maskOf(const GridTransform& transform,
+                              const std::function<void(NodeSink&)>& rasterize) {
+  TreeBuilder builder({GridKind::Mask}, TetMesh());
+  rasterize(builder);
+  return openvdb::gridPtrCast<openvdb::BoolGrid>(builder.finish(transform).front());
+}
+
+// The voxels of a shell that lies on one side of the faces.
+openvdb::BoolGrid::Ptr shellOnSide(const TriangleMesh& mesh, const SolidOptions& solid,
+                                   const SnappedMesh& snapped, const Boundary& chain,
+                                   const SoupRim& rim, const GridTransform& transform,
+                                   Progress& progress) {
+  const openvdb::BoolGrid::Ptr shell = maskOf(transform, [&](NodeSink& sink) {
+    rasterizeShell(snapped, chain, transform.voxelSize, solid.shell, sink, progress);
+  });
+  const bool outward = solid.side == ShellSide::Outward;
+  if (!rim.edges.empty()) {
+    keepSide(shell->tree(), mesh, snapped, transform.voxelSize, solid.shell, outward, progress);
+    return shell;
+  }
+  SolidOptions filled = solid;
+  filled.shell = 0;
+  const openvdb::BoolGrid::Ptr inside = maskOf(transform, [&](NodeSink& sink) {
+    FillOptions fill;
+    fill.rule = fillRuleOf(filled).value_or(FillRule::Positive);
+    rasterizeBoundary(snapped, chain, fill, sink, progress);
+  });
+  if (outward)
+    shell->topologyDifference(*inside);
+  else
+    shell->topologyIntersection(*inside);
+  return shell;
+}
+
+} // namespace
+
 std::optional<FillRule> fillRuleOf(const SolidOptions& solid) {
   if (solid.shell > 0)
     return std::nullopt;
@@ -97,58 +156,62 @@ std::optional<FillRule> fillRuleOf(const SolidOptions& solid) {
   }
 }
 
-GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
-                              double shell) {
-  if (mesh.triangles.empty())
-    throw Error(Status::Invalid, "", "the mesh has no triangles");
+WorldBox boxOf(const TriangleMesh& mesh, const SolidOptions& solid) {
   WorldBox box = boxOfUsed(mesh.points, mesh.triangles);
-  for (std::size_t k = 0; k < 3; ++k) {
-    box.min[k] -= shell / 2;
-    box.max[k] += shell / 2;
-  }
-  return chooseTransform(box, options);
+  if (solid.shell > 0)
+    box.grow(reachOf(mesh, solid));
+  return box;
 }
 
-Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
-                      const VoxelizeOptions& options, Report& report, Progress& progress) {
-  progress.stage("voxelize");
-  checkOptions(mesh, solid, options);
-  initializeOpenVDB();
+GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
+                              const SolidOptions& solid) {
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, "", "the mesh has no triangles");
+  return chooseTransform(boxOf(mesh, solid), options, solid);
+}
 
+GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options,
+                              const SolidOptions& solid) {
+  // What is inward lies within the box.
+  const bool bothIn = solid.shell > 0 && solid.side != ShellSide::Inward;
+  return chooseTransform(box, options, bothIn ? BoxEnds::BothIn : BoxEnds::OneIn);
+}
+
+namespace {
+
+Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
+                          const VoxelizeOptions& options, Report& report, Progress& progress) {
   StageTimer timer(report, "voxelize");
   Voxelization result;
   result.path = OccupancyPath::Boundary;
   timer.part("transform");
-  result.transform = chooseTransform(mesh, options, solid.shell);
+  result.transform = chooseTransform(mesh, options, solid);
   reportOrigin(result.transform, options, report);
   timer.part("snap");
   SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
   Boundary chain = soupFaces(mesh, snapped);
   result.counts.boundaryFaces = chain.faces.size();
 
+  const bool onSide = solid.shell > 0 && solid.side != ShellSide::Both;
   SoupRim rim;
-  if (solid.shell == 0) {
+  if (solid.shell == 0 || onSide) {
     timer.part("rim");
     rim = soupRim(mesh.triangles, progress);
     result.counts.openEdges = rim.edges.size();
   }
   const bool flood = solid.method == SolidMethod::Winding && solid.inside == InsideRule::Flood;
   const FillRule rule = fillRuleOf(solid).value_or(FillRule::Positive);
-  std::optional<RimWinding> winding;
-  if (solid.method == SolidMethod::Centroid)
+  std::optional<TriangleClusters> holes;
+  const bool fills = solid.shell == 0;
+  if (fills && solid.method == SolidMethod::Centroid)
     closeToCentre(rim.edges, snapped, chain);
-  else if (rule == FillRule::Odd && rim.oddEdges > 0)
+  else if (fills && rule == FillRule::Odd && rim.oddEdges > 0)
     throw Error(Status::Invalid, "",
                 fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
                             rim.oddEdges),
                 "use --inside winding, which closes holes");
-  else if (!flood && rule != FillRule::Odd && !rim.edges.empty())
-    winding.emplace(windingOfRim(rim.edges, snapped));
-  if (winding && winding->rough())
-    report.warn("rough-winding",
-                fmt::format("the faces do not close at {} edges: their winding number is found to "
-                            "about {} only",
-                            rim.edges.size(), kRoughWindingError));
+  else if (fills && !flood && rule != FillRule::Odd && !rim.edges.empty())
+    holes.emplace(fillHoles(boundaryEdges(rim.edges, snapped)));
 
   timer.part("estimate");
   double working = 24.0 * static_cast<double>(snapped.pointCount) +
@@ -159,8 +222,8 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
   TreeEstimate estimate = estimateByBoundary(snapped, chain);
   const double surfaceVoxels = estimate.leaves * kLeafSize * kLeafSize;
   if (solid.shell > 0) {
-    const auto leaves = static_cast<double>(
-        estimateShellLeaves(snapped, chain, result.transform.voxelSize, solid.shell / 2));
+    const auto leaves = static_cast<double>(estimateShellLeaves(
+        snapped, chain, result.transform.voxelSize, onSide ? solid.shell : solid.shell / 2));
     estimate = {leaves, leaves / 128 + 64};
   }
   const double bytes = working + estimate.bytes(options.grids);
@@ -169,14 +232,17 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
 
   timer.part("rasterize");
   TreeBuilder builder(options.grids, TetMesh());
-  if (solid.shell > 0) {
+  if (onSide) {
+    rasterizeMasks({shellOnSide(mesh, solid, snapped, chain, rim, result.transform, progress)},
+                   builder, progress);
+  } else if (solid.shell > 0) {
     rasterizeShell(snapped, chain, result.transform.voxelSize, solid.shell / 2, builder, progress);
   } else if (flood) {
     rasterizeFlood(snapped, chain, TriangleScene(mesh), result.transform, builder, progress);
   } else {
     FillOptions fill;
     fill.rule = rule;
-    fill.rim = winding ? &*winding : nullptr;
+    fill.holes = holes ? &*holes : nullptr;
     if (options.rule == VoxelRule::Centre) {
       rasterizeBoundary(snapped, chain, fill, builder, progress);
     } else {
@@ -195,6 +261,19 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
   if (solid.shell == 0 && !rim.edges.empty())
     warnIfThin(result.volume.grids().all.front()->activeVoxelCount(), surfaceVoxels, report);
   return result;
+}
+
+} // namespace
+
+Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const VoxelizeOptions& options, Report& report, Progress& progress) {
+  progress.stage("voxelize");
+  checkOptions(mesh, solid, options);
+  checkMesh(mesh);
+  initializeOpenVDB();
+  return keepResolution(options, report, [&](const VoxelizeOptions& used, Report& told) {
+    return voxelizeOnce(mesh, solid, used, told, progress);
+  });
 }
 
 } // namespace tetvdb

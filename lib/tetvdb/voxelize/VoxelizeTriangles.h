@@ -10,6 +10,7 @@
 
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <optional>
@@ -33,26 +34,43 @@ enum class SolidMethod : std::uint8_t {
            ///< right for closed meshes, wrong near the holes of open ones
 };
 
+/// Where a shell lies.
+enum class ShellSide : std::uint8_t {
+  Both,    ///< half of its thickness on either side of the faces
+  Outward, ///< all of it outside: of meshes that close, of the solid; of open ones on the side to
+           ///< which the nearest face looks (voxelize/ShellSide.h)
+  Inward   ///< all of it on the other side
+};
+
 struct SolidOptions {
   SolidMethod method = SolidMethod::Winding;
   InsideRule inside = InsideRule::Winding;
-  /// World units; above 0: no solid but a shell, every voxel whose centre is within half of this of
-  /// a face.
+  /// World units; above 0: no solid but a shell of this thickness, every voxel whose centre is
+  /// within half of it of a face, or by `side` within all of it.
   double shell = 0;
+  ShellSide side = ShellSide::Both; ///< others not with InsideRule::Flood
 };
 
 /// Which winding numbers are inside; none for shells and InsideRule::Flood, which do not ask.
 std::optional<FillRule> fillRuleOf(const SolidOptions& solid);
 
+/// The box of the faces, larger by what a shell reaches beyond them (inward ones of open meshes
+/// too).
+WorldBox boxOf(const TriangleMesh& mesh, const SolidOptions& solid);
+
 /// Voxel size and origin that voxelize() would use, as chooseTransform() for tets.
 GridTransform chooseTransform(const TriangleMesh& mesh, const VoxelizeOptions& options,
-                              double shell = 0);
+                              const SolidOptions& solid = {});
+
+/// The same for a box that boxOf() has given.
+GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options,
+                              const SolidOptions& solid);
 
 /// Voxelizes a soup, cleaned or not (faces of equal points are summed up by their points' indices:
 /// weld first). Grids: density and mask. A closed soup is decided by exact signed crossings. An
-/// open one too, plus the winding number of its boundary curve, which is smooth off the faces and
-/// is evaluated only near where the total passes 0.5 (docs/algorithms.md): voxels are right where
-/// the winding number differs from 0.5 by more than 1e-3 (kRimWindingError). By VoxelRule::Any a
+/// open one too, plus the solid angles of triangles over its holes, which are summed only near
+/// where the winding number passes 0.5 off the faces (docs/algorithms.md): voxels are right where
+/// the winding number differs from 0.5 by more than 1e-3 (kWindingBandError). By VoxelRule::Any a
 /// voxel whose cube a face passes through is inside, and by All it is not, whatever the winding
 /// number; where a hole is closed off the faces, centres decide. The result depends on
 /// the faces as a set: not on their order, on the order of points or on threads. Throws as

@@ -136,9 +136,9 @@ TEST(AssimpReader, Gltf) {
   const std::pair<const char*, std::string> files[] = {
       {"a.gltf", gltfText()}, {"a.glb", glb()}, {"wrong.bin", glb()}, {"wrong.stl", gltfText()}};
   for (const auto& [name, bytes] : files) {
-    MeshFormat format = MeshFormat::Unknown;
+    FileFormat format = FileFormat::Unknown;
     const Reading read = readingFile(name, bytes, &format);
-    EXPECT_EQ(format, MeshFormat::Gltf);
+    EXPECT_EQ(format, FileFormat::Gltf);
     if (isWithoutAssimp(read))
       GTEST_SKIP() << read.error;
     ASSERT_EQ(read.error, "") << name;
@@ -172,9 +172,9 @@ TEST(AssimpReader, GltfIndicesAreChecked) {
 }
 
 TEST(AssimpReader, Collada) {
-  MeshFormat format = MeshFormat::Unknown;
+  FileFormat format = FileFormat::Unknown;
   const Reading read = readingFile("a.dae", kCollada, &format);
-  EXPECT_EQ(format, MeshFormat::Collada);
+  EXPECT_EQ(format, FileFormat::Collada);
   if (isWithoutAssimp(read))
     GTEST_SKIP() << read.error;
   ASSERT_EQ(read.error, "");
@@ -187,9 +187,9 @@ TEST(AssimpReader, Collada) {
 }
 
 TEST(AssimpReader, Fbx) {
-  MeshFormat format = MeshFormat::Unknown;
+  FileFormat format = FileFormat::Unknown;
   const Reading read = readingFile("a.fbx", kFbx, &format);
-  EXPECT_EQ(format, MeshFormat::Fbx);
+  EXPECT_EQ(format, FileFormat::Fbx);
   if (isWithoutAssimp(read))
     GTEST_SKIP() << read.error;
   ASSERT_EQ(read.error, "");

@@ -44,27 +44,27 @@ std::string namedError(const std::string& name, const std::string& text,
 
 TEST(MeshReader, FormatsAreToldByContent) {
   const auto sniff = [](const std::string& bytes, const char* path = "a") {
-    return sniffMeshFormat(bytes, path);
+    return sniffFormat(bytes, path);
   };
-  EXPECT_EQ(sniff(kGmsh1), MeshFormat::Gmsh);
-  EXPECT_EQ(sniff(std::string("\n") + kGmsh2), MeshFormat::Gmsh);
-  EXPECT_EQ(sniff(gmshBinary41(true)), MeshFormat::Gmsh);
-  EXPECT_EQ(sniff(kMedit, "wrong.msh"), MeshFormat::Medit);
-  EXPECT_EQ(sniff(std::string("# made by\n") + kMedit), MeshFormat::Medit);
-  EXPECT_EQ(sniff(meditBinary(3, true)), MeshFormat::MeditBinary);
-  EXPECT_EQ(sniff(kNode, "a.node"), MeshFormat::TetGen);
-  EXPECT_EQ(sniff(kEle, "a.ele"), MeshFormat::TetGen);
-  EXPECT_EQ(sniff(kNetgen), MeshFormat::Netgen);
-  EXPECT_EQ(sniff(kAbaqus, "a.inp"), MeshFormat::Abaqus);
-  EXPECT_EQ(sniff(kUcd, "a.inp"), MeshFormat::Ucd);
-  EXPECT_EQ(sniff(ucdBinary(false), "a.inp"), MeshFormat::Ucd);
-  EXPECT_EQ(sniff("# vtk DataFile Version 3.0\n"), MeshFormat::Vtk);
-  EXPECT_EQ(sniff("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">"), MeshFormat::Vtu);
-  EXPECT_EQ(sniff("<VTKFile type=\"PUnstructuredGrid\">"), MeshFormat::Pvtu);
-  EXPECT_EQ(sniff("CDF\x02"), MeshFormat::Exodus);
-  EXPECT_EQ(sniff("\x89HDF\r\n\x1a\n"), MeshFormat::Exodus);
-  EXPECT_EQ(sniff(""), MeshFormat::Unknown);
-  EXPECT_EQ(sniff("solid cube\n", "a.stl"), MeshFormat::Stl);
+  EXPECT_EQ(sniff(kGmsh1), FileFormat::Gmsh);
+  EXPECT_EQ(sniff(std::string("\n") + kGmsh2), FileFormat::Gmsh);
+  EXPECT_EQ(sniff(gmshBinary41(true)), FileFormat::Gmsh);
+  EXPECT_EQ(sniff(kMedit, "wrong.msh"), FileFormat::Medit);
+  EXPECT_EQ(sniff(std::string("# made by\n") + kMedit), FileFormat::Medit);
+  EXPECT_EQ(sniff(meditBinary(3, true)), FileFormat::MeditBinary);
+  EXPECT_EQ(sniff(kNode, "a.node"), FileFormat::TetGen);
+  EXPECT_EQ(sniff(kEle, "a.ele"), FileFormat::TetGen);
+  EXPECT_EQ(sniff(kNetgen), FileFormat::Netgen);
+  EXPECT_EQ(sniff(kAbaqus, "a.inp"), FileFormat::Abaqus);
+  EXPECT_EQ(sniff(kUcd, "a.inp"), FileFormat::Ucd);
+  EXPECT_EQ(sniff(ucdBinary(false), "a.inp"), FileFormat::Ucd);
+  EXPECT_EQ(sniff("# vtk DataFile Version 3.0\n"), FileFormat::Vtk);
+  EXPECT_EQ(sniff("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">"), FileFormat::Vtu);
+  EXPECT_EQ(sniff("<VTKFile type=\"PUnstructuredGrid\">"), FileFormat::Pvtu);
+  EXPECT_EQ(sniff("CDF\x02"), FileFormat::Exodus);
+  EXPECT_EQ(sniff("\x89HDF\r\n\x1a\n"), FileFormat::Exodus);
+  EXPECT_EQ(sniff(""), FileFormat::Unknown);
+  EXPECT_EQ(sniff("solid cube\n", "a.stl"), FileFormat::Stl);
 }
 
 TEST(MeshReader, ReadsByContent) {

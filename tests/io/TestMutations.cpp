@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Damaged files end in an Error or in a mesh whose indices are right, and in nothing else.
+#include "io/ResultSamples.h"
 #include "io/TriangleSamples.h"
 #include "tetvdb/io/AbaqusReader.h"
+#include "tetvdb/io/CellFaces.h"
+#include "tetvdb/io/EnsightReader.h"
+#include "tetvdb/io/FrdReader.h"
 #include "tetvdb/io/GmshReader.h"
 #include "tetvdb/io/MeditReader.h"
 #include "tetvdb/io/NetgenReader.h"
+#include "tetvdb/io/NeuReader.h"
 #include "tetvdb/io/ObjReader.h"
 #include "tetvdb/io/OffReader.h"
 #include "tetvdb/io/PlyReader.h"
@@ -13,6 +18,9 @@
 #include "tetvdb/io/TetGenReader.h"
 #include "tetvdb/io/ThreeMfModel.h"
 #include "tetvdb/io/UcdReader.h"
+#include "tetvdb/io/VtkHdfReader.h"
+#include "tetvdb/io/VtkReader.h"
+#include "tetvdb/io/VtuReader.h"
 
 #include <chrono>
 #include <functional>
@@ -210,12 +218,68 @@ TEST(Mutations, ThreeMfModels) {
       });
 }
 
+TEST(Mutations, Results) {
+  for (const int form : {0, 1, 2, 3})
+    attack(frdFile(form), kSmall, [&](const std::string& bytes) {
+      with(readFrd)(bytes);
+      Report report;
+      Progress progress;
+      frdTimes({bytes, "file"}, report, progress);
+    });
+  for (const bool byRows : {false, true})
+    attack(neuFile(byRows), kSmall, with(readNeu));
+  const auto readPart = [](const std::string& bytes) {
+    Progress progress;
+    const CellMesh mesh = ensight::readGeometry({bytes, "file"}, {}, progress);
+    for (const Vec3d& p : mesh.points)
+      ASSERT_TRUE(std::isfinite(p[0] + 0 * p[1] + 0 * p[2]));
+    splitAll(mesh);
+  };
+  attack(readFile(dataFile("readers/ensight.0.00000.geo")), kSmall, readPart);
+  attack(
+      "a\nb\nnode id given\nelement id off\npart\n1\nx\ncoordinates\n4\n1\n2\n3\n4\n0\n1\n0\n0"
+      "\n0\n0\n1\n0\n0\n0\n0\n1\ntetra4\n1\n1 2 3 4\nnfaced\n1\n4\n3\n3\n3\n3\n1 2 3\n1 4 2\n2 4 "
+      "3\n1 3 4\nnsided\n1\n3\n1 2 3\n",
+      kSmall, readPart);
+  attack("FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 a*.geo\nVARIABLE\nscalar per node: 1 T "
+         "t*.scl\nTIME\ntime set: 1\nnumber of steps: 2\nfilename start number: 0\nfilename "
+         "increment: 1\ntime values: 0.5 1.5\n",
+         kSmall, [](const std::string& bytes) {
+           Report report;
+           Progress progress;
+           ensightTimes({bytes, "file"}, report, progress);
+         });
+}
+
+TEST(Mutations, Polygons) {
+  for (const char* name : {"sphere_ascii.vtp", "sphere_raw.vtp", "strips.vtp", "strips.vtk"})
+    attack(readFile(dataFile(std::string("readers/") + name)), kSmall / 4,
+           [](const std::string& bytes) {
+             ReadOptions options;
+             options.faces = true;
+             Report report;
+             Progress progress;
+             const bool isXml = bytes.find("VTKFile") != bytes.npos;
+             const TriangleMesh mesh = trianglesOfFaces(
+                 (isXml ? readVtu : readVtk)({bytes, "file"}, options, report, progress), "file");
+             for (const std::uint32_t corner : mesh.triangles)
+               ASSERT_LT(corner, mesh.points.size());
+           });
+}
+
+// Each in a process of its own.
+TEST(Mutations, Hdf5) {
+  for (const char* name : {"block.vtkhdf", "steps.vtkhdf", "surface.vtkhdf"})
+    attack(readFile(dataFile(std::string("readers/") + name)), 60,
+           [](const std::string& bytes) { splitAll(readText(readVtkHdf, bytes)); });
+}
+
 TEST(Mutations, Sniffing) {
   for (const std::string& bytes : {std::string(kGmsh2), std::string(kUcd), meditBinary(2, false),
                                    std::string("<VTKFile type=\"UnstructuredGrid\">"), kObj})
     for (const char* path : {"a.inp", "a.msh", "a", "a.mesh"})
       attack(bytes, 300, [&](const std::string& damaged) {
-        sniffMeshFormat(damaged, path);
+        sniffFormat(damaged, path);
         describeUnknownFormat(damaged, path);
       });
 }

@@ -237,8 +237,8 @@ TEST(VtuReader, MeshesThatDoNotFit) {
 
 TEST(VtuReader, FilesOfOtherKinds) {
   OneTet tet;
-  tet.header = "type=\"PolyData\"";
-  EXPECT_TRUE(contains(errorOf(tet), "PolyData"));
+  tet.header = "type=\"ImageData\"";
+  EXPECT_TRUE(contains(errorOf(tet), "ImageData"));
   tet.header = "type=\"UnstructuredGrid\" compressor=\"vtkOther\"";
   EXPECT_TRUE(contains(errorOf(tet), "vtkOther"));
   tet.header = "type=\"UnstructuredGrid\" header_type=\"UInt16\"";

@@ -98,8 +98,8 @@ TEST(XdmfReader, NumbersInTheXml) {
 }
 
 TEST(XdmfReader, IsSniffed) {
-  EXPECT_EQ(sniffMeshFormat(document(grid(mesh())), "a.xdmf"), MeshFormat::Xdmf);
-  EXPECT_EQ(sniffMeshFormat("<Xdmf Version=\"2.0\"><Domain/></Xdmf>", "a"), MeshFormat::Xdmf);
+  EXPECT_EQ(sniffFormat(document(grid(mesh())), "a.xdmf"), FileFormat::Xdmf);
+  EXPECT_EQ(sniffFormat("<Xdmf Version=\"2.0\"><Domain/></Xdmf>", "a"), FileFormat::Xdmf);
 }
 
 TEST(XdmfReader, CoordinatesApartAndBaseOffset) {

@@ -77,7 +77,7 @@ private:
 
 /// readTriangles() on a file of that name.
 inline Reading readingFile(const std::string& name, const std::string& bytes,
-                           MeshFormat* format = nullptr) {
+                           FileFormat* format = nullptr) {
   const TemporaryPath file(name, bytes);
   return reading([&](Report& report, Progress& progress) {
     return readTriangles(file.str(), report, progress, format);

@@ -104,7 +104,7 @@ private:
 /// Runs in a process of its own: the logger is global.
 class Scene {
 public:
-  Scene(const Source& source, MeshFormat format)
+  Scene(const Source& source, FileFormat format)
       : source_(source), format_(format), faces_(source.path) {}
 
   TriangleMesh read(Report& report) {
@@ -113,8 +113,8 @@ public:
     Assimp::DefaultLogger::get()->attachStream(listener,
                                                Assimp::Logger::Err | Assimp::Logger::Warn);
     Assimp::Importer importer;
-    keepImporters(importer, format_ == MeshFormat::Gltf  ? "glTF"
-                            : format_ == MeshFormat::Fbx ? "FBX"
+    keepImporters(importer, format_ == FileFormat::Gltf  ? "glTF"
+                            : format_ == FileFormat::Fbx ? "FBX"
                                                          : "Collada");
     // Axes and points of rotation are what they are in the file; nothing but meshes is wanted.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
@@ -133,7 +133,7 @@ public:
                   "export it again");
 
     Placement world;
-    if (format_ == MeshFormat::Fbx) {
+    if (format_ == FileFormat::Fbx) {
       const double scale = fbxScale();
       for (std::size_t i = 0; i < 3; ++i)
         world.rows[i][i] = scale;
@@ -142,7 +142,7 @@ public:
     listener->report(report);
     TriangleMesh mesh = faces_.finish(report);
     // assimp brings COLLADA's unit to metres by itself.
-    mesh.units = format_ == MeshFormat::Fbx ? "centimetre" : "metre";
+    mesh.units = format_ == FileFormat::Fbx ? "centimetre" : "metre";
     return mesh;
   }
 
@@ -152,8 +152,8 @@ private:
     const std::size_t dot = source_.path.find_last_of('.');
     const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
     const bool binary = source_.bytes.substr(0, 4) == "glTF";
-    const char* usual = format_ == MeshFormat::Gltf  ? binary ? "glb" : "gltf"
-                        : format_ == MeshFormat::Fbx ? "fbx"
+    const char* usual = format_ == FileFormat::Gltf  ? binary ? "glb" : "gltf"
+                        : format_ == FileFormat::Fbx ? "fbx"
                                                      : "dae";
     if (::strcasecmp(ending.c_str(), usual) == 0)
       return importer.ReadFile(source_.path, 0);
@@ -198,7 +198,7 @@ private:
   }
 
   const Source& source_;
-  MeshFormat format_;
+  FileFormat format_;
   PlacedFaces faces_;
   const aiScene* scene_ = nullptr;
   std::size_t nodes_ = 0;
@@ -207,7 +207,7 @@ private:
 } // namespace
 
 TriangleMesh readScene(const Source& source, Report& report, Progress& progress) {
-  const MeshFormat format = sniffMeshFormat(source.bytes, source.path);
+  const FileFormat format = sniffFormat(source.bytes, source.path);
   const std::uint64_t bytes = source.bytes.size();
   const IsolationLimits limits{kMemory + kMemoryPerByte * bytes,
                                kSeconds + static_cast<unsigned>(bytes / kBytesPerSecond)};

@@ -137,36 +137,41 @@ private:
     progress_.update(0.3);
   }
 
-  /// A block for every stretch of tets with one region, so that their order is kept.
+  /// A block for every region, in order of their numbers; a tet's tag is its number from 1.
   void writeElements() {
     const std::size_t n = mesh_.tetCount();
-    std::vector<std::size_t> begins;
+    std::map<std::int32_t, std::vector<std::size_t>> tets; // of each region, ascending
     for (std::size_t t = 0; t < n; ++t)
-      if (t == 0 || region(t) != region(t - 1))
-        begins.push_back(t);
+      tets[region(t)].push_back(t);
     writeText(file_, "$Elements\n");
     for (const std::uint64_t number :
-         {std::uint64_t(begins.size()), std::uint64_t(n), std::uint64_t(1), std::uint64_t(n)})
+         {std::uint64_t(tets.size()), std::uint64_t(n), std::uint64_t(1), std::uint64_t(n)})
       writeNumber(file_, number);
-    for (std::size_t b = 0; b < begins.size(); ++b) {
-      const std::size_t end = b + 1 < begins.size() ? begins[b + 1] : n;
+    std::size_t done = 0;
+    for (const auto& [number, members] : tets) {
       writeNumber(file_, std::int32_t(3));
-      writeNumber(file_, volumes_.at(region(begins[b])).tag);
+      writeNumber(file_, volumes_.at(number).tag);
       writeNumber(file_, kTetrahedron);
-      writeNumber(file_, std::uint64_t(end - begins[b]));
+      writeNumber(file_, std::uint64_t(members.size()));
       std::vector<std::uint64_t> block;
-      for (std::size_t t = begins[b]; t < end; ++t) {
+      for (const std::size_t t : members) {
         block.push_back(t + 1);
         for (std::size_t k = 0; k < 4; ++k)
           block.push_back(std::uint64_t(mesh_.tets[4 * t + k]) + 1);
-        if (block.size() < 5 * kBlock && t + 1 < end)
+        ++done;
+        if (block.size() < 5 * kBlock)
           continue;
-        file_.write(block.data(), block.size() * sizeof block[0]);
-        block.clear();
-        progress_.update(0.3 + 0.4 * static_cast<double>(t) / static_cast<double>(n));
+        writeBlock(block);
+        progress_.update(0.3 + 0.4 * static_cast<double>(done) / static_cast<double>(n));
       }
+      writeBlock(block);
     }
     writeText(file_, "\n$EndElements\n");
+  }
+
+  void writeBlock(std::vector<std::uint64_t>& block) {
+    file_.write(block.data(), block.size() * sizeof block[0]);
+    block.clear();
   }
 
   void writeData(const Attribute& attribute) {

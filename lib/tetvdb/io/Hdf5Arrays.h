@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/io/Hdf5File.h"
 #include "tetvdb/io/IsolatedRead.h"
 
 #include <cstddef>
@@ -13,11 +14,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-/// Every `stride`-th of `count` places along each dimension, from `start` on.
-struct Slab {
-  std::vector<std::uint64_t> start, stride, count;
-};
 
 struct Hdf5Dataset {
   std::string file;

@@ -344,21 +344,44 @@ private:
   void checkMesh(const CellMesh& mesh) const {
     std::uint64_t nodes = 0, cells = 0;
     for (const CellRun& run : mesh.runs) {
-      if (run.type > CellType::Flat || run.count > UINT32_MAX || run.nodesPerCell > 255 ||
-          run.type == CellType::Polyhedron)
+      if (run.type > CellType::Flat || run.count > UINT32_MAX ||
+          (run.nodesPerCell > 255 && run.type != CellType::Polyhedron &&
+           run.type != CellType::Flat) ||
+          run.count * run.nodesPerCell > mesh.nodes.size() - nodes)
         fail();
+      const std::uint32_t* first = mesh.nodes.data() + nodes;
       nodes += run.count * run.nodesPerCell;
       cells += run.count;
+      if (run.type == CellType::Polyhedron)
+        for (std::size_t i = 0; i < run.count; ++i, first += run.nodesPerCell)
+          checkPolyhedron(first, first + run.nodesPerCell, mesh.points.size());
+      else
+        for (; first < mesh.nodes.data() + nodes; ++first)
+          if (*first >= mesh.points.size())
+            fail();
     }
     if (nodes != mesh.nodes.size() || (!mesh.regions.empty() && mesh.regions.size() != cells))
       fail();
-    for (const std::uint32_t node : mesh.nodes)
-      if (node >= mesh.points.size())
-        fail();
     for (const Attribute& attribute : mesh.attributes)
       if (attribute.components == 0 || attribute.on > Attribute::On::Cells ||
           attribute.size() != (attribute.on == Attribute::On::Points ? mesh.points.size() : cells))
         fail();
+  }
+
+  void checkPolyhedron(const std::uint32_t* at, const std::uint32_t* end,
+                       std::size_t points) const {
+    if (at == end)
+      fail();
+    for (std::uint32_t faces = *at++; faces > 0; --faces) {
+      if (at == end || *at >= static_cast<std::size_t>(end - at))
+        fail();
+      const std::uint32_t* last = at + 1 + *at;
+      for (++at; at < last; ++at)
+        if (*at >= points)
+          fail();
+    }
+    if (at != end)
+      fail();
   }
 
   void checkMesh(const TriangleMesh& mesh) const {

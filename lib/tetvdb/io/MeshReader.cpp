@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/MeshReader.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/AbaqusReader.h"
-#include "tetvdb/io/ExodusReader.h"
-#include "tetvdb/io/GmshReader.h"
-#include "tetvdb/io/MeditReader.h"
-#include "tetvdb/io/NetgenReader.h"
-#include "tetvdb/io/PvtuReader.h"
 #include "tetvdb/io/Source.h"
-#include "tetvdb/io/TetGenReader.h"
-#include "tetvdb/io/UcdReader.h"
-#include "tetvdb/io/VtkReader.h"
-#include "tetvdb/io/VtuReader.h"
-#include "tetvdb/io/XdmfReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 
 #include <algorithm>
@@ -23,39 +13,6 @@
 
 namespace tetvdb {
 namespace {
-
-using ReadFunction = CellMesh (*)(const Source&, const ReadOptions&, Report&, Progress&);
-
-ReadFunction readerOf(MeshFormat format) {
-  switch (format) {
-  case MeshFormat::Gmsh:
-    return readGmsh;
-  case MeshFormat::Medit:
-    return readMedit;
-  case MeshFormat::MeditBinary:
-    return readMeditBinary;
-  case MeshFormat::TetGen:
-    return readTetGen;
-  case MeshFormat::Netgen:
-    return readNetgen;
-  case MeshFormat::Abaqus:
-    return readAbaqus;
-  case MeshFormat::Ucd:
-    return readUcd;
-  case MeshFormat::Vtk:
-    return readVtk;
-  case MeshFormat::Vtu:
-    return readVtu;
-  case MeshFormat::Pvtu:
-    return readPvtu;
-  case MeshFormat::Exodus:
-    return readExodus;
-  case MeshFormat::Xdmf:
-    return readXdmf;
-  default:
-    return nullptr; // triangles, or unknown
-  }
-}
 
 // --- Regions ------------------------------------------------------------------------------------
 
@@ -103,11 +60,13 @@ std::vector<std::int32_t> wholeNumbers(const Attribute& array) {
 
 void useRegionArray(CellMesh& mesh, const std::string& name) {
   std::string others;
+  std::vector<std::string> names;
   for (const Attribute& array : mesh.attributes) {
     if (array.on != Attribute::On::Cells)
       continue;
     if (array.name != name) {
       others += (others.empty() ? "'" : ", '") + array.name + "'";
+      names.push_back(array.name);
       continue;
     }
     mesh.regions = wholeNumbers(array);
@@ -117,8 +76,10 @@ void useRegionArray(CellMesh& mesh, const std::string& name) {
                   "cannot tell regions: its values are not single whole numbers");
     return;
   }
-  throw Error(Status::Usage, "", "the mesh has no cell array '" + name + "'",
-              others.empty() ? "it has no cell arrays" : "its cell arrays are " + others);
+  throw Error(
+      Status::Usage, "", "the mesh has no cell array '" + name + "'",
+      suggestName(name, names,
+                  others.empty() ? "it has no cell arrays" : "its cell arrays are " + others));
 }
 
 void chooseRegions(CellMesh& mesh, const ReadOptions& options) {
@@ -161,17 +122,18 @@ bool ReadOptions::wants(std::string_view name) const {
 }
 
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
-                   Progress& progress, MeshFormat* format) {
+                   Progress& progress, FileFormat* format) {
   const MappedFile file(path);
   const Source source = file.source();
-  const MeshFormat found = sniffMeshFormat(source.bytes, path);
+  const FileFormat found = sniffFormat(source.bytes, path);
   if (format != nullptr)
     *format = found;
-  const ReadFunction read = readerOf(found);
+  const auto read = formatOf(found).readCells;
   if (read == nullptr)
     throw Error(Status::Invalid, path, describeUnknownFormat(source.bytes, path),
-                "readable are .msh, .mesh, .meshb, .node/.ele, .vol, .inp, .vtk, .vtu, .pvtu, "
-                ".xdmf and Exodus files");
+                "readable are " + (found == FileFormat::Unknown
+                                       ? endingList(FormatUse::ReadMesh, "and")
+                                       : endingList(FormatUse::ReadCells, "and")));
   CellMesh mesh;
   try {
     mesh = read(source, options, report, progress);

@@ -10,49 +10,14 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/io/Formats.h"
 #include "tetvdb/mesh/CellMesh.h"
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tetvdb {
-
-enum class MeshFormat : std::uint8_t {
-  Unknown,
-  Gmsh,        ///< .msh 1, 2.x, 4.0, 4.1; ASCII and binary
-  Medit,       ///< .mesh
-  MeditBinary, ///< .meshb
-  TetGen,      ///< .node with .ele
-  Netgen,      ///< .vol
-  Abaqus,      ///< .inp
-  Ucd,         ///< AVS UCD .inp
-  Vtk,         ///< legacy .vtk
-  Vtu,         ///< .vtu
-  Pvtu,        ///< .pvtu
-  Exodus,      ///< .exo, .e, .exo2, .g
-  Xdmf,        ///< .xdmf, .xmf; its numbers may lie in HDF5 files beside it
-  Stl,         ///< triangles, like all that follow: io/TriangleReader.h reads them
-  Obj,
-  Off, ///< OFF, COFF, NOFF, ...
-  Ply,
-  ThreeMf,
-  Gltf, ///< .gltf, .glb
-  Fbx,
-  Collada ///< .dae
-};
-
-/// "Gmsh .msh" and so on.
-std::string_view formatName(MeshFormat format);
-
-/// Format of a file by its first bytes; its name decides only what the content leaves open
-/// (TetGen's .node and .ele have no signature). Unknown where neither tells.
-MeshFormat sniffMeshFormat(std::string_view bytes, const std::string& path);
-
-/// What a file of unknown format looks like, as the end of a sentence: "holds triangles (STL), not
-/// solid cells".
-std::string describeUnknownFormat(std::string_view bytes, const std::string& path);
 
 struct ReadOptions {
   /// Cell array that holds region numbers; empty: the format's own, or the first integer-valued
@@ -62,7 +27,10 @@ struct ReadOptions {
   /// With `attributes`: names of the arrays that are wanted, those of an array's components
   /// ("u_x" of "u") being wanted with it; empty: all. Others are named in CellMesh::unread alone.
   std::vector<std::string> arrays;
-  int timeStep = -1; ///< of files with several (Exodus, XDMF): counted from 0; -1: the last
+  int timeStep = -1; ///< of files with several: counted from 0; -1: the last
+  /// Polygons keep their corners: runs of type Flat with 3 or more nodes a cell, strips cut into
+  /// triangles. For readers of formats that hold triangles too; arrays on cells are then not read.
+  bool faces = false;
 
   /// Whether the values of the array `name` are asked for.
   bool wants(std::string_view name) const;
@@ -73,6 +41,6 @@ struct ReadOptions {
 /// finite, counts that the file cannot hold, no solid cells. Recoverable oddities are warnings in
 /// `report`. Cost: about the time to read the bytes and parse the numbers once.
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
-                   Progress& progress, MeshFormat* format = nullptr);
+                   Progress& progress, FileFormat* format = nullptr);
 
 } // namespace tetvdb

@@ -58,6 +58,7 @@ public:
     first_ = faces_.pointCount();
     points_ = points;
   }
+  std::size_t pointCount() const { return faces_.pointCount(); }
   void addPoint(const Vec3d& p) { faces_.addPoint(placement_(p)); }
   void addPolygon(const std::uint32_t* corners, std::size_t n) {
     corners_.assign(corners, corners + n);

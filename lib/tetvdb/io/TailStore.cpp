@@ -2,11 +2,10 @@
 #include "tetvdb/io/TailStore.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/TemporaryFile.h"
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
 #include <unistd.h>
 #include <utility>
 
@@ -52,17 +51,9 @@ void TailStore::read(std::uint64_t at, char* out, std::size_t size) const {
 }
 
 void TailStore::open() {
-#ifdef O_TMPFILE
-  descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (descriptor_ >= 0)
-    return;
-#endif
-  // Some file systems cannot make a file without a name.
-  std::string name = folder_ + "/.tetvdb-XXXXXX";
-  descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+  descriptor_ = createUnnamedFile(folder_);
   if (descriptor_ < 0)
     fail("cannot create a temporary file", errno);
-  ::unlink(name.c_str());
 }
 
 // The last chunk is full: it stays while few do.

@@ -14,6 +14,25 @@ namespace {
 
 constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
 
+/// Text of an attribute, whose five named entities stand for characters.
+std::string unescaped(std::string_view text) {
+  constexpr std::pair<std::string_view, char> entities[] = {
+      {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+  std::string result;
+  while (!text.empty()) {
+    std::size_t used = 1;
+    char c = text.front();
+    for (const auto& [entity, character] : entities)
+      if (text.substr(0, entity.size()) == entity) {
+        used = entity.size();
+        c = character;
+      }
+    result += c;
+    text.remove_prefix(used);
+  }
+  return result;
+}
+
 class ModelParser {
 public:
   ModelParser(std::string_view text, const std::string& path, Progress& progress)
@@ -52,6 +71,7 @@ private:
     } else if (name == "object" && parent == "resources") {
       object_ = &model_.objects[std::string(in_.attribute("id"))];
       *object_ = {};
+      object_->name = unescaped(in_.attribute("name"));
     } else if ((name == "mesh" || name == "components") && parent == "object") {
       if (object_ != nullptr)
         object_->known = true;

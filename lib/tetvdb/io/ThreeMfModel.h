@@ -22,6 +22,7 @@ struct ThreeMfReference {
 };
 
 struct ThreeMfObject {
+  std::string name;
   std::vector<Vec3d> points; ///< NAN where they cannot be read
   std::vector<std::uint32_t> triangles;
   std::vector<ThreeMfReference> components;

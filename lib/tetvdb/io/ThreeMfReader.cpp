@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -39,7 +40,7 @@ public:
       entries_.emplace(normalized(entry.name), entry);
   }
 
-  TriangleMesh read(Report& report) {
+  TriangleMesh read(Report& report, std::vector<MeshPart>& parts) {
     const std::string root = rootPath();
     const ThreeMfModel* start = model(root);
     if (start == nullptr)
@@ -48,8 +49,10 @@ public:
     if (start->items.empty())
       throw Error(Status::Invalid, source_.path, "its build is empty: it places no object",
                   "place the parts on the build plate and export it again");
-    for (const ThreeMfReference& item : start->items)
+    for (const ThreeMfReference& item : start->items) {
+      item_ = static_cast<std::size_t>(&item - start->items.data());
       place(item, root, Placement{}, 0);
+    }
     if (missing_ > 0) {
       report.warn("missing-objects", std::to_string(missing_) +
                                          " placed objects were left out: they do not exist or "
@@ -66,6 +69,7 @@ public:
     }
     TriangleMesh mesh = faces_.finish(report);
     mesh.units = start->units;
+    parts = std::move(parts_);
     return mesh;
   }
 
@@ -114,6 +118,10 @@ private:
       return;
     }
     const Placement placement = outer * reference.placement;
+    if (depth == 0)
+      itemName_ = object->name;
+    if (!object->triangles.empty())
+      parts_.push_back({object->name, faces_.pointCount(), item_, itemName_});
     addMesh(*object, placement);
     for (const ThreeMfReference& component : object->components)
       place(component, inside, placement, depth + 1);
@@ -144,6 +152,9 @@ private:
   PlacedFaces faces_;
   std::map<std::string, ZipEntry, std::less<>> entries_; ///< by normalized name
   std::map<std::string, ThreeMfModel, std::less<>> models_;
+  std::vector<MeshPart> parts_;
+  std::size_t item_ = 0; ///< of the build: the one that is being placed
+  std::string itemName_;
   std::size_t placements_ = 0;
   std::size_t missing_ = 0;
   std::uint64_t corners_ = 0;
@@ -152,7 +163,13 @@ private:
 } // namespace
 
 TriangleMesh readThreeMf(const Source& source, Report& report, Progress& progress) {
-  return Package(source, progress).read(report);
+  std::vector<MeshPart> parts;
+  return readThreeMfParts(source, parts, report, progress);
+}
+
+TriangleMesh readThreeMfParts(const Source& source, std::vector<MeshPart>& parts, Report& report,
+                              Progress& progress) {
+  return Package(source, progress).read(report, parts);
 }
 
 } // namespace tetvdb

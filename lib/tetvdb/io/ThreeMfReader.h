@@ -6,7 +6,10 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/Source.h"
+#include "tetvdb/mesh/MeshPart.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+
+#include <vector>
 
 namespace tetvdb {
 
@@ -18,5 +21,10 @@ namespace tetvdb {
 /// built, Error(Limit) where it would unpack to more than is plausible or components repeat one
 /// another beyond measure.
 TriangleMesh readThreeMf(const Source& source, Report& report, Progress& progress);
+
+/// The same; `parts` become the meshes that are placed, those of one item of the build as one
+/// assembly.
+TriangleMesh readThreeMfParts(const Source& source, std::vector<MeshPart>& parts, Report& report,
+                              Progress& progress);
 
 } // namespace tetvdb

@@ -8,7 +8,9 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/ZipWriter.h"
 
+#include <algorithm>
 #include <charconv>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -69,56 +71,134 @@ bool namesAPointTwice(const std::uint32_t* v) {
   return v[0] == v[1] || v[1] == v[2] || v[2] == v[0];
 }
 
-void writeModel(Xml& xml, const TriangleMesh& mesh, Progress& progress) {
-  const std::size_t points = mesh.points.size(), faces = mesh.triangleCount();
-  const auto update = [&](std::size_t done) {
-    if (done % kPerUpdate != 0)
-      return;
-    xml.flush();
-    progress.update(static_cast<double>(done) / static_cast<double>(points + faces));
-  };
-  xml.text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"")
-      .text(unitName(mesh.units))
-      .text("\" xml:lang=\"en-US\" "
-            "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
-            "<metadata name=\"Application\">TetVDB</metadata>\n"
-            "<resources><object id=\"1\" type=\"model\"><mesh><vertices>\n");
-  for (std::size_t i = 0; i < points; ++i) {
-    const Vec3d& p = mesh.points[i];
-    xml.text("<vertex x=\"").number(p[0]).text("\" y=\"").number(p[1]);
-    xml.text("\" z=\"").number(p[2]).text("\"/>\n");
-    update(i);
-  }
-  xml.text("</vertices><triangles>\n");
-  for (std::size_t t = 0; t < faces; ++t) {
-    const std::uint32_t* v = mesh.triangles.data() + 3 * t;
-    if (!namesAPointTwice(v))
-      xml.text("<triangle v1=\"")
-          .number(v[0])
-          .text("\" v2=\"")
-          .number(v[1])
-          .text("\" v3=\"")
-          .number(v[2])
-          .text("\"/>\n");
-    update(points + t);
-  }
-  xml.text("</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n"
-           "</model>\n");
-  xml.flush();
+bool hasFaces(const TriangleMesh& mesh) {
+  for (std::size_t t = 0; t < mesh.triangleCount(); ++t)
+    if (!namesAPointTwice(mesh.triangles.data() + 3 * t))
+      return true;
+  return false;
 }
 
-} // namespace
+/// As an attribute's value.
+std::string escaped(const std::string& name) {
+  std::string text;
+  for (const char c : name) {
+    constexpr std::pair<char, const char*> names[] = {
+        {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
+    const auto* found = std::find_if(std::begin(names), std::end(names),
+                                     [&](const auto& entry) { return entry.first == c; });
+    if (found != std::end(names))
+      text += found->second;
+    else if (static_cast<unsigned char>(c) >= 0x20)
+      text += c;
+  }
+  return text;
+}
 
-void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& progress) {
-  if (mesh.points.size() > kMostOfAKind || mesh.triangleCount() > kMostOfAKind)
+class ModelWriter {
+public:
+  ModelWriter(Xml& xml, Progress& progress) : xml_(xml), progress_(progress) {}
+
+  void write(const std::vector<const TriangleMesh*>& meshes, const std::vector<NamedMesh>* names) {
+    for (const TriangleMesh* mesh : meshes)
+      total_ += mesh->points.size() + mesh->triangleCount();
+    xml_.text("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"")
+        .text(unitName(meshes.front()->units))
+        .text("\" xml:lang=\"en-US\" "
+              "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
+              "<metadata name=\"Application\">TetVDB</metadata>\n"
+              "<resources>");
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+      beginObject(i + 1, names != nullptr ? (*names)[i].name : std::string());
+      writeMesh(*meshes[i]);
+      xml_.text("</object>");
+    }
+    const std::vector<std::size_t> built = writeAssemblies(meshes.size(), names);
+    xml_.text("</resources>\n<build>");
+    for (const std::size_t id : built)
+      xml_.text("<item objectid=\"").number(id).text("\"/>");
+    xml_.text("</build>\n</model>\n");
+    xml_.flush();
+  }
+
+private:
+  void beginObject(std::size_t id, const std::string& name) {
+    xml_.text("<object id=\"").number(id).text("\" type=\"model\"");
+    if (!name.empty())
+      xml_.text(" name=\"").text(escaped(name)).text("\"");
+    xml_.text(">");
+  }
+
+  void writeMesh(const TriangleMesh& mesh) {
+    xml_.text("<mesh><vertices>\n");
+    for (const Vec3d& p : mesh.points) {
+      xml_.text("<vertex x=\"").number(p[0]).text("\" y=\"").number(p[1]);
+      xml_.text("\" z=\"").number(p[2]).text("\"/>\n");
+      update();
+    }
+    xml_.text("</vertices><triangles>\n");
+    for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
+      const std::uint32_t* v = mesh.triangles.data() + 3 * t;
+      if (!namesAPointTwice(v))
+        xml_.text("<triangle v1=\"")
+            .number(v[0])
+            .text("\" v2=\"")
+            .number(v[1])
+            .text("\" v3=\"")
+            .number(v[2])
+            .text("\"/>\n");
+      update();
+    }
+    xml_.text("</triangles></mesh>");
+  }
+
+  // Objects of components for those that are placed together; returns what is to be built.
+  std::vector<std::size_t> writeAssemblies(std::size_t count, const std::vector<NamedMesh>* names) {
+    std::vector<std::size_t> built;
+    std::size_t id = count;
+    for (std::size_t first = 0, last; first < count; first = last) {
+      last = first + 1;
+      while (names != nullptr && last < count &&
+             (*names)[last].assembly == (*names)[first].assembly)
+        ++last;
+      if (last == first + 1) {
+        built.push_back(last);
+        continue;
+      }
+      beginObject(++id, (*names)[first].assemblyName);
+      xml_.text("<components>");
+      for (std::size_t i = first; i < last; ++i)
+        xml_.text("<component objectid=\"").number(i + 1).text("\"/>");
+      xml_.text("</components></object>");
+      built.push_back(id);
+    }
+    return built;
+  }
+
+  void update() {
+    if (done_++ % kPerUpdate != 0)
+      return;
+    xml_.flush();
+    progress_.update(static_cast<double>(done_) / static_cast<double>(total_));
+  }
+
+  Xml& xml_;
+  Progress& progress_;
+  std::size_t done_ = 0, total_ = 0;
+};
+
+void writeObjects(const std::string& path, const std::vector<const TriangleMesh*>& meshes,
+                  const std::vector<NamedMesh>* names, Progress& progress) {
+  std::size_t points = 0, faces = 0;
+  for (const TriangleMesh* mesh : meshes) {
+    points = std::max(points, mesh->points.size());
+    faces = std::max(faces, mesh->triangleCount());
+    if (!hasFaces(*mesh))
+      throw Error(Status::Invalid, path, "no face has three different points",
+                  "3MF holds no others; write .ply or .obj instead");
+  }
+  if (points > kMostOfAKind || faces > kMostOfAKind)
     throw Error(Status::Limit, path, "more points or faces than a .3mf file can count",
                 "write .ply or .obj, or several files");
-  bool empty = true;
-  for (std::size_t t = 0; t < mesh.triangleCount() && empty; ++t)
-    empty = namesAPointTwice(mesh.triangles.data() + 3 * t);
-  if (empty)
-    throw Error(Status::Invalid, path, "no face has three different points",
-                "3MF holds no others; write .ply or .obj instead");
   AtomicFile file(path);
   ZipWriter zip(file);
   for (const auto& [name, text] : {std::pair(std::string("[Content_Types].xml"), kTypes),
@@ -129,10 +209,26 @@ void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& p
   }
   zip.begin("3D/3dmodel.model");
   Xml xml(zip);
-  writeModel(xml, mesh, progress);
+  ModelWriter(xml, progress).write(meshes, names);
   zip.end();
   zip.finish();
   file.commit();
+}
+
+} // namespace
+
+void writeThreeMf(const std::string& path, const TriangleMesh& mesh, Progress& progress) {
+  writeObjects(path, {&mesh}, nullptr, progress);
+}
+
+void writeThreeMf(const std::string& path, const std::vector<NamedMesh>& objects,
+                  Progress& progress) {
+  std::vector<const TriangleMesh*> meshes;
+  for (const NamedMesh& object : objects)
+    meshes.push_back(&object.mesh);
+  if (meshes.empty())
+    throw Error(Status::Invalid, path, "there is no object to write");
+  writeObjects(path, meshes, &objects, progress);
 }
 
 } // namespace tetvdb

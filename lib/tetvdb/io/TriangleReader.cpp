@@ -2,63 +2,46 @@
 #include "tetvdb/io/TriangleReader.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/AssimpReader.h"
-#include "tetvdb/io/ObjReader.h"
-#include "tetvdb/io/OffReader.h"
-#include "tetvdb/io/PlyReader.h"
+#include "tetvdb/io/CellFaces.h"
 #include "tetvdb/io/Source.h"
-#include "tetvdb/io/StlReader.h"
-#include "tetvdb/io/ThreeMfReader.h"
 
 #include <new>
 
 namespace tetvdb {
-namespace {
-
-using ReadFunction = TriangleMesh (*)(const Source&, Report&, Progress&);
-
-ReadFunction readerOf(MeshFormat format) {
-  switch (format) {
-  case MeshFormat::Stl:
-    return readStl;
-  case MeshFormat::Obj:
-    return readObj;
-  case MeshFormat::Off:
-    return readOff;
-  case MeshFormat::Ply:
-    return readPly;
-  case MeshFormat::ThreeMf:
-    return readThreeMf;
-  case MeshFormat::Gltf:
-  case MeshFormat::Fbx:
-  case MeshFormat::Collada:
-    return readScene;
-  default:
-    return nullptr; // solid cells, or unknown
-  }
+bool holdsTriangles(FileFormat format) {
+  const Format& row = formatOf(format);
+  return row.readTriangles != nullptr && row.readCells == nullptr;
 }
 
-} // namespace
-
-bool holdsTriangles(MeshFormat format) {
-  return format >= MeshFormat::Stl;
+bool holdsTriangles(const Source& source, Progress& progress) try {
+  const Format& format = formatOf(sniffFormat(source.bytes, source.path));
+  if (format.readTriangles == nullptr || format.readCells == nullptr)
+    return format.readTriangles != nullptr;
+  Report unused;
+  if (format.hasSolidCells != nullptr && format.hasSolidCells(source, unused, progress))
+    return false;
+  ReadOptions options;
+  options.attributes = false;
+  options.faces = true;
+  const CellMesh mesh = format.readCells(source, options, unused, progress);
+  return hasPolygons(mesh) && !hasSolidCells(mesh);
+} catch (const Error& error) {
+  if (error.status() == Status::Cancelled)
+    throw;
+  return false;
 }
 
 TriangleMesh readTriangles(const std::string& path, Report& report, Progress& progress,
-                           MeshFormat* format) {
+                           FileFormat* format) {
   const MappedFile file(path);
   const Source source = file.source();
-  const MeshFormat found = sniffMeshFormat(source.bytes, path);
+  const FileFormat found = sniffFormat(source.bytes, path);
   if (format != nullptr)
     *format = found;
-  const ReadFunction read = readerOf(found);
+  const auto read = formatOf(found).readTriangles;
   if (read == nullptr)
-    throw Error(Status::Invalid, path,
-                found == MeshFormat::Unknown
-                    ? describeUnknownFormat(source.bytes, path)
-                    : "is a file of cells (" + std::string(formatName(found)) +
-                          "), not of triangles",
-                "readable are .stl, .obj, .off, .ply, .3mf, .gltf, .glb, .fbx and .dae files");
+    throw Error(Status::Invalid, path, describeUnknownFormat(source.bytes, path),
+                "readable are " + endingList(FormatUse::ReadTriangles, "and"));
   try {
     return read(source, report, progress);
   } catch (const std::bad_alloc&) {

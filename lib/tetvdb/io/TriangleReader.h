@@ -14,9 +14,15 @@
 
 namespace tetvdb {
 
+struct Source;
+
 /// Whether files of that format hold triangles (readTriangles() reads them) rather than solid cells
-/// (readCells()).
-bool holdsTriangles(MeshFormat format);
+/// (readCells()) or both.
+bool holdsTriangles(FileFormat format);
+
+/// The same of one file: of formats that hold both, files without solid cells hold triangles. False
+/// for files that cannot be read.
+bool holdsTriangles(const Source& source, Progress& progress);
 
 /// Reads `path`: STL, OBJ, OFF, PLY, 3MF (as its build places it) by readers of our own;
 /// glTF, FBX, DAE by assimp where the build has it. The soup is raw: vertices are not welded, no
@@ -28,6 +34,6 @@ bool holdsTriangles(MeshFormat format);
 /// with file, line or byte and cause where nothing can be read or no face is left, Error(Limit)
 /// where memory does not do. What is allocated is bounded by the file's size.
 TriangleMesh readTriangles(const std::string& path, Report& report, Progress& progress,
-                           MeshFormat* format = nullptr);
+                           FileFormat* format = nullptr);
 
 } // namespace tetvdb

@@ -2,54 +2,44 @@
 #include "tetvdb/io/VolumeFile.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/VolumeFormats.h"
+#include "tetvdb/io/Formats.h"
 
-#include <cctype>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <string_view>
 
 namespace tetvdb {
-namespace {
-
-/// ".vdb" of "A.VDB".
-std::string extension(const std::string& path) {
-  std::string text = std::filesystem::path(path).extension().string();
-  for (char& c : text)
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-} // namespace
 
 void writeVolume(const std::string& path, const Volume& volume, Progress& progress) {
-  const std::string format = extension(path);
-  if (format == ".vdb")
-    return writeVdb(path, volume, progress);
-  if (format == ".nvdb")
-    return writeNvdb(path, volume, progress);
-  throw Error(Status::Usage, path, "volumes are written as .vdb or .nvdb", "change the extension");
+  const Format* format = formatForEnding(path, FormatUse::WriteVolume);
+  if (format == nullptr)
+    throw Error(Status::Usage, path, "volumes are written as " + endingList(FormatUse::WriteVolume),
+                "change the extension");
+  format->writeVolume(path, volume, progress);
 }
 
 Volume readVolume(const std::string& path, Progress& progress) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error))
-    throw Error(Status::Invalid, path, "is a directory", "name a .vdb or .nvdb file");
+    throw Error(Status::Invalid, path, "is a directory",
+                "name a " + endingList(FormatUse::ReadVolume) + " file");
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw Error(Status::Invalid, path,
                 std::string("cannot open the file: ") + std::strerror(errno));
-  char magic[8] = {};
-  file.read(magic, sizeof magic);
+  char start[4096] = {};
+  file.read(start, sizeof start);
   if (file.gcount() == 0)
     throw Error(Status::Invalid, path, "the file is empty");
+  const std::string_view bytes(start, static_cast<std::size_t>(file.gcount()));
   file.close();
 
-  if (std::memcmp(magic, " BDV\0\0\0\0", 8) == 0)
-    return readVdb(path, progress);
-  if (std::memcmp(magic, "NanoVDB", 7) == 0)
-    return readNvdb(path, progress);
-  throw Error(Status::Invalid, path, "is neither a .vdb nor a .nvdb file");
+  const Format& format = formatOf(sniffFormat(bytes, path));
+  if (format.readVolume == nullptr)
+    throw Error(Status::Invalid, path,
+                "is no volume: neither " + endingList(FormatUse::ReadVolume, "nor"));
+  return format.readVolume(path, progress);
 }
 
 } // namespace tetvdb

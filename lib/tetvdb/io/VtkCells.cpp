@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <iterator>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -77,8 +78,9 @@ Kinds makeKinds() {
 
 class Appender {
 public:
-  Appender(Cells& cells, CellMesh& mesh, Progress& progress)
-      : cells_(cells), mesh_(mesh), progress_(progress), points_(mesh.points.size()) {}
+  Appender(Cells& cells, CellMesh& mesh, Progress& progress, bool faces)
+      : cells_(cells), mesh_(mesh), progress_(progress), faces_(faces),
+        points_(mesh.points.size()) {}
 
   void run() {
     checkOffsets();
@@ -218,6 +220,8 @@ private:
     if (kind.type == CellType::Polyhedron)
       return appendPolyhedra(kind, beginCell, endCell);
     checkNodes(beginCell, endCell);
+    if (kind.corners == 0 && faces_ && isPolygon(cells_.types[beginCell]))
+      return appendPolygons(kind, beginCell, endCell);
     if (kind.corners == 0)
       return addRun(kind, 0, endCell - beginCell, false);
     checkSizes(kind, beginCell, endCell);
@@ -247,6 +251,57 @@ private:
     std::uint32_t* to = mesh_.nodes.data() + old;
     for (std::size_t i = 0; i < count; ++i, from += stride)
       to = std::copy_n(from, corners, to);
+  }
+
+  // Corners of flat cells with area; strips and pixels have their own orders.
+  static constexpr std::uint8_t kStrip = 6, kPolygon = 7, kPixel = 8, kQuadraticPolygon = 36;
+  static std::size_t cornersOf(std::uint8_t type) {
+    switch (type) {
+    case 5:
+    case 22:
+    case 34:
+    case 61:
+    case 69:
+    case 76:
+      return 3;
+    case kPixel:
+    case 9:
+    case 23:
+    case 28:
+    case 30:
+    case 62:
+    case 70:
+    case 77:
+      return 4;
+    default:
+      return 0;
+    }
+  }
+  static bool isPolygon(std::uint8_t type) {
+    return cornersOf(type) != 0 || type == kStrip || type == kPolygon || type == kQuadraticPolygon;
+  }
+  void appendPolygons(const CellKind& kind, std::size_t beginCell, std::size_t endCell) {
+    const std::uint8_t type = cells_.types[beginCell];
+    for (std::size_t cell = beginCell; cell < endCell; ++cell) {
+      const std::uint32_t* nodes = cells_.connectivity.data() + begin(cell);
+      const std::size_t n = cells_.ends[cell] - begin(cell), corners = cornersOf(type);
+      if (n < std::max<std::size_t>(corners, 1) || n > 0xffffffffu)
+        failSize(cell, std::max<std::size_t>(corners, 1), false);
+      if (type == kStrip) { // every second triangle turns the other way round
+        for (std::size_t i = 0; i + 2 < n; ++i)
+          addPolygon(kind, {nodes[i], nodes[i + 1 + i % 2], nodes[i + 2 - i % 2]});
+      } else if (type == kPixel) {
+        addPolygon(kind, {nodes[0], nodes[1], nodes[3], nodes[2]});
+      } else {
+        const std::size_t kept = corners != 0 ? corners : type == kPolygon ? n : n / 2;
+        mesh_.nodes.insert(mesh_.nodes.end(), nodes, nodes + kept);
+        addRun(kind, static_cast<std::uint32_t>(kept), 1, false);
+      }
+    }
+  }
+  void addPolygon(const CellKind& kind, std::initializer_list<std::uint32_t> corners) {
+    mesh_.nodes.insert(mesh_.nodes.end(), corners);
+    addRun(kind, static_cast<std::uint32_t>(corners.size()), 1, false);
   }
 
   void appendPolyhedra(const CellKind& kind, std::size_t beginCell, std::size_t endCell) {
@@ -292,6 +347,7 @@ private:
   Cells& cells_;
   CellMesh& mesh_;
   Progress& progress_;
+  bool faces_;
   std::size_t points_;
   std::uint64_t faceBegin_ = 0;
   const CellKind* lastKind_ = nullptr;
@@ -377,8 +433,8 @@ const CellKind& cellKind(std::uint8_t type) {
   return kinds[type];
 }
 
-void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress) {
-  Appender(cells, mesh, progress).run();
+void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress, bool faces) {
+  Appender(cells, mesh, progress, faces).run();
 }
 
 void appendPiece(CellMesh& whole, CellMesh&& piece, Report& report) {

@@ -43,7 +43,8 @@ struct Cells {
 /// not rise or do not fit, nodes out of range, node counts that do not fit the type. Kept are the
 /// corners, of quadratic cells (mesh/CurvedShape.h) all nodes. A mesh of one linear type is taken
 /// over without a copy.
-void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress);
+/// With `faces` polygons keep their corners as ReadOptions::faces says.
+void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress, bool faces = false);
 
 /// Appends `piece` to `whole`; points are not merged. Attributes that one of the two lacks, or has
 /// with other components, are dropped with a warning. Throws Error(Limit) for 2^32 - 1 points.

@@ -8,6 +8,8 @@
 #include "tetvdb/io/VtkCells.h"
 
 #include <algorithm>
+#include <array>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -71,6 +73,8 @@ public:
     }
     if (!seenPoints_)
       fail("the file ends without POINTS", kCut);
+    if (isPoly_)
+      return finishPolygons();
     if (!seenCells_ || !seenTypes_)
       fail(seenCells_ ? "the file ends without CELL_TYPES" : "the file ends without CELLS", kCut);
     checkElements(Attribute::On::Points, mesh_.points.size());
@@ -80,7 +84,7 @@ public:
                std::to_string(cells_.types.size()) + " cell types",
            kExport);
     cells_.facesInConnectivity = true;
-    appendCells(std::move(cells_), mesh_, progress_);
+    appendCells(std::move(cells_), mesh_, progress_, options_.faces);
     return std::move(mesh_);
   }
 
@@ -113,8 +117,9 @@ private:
     if (lower(in_.word()) != "dataset")
       fail("DATASET is missing", kExport);
     const std::string_view dataset = in_.word();
-    if (lower(dataset) != "unstructured_grid")
-      fail("holds a DATASET " + readable(dataset) + ", not an UNSTRUCTURED_GRID of solid cells",
+    isPoly_ = lower(dataset) == "polydata";
+    if (lower(dataset) != "unstructured_grid" && !isPoly_)
+      fail("holds a DATASET " + readable(dataset) + ", not an UNSTRUCTURED_GRID or POLYDATA",
            "save the mesh as an unstructured grid");
     binary_ = mode == "binary";
   }
@@ -212,6 +217,8 @@ private:
   // --- points and cells ---
 
   bool readGeometry(const std::string& keyword) {
+    if (isPoly_ && readPolygons(keyword))
+      return true;
     if (keyword == "points")
       readPoints();
     else if (keyword == "cells")
@@ -241,8 +248,39 @@ private:
       throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
   }
 
+  // Sections of polygonal data in VTK's order, and the types that their cells get.
+  bool readPolygons(const std::string& keyword) {
+    static constexpr std::pair<std::string_view, std::uint8_t> kinds[] = {
+        {"vertices", 2}, {"lines", 4}, {"polygons", 7}, {"triangle_strips", 6}};
+    for (std::size_t i = 0; i < std::size(kinds); ++i) {
+      if (keyword != kinds[i].first)
+        continue;
+      if (!polygons_[i].ends.empty())
+        fail("a second section " + keyword, kExport);
+      readConnectivity();
+      cells_.types.assign(cells_.ends.size(), kinds[i].second);
+      polygons_[i] = std::exchange(cells_, {});
+      return true;
+    }
+    return false;
+  }
+  CellMesh finishPolygons() {
+    std::size_t cells = 0;
+    for (const Cells& some : polygons_)
+      cells += some.ends.size();
+    checkElements(Attribute::On::Points, mesh_.points.size());
+    checkElements(Attribute::On::Cells, cells);
+    for (Cells& some : polygons_)
+      if (!some.ends.empty())
+        appendCells(std::move(some), mesh_, progress_, options_.faces);
+    return std::move(mesh_);
+  }
+
   void readCells() {
     once(seenCells_, "CELLS");
+    readConnectivity();
+  }
+  void readConnectivity() {
     const std::size_t n = count();
     const std::size_t size = count();
     endLine();
@@ -470,7 +508,8 @@ private:
 
   void readArray(std::string label, std::size_t width, std::size_t tuples, Number as) {
     const std::size_t n = product(width, tuples);
-    const bool wanted = inData_ && width > 0 && width <= 1u << 16 && tuples == elements_ &&
+    const bool wanted = inData_ && !(options_.faces && on_ == Attribute::On::Cells) && width > 0 &&
+                        width <= 1u << 16 && tuples == elements_ &&
                         (options_.wants(label) || label == options_.regionArray ||
                          (on_ == Attribute::On::Cells && isInteger(as)));
     if (!wanted) {
@@ -502,9 +541,11 @@ private:
   Progress& progress_;
   NumberParser in_;
   bool binary_ = false;
+  bool isPoly_ = false;
   bool seenPoints_ = false, seenCells_ = false, seenTypes_ = false;
   CellMesh mesh_;
   Cells cells_;
+  std::array<Cells, 4> polygons_; ///< of polygonal data
   // The section that arrays belong to; field data before it are the dataset's.
   bool inData_ = false;
   Attribute::On on_ = Attribute::On::Points;
@@ -513,6 +554,25 @@ private:
 };
 
 } // namespace
+
+bool vtkHasSolidCells(const Source& source) {
+  // The types stand behind the cells; arrays may follow.
+  const std::size_t at = source.bytes.rfind("CELL_TYPES");
+  if (at == source.bytes.npos)
+    return false;
+  NumberParser in(source, 0, at + 10);
+  std::int64_t type = 0;
+  in.line();
+  NumberParser head(source);
+  head.line();
+  head.line();
+  if (lower(head.word()) != "binary")
+    return in.tryInteger(type) && type >= 0 && type < 256 &&
+           cellKind(static_cast<std::uint8_t>(type)).type != CellType::Flat;
+  return in.remaining() >= 4 &&
+         cellKind(static_cast<std::uint8_t>(source.bytes[in.position() + 3])).type !=
+             CellType::Flat;
+}
 
 CellMesh readVtk(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {

@@ -11,12 +11,17 @@
 
 namespace tetvdb {
 
-/// Points, cells in file order, and every point and cell array that has a number type. Field data
-/// of the dataset itself is left out. With `options.attributes` false only integer cell arrays are
-/// kept. Throws Error(Invalid) with line (ASCII) or byte (BINARY) for another DATASET and for
-/// whatever is not a whole, consistent mesh; a data section that ends early counts as such. Reads
-/// once from front to end; 64-bit indices are converted in bulk.
+/// The mesh of an UNSTRUCTURED_GRID or POLYDATA: points, cells in file order, and every point and
+/// cell array that has a number type. Field data of the dataset itself is left out. With
+/// `options.attributes` false only integer cell arrays are kept. Throws Error(Invalid) with line
+/// (ASCII) or byte (BINARY) for another DATASET and for whatever is not a whole, consistent mesh; a
+/// data section that ends early counts as such. Reads once from front to end; 64-bit indices are
+/// converted in bulk.
 CellMesh readVtk(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
+
+/// Whether the first cell of an unstructured grid is solid, by a glance at its type; false also
+/// where that cannot be seen.
+bool vtkHasSolidCells(const Source& source);
 
 } // namespace tetvdb

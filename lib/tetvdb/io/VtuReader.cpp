@@ -34,7 +34,8 @@ public:
   CellMesh read() {
     readEncoding();
     CellMesh whole;
-    const auto pieces = markup_.root().child("UnstructuredGrid").children("Piece");
+    const auto pieces =
+        markup_.root().child(isPoly_ ? "PolyData" : "UnstructuredGrid").children("Piece");
     const auto count = std::distance(pieces.begin(), pieces.end());
     if (count == 0)
       fail(source_.path, "the file has no <Piece>", "export it again");
@@ -50,6 +51,17 @@ public:
     return whole;
   }
 
+  /// Of the cells' types alone.
+  bool hasSolidCells() {
+    readEncoding();
+    for (const pugi::xml_node piece : markup_.root().child("UnstructuredGrid").children("Piece"))
+      if (const std::size_t cells = count(piece, "NumberOfCells"); cells > 0)
+        for (const std::uint8_t type : toTypes(array(needed(piece.child("Cells"), "types"), cells)))
+          if (cellKind(type).type != CellType::Flat)
+            return true;
+    return false;
+  }
+
 private:
   [[noreturn]] void fail(const std::string& where, const std::string& what,
                          const char* advice = "repair the file or export it again") const {
@@ -63,10 +75,11 @@ private:
   void readEncoding() {
     const pugi::xml_node root = markup_.root();
     const std::string_view type = root.attribute("type").value();
-    if (type != "UnstructuredGrid")
+    isPoly_ = type == "PolyData";
+    if (type != "UnstructuredGrid" && !isPoly_)
       fail(source_.path,
            "holds " + std::string(type.empty() ? "no type" : type) +
-               ", not an UnstructuredGrid of solid cells",
+               ", not an UnstructuredGrid or PolyData",
            "save the mesh as an unstructured grid");
     const std::string_view compressor = root.attribute("compressor").value();
     if (compressor == "vtkZLibDataCompressor")
@@ -180,7 +193,8 @@ private:
   pugi::xml_node needed(pugi::xml_node cells, const char* name) const {
     const pugi::xml_node node = named(cells, name);
     if (!node)
-      fail(where(), std::string("<Cells> has no array '") + name + "'");
+      fail(where(),
+           "<" + std::string(isPoly_ ? "Polys" : "Cells") + "> has no array '" + name + "'");
     return node;
   }
   /// An array of offsets, which ends with the length of another one.
@@ -190,7 +204,7 @@ private:
 
   CellMesh readPiece(pugi::xml_node piece) {
     const std::size_t points = count(piece, "NumberOfPoints");
-    const std::size_t cells = count(piece, "NumberOfCells");
+    const std::size_t cells = isPoly_ ? polyCellCount(piece) : count(piece, "NumberOfCells");
     CellMesh mesh;
     if (points > 0) {
       const pugi::xml_node node = piece.child("Points").child("DataArray");
@@ -203,11 +217,14 @@ private:
         throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
       progress_.update(0.2);
     }
-    if (cells > 0)
+    if (isPoly_)
+      readPolyCells(piece, mesh);
+    else if (cells > 0)
       readCells(piece.child("Cells"), cells, mesh);
     progress_.update(0.7);
     readAttributes(piece.child("PointData"), Attribute::On::Points, points, mesh);
-    readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
+    if (!options_.faces)
+      readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
     source_.release();
     return mesh;
   }
@@ -223,7 +240,40 @@ private:
     progress_.update(0.5);
     if (std::find(cells.types.begin(), cells.types.end(), 42) != cells.types.end())
       readFaces(node, n, cells);
-    appendCells(std::move(cells), mesh, progress_);
+    appendCells(std::move(cells), mesh, progress_, options_.faces);
+  }
+
+  /// The kinds of cells of polygonal data in VTK's order, and the types that their cells get.
+  struct PolyKind {
+    const char* section;
+    const char* count;
+    std::uint8_t type;
+  };
+  static constexpr PolyKind kPolyKinds[] = {{"Verts", "NumberOfVerts", 2},
+                                            {"Lines", "NumberOfLines", 4},
+                                            {"Polys", "NumberOfPolys", 7},
+                                            {"Strips", "NumberOfStrips", 6}};
+  std::size_t polyCellCount(pugi::xml_node piece) const {
+    std::size_t n = 0;
+    for (const PolyKind& kind : kPolyKinds)
+      if (piece.attribute(kind.count))
+        n += std::min(count(piece, kind.count), std::size_t(1) << 60);
+    return n;
+  }
+  void readPolyCells(pugi::xml_node piece, CellMesh& mesh) {
+    for (const PolyKind& kind : kPolyKinds) {
+      const std::size_t n = piece.attribute(kind.count) ? count(piece, kind.count) : 0;
+      if (n == 0)
+        continue;
+      const pugi::xml_node node = piece.child(kind.section);
+      Cells cells;
+      cells.ends = offsets(needed(node, "offsets"), n);
+      cells.types.assign(n, kind.type);
+      Array connectivity = array(needed(node, "connectivity"), product(cells.ends.back(), 1));
+      cells.where = connectivity.where;
+      cells.connectivity = toIndices(connectivity);
+      appendCells(std::move(cells), mesh, progress_, options_.faces);
+    }
   }
 
   // Before version 2.3 each polyhedron has a stream of faces; from then on faces are numbered.
@@ -306,6 +356,7 @@ private:
   Progress& progress_;
   VtuMarkup markup_;
   Encoding encoding_;
+  bool isPoly_ = false;
   std::size_t piece_ = 0;
 };
 
@@ -314,6 +365,11 @@ private:
 CellMesh readVtu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {
   return VtuFile(source, options, report, progress).read();
+}
+
+bool vtuHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  const ReadOptions options;
+  return VtuFile(source, options, report, progress).hasSolidCells();
 }
 
 } // namespace tetvdb

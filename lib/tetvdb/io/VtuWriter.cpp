@@ -2,6 +2,7 @@
 #include "tetvdb/io/VtuWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/io/XmlText.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -27,23 +28,6 @@ std::string_view typeName() {
     return "UInt8";
   else
     return "Int64";
-}
-
-std::string escaped(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return out;
 }
 
 bool machineIsLittleEndian() {
@@ -111,8 +95,8 @@ private:
 
   template <class T>
   void declare(const std::string& name, std::uint32_t components, std::size_t elements) {
-    text("        <DataArray type=\"" + std::string(typeName<T>()) + "\" Name=\"" + escaped(name) +
-         "\" NumberOfComponents=\"" + std::to_string(components) +
+    text("        <DataArray type=\"" + std::string(typeName<T>()) + "\" Name=\"" +
+         xmlAttributeText(name) + "\" NumberOfComponents=\"" + std::to_string(components) +
          "\" format=\"appended\" offset=\"" + std::to_string(offset_) + "\"/>\n");
     offset_ += sizeof(std::uint64_t) + elements * components * sizeof(T);
   }

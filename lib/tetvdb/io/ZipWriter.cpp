@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: PKWARE, "APPNOTE.TXT - .ZIP File Format Specification", sections 4.3.7, 4.3.12, 4.3.16.
+// Format: PKWARE, "APPNOTE.TXT - .ZIP File Format Specification", sections 4.3.7, 4.3.12 to 4.3.16
+// and 4.5.3.
 #include "tetvdb/io/ZipWriter.h"
 
 #include "tetvdb/core/Error.h"
@@ -15,12 +16,20 @@ namespace {
 constexpr int kRaw = -15;  // zlib: deflate of the largest window, without a header
 constexpr int kMemory = 8; // zlib's default
 constexpr std::size_t kOnce = std::size_t(1) << 30;
+constexpr std::uint64_t kIn64 = 0xffffffff; ///< says that the number is in the extra field
+constexpr std::uint64_t kExtra64 = 1;       ///< that field's kind
 
 std::string littleEndian(std::uint64_t number, std::size_t bytes) {
   std::string text;
   for (; bytes > 0; --bytes, number >>= 8)
     text += static_cast<char>(number & 0xff);
   return text;
+}
+
+// The extra field of a local header.
+std::string sizes64(std::uint64_t unpacked, std::uint64_t packed) {
+  return littleEndian(kExtra64, 2) + littleEndian(16, 2) + littleEndian(unpacked, 8) +
+         littleEndian(packed, 8);
 }
 
 } // namespace
@@ -35,44 +44,55 @@ ZipWriter::~ZipWriter() {
   deflateEnd(&stream_);
 }
 
-std::uint32_t ZipWriter::checked(std::uint64_t number) const {
-  if (number >= UINT32_MAX)
-    throw Error(Status::Limit, file_.path(), "more than 4 GiB in a ZIP archive",
-                "write another format, or several files");
-  return static_cast<std::uint32_t>(number);
+/// From the version to the extra field's length: what both kinds of headers have.
+std::string ZipWriter::header(const Entry& entry, const std::string& extra) const {
+  constexpr std::uint64_t firstDay = 0x21; // 1 January 1980
+  const bool needs64 = !extra.empty();
+  return littleEndian(needs64 ? 45 : 20, 2) + littleEndian(0, 2) +
+         littleEndian(static_cast<std::uint64_t>(entry.method), 2) + littleEndian(0, 2) +
+         littleEndian(firstDay, 2) + littleEndian(entry.crc, 4) +
+         littleEndian(entry.large ? kIn64 : entry.packed, 4) +
+         littleEndian(entry.large ? kIn64 : entry.unpacked, 4) +
+         littleEndian(entry.name.size(), 2) + littleEndian(extra.size(), 2);
 }
 
-/// From the version to the length of the extra field: what both kinds of headers have.
-std::string ZipWriter::header(const Entry& entry) const {
-  constexpr std::uint64_t version = 20, deflated = 8, firstDay = 0x21; // 1 January 1980
-  return littleEndian(version, 2) + littleEndian(0, 2) + littleEndian(deflated, 2) +
-         littleEndian(0, 2) + littleEndian(firstDay, 2) + littleEndian(entry.crc, 4) +
-         littleEndian(checked(entry.packed), 4) + littleEndian(checked(entry.unpacked), 4) +
-         littleEndian(entry.name.size(), 2) + littleEndian(0, 2);
-}
-
-void ZipWriter::begin(const std::string& name) {
+void ZipWriter::begin(const std::string& name, ZipMethod method, std::uint64_t size) {
   deflateReset(&stream_);
   Entry entry;
   entry.name = name;
   entry.offset = file_.size();
   entry.crc = static_cast<std::uint32_t>(crc32(0, nullptr, 0));
-  const std::string head = "PK\x03\x04" + header(entry) + name;
+  entry.method = method;
+  // Deflate adds at most five bytes for every 16 KB.
+  entry.large = size + (size >> 10) + 64 >= kIn64;
+  const std::string extra = entry.large ? sizes64(0, 0) : std::string();
+  const std::string head = "PK\x03\x04" + header(entry, extra) + name + extra;
   file_.write(head.data(), head.size());
   entries_.push_back(std::move(entry));
 }
 
 void ZipWriter::write(std::string_view bytes) {
   for (; !bytes.empty(); bytes.remove_prefix(std::min(bytes.size(), kOnce)))
-    pack(bytes.substr(0, kOnce), Z_NO_FLUSH);
+    add(bytes.substr(0, kOnce), Z_NO_FLUSH);
 }
 
-void ZipWriter::pack(std::string_view bytes, int flush) {
+void ZipWriter::add(std::string_view bytes, int flush) {
   Entry& entry = entries_.back();
   const auto* data = reinterpret_cast<const Bytef*>(bytes.data());
   if (!bytes.empty())
     entry.crc = static_cast<std::uint32_t>(crc32(entry.crc, data, static_cast<uInt>(bytes.size())));
   entry.unpacked += bytes.size();
+  if (entry.method == ZipMethod::Deflated) {
+    pack(bytes, flush);
+  } else {
+    file_.write(bytes.data(), bytes.size());
+    entry.packed += bytes.size();
+  }
+}
+
+void ZipWriter::pack(std::string_view bytes, int flush) {
+  Entry& entry = entries_.back();
+  const auto* data = reinterpret_cast<const Bytef*>(bytes.data());
   stream_.next_in = const_cast<Bytef*>(data);
   stream_.avail_in = static_cast<uInt>(bytes.size());
   std::array<Bytef, 65536> packed;
@@ -87,21 +107,47 @@ void ZipWriter::pack(std::string_view bytes, int flush) {
 }
 
 void ZipWriter::end() {
-  pack({}, Z_FINISH);
-  const std::string known = header(entries_.back());
-  file_.writeAt(entries_.back().offset + 4, known.data(), known.size());
+  add({}, Z_FINISH);
+  const Entry& entry = entries_.back();
+  if (!entry.large && (entry.packed >= kIn64 || entry.unpacked >= kIn64))
+    throw Error(Status::Limit, file_.path(), "'" + entry.name + "' takes more than 4 GiB",
+                "write another format, or several files");
+  const std::string extra = entry.large ? sizes64(entry.unpacked, entry.packed) : std::string();
+  const std::string known = header(entry, extra);
+  file_.writeAt(entry.offset + 4, known.data(), known.size());
+  if (entry.large)
+    file_.writeAt(entry.offset + 4 + known.size() + entry.name.size(), extra.data(), extra.size());
 }
 
 void ZipWriter::finish() {
   const std::uint64_t start = file_.size();
   std::string directory;
-  for (const Entry& entry : entries_)
-    directory += "PK\x01\x02" + littleEndian(20, 2) + header(entry) + littleEndian(0, 10) +
-                 littleEndian(checked(entry.offset), 4) + entry.name;
-  const std::string end = "PK\x05\x06" + littleEndian(0, 4) + littleEndian(entries_.size(), 2) +
-                          littleEndian(entries_.size(), 2) + littleEndian(directory.size(), 4) +
-                          littleEndian(checked(start), 4) + littleEndian(0, 2);
-  directory += end;
+  for (const Entry& entry : entries_) {
+    std::string extra;
+    if (entry.large)
+      extra += littleEndian(entry.unpacked, 8) + littleEndian(entry.packed, 8);
+    const bool isFar = entry.offset >= kIn64;
+    if (isFar)
+      extra += littleEndian(entry.offset, 8);
+    if (!extra.empty())
+      extra = littleEndian(kExtra64, 2) + littleEndian(extra.size(), 2) + extra;
+    directory += "PK\x01\x02" + littleEndian(extra.empty() ? 20 : 45, 2) + header(entry, extra) +
+                 littleEndian(0, 10) + littleEndian(isFar ? kIn64 : entry.offset, 4) + entry.name +
+                 extra;
+  }
+  const std::uint64_t size = directory.size(), files = entries_.size();
+  const bool needs64 = start >= kIn64 || size >= kIn64 || files >= 0xffff;
+  if (needs64) {
+    const std::uint64_t here = start + size;
+    directory += "PK\x06\x06" + littleEndian(44, 8) + littleEndian(45, 2) + littleEndian(45, 2) +
+                 littleEndian(0, 8) + littleEndian(files, 8) + littleEndian(files, 8) +
+                 littleEndian(size, 8) + littleEndian(start, 8);
+    directory += "PK\x06\x07" + littleEndian(0, 4) + littleEndian(here, 8) + littleEndian(1, 4);
+  }
+  const std::uint64_t shortFiles = needs64 ? 0xffff : files;
+  directory += "PK\x05\x06" + littleEndian(0, 4) + littleEndian(shortFiles, 2) +
+               littleEndian(shortFiles, 2) + littleEndian(needs64 ? kIn64 : size, 4) +
+               littleEndian(needs64 ? kIn64 : start, 4) + littleEndian(0, 2);
   file_.write(directory.data(), directory.size());
 }
 

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/FormatSignatures.h"
+
+#include "tetvdb/io/ByteReader.h"
+#include "tetvdb/io/Formats.h"
+#include "tetvdb/io/NumberParser.h"
+#include "tetvdb/io/OffReader.h"
+#include "tetvdb/io/StlReader.h"
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kLook = 4096; // bytes that are looked at
+
+bool startsWith(std::string_view text, std::string_view start) {
+  return text.substr(0, start.size()) == start;
+}
+
+bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+std::string_view withoutMarkAndSpace(std::string_view text) {
+  if (startsWith(text, "\xef\xbb\xbf"))
+    text.remove_prefix(3);
+  while (!text.empty() && static_cast<unsigned char>(text[0]) <= ' ')
+    text.remove_prefix(1);
+  return text;
+}
+
+bool isVtkXml(const FileStart& file) {
+  return startsWith(file.start, "<?xml") || startsWith(file.start, "<vtkfile") ||
+         startsWith(file.start, "<!--");
+}
+
+/// By the name of a group, which stands near the beginning of most files, or by the file's ending.
+bool isHdf5With(const FileStart& file, std::string_view group, std::string_view ending) {
+  constexpr std::size_t look = std::size_t(1) << 20;
+  return startsWith(file.head, "\x89HDF\r\n") &&
+         (file.ending == ending || contains(file.bytes.substr(0, look), group));
+}
+
+/// The first word of the file, comments that begin with '#' left out.
+std::string_view firstWord(const FileStart& file) {
+  NumberParser words(file.head, "", '#');
+  return words.word();
+}
+
+} // namespace
+
+FileStart::FileStart(std::string_view all, const std::string& path)
+    : bytes(all), head(all.substr(0, kLook)), text(withoutMarkAndSpace(head)),
+      start(lowered(text.substr(0, 32))), ending(endingOf(path)) {}
+
+bool isText(std::string_view head) {
+  return std::none_of(head.begin(), head.end(), [](char c) {
+    return static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\r' && c != '\t' && c != '\f';
+  });
+}
+
+// --- Volumes ------------------------------------------------------------------------------------
+
+bool isVdb(const FileStart& file) {
+  return startsWith(file.head, std::string_view(" BDV\0\0\0\0", 8));
+}
+
+bool isNvdb(const FileStart& file) {
+  return startsWith(file.head, "NanoVDB");
+}
+
+// --- Triangles ----------------------------------------------------------------------------------
+
+bool isStl(const FileStart& file) {
+  return isBinaryStlBySize(file.bytes) ||
+         (startsWith(file.start, "solid") && isTextStl(file.bytes));
+}
+
+/// Whether every line begins with a word of OBJ files, a vertex or a face among them.
+bool isObj(const FileStart& file) {
+  constexpr std::string_view known[] = {"v", "vt", "vn", "vp",     "f",      "l", "p",
+                                        "g", "o",  "s",  "mtllib", "usemtl", "mg"};
+  bool found = false;
+  NumberParser in(file.text, "", '#');
+  while (!in.atEnd()) {
+    const std::string_view word = in.word();
+    if (std::find(std::begin(known), std::end(known), word) == std::end(known))
+      return found && in.atEnd(); // a word that was cut off where looking ends
+    double number = 0;
+    found = found || ((word == "v" || word == "f") && in.tryReal(number));
+    for (std::string_view rest = in.line(); !rest.empty() && rest.back() == '\\';)
+      rest = in.line();
+  }
+  return found;
+}
+
+bool isOff(const FileStart& file) {
+  NumberParser words(file.bytes, "", '#');
+  words.seek(static_cast<std::size_t>(file.text.data() - file.bytes.data()));
+  words.skipSpace();
+  return hasOffKeyword(file.bytes.substr(words.position()));
+}
+
+bool isPly(const FileStart& file) {
+  return startsWith(file.text, "ply\n") || startsWith(file.text, "ply\r");
+}
+
+/// A 3MF file is a ZIP archive that holds a model; names stand at its beginning and in its
+/// directory at the end.
+bool isThreeMf(const FileStart& file) {
+  constexpr std::size_t directory = 65536;
+  return startsWith(file.head, "PK\x03\x04") &&
+         (contains(file.head, ".model") ||
+          contains(file.bytes.substr(file.bytes.size() - std::min(file.bytes.size(), directory)),
+                   ".model"));
+}
+
+bool isGltf(const FileStart& file) {
+  return startsWith(file.head, "glTF") ||
+         (startsWith(file.text, "{") && contains(file.head, "\"asset\""));
+}
+
+bool isFbx(const FileStart& file) {
+  return startsWith(file.head, "Kaydara FBX") || startsWith(file.text, "; FBX");
+}
+
+bool isCollada(const FileStart& file) {
+  return startsWith(file.text, "<") && contains(file.head, "<COLLADA");
+}
+
+// --- Solid cells --------------------------------------------------------------------------------
+
+bool isGmsh(const FileStart& file) {
+  for (const char* section : {"$MeshFormat", "$NOD", "$Comments", "$PhysicalNames", "$Nodes"})
+    if (startsWith(file.text, section))
+      return true;
+  return false;
+}
+
+bool isMedit(const FileStart& file) {
+  return firstWord(file) == "MeshVersionFormatted";
+}
+
+bool isMeditBinary(const FileStart& file) {
+  if (file.bytes.size() < 8)
+    return false;
+  for (const bool swap : {false, true})
+    if (loadNumber<std::int32_t>(file.bytes.data(), swap) == 1) {
+      const auto version = loadNumber<std::int32_t>(file.bytes.data() + 4, swap);
+      return version >= 1 && version <= 4;
+    }
+  return false;
+}
+
+bool isNetgen(const FileStart& file) {
+  return firstWord(file) == "mesh3d";
+}
+
+bool isAbaqus(const FileStart& file) {
+  return startsWith(file.text, "*");
+}
+
+/// The binary form by its first byte; the text by comments and then five whole numbers: nodes,
+/// cells, and data components of three kinds. Both need one of the usual names.
+bool isUcd(const FileStart& file) {
+  if (file.ending != ".inp" && file.ending != ".avs" && file.ending != ".ucd")
+    return false;
+  if (startsWith(file.head, "\x07"))
+    return true;
+  NumberParser in(file.head, "", '#');
+  std::int64_t number = 0;
+  for (int i = 0; i < 5; ++i)
+    if (!in.tryInteger(number) || number < 0)
+      return false;
+  return true;
+}
+
+bool isVtk(const FileStart& file) {
+  return startsWith(file.start, "# vtk datafile") || startsWith(file.start, "#vtk datafile");
+}
+
+bool isVtu(const FileStart& file) {
+  return isVtkXml(file) && contains(file.head, "UnstructuredGrid") &&
+         !contains(file.head, "PUnstructuredGrid");
+}
+
+bool isPvtu(const FileStart& file) {
+  return isVtkXml(file) && contains(file.head, "PUnstructuredGrid");
+}
+
+bool isVtp(const FileStart& file) {
+  return isVtkXml(file) && contains(file.head, "<VTKFile") &&
+         (contains(file.head, "\"PolyData\"") || contains(file.head, "'PolyData'"));
+}
+
+bool isVtm(const FileStart& file) {
+  return isVtkXml(file) && (contains(file.head, "vtkMultiBlockDataSet") ||
+                            contains(file.head, "vtkPartitionedDataSetCollection"));
+}
+
+bool isPvd(const FileStart& file) {
+  return isVtkXml(file) && contains(file.head, "<VTKFile") && contains(file.head, "<Collection");
+}
+
+bool isXdmf(const FileStart& file) {
+  return startsWith(file.text, "<") && contains(lowered(file.head), "<xdmf");
+}
+
+bool isVtkHdf(const FileStart& file) {
+  return isHdf5With(file, "VTKHDF", ".vtkhdf");
+}
+
+bool isCgns(const FileStart& file) {
+  return isHdf5With(file, "CGNSLibraryVersion", ".cgns") ||
+         contains(file.head.substr(0, 64), "ADF Database");
+}
+
+bool isEnsight(const FileStart& file) {
+  // "FORMAT", then "type: ensight gold"; comments may come first.
+  const std::string head = lowered(file.head);
+  const std::size_t type = head.find("type:");
+  return isText(file.head) && type != head.npos && head.find("format") < type &&
+         contains(std::string_view(head).substr(type, 64), "ensight");
+}
+
+bool isFrd(const FileStart& file) {
+  return startsWith(file.head, "    1C") || startsWith(file.head, "    1U") ||
+         startsWith(file.head, "    2C");
+}
+
+bool isNeu(const FileStart& file) {
+  return contains(file.head.substr(0, 512), "CONTROL INFO") &&
+         contains(file.head.substr(0, 512), "GAMBIT NEUTRAL");
+}
+
+bool isExodus(const FileStart& file) {
+  return startsWith(file.head, "CDF\x01") || startsWith(file.head, "CDF\x02") ||
+         startsWith(file.head, "CDF\x05") || startsWith(file.head, "\x89HDF\r\n");
+}
+
+// --- By the name --------------------------------------------------------------------------------
+
+bool isAny(const FileStart&) {
+  return true;
+}
+
+bool isDamagedGmsh(const FileStart& file) {
+  return contains(file.head, "$Nodes");
+}
+
+bool isDamagedMedit(const FileStart& file) {
+  return isText(file.head) && contains(file.head, "Vertices");
+}
+
+bool isDamagedNetgen(const FileStart& file) {
+  return contains(file.head, "dimension");
+}
+
+bool isDamagedAbaqus(const FileStart& file) {
+  return contains(lowered(file.head), "*node");
+}
+
+} // namespace tetvdb

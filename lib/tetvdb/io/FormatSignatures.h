@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How formats are told by a file's content; the table io/Formats.h calls these.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace tetvdb {
+
+/// A file as the signatures see it.
+struct FileStart {
+  FileStart(std::string_view bytes, const std::string& path);
+
+  std::string_view bytes; ///< the whole file
+  std::string_view head;  ///< its first 4096 bytes
+  std::string_view text;  ///< `head` without a byte order mark and white space before the text
+  std::string start;      ///< the first 32 characters of `text` in lower case
+  std::string ending;     ///< ".vtu" in lower case
+};
+
+bool isVdb(const FileStart& file);
+bool isNvdb(const FileStart& file);
+
+bool isStl(const FileStart& file);
+bool isObj(const FileStart& file);
+bool isOff(const FileStart& file);
+bool isPly(const FileStart& file);
+bool isThreeMf(const FileStart& file);
+bool isGltf(const FileStart& file);
+bool isFbx(const FileStart& file);
+bool isCollada(const FileStart& file);
+
+bool isGmsh(const FileStart& file);
+bool isMedit(const FileStart& file);
+bool isMeditBinary(const FileStart& file);
+bool isNetgen(const FileStart& file);
+bool isAbaqus(const FileStart& file);
+bool isUcd(const FileStart& file);
+bool isVtk(const FileStart& file);
+bool isVtu(const FileStart& file);
+bool isPvtu(const FileStart& file);
+bool isVtp(const FileStart& file);
+bool isVtm(const FileStart& file);
+bool isPvd(const FileStart& file);
+bool isVtkHdf(const FileStart& file);
+bool isCgns(const FileStart& file);
+bool isEnsight(const FileStart& file);
+bool isFrd(const FileStart& file);
+bool isNeu(const FileStart& file);
+bool isXdmf(const FileStart& file);
+bool isExodus(const FileStart& file);
+
+// For names that have the format's ending: content that is damaged beyond its first words.
+bool isAny(const FileStart& file);
+bool isDamagedGmsh(const FileStart& file);
+bool isDamagedMedit(const FileStart& file);
+bool isDamagedNetgen(const FileStart& file);
+bool isDamagedAbaqus(const FileStart& file);
+
+/// Whether `head` has no characters that texts do not have.
+bool isText(std::string_view head);
+
+} // namespace tetvdb

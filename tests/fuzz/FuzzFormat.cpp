@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One libFuzzer program a format: CMake compiles this file for each with TETVDB_FUZZ_FORMAT, the
+// format's name in the enumeration FileFormat. The reader is that of the table of formats; the
+// bytes are all that it gets, since a file of that name does not exist.
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/EnsightReader.h"
+#include "tetvdb/io/Formats.h"
+#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/TetGenReader.h"
+#include "tetvdb/io/ThreeMfModel.h"
+#include "tetvdb/mesh/SplitCells.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+namespace tetvdb {
+namespace {
+
+constexpr FileFormat kFormat = FileFormat::TETVDB_FUZZ_FORMAT;
+
+/// What the target works on in place of the reader of the table, where the bytes of a file would
+/// hide from the fuzzer what matters. Whether it did.
+bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progress) {
+  if (kFormat == FileFormat::TetGen) { // the two files in one input, parted by a '|'
+    const std::size_t bar = std::min(bytes.find('|'), bytes.size());
+    const Source node{bytes.substr(0, bar), "fuzz.node"};
+    const Source ele{bytes.substr(std::min(bar + 1, bytes.size())), "fuzz.ele"};
+    splitCells(readTetGenPair(node, ele, {}, report, progress), {}, report, progress);
+    return true;
+  }
+  if (kFormat == FileFormat::Ensight && sniffFormat(bytes, "fuzz.geo") != kFormat) {
+    splitCells(ensight::readGeometry({bytes, "fuzz.geo"}, {}, progress), {}, report, progress);
+    return true;
+  }
+  if (kFormat == FileFormat::ThreeMf && bytes.substr(0, 1) != "P") { // a model without its archive
+    parseThreeMfModel(bytes, "fuzz", progress);
+    return true;
+  }
+  return false;
+}
+
+void readFile(std::string_view bytes) {
+  const Source source{bytes, "/nonexistent/folder/fuzz"};
+  const Format& format = formatOf(kFormat);
+  Report report;
+  Progress progress;
+  if (readInsteadOfFile(bytes, report, progress))
+    return;
+  if (format.readTriangles != nullptr) {
+    try {
+      const TriangleMesh mesh = format.readTriangles(source, report, progress);
+      for (const std::uint32_t corner : mesh.triangles)
+        if (corner >= mesh.points.size())
+          std::abort();
+    } catch (const Error&) {
+      if (format.readCells == nullptr)
+        throw;
+    }
+  }
+  if (format.readTimes != nullptr)
+    format.readTimes(source, report, progress);
+  if (format.readCells != nullptr)
+    splitCells(format.readCells(source, {}, report, progress), {}, report, progress);
+}
+
+} // namespace
+} // namespace tetvdb
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    tetvdb::readFile({reinterpret_cast<const char*>(data), size});
+  } catch (const tetvdb::Error&) {
+  }
+  return 0;
+}

@@ -178,10 +178,10 @@ def study_epsilon(bench, path):
             "voxelize", path, "-o", volume, "--mesher", "envelope", "--epsilon", f"{epsilon}d", "--grid", "mask",
             "--voxel-size", repr(voxel))
         mesh = report.get("mesh") or {}
-        road = (mesh.get("mesher") or {}).get("road")
-        made = status in (0, 1) and volume.exists() and road == "envelope"  # else the exact volume stands in
+        method = (mesh.get("mesher") or {}).get("method")
+        made = status in (0, 1) and volume.exists() and method == "envelope"  # else the exact volume stands in
         row["runs"].append({"epsilon": epsilon, "status": status, "seconds": seconds, "megabytes": megabytes,
-                            "tets": mesh.get("tets"), "road": road,
+                            "tets": mesh.get("tets"), "method": method,
                             "epsilon_in_voxels": (mesh.get("epsilon_asked") or 0) / voxel,
                             "iou": iou(bench, truth, volume) if made else None})
     for a, b in itertools.combinations(AUGMENTING, 2):
@@ -412,7 +412,7 @@ def page(version, arguments, tetgen, files, success, epsilon, quality):
 How triangles become tets within epsilon: the experiments of "Robust Voxelization and Visualization by Improved
 Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), done again with `tetvdb tetrahedralize`.
 `scripts/mesher_studies.py` makes this page; TetVDB {version}.
-[robustness.md](robustness.md) tells of the winding road on the same kind of files."""]
+[robustness.md](robustness.md) tells of the winding number on the same kind of files."""]
     if arguments.note:
         parts.append(arguments.note)
     if success:
@@ -423,7 +423,7 @@ a file{short}. "Status" is the program's exit status.""", success_text(success, 
     if epsilon:
         parts += [f"""## Error bounds
 
-{len(epsilon)} closed models without defects. Truth: the winding road's volume, exact, {VOXELS} voxels along the longest side;
+{len(epsilon)} closed models without defects. Truth: the volume by winding number, exact, {VOXELS} voxels along the longest side;
 against it `voxelize --mesher envelope --epsilon` on the same lattice. The paper saw nearly identical volumes below 1e-3
 and little difference below 1e-2. Seconds are of the whole process, meshing included.""", epsilon_text(epsilon),
                   """## Augmentation

@@ -139,8 +139,8 @@ def examine(path, row, ours, judge):
         if os.path.exists(old):
             os.remove(old)
     row.prusa = prusa(path)
-    report = ours.report("voxelize", str(path), "-o", coarse, "--mesher", "winding", "--grid", "mask", "--resolution",
-                         str(COARSE), "--write-mesh", off)
+    report = ours.report("voxelize", str(path), "-o", coarse, "--grid", "mask", "--resolution", str(COARSE),
+                         "--write-mesh", off)
     if report["status"] not in (0, 1):
         sentence = re.sub(rf"^tetvdb: |{re.escape(str(path))}(:\d+)?: ", "", report["error"])
         row.answer = sentence.split(";")[0]
@@ -194,7 +194,7 @@ def summary(rows, version, total, pictures):
 
 {len(rows)} triangle files as they are found: prints, scans, CAD exports, game models, regression
 cases of other libraries. `scripts/robustness.py` makes this page from `tetvdb report` and others' answers; TetVDB {version}.
-This is the winding road; [meshing.md](meshing.md) tells how `tetrahedralize` fares on such files.
+All is by default options, hence by winding number; [meshing.md](meshing.md) tells how `tetrahedralize` fares on such files.
 
 - **Answered: {sum(r.answered for r in rows)} of {len(rows)}.** {len(judged)} became a solid; {len(refused)} were refused with one sentence,
   for they cannot be read or have no inside at {COARSE} voxels (sheets, for which `--shell` is the advice).
@@ -213,11 +213,11 @@ This is the winding road; [meshing.md](meshing.md) tells how `tetrahedralize` fa
   evenly spaced voxels are taken (marked `*`). Left out are winding numbers
   within 1e-4 of 0.5 (within 0.02 where the program warns that it only looked roughly, `~`), and centres on the very
   edge of an open mesh, where the winding number jumps. Whether *cleaning* is right
-  is not judged here: meshToVolume gets the file's own faces, and differs also where a person may side with it.
+  is not judged here but on models whose solid is known, in [cleaning.md](cleaning.md): meshToVolume gets the file's own faces, and differs also where a person may side with it.
 - *meshToVolume*: `FloatGrid.createLevelSetFromPolygons` of OpenVDB's Python module, half-width 3; inside is where
   values are below 0. It is made for closed surfaces. "none": it found no inside.
 - *PrusaSlicer*: `prusa-slicer --info`: manifold or how many open edges, and volume, for the formats it reads.
-- *Seconds, MB, defects* and voxels by `tetvdb report CORPUS --mesher winding --resolution {FINE}`, each file in a process of
+- *Seconds, MB, defects* and voxels by `tetvdb report CORPUS --resolution {FINE}`, each file in a process of
   its own: the stages that read, clean, voxelize and write (pictures left out; they took {pictures:.0f} s of {total:.0f} s
   in all), and peak resident memory with the pictures. Defects: open, non-manifold and misoriented edges, degenerate and
   duplicate faces, pairs of faces that cross.
@@ -253,8 +253,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="tetvdb-robustness-") as folder:
         ours = Ours(program, folder)
         page = arguments.page or os.path.join(folder, "report.html")
-        report = ours.report("report", arguments.folder, "-o", page, "--mesher", "winding", "--resolution", FINE,
-                             "--max-time", TIME)
+        report = ours.report("report", arguments.folder, "-o", page, "--resolution", FINE, "--max-time", TIME)
         if "models" not in report:
             raise SystemExit(report["error"])
         rows = [Row(found) for found in sorted(report["models"], key=lambda model: model["name"].lower())]

@@ -12,11 +12,11 @@
 set -euo pipefail
 
 build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
-  libblosc-dev libtbb-dev libnetcdf-dev libhdf5-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
-  libxxhash-dev libembree-dev libassimp-dev libpng-dev libcli11-dev
+  libblosc-dev libtbb-dev libnetcdf-dev libhdf5-dev libcgns-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
+  libxxhash-dev libembree-dev libopenmesh-dev libassimp-dev libpng-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
-test=(libgtest-dev librapidcheck-dev libopenmesh-dev libbenchmark-dev python3 python3-openvdb
-  python3-numpy python3-meshio python3-h5py libopenvdb-tools libnanovdb-tools)
+test=(libgtest-dev librapidcheck-dev libbenchmark-dev python3 python3-openvdb
+  python3-numpy python3-meshio python3-h5py python3-vtk9 python3-tifffile libopenvdb-tools libnanovdb-tools)
 check=(clang clang-format-14 clang-tidy-14)
 browser=(chromium)
 blender=(blender python3 python3-openvdb python3-numpy)

@@ -145,7 +145,7 @@ private:
     options.resolution = resolution;
     options.grids = {GridKind::TetId};
     const GridTransform transform = chooseTransform(mesh, options);
-    const VoxelBox box = voxelBox(mesh, transform);
+    const bench::VoxelBox box = voxelBox(mesh, transform);
     const auto times = compare({{"ours", [&] { return ours(mesh, options, GridKind::TetId); }},
                                 {"vtk", [&] { return vtk.run(box, transform); }, 1}},
                                false, 0.25);
@@ -237,6 +237,7 @@ Command addBench(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { Bench(*options, session).run(); };
+  result.files = [options] { return FileNames{{options->file}, {}}; };
   return result;
 }
 

@@ -85,6 +85,7 @@ Command addCheck(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runCheck(*options, session); };
+  result.files = [options] { return FileNames{options->files, {}}; };
   return result;
 }
 

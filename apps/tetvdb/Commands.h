@@ -8,14 +8,23 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace tetvdb::cli {
+
+/// The files of a command, as its options name them: patterns and lists of files count for what
+/// they stand for. Empty names are none.
+struct FileNames {
+  std::vector<std::string> read, written;
+};
 
 /// A command as the parser knows it and what it does once its options are parsed.
 struct Command {
   CLI::App* parser = nullptr;
   std::shared_ptr<CommonOptions> common;
   std::function<void(Session&)> run;
+  std::function<FileNames()> files = {}; ///< all but the report; throws nothing but Error
 };
 
 Command addVoxelize(CLI::App& program);
@@ -23,15 +32,17 @@ Command addTetrahedralize(CLI::App& program);
 Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);
+Command addConvert(CLI::App& program);
 Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);
 Command addReport(CLI::App& program);
+Command addFormats(CLI::App& program);
 Command addBench(CLI::App& program);
 
 /// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
 CLI::Validator notEmpty();
 
-/// Adds --json, -q and -v.
+/// Adds --json, --force, -q and -v.
 std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command);
 
 } // namespace tetvdb::cli

@@ -105,7 +105,6 @@ void runCompare(const Options& options, Session& session) {
                 "compare two volumes or two meshes; 'tetvdb repair' makes a mesh of a volume");
   if (!options.output.empty()) {
     requireExtension(options.output, {".png"}, "name it .png");
-    requireNoInput(options.output, {options.a, options.b});
     requireWritable(options.output);
   }
   if (!volumes) {
@@ -149,6 +148,7 @@ Command addCompare(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runCompare(*options, session); };
+  result.files = [options] { return FileNames{{options->a, options->b}, {options->output}}; };
   return result;
 }
 

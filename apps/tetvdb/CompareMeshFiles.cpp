@@ -2,6 +2,7 @@
 #include "CompareMeshFiles.h"
 
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/surface/CompareMeshes.h"
@@ -46,11 +47,10 @@ Json sectionOf(const OneSidedDistance& distance) {
           {"where", distance.where}};
 }
 
-std::string textOf(const char* way, const OneSidedDistance& distance) {
-  return fmt::format("{}: mean {:.6g}, root mean square {:.6g}, largest {:.6g} at ({:.7g}, "
-                     "{:.7g}, {:.7g})\n",
-                     way, distance.mean, distance.rms, distance.largest, distance.where[0],
-                     distance.where[1], distance.where[2]);
+std::string textOf(const char* way, const OneSidedDistance& distance, double diagonal) {
+  return fmt::format("{}: mean {:.6g}, root mean square {:.6g}, largest {:.6g} at {}\n", way,
+                     distance.mean, distance.rms, distance.largest,
+                     pointText(distance.where, diagonal));
 }
 
 } // namespace
@@ -81,7 +81,8 @@ void compareMeshFiles(const std::string& a, const std::string& b, double toleran
                                  {"diagonal", distance.diagonal},
                                  {"samples", distance.aToB.points + distance.bToA.points}};
   session.text =
-      textOf("A to B", distance.aToB) + textOf("B to A", distance.bToA) +
+      textOf("A to B", distance.aToB, distance.diagonal) +
+      textOf("B to A", distance.bToA, distance.diagonal) +
       fmt::format("Hausdorff distance {:.6g}, {:.3g} of the diagonal {:.6g}\n", distance.hausdorff,
                   distance.hausdorff / distance.diagonal, distance.diagonal) +
       (same ? "same\n" : "different\n");

@@ -5,31 +5,12 @@
 #include "tetvdb/core/Error.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <string_view>
 
 namespace tetvdb::cli {
 namespace {
-
-constexpr std::array<std::pair<std::string_view, FieldPart>, 7> kParts = {
-    {{"magnitude", FieldPart::Magnitude},
-     {"mises", FieldPart::Mises},
-     {"trace", FieldPart::Trace},
-     {"determinant", FieldPart::Determinant},
-     {"principal1", FieldPart::Principal1},
-     {"principal2", FieldPart::Principal2},
-     {"principal3", FieldPart::Principal3}}};
-
-// x, y, z, xx to zz, or one or two digits.
-bool isComponent(std::string_view text) {
-  const auto all = [&](auto is) { return std::all_of(text.begin(), text.end(), is); };
-  if (text.empty() || text.size() > 2)
-    return false;
-  return all([](char c) { return c >= 'x' && c <= 'z'; }) ||
-         all([](char c) { return c >= '0' && c <= '9'; });
-}
 
 [[noreturn]] void refuse(const std::string& option, const std::string& text,
                          const std::string& advice) {
@@ -110,17 +91,8 @@ FieldRequest parseDerived(const std::string& text) {
   const std::string array = request.array.substr(0, colon), part = request.array.substr(colon + 1);
   if (array == "points" || array == "cells")
     return request;
-  for (const auto& [name, known] : kParts)
-    if (part == name) {
-      request.array = array;
-      request.part = known;
-      return request;
-    }
-  if (isComponent(part)) {
+  if (readPart(part, request))
     request.array = array;
-    request.part = FieldPart::Component;
-    request.component = part;
-  }
   return request;
 }
 

@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "InfoTriangles.h"
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -28,10 +29,6 @@ const char* const kExamples = R"(Examples:
   tetvdb info part.stl                 holes, flips, crossings, whether it is watertight
   tetvdb info part.vdb --hash          grids, and a hash that is equal for equal volumes
   tetvdb info *.vtu --json - | jq .    the same for programs)";
-
-std::string pointText(const Vec3d& p) {
-  return fmt::format("({:.7g}, {:.7g}, {:.7g})", p[0], p[1], p[2]);
-}
 
 struct Range {
   double least = 0, most = 0;
@@ -104,6 +101,7 @@ Json meshSection(const InputInfo& info, const TetMesh& mesh) {
           {"defects", {{"inverted", statistics.inverted}, {"flat", statistics.flat}}},
           {"box", {{"min", statistics.boxMin}, {"max", statistics.boxMax}}},
           {"volume", statistics.volume},
+          {"steps", {{"count", info.times.size()}, {"times", info.times}}},
           {"regions", std::move(regions)},
           {"attributes", std::move(attributes)}};
 }
@@ -117,9 +115,13 @@ std::string meshText(const InputInfo& info, const TetMesh& mesh) {
     cells += fmt::format("{}{} {}", cells.empty() ? "" : ", ", type, count);
   text += fmt::format("  cells       {}\n  tets        {}", cells, info.tets);
   text += fmt::format(" ({} inverted, {} flat)\n", statistics.inverted, statistics.flat);
-  text +=
-      fmt::format("  box         {} to {}\n  volume      {:.7g}\n", pointText(statistics.boxMin),
-                  pointText(statistics.boxMax), statistics.volume);
+  const double extent = extentOf(statistics.boxMin, statistics.boxMax);
+  text += fmt::format("  box         {} to {}\n  volume      {:.7g}\n",
+                      pointText(statistics.boxMin, extent), pointText(statistics.boxMax, extent),
+                      statistics.volume);
+  if (!info.times.empty())
+    text += fmt::format("  steps       {}, from {:.6g} to {:.6g}; values below are of the last\n",
+                        info.times.size(), info.times.front(), info.times.back());
   for (const auto& [number, count] : countRegions(mesh))
     text += fmt::format("  region      {} {}: {} cells\n", number,
                         oneLine(regionName(mesh, number)), count);
@@ -148,8 +150,10 @@ Json gridSection(const GridInfo& grid) {
 std::string gridText(const GridInfo& grid) {
   std::string text =
       fmt::format("  grid        {} ({}, {})\n", oneLine(grid.name), grid.type, grid.gridClass);
-  text += fmt::format("    voxel     {} at origin {}{}\n", pointText(grid.transform.voxelSize),
-                      pointText(grid.transform.origin), grid.linear ? "" : ", not linear");
+  const Vec3d& voxel = grid.transform.voxelSize;
+  text +=
+      fmt::format("    voxel     {} at origin {}{}\n", lengthText(voxel),
+                  pointText(grid.transform.origin, voxel[0]), grid.linear ? "" : ", not linear");
   text += fmt::format("    active    {} voxels: {} leaves, {} tiles; volume {:.7g}\n",
                       grid.activeVoxels, grid.leaves, grid.activeTiles, grid.volume);
   if (grid.activeVoxels > 0)
@@ -158,7 +162,7 @@ std::string gridText(const GridInfo& grid) {
                     "{:.6g}\n",
                     grid.boxMin[0], grid.boxMin[1], grid.boxMin[2], grid.boxMax[0], grid.boxMax[1],
                     grid.boxMax[2], grid.minValue, grid.maxValue);
-  return text + fmt::format("    memory    {:.1f} MB\n", static_cast<double>(grid.bytes) / 1e6);
+  return text + fmt::format("    memory    {}\n", bytesText(grid.bytes));
 }
 
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
@@ -246,6 +250,7 @@ Command addInfo(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runInfo(*options, session); };
+  result.files = [options] { return FileNames{options->files, {}}; };
   return result;
 }
 

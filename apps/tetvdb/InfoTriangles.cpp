@@ -2,6 +2,7 @@
 #include "InfoTriangles.h"
 
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "tetvdb/pipeline/ReadInput.h"
 
 #include <fmt/format.h>
@@ -43,14 +44,12 @@ std::string defectsText(const SurfaceDefects& defects, bool intersections) {
   return text;
 }
 
-std::string pointText(const Vec3d& p) {
-  return fmt::format("({:.7g}, {:.7g}, {:.7g})", p[0], p[1], p[2]);
-}
-
 std::string measuresText(const SurfaceDefects& defects, const std::string& units) {
-  std::string text = fmt::format(
-      "  box         {} to {}\n  area        {:.7g}\n  volume      {:.7g}\n",
-      pointText(defects.boxMin), pointText(defects.boxMax), defects.area, defects.volume);
+  std::string text =
+      fmt::format("  box         {} to {}\n  area        {:.7g}\n  volume      {:.7g}\n",
+                  pointText(defects.boxMin, extentOf(defects.boxMin, defects.boxMax)),
+                  pointText(defects.boxMax, extentOf(defects.boxMin, defects.boxMax)), defects.area,
+                  defects.volume);
   const auto& shares = defects.windingShares;
   text += fmt::format("  winding     {:.1f} % of the box inside, {:.1f} % more than once, {:.1f} % "
                       "inside out\n",

@@ -32,8 +32,10 @@ void addInsideOptions(CLI::App& command, JobOptions& options) {
       ->check(CLI::IsMember({"winding", "nonzero", "parity", "flood"}).description(""))
       ->type_name("RULE");
   command
-      .add_option("--shell", options.shell,
-                  "No solid but a shell of thickness T around the triangles, for open sheets")
+      .add_option(
+          "--shell", options.shell,
+          "No solid but a shell of thickness T, half of it on either side of the triangles, "
+          "for open sheets")
       ->type_name("T")
       ->check(notEmpty());
 }
@@ -47,7 +49,10 @@ void addPreviewOption(CLI::App& command, JobOptions& options, const std::string&
 }
 
 void addWeldOption(CLI::App& command, JobOptions& options) {
-  command.add_option("--weld", options.weld, "Join points nearer than D (default: equal ones)")
+  command
+      .add_option("--weld", options.weld,
+                  "Join points nearer than D; 0: equal ones (default: equal "
+                  "ones, and boundary points that differ by rounding)")
       ->type_name("D")
       ->check(notEmpty());
 }
@@ -97,7 +102,7 @@ void setInside(const JobOptions& options, SolidOptions& solid) {
 void setCleaning(const JobOptions& options, CleanOptions& clean) {
   clean.orient = !options.keepOrientation;
   if (!options.weld.empty())
-    clean.weldDistance = parseLength("--weld", options.weld);
+    clean.weldDistance = options.weld == "0" ? 0 : parseLength("--weld", options.weld);
 }
 
 std::size_t memoryLimit(const JobOptions& options) {
@@ -125,13 +130,16 @@ AllowThreads::AllowThreads(int threads)
                             tbb::global_control::max_allowed_parallelism))) {}
 
 nlohmann::ordered_json toJson(const CleanCounts& cleaned) {
-  return {{"welded_points", cleaned.weldedPoints},
+  return {{"weld_distance", cleaned.weldDistance},
+          {"welded_points", cleaned.weldedPoints},
           {"unreferenced_points", cleaned.unreferencedPoints},
           {"degenerate_faces", cleaned.degenerateFaces},
           {"duplicate_faces", cleaned.duplicateFaces},
+          {"inner_faces", cleaned.innerFaces},
           {"flipped_faces", cleaned.flippedFaces},
           {"flipped_parts", cleaned.flippedParts},
-          {"inside_out", cleaned.insideOut}};
+          {"inside_out", cleaned.insideOut},
+          {"doubtful_orientation", cleaned.doubtful}};
 }
 
 void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,

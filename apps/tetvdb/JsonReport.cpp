@@ -4,6 +4,11 @@
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Version.h"
 
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
 namespace tetvdb::cli {
 namespace {
 
@@ -30,7 +35,37 @@ Json warningsOf(const Report& report) {
   return warnings;
 }
 
+// Far above what a report of ten thousand inputs has.
+constexpr std::uintmax_t kLargestReport = std::uintmax_t(1) << 28;
+
+bool isReport(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::file_size(path, error) > kLargestReport || error)
+    return false;
+  std::ifstream file(path, std::ios::binary);
+  if (file.get() != '{')
+    return false;
+  file.seekg(0);
+  const nlohmann::json parsed = nlohmann::json::parse(file, nullptr, false);
+  const auto holds = [&](const char* key, auto is) {
+    const auto found = parsed.find(key);
+    return found != parsed.end() && is(*found);
+  };
+  const auto isText = [](const nlohmann::json& value) { return value.is_string(); };
+  return parsed.is_object() && holds("version", isText) && holds("command", isText) &&
+         holds("status", [](const nlohmann::json& value) { return value.is_number_integer(); });
+}
+
 } // namespace
+
+void requireReplaceable(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error) || std::filesystem::is_empty(path, error))
+    return;
+  if (!isReport(path))
+    throw Error(Status::Usage, path, "exists and is no report of this program",
+                "choose another file for --json, or add --force to replace it");
+}
 
 std::string reportText(const std::string& command, Status status, const std::string& error,
                        const Session& session) {

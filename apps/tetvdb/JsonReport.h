@@ -17,6 +17,9 @@ namespace tetvdb::cli {
 std::string reportText(const std::string& command, Status status, const std::string& error,
                        const Session& session);
 
+/// Throws Error(Usage) where `path` is a file with something in it that is no report of this
+/// program.
+void requireReplaceable(const std::string& path);
 /// Throws Error(Write) where a report could not be created, with advice about --json.
 void requireWritableReport(const std::string& path);
 /// Writes `text` to `path`, whole or not at all. Throws Error(Write).

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ProgressDisplay.h"
 
-#include <algorithm>
-#include <cstdio>
+#include "Streams.h"
+
+#include <chrono>
+#include <cmath>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -11,6 +13,11 @@ namespace {
 
 constexpr int kBarWidth = 32;
 constexpr int kPercentPerLine = 5;
+
+// 43 as 45, 7 as 7: no more than an estimate is worth.
+int rounded(double number) {
+  return static_cast<int>(number < 20 ? std::ceil(number) : 5 * std::ceil(number / 5));
+}
 
 } // namespace
 
@@ -22,39 +29,55 @@ ProgressDisplay::Style ProgressDisplay::choose(bool quiet, bool verbose) {
   return verbose ? Style::Lines : Style::Nothing;
 }
 
-ProgressDisplay::ProgressDisplay(Style style, Progress& progress) : style_(style) {
+ProgressDisplay::ProgressDisplay(Style style, Progress& progress, TimeEstimate& estimate)
+    : style_(style), estimate_(estimate) {
   if (style_ == Style::Nothing)
     return;
   progress.onReport([this](std::string_view stage, double fraction) { show(stage, fraction); });
 }
 
 void ProgressDisplay::show(std::string_view stage, double fraction) {
-  fraction = std::clamp(fraction, 0.0, 1.0);
+  estimate_.update(stage, fraction, secondsNow());
+  const std::string left = timeLeftText(estimate_.left());
+  const int percent = static_cast<int>(100 * estimate_.done());
   if (style_ == Style::Lines) {
-    const int percent = static_cast<int>(100 * fraction);
     if (stage != stage_) {
-      fmt::print(stderr, "tetvdb: {}\n", stage);
+      printMessage(stage);
       stage_ = stage;
-      percent_ = 0;
-    } else if (percent >= percent_ + kPercentPerLine) {
-      fmt::print(stderr, "tetvdb: {} {} %\n", stage, percent);
+      if (percent < percent_) // a job without a plan
+        percent_ = 0;
+    }
+    if (percent >= percent_ + kPercentPerLine) {
+      printMessage(fmt::format("{} {} %{}", stage, percent, left));
       percent_ = percent;
     }
     return;
   }
-  const int full = static_cast<int>(fraction * kBarWidth);
-  fmt::print(stderr, "\r\033[K{:<11}[{:#<{}}{: <{}}] {:3.0f} %", stage, "", full, "",
-             kBarWidth - full, 100 * fraction);
-  std::fflush(stderr);
+  const int full = static_cast<int>(estimate_.done() * kBarWidth);
+  writeToStandardError(fmt::format("\r\033[K{:<11}[{:#<{}}{: <{}}] {:3} %{}", stage, "", full, "",
+                                   kBarWidth - full, percent, left));
   drawn_ = true;
 }
 
 void ProgressDisplay::clear() {
   if (!drawn_)
     return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  writeToStandardError("\r\033[K");
   drawn_ = false;
+}
+
+double secondsNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::string timeLeftText(std::optional<double> seconds) {
+  if (!seconds || !(*seconds < 100 * 3600.0))
+    return "";
+  if (*seconds < 60)
+    return fmt::format(", about {} s left", rounded(*seconds));
+  if (*seconds < 3600)
+    return fmt::format(", about {} min left", rounded(*seconds / 60));
+  return fmt::format(", about {} h left", rounded(*seconds / 3600));
 }
 
 } // namespace tetvdb::cli

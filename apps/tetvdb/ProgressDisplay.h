@@ -2,14 +2,18 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/core/TimeEstimate.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 namespace tetvdb::cli {
 
-/// Shows on stderr how far a job is: a bar on a terminal, else when asked for lines that programs
-/// can follow, "tetvdb: STAGE" and "tetvdb: STAGE 40 %".
+/// Shows on stderr how far a job is as a whole, and about how long it still takes where that can be
+/// told: a bar on a terminal, else when asked for lines that programs can follow, "tetvdb: STAGE"
+/// as a stage begins and "tetvdb: STAGE 40 %" or "tetvdb: STAGE 40 %, about 30 s left" of the
+/// whole.
 class ProgressDisplay {
 public:
   enum class Style { Nothing, Lines, Bar };
@@ -17,7 +21,8 @@ public:
   /// Lines with `verbose`, a bar where stderr is a terminal, nothing with `quiet`.
   static Style choose(bool quiet, bool verbose);
 
-  ProgressDisplay(Style style, Progress& progress);
+  /// `estimate` outlives it; stages may be planned until the first of them begins.
+  ProgressDisplay(Style style, Progress& progress, TimeEstimate& estimate);
   ~ProgressDisplay() { clear(); }
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
@@ -29,9 +34,16 @@ private:
   void show(std::string_view stage, double fraction);
 
   Style style_;
+  TimeEstimate& estimate_;
   bool drawn_ = false;
   std::string stage_;
   int percent_ = 0; ///< of the last line
 };
+
+/// On the clock of every estimate here.
+double secondsNow();
+
+/// ", about 40 s left", with two digits that matter at most; empty where it is not known.
+std::string timeLeftText(std::optional<double> seconds);
 
 } // namespace tetvdb::cli

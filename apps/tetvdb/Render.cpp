@@ -3,9 +3,11 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "ParsePictures.h"
+#include "ProgressDisplay.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Source.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/RenderJob.h"
 
 #include <cmath>
@@ -190,6 +192,7 @@ void runRender(const Options& options, Session& session) {
   session.sections["threads"] = job.threads;
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
+  session.estimate.plan(plannedStages(job), secondsNow());
   const RenderResult result = run(job, session.report, session.progress);
   session.sections["input"] = Json::array();
   for (std::size_t i = 0; i < result.inputs.size(); ++i)
@@ -290,6 +293,10 @@ Command addRender(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runRender(*options, session); };
+  result.files = [options] {
+    return FileNames{options->inputs,
+                     pictureNames(options->output, static_cast<std::size_t>(options->turntable))};
+  };
   return result;
 }
 

@@ -3,12 +3,15 @@
 #include "InfoTriangles.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "ParseQuantities.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Source.h"
+#include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/RepairJob.h"
 
 #include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
 
 namespace tetvdb::cli {
@@ -17,38 +20,73 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct Options : JobOptions {
-  std::string input, output, grid;
+  std::vector<std::string> inputs;
+  std::string output, grid, units;
+  double scale = 1;
   double simplify = 0.1;
   bool remesh = false;
+  std::string error, smooth;
+  std::int64_t faces = 0;
 };
 
 const char* const kExamples = R"(Examples:
   tetvdb repair broken.stl -o whole.stl
-      a closed, manifold surface; a mesh that is in order is written as it is
+      a closed, manifold surface; faces that are in order stay as they are
   tetvdb repair scan.ply -o scan.3mf --resolution 768 --simplify 0.2
       finer voxels, and fewer triangles
   tetvdb repair cloth.obj -o cloth.stl --shell 0.4
       an open sheet as a solid, 0.4 units thick
+  tetvdb repair scan.ply -o scan.3mf --smooth 0.05 --faces 20000
+      no vertex moved by more than 0.05, then at most 20,000 faces; says how far that is off
+  tetvdb repair bracket.stl -o light.stl --error 1e-3d
+      as few faces as stay within a thousandth of the diagonal, sharp edges kept
+  tetvdb repair lid.stl box.stl -o parts.3mf --units mm
+      two objects, each repaired by itself
   tetvdb repair part.msh -o part.stl        the surface of tetrahedra
   tetvdb repair smoke.vdb -o smoke.obj      the surface of a volume: mask, fog or level set
 
-What is not in order is voxelized, so that details below a voxel are lost: choose --resolution or
+Holes, gaps and touching edges are mended where they are. Only what cannot be is voxelized as a
+whole, with the warning 'remeshed': details below a voxel are lost then, so choose --resolution or
 --voxel-size by the finest detail that matters. 'tetvdb compare' measures how far the result is from
 the input. Lengths are in the input's units.)";
 
-RepairJob makeJob(const Options& options) {
+constexpr std::int64_t kFewestFaces = 4;
+
+RepairJob makeJob(const Options& options, const CLI::App& command) {
   RepairJob job;
-  job.input = options.input;
+  job.input = options.inputs.front();
+  job.more.assign(options.inputs.begin() + 1, options.inputs.end());
   job.output = options.output;
   job.preview = options.preview;
   job.grid = options.grid;
-  const MappedFile readable(options.input); // says so at once if the file is not there
-  job.isVolume = signatureOf(options.input) != VolumeSignature::None;
+  for (const std::string& input : options.inputs) {
+    const MappedFile readable(input); // says so at once if the file is not there
+    job.isVolume = signatureOf(input) != VolumeSignature::None;
+    if (job.isVolume && options.inputs.size() > 1)
+      throw Error(Status::Usage, input, "is a volume; of several inputs all have to be meshes",
+                  "repair it by itself");
+  }
+  job.units = options.units;
+  if (!options.units.empty() && !(metresOf(options.units) > 0))
+    throw Error(Status::Usage, "--units", "'" + options.units + "' is no unit known here",
+                "choose from um, mm, cm, m, in and ft");
+  if (!std::isfinite(options.scale) || !(options.scale > 0))
+    throw Error(Status::Usage, "--scale", "must be a number above zero");
+  job.scale = options.scale;
   setSize(options, job.voxelSize, job.resolution);
+  if (command.count("--resolution") == 0)
+    job.resolution = 0;
   if (!std::isfinite(options.simplify) || options.simplify < 0)
     throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
   job.simplify = options.simplify;
   job.remesh = options.remesh;
+  if (command.count("--faces") > 0 && options.faces < kFewestFaces)
+    throw Error(Status::Usage, "--faces", "must be 4 or more: a closed surface has no fewer");
+  job.finish.faces = static_cast<std::size_t>(options.faces);
+  if (!options.error.empty())
+    job.finish.error = parseRelativeLength("--error", options.error, Voxels::None);
+  if (!options.smooth.empty())
+    job.finish.smooth = parseRelativeLength("--smooth", options.smooth, Voxels::None);
   setInside(options, job.solid);
   setCleaning(options, job.clean);
   job.maxMemory = memoryLimit(options);
@@ -75,56 +113,177 @@ const char* nameOf(SolidSource source) {
   return kNames[static_cast<std::size_t>(source)];
 }
 
+Json localOf(const LocalRepair& local) {
+  Json holes = Json::array();
+  for (const FilledHole& hole : local.holes)
+    holes.push_back({{"edges", hole.edges}, {"faces", hole.faces}});
+  return {{"succeeded", local.succeeded},
+          {"joined_points", local.stitched.joinedPoints},
+          {"split_faces", local.stitched.splitFaces},
+          {"flipped_collinear_faces", local.stitched.flippedFaces},
+          {"sheets", local.sheets.parts},
+          {"sheet_faces", local.sheets.faces},
+          {"holes", holes},
+          {"cut_faces", local.crossings.cutFaces},
+          {"removed_faces", local.crossings.removedFaces},
+          {"separated_points", local.separatedPoints},
+          {"largest_move", local.largestMove},
+          {"solid_lost", local.solids.lost},
+          {"solid_gained", local.solids.gained}};
+}
+
+Json changesOf(const RepairResult& result) {
+  const bool measured = result.distance.has_value();
+  return {{"kept", result.changes->kept},
+          {"added", result.changes->added},
+          {"removed", result.changes->removed},
+          {"distance_from_input", measured ? result.distance->aToB.largest : 0.0},
+          {"distance_to_input", measured ? result.distance->bToA.largest : 0.0}};
+}
+
+Json finishedOf(const FinishResult& finished) {
+  Json smoothed;
+  if (finished.smoothed)
+    smoothed = {{"moved", finished.smoothed->moved},
+                {"held", finished.smoothed->held},
+                {"backed_off", finished.smoothed->backed},
+                {"largest_move", finished.smoothed->largest}};
+  return {{"smoothed", smoothed},
+          {"triangles_before", finished.simplified ? Json(finished.facesBefore) : Json()},
+          {"distance", finished.distance}};
+}
+
 Json repairOf(const RepairResult& result) {
+  if (!result.objects.empty()) {
+    Json objects = Json::array();
+    for (const RepairResult& object : result.objects)
+      objects.push_back(repairOf(object));
+    return {{"source", nameOf(result.source)},
+            {"remeshed", result.remeshed},
+            {"objects", objects},
+            {"changes", result.changes ? changesOf(result) : Json()},
+            {"triangles", result.triangles},
+            {"vertices", result.vertices},
+            {"units", result.units.empty() ? Json() : Json(result.units)},
+            {"volume_before", result.volumeBefore},
+            {"volume", result.volumeAfter}};
+  }
   const bool isMesh = result.source != SolidSource::Volume;
   const bool hasGrid = isMesh && result.remeshed;
-  return {{"source", nameOf(result.source)},
+  return {{"name", result.name.empty() ? Json() : Json(result.name)},
+          {"source", nameOf(result.source)},
           {"remeshed", result.remeshed},
+          {"why", result.why.empty() ? Json() : Json(result.why)},
+          {"local", result.local ? localOf(*result.local) : Json()},
+          {"changes", result.changes ? changesOf(result) : Json()},
           {"cleaned", isMesh ? toJson(result.cleaned) : Json()},
           {"verdict", isMesh ? Json(verdict(*result.before)) : Json()},
           {"defects", isMesh ? toJson(*result.before, true) : Json()},
           {"voxel_size", hasGrid ? Json(result.transform.voxelSize) : Json()},
           {"triangles_before", isMesh ? Json(result.before->triangles) : Json()},
           {"triangles_extracted", result.remeshed ? Json(result.extracted) : Json()},
+          {"finished", result.finished ? finishedOf(*result.finished) : Json()},
           {"triangles", result.triangles},
           {"vertices", result.vertices},
+          {"units", result.units.empty() ? Json() : Json(result.units)},
           {"volume_before", isMesh ? Json(result.volumeBefore) : Json()},
           {"volume", result.volumeAfter}};
 }
 
+std::string changesText(const RepairResult& result) {
+  const MeshChanges& changes = *result.changes;
+  std::string text = fmt::format("  faces: {} kept, {} added, {} removed\n", changes.kept,
+                                 changes.added, changes.removed);
+  if (result.distance)
+    text += fmt::format("  largest distance: {:.4g} from the input, {:.4g} to it\n",
+                        result.distance->aToB.largest, result.distance->bToA.largest);
+  if (!result.local || !result.local->succeeded)
+    return text;
+  const LocalRepair& local = *result.local;
+  if (!local.holes.empty()) {
+    constexpr std::size_t kMostNamed = 8;
+    text += fmt::format("  holes filled: {}, of", local.holes.size());
+    for (std::size_t i = 0; i < local.holes.size() && i < kMostNamed; ++i)
+      text += fmt::format("{} {}", i > 0 ? "," : "", local.holes[i].edges);
+    text += local.holes.size() > kMostNamed ? ", ... edges\n" : " edges\n";
+  }
+  if (local.stitched.joinedPoints + local.separatedPoints > 0)
+    text += fmt::format("  vertices moved: {}, up to {:.4g}\n",
+                        local.stitched.joinedPoints + local.separatedPoints, local.largestMove);
+  if (local.crossings.cutFaces + local.crossings.removedFaces > 0)
+    text += fmt::format("  faces cut along others: {}; within the solid and removed: {}\n",
+                        local.crossings.cutFaces, local.crossings.removedFaces);
+  if (local.stitched.splitFaces > 0)
+    text +=
+        fmt::format("  faces split at vertices on their edges: {}\n", local.stitched.splitFaces);
+  return text;
+}
+
+std::string finishedText(const FinishResult& finished) {
+  std::string text;
+  if (finished.smoothed)
+    text +=
+        fmt::format("  smoothed: {} vertices moved, up to {:.4g}; {} on sharp edges stayed\n",
+                    finished.smoothed->moved, finished.smoothed->largest, finished.smoothed->held);
+  if (finished.simplified)
+    text += fmt::format("  simplified from {} triangles\n", finished.facesBefore);
+  return text + fmt::format("  largest distance by that, both ways: {:.4g}\n", finished.distance);
+}
+
 std::string summaryOf(const RepairResult& result) {
   std::string text;
+  if (!result.objects.empty()) {
+    text = fmt::format("{}: {} objects, {} triangles, volume {:.6g}\n", oneLine(result.output.path),
+                       result.objects.size(), result.triangles, result.volumeAfter);
+    for (const RepairResult& object : result.objects)
+      text +=
+          fmt::format("  {}: {} triangles, volume {:.6g}{}\n",
+                      object.name.empty() ? std::string("(no name)") : oneLine(object.name),
+                      object.triangles, object.volumeAfter, object.remeshed ? ", remeshed" : "");
+    return text + (result.changes ? changesText(result) : std::string());
+  }
   if (result.before)
     text += fmt::format("{}: {} triangles, {}\n", oneLine(result.input.path),
                         result.before->triangles, verdict(*result.before));
   text += fmt::format("{}: {} triangles, volume {:.6g}", oneLine(result.output.path),
                       result.triangles, result.volumeAfter);
-  if (!result.remeshed)
-    text += "; no remeshing was needed\n";
-  else if (result.source == SolidSource::Volume)
+  if (result.source == SolidSource::Volume)
     text += fmt::format(", simplified from {}\n", result.extracted);
-  else
+  else if (result.remeshed)
     text += fmt::format(", remeshed with voxels of {:.6g}, simplified from {}\n",
                         result.transform.voxelSize[0], result.extracted);
+  else
+    text += "; no remeshing was needed\n";
+  if (result.changes)
+    text += changesText(result);
+  if (result.finished)
+    text += finishedText(*result.finished);
   return text;
+}
+
+Json inputsOf(const Options& options) {
+  Json inputs = Json::array();
+  for (const std::string& path : options.inputs)
+    inputs.push_back({{"path", path}});
+  return inputs;
 }
 
 void runRepair(const Options& options, const CLI::App& command, Session& session) {
   session.sections = {
-      {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
+      {"device", "cpu"},   {"threads", options.threads}, {"input", inputsOf(options)},
       {"repair", nullptr}, {"stages", nullptr},          {"output", Json::array()}};
-  const RepairJob job = makeJob(options);
+  const RepairJob job = makeJob(options, command);
   refuseWhatDoesNotApply(job, command);
   session.sections["threads"] = job.threads;
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   const RepairResult result = run(job, session.report, session.progress);
-  Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
-  if (result.source != SolidSource::Volume) {
+  Json input = {{"path", options.inputs.front()}, {"kind", nameOf(result.source)}};
+  if (result.source != SolidSource::Volume && options.inputs.size() == 1) {
     input["format"] = formatName(result.input.format);
     input["vertices"] = result.input.vertices;
   }
-  session.sections["input"] = Json::array({input});
+  session.sections["input"][0] = input;
   session.sections["repair"] = repairOf(result);
   session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
   reportPreview(result.preview, job.preview, session.sections);
@@ -138,11 +297,15 @@ Command addRepair(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "repair", "Make a closed, manifold surface of any mesh or of a volume");
   auto options = std::make_shared<Options>();
-  command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
+  command
+      ->add_option("IN", options->inputs,
+                   "A mesh of triangles or tets, or a volume; several files of triangles are "
+                   "objects of one .3mf file")
       ->required()
       ->type_name("");
   command
-      ->add_option("-o,--output", options->output, "Mesh to write: .stl, .obj, .ply, .off or .3mf")
+      ->add_option("-o,--output", options->output,
+                   "Mesh to write: " + endingList(FormatUse::WriteTriangles))
       ->required()
       ->type_name("FILE")
       ->check(notEmpty());
@@ -159,10 +322,36 @@ Command addRepair(CLI::App& program) {
                    "Merge triangles while the surface moves no more than E voxels (default 0.1; 0: "
                    "keep all)")
       ->type_name("E");
+  command
+      ->add_option("--faces", options->faces,
+                   "At most N faces; says how far the surface is off by that")
+      ->type_name("N");
+  command
+      ->add_option("--error", options->error,
+                   "Merge triangles while both surfaces stay within D of each other: a length, or "
+                   "1e-3d, of the diagonal")
+      ->type_name("D")
+      ->check(notEmpty());
+  command
+      ->add_option("--smooth", options->smooth,
+                   "Even the surface out; no vertex moves farther than D, sharp edges stay")
+      ->type_name("D")
+      ->check(notEmpty());
+  command->add_option("--scale", options->scale, "Multiply coordinates by S in the end (default 1)")
+      ->type_name("S");
+  command
+      ->add_option("--units", options->units,
+                   "Of the output: um, mm, cm, m, in or ft. Input in other units is converted; "
+                   "of input that names none it says what its numbers are")
+      ->type_name("U")
+      ->check(notEmpty());
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options, command](Session& session) { runRepair(*options, *command, session); };
+  result.files = [options] {
+    return FileNames{options->inputs, {options->output, options->preview}};
+  };
   return result;
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "NumberText.h"
 #include "ReportRow.h"
 #include "tetvdb/core/AtomicFile.h"
-#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Formats.h"
 #include "tetvdb/pipeline/JobFiles.h"
 
 #include <algorithm>
@@ -33,15 +34,13 @@ const char* const kExamples = R"(Examples:
 A model that fails, crashes or takes too long is a row that says so; the report's own status is 0 all
 the same. The page is one file, needs no network, and sorts and filters in the browser.)";
 
-// What a folder is searched for; files that are named are taken whatever they are called.
+// What a folder is searched for; files that are named are taken whatever they are called. Of
+// TetGen's two files the one with the cells stands for both.
 bool isMeshName(const fs::path& path) {
-  static const std::set<std::string> endings = {
-      ".stl", ".obj", ".off",  ".ply",  ".3mf",   ".glb", ".gltf", ".fbx", ".dae", ".msh",
-      ".vtu", ".vtk", ".pvtu", ".mesh", ".meshb", ".e",   ".exo",  ".ele", ".inp", ".vol"};
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return endings.count(ending) > 0;
+  if (formatForEnding(path.string(), FormatUse::ReadTriangles) != nullptr)
+    return true;
+  const Format* cells = formatForEnding(path.string(), FormatUse::ReadCells);
+  return cells != nullptr && (cells->id != FileFormat::TetGen || endingOf(path.string()) == ".ele");
 }
 
 std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
@@ -65,8 +64,16 @@ std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
   }
   if (models.empty())
     throw Error(Status::Invalid, inputs.front(), "holds no mesh files",
-                "name a folder with .stl, .obj, .vtu, .msh, ... or the files themselves");
+                "name a folder with files that end in " + endingList(FormatUse::ReadMesh) +
+                    ", or the files themselves");
   return models;
+}
+
+FileNames filesOf(const Options& options) {
+  FileNames names{options.inputs, {options.output}};
+  for (const ReportModel& model : findModels(options.inputs))
+    names.read.push_back(model.path);
+  return names;
 }
 
 void runReport(const Options& options, Session& session) {
@@ -100,10 +107,10 @@ void runReport(const Options& options, Session& session) {
   session.sections["output"] = {{{"path", options.output}, {"bytes", page.size()}}};
   session.sections["seconds"] = seconds;
   session.sections["picture_seconds"] = pictures;
-  session.text = fmt::format("{}: {:.1f} MB, {} models: {} done, {} in part, {} without a result; "
+  session.text = fmt::format("{}: {}, {} models: {} done, {} in part, {} without a result; "
                              "{:.1f} s, {:.1f} s of that for pictures\n",
-                             options.output, static_cast<double>(page.size()) / 1e6, models.size(),
-                             whole, partial, models.size() - whole - partial, seconds, pictures);
+                             options.output, bytesText(page.size()), models.size(), whole, partial,
+                             models.size() - whole - partial, seconds, pictures);
   session.textIsSummary = true;
 }
 
@@ -142,6 +149,7 @@ Command addReport(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runReport(*options, session); };
+  result.files = [options] { return filesOf(*options); };
   return result;
 }
 

@@ -126,7 +126,7 @@ void addVoxelization(const Json& made, Json& row) {
   const Json mesh = valueOf(made, "mesh");
   row["tets"] = valueOf(mesh, "tets");
   row["open_edges"] = valueOf(mesh, "open_edges");
-  row["mesher"] = valueOf(valueOf(mesh, "mesher"), "road");
+  row["mesher"] = valueOf(valueOf(mesh, "mesher"), "method");
   row["epsilon_reached"] = valueOf(mesh, "epsilon_reached");
   const Json grid = firstOf(made, "grids");
   row["voxels"] = valueOf(grid, "active_voxels");

@@ -3,16 +3,17 @@
 
 #include "JsonReport.h"
 #include "ProgressDisplay.h"
+#include "Streams.h"
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/FileUse.h"
+#include "tetvdb/pipeline/JobFiles.h"
 
 #include <atomic>
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <cstring>
 #include <exception>
 #include <fmt/format.h>
 #include <new>
+#include <stdexcept>
 #include <unistd.h>
 
 namespace tetvdb::cli {
@@ -58,11 +59,9 @@ struct Failure {
   std::string text;
 };
 
-Failure attempt(Session& session, const std::function<void(Session&)>& command) {
+Failure attempt(const std::function<void()>& work) {
   try {
-    if (session.options.json != "-" && !session.options.json.empty())
-      requireWritableReport(session.options.json);
-    command(session);
+    work();
     return {};
   } catch (const Error& error) {
     return {error.status(), error.what()};
@@ -74,46 +73,65 @@ Failure attempt(Session& session, const std::function<void(Session&)>& command) 
   }
 }
 
+// The files that a command reads and writes, before any work. An input that cannot be looked up is
+// left to the command, which says more about it.
+void declareFiles(const Command& command, FileUse& files) {
+  if (!command.files)
+    throw std::logic_error("the command does not say which files it reads and writes");
+  const FileNames names = command.files();
+  for (const std::string& path : names.read) {
+    try {
+      addInput(files, path);
+    } catch (const Error&) {
+    }
+  }
+  for (const std::string& path : names.written)
+    files.writes(path);
+}
+
+// Whether the report can go where --json says; where it cannot, nothing may be written there.
+void checkReport(const CommonOptions& options, FileUse& files) {
+  files.writes(options.json);
+  if (options.json.empty() || options.json == "-")
+    return;
+  if (!options.force)
+    requireReplaceable(options.json);
+  requireWritableReport(options.json);
+}
+
 void printNotes(const Session& session) {
   if (session.options.quiet)
     return;
   for (const Warning& warning : session.report.warnings)
-    fmt::print(stderr, "tetvdb: warning: {}\n", oneLine(warning.text));
+    printMessage("warning: " + warning.text);
   if (!session.options.verbose)
     return;
   for (const std::string& note : session.notes)
-    fmt::print(stderr, "tetvdb: {}\n", oneLine(note));
+    printMessage(note);
   for (const Stage& stage : session.report.stages) {
-    fmt::print(stderr, "tetvdb: {} took {:.3f} s, peak memory {:.0f} MB\n", stage.name,
-               stage.seconds, static_cast<double>(stage.peakBytes) / 1e6);
+    printMessage(fmt::format("{} took {:.3f} s, peak memory {:.0f} MB", stage.name, stage.seconds,
+                             static_cast<double>(stage.peakBytes) / 1e6));
     for (const StagePart& part : stage.parts)
-      fmt::print(stderr, "tetvdb:   {} {:.3f} s\n", oneLine(part.name), part.seconds);
+      printMessage(fmt::format("  {} {:.3f} s", part.name, part.seconds));
   }
-}
-
-void printResult(const std::string& text) {
-  const bool whole = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (!whole || std::fflush(stdout) != 0)
-    throw Error(Status::Write, "standard output",
-                fmt::format("cannot write: {}", std::strerror(errno)));
 }
 
 } // namespace
 
-void printError(const std::string& text) {
-  fmt::print(stderr, "tetvdb: {}\n", oneLine(text));
-}
-
-int runCommand(const std::string& name, const CommonOptions& options,
-               const std::function<void(Session&)>& command) {
+int runCommand(const Command& command) {
+  const CommonOptions& options = *command.common;
   Session session;
   session.options = options;
-  Failure failure;
-  {
+  FileUse files;
+  Failure failure = attempt([&] { declareFiles(command, files); });
+  const Failure noReport = attempt([&] { checkReport(options, files); });
+  if (failure.status == Status::Ok)
+    failure = noReport;
+  if (failure.status == Status::Ok) {
     const InterruptGuard guard(session.progress);
     ProgressDisplay display(ProgressDisplay::choose(options.quiet, options.verbose),
-                            session.progress);
-    failure = attempt(session, command);
+                            session.progress, session.estimate);
+    failure = attempt([&] { command.run(session); });
   }
   Status status = failure.status;
   if (status == Status::Ok)
@@ -122,27 +140,28 @@ int runCommand(const std::string& name, const CommonOptions& options,
     status = Status::Partial;
 
   for (const std::string& line : session.errors)
-    printError(line);
+    printMessage(line);
   if (failure.status == Status::Ok)
     printNotes(session);
   else
-    printError(failure.text);
+    printMessage(failure.text);
 
   try {
-    const bool textWanted = failure.status == Status::Ok && options.json != "-" &&
+    const bool textWanted = failure.status == Status::Ok && !files.writesStandardOutput() &&
                             !(options.quiet && session.textIsSummary);
     if (textWanted)
       printResult(session.text);
-    const std::string report = reportText(name, status, failure.text, session);
-    if (options.json == "-")
+    const std::string report =
+        reportText(command.parser->get_name(), status, failure.text, session);
+    if (noReport.status == Status::Ok && options.json == "-")
       printResult(report);
-    else if (!options.json.empty())
+    else if (noReport.status == Status::Ok && !options.json.empty())
       writeReport(options.json, report);
   } catch (const Error& error) {
-    if (failure.status == Status::Ok)
-      printError(error.what());
-    if (failure.status == Status::Ok)
+    if (failure.status == Status::Ok) {
+      printMessage(error.what());
       status = error.status();
+    }
   }
   return static_cast<int>(status);
 }

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/core/TimeEstimate.h"
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,7 +14,8 @@ namespace tetvdb::cli {
 
 /// Options that every command has.
 struct CommonOptions {
-  std::string json; ///< where the report goes: a path, "-" for stdout, empty for nowhere
+  std::string json;   ///< where the report goes: a path, "-" for stdout, empty for nowhere
+  bool force = false; ///< replace a file at `json` whatever it holds
   bool quiet = false;
   bool verbose = false;
 };
@@ -24,6 +26,7 @@ struct Session {
   CommonOptions options;
   Report report;
   Progress progress;
+  TimeEstimate estimate; ///< of the whole job: a command plans its stages before they begin
 
   /// Sections of the report in the order in which they are printed. "stages" is filled in by the
   /// run loop where a command has put a place for it.

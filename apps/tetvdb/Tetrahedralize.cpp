@@ -3,8 +3,11 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "MeshReport.h"
+#include "NumberText.h"
 #include "ParseQuantities.h"
+#include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 
 #include <cmath>
@@ -109,8 +112,8 @@ std::string summaryOf(const TetrahedralizeResult& result, const Report& report) 
   for (const InputInfo& input : result.inputs)
     triangles += input.triangles;
   std::string text =
-      fmt::format("{}: {:.1f} MB, from {} triangles, {:.2f} s\n", oneLine(result.output.path),
-                  static_cast<double>(result.output.bytes) / 1e6, triangles, seconds);
+      fmt::format("{}: {}, from {} triangles, {:.2f} s\n", oneLine(result.output.path),
+                  bytesText(result.output.bytes), triangles, seconds);
   text += textOf(result.mesh);
   if (result.mesh.tetsOfRegion.size() < 2)
     return text;
@@ -130,6 +133,7 @@ void runTetrahedralize(const Options& options, const CLI::App& command, Session&
   session.sections["threads"] = job.threads;
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
+  session.estimate.plan(plannedStages(job), secondsNow());
   const TetrahedralizeResult result = run(job, session.report, session.progress);
   session.sections["input"] = inputsOf(result);
   Json& mesh = session.sections["mesh"];
@@ -150,11 +154,13 @@ Command addTetrahedralize(CLI::App& program) {
   auto options = std::make_shared<Options>();
   command
       ->add_option("IN", options->inputs,
-                   "Meshes of triangles, one material each: .stl .obj .ply .off .3mf .glb .fbx "
-                   ".dae")
+                   "Meshes of triangles, one material each: " +
+                       endingList(FormatUse::ReadTriangles, "and"))
       ->required()
       ->type_name("");
-  command->add_option("-o,--output", options->output, "Mesh to write: .msh, .mesh or .vtu")
+  command
+      ->add_option("-o,--output", options->output,
+                   "Mesh to write: " + endingList(FormatUse::WriteTets))
       ->required()
       ->type_name("FILE")
       ->check(notEmpty());
@@ -191,6 +197,9 @@ Command addTetrahedralize(CLI::App& program) {
   command->footer(kExamples);
   result.run = [options, command](Session& session) {
     runTetrahedralize(*options, *command, session);
+  };
+  result.files = [options] {
+    return FileNames{options->inputs, {options->output, options->preview}};
   };
   return result;
 }

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ArrayFlags.h"
 #include "Commands.h"
 #include "FieldOptions.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "MeshReport.h"
+#include "NumberText.h"
 #include "ParseQuantities.h"
+#include "ProgressDisplay.h"
 #include "VoxelizeSequence.h"
+#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/pipeline/FitVolume.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
@@ -25,15 +31,18 @@ struct Options : JobOptions {
   std::vector<std::string> inputs;
   std::string output, writeMesh;
   std::string origin, bbox;
-  std::vector<std::string> grids{"density"};
+  std::vector<std::string> grids; // none: a mask where the output holds nothing else, or density
   FieldTexts fields;
   SequenceTexts sequence;
+  ArrayTexts arrays;
   std::string device = "auto", path = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
   std::string mesher = "auto";
-  double halfWidth = 3;
+  std::string halfWidth = "3";
+  int fit = 0, padding = 0;
+  std::string shellSide = "both";
   std::string rule = "centre";
 };
 
@@ -46,26 +55,38 @@ const char* const kExamples = R"(Examples:
       arrays of the mesh as grids of their own, and one made of a tensor
   tetvdb voxelize run.pvd -o run.vdb --grid density,temperature --warp disp
       a sequence into run.0001.vdb, run.0002.vdb, ...; as well 'frame_*.vtu', or the steps of
-      an Exodus or XDMF file with --frames all
+      an Exodus, XDMF or other file of several steps with --frames all
   tetvdb voxelize head.mesh -o skull.nvdb --region bone,4 --resolution 1024
       only the regions named "bone" and numbered 4
   tetvdb voxelize a.msh b.msh -o both.vdb --bbox 0,0,0,10,10,inf
       two meshes as one volume, only cells that meet the box
   tetvdb voxelize broken.stl -o solid.vdb --preview solid.png
-      a picture besides: the input with its defects, the tets, the volume, a slice
+      a picture besides: the input with its defects, the volume, a slice
   tetvdb voxelize part.vtu --write-mesh part.msh
       converts the mesh, without a volume
   tetvdb voxelize broken.stl -o solid.vdb --resolution 1024 --grid mask
       triangles with any defect; holes are closed where the winding number passes 0.5
+  tetvdb voxelize hull.stl core.stl -o both.vdb --grid material,density
+      a material a file: where they overlap, the first one's
+  tetvdb voxelize chair.off -o chair.vdb --fit 64 --padding 2 --grid mask
+      a cube of 64^3 voxels numbered from 0, the model in its middle
   tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
       by way of tets within half a voxel of the triangles, which are written as well
   tetvdb voxelize broken.stl -o solid.vdb --grid surface --half-width 5
       a level set: exact distances up to five voxels from the surface
+  tetvdb voxelize part.stl -o part.npz --grid density,surface
+      dense arrays for NumPy, with their transform; as well .npy, .vti, .nrrd, .h5, .tif, .raw and
+      .binvox
+  tetvdb voxelize part.stl -o part.npz --grid surface --half-width all
+      signed distances in the mesh's whole box
   tetvdb voxelize cloth.obj -o cloth.vdb --shell 0.4
-      an open sheet as a shell, 0.4 units thick
+      an open sheet as a shell, 0.4 units thick, 0.2 on either side
+  tetvdb voxelize part.stl -o hollow.vdb --shell 2 --shell-side inward
+      a hollow part with walls of 2 units
 
 Lengths are in the inputs' own units. Several inputs are laid together into one volume: cells that
-overlap count once, and cells of the second file are numbered on from those of the first.)";
+overlap count once, and cells of the second file are numbered on from those of the first. Files
+whose names differ in one number alone are the frames of a sequence, unless --union is given.)";
 
 constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
     {{"density", GridKind::Density},
@@ -106,6 +127,12 @@ OccupancyPath parsePath(const std::string& name) {
   if (name == "boundary")
     return OccupancyPath::Boundary;
   return name == "tets" ? OccupancyPath::Tets : OccupancyPath::Auto;
+}
+
+ShellSide parseShellSide(const std::string& name) {
+  if (name == "outward")
+    return ShellSide::Outward;
+  return name == "inward" ? ShellSide::Inward : ShellSide::Both;
 }
 
 VoxelRule parseRule(const std::string& name) {
@@ -170,6 +197,7 @@ VoxelizeJob makeJob(const Options& options) {
   VoxelizeJob job;
   job.inputs = options.inputs;
   job.output = options.output;
+  job.arrays = parseArrays(options.arrays, options.output);
   job.meshOutput = options.writeMesh;
   job.preview = options.preview;
   job.read.regionArray = options.regionArray;
@@ -181,18 +209,22 @@ VoxelizeJob makeJob(const Options& options) {
   if (!options.epsilon.empty())
     job.epsilon = parseRelativeLength("--epsilon", options.epsilon, Voxels::Known);
   setInside(options, job.solid);
+  job.solid.side = parseShellSide(options.shellSide);
   setCleaning(options, job.clean);
   job.up = options.upAxis == "y" ? UpAxis::Y : UpAxis::Z;
   setSize(options, job.voxelize.voxelSize, job.voxelize.resolution);
   if (!options.origin.empty())
     job.voxelize.origin = parsePoint("--origin", options.origin);
-  parseGrids(options.grids, job);
+  job.voxelize.fit = {options.fit, options.padding};
+  const std::vector<std::string> usual{isMaskFile(options.output) ? "mask" : "density"};
+  parseGrids(options.grids.empty() ? usual : options.grids, job);
   setFields(options.fields, job.fields);
   if (!options.fields.warp.empty())
     job.warp = parseWarp(options.fields.warp);
   job.read.attributes =
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
-  job.shapes.halfWidth = options.halfWidth;
+  job.shapes.halfWidth =
+      options.halfWidth == "all" ? kWholeBox : parseLength("--half-width", options.halfWidth);
   job.voxelize.path = parsePath(options.path);
   job.voxelize.rule = parseRule(options.rule);
   job.voxelize.allowEmpty = options.allowEmpty;
@@ -242,8 +274,8 @@ Json tetsOf(const VoxelizeResult& result) {
 std::string methodText(const VoxelizeResult& result, const Options& options) {
   if (!options.shell.empty())
     return "shell";
-  if (result.mesher && result.mesher->road != Mesher::Winding)
-    return nameOf(result.mesher->road);
+  if (result.mesher && result.mesher->method != Mesher::Winding)
+    return nameOf(result.mesher->method);
   if (options.inside == "flood")
     return "flood";
   return result.openEdges == 0 ? "signed crossings" : "winding number";
@@ -254,7 +286,7 @@ Json trianglesOf(const VoxelizeResult& result, const Options& options) {
                {"open_edges", result.openEdges},
                {"closed", result.openEdges == 0},
                {"method", methodText(result, options)},
-               {"mesher", result.mesher ? Json({{"road", nameOf(result.mesher->road)},
+               {"mesher", result.mesher ? Json({{"method", nameOf(result.mesher->method)},
                                                 {"why", result.mesher->why}})
                                         : Json()},
                {"inside", options.inside},
@@ -295,20 +327,13 @@ Json outputsOf(const VoxelizeResult& result) {
   return list;
 }
 
-std::string lengthText(const Vec3d& size) {
-  if (size[0] == size[1] && size[1] == size[2])
-    return fmt::format("{}", size[0]);
-  return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
-}
-
 std::string summaryOf(const VoxelizeResult& result, const Options& options, const Report& report) {
   double seconds = 0;
   for (const Stage& stage : report.stages)
     seconds += stage.seconds;
   std::string text;
   for (const OutputInfo& output : result.outputs)
-    text += fmt::format("{}: {:.1f} MB, {} {}, {:.2f} s\n", oneLine(output.path),
-                        static_cast<double>(output.bytes) / 1e6,
+    text += fmt::format("{}: {}, {} {}, {:.2f} s\n", oneLine(output.path), bytesText(output.bytes),
                         result.holdsTriangles ? result.triangles : result.tets,
                         result.holdsTriangles ? "triangles" : "tets", seconds);
   if (result.made)
@@ -329,10 +354,9 @@ void prepareSections(const Options& options, Session& session) {
   Json inputs = Json::array();
   for (const std::string& path : options.inputs)
     inputs.push_back({{"path", path}});
-  session.sections = {{"device", "cpu"},        {"threads", options.threads},
-                      {"input", inputs},        {"mesh", nullptr},
-                      {"stages", nullptr},      {"grids", Json::array()},
-                      {"output", Json::array()}};
+  session.sections = {{"device", "cpu"}, {"threads", options.threads}, {"input", inputs},
+                      {"mesh", nullptr}, {"stages", nullptr},          {"transform", nullptr},
+                      {"fit", nullptr},  {"grids", Json::array()},     {"output", Json::array()}};
 }
 
 void describeDevices(const VoxelizeResult& result, bool fields, bool levelSet, Session& session) {
@@ -358,15 +382,20 @@ void describeDevices(const VoxelizeResult& result, bool fields, bool levelSet, S
 
 void runVoxelize(const Options& options, Session& session) {
   prepareSections(options, session);
-  const VoxelizeJob job = makeJob(options);
+  VoxelizeJob job = makeJob(options);
   session.sections["threads"] = job.threads;
+  if (options.fit > 0)
+    session.sections["fit"] = {{"voxels", options.fit}, {"padding", options.padding}};
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   if (runAsSequence(job, options.sequence, session))
     return;
+  session.estimate.plan(plannedStages(job), secondsNow());
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections["input"] = inputsOf(result);
   session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
+  if (!job.output.empty())
+    session.sections["transform"] = worldFromIndex(result.transform);
   session.sections["grids"] = gridsOf(result);
   session.sections["output"] = outputsOf(result);
   reportPreview(result.preview, job.preview, session.sections);
@@ -377,8 +406,16 @@ void runVoxelize(const Options& options, Session& session) {
   describeDevices(result, !job.fields.empty(), levelSet, session);
   if (result.mesher)
     session.notes.push_back(
-        fmt::format("mesher: {}, since {}", nameOf(result.mesher->road), result.mesher->why));
+        fmt::format("mesher: {}, since {}", nameOf(result.mesher->method), result.mesher->why));
   session.textIsSummary = true;
+}
+
+FileNames filesOf(const Options& options) {
+  std::vector<std::string> written = frameNames(options.inputs, options.output, options.sequence);
+  for (const std::string& path : arrayFiles(options.output))
+    written.push_back(path);
+  written.insert(written.end(), {options.writeMesh, options.preview});
+  return {options.inputs, std::move(written)};
 }
 
 CLI::Validator oneOf(const std::set<std::string>& words) {
@@ -397,8 +434,9 @@ void addGridOptions(CLI::App& command, Options& options) {
       ->allow_extra_args(false);
   command
       .add_option("--half-width", options.halfWidth,
-                  "Voxels on either side of the surface that hold distances, 1 to 100 (default 3)")
-      ->type_name("N");
+                  "Voxels on either side of the surface that hold distances, 1 to 100 (default 3), "
+                  "or all of the mesh's box")
+      ->type_name("N|all");
   command.add_option("--path", options.path, "How occupancy is found; the result is the same")
       ->check(oneOf({"auto", "boundary", "tets"}))
       ->type_name("auto|boundary|tets");
@@ -424,15 +462,23 @@ void addSolidOptions(CLI::App& command, Options& options) {
   command
       .add_option("--mesher", options.mesher,
                   "How triangles become a solid: envelope makes tets within epsilon; winding asks "
-                  "the winding number at every voxel; auto (default) takes the first where tets "
-                  "are asked for or half a voxel is 1e-3 of the diagonal or more; centroid joins "
-                  "every face to the centre, for closed meshes")
+                  "the winding number at every voxel, exact for closed meshes; auto (default) is "
+                  "winding, and envelope where tets are asked for; centroid joins every face to "
+                  "the centre, for closed meshes")
       ->check(oneOf({"auto", "envelope", "winding", "centroid"}))
       ->type_name("auto|envelope|winding|centroid");
   addEpsilonOption(command, options,
                    "How far the tets' surface may be from the triangles: a length, a part of the "
                    "diagonal (1e-3d) or voxels (default 0.5v)");
   addInsideOptions(command, options);
+  command
+      .add_option(
+          "--shell-side", options.shellSide,
+          "Where the shell lies: on both sides (default), or with all of T outward or inward "
+          "of the triangles")
+      ->check(oneOf({"both", "outward", "inward"}))
+      ->type_name("both|outward|inward")
+      ->needs("--shell");
   addCleaningOptions(command, options);
 }
 
@@ -459,28 +505,46 @@ Command addVoxelize(CLI::App& program) {
       "voxelize", "Turn meshes, of tetrahedra or triangles, into a sparse volume");
   auto options = std::make_shared<Options>();
   command
-      ->add_option(
-          "IN", options->inputs,
-          "Meshes: .stl .obj .ply .off .3mf .glb .fbx .dae, or solid ones: .msh .mesh .meshb "
-          ".ele .node .vol .inp .vtk .vtu .pvtu .exo .e; a sequence: .pvd or 'frame_*.vtu'")
+      ->add_option("IN", options->inputs,
+                   "Meshes: of triangles: " + endingList(FormatUse::ReadTriangles, "and") +
+                       "; of solid cells: " + endingList(FormatUse::ReadCells, "and") +
+                       "; a sequence: .pvd or 'frame_*.vtu'")
       ->required()
       ->type_name("");
-  command->add_option("-o,--output", options->output, "Volume to write: .vdb or .nvdb")
+  command
+      ->add_option("-o,--output", options->output,
+                   "Volume to write: " + endingList(FormatUse::WriteVolume) +
+                       "; or arrays: " + endingList(FormatUse::WriteArrays))
       ->type_name("FILE")
       ->check(notEmpty());
   command
-      ->add_option(
-          "--write-mesh", options->writeMesh,
-          "Write the tets as well, or alone: .msh, .mesh or .vtu; or the cleaned triangles: .stl, "
-          ".obj, .ply, .off or .3mf")
+      ->add_option("--write-mesh", options->writeMesh,
+                   "Write the tets as well, or alone: " + endingList(FormatUse::WriteTets) +
+                       "; or the cleaned triangles: " + endingList(FormatUse::WriteTriangles))
       ->type_name("FILE")
       ->check(notEmpty());
-  addPreviewOption(*command, *options, "the input, the tets, the volume and a slice");
+  addPreviewOption(*command, *options, "the input, its tets if there are, the volume and a slice");
   addSizeOptions(*command, *options);
-  command->add_option("--origin", options->origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
-      ->type_name("X,Y,Z")
-      ->check(notEmpty());
+  CLI::Option* origin =
+      command->add_option("--origin", options->origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
+          ->type_name("X,Y,Z")
+          ->check(notEmpty());
+  CLI::Option* fit =
+      command
+          ->add_option("--fit", options->fit,
+                       "A cube of N x N x N voxels numbered from 0, the model in its middle")
+          ->type_name("N")
+          ->check(CLI::Range(1, 1 << 30).description(""))
+          ->excludes("--resolution", "--voxel-size")
+          ->excludes(origin);
+  command
+      ->add_option("--padding", options->padding,
+                   "Voxels on each side of the cube that --fit leaves free (default 0)")
+      ->type_name("P")
+      ->check(CLI::Range(0, 1 << 29).description(""))
+      ->needs(fit);
   addGridOptions(*command, *options);
+  addArrayFlags(*command, options->arrays);
   addFieldOptions(*command, options->fields);
   addSequenceOptions(*command, options->sequence);
   addSolidOptions(*command, *options);
@@ -491,6 +555,7 @@ Command addVoxelize(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runVoxelize(*options, session); };
+  result.files = [options] { return filesOf(*options); };
   return result;
 }
 

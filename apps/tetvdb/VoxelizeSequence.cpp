@@ -3,7 +3,11 @@
 
 #include "Commands.h"
 #include "JsonReport.h"
+#include "NumberText.h"
+#include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/pipeline/FitVolume.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/SequenceJob.h"
 
 #include <algorithm>
@@ -64,20 +68,56 @@ Json framesOf(const SequenceResult& result) {
   return list;
 }
 
+// The grid "material" numbers files of triangles: they are parts of one volume.
+bool numbersMaterials(const VoxelizeJob& job) {
+  const auto& grids = job.voxelize.grids;
+  return job.inputs.size() > 1 && isNumbered(job.inputs) &&
+         std::find(grids.begin(), grids.end(), GridKind::Material) != grids.end() &&
+         holdsTriangles(job.inputs.front());
+}
+
 } // namespace
 
 void addSequenceOptions(CLI::App& command, SequenceTexts& texts) {
   command
-      .add_option("--frames", texts.frames,
-                  "Frames of a sequence to take, counted from 1; makes an Exodus or XDMF file one")
+      .add_option(
+          "--frames", texts.frames,
+          "Frames of a sequence to take, counted from 1; makes a file that holds several steps one")
       ->type_name("all|FIRST:LAST[:STRIDE]")
       ->check(notEmpty());
   command.add_flag("--allow-gaps", texts.allowGaps,
                    "Take a pattern's files although numbers are missing");
+  command.add_flag(
+      "--union", texts.unite,
+      "Lay numbered files, or a pattern's, together into one volume: they are no frames");
   command.add_flag("--again", texts.again, "Make frames that an earlier run has finished anew");
 }
 
-bool runAsSequence(const VoxelizeJob& job, const SequenceTexts& texts, Session& session) {
+std::vector<std::string> frameNames(const std::vector<std::string>& inputs,
+                                    const std::string& output, const SequenceTexts& texts) {
+  std::vector<std::string> names;
+  try {
+    Report report;
+    Progress progress;
+    const std::size_t count = texts.unite ? 0
+                                          : findFrames(inputs, parseFrames(texts.frames),
+                                                       texts.allowGaps, report, progress)
+                                                .size();
+    for (std::size_t i = 1; i <= count && !output.empty(); ++i)
+      names.push_back(frameName(output, i, count));
+  } catch (const Error&) { // the job says it
+  }
+  return names;
+}
+
+bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& session) {
+  if (texts.unite && !texts.frames.empty())
+    throw Error(Status::Usage, "--union", "makes one volume, but --frames asks for a sequence",
+                "leave one of them out");
+  if (texts.unite || numbersMaterials(job)) {
+    job.inputs = filesOf(job.inputs);
+    return false;
+  }
   const std::vector<Frame> frames = findFrames(job.inputs, parseFrames(texts.frames),
                                                texts.allowGaps, session.report, session.progress);
   if (frames.empty())
@@ -86,7 +126,9 @@ bool runAsSequence(const VoxelizeJob& job, const SequenceTexts& texts, Session& 
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
   SequenceOptions options;
   options.again = texts.again;
+  session.estimate.plan(plannedSequence(), secondsNow());
   const SequenceResult result = runSequence(job, frames, options, session.report, session.progress);
+  session.sections["transform"] = worldFromIndex(result.transform);
   session.sections["frames"] = framesOf(result);
   session.sections["frames_at_once"] = result.atOnce;
   Json outputs = Json::array();
@@ -103,11 +145,13 @@ bool runAsSequence(const VoxelizeJob& job, const SequenceTexts& texts, Session& 
       session.sections["grids"] = toJson(frame.grids);
       break;
     }
-  session.text =
-      fmt::format("{} to {}: {} frame{}, {:.1f} MB", oneLine(result.frames.front().output.path),
-                  oneLine(result.frames.back().output.path), result.frames.size(),
-                  result.frames.size() == 1 ? "" : "s", static_cast<double>(bytes) / 1e6);
+  session.text = fmt::format("{} to {}: {} frame{}, {}", oneLine(result.frames.front().output.path),
+                             oneLine(result.frames.back().output.path), result.frames.size(),
+                             result.frames.size() == 1 ? "" : "s", bytesText(bytes));
   session.text += skipped == 0 ? "\n" : fmt::format(", {} of them there already\n", skipped);
+  if (job.inputs.size() > 1)
+    session.text +=
+        "  numbered files are the frames of a sequence; --union makes one volume of them\n";
   session.textIsSummary = true;
   return true;
 }

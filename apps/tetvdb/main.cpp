@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "ParseError.h"
 #include "RunLoop.h"
+#include "Streams.h"
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 
+#include <algorithm>
 #include <csignal>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -21,6 +26,8 @@ std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command) {
       .add_option("--json", options->json, "Write a machine-readable report to FILE, - for stdout")
       ->type_name("FILE")
       ->check(notEmpty());
+  command.add_flag("--force", options->force,
+                   "Replace the FILE of --json though it is no report of this program");
   command.add_flag("-q,--quiet", options->quiet, "Print errors alone");
   command.add_flag("-v,--verbose", options->verbose, "Say what each stage takes");
   return options;
@@ -34,57 +41,68 @@ const char* const kExamples = R"(Examples:
   tetvdb info part.msh part.vdb
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
+  tetvdb convert part.vdb -o part.npz
   tetvdb render part.stl -o part.png
   tetvdb check part.vdb --target blender
   tetvdb report models/ -o report.html
+  tetvdb formats
   tetvdb bench
 
 Exit status: 0 done, 1 done but a promise was not met, 2 bad usage, 3 bad input or empty result,
 4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences
 or findings.
-Lengths are in the input's own units. 'tetvdb COMMAND --help' has each command's options.)";
+Lengths are in the input's own units. 'tetvdb help COMMAND' has each command's options.)";
 
-std::string describeParseError(const CLI::ParseError& error, int argc, char** argv,
-                               const std::vector<Command>& commands) {
-  std::string help = "tetvdb --help";
-  bool known = false;
-  for (const Command& command : commands) {
-    if (argc < 2 || command.parser->get_name() != argv[1])
-      continue;
-    known = true;
-    help = "tetvdb " + command.parser->get_name() + " --help";
-  }
-  std::string text = error.what();
-  if (argc < 2)
-    text = "a command is missing";
-  else if (!known && argv[1][0] != '-')
-    text = "'" + std::string(argv[1]) +
-           "' is no command; there are voxelize, tetrahedralize, info, compare, repair, render, "
-           "check, report and bench";
-  return text + "; see '" + help + "'";
+// 'help' and 'help COMMAND' are '--help' and 'COMMAND --help'.
+std::vector<std::string> withoutHelp(std::vector<std::string> words) {
+  if (words.empty() || words.front() != "help")
+    return words;
+  words.erase(words.begin());
+  words.resize(std::min<std::size_t>(words.size(), 1));
+  words.push_back("--help");
+  return words;
 }
 
-int runProgram(int argc, char** argv) {
+// The help or the version.
+int printAnswer(CLI::App& program, const CLI::Success& asked) {
+  std::ostringstream text, errors;
+  program.exit(asked, text, errors);
+  try {
+    printResult(text.str());
+    return static_cast<int>(Status::Ok);
+  } catch (const Error& error) {
+    printMessage(error.what());
+    return static_cast<int>(error.status());
+  }
+}
+
+int runProgram(const std::vector<std::string>& arguments) {
   CLI::App program{"TetVDB: tetrahedral meshes into sparse OpenVDB volumes"};
   program.name("tetvdb");
   program.set_version_flag("--version", std::string("tetvdb ") + version());
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {
-      addVoxelize(program), addTetrahedralize(program), addInfo(program),
-      addCompare(program),  addRepair(program),         addRender(program),
-      addCheck(program),    addReport(program),         addBench(program)};
+      addVoxelize(program), addTetrahedralize(program), addInfo(program),   addCompare(program),
+      addRepair(program),   addConvert(program),        addRender(program), addCheck(program),
+      addReport(program),   addFormats(program),        addBench(program)};
+  const std::vector<std::string> words = withoutHelp(arguments);
+  // Before '--help', which there is for the program as a whole.
+  if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {
+    printMessage(describeUnknownCommand(words[0], commands));
+    return static_cast<int>(Status::Usage);
+  }
   try {
-    program.parse(argc, argv);
+    program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::Success& asked) { // --help, --version
-    return program.exit(asked);
+    return printAnswer(program, asked);
   } catch (const CLI::ParseError& error) {
-    printError(describeParseError(error, argc, argv, commands));
+    printMessage(describeParseError(error, words, program, commands));
     return static_cast<int>(Status::Usage);
   }
   for (const Command& command : commands)
     if (command.parser->parsed())
-      return runCommand(command.parser->get_name(), *command.common, command.run);
+      return runCommand(command);
   return static_cast<int>(Status::Usage);
 }
 
@@ -95,10 +113,11 @@ int main(int argc, char** argv) {
   // Errors of write() are reported as such: a closed pipe, a file-size limit.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  tetvdb::cli::openClosedStreams();
   try {
-    return tetvdb::cli::runProgram(argc, argv);
+    return tetvdb::cli::runProgram({argv + std::min(argc, 1), argv + argc});
   } catch (const std::exception& error) {
-    tetvdb::cli::printError(error.what());
+    tetvdb::cli::printMessage(error.what());
     return static_cast<int>(tetvdb::Status::Invalid);
   }
 }

@@ -15,6 +15,7 @@ bl_info = {
     "category": "Import-Export",
 }
 
+import functools
 import json
 import os
 import re
@@ -30,11 +31,6 @@ from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProp
                        IntProperty, StringProperty)
 from bpy_extras.io_utils import ImportHelper
 
-SUFFIXES = (".vtu", ".pvtu", ".pvd", ".vtk", ".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf", ".msh",
-            ".mesh", ".meshb", ".node", ".ele", ".vol", ".inp", ".stl", ".obj", ".off", ".ply",
-            ".3mf", ".glb", ".gltf", ".fbx", ".dae")
-# Formats that hold steps in one file.
-STEPPED = (".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf")
 # Grids that are no arrays of the mesh.
 OWN_GRIDS = ("density", "surface", "mask", "fog", "coverage", "tet_id", "material")
 # From cold to hot.
@@ -69,29 +65,79 @@ def find_program(preferred):
     return path
 
 
-def collection_of(paths):
-    """A .pvd collection of files, in the order of the last number in their names."""
-    def number(path):
-        numbers = re.findall(r"[0-9]+", os.path.splitext(os.path.basename(path))[0])
-        return (int(numbers[-1]) if numbers else -1, path)
+@functools.lru_cache(maxsize=None)
+def formats(program):
+    """The file formats that the program knows: the rows of `tetvdb formats`."""
+    try:
+        asked = subprocess.run([program, "formats", "--json", "-"], stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise TetvdbError(f"{program} does not start: {error}") from error
+    if asked.returncode != 0:
+        raise TetvdbError(asked.stderr.strip() or "tetvdb formats failed")
+    return json.loads(asked.stdout)["formats"]
 
-    ordered = enumerate(map(os.path.abspath, sorted(paths, key=number)))
+
+def mesh_endings(program, stepped=False):
+    """The endings of mesh files; with `stepped` of those that hold steps in one file."""
+    return [ending for row in formats(program)
+            if row["read"] and {"tets", "triangles"} & set(row["holds"])
+            and (row["steps_in_one_file"] or not stepped) for ending in row["endings"]]
+
+
+def frame_number(path):
+    """A path around the last number in its name: what comes before, the number, what comes after;
+    the number is None where there is none."""
+    folder, name = os.path.split(path)
+    stem, suffix = os.path.splitext(name)
+    found = re.fullmatch(r"(.*?)([0-9]+)([^0-9]*)", stem)
+    if found is None:
+        return os.path.join(folder, stem), None, suffix
+    return os.path.join(folder, found.group(1)), int(found.group(2)), found.group(3) + suffix
+
+
+def are_frames(paths):
+    """Whether names differ in their last number alone, as tetvdb itself decides."""
+    parts = [frame_number(path) for path in paths]
+    return (len(paths) > 1 and all(number is not None for _, number, _ in parts)
+            and len({(before, after) for before, _, after in parts}) == 1
+            and len({number for _, number, _ in parts}) == len(paths))
+
+
+def collection_of(paths):
+    """A .pvd collection of frames, in the order of their numbers."""
+    ordered = enumerate(map(os.path.abspath, sorted(paths, key=lambda path: frame_number(path)[1])))
     entries = "".join(f'<DataSet timestep="{step}" part="0" file={quoteattr(path)}/>'
                       for step, path in ordered)
     return f'<VTKFile type="Collection" version="0.1"><Collection>{entries}</Collection></VTKFile>'
 
 
-def inputs_of(paths, sequence, folder):
+def inputs_of(paths, sequence, folder, program):
     """What tetvdb is given as input, and the options that belong to it. Several frames are listed
-    in a file in `folder`."""
-    if sequence and len(paths) > 1:
+    in a file in `folder`, since a command line has room for a few hundred."""
+    if sequence and are_frames(paths):
         listed = os.path.join(folder, "frames.pvd")
         with open(listed, "w", encoding="utf-8") as file:
             file.write(collection_of(paths))
         return [listed], []
-    if sequence and os.path.splitext(paths[0])[1].lower() in STEPPED:
+    if len(paths) > 1:
+        return list(paths), ["--union"]
+    if sequence and os.path.splitext(paths[0])[1].lower() in mesh_endings(program, stepped=True):
         return list(paths), ["--frames", "all"]
     return list(paths), []
+
+
+def words_of(text):
+    """The words of More Options. Backslashes part Windows' folders and quote nothing there."""
+    lexer = shlex.shlex(text, posix=True, punctuation_chars=False)
+    lexer.whitespace_split = True
+    lexer.commenters = ""
+    if os.name == "nt":
+        lexer.escape = ""
+    try:
+        return list(lexer)
+    except ValueError as error:
+        raise TetvdbError(f"More Options: {text}: a quotation mark is missing") from error
 
 
 def grids_of(arrays, surface):
@@ -103,7 +149,7 @@ def grids_of(arrays, surface):
     return ",".join(names)
 
 
-def voxelize_arguments(paths, output, options, folder):
+def voxelize_arguments(paths, output, options, folder, program):
     """The arguments of tetvdb, from an operator or anything else with its properties."""
     size = (["--voxel-size", repr(round(options.voxel_size, 9))]
             if options.size_by == "VOXEL_SIZE" else ["--resolution", str(options.resolution)])
@@ -112,9 +158,9 @@ def voxelize_arguments(paths, output, options, folder):
     more = ["--remap", "0:1"] if remap else []
     if options.warp.strip():
         more += ["--warp", options.warp.strip()]
-    inputs, frames = inputs_of(paths, options.sequence, folder)
+    inputs, frames = inputs_of(paths, options.sequence, folder, program)
     return (["voxelize", *inputs, "-o", output, "--grid", grids_of(options.arrays, options.surface)]
-            + size + frames + more + shlex.split(options.more))
+            + size + frames + more + words_of(options.more))
 
 
 class Job:
@@ -140,19 +186,22 @@ class Job:
         self.reader.start()
 
     def _read(self):
-        # "tetvdb: STAGE" and "tetvdb: STAGE 40 %" say how far it is; the rest is kept.
+        # "tetvdb: STAGE" and "tetvdb: STAGE 40 %, about 30 s left" say how far it is as a whole; the
+        # rest is kept.
         for line in self.process.stderr:
             line = line.rstrip()
-            step = re.fullmatch(r"tetvdb: ([a-z ]+?)(?: (\d+) %)?", line)
+            step = re.fullmatch(r"tetvdb: ([a-z ]+?)(?: (\d+) %(?:, about \d+ \w+ left)?)?", line)
             if step:
-                self.stage, self.fraction = step.group(1), int(step.group(2) or 0) / 100
+                self.stage = step.group(1)
+                if step.group(2):
+                    self.fraction = int(step.group(2)) / 100
             elif line:
                 self.said.append(line)
 
     def running(self):
         if self.process.poll() is None:
             return True
-        # An Exodus or XDMF file may hold a mesh alone, and no steps.
+        # A file of such a format may hold a mesh alone, and no steps.
         if self.process.returncode == 3 and "--frames" in self.command:
             self._close()
             if any("has no time steps" in line for line in self.said):
@@ -306,9 +355,21 @@ def make_material(name, grid, ranges, length, shading):
 
 
 def load_volume(name, report):
-    """An object of the volume, or of the sequence, that the report names."""
+    """An object of the volume, or of the sequence, that the report names, and whether it is new.
+    Objects that an earlier import has made of the same file show the new one: Blender keeps what it
+    has read of a file as long as a data block names it, so the old data block is dropped."""
     paths = [os.path.abspath(each["path"]) for each in report["output"]]
+    old = [each for each in bpy.data.volumes
+           if os.path.abspath(bpy.path.abspath(each.filepath)) == paths[0]]
+    things = [each for each in bpy.data.objects if each.type == "VOLUME" and each.data in old]
+    for each in old:
+        each.grids.unload()
     volume = bpy.data.volumes.new(name)
+    for thing in things:
+        thing.data = volume
+    for each in old:
+        bpy.data.volumes.remove(each)
+    volume.name = name
     volume.filepath = paths[0]
     if "frames" in report:
         volume.is_sequence = True
@@ -316,13 +377,19 @@ def load_volume(name, report):
         volume.frame_duration = len(paths)
         volume.frame_offset = int(re.search(r"(\d+)\.vdb$", paths[0]).group(1)) - 1
         volume.sequence_mode = "EXTEND"
+    shown = [each for each in things if each.users_collection]
+    if shown:
+        return shown[0], False
     thing = bpy.data.objects.new(name, volume)
     bpy.context.collection.objects.link(thing)
-    return thing
+    return thing, True
 
 
 def add_surface(name, volume_object):
-    """A mesh that follows the volume's level set, in the volume's place."""
+    """A mesh that follows the volume's level set, in the volume's place, unless there is one."""
+    if any(modifier.type == "VOLUME_TO_MESH" and modifier.object == volume_object
+           for thing in bpy.data.objects for modifier in thing.modifiers):
+        return None
     thing = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     bpy.context.collection.objects.link(thing)
     modifier = thing.modifiers.new("Surface", "VOLUME_TO_MESH")
@@ -356,7 +423,7 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
     bl_label = "Import Mesh as Volume"
     bl_options = {"REGISTER", "UNDO"}
 
-    filter_glob: StringProperty(default=";".join("*" + s for s in SUFFIXES), options={"HIDDEN"})
+    filter_glob: StringProperty(default="*", options={"HIDDEN", "SKIP_SAVE"})
     files: CollectionProperty(type=bpy.types.OperatorFileListElement,
                               options={"HIDDEN", "SKIP_SAVE"})
     directory: StringProperty(subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"})
@@ -379,8 +446,9 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         "the material spreads them over the range")
     sequence: BoolProperty(
         name="Sequence", default=True,
-        description="Files that are selected, and the steps of an Exodus or XDMF file, are frames "
-        "(those of a .pvd always are). Off: they are laid together, and the last step is taken")
+        description="Selected files whose names differ in their last number alone, and the steps of "
+        "a file that holds several, are frames (those of a .pvd always are). Other files, and all if "
+        "this is off, are laid together; of steps the last is taken")
     warp: StringProperty(
         name="Deform By", description="An array by which points move, and a factor: disp*10")
     surface: BoolProperty(
@@ -424,6 +492,15 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         layout.prop(self, "output")
         layout.prop(self, "more")
 
+    def invoke(self, context, event):
+        try:
+            program = find_program(preferred_program(context))
+            self.filter_glob = ";".join("*" + ending for ending in mesh_endings(program))
+        except TetvdbError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return super().invoke(context, event)
+
     def paths(self):
         names = [each.name for each in self.files if each.name]
         if names:
@@ -438,9 +515,12 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
                     raise TetvdbError(f"there is no file '{path}'")
             stem = os.path.splitext(paths[0])[0]
             output = bpy.path.abspath(self.output) if self.output else stem + ".vdb"
+            if os.path.splitext(output)[1].lower() != ".vdb":
+                raise TetvdbError(f"'{output}': Blender opens .vdb files; name the output .vdb")
             self.stem = os.path.basename(stem)
-            self.job = Job(find_program(preferred_program(context)),
-                           lambda folder: voxelize_arguments(paths, output, self, folder))
+            program = find_program(preferred_program(context))
+            self.job = Job(program, lambda folder: voxelize_arguments(paths, output, self, folder,
+                                                                      program))
             if not bpy.app.background:
                 return self.start_waiting(context)
             return self.load(context)
@@ -482,13 +562,14 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         frames = grids_of_frames(report, self.job.command[0])
         ranges = ranges_of(frames)
         grid = self.color_grid(ranges)
-        thing = load_volume(self.stem, report)
+        thing, is_new = load_volume(self.stem, report)
         if self.shading != "NONE":
             thing.data.materials.append(make_material(
                 self.stem, grid, ranges, longest_side(frames) * self.scale,
                 self.shading))
-        thing.scale = (self.scale,) * 3
-        if self.centered:
+        if is_new:
+            thing.scale = (self.scale,) * 3
+        if is_new and self.centered:
             thing.location = [-self.scale * side / 2 for side in frames[0][0]["voxel_size"]]
         if self.surface:
             add_surface(self.stem + " surface", thing)

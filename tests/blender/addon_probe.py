@@ -66,16 +66,23 @@ def without_scattering(material):
     color.default_value = (0, 0, 0, 1)
 
 
-def ask_import(options, pictures=(), frames=(), program=None):
-    """Runs the operator: objects, materials, pictures; or what it says is wrong."""
+def ask_import(options, pictures=(), frames=(), program=None, before=None):
+    """Runs the operator: objects, materials, pictures; or what it says is wrong. `before`: options of
+    an import in the same scene before, whose object is read, drawn and moved."""
     preferences = bpy.context.preferences.addons[MODULE].preferences
     preferences.program = os.environ["TETVDB_PROGRAM"] if program is None else program
     bpy.context.scene.frame_end = 1
+    if before:
+        bpy.ops.import_scene.tetvdb(**before)
+        thing, = (each for each in bpy.data.objects if each.type == "VOLUME")
+        probe.describe(thing.data)
+        bpy.data.objects.remove(probe.surface_of(thing, "density", 0.5))
+        thing.location = (7, 8, 9)
     try:
         result = bpy.ops.import_scene.tetvdb(**options)
     except RuntimeError as error:
         return {"error": str(error), "objects": [each.name for each in bpy.data.objects]}
-    answer = {"result": list(result), "objects": [], "frame_end": bpy.context.scene.frame_end}
+    answer = {"result": list(result), "objects": [], "volumes": len(bpy.data.volumes), "frame_end": bpy.context.scene.frame_end}
     for thing in bpy.data.objects:
         each = {"name": thing.name, "type": thing.type, "location": list(thing.location),
                 "scale": list(thing.scale), "selected": thing.select_get()}

@@ -38,13 +38,14 @@ def xdmf(steps):
 class AddOn(blender.Test):
     probe = blender.HERE / "addon_probe.py"
 
-    def imported(self, name, pictures=(), frames=(), program=None, files=(), **options):
+    def imported(self, name, pictures=(), frames=(), program=None, files=(), before=None,
+                 **options):
         options = {"filepath": str(self.path(name)), "size_by": "VOXEL_SIZE", "voxel_size": SIZE,
                    **options}
         if files:
             options.update(directory=str(self.folder), files=[{"name": each} for each in files])
         return {"ask": "import", "options": options, "frames": list(frames), "program": program,
-                "pictures": list(pictures)}
+                "pictures": list(pictures), "before": before}
 
     def volume_of(self, answer):
         self.assertNotIn("error", answer)
@@ -167,6 +168,45 @@ class AddOn(blender.Test):
             self.assertAlmostEqual(seen["box"][0][0], 0.5 * step, delta=0.501 * SIZE)
 
     @blender.asks
+    def test_importing_again_shows_the_new_file(self):
+        self.write("a.vtu", block())
+        self.write("s_1.vtu", block())
+        self.write("s_2.vtu", block(corner=(1.1, 0.1, 0.1)))
+        once = self.imported("a.vtu", voxel_size=0.5)["options"]
+        sequence = self.imported("s_1.vtu", files=["s_1.vtu", "s_2.vtu"], voxel_size=0.5,
+                                 output=str(self.path("s.vdb")))["options"]
+        again, frames = yield [
+            self.imported("a.vtu", arrays="temperature", frames=[1], before=once),
+            self.imported("s_1.vtu", files=["s_1.vtu", "s_2.vtu"], frames=[1, 2],
+                          output=str(self.path("s.vdb")), before=sequence)]
+        for answer in (again, frames):
+            volume = self.volume_of(answer)  # one object, in the place to which it was moved
+            self.assertEqual((answer["volumes"], volume["location"]), (1, [7, 8, 9]))
+            for grid in volume["grids"]:
+                self.assertAlmostEqual(grid["matrix"][0][0], SIZE, delta=1e-6)
+        volume = self.volume_of(again)
+        self.assertEqual(volume["name"], "a")
+        self.assertEqual([grid["name"] for grid in volume["grids"]], ["density", "temperature"])
+        self.assertEqual(len(volume["materials"]), 1)
+        for seen, low in zip(frames["frames"], (0.1, 1.1)):
+            self.assertAlmostEqual(seen["box"][0][0], 7 + low, delta=0.501 * SIZE)
+
+    @blender.asks
+    def test_selected_files_that_are_no_sequence(self):
+        self.write("left.vtu", block(corner=(0, 0, 0)))
+        self.write("right.vtu", block(corner=(1, 0, 0)))
+        self.write("part 1.vtu", block(corner=(0, 0, 0)))
+        quoted, together = yield [
+            self.imported("part 1.vtu", frames=[1], more='--units "half an inch"'),
+            self.imported("left.vtu", files=["left.vtu", "right.vtu"], frames=[1],
+                          output=str(self.path("both.vdb")))]
+        self.assertEqual(self.volume_of(quoted)["file"], "part 1.vdb")
+        self.assertEqual(self.report_of("info", "part 1.vdb")["input"][0]["metadata"]["units"],
+                         "half an inch")
+        self.assertFalse(self.volume_of(together)["is_sequence"])
+        self.assertAlmostEqual(together["frames"][0]["box"][1][0], 2, delta=1.01 * SIZE)
+
+    @blender.asks
     def test_real_files(self):
         # Name, arrays, and whether it has steps.
         asked = [("quadcopter_frame.mesh", "", False), ("hybrid_tetwedge.msh", "", False),
@@ -222,9 +262,12 @@ class AddOn(blender.Test):
             self.imported("sheet.off"), self.imported("none.vtu"),
             self.imported("a.vtu", program="/nowhere/tetvdb"),
             self.imported("a.vtu", color_by="speed"),
+            self.imported("a.vtu", more='--units "half an inch'),
+            self.imported("a.vtu", output=str(self.path("a.nvdb"))),
             self.imported("a.vtu", output=str(self.path("no/such/folder.vdb")))]
         for answer, says in zip(answers, ("no.vtu", "pressure", "--shell", "none.vtu",
-                                          "add-on's preferences", "speed", "no/such")):
+                                          "add-on's preferences", "speed", "quotation mark",
+                                          "name the output .vdb", "no/such")):
             self.assertIn("error", answer, says)
             self.assertIn(says, answer["error"])
             self.assertEqual(answer["objects"], [])

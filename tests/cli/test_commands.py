@@ -16,6 +16,35 @@ def two_blocks():
     return points + more, tets + shifted, [3] * len(tets) + [7] * len(other)
 
 
+class Formats(CommandLineTest):
+    def test_every_format_is_listed(self):
+        rows = self.report_of("formats")["formats"]
+        text = self.succeed("formats").out
+        for row in rows:
+            self.assertIn(row["name"], text)
+            for ending in row["endings"]:
+                self.assertIn(ending, text)
+        held = {row["name"]: row["holds"] for row in rows}
+        self.assertEqual(held["STL"], ["triangles"])
+        self.assertEqual(held["Exodus"], ["tets", "arrays", "steps"])
+        self.assertEqual(held["OpenVDB .vdb"], ["volume", "arrays"])
+
+    def test_messages_name_every_mesh_format(self):
+        path = self.write("a.unknown", "hello")
+        error = self.refuse(3, "voxelize", path, "-o", "a.vdb").err
+        for row in self.report_of("formats")["formats"]:
+            if row["read"] and "volume" not in row["holds"]:
+                for ending in row["endings"]:
+                    self.assertIn(ending, error)
+
+    def test_help_names_every_mesh_format(self):
+        text = self.succeed("voxelize", "--help").out
+        for row in self.report_of("formats")["formats"]:
+            if row["read"] and "volume" not in row["holds"]:
+                for ending in row["endings"]:
+                    self.assertIn(ending, text)
+
+
 class Voxelize(CommandLineTest):
     def voxels(self, *arguments, grid=0):
         return self.report_of("voxelize", *arguments, "-o", "out.vdb")["grids"][grid]["active_voxels"]
@@ -107,7 +136,7 @@ class Voxelize(CommandLineTest):
                                 "--grid", "density,mask,tet_id,material", "--threads", 2)
         self.assertEqual(
             list(report), ["version", "command", "status", "device", "threads", "input", "mesh",
-                           "stages", "grids", "output", "warnings"])
+                           "stages", "transform", "fit", "grids", "output", "warnings"])
         self.assertEqual(report["command"], "voxelize")
         self.assertEqual(report["status"], 0)
         self.assertEqual(report["device"], "cpu")
@@ -148,14 +177,16 @@ class Voxelize(CommandLineTest):
             self.assertIn(stage, verbose.err)
 
     def test_progress_in_lines(self):
-        # Programs follow these: the stages in order, and percents that rise within each.
+        # Programs follow these: the stages in order, and percents of the whole that rise.
         self.write("a.mesh", medit(*lattice(3)))
         # There is a line in a tenth of a second at most: fine voxels, for a machine that is fast.
         for resolution in (400, 800, 1600):
             lines = self.succeed("voxelize", "a.mesh", "-o", "a.vdb", "--grid", "coverage", "-v",
                                  "--resolution", resolution).lines
             steps = [m.groups() for line in lines
-                     for m in [re.fullmatch(r"tetvdb: ([a-z ]+?)(?: (\d+) %)?", line)] if m]
+                     for m in [re.fullmatch(
+                         r"tetvdb: ([a-z ]+?)(?: (\d+) %(?:, about \d+ (?:s|min|h) left)?)?", line)]
+                     if m]
             if any(percent for _, percent in steps):
                 break
         stages = [stage for stage, percent in steps if percent is None]
@@ -167,9 +198,9 @@ class Voxelize(CommandLineTest):
                 self.assertEqual(stage, stages[len(seen) - 1])
                 self.assertGreater(int(percent), last)
                 self.assertLessEqual(int(percent), 100)
+                last = int(percent)
             else:
                 seen.add((stage, len(seen)))
-            last = int(percent or 0)
         self.assertTrue(any(percent for _, percent in steps))
 
     def test_report_into_a_file(self):

@@ -53,6 +53,61 @@ class FieldsTest(program.CommandLineTest):
         self.assertAlmostEqual(grids["speed"]["max"], math.sqrt(2 * (15 / 16) ** 2 + 0.25), 5)
         self.assertEqual(self.hash_of("a.vdb"), self.hash_of("a.vdb"))
 
+    def test_parts_by_name(self):
+        self.write("a.vtu", simulation())
+        grids, _ = self.grids("a.vtu", "-o", "a.vdb", "--resolution", 16, "--grid",
+                              "stress.xx,stress:mises,vel.y,cells:stress:trace,vel:magnitude")
+        self.assertEqual(list(grids), ["stress.xx", "stress.mises", "vel.y", "stress.trace",
+                                       "vel.magnitude"])
+        derived, _ = self.grids("a.vtu", "-o", "b.vdb", "--resolution", 16, "--grid", "", "--derive",
+                                "stress.xx=stress:xx,stress.mises=stress:mises,vel.y=vel:y,"
+                                "stress.trace=stress:trace,vel.magnitude=vel:magnitude")
+        self.assertEqual(self.hash_of("a.vdb"), self.hash_of("b.vdb"))
+        self.assertEqual((grids["stress.xx"]["max"], grids["stress.mises"]["max"]), (47, 47))
+        self.refuse(2, "voxelize", "a.vtu", "-o", "no.vdb", "--grid", "stress.up",
+                    says=("up", "stress", "mises"))
+        self.refuse(2, "voxelize", "a.vtu", "-o", "no.vdb", "--grid", "heat.x",
+                    says=("heat.x", "stress"))
+        # An array of that very name comes first.
+        points, tets = lattice(1)
+        self.write("b.vtu", vtu_with(points, tets, [("u.x", [5.0] * 8),
+                                                    ("u", [(1.0, 2.0, 3.0)] * 8)]))
+        grids, _ = self.grids("b.vtu", "-o", "b.vdb", "--resolution", 4, "--grid", "u.x,u.y")
+        self.assertEqual((grids["u.x"]["max"], grids["u.y"]["max"]), (5, 2))
+
+    def test_render_takes_the_same_names(self):
+        self.write("a.vtu", simulation())
+        for name, title, low, high in (("temperature", "temperature", 300, 301),
+                                       ("stress:mises", "stress:mises", 0, 47),
+                                       ("stress.xx", "stress.xx", 0, 47),
+                                       ("cells:part", "cells:part", 0, 2),
+                                       ("vel", "|vel|", 0.5, 1.5), ("stress", "|stress|", 0, 47)):
+            colors = self.report_of("render", "a.vtu", "-o", "a.png", "--color", name,
+                                    "--size", "320x240")["picture"]["colors"]
+            self.assertEqual(colors["title"], title)
+            self.assertAlmostEqual(colors["low"], low, 5)
+            self.assertAlmostEqual(colors["high"], high, 5)
+        self.refuse(2, "render", "a.vtu", "-o", "no.png", "--color", "stress:up",
+                    says=("up", "stress"))
+        self.succeed("voxelize", "a.vtu", "-o", "a.vdb", "--resolution", 8, "--grid",
+                     "density,stress:mises")
+        colors = self.report_of("render", "a.vdb", "-o", "a.png", "--color", "stress:mises",
+                                "--size", "320x240")["picture"]["colors"]
+        self.assertEqual((colors["title"], colors["high"]), ("stress.mises", 47))
+
+    def test_preview_shows_the_arrays(self):
+        self.write("a.vtu", simulation())
+        preview = self.report_of("voxelize", "a.vtu", "-o", "a.vdb", "--resolution", 8, "--grid",
+                                 "density,temperature,stress:mises", "--preview",
+                                 "a.png")["preview"]
+        self.assertEqual(preview["panels"], ["tets", "volume", "slice", "temperature",
+                                             "stress.mises"])
+        report = self.report_of("voxelize", "a.vtu", "-o", "a.vdb", "--resolution", 8, "--grid",
+                                "all", "--preview", "a.png")
+        # Nine grids: the first is the volume that is drawn.
+        self.assertEqual(len(report["preview"]["panels"]), 3 + 6)
+        self.assertIn("preview-arrays", [w["code"] for w in report["warnings"]])
+
     def test_all_arrays_and_nothing_else(self):
         self.write("a.vtu", simulation())
         grids, _ = self.grids("a.vtu", "-o", "a.vdb", "--resolution", 8, "--grid", "all")
@@ -132,7 +187,7 @@ class FieldsTest(program.CommandLineTest):
         points, faces = program.box_faces()
         self.write("a.off", program.off(points, faces))
         self.refuse(2, "voxelize", "a.off", "-o", "a.vdb", "--grid", "temperature",
-                    says="arrays of a solid mesh")
+                    says="array of a solid mesh")
         self.refuse(2, "voxelize", "a.off", "-o", "a.vdb", "--warp", "disp", says="solid mesh")
 
     def test_values_that_are_not_finite(self):

@@ -125,6 +125,29 @@ class Previews(CommandLineTest):
         self.assertEqual(panels, ["tets", "volume", "slice"])
         self.assertFalse(any(is_red(p) for row in rows for p in row[512:]))
 
+    def test_materials_are_categories(self):
+        for name, low in (("a.off", 0.0), ("b.off", 1.0)):
+            self.write(name, off(*box_faces((low, 0.0, 0.0), (low + 1, 1.0, 1.0))))
+        panels, _ = self.panels_of("voxelize", "a.off", "b.off", "-o", "m.vdb", "--resolution",
+                                   "16", "--grid", "density,material")
+        self.assertEqual(panels, ["input", "volume", "slice", "material"])
+        picture = self.report_of("render", "m.vdb", "-o", "m.png", "--color",
+                                 "material")["picture"]
+        self.assertEqual(picture["colors"], {"title": "material", "kinds": ["1", "2"]})
+        self.succeed("voxelize", "b.off", "a.off", "-o", "n.vdb", "--resolution", "16", "--grid",
+                     "density,material")
+        # The left half has the first colour, and in the other order the second.
+        pictures = []
+        for name in ("m", "n"):
+            self.succeed("render", name + ".vdb", "-o", name + ".png", "--color", "material",
+                         "--view", "front", "--background", "white")
+            _, _, rows = read_png(self.path(name + ".png"))
+            pictures.append((rows[240][150], rows[240][420]))
+        self.assertNotEqual(pictures[0][0], pictures[0][1])
+        hue = lambda pixel: max(range(3), key=lambda i: pixel[i])
+        self.assertEqual(hue(pictures[0][0]), hue(pictures[1][1]))
+        self.assertEqual(hue(pictures[0][1]), hue(pictures[1][0]))
+
     def test_a_preview_changes_no_volume(self):
         self.succeed("voxelize", "tets.mesh", "-o", "a.vdb", "--resolution", "24")
         self.succeed("voxelize", "tets.mesh", "-o", "b.vdb", "--resolution", "24", "--preview", "p.png")

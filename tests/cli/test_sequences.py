@@ -148,6 +148,56 @@ class Sequences(program.CommandLineTest):
                                 "--allow-gaps")
         self.assertEqual(report["frames"][-1]["output"], "out.0004.vdb")
 
+    def test_numbered_files_are_frames_unless_united(self):
+        self.frames(count=3, first=8)
+        names = ["f_10.vtu", "f_8.vtu", "f_9.vtu"]  # as a shell sorts them
+        run = self.succeed("voxelize", *names, "-o", "out.vdb", "--voxel-size", 0.125)
+        self.assertIn("--union", run.out)
+        self.assertEqual(sorted(p.name for p in self.folder.glob("out*")),
+                         [f"out.000{i}.vdb" for i in (1, 2, 3)])
+        self.succeed("voxelize", "f_8.vtu", "-o", "one.vdb", "--voxel-size", 0.125)
+        self.assertEqual(self.hash_of("one.vdb"), self.hash_of("out.0001.vdb"))
+        # Frames are unit cubes half a unit apart: together 2 x 1 x 1.
+        self.succeed("voxelize", *names, "-o", "whole.vdb", "--voxel-size", 0.125, "--union")
+        self.assertEqual(self.grids_of("whole.vdb")[0]["density"]["active_voxels"], 16 * 8 * 8)
+        self.succeed("voxelize", "f_*.vtu", "-o", "same.vdb", "--voxel-size", 0.125, "--union")
+        self.assertEqual(self.hash_of("whole.vdb"), self.hash_of("same.vdb"))
+        some = self.report_of("voxelize", *names, "-o", "some.vdb", "--frames", "2:3")
+        self.assertEqual([f["input"] for f in some["frames"]], [["f_9.vtu"], ["f_10.vtu"]])
+        self.write("f_13.vtu", frame())
+        self.refuse(3, "voxelize", *names, "f_13.vtu", "-o", "gap.vdb", says="number 11 is missing")
+        self.refuse(2, "voxelize", *names, "-o", "x.vdb", "--union", "--frames", "all",
+                    says="--frames")
+        self.write("run.pvd", "<VTKFile type='Collection'><Collection>"
+                              "<DataSet timestep='0' file='f_8.vtu'/></Collection></VTKFile>")
+        self.refuse(2, "voxelize", "run.pvd", "-o", "x.vdb", "--union", says="times")
+
+    def test_files_with_other_names_are_one_volume(self):
+        for name, low in (("left", 0), ("right2", 1)):
+            self.write(name + ".off", program.off(*program.box_faces(low=(low, 0, 0),
+                                                                     high=(low + 1, 1, 1))))
+        self.succeed("voxelize", "left.off", "right2.off", "-o", "both.vdb", "--voxel-size", 0.125,
+                     "--mesher", "winding")
+        self.assertEqual(self.grids_of("both.vdb")[0]["density"]["active_voxels"], 2 * 8 ** 3)
+
+    def test_values_are_judged_over_all_frames(self):
+        # A field that is 0 in the first frame, as most simulations begin.
+        points, tets = lattice(2)
+        for i, level in enumerate((0.0, 0.0, 1.0)):
+            self.write(f"z_{i}.vtu", vtu_with(points, tets, [("T", [level] * len(points))]))
+        make = lambda pattern, out: self.report_of("voxelize", pattern, "-o", out, "--voxel-size",
+                                                   0.1, "--grid", "T", "--again")
+        self.assertEqual(make("z_*.vtu", "z.vdb")["warnings"], [])
+        check = self.report_of("check", *(f"z.{i:04}.vdb" for i in (1, 2, 3)))
+        self.assertNotIn("hidden-values", [f["code"] for f in check["findings"]])
+        self.write("z_1.vtu", vtu_with(points, tets, [("T", [-5.0] * len(points))]))
+        (warning,) = make("z_*.vtu", "z.vdb")["warnings"]
+        self.assertEqual(warning["code"], "hidden-values")
+        self.assertIn("frame 2 (z_1.vtu)", warning["text"])
+        check = self.report_of("check", *(f"z.{i:04}.vdb" for i in (1, 2, 3)), status=8)
+        (finding,) = [f for f in check["findings"] if f["code"] == "hidden-values"]
+        self.assertEqual(finding["file"], "z.0002.vdb")
+
     def test_arrays_that_change(self):
         self.frames()
         self.write("f_2.vtu", frame(name="U"))
@@ -231,6 +281,34 @@ class Sequences(program.CommandLineTest):
             body += doubles(time) + doubles(*[10.0 * i + 1] * 4)
         self.write("e.exo", body)
         return times
+
+
+class FilesOfSeveralSteps(program.CommandLineTest):
+    def test_the_last_step_is_taken_and_said(self):
+        path = program.DATA / "readers" / "steps.vtkhdf"
+        result = self.succeed("voxelize", path, "-o", "a.vdb", "--resolution", "16", "--grid", "T")
+        self.assertIn("has 2 time steps; the last one, at 2, is taken", result.err)
+        mesh = self.report_of("info", path)["input"][0]
+        self.assertEqual(mesh["steps"], {"count": 2, "times": [0.5, 2.0]})
+        self.assertIn("2, from 0.5 to 2", self.succeed("info", path).out)
+
+    def test_every_step_becomes_a_frame(self):
+        path = program.DATA / "readers" / "steps.vtkhdf"
+        report = self.report_of("voxelize", path, "-o", "a.vdb", "--resolution", "16", "--grid", "T",
+                                "--frames", "all")
+        self.assertEqual(len(report["frames"]), 2)
+        self.assertNotIn("last-step", [warning["code"] for warning in report["warnings"]])
+        ranges = [self.report_of("info", f"a.000{i}.vdb")["input"][0]["grids"][0] for i in (1, 2)]
+        self.assertLess(ranges[0]["max"], 1000)
+        self.assertGreaterEqual(ranges[1]["min"], 1000)
+
+
+class PolygonsOfCellFormats(program.CommandLineTest):
+    def test_they_are_triangles(self):
+        volumes = {self.report_of("voxelize", program.DATA / "readers" / name, "-o", "a.vdb",
+                                  "--resolution", "32")["grids"][0]["active_voxels"]
+                   for name in ("sphere_raw.vtp", "strips.vtp", "strips.vtk", "sphere.vtu")}
+        self.assertEqual(len(volumes), 1)
 
 
 if __name__ == "__main__":

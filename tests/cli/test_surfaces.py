@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Surfaces: compare of meshes, and repair."""
 
+import math
 import unittest
+import zipfile
+from xml.etree import ElementTree
 
 from program import CommandLineTest, box_faces, lattice, medit, off
 
@@ -21,6 +24,34 @@ def edges_of(text):
 
 def box(low, high):
     return off(*box_faces(low, high))
+
+
+def ball(n, noise=0.0):
+    """An octahedron whose edges are cut in n, drawn onto the sphere: 8 n^2 faces."""
+    points, numbers, faces = [], {}, []
+
+    def at(*key):
+        if key not in numbers:
+            numbers[key] = len(points)
+            length = sum(c * c for c in key)**0.5 / (1 + noise * math.sin(1000 * len(points)))
+            points.append([c / length for c in key])
+        return numbers[key]
+
+    for sx in (1, -1):
+        for sy in (1, -1):
+            for sz in (1, -1):
+                def corner(i, j):
+                    return at(sx * (n - i - j), sy * i, sz * j)
+
+                def add(a, b, c):
+                    faces.append([a, b, c] if sx * sy * sz > 0 else [a, c, b])
+
+                for i in range(n):
+                    for j in range(n - i):
+                        add(corner(i, j), corner(i + 1, j), corner(i, j + 1))
+                        if i + j + 1 < n:
+                            add(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1))
+    return off(points, faces)
 
 
 class CompareMeshes(CommandLineTest):
@@ -88,18 +119,38 @@ class Repair(CommandLineTest):
     def test_open(self):
         points, faces = box_faces()
         self.write("open.off", off(points, faces[1:]))
-        report = self.report_of("repair", "open.off", "-o", "out.off", "--resolution", 40)
+        report = self.report_of("repair", "open.off", "-o", "out.off")
         section = report["repair"]
-        self.assertTrue(section["remeshed"])
+        self.assertFalse(section["remeshed"])
         self.assertEqual(section["source"], "triangles")
         self.assertEqual(section["defects"]["boundary_edges"], 3)
         self.assertIn("not watertight", section["verdict"])
         self.assertEqual(section["cleaned"]["welded_points"], 0)
         self.assertEqual(section["triangles_before"], 11)
+        self.assertEqual(section["triangles"], 12)
+        self.assertEqual(section["local"]["holes"], [{"edges": 3, "faces": 1}])
+        self.assertEqual([section["changes"][k] for k in ("kept", "added", "removed")], [11, 1, 0])
+        self.assertAlmostEqual(section["changes"]["distance_from_input"], 0)
+        self.assertAlmostEqual(section["volume"], 1)
+        self.assertEqual([s["name"] for s in report["stages"]],
+                         ["read", "clean", "check", "repair", "compare", "write"])
+        self.assertEqual(report["warnings"], [])
+        self.assert_closed("out.off")
+        text = self.succeed("repair", "open.off", "-o", "out.off").out
+        self.assertIn("holes filled: 1, of 3 edges", text)
+        self.assertIn("faces: 11 kept, 1 added, 0 removed", text)
+
+    def test_remeshed(self):
+        points, faces = box_faces()
+        self.write("open.off", off(points, faces[1:]))
+        report = self.report_of("repair", "open.off", "-o", "out.off", "--resolution", 40,
+                                "--remesh")
+        section = report["repair"]
+        self.assertTrue(section["remeshed"])
         self.assertLess(section["triangles"], section["triangles_extracted"])
         self.assertAlmostEqual(section["volume"], 1, delta=0.15)
         self.assertEqual([s["name"] for s in report["stages"]],
-                         ["read", "clean", "check", "voxelize", "extract", "write"])
+                         ["read", "clean", "voxelize", "extract", "compare", "compare", "write"])
         self.assert_closed("out.off")
 
     def test_overlapping(self):
@@ -107,13 +158,14 @@ class Repair(CommandLineTest):
         more, others = box_faces((0.5, 0.5, 0.5), (1.5, 1.5, 1.5))
         faces += [[c + len(points) for c in face] for face in others]
         self.write("two.off", off(points + more, faces))
-        report = self.report_of("repair", "two.off", "-o", "out.off", "--resolution", 60)
-        self.assertTrue(report["repair"]["remeshed"])
+        report = self.report_of("repair", "two.off", "-o", "out.off")
+        self.assertFalse(report["repair"]["remeshed"])
+        self.assertGreater(report["repair"]["local"]["cut_faces"], 0)
         self.assertAlmostEqual(report["repair"]["volume_before"], 2)
-        self.assertAlmostEqual(report["repair"]["volume"], 1.875, delta=0.02)
+        self.assertAlmostEqual(report["repair"]["volume"], 1.875)
         self.assert_closed("out.off")
         all_faces = self.report_of("repair", "two.off", "-o", "all.off", "--resolution", 60,
-                                   "--simplify", 0)["repair"]
+                                   "--remesh", "--simplify", 0)["repair"]
         self.assertEqual(all_faces["triangles"], all_faces["triangles_extracted"])
         self.assert_closed("all.off")
 
@@ -145,8 +197,113 @@ class Repair(CommandLineTest):
         self.refuse(2, "repair", "box.vdb", "-o", "x.off", "--resolution", 9, says="--resolution")
         self.refuse(2, "repair", "box.mesh", "-o", "x.off", "--grid", "mask", says="--grid")
 
+    def test_faces_and_error(self):
+        self.write("ball.off", ball(16))
+        report = self.report_of("repair", "ball.off", "-o", "out.off", "--faces", 300)
+        section = report["repair"]
+        self.assertLessEqual(section["triangles"], 300)
+        self.assertGreater(section["triangles"], 290)
+        self.assertEqual(section["finished"]["triangles_before"], 2048)
+        self.assertEqual([s["name"] for s in report["stages"]][-2:], ["simplify", "write"])
+        self.assert_closed("out.off")
+        compared = self.report_of("compare", "ball.off", "out.off", status=8)["compare"]
+        self.assertAlmostEqual(section["finished"]["distance"], compared["hausdorff"],
+                               delta=0.02 * compared["hausdorff"])
+        for error, length in ("0.02", 0.02), ("1e-2d", 0.02 * 3**0.5):
+            section = self.report_of("repair", "ball.off", "-o", "out.off", "--error",
+                                     error)["repair"]
+            self.assertLess(section["triangles"], 1000)
+            self.assertLess(section["finished"]["distance"], length)
+            self.assert_closed("out.off")
+        self.assertIn("simplified from 2048 triangles",
+                      self.succeed("repair", "ball.off", "-o", "out.off", "--error", 0.02).out)
+        # Both: the error keeps the number from being reached.
+        report = self.report_of("repair", "ball.off", "-o", "out.off", "--faces", 8, "--error",
+                                0.01, status=1)
+        self.assertEqual([w["code"] for w in report["warnings"]], ["faces-not-reached"])
+
+    def test_smooth(self):
+        self.write("ball.off", ball(16, noise=0.01))
+        section = self.report_of("repair", "ball.off", "-o", "out.off", "--smooth",
+                                 0.005)["repair"]
+        self.assertGreater(section["finished"]["smoothed"]["moved"], 1000)
+        self.assertLessEqual(section["finished"]["smoothed"]["largest_move"], 0.005 * (1 + 1e-9))
+        self.assertLess(abs(section["volume"] / section["volume_before"] - 1), 1.001e-3)
+        self.assertIsNone(section["finished"]["triangles_before"])
+        self.assert_closed("out.off")
+
+    def objects_of(self, name):
+        """Names, numbers of triangles and the unit of a .3mf file's objects."""
+        with zipfile.ZipFile(self.path(name)) as archive:
+            model = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
+        space = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+        return ([(o.get("name"), len(list(o.iter(space + "triangle"))),
+                  len(list(o.iter(space + "component")))) for o in model.iter(space + "object")],
+                len(list(model.iter(space + "item"))), model.get("unit"))
+
+    def test_several_inputs_are_objects(self):
+        points, faces = box_faces()
+        self.write("lid & co.off", off(points, faces[1:]))
+        self.write("box.off", box((0.5, 0, 0), (2, 1, 1)))  # overlaps the other one
+        report = self.report_of("repair", "lid & co.off", "box.off", "-o", "out.3mf", "--units",
+                                "cm")
+        section = report["repair"]
+        self.assertEqual(report["warnings"], [])
+        self.assertEqual([(o["name"], o["triangles"]) for o in section["objects"]],
+                         [("lid & co", 12), ("box", 12)])
+        self.assertEqual(section["changes"]["added"], 1)
+        self.assertAlmostEqual(section["volume"], 2.5)
+        self.assertEqual(self.objects_of("out.3mf"),
+                         ([("lid & co", 12, 0), ("box", 12, 0)], 2, "centimeter"))
+        # Objects and their names stay, whether they are repaired again or not.
+        section = self.report_of("repair", "out.3mf", "-o", "again.3mf")["repair"]
+        self.assertEqual([o["name"] for o in section["objects"]], ["lid & co", "box"])
+        self.assertEqual(self.objects_of("again.3mf"), self.objects_of("out.3mf"))
+        # Formats without objects: one solid.
+        report = self.report_of("repair", "out.3mf", "-o", "one.off", "--resolution", 40)
+        self.assertIn("objects-joined", [w["code"] for w in report["warnings"]])
+        self.assertAlmostEqual(report["repair"]["volume"], 2, delta=0.01)
+        self.assert_closed("one.off")
+
+    def test_units_and_scale(self):
+        self.write("box.off", box((0, 0, 0), (1, 2, 3)))
+        report = self.report_of("repair", "box.off", "-o", "box.3mf")
+        self.assertIn("unit-guessed", [w["code"] for w in report["warnings"]])
+        report = self.report_of("repair", "box.off", "-o", "inch.3mf", "--units", "in")
+        self.assertEqual(report["warnings"], [])
+        self.assertEqual(report["repair"]["units"], "inch")
+        self.assertEqual(self.objects_of("inch.3mf")[2], "inch")
+        for options, factor in ((("--units", "mm"), 25.4), (("--scale", 2), 2),
+                                (("--scale", 2, "--units", "mm"), 50.8)):
+            self.succeed("repair", "inch.3mf", "-o", "out.off", *options)
+            lines = [line for line in self.path("out.off").read_text().splitlines()
+                     if line and not line.startswith("#")]
+            points = lines[2:2 + int(lines[1].split()[0])]
+            self.assertAlmostEqual(max(float(c) for line in points for c in line.split()),
+                                   3 * factor, places=9)
+        self.refuse(2, "repair", "box.off", "-o", "x.3mf", "--units", "parsec", says="--units")
+        self.refuse(2, "repair", "box.off", "-o", "x.3mf", "--scale", 0, says="--scale")
+        self.refuse(2, "repair", "box.off", "box.off", "-o", "box.off", says="box.off")
+
+    def test_creases_of_what_is_remeshed(self):
+        points, faces = box_faces()
+        inner, others = box_faces((0.2, 0.2, 0.3), (0.8, 0.8, 0.31))
+        faces += [[c + len(points) for c in face] for face in others]
+        self.write("wall.off", off(points + inner, faces))
+        section = self.report_of("repair", "wall.off", "-o", "out.off", "--remesh",
+                                 "--resolution", 50)["repair"]
+        self.assertTrue(section["remeshed"])
+        self.assertEqual(section["triangles"], 12)
+        self.assertAlmostEqual(section["volume"], 1, delta=1e-6)
+        self.assert_closed("out.off")
+
     def test_bad_options(self):
         self.write("box.off", box((0, 0, 0), (1, 1, 1)))
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--faces", 3, says="--faces")
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--faces", -9, says="--faces")
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--error", 0, says="--error")
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--error", "2v", says="--error")
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--smooth", "nan", says="--smooth")
         self.refuse(2, "repair", "box.off", says="-o")
         self.refuse(2, "repair", "box.off", "-o", "out.vdb", says=".3mf")
         self.refuse(2, "repair", "box.off", "-o", "box.off", says="box.off")

@@ -339,7 +339,7 @@ class BadInput(CommandLineTest):
         self.refuse(2, *job, "--max-passes=-1", says="--max-passes")
         self.refuse(2, *job, "--boolean", "xor", says="--boolean")
         self.refuse(2, *job, "--boolean", "union", says="--boolean")
-        self.refuse(2, *job, "--weld", "0", says="--weld")
+        self.refuse(2, *job, "--weld", "-1", says="--weld")
         self.refuse(2, *job, "--max-memory", "4X", says="--max-memory")
         self.refuse(2, "tetrahedralize", "box.off", says="-o")
         self.refuse(2, "tetrahedralize", "-o", "out.msh")
@@ -397,11 +397,11 @@ class VoxelizeByWayOfTets(CommandLineTest):
     def voxelize(self, *arguments, status=0):
         return self.report_of("voxelize", *arguments, "-o", "out.vdb", status=status)
 
-    def test_which_road_is_taken(self):
-        # Half a voxel is 1e-3 of the diagonal at 500 / sqrt(3) = 289 voxels.
-        for options, road, word in (
-                (("--resolution", 280), "envelope", "half a voxel"),
-                (("--resolution", 300), "winding", "half a voxel"),
+    def test_which_method_is_taken(self):
+        for options, method, word in (
+                (("--resolution", 40), "winding", "no output asks for tets"),
+                (("--resolution", 300), "winding", "no output asks for tets"),
+                (("--resolution", 40, "--grid", "material"), "winding", "no output"),
                 (("--resolution", 300, "--epsilon", "0.5v"), "envelope", "--epsilon"),
                 (("--resolution", 300, "--grid", "tet_id"), "envelope", "tet_id"),
                 (("--resolution", 40, "--inside", "parity"), "winding", "--inside"),
@@ -412,13 +412,13 @@ class VoxelizeByWayOfTets(CommandLineTest):
             with self.subTest(options=options):
                 report = self.voxelize("box.off", *options)
                 mesher = report["mesh"]["mesher"]
-                self.assertEqual(mesher["road"], road)
+                self.assertEqual(mesher["method"], method)
                 self.assertIn(word, mesher["why"])
                 stages = [s["name"] for s in report["stages"]]
-                self.assertEqual("tetrahedralize" in stages, road == "envelope")
-                self.assertEqual("tets" in report["mesh"], road == "envelope")
+                self.assertEqual("tetrahedralize" in stages, method == "envelope")
+                self.assertEqual("tets" in report["mesh"], method == "envelope")
         said = self.succeed("voxelize", "box.off", "-o", "out.vdb", "--resolution", 40, "-v").err
-        self.assertIn("mesher: envelope, since half a voxel", said)
+        self.assertIn("mesher: winding, since no output asks for tets", said)
         self.assertIsNone(self.report_of("voxelize", "box.off", "--write-mesh",
                                          "out.stl")["mesh"]["mesher"])
 
@@ -427,21 +427,29 @@ class VoxelizeByWayOfTets(CommandLineTest):
             mesh = self.voxelize("box.off", "--voxel-size", 0.025, "--epsilon", text)["mesh"]
             self.assertAlmostEqual(mesh["epsilon_asked"], length)
             self.assertLessEqual(mesh["epsilon_reached"], length)
-        mesh = self.voxelize("box.off", "--voxel-size", "0.025,0.05,0.1")["mesh"]
+        mesh = self.voxelize("box.off", "--voxel-size", "0.025,0.05,0.1", "--mesher",
+                             "envelope")["mesh"]
         self.assertAlmostEqual(mesh["epsilon_asked"], 0.0125)
 
     def test_only_voxels_at_the_surface_differ(self):
         self.write("ball.off", off(*sphere(16)))
-        for name, voxels in (("box.off", 50), ("ball.off", 60)):
+        for name, voxels, size in (("box.off", 50, 1 / 50), ("ball.off", 60, 2 / 60)):
             grids = {}
             for mesher in ("envelope", "winding"):
-                report = self.voxelize(name, "--resolution", voxels, "--mesher", mesher, "--grid",
+                report = self.voxelize(name, "--voxel-size", size, "--mesher", mesher, "--grid",
                                        "mask")
                 [grids[mesher]] = report["grids"]
             self.assertEqual(grids["envelope"]["voxel_size"], grids["winding"]["voxel_size"])
             surface = 6 * voxels**2
             self.assertAlmostEqual(grids["envelope"]["active_voxels"],
                                    grids["winding"]["active_voxels"], delta=surface)
+
+    def test_never_more_voxels_than_asked_for(self):
+        self.write("ball.off", off(*sphere(16)))
+        for mesher in ("envelope", "winding"):
+            [grid] = self.voxelize("ball.off", "--resolution", 60, "--mesher", mesher)["grids"]
+            for axis in range(3):
+                self.assertLessEqual(grid["box"]["max"][axis] - grid["box"]["min"][axis] + 1, 60)
 
     def test_tet_numbers_and_mesh(self):
         report = self.voxelize("box.off", "--resolution", 32, "--grid", "tet_id,density",
@@ -463,12 +471,36 @@ class VoxelizeByWayOfTets(CommandLineTest):
 
     def test_materials(self):
         self.write("b.off", off(*box_faces((0.5, 0.5, 0.5), (1.5, 1.5, 1.5))))
-        report = self.voxelize("box.off", "b.off", "--resolution", 30, "--grid",
-                               "material,density")
+        arguments = ("box.off", "b.off", "--resolution", 30, "--grid", "material,density")
+        report = self.voxelize(*arguments, "--mesher", "envelope")
         self.assertAlmostEqual(report["mesh"]["volume"], 1.875, delta=0.3)
-        grids = self.report_of("info", "out.vdb")["input"][0]["grids"]
-        numbers = next(g for g in grids if g["name"] == "material")
-        self.assertEqual((numbers["min"], numbers["max"]), (1, 2))
+        by_tets = {g["name"]: g for g in report["grids"]}
+        report = self.voxelize(*arguments, "--grid", "coverage,mask,surface")
+        self.assertEqual(report["mesh"]["mesher"]["method"], "winding")
+        self.assertNotIn("tetrahedralize", [s["name"] for s in report["stages"]])
+        grids = {g["name"]: g for g in report["grids"]}
+        for found in (by_tets, grids):
+            self.assertEqual((found["material"]["min"], found["material"]["max"]), (1, 2))
+        # 20^3 voxels and 20^3 without the 10^3 that the first file owns.
+        for name in ("material", "density", "mask"):
+            self.assertEqual(grids[name]["active_voxels"], 15000)
+        # Where the files overlap, voxels on the surface are counted once, but for their parts.
+        self.assertAlmostEqual(grids["coverage"]["filled"], 1.875, delta=0.01)
+        self.assertAlmostEqual(grids["surface"]["volume"], 1.875, delta=1e-9)
+        # The first file owns what both have.
+        self.write("c.off", off(*box_faces((0.25, 0.25, 0.25), (0.5, 0.5, 0.5))))
+        hidden = self.voxelize("box.off", "c.off", "--resolution", 20, "--grid", "material")
+        self.assertEqual((hidden["grids"][0]["min"], hidden["grids"][0]["max"]), (1, 1))
+        shown = self.voxelize("c.off", "box.off", "--resolution", 20, "--grid", "material")
+        self.assertEqual((shown["grids"][0]["min"], shown["grids"][0]["max"]), (1, 2))
+        self.assertEqual(shown["grids"][0]["active_voxels"], hidden["grids"][0]["active_voxels"])
+        # One that has no inside is named.
+        self.write("sheet.off", off([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0)],
+                                    [[0, 1, 2]]))
+        report = self.voxelize("box.off", "sheet.off", "--resolution", 20, "--grid", "material",
+                               status=1)
+        self.assertEqual([w["code"] for w in report["warnings"]], ["no-voxels"])
+        self.assertIn("sheet.off", report["warnings"][0]["text"])
 
     def test_sheet(self):
         self.write("sheet.off", off([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0)],
@@ -490,7 +522,7 @@ class VoxelizeByWayOfTets(CommandLineTest):
                 continue # meshed in time
             self.assertEqual(result.status, 1, result.err)
             report = result.report()
-            self.assertEqual(report["mesh"]["mesher"]["road"], "winding")
+            self.assertEqual(report["mesh"]["mesher"]["method"], "winding")
             self.assertIn("time", report["mesh"]["mesher"]["why"])
             self.assertEqual([w["code"] for w in report["warnings"]], ["fell-back"])
             self.assertEqual([s["name"] for s in report["stages"]],
@@ -514,7 +546,7 @@ class VoxelizeByWayOfTets(CommandLineTest):
                         ("--mesher", "winding", "--write-mesh", "out.msh"),
                         ("--mesher", "envelope", "--shell", "0.1"),
                         ("--mesher", "envelope", "--inside", "flood"),
-                        ("--shell", "0.1", "--grid", "material"),
+                        ("--shell", "0.1", "--grid", "tet_id"),
                         ("--inside", "parity", "--epsilon", "1v")):
             self.refuse(2, "voxelize", "box.off", "-o", "out.vdb", *options, says="--")
         for epsilon in ("0", "-1v", "nan", "1 v", "v"):

@@ -180,4 +180,19 @@ TEST_F(CheckVolumes, WhatCannotBeReadIsAnError) {
   }
 }
 
+TEST_F(CheckVolumes, FramesAreJudgedTogether) {
+  auto nothing = box("density", 0, 12), empty = openvdb::FloatGrid::create();
+  empty->setName("density");
+  empty->setGridClass(openvdb::GRID_FOG_VOLUME);
+  empty->setTransform(openvdb::math::Transform::createLinearTransform(0.1));
+  const std::string zeros = save("a.0001.vdb", {nothing}), none = save("a.0002.vdb", {empty}),
+                    full = save("a.0003.vdb", {box("density", 1, 12)});
+  EXPECT_EQ(found({zeros}), (Set{"warning:hidden-values density"}));
+  EXPECT_EQ(found({none}), (Set{"error:no-voxels density"}));
+  EXPECT_EQ(found({zeros, none, full}), Set{});
+  const std::string stillNone = save("a.0003.vdb", {empty});
+  EXPECT_EQ(found({zeros, none, stillNone}), (Set{"warning:hidden-values density"}));
+  EXPECT_EQ(found({none, stillNone}), (Set{"error:no-voxels density"}));
+}
+
 } // namespace

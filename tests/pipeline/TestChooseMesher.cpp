@@ -15,40 +15,51 @@ VoxelizeJob job() {
   return made;
 }
 
-Mesher road(const VoxelizeJob& wanted, const Vec3d& voxel) {
+Mesher methodOf(const VoxelizeJob& wanted, const Vec3d& voxel) {
   checkMesher(wanted);
   const MesherChoice choice = chooseMesher(wanted, 1, voxel);
   EXPECT_FALSE(choice.why.empty());
-  EXPECT_EQ(choice.epsilon > 0, choice.road == Mesher::Envelope);
-  return choice.road;
+  EXPECT_EQ(choice.epsilon > 0, choice.method == Mesher::Envelope);
+  return choice.method;
 }
 
-TEST(ChooseMesher, ByTheSizeOfVoxels) {
-  EXPECT_EQ(road(job(), kCoarse), Mesher::Envelope);
-  EXPECT_EQ(road(job(), kFine), Mesher::Winding);
-  EXPECT_EQ(road(job(), {0.002, 0.002, 0.002}), Mesher::Envelope);
-  EXPECT_EQ(road(job(), {0.00199, 0.002, 0.002}), Mesher::Winding);
+TEST(ChooseMesher, WindingNumberWhateverTheSizeOfVoxels) {
+  EXPECT_EQ(methodOf(job(), kCoarse), Mesher::Winding);
+  EXPECT_EQ(methodOf(job(), kFine), Mesher::Winding);
+  EXPECT_EQ(methodOf(job(), {1, 1, 1}), Mesher::Winding);
 }
 
 TEST(ChooseMesher, TetsNeedTheEnvelope) {
   VoxelizeJob wanted = job();
-  for (const GridKind kind : {GridKind::TetId, GridKind::Material}) {
-    wanted.voxelize.grids = {GridKind::Density, kind};
-    EXPECT_TRUE(needsTets(wanted));
-    EXPECT_EQ(road(wanted, kFine), Mesher::Envelope);
-  }
+  wanted.voxelize.grids = {GridKind::Density, GridKind::TetId};
+  EXPECT_TRUE(needsTets(wanted));
+  EXPECT_EQ(methodOf(wanted, kFine), Mesher::Envelope);
   wanted = job();
   wanted.meshOutput = "out.vtu";
   EXPECT_TRUE(needsTets(wanted));
-  EXPECT_EQ(road(wanted, kFine), Mesher::Envelope);
+  EXPECT_EQ(methodOf(wanted, kFine), Mesher::Envelope);
   wanted.meshOutput = "out.stl";
   EXPECT_FALSE(needsTets(wanted));
-  EXPECT_EQ(road(wanted, kFine), Mesher::Winding);
+  EXPECT_EQ(methodOf(wanted, kFine), Mesher::Winding);
+}
+
+TEST(ChooseMesher, MaterialsNeedNoTets) {
+  VoxelizeJob wanted = job();
+  wanted.voxelize.grids = {GridKind::Material};
+  EXPECT_FALSE(needsTets(wanted));
+  EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
+  wanted.solid.shell = 0.1;
+  EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
+  wanted = job();
+  wanted.voxelize.grids = {GridKind::Material};
+  wanted.mesher = Mesher::Envelope;
+  EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Envelope);
 }
 
 TEST(ChooseMesher, EpsilonInAllItsUnits) {
   using Unit = RelativeLength::Unit;
   VoxelizeJob wanted = job();
+  wanted.mesher = Mesher::Envelope;
   EXPECT_DOUBLE_EQ(chooseMesher(wanted, 10, kCoarse).epsilon, 0.01); // half the shortest side
   wanted.epsilon = {0.25, Unit::Voxel};
   EXPECT_DOUBLE_EQ(chooseMesher(wanted, 10, kCoarse).epsilon, 0.005);
@@ -56,7 +67,8 @@ TEST(ChooseMesher, EpsilonInAllItsUnits) {
   EXPECT_DOUBLE_EQ(chooseMesher(wanted, 10, kCoarse).epsilon, 2.5);
   wanted.epsilon = {0.25, Unit::World};
   EXPECT_DOUBLE_EQ(chooseMesher(wanted, 10, kCoarse).epsilon, 0.25);
-  EXPECT_EQ(road(wanted, kFine), Mesher::Envelope);
+  wanted.mesher = Mesher::Auto;
+  EXPECT_EQ(methodOf(wanted, kFine), Mesher::Envelope);
   EXPECT_FALSE(needsTets(wanted)); // the winding number may take over
 }
 
@@ -64,18 +76,18 @@ TEST(ChooseMesher, WhatTheJobSays) {
   VoxelizeJob wanted = job();
   for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding, Mesher::Centroid}) {
     wanted.mesher = mesher;
-    EXPECT_EQ(road(wanted, kCoarse), mesher);
-    EXPECT_EQ(road(wanted, kFine), mesher);
+    EXPECT_EQ(methodOf(wanted, kCoarse), mesher);
+    EXPECT_EQ(methodOf(wanted, kFine), mesher);
   }
 }
 
 TEST(ChooseMesher, ShellsAndOtherRulesAreDirect) {
   VoxelizeJob wanted = job();
   wanted.solid.shell = 0.1;
-  EXPECT_EQ(road(wanted, kCoarse), Mesher::Winding);
+  EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
   wanted = job();
   wanted.solid.inside = InsideRule::Flood;
-  EXPECT_EQ(road(wanted, kCoarse), Mesher::Winding);
+  EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
 }
 
 TEST(ChooseMesher, RefusesContradictions) {

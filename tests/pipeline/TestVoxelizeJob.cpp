@@ -57,7 +57,7 @@ TEST_F(VoxelizeJobTest, WritesAVolumeAndSaysWhatItDid) {
   EXPECT_EQ(result.tets, 1u);
   EXPECT_NEAR(result.volume, 1.0 / 6, 1e-12);
   ASSERT_EQ(result.inputs.size(), 1u);
-  EXPECT_EQ(result.inputs[0].format, MeshFormat::Medit);
+  EXPECT_EQ(result.inputs[0].format, FileFormat::Medit);
   ASSERT_EQ(result.grids.size(), 1u);
   EXPECT_NEAR(result.grids[0].volume, 1.0 / 6, 0.02);
   ASSERT_EQ(result.outputs.size(), 1u);

@@ -3,11 +3,12 @@
 
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/NumberedPath.h"
+#include "tetvdb/pipeline/SequenceGrids.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -28,8 +29,10 @@ constexpr double kSmallVoxel = 1e-4;
 // Metres: what is smaller or larger is more likely in another unit.
 constexpr double kSmallModel = 0.01, kLargeModel = 1000;
 
-// What frames are compared by.
+// What frames are compared by, and judged together.
 struct FrameFacts {
+  std::vector<GridInfo> infos;
+  std::string units;                                   ///< of length, as the file says
   std::set<std::pair<std::string, std::string>> grids; ///< name and type
   std::map<std::string, openvdb::math::Transform::ConstPtr> transforms;
 };
@@ -73,10 +76,62 @@ double valueBytes(const std::string& type) {
   return type == "double" || type == "int64" ? 8 : 4;
 }
 
+// What the values and the size of grids say, in one file or in all frames of a sequence.
+class ContentCheck {
+public:
+  ContentCheck(const std::string& path, const CheckOptions& options, std::vector<Finding>& findings)
+      : path_(path), options_(options), findings_(findings) {}
+
+  void checkExtent(const std::vector<GridInfo>& infos, const std::string& units) const {
+    double longest = 0;
+    for (const GridInfo& info : infos)
+      for (std::size_t k = 0; k < 3 && info.activeVoxels > 0; ++k)
+        longest = std::max(longest, (static_cast<double>(info.boxMax[k]) - info.boxMin[k] + 1) *
+                                        std::abs(info.transform.voxelSize[k]));
+    if (longest == 0 || (longest >= kSmallModel && longest <= kLargeModel))
+      return;
+    add(Weight::Warning, "extent", "",
+        fmt::format("is {:.4g} units long{}, and {} takes a unit for a metre", longest,
+                    units.empty() ? "" : " (" + units + ")", targetName(options_.target)),
+        "scale the object after import, or the mesh before");
+  }
+
+  void checkValues(const GridInfo& info, const std::string& where = "") const {
+    if (info.activeVoxels == 0)
+      return add(Weight::Error, "no-voxels", info.name, "has no active voxels" + where,
+                 "leave it out");
+    const bool number = info.type == "float" || info.type == "double";
+    if (number && info.gridClass == "level set" && !(info.minValue < 0))
+      add(Weight::Warning, "class", info.name,
+          "is called a level set but has no negative values" + where + ": nothing is inside",
+          "set its class to 'fog volume'");
+    const std::string hidden = whyHidden(info);
+    if (!hidden.empty())
+      add(Weight::Warning, "hidden-values", info.name, hidden + where,
+          fmt::format("tetvdb voxelize with --remap {}=0:1{}", info.name,
+                      options_.target == CheckTarget::Blender
+                          ? ", or lower the render setting Volume > Clipping"
+                          : ""));
+  }
+
+  void add(Weight weight, std::string code, std::string grid, std::string text,
+           std::string cure) const {
+    findings_.push_back(
+        {weight, std::move(code), path_, std::move(grid), std::move(text), std::move(cure)});
+  }
+
+private:
+  const std::string& path_;
+  const CheckOptions& options_;
+  std::vector<Finding>& findings_;
+};
+
 class FileCheck {
 public:
-  FileCheck(const std::string& path, const CheckOptions& options, std::vector<Finding>& findings)
-      : path_(path), options_(options), findings_(findings) {}
+  /// `alone`: the file is no frame of a sequence, whose values and size are judged together.
+  FileCheck(const std::string& path, bool alone, const CheckOptions& options,
+            std::vector<Finding>& findings)
+      : path_(path), alone_(alone), options_(options), content_(path, options, findings) {}
 
   FrameFacts run(const Volume& volume) {
     const std::vector<GridInfo> infos = describe(volume);
@@ -101,12 +156,17 @@ public:
     }
     if (forBlender())
       checkVelocity(names);
+    facts.infos = infos;
+    const auto units = volume.metadata.find("units");
+    facts.units = units == volume.metadata.end() ? "" : units->second;
+    if (alone_)
+      content_.checkExtent(infos, facts.units);
     return facts;
   }
 
 private:
   void add(Weight weight, std::string code, std::string text, std::string cure) {
-    findings_.push_back({weight, std::move(code), path_, grid_, std::move(text), std::move(cure)});
+    content_.add(weight, std::move(code), grid_, std::move(text), std::move(cure));
   }
   bool forBlender() const { return options_.target == CheckTarget::Blender; }
 
@@ -133,23 +193,6 @@ private:
           "in Houdini y points up; the file does not say that it was "
           "made so",
           "if the model lies on its side, voxelize with --up-axis y");
-    checkExtent(volume, infos);
-  }
-
-  void checkExtent(const Volume& volume, const std::vector<GridInfo>& infos) {
-    double longest = 0;
-    for (const GridInfo& info : infos)
-      for (std::size_t k = 0; k < 3 && info.activeVoxels > 0; ++k)
-        longest = std::max(longest, (static_cast<double>(info.boxMax[k]) - info.boxMin[k] + 1) *
-                                        std::abs(info.transform.voxelSize[k]));
-    if (longest == 0 || (longest >= kSmallModel && longest <= kLargeModel))
-      return;
-    const auto units = volume.metadata.find("units");
-    add(Weight::Warning, "extent",
-        fmt::format("is {:.4g} units long{}, and {} takes a unit for a metre", longest,
-                    units == volume.metadata.end() ? "" : " (" + units->second + ")",
-                    targetName(options_.target)),
-        "scale the object after import, or the mesh before");
   }
 
   void checkTransform(const openvdb::math::Transform& transform,
@@ -185,19 +228,16 @@ private:
   }
 
   void checkGrid(const GridInfo& info) {
+    if (alone_)
+      content_.checkValues(info);
     if (info.activeVoxels == 0)
-      return add(Weight::Error, "no-voxels", "has no active voxels", "leave it out");
+      return;
     if (forBlender() && info.leaves == 0)
       add(Weight::Error, "tiles-alone",
           "holds tiles alone, of which Blender 3.4 and older draw nothing",
           "make it with tetvdb voxelize, which opens one tile, or voxelize its tiles");
     checkType(info);
     checkClass(info);
-    const std::string hidden = whyHidden(info);
-    if (!hidden.empty())
-      add(Weight::Warning, "hidden-values", hidden,
-          fmt::format("tetvdb voxelize with --remap {}=0:1{}", info.name,
-                      forBlender() ? ", or lower the render setting Volume > Clipping" : ""));
     if (forBlender() && background_ != 0 && info.gridClass != "level set")
       add(background_ > 0 ? Weight::Warning : Weight::Note, "background",
           fmt::format("has a background of {:.6g}, which Blender draws around the voxels as well",
@@ -246,51 +286,24 @@ private:
       add(Weight::Warning, "class",
           "has no class: surfaces made of a level set without it are inside out",
           "set it to 'fog volume' or 'level set'");
-    if (number && info.gridClass == "level set" && !(info.minValue < 0))
-      add(Weight::Warning, "class",
-          "is called a level set but has no negative values: nothing is inside",
-          "set its class to 'fog volume'");
   }
 
   const std::string& path_;
+  const bool alone_;
   const CheckOptions& options_;
-  std::vector<Finding>& findings_;
+  const ContentCheck content_;
   std::string grid_;
   bool mask_ = false;     ///< the grid is a MaskGrid
   double background_ = 0; ///< of a grid of single numbers
 };
 
-// "a.0007" of "out/a.0007.vdb" as "a.", 7 and "": what comes before and after its last number.
-struct NumberedName {
-  std::string before, digits, after;
-  std::optional<unsigned long long> number;
-
-  explicit NumberedName(const std::string& path) {
-    const std::string stem = fs::path(path).stem().string();
-    const auto digit = [&](std::size_t i) { return stem[i] >= '0' && stem[i] <= '9'; };
-    std::size_t end = stem.size();
-    while (end > 0 && !digit(end - 1))
-      --end;
-    std::size_t begin = end;
-    while (begin > 0 && digit(begin - 1))
-      --begin;
-    before = (fs::path(path).parent_path() / stem.substr(0, begin)).string();
-    digits = stem.substr(begin, end - begin);
-    after = stem.substr(end);
-    unsigned long long value = 0;
-    if (begin < end &&
-        std::from_chars(stem.data() + begin, stem.data() + end, value).ec == std::errc())
-      number = value;
-  }
-};
-
 void checkNames(const std::vector<std::string>& paths, CheckTarget target,
                 std::vector<Finding>& findings) {
   const std::string rename = "name frames NAME.0001.vdb, NAME.0002.vdb and so on";
-  const NumberedName first(paths.front());
+  const NumberedPath first(paths.front());
   std::vector<std::pair<unsigned long long, std::string>> numbers;
   for (const std::string& path : paths) {
-    const NumberedName name(path);
+    const NumberedPath name(path);
     if (!name.number || name.before != first.before || name.after != first.after) {
       findings.push_back({Weight::Error, "sequence-name", path, "",
                           name.number ? "is not named like the first frame"
@@ -356,6 +369,31 @@ void compareFrames(const std::vector<std::string>& paths, const std::vector<Fram
   }
 }
 
+// The values of a grid, and the size of the model, are those of all frames: a frame in which
+// nothing is there yet is none that is wrong.
+void checkContent(const std::vector<std::string>& paths, const CheckOptions& options,
+                  const std::vector<FrameFacts>& facts, std::vector<Finding>& findings) {
+  std::vector<std::vector<GridInfo>> infos;
+  for (const FrameFacts& frame : facts)
+    infos.push_back(frame.infos);
+  std::vector<GridInfo> all;
+  for (const SequenceGrid& grid : gridsOfSequence(infos)) {
+    all.push_back(grid.all);
+    const std::string& path = paths[grid.all.minValue < 0 ? grid.minFrame : grid.maxFrame];
+    ContentCheck(path, options, findings)
+        .checkValues(grid.all, fmt::format(" over {} frames", paths.size()));
+    if (!grid.emptyFrames.empty() && grid.all.activeVoxels > 0)
+      ContentCheck(paths[grid.emptyFrames.front()], options, findings)
+          .add(Weight::Note, "no-voxels", grid.all.name,
+               grid.emptyFrames.size() == 1
+                   ? "has no active voxels in this frame"
+                   : fmt::format("has no active voxels in this frame and {} others",
+                                 grid.emptyFrames.size() - 1),
+               "nothing, if the frame is to be empty");
+  }
+  ContentCheck(paths.front(), options, findings).checkExtent(all, facts.front().units);
+}
+
 } // namespace
 
 std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
@@ -365,12 +403,13 @@ std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
   progress.stage("check");
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const Volume volume = readVolume(paths[i], progress);
-    facts.push_back(FileCheck(paths[i], options, findings).run(volume));
+    facts.push_back(FileCheck(paths[i], paths.size() == 1, options, findings).run(volume));
     progress.update(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
   }
   if (paths.size() > 1) {
     checkNames(paths, options.target, findings);
     compareFrames(paths, facts, findings);
+    checkContent(paths, options, facts, findings);
   }
   return findings;
 }

@@ -37,8 +37,10 @@ struct Finding {
   std::string cure; ///< what to do
 };
 
-/// Looks at every file, then at the files as a sequence if there are several. Findings come in the
-/// files' order, and for a file in its grids' order:
+/// Looks at every file, then at the files as a sequence if there are several: no-voxels,
+/// hidden-values, a level set without an inside and extent are then judged over all frames, and the
+/// finding names a frame in which it shows; a grid that is empty in some frames is a note. Findings
+/// come in the files' order, and for a file in its grids' order, those of the sequence last:
 /// - file-type: the target does not read it
 /// - no-voxels, tiles-alone: nothing is drawn
 /// - name: empty, or twice in the file

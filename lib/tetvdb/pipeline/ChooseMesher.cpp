@@ -6,13 +6,9 @@
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
-#include <fmt/format.h>
 
 namespace tetvdb {
 namespace {
-
-// The smallest epsilon, in diagonals, that is chosen without being asked for.
-constexpr double kLeastEpsilon = 1e-3;
 
 bool asksForGrid(const VoxelizeJob& job, GridKind kind) {
   const auto& grids = job.voxelize.grids;
@@ -27,15 +23,13 @@ bool asksForTetFile(const VoxelizeJob& job) {
 std::string tetsFor(const VoxelizeJob& job) {
   if (asksForGrid(job, GridKind::TetId))
     return "--grid tet_id";
-  if (asksForGrid(job, GridKind::Material))
-    return "--grid material";
   if (asksForTetFile(job))
     return "--write-mesh " + job.meshOutput;
   return job.epsilon.value > 0 ? "--epsilon" : "";
 }
 
-// What only the direct road can do; empty where nothing asks for it.
-std::string directFor(const VoxelizeJob& job) {
+// What only the methods without tets can do; empty where nothing asks for it.
+std::string noTetsFor(const VoxelizeJob& job) {
   if (job.solid.shell > 0)
     return "--shell";
   return job.solid.inside == InsideRule::Winding ? "" : "--inside";
@@ -49,12 +43,11 @@ std::string nameOf(Mesher mesher) {
 }
 
 bool needsTets(const VoxelizeJob& job) {
-  return asksForGrid(job, GridKind::TetId) || asksForGrid(job, GridKind::Material) ||
-         asksForTetFile(job);
+  return asksForGrid(job, GridKind::TetId) || asksForTetFile(job);
 }
 
 void checkMesher(const VoxelizeJob& job) {
-  const std::string tets = tetsFor(job), direct = directFor(job);
+  const std::string tets = tetsFor(job), without = noTetsFor(job);
   if (job.mesher == Mesher::Winding || job.mesher == Mesher::Centroid) {
     if (!tets.empty())
       throw Error(Status::Usage, tets,
@@ -62,13 +55,13 @@ void checkMesher(const VoxelizeJob& job) {
                   "use --mesher envelope");
     return;
   }
-  if (direct.empty())
+  if (without.empty())
     return;
   if (!tets.empty())
-    throw Error(Status::Usage, tets, "is for tets, which " + direct + " does not make",
+    throw Error(Status::Usage, tets, "is for tets, which " + without + " does not make",
                 "leave one of them out");
   if (job.mesher == Mesher::Envelope)
-    throw Error(Status::Usage, direct, "does not go with --mesher envelope",
+    throw Error(Status::Usage, without, "does not go with --mesher envelope",
                 "use --mesher winding");
 }
 
@@ -82,12 +75,9 @@ MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& 
     return {job.mesher, "asked for", 0};
   if (const std::string tets = tetsFor(job); !tets.empty())
     return {Mesher::Envelope, tets + " needs tets", epsilon};
-  if (const std::string direct = directFor(job); !direct.empty())
-    return {Mesher::Winding, direct + " needs no tets", 0};
-  const std::string size = fmt::format("half a voxel is {:.3g} of the diagonal", half / diagonal);
-  if (half >= kLeastEpsilon * diagonal)
-    return {Mesher::Envelope, size + fmt::format(", at least {}", kLeastEpsilon), epsilon};
-  return {Mesher::Winding, size + fmt::format(", below {}", kLeastEpsilon), 0};
+  if (const std::string without = noTetsFor(job); !without.empty())
+    return {Mesher::Winding, without + " needs no tets", 0};
+  return {Mesher::Winding, "no output asks for tets", 0};
 }
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// By which road triangles become a solid.
+// By which method triangles become a solid.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -23,23 +23,22 @@ enum class Mesher : std::uint8_t {
 std::string nameOf(Mesher mesher);
 
 struct MesherChoice {
-  Mesher road = Mesher::Winding; ///< not Auto
-  std::string why;               ///< one clause, without a full stop
-  double epsilon = 0;            ///< of the envelope, world units; 0 for other roads
+  Mesher method = Mesher::Winding; ///< not Auto
+  std::string why;                 ///< one clause, without a full stop
+  double epsilon = 0;              ///< of the envelope, world units; 0 for other methods
 };
 
-/// Throws Error(Usage) where what the job asks for excludes each other: tets of a road that makes
+/// Throws Error(Usage) where what the job asks for excludes each other: tets of a method that makes
 /// none, a shell of tets.
 void checkMesher(const VoxelizeJob& job);
 
-/// The road for a job that checkMesher() has passed. Unless the job says: the envelope mesher where
-/// tets are asked for (the grids tet_id and material, a mesh output of tets, an epsilon); the
-/// winding number for shells and for other rules than InsideRule::Winding; else the envelope mesher
-/// while its epsilon, half a voxel, is at least 1e-3 of the diagonal, and for finer grids the
-/// winding number, which is faster there.
+/// The method for a job that checkMesher() has passed: what the job says, and for Mesher::Auto the
+/// envelope mesher where tets are asked for (the grid tet_id, a mesh output of tets, an epsilon),
+/// otherwise the winding number, which is exact for closed meshes at any voxel size. The diagonal
+/// of the mesh's box and the voxel size, both in world units, serve to find epsilon.
 MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& voxelSize);
 
-/// Whether grids or mesh output need tets, so that no other road will do.
+/// Whether grids or mesh output need tets, so that no other method will do.
 bool needsTets(const VoxelizeJob& job);
 
 } // namespace tetvdb

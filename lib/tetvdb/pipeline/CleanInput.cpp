@@ -22,6 +22,14 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
     report.warn("flipped-faces",
                 fmt::format("{}{} of {} faces looked the wrong way and were turned", where,
                             counts.flippedFaces, mesh.triangleCount()));
+  if (counts.doubtful) {
+    report.warn("doubtful-orientation",
+                fmt::format("{}which way faces look is not clear: as they are, the mesh holds a "
+                            "volume of about {:.4g}, turned so that neighbours agree {:.4g}; look "
+                            "at the result, and see --keep-orientation",
+                            where, counts.fileVolume, counts.turnedVolume));
+    report.partial = true;
+  }
   return counts;
 }
 

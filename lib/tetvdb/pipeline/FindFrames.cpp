@@ -2,11 +2,10 @@
 #include "tetvdb/pipeline/FindFrames.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/ExodusReader.h"
-#include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/Formats.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/io/VtuMarkup.h"
-#include "tetvdb/io/XdmfReader.h"
+#include "tetvdb/pipeline/NumberedPath.h"
 
 #include <algorithm>
 #include <charconv>
@@ -15,7 +14,9 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 namespace tetvdb {
@@ -23,24 +24,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isDigit(char c) {
-  return c >= '0' && c <= '9';
-}
-
 bool exists(const std::string& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
 }
 
-bool isPattern(const std::string& path) {
-  return path.find_first_of("*?") != std::string::npos && !exists(path);
-}
-
 bool isCollection(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension)
-    c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return extension == ".pvd";
+  return endingOf(path) == ".pvd";
 }
 
 // '*' for any characters, '?' for one.
@@ -65,23 +55,13 @@ bool matches(std::string_view pattern, std::string_view name) {
   return p == pattern.size();
 }
 
-// The last run of digits in a name without its extension.
-std::optional<unsigned long long> numberIn(const std::string& path) {
-  const std::string stem = fs::path(path).stem().string();
-  std::size_t end = stem.size();
-  while (end > 0 && !isDigit(stem[end - 1]))
-    --end;
-  std::size_t begin = end;
-  while (begin > 0 && isDigit(stem[begin - 1]))
-    --begin;
-  unsigned long long number = 0;
-  const auto [stop, error] = std::from_chars(stem.data() + begin, stem.data() + end, number);
-  if (begin == end || error != std::errc())
-    return {};
-  return number;
-}
+struct NumberedFile {
+  unsigned long long number;
+  std::string path;
+};
 
-std::vector<Frame> framesOfPattern(const std::string& pattern, bool allowGaps) {
+// The files whose names match, in no order.
+std::vector<std::string> filesLike(const std::string& pattern) {
   const fs::path path(pattern);
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (folder.string().find_first_of("*?") != std::string::npos)
@@ -91,45 +71,49 @@ std::vector<Frame> framesOfPattern(const std::string& pattern, bool allowGaps) {
   fs::directory_iterator entries(folder, error);
   if (error)
     throw Error(Status::Invalid, folder.string(), "cannot be listed: " + error.message());
-  struct Found {
-    unsigned long long number;
-    std::string path;
-  };
-  std::vector<Found> found;
+  std::vector<std::string> found;
   for (const fs::directory_entry& entry : entries) {
     const std::string name = entry.path().filename().string();
-    if (!matches(path.filename().string(), name) || !entry.is_regular_file(error))
-      continue;
-    const std::string file = path.has_parent_path() ? entry.path().string() : name;
-    const auto number = numberIn(name);
-    if (!number)
-      throw Error(Status::Invalid, file, "has no number in its name, by which frames are ordered",
-                  "use a narrower pattern");
-    found.push_back({*number, file});
+    if (matches(path.filename().string(), name) && entry.is_regular_file(error))
+      found.push_back(path.has_parent_path() ? entry.path().string() : name);
   }
   if (found.empty())
     throw Error(Status::Invalid, pattern, "no file has a name like that");
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+  return found;
+}
+
+// A frame a file, in the order of their numbers. `what` names the files in messages.
+std::vector<Frame> framesByNumber(const std::vector<std::string>& paths, const std::string& what,
+                                  bool allowGaps) {
+  std::vector<NumberedFile> files;
+  for (const std::string& path : paths) {
+    const NumberedPath name(path);
+    if (!name.number)
+      throw Error(Status::Invalid, path, "has no number in its name, by which frames are ordered",
+                  "use a narrower pattern");
+    files.push_back({*name.number, path});
+  }
+  std::sort(files.begin(), files.end(), [](const NumberedFile& a, const NumberedFile& b) {
     return std::tie(a.number, a.path) < std::tie(b.number, b.path);
   });
   unsigned long long step = 0;
-  for (std::size_t i = 1; i < found.size(); ++i) {
-    const unsigned long long between = found[i].number - found[i - 1].number;
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const unsigned long long between = files[i].number - files[i - 1].number;
     if (between == 0)
-      throw Error(Status::Invalid, found[i].path,
-                  fmt::format("has the number {} as '{}' has", found[i].number, found[i - 1].path),
+      throw Error(Status::Invalid, files[i].path,
+                  fmt::format("has the number {} as '{}' has", files[i].number, files[i - 1].path),
                   "use a narrower pattern");
     step = step == 0 ? between : std::min(step, between);
   }
-  for (std::size_t i = 1; i < found.size() && !allowGaps; ++i)
-    if (found[i].number - found[i - 1].number != step)
-      throw Error(Status::Invalid, pattern,
-                  fmt::format("number {} is missing: '{}' follows '{}'", found[i - 1].number + step,
-                              found[i].path, found[i - 1].path),
+  for (std::size_t i = 1; i < files.size() && !allowGaps; ++i)
+    if (files[i].number - files[i - 1].number != step)
+      throw Error(Status::Invalid, what,
+                  fmt::format("number {} is missing: '{}' follows '{}'", files[i - 1].number + step,
+                              files[i].path, files[i - 1].path),
                   "put it there, or use --allow-gaps to go on with the next one");
   std::vector<Frame> frames;
-  for (Found& one : found)
-    frames.push_back({{std::move(one.path)}, -1, {}});
+  for (NumberedFile& file : files)
+    frames.push_back({{std::move(file.path)}, -1, {}});
   return frames;
 }
 
@@ -170,13 +154,12 @@ std::vector<Frame> framesOfCollection(const std::string& path) {
 
 std::vector<Frame> framesOfFile(const std::string& path, Report& report, Progress& progress) {
   const MappedFile file(path);
-  const MeshFormat format = sniffMeshFormat(file.bytes(), path);
-  if (format != MeshFormat::Exodus && format != MeshFormat::Xdmf)
+  const Format& format = formatOf(sniffFormat(file.bytes(), path));
+  if (!can(format, FormatUse::ReadSteps))
     throw Error(Status::Usage, "--frames", path + " is no sequence",
-                "name a .pvd, .xdmf or Exodus file or a pattern such as 'frame_*.vtu'");
-  const std::vector<double> times = format == MeshFormat::Xdmf
-                                        ? xdmfTimes(file.source())
-                                        : exodusTimes(file.source(), report, progress);
+                "name a .pvd file, a pattern such as 'frame_*.vtu' or a file of several steps (" +
+                    endingList(FormatUse::ReadSteps) + ")");
+  const std::vector<double> times = format.readTimes(file.source(), report, progress);
   if (times.empty())
     throw Error(Status::Invalid, path, "has no time steps", "leave --frames out");
   std::vector<Frame> frames;
@@ -201,25 +184,65 @@ std::vector<Frame> chosen(std::vector<Frame> frames, const FrameRange& range) {
 
 } // namespace
 
+bool isNumbered(const std::vector<std::string>& paths) {
+  if (paths.size() < 2)
+    return false;
+  const NumberedPath first(paths.front());
+  std::set<unsigned long long> numbers;
+  for (const std::string& path : paths) {
+    const NumberedPath name(path);
+    if (!name.number || name.before != first.before || name.after != first.after ||
+        name.extension != first.extension || !numbers.insert(*name.number).second)
+      return false;
+  }
+  return true;
+}
+
 std::vector<Frame> findFrames(const std::vector<std::string>& inputs,
                               const std::optional<FrameRange>& range, bool allowGaps,
                               Report& report, Progress& progress) {
   const auto isSequence = [](const std::string& path) {
     return isPattern(path) || isCollection(path);
   };
-  if (!range && std::none_of(inputs.begin(), inputs.end(), isSequence))
+  const bool numbered = isNumbered(inputs);
+  if (!range && !numbered && std::none_of(inputs.begin(), inputs.end(), isSequence))
     return {};
-  if (inputs.size() != 1)
+  if (inputs.size() != 1 && !numbered)
     throw Error(Status::Usage, "", "a sequence stands alone, but there are several inputs",
                 "quote the pattern: 'frame_*.vtu'");
   std::vector<Frame> frames;
-  if (isPattern(inputs.front()))
-    frames = framesOfPattern(inputs.front(), allowGaps);
+  if (numbered)
+    frames = framesByNumber(inputs, inputs.front(), allowGaps);
+  else if (isPattern(inputs.front()))
+    frames = framesByNumber(filesLike(inputs.front()), inputs.front(), allowGaps);
   else if (isCollection(inputs.front()))
     frames = framesOfCollection(inputs.front());
   else
     frames = framesOfFile(inputs.front(), report, progress);
   return range ? chosen(std::move(frames), *range) : frames;
+}
+
+bool isPattern(const std::string& path) {
+  return path.find_first_of("*?") != std::string::npos && !exists(path);
+}
+
+std::vector<std::string> filesOf(const std::vector<std::string>& inputs) {
+  std::vector<std::string> files;
+  for (const std::string& input : inputs) {
+    if (isCollection(input))
+      throw Error(Status::Usage, input, "is a collection of times, not of parts of one volume",
+                  "name the files of one time");
+    if (!isPattern(input)) {
+      files.push_back(input);
+      continue;
+    }
+    std::vector<std::string> found = filesLike(input);
+    std::sort(found.begin(), found.end(), [](const std::string& a, const std::string& b) {
+      return std::make_pair(NumberedPath(a).number, a) < std::make_pair(NumberedPath(b).number, b);
+    });
+    files.insert(files.end(), found.begin(), found.end());
+  }
+  return files;
 }
 
 std::string frameName(const std::string& output, std::size_t number, std::size_t count) {

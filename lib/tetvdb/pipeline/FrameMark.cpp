@@ -72,17 +72,18 @@ std::string frameMark(const VoxelizeJob& job) {
   for (const std::string& input : job.inputs) {
     addInput(text, input);
     const MappedFile file(input);
-    if (sniffMeshFormat(file.bytes(), input) == MeshFormat::Xdmf)
+    if (sniffFormat(file.bytes(), input) == FileFormat::Xdmf)
       for (const std::string& beside : xdmfFiles(file.source()))
         addInput(text, beside);
   }
   text << job.read.regionArray << job.read.timeStep << job.filter.regions << job.filter.exclude
        << job.filter.boxMin << job.filter.boxMax;
-  text << job.clean.weldDistance << job.clean.orient << static_cast<int>(job.solid.inside)
-       << job.solid.shell << static_cast<int>(job.mesher) << job.epsilon.value
-       << static_cast<int>(job.epsilon.unit) << static_cast<int>(job.up);
+  text << job.clean.weldDistance.value_or(-1) << job.clean.orient
+       << static_cast<int>(job.solid.inside) << job.solid.shell << static_cast<int>(job.solid.side)
+       << static_cast<int>(job.mesher) << job.epsilon.value << static_cast<int>(job.epsilon.unit)
+       << static_cast<int>(job.up);
   text << job.voxelize.voxelSize << job.voxelize.origin << static_cast<int>(job.voxelize.rule)
-       << job.voxelize.grids.size();
+       << job.voxelize.fit.voxels << job.voxelize.fit.padding << job.voxelize.grids.size();
   for (const GridKind kind : job.voxelize.grids)
     text << static_cast<int>(kind);
   text << job.shapes.grids.size() << job.shapes.halfWidth;

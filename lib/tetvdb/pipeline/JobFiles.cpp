@@ -3,9 +3,10 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/ReferredFiles.h"
+#include "tetvdb/pipeline/FindFrames.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -16,11 +17,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string lowerExtension(const std::string& path) {
-  std::string extension = fs::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
+std::string_view thingsOf(FormatUse use) {
+  switch (use) {
+  case FormatUse::WriteTets:
+    return " for tets";
+  case FormatUse::WriteTriangles:
+    return " for triangles";
+  case FormatUse::WriteArrays:
+    return " for arrays";
+  default:
+    return " for volumes";
+  }
+}
+
+[[noreturn]] void failEnding(const std::string& path, std::string_view advice) {
+  const std::string ending = endingOf(path);
+  throw Error(Status::Usage, path,
+              ending.empty() ? "the output's name has no extension"
+                             : "cannot write files that end in '" + ending + "'",
+              advice);
 }
 
 std::size_t residentBytes() {
@@ -41,8 +56,9 @@ std::string megabytes(std::size_t bytes) {
 } // namespace
 
 OutputInfo written(const std::string& path) {
-  std::error_code ignored;
-  return {path, static_cast<std::uint64_t>(fs::file_size(path, ignored))};
+  std::error_code error;
+  const auto bytes = fs::file_size(path, error);
+  return {path, error ? 0 : static_cast<std::uint64_t>(bytes)};
 }
 
 std::vector<std::string> uniqueStems(const std::vector<std::string>& paths) {
@@ -58,24 +74,42 @@ std::vector<std::string> uniqueStems(const std::vector<std::string>& paths) {
   return names;
 }
 
-void requireExtension(const std::string& path, std::initializer_list<std::string_view> known,
-                      std::string_view advice) {
-  const std::string extension = lowerExtension(path);
-  if (std::find(known.begin(), known.end(), extension) != known.end())
-    return;
-  throw Error(Status::Usage, path,
-              extension.empty() ? "the output's name has no extension"
-                                : "cannot write files that end in '" + extension + "'",
-              advice);
+void requireFormat(const std::string& path, std::initializer_list<FormatUse> uses) {
+  std::string advice;
+  for (const FormatUse use : uses) {
+    if (formatForEnding(path, use) != nullptr)
+      return;
+    advice += (advice.empty() ? "name it " : ", ") + endingList(use);
+    if (uses.size() > 1)
+      advice += thingsOf(use);
+  }
+  failEnding(path, advice);
 }
 
-void requireNoInput(const std::string& output, const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) {
-    std::error_code ignored;
-    if (fs::equivalent(output, input, ignored))
-      throw Error(Status::Usage, output, "is an input as well as the output",
-                  "choose another name");
+void requireExtension(const std::string& path, std::initializer_list<std::string_view> known,
+                      std::string_view advice) {
+  if (std::find(known.begin(), known.end(), endingOf(path)) == known.end())
+    failEnding(path, advice);
+}
+
+void addInput(FileUse& files, const std::string& path) {
+  files.reads(path);
+  const std::vector<std::string> matching =
+      isPattern(path) ? filesOf({path}) : std::vector<std::string>{path};
+  for (const std::string& file : matching) {
+    files.reads(file);
+    for (const std::string& other : referredFiles(file))
+      files.reads(other);
   }
+}
+
+void requireSeparateFiles(const std::vector<std::string>& inputs,
+                          const std::vector<std::string>& outputs) {
+  FileUse files;
+  for (const std::string& input : inputs)
+    addInput(files, input);
+  for (const std::string& output : outputs)
+    files.writes(output);
 }
 
 void requireWritable(const std::string& path) {

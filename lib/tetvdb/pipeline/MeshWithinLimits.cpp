@@ -24,7 +24,7 @@ private:
   Progress::Clock::time_point deadline_;
 };
 
-// What stopped the mesher, if another road may be tried then.
+// What stopped the mesher, if another method may be tried then.
 std::string reasonOf(const Error& error) {
   switch (error.status()) {
   case Status::Cancelled:

@@ -19,8 +19,8 @@ struct MesherStop {
   std::string why;            ///< one clause
 };
 
-/// tetrahedralize() for a job that has another road: with half of the time that is left until the
-/// progress's deadline, so that the other half serves that road. Nothing, and `stop`, where the
+/// tetrahedralize() for a job that has another method: with half of the time that is left until the
+/// progress's deadline, so that the other half serves that method. Nothing, and `stop`, where the
 /// time or the memory does not suffice or nothing is inside; `report` then has the stage, but no
 /// warnings of it. Throws Error(Cancelled) where the job was cancelled, and what else the mesher
 /// throws.

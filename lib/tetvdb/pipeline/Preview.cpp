@@ -3,10 +3,11 @@
 
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/PictureMaker.h"
-#include "tetvdb/pipeline/VolumeSubject.h"
 #include "tetvdb/visualize/WritePng.h"
+#include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <memory>
 #include <unistd.h>
 #include <utility>
@@ -19,6 +20,7 @@ namespace {
 constexpr int kWidth = 256, kHeight = 192; ///< of a panel
 constexpr double kRefinedShare = 0.06;
 constexpr std::uint32_t kSkyRays = 2;
+constexpr int kMostArrays = 6; ///< that have a panel
 
 PictureOptions optionsFor(bool yUp) {
   PictureOptions options;
@@ -43,11 +45,10 @@ Image pictureOf(std::unique_ptr<Subject> subject, const std::string& caption,
 
 } // namespace
 
-void checkPreviewPath(const std::string& path, const std::vector<std::string>& inputs) {
+void checkPreviewPath(const std::string& path) {
   if (path.empty())
     return;
   requireExtension(path, {".png"}, "name it .png");
-  requireNoInput(path, inputs);
   requireWritable(path);
 }
 
@@ -82,6 +83,33 @@ void Preview::volume(const Volume& volume, Report& report, Progress& progress) {
   options.view = "top";
   panels_.push_back({"slice", pictureOf(subjectOf(volume, show), yUp_ ? "slice y" : "slice z",
                                         options, report, progress)});
+  arrays(volume, show, options, report, progress);
+}
+
+void Preview::arrays(const Volume& volume, VolumeShow show, const PictureOptions& options,
+                     Report& report, Progress& progress) {
+  const auto isShape = [](const openvdb::GridBase::Ptr& grid) {
+    const std::string name = grid->getName();
+    return name == "surface" || name == "density" || name == "coverage" || name == "mask" ||
+           name == "fog";
+  };
+  const auto& grids = volume.grids().all;
+  const bool anyShape = std::any_of(grids.begin(), grids.end(), isShape);
+  int shown = 0;
+  for (std::size_t i = anyShape ? 0 : 1; i < grids.size();
+       ++i) { // without a shape 0 is the main one
+    if (isShape(grids[i]) || grids[i]->empty())
+      continue;
+    if (++shown > kMostArrays) {
+      report.warn("preview-arrays",
+                  fmt::format("the preview shows the first {} arrays", kMostArrays));
+      return;
+    }
+    show.grid = show.color = grids[i]->getName();
+    panels_.push_back({show.grid, pictureOf(subjectOf(volume, show),
+                                            show.grid + (yUp_ ? ", slice y" : ", slice z"), options,
+                                            report, progress)});
+  }
 }
 
 PreviewInfo Preview::info() const {

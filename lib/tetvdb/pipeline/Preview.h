@@ -13,6 +13,8 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/PictureMaker.h"
+#include "tetvdb/pipeline/VolumeSubject.h"
 #include "tetvdb/visualize/Image.h"
 #include "tetvdb/volume/Volume.h"
 
@@ -30,7 +32,7 @@ struct PreviewInfo {
 
 /// Throws what is wrong with a preview's path before any work, as for other outputs; an empty one
 /// is in order.
-void checkPreviewPath(const std::string& path, const std::vector<std::string>& inputs);
+void checkPreviewPath(const std::string& path);
 
 /// Panels are drawn as soon as what they show is there, since jobs let go of it; every one takes a
 /// copy of its mesh while it is drawn, and adds to stage "preview". All look from the front, right
@@ -46,7 +48,9 @@ public:
                Progress& progress);
   /// Cut open across the middle, cells coloured by quality.
   void tets(const TetMesh& mesh, Report& report, Progress& progress);
-  /// The volume's main grid as a solid, and a slice through its middle.
+  /// The volume's main grid as a solid, a slice through its middle, and the same slice of every
+  /// other grid that is no shape: arrays, materials, numbers of tets. Of more than six the first
+  /// six, with the warning "preview-arrays".
   void volume(const Volume& volume, Report& report, Progress& progress);
 
   bool isEmpty() const { return panels_.empty(); }
@@ -58,6 +62,9 @@ public:
   std::optional<PreviewInfo> writeBeside(const std::string& output, const std::string& path) const;
 
 private:
+  void arrays(const Volume& volume, VolumeShow show, const PictureOptions& options, Report& report,
+              Progress& progress);
+
   struct Panel {
     std::string name;
     Image image;

@@ -27,6 +27,15 @@ void nameFile(const std::string& path, std::size_t first, Report& report) {
       report.warnings[i].text = path + ": " + report.warnings[i].text;
 }
 
+std::vector<double> timesOf(const std::string& path, FileFormat format, Progress& progress) {
+  const auto readTimes = formatOf(format).readTimes;
+  if (readTimes == nullptr)
+    return {};
+  const MappedFile file(path);
+  Report unused; // the same warnings as of the mesh
+  return readTimes(file.source(), unused, progress);
+}
+
 } // namespace
 
 void turnUp(std::vector<Vec3d>& points, UpAxis up) {
@@ -42,13 +51,14 @@ bool holdsTriangles(const std::string& path) {
       !std::filesystem::is_directory(path, ignored))
     return false; // what a pipe holds can be read only once
   const MappedFile file(path);
-  return holdsTriangles(sniffMeshFormat(file.bytes(), path));
+  Progress progress;
+  return holdsTriangles(file.source(), progress);
 }
 
 TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
                  InputInfo* info, Report& report, Progress& progress) try {
   const std::size_t warningsBefore = report.warnings.size();
-  MeshFormat format = MeshFormat::Unknown;
+  FileFormat format = FileFormat::Unknown;
   CellMesh cells = readCells(path, options, report, progress, &format);
   if (info != nullptr) {
     info->path = path;
@@ -56,6 +66,10 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
     info->vertices = cells.points.size();
     for (const CellRun& run : cells.runs)
       info->cells[run.fileType] += run.count;
+    info->times = timesOf(path, format, progress);
+    if (!info->times.empty())
+      info->step = options.timeStep < 0 ? info->times.size() - 1
+                                        : static_cast<std::size_t>(options.timeStep);
   }
   progress.check();
   TetMesh mesh = splitCells(std::move(cells), filter, report, progress);
@@ -74,7 +88,7 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
 TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report,
                       Progress& progress) try {
   const std::size_t warningsBefore = report.warnings.size();
-  MeshFormat format = MeshFormat::Unknown;
+  FileFormat format = FileFormat::Unknown;
   TriangleMesh mesh = readTriangles(path, report, progress, &format);
   nameFile(path, warningsBefore, report);
   if (info != nullptr) {

@@ -22,11 +22,13 @@ namespace tetvdb {
 /// What one input file held.
 struct InputInfo {
   std::string path;
-  MeshFormat format = MeshFormat::Unknown;
+  FileFormat format = FileFormat::Unknown;
   std::size_t vertices = 0;
   std::size_t tets = 0;      ///< after splitting and filtering
   std::size_t triangles = 0; ///< of files that hold triangles: these have no cells and no tets
   std::string units;         ///< where the file says so
+  std::vector<double> times; ///< of all steps of a file that has several
+  std::size_t step = 0;      ///< which of them was read, from 0
   /// Number of cells of every kind, as the file names it.
   std::map<std::string, std::size_t> cells;
   TetStatistics statistics; ///< of those tets

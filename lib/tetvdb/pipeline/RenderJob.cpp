@@ -73,20 +73,9 @@ private:
     std::vector<std::string> inputs;
     for (const RenderInput& input : job_.inputs)
       inputs.push_back(input.path);
-    for (std::size_t i = 0; i < std::max<std::size_t>(job_.turntable, 1); ++i) {
-      requireNoInput(outputName(i), inputs);
-      if (i == 0)
-        requireWritable(outputName(i));
-    }
-  }
-
-  std::string outputName(std::size_t picture) const {
-    if (job_.turntable == 0)
-      return job_.output;
-    std::string number = std::to_string(picture + 1);
-    number.insert(0, 4 - number.size(), '0');
-    const std::size_t dot = job_.output.size() - 4; // ".png", in any case
-    return job_.output.substr(0, dot) + "." + number + job_.output.substr(dot);
+    const std::vector<std::string> outputs = pictureNames(job_.output, job_.turntable);
+    requireSeparateFiles(inputs, outputs);
+    requireWritable(outputs.front());
   }
 
   // What a file holds, as a subject.
@@ -129,11 +118,12 @@ private:
   void write(const std::vector<std::string>& files) {
     StageTimer timer(report_, "write");
     progress_.stage("write");
+    const std::vector<std::string> names = pictureNames(job_.output, job_.turntable);
     for (std::size_t i = 0; i < files.size(); ++i) {
-      AtomicFile file(outputName(i));
+      AtomicFile file(names[i]);
       file.write(files[i].data(), files[i].size());
       file.commit();
-      result_.outputs.push_back(written(outputName(i)));
+      result_.outputs.push_back(written(names[i]));
     }
   }
 
@@ -144,6 +134,19 @@ private:
 };
 
 } // namespace
+
+std::vector<std::string> pictureNames(const std::string& output, std::size_t turntable) {
+  if (turntable == 0)
+    return {output};
+  const std::size_t dot = output.size() - std::filesystem::path(output).extension().string().size();
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i <= turntable; ++i) {
+    std::string number = std::to_string(i);
+    number.insert(0, 4 - std::min<std::size_t>(number.size(), 4), '0');
+    names.push_back(output.substr(0, dot) + "." + number + output.substr(dot));
+  }
+  return names;
+}
 
 RenderResult run(const RenderJob& job, Report& report, Progress& progress) {
   if (job.threads <= 0)

@@ -47,6 +47,10 @@ struct RenderResult {
   std::vector<OutputInfo> outputs;
 };
 
+/// The files that a picture or a turntable of so many pictures is written to: OUT.png, or
+/// OUT.0001.png and so on.
+std::vector<std::string> pictureNames(const std::string& output, std::size_t turntable);
+
 /// Reads all files, draws them (several side by side at one scale, with their names), and writes
 /// once all pictures are there. Adds stages "read", "scene", "render" and "write" to `report`.
 /// Throws what the steps throw, with the file's name; Error(Usage) for what does not fit the

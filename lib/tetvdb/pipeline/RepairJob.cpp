@@ -2,19 +2,36 @@
 #include "tetvdb/pipeline/RepairJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/io/ThreeMfWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/MeshObjects.h"
+#include "tetvdb/surface/CompareSolids.h"
 #include "tetvdb/surface/ExtractSurface.h"
-#include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/FinestDetail.h"
 #include "tetvdb/surface/TetSurface.h"
 #include "tetvdb/surface/TriangleScene.h"
 
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 #include <utility>
+#include <vector>
 
 namespace tetvdb {
 namespace {
+
+constexpr double kVolumeTolerance = 0.02; // of the solid's volume
+// Of a surface made anew, before simplification: it takes some tens of seconds on one core.
+constexpr std::size_t kMostFaces = 4000000;
+constexpr std::size_t kBytesPerFace = 1000; // of all stages together
+constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
+constexpr std::size_t kFewestFaces = 4;     // of a closed surface
+constexpr std::size_t kDistanceSamples = 20000; // on each mesh
 
 // Divergence theorem, about the first point.
 double volumeOf(const TriangleMesh& mesh) {
@@ -28,76 +45,108 @@ double volumeOf(const TriangleMesh& mesh) {
   return sum / 6;
 }
 
+// One object.
 class Repair {
 public:
   Repair(const RepairJob& job, Report& report, Progress& progress)
       : job_(job), report_(report), progress_(progress) {}
 
-  RepairResult run() {
-    requireExtension(job_.output, {".stl", ".obj", ".ply", ".off", ".3mf"},
-                     "name it .stl, .obj, .ply, .off or .3mf");
-    requireNoInput(job_.output, {job_.input});
-    requireWritable(job_.output);
-    checkPreviewPath(job_.preview, {job_.input});
-    TriangleMesh surface = job_.isVolume ? fromVolume() : fromMesh();
-    result_.vertices = surface.points.size();
-    result_.triangles = surface.triangleCount();
-    result_.volumeAfter = volumeOf(surface);
-    if (!job_.preview.empty())
-      preview_.surface(surface, "repaired", report_, progress_);
-    StageTimer timer(report_, "write");
-    progress_.stage("write");
-    writeTriangles(job_.output, surface, progress_);
-    result_.preview = preview_.writeBeside(job_.output, job_.preview);
-    result_.output = written(job_.output);
-    return std::move(result_);
+  RepairResult& result() { return result_; }
+
+  TriangleMesh ofVolume(const Volume& volume) {
+    result_.source = SolidSource::Volume;
+    return finished(extract(volume, nullptr));
+  }
+
+  TriangleMesh ofMesh(const TriangleMesh& given) {
+    TriangleMesh mesh = given;
+    clean(mesh);
+    TriangleMesh surface = mesh;
+    if (job_.remesh || job_.solid.shell > 0 || !repairInPlace(surface)) {
+      surface = remesh(mesh);
+      compareVolumes(mesh, surface);
+    }
+    lookAtChanges(given, surface);
+    return finished(std::move(surface));
   }
 
 private:
-  TriangleMesh fromVolume() {
-    result_.source = SolidSource::Volume;
-    Volume volume;
-    {
-      StageTimer timer(report_, "read");
-      progress_.stage("read");
-      volume = readVolume(job_.input, progress_);
-    }
-    if (!job_.preview.empty())
-      preview_.volume(volume, report_, progress_);
-    return extract(volume, nullptr);
-  }
-
-  TriangleMesh fromMesh() {
-    TriangleMesh mesh = read();
-    if (!job_.preview.empty())
-      preview_.input(mesh, report_, progress_);
-    clean(mesh);
-    if (!job_.remesh && job_.solid.shell == 0 && isInOrder(mesh)) {
-      result_.remeshed = false;
-      return mesh;
-    }
-    const Volume volume = voxelizeMesh(mesh);
-    const std::string units = mesh.units;
-    TriangleMesh surface;
-    {
-      const TriangleScene scene(mesh);
-      surface = extract(volume, &scene);
-    }
-    surface.units = units;
+  TriangleMesh finished(TriangleMesh surface) {
+    if (job_.finish.isAsked())
+      result_.finished = finishSurface(surface, job_.finish, report_, progress_);
+    result_.vertices = surface.points.size();
+    result_.triangles = surface.triangleCount();
+    result_.volumeAfter = volumeOf(surface);
     return surface;
   }
 
-  TriangleMesh read() {
-    StageTimer timer(report_, "read");
-    progress_.stage("read");
-    if (holdsTriangles(job_.input))
-      return readSoup(job_.input, &result_.input, report_, progress_);
-    result_.source = SolidSource::Tets;
-    ReadOptions options;
-    options.attributes = false;
-    const TetMesh tets = readTets(job_.input, options, {}, &result_.input, report_, progress_);
-    timer.part("surface");
-    return tetSurface(tets, progress_);
+  // Whether `mesh` is in order, or could be made so where it was not.
+  bool repairInPlace(TriangleMesh& mesh) {
+    {
+      StageTimer timer(report_, "check");
+      progress_.stage("check");
+      result_.why = whatIsBroken(mesh, progress_);
+    }
+    result_.remeshed = false;
+    if (result_.why.empty())
+      return true;
+    if (job_.solid.inside == InsideRule::Winding) {
+      StageTimer timer(report_, "repair");
+      progress_.stage("repair");
+      result_.local = repairLocally(mesh, progress_);
+      if (result_.local->succeeded) {
+        result_.why.clear();
+        if (const SheetCounts& sheets = result_.local->sheets; sheets.faces > 0)
+          report_.warn("sheets",
+                       fmt::format("{} faces in {} open parts bound no volume and are left "
+                                   "out; --shell gives sheets a thickness",
+                                   sheets.faces, sheets.parts));
+        return true;
+      }
+      result_.why = result_.local->why;
+    }
+    return false;
+  }
+
+  TriangleMesh remesh(const TriangleMesh& mesh) {
+    result_.remeshed = true;
+    const Volume volume = voxelizeMesh(mesh);
+    const TriangleScene scene(mesh);
+    TriangleMesh surface = extract(volume, &scene);
+    surface.units = mesh.units;
+    if (!result_.why.empty())
+      report_.warn("remeshed",
+                   fmt::format("the surface was made anew from voxels of {:.6g}, since repair in "
+                               "place left {}; details finer than that are lost",
+                               result_.transform.voxelSize[0], result_.why));
+    return surface;
+  }
+
+  // Between a mesh and what voxels made of it.
+  void compareVolumes(const TriangleMesh& before, const TriangleMesh& after) {
+    if (job_.solid.shell > 0 || job_.solid.inside != InsideRule::Winding)
+      return;
+    StageTimer timer(report_, "compare");
+    progress_.stage("compare");
+    const SolidComparison solids = compareSolids(before, after, progress_);
+    if (std::abs(solids.after - solids.before) <= kVolumeTolerance * solids.before)
+      return;
+    report_.warn("volume-changed",
+                 fmt::format("the solid had a volume of {:.4g} and has {:.4g}: parts of it are "
+                             "thinner than a voxel; use a finer --resolution",
+                             solids.before, solids.after));
+    report_.partial = true;
+  }
+
+  void lookAtChanges(const TriangleMesh& before, const TriangleMesh& after) {
+    StageTimer timer(report_, "compare");
+    progress_.stage("compare");
+    result_.changes = meshChanges(before, after);
+    if (result_.changes->added + result_.changes->removed == 0)
+      return;
+    MeshDistanceOptions options;
+    options.samples = kDistanceSamples;
+    result_.distance = compareMeshes(before, after, options, progress_);
   }
 
   void clean(TriangleMesh& mesh) {
@@ -114,23 +163,6 @@ private:
     result_.volumeBefore = volumeOf(mesh);
   }
 
-  bool isInOrder(const TriangleMesh& mesh) {
-    StageTimer timer(report_, "check");
-    progress_.stage("check");
-    DefectOptions options;
-    options.windingSamples = 0;
-    options.maxIntersections = 0;
-    SurfaceDefects defects = surfaceDefects(mesh, options, progress_);
-    if (defects.boundaryEdges + defects.nonManifoldEdges + defects.misorientedEdges +
-            defects.nonManifoldVertices + defects.duplicateFaces + defects.degenerateFaces >
-        0)
-      return false;
-    if (!(defects.volume > 0) || !equalAsFloats(mesh.points).empty())
-      return false;
-    options.maxIntersections = 1;
-    return surfaceDefects(mesh, options, progress_).selfIntersections == 0;
-  }
-
   Volume voxelizeMesh(const TriangleMesh& mesh) {
     VoxelizeOptions options;
     options.grids = {GridKind::Mask};
@@ -138,9 +170,24 @@ private:
     options.resolution = job_.resolution;
     options.maxMemory = memoryLeft(job_.maxMemory);
     progress_.stage("voxelize");
+    if (job_.resolution == 0 && job_.voxelSize == Vec3d{0, 0, 0}) {
+      const std::size_t memory = options.maxMemory > 0 ? options.maxMemory : availableBytes();
+      options.voxelSize.fill(
+          voxelForDetail(mesh, std::min(kMostFaces, memory / kBytesPerFace), progress_));
+    }
+    options.origin = originOffFaces(mesh, options);
     Voxelization made = voxelize(mesh, job_.solid, options, report_, progress_);
     result_.transform = made.transform;
     return std::move(made.volume);
+  }
+
+  // Sides of the box then pass between the voxels' centres, and with them most flat sides.
+  Vec3d originOffFaces(const TriangleMesh& mesh, const VoxelizeOptions& options) const {
+    const Vec3d size = chooseTransform(mesh, options, job_.solid).voxelSize;
+    Box box;
+    for (const std::uint32_t v : mesh.triangles)
+      box.add(mesh.points[v]);
+    return minus(box.low, times(size, kOffFaces));
   }
 
   TriangleMesh extract(const Volume& volume, const TriangleScene* scene) {
@@ -158,6 +205,235 @@ private:
   const RepairJob& job_;
   Report& report_;
   Progress& progress_;
+  RepairResult result_;
+};
+
+// What two objects' results are together.
+void addTo(RepairResult& sum, const RepairResult& object) {
+  sum.remeshed = sum.remeshed || object.remeshed;
+  sum.extracted += object.extracted;
+  sum.vertices += object.vertices;
+  sum.triangles += object.triangles;
+  sum.volumeBefore += object.volumeBefore;
+  sum.volumeAfter += object.volumeAfter;
+  if (object.changes) {
+    MeshChanges& changes = sum.changes ? *sum.changes : sum.changes.emplace();
+    changes.kept += object.changes->kept;
+    changes.added += object.changes->added;
+    changes.removed += object.changes->removed;
+  }
+  if (object.distance) {
+    MeshDistance& distance = sum.distance ? *sum.distance : sum.distance.emplace();
+    distance.aToB.largest = std::max(distance.aToB.largest, object.distance->aToB.largest);
+    distance.bToA.largest = std::max(distance.bToA.largest, object.distance->bToA.largest);
+    distance.hausdorff = std::max(distance.hausdorff, object.distance->hausdorff);
+  }
+}
+
+// Files into objects, and these into a file.
+class RepairFiles {
+public:
+  RepairFiles(const RepairJob& job, Report& report, Progress& progress)
+      : job_(job), report_(report), progress_(progress), inputs_(job.more) {
+    inputs_.insert(inputs_.begin(), job.input);
+  }
+
+  RepairResult run() {
+    if (job_.solid.side != ShellSide::Both)
+      throw Error(Status::Usage, "", "a repaired shell lies on both sides of the faces",
+                  "voxelize it with --shell-side, and repair the volume");
+    requireFormat(job_.output, {FormatUse::WriteTriangles});
+    requireWritable(job_.output);
+    checkPreviewPath(job_.preview);
+    requireSeparateFiles(inputs_, {job_.output, job_.preview});
+    std::string unit = job_.units;
+    if (!unit.empty() && !(metresOf(job_.units, &unit) > 0))
+      throw Error(Status::Usage, "units", "'" + job_.units + "' is no unit known here",
+                  "choose from um, mm, cm, m, in and ft");
+    if (!std::isfinite(job_.scale) || !(job_.scale > 0))
+      throw Error(Status::Usage, "scale", "must be a number above zero");
+    std::vector<NamedMesh> objects = job_.isVolume ? fromVolume() : fromMeshes();
+    for (NamedMesh& object : objects)
+      convert(object.mesh, unit);
+    if (!job_.preview.empty())
+      preview_.surface(objects.size() == 1 ? objects.front().mesh : joinObjects(objects),
+                       "repaired", report_, progress_);
+    write(objects);
+    return std::move(result_);
+  }
+
+private:
+  std::vector<NamedMesh> fromVolume() {
+    Volume volume;
+    {
+      StageTimer timer(report_, "read");
+      progress_.stage("read");
+      volume = readVolume(job_.input, progress_);
+    }
+    if (!job_.preview.empty())
+      preview_.volume(volume, report_, progress_);
+    Repair repair(job_, report_, progress_);
+    NamedMesh object;
+    object.mesh = repair.ofVolume(volume);
+    result_ = std::move(repair.result());
+    return {std::move(object)};
+  }
+
+  std::vector<NamedMesh> fromMeshes() {
+    std::vector<NamedMesh> objects = read();
+    if (objects.size() > 1 && !keepsObjects(job_.output)) {
+      report_.warn("objects-joined",
+                   fmt::format("the {} objects of the input are repaired as one: the output's "
+                               "format has no objects; .3mf keeps them apart",
+                               objects.size()));
+      NamedMesh all;
+      all.mesh = joinObjects(objects);
+      objects.clear();
+      objects.push_back(std::move(all));
+    }
+    if (!job_.preview.empty())
+      preview_.input(objects.size() == 1 ? objects.front().mesh : joinObjects(objects), report_,
+                     progress_);
+    if (objects.size() == 1) {
+      const SolidSource source = result_.source;
+      const InputInfo input = result_.input;
+      NamedMesh& object = objects.front();
+      const std::string units = object.mesh.units;
+      Repair repair(job_, report_, progress_);
+      object.mesh = repair.ofMesh(object.mesh);
+      object.mesh.units = units;
+      result_ = std::move(repair.result());
+      result_.source = source;
+      result_.input = input;
+      result_.name = object.name;
+      return objects;
+    }
+    repairEach(objects);
+    return objects;
+  }
+
+  void repairEach(std::vector<NamedMesh>& objects) {
+    std::size_t faces = 0;
+    for (const NamedMesh& object : objects)
+      faces += object.mesh.triangleCount();
+    result_.remeshed = false;
+    for (NamedMesh& object : objects) {
+      RepairJob job = job_;
+      if (job.finish.faces > 0)
+        job.finish.faces = std::max<std::size_t>(
+            kFewestFaces, job.finish.faces * object.mesh.triangleCount() / faces);
+      const std::size_t warningsBefore = report_.warnings.size();
+      const std::string units = object.mesh.units, name = "object '" + object.name + "'";
+      Repair repair(job, report_, progress_);
+      try {
+        object.mesh = repair.ofMesh(object.mesh);
+      } catch (const Error& error) {
+        if (error.status() == Status::Cancelled)
+          throw;
+        throw Error(error.status(), name, error.what());
+      }
+      object.mesh.units = units;
+      for (std::size_t i = warningsBefore; i < report_.warnings.size(); ++i)
+        report_.warnings[i].text = name + ": " + report_.warnings[i].text;
+      repair.result().name = object.name;
+      addTo(result_, repair.result());
+      result_.objects.push_back(std::move(repair.result()));
+    }
+  }
+
+  std::vector<NamedMesh> read() {
+    StageTimer timer(report_, "read");
+    progress_.stage("read");
+    std::vector<NamedMesh> objects;
+    for (const std::string& path : inputs_) {
+      if (!holdsTriangles(path)) {
+        if (inputs_.size() > 1)
+          throw Error(Status::Usage, path, "holds no triangles; of several inputs all have to",
+                      "repair it by itself");
+        return {tetsOf(path, timer)};
+      }
+      InputInfo info;
+      const std::size_t first = objects.empty() ? 0 : objects.back().assembly + 1;
+      for (NamedMesh& object : readObjects(path, first, &info, report_, progress_))
+        objects.push_back(std::move(object));
+      if (result_.input.path.empty()) {
+        result_.input = info;
+      } else {
+        result_.input.vertices += info.vertices;
+        result_.input.triangles += info.triangles;
+      }
+    }
+    requireOneUnit(objects);
+    return objects;
+  }
+
+  NamedMesh tetsOf(const std::string& path, StageTimer& timer) {
+    result_.source = SolidSource::Tets;
+    ReadOptions options;
+    options.attributes = false;
+    const TetMesh tets = readTets(path, options, {}, &result_.input, report_, progress_);
+    timer.part("surface");
+    NamedMesh object;
+    object.mesh = tetSurface(tets, progress_);
+    return object;
+  }
+
+  // A file has one unit: objects of others are converted to the first one's that has any.
+  static void requireOneUnit(std::vector<NamedMesh>& objects) {
+    std::string unit;
+    for (const NamedMesh& object : objects)
+      if (unit.empty())
+        unit = object.mesh.units;
+    for (NamedMesh& object : objects)
+      if (object.mesh.units != unit) {
+        if (!object.mesh.units.empty())
+          multiply(object.mesh, metresOf(object.mesh.units) / metresOf(unit));
+        object.mesh.units = unit;
+      }
+  }
+
+  static void multiply(TriangleMesh& mesh, double factor) {
+    for (Vec3d& p : mesh.points)
+      p = times(p, factor);
+  }
+
+  void convert(TriangleMesh& mesh, const std::string& unit) const {
+    double factor = job_.scale;
+    if (!unit.empty()) {
+      if (!mesh.units.empty() && metresOf(mesh.units) > 0)
+        factor *= metresOf(mesh.units) / metresOf(unit);
+      mesh.units = unit;
+    }
+    if (factor != 1)
+      multiply(mesh, factor);
+  }
+
+  void write(const std::vector<NamedMesh>& objects) {
+    StageTimer timer(report_, "write");
+    progress_.stage("write");
+    result_.units = objects.front().mesh.units;
+    if (keepsObjects(job_.output)) {
+      if (result_.units.empty()) {
+        const std::string likely = result_.before ? result_.before->likelyUnit : std::string();
+        report_.warn("unit-guessed",
+                     "the input names no unit and 3MF has to: millimetres are written" +
+                         (likely.empty() || likely == "millimetres"
+                              ? std::string()
+                              : ", though by its size the model is in " + likely) +
+                         "; --units says which they are");
+      }
+      writeThreeMf(job_.output, objects, progress_);
+    } else {
+      writeTriangles(job_.output, objects.front().mesh, progress_);
+    }
+    result_.preview = preview_.writeBeside(job_.output, job_.preview);
+    result_.output = written(job_.output);
+  }
+
+  const RepairJob& job_;
+  Report& report_;
+  Progress& progress_;
+  std::vector<std::string> inputs_;
   Preview preview_;
   RepairResult result_;
 };
@@ -166,9 +442,9 @@ private:
 
 RepairResult run(const RepairJob& job, Report& report, Progress& progress) {
   if (job.threads <= 0)
-    return Repair(job, report, progress).run();
+    return RepairFiles(job, report, progress).run();
   tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return Repair(job, report, progress).run(); });
+  return arena.execute([&] { return RepairFiles(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

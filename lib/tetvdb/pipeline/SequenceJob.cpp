@@ -5,8 +5,11 @@
 #include "tetvdb/core/Version.h"
 #include "tetvdb/fields/Field.h"
 #include "tetvdb/fields/NeededArrays.h"
+#include "tetvdb/fields/ShownValues.h"
+#include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/FrameMark.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
+#include "tetvdb/pipeline/SequenceGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include <algorithm>
@@ -16,6 +19,7 @@
 #include <fmt/format.h>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <tbb/task_arena.h>
 #include <thread>
 #include <utility>
@@ -72,7 +76,7 @@ Look lookAt(const VoxelizeJob& job, const Frame& frame, Report& report, Progress
     for (const std::string& input : frame.inputs) {
       TriangleMesh mesh = readSoup(input, nullptr, report, progress);
       turnUp(mesh.points, job.up);
-      look.box.add(boxOfUsed(mesh.points, mesh.triangles));
+      look.box.add(boxOf(mesh, job.solid));
     }
     return look;
   }
@@ -154,7 +158,7 @@ public:
       result_.frames[i].frame = frames_[i];
       result_.frames[i].output.path = frameName(job_.output, i + 1, frames_.size());
     }
-    requireWritable(result_.frames.front().output.path);
+    checkFiles();
     firstPass();
     progress_.stage("frames");
     try {
@@ -177,7 +181,18 @@ private:
     if (!job_.meshOutput.empty())
       throw Error(Status::Usage, "--write-mesh", "is for one mesh, not for a sequence",
                   "leave it out");
-    requireExtension(job_.output, {".vdb", ".nvdb"}, "name it .vdb or .nvdb");
+    requireFormat(job_.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
+    checkArrayOutput(job_);
+  }
+
+  void checkFiles() const {
+    std::vector<std::string> inputs = job_.inputs, outputs;
+    for (const FrameResult& frame : result_.frames) {
+      inputs.insert(inputs.end(), frame.frame.inputs.begin(), frame.frame.inputs.end());
+      outputs.push_back(frame.output.path);
+    }
+    requireSeparateFiles(inputs, outputs);
+    requireWritable(outputs.front());
   }
 
   // Meshes are read and forgotten: as many at a time as there is memory for.
@@ -212,8 +227,10 @@ private:
       for (std::size_t k = 0; k < looks_[i].ranges.size(); ++k)
         looks_.front().ranges[k].add(looks_[i].ranges[k]);
     }
-    result_.transform = chooseTransform(box, job_.voxelize);
+    result_.transform = chooseTransform(box, job_.voxelize, job_.solid);
     reportOrigin(result_.transform, job_.voxelize, report_);
+    if (isArrayFile(job_.output) && !job_.arrays.box)
+      arrayBox_ = arrayBox(job_, box, result_.transform);
   }
 
   // By what the process has taken so far, which is at least what one frame takes.
@@ -242,6 +259,8 @@ private:
     job.output = out.output.path;
     job.voxelize.voxelSize = result_.transform.voxelSize;
     job.voxelize.origin = result_.transform.origin;
+    if (arrayBox_)
+      job.arrays.box = arrayBox_;
     job.fieldRanges = looks_.front().ranges;
     job.threads = 0; // those of the arena that this runs in
     job.metadata["frame"] = std::to_string(i + 1);
@@ -285,11 +304,16 @@ private:
       }
       std::map<std::string, std::size_t> ofFrame;
       for (const Warning& warning : one.warnings) {
+        if (warning.code == kHiddenValues)
+          continue; // judged over all frames
         // The second of a code in one frame is about something else.
         const std::string key = warning.code + "/" + std::to_string(ofFrame[warning.code]++);
         auto [at, added] = warnings.try_emplace(key, warning, 0);
-        if (added)
+        if (added) {
           order.push_back(key);
+          const auto frame = static_cast<std::size_t>(&one - reports_.data());
+          at->second.first.text = nameOf(frames_[frame], frame) + ": " + warning.text;
+        }
         ++at->second.second;
       }
     }
@@ -302,6 +326,28 @@ private:
                                      : fmt::format("{} (and likewise in {} other frame{})",
                                                    warning.text, count - 1, count == 2 ? "" : "s"));
     }
+    warnOfHiddenValues();
+  }
+
+  // A grid shows if any frame of it does. Nothing is known of the values of frames that an earlier
+  // run has made.
+  void warnOfHiddenValues() {
+    std::vector<std::vector<GridInfo>> grids;
+    bool allKnown = true;
+    for (const FrameResult& frame : result_.frames) {
+      grids.push_back(frame.grids);
+      allKnown = allKnown && !frame.grids.empty();
+    }
+    for (const SequenceGrid& grid : gridsOfSequence(grids)) {
+      const std::string why = whyHidden(grid.all);
+      if (why.empty() || (grid.all.maxValue < kLeastShown && !allKnown))
+        continue;
+      const std::size_t at = grid.all.minValue < 0 ? grid.minFrame : grid.maxFrame;
+      report_.warn(kHiddenValues,
+                   fmt::format("'{}' {} (in all frames; see {}); --remap {}=0:1 "
+                               "makes it visible",
+                               grid.all.name, why, nameOf(frames_[at], at), grid.all.name));
+    }
   }
 
   const VoxelizeJob& job_;
@@ -310,6 +356,7 @@ private:
   Report& report_;
   Progress& progress_;
   std::vector<Look> looks_;
+  std::optional<VoxelBox> arrayBox_; ///< of arrays: the same for all frames
   std::vector<Report> reports_;
   std::atomic<std::size_t> done_{0};
   SequenceResult result_;

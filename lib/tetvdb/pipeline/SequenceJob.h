@@ -46,9 +46,10 @@ struct SequenceResult {
 /// a later run knows a frame that is finished.
 ///
 /// Adds stages "read" (the first pass) and those of the frames, summed up, to `report`; a warning
-/// that several frames give is told once. Throws what run() throws, with the frame named; frames
-/// made until then stay, and a run after the cause is mended goes on from there. Error(Invalid) for
-/// arrays that change from frame to frame; Error(Usage) for job.meshOutput, which is for one mesh.
+/// that several frames give is told once and names the first of them; "hidden-values" is judged
+/// over the values of all frames. Throws what run() throws, with the frame named; frames made until
+/// then stay, and a run after the cause is mended goes on from there. Error(Invalid) for arrays
+/// that change from frame to frame; Error(Usage) for job.meshOutput, which is for one mesh.
 SequenceResult runSequence(const VoxelizeJob& job, const std::vector<Frame>& frames,
                            const SequenceOptions& options, Report& report, Progress& progress);
 

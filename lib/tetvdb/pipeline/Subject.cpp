@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/Subject.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/fields/Field.h"
 #include "tetvdb/visualize/DefectMarks.h"
 #include "tetvdb/visualize/LineDrawable.h"
 #include "tetvdb/visualize/TetSkin.h"
@@ -89,7 +92,7 @@ public:
                   "colour them by their quality");
     if (look.color == "quality")
       takeQuality();
-    else if (look.color == "region" && find("region") == nullptr)
+    else if ((look.color == "region" || look.color == "material") && find(look.color) == nullptr)
       takeRegions();
     else if (!look.color.empty())
       takeArray();
@@ -167,41 +170,52 @@ private:
       values_.values[tet] = static_cast<float>(kinds[mesh_.regions[mesh_.cell(tet)]]);
   }
 
-  void takeArray() {
-    const Attribute* attribute = find(look_.color);
-    if (attribute == nullptr) {
-      std::string names;
-      for (const Attribute& other : mesh_.attributes)
-        names += (names.empty() ? "it has " : ", ") + other.name;
+  std::vector<Field> resolve(FieldPart part) const {
+    FieldOptions wanted;
+    wanted.requests.push_back({look_.color, look_.color, part, ""});
+    Report told; // of names that points and cells have, and of values that are not finite
+    try {
+      return resolveFields(mesh_, wanted, told);
+    } catch (const Error& error) {
+      const std::vector<std::string> others = {"quality", "region"};
+      if (error.status() != Status::Usage || closestName(look_.color, others).empty())
+        throw;
       throw Error(Status::Usage, "", "the mesh has no array '" + look_.color + "'",
-                  names.empty() ? "it has none at all" : names);
+                  suggestName(look_.color, others, ""));
     }
-    const bool onPoints = attribute->on == Attribute::On::Points;
+  }
+
+  // What --grid makes of the same name, vectors and other tuples by their length.
+  void takeArray() {
+    std::vector<Field> fields = resolve(FieldPart::Whole);
+    const bool byLength = fields.size() > 1 || fields.front().kind == FieldKind::Vector;
+    if (byLength)
+      fields = resolve(FieldPart::Magnitude);
+    const Field& field = fields.front();
+    const FieldRule rule = field.rule();
+    const bool onPoints = field.on == Attribute::On::Points;
     values_.on = onPoints ? SurfaceValues::On::Points : SurfaceValues::On::Faces;
     values_.values.resize(onPoints ? mesh_.points.size() : mesh_.tetCount());
-    for (std::size_t i = 0; i < values_.values.size(); ++i)
-      values_.values[i] = static_cast<float>(magnitude(*attribute, onPoints ? i : mesh_.cell(i)));
+    double read[FieldRule::kMostNumbers], value[3];
+    for (std::size_t i = 0; i < values_.values.size(); ++i) {
+      for (std::size_t k = 0; k < field.sources.size(); ++k)
+        read[k] = field.sources[k].array->number(onPoints ? i : mesh_.cell(i),
+                                                 field.sources[k].component);
+      rule.derive(read, value);
+      values_.values[i] = static_cast<float>(value[0]);
+    }
     ColorScale& scale = values_.scale;
     scale.map = &ColorMap::named("viridis");
-    scale.title = attribute->components > 1 ? "|" + attribute->name + "|" : attribute->name;
+    scale.title = byLength ? "|" + field.array + "|" : field.name;
     scale.low = INFINITY;
     scale.high = -INFINITY;
-    for (const float value : values_.values)
-      if (std::isfinite(value)) {
-        scale.low = std::min(scale.low, double(value));
-        scale.high = std::max(scale.high, double(value));
+    for (const float number : values_.values)
+      if (std::isfinite(number)) {
+        scale.low = std::min(scale.low, double(number));
+        scale.high = std::max(scale.high, double(number));
       }
     if (!(scale.low <= scale.high))
       scale.low = scale.high = 0;
-  }
-
-  static double magnitude(const Attribute& attribute, std::size_t element) {
-    if (attribute.components == 1)
-      return attribute.number(element);
-    double squares = 0;
-    for (std::uint32_t c = 0; c < attribute.components; ++c)
-      squares += attribute.number(element, c) * attribute.number(element, c);
-    return std::sqrt(squares);
   }
 
   TetMesh mesh_;

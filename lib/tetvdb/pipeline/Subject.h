@@ -51,8 +51,8 @@ public:
 };
 
 struct MeshLook {
-  /// "": one colour; "quality": the AMIPS energy of tets; "region": their regions; else the name of
-  /// an array, vectors and tensors by their magnitude.
+  /// "": one colour; "quality": the AMIPS energy of tets; "region" or "material": their regions;
+  /// else what FieldRequest::array takes, vectors and other tuples by their length.
   std::string color;
   bool wire = false, smooth = false;
   bool defects = false; ///< of triangles: open and non-manifold edges, flipped faces

@@ -18,10 +18,10 @@ void checkJob(const TetrahedralizeJob& job) {
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.msh");
-  requireExtension(job.output, {".msh", ".mesh", ".vtu"}, "name it .msh, .mesh or .vtu");
-  requireNoInput(job.output, job.inputs);
+  requireFormat(job.output, {FormatUse::WriteTets});
   requireWritable(job.output);
-  checkPreviewPath(job.preview, job.inputs);
+  checkPreviewPath(job.preview);
+  requireSeparateFiles(job.inputs, {job.output, job.preview});
   for (const RelativeLength& length : {job.epsilon, job.edgeLength})
     if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
       throw Error(Status::Usage, "--epsilon, --edge-length",
@@ -36,8 +36,8 @@ std::vector<TriangleMesh> readAll(const TetrahedralizeJob& job, TetrahedralizeRe
   for (const std::string& input : job.inputs)
     if (!holdsTriangles(input))
       throw Error(Status::Usage, input, "holds no triangles",
-                  "give .stl, .obj, .ply, .off or .3mf files; 'tetvdb repair' makes one of the "
-                  "surface of tetrahedra");
+                  "give " + endingList(FormatUse::ReadTriangles) +
+                      " files; 'tetvdb repair' makes one of the surface of tetrahedra");
   std::vector<TriangleMesh> meshes;
   for (const std::string& input : job.inputs) {
     InputInfo info;

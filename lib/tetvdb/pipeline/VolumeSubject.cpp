@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/VolumeSubject.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/visualize/GridSpace.h"
 #include "tetvdb/visualize/VolumeLook.h"
@@ -9,13 +10,32 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace tetvdb {
 namespace {
 
 constexpr std::array<const char*, 4> kShapes = {"surface", "density", "coverage", "mask"};
 constexpr int kMostVoxelsAsVoxels = 128; ///< along the longest side
+constexpr std::size_t kMostMaterials = 256;
+
+// The numbers of the active voxels, ascending; none where they are too many to be told apart.
+std::vector<std::int32_t> materialsOf(const openvdb::Int32Tree& tree) {
+  std::set<std::int32_t> found;
+  std::int32_t last = 0;
+  for (auto value = tree.cbeginValueOn(); value && found.size() <= kMostMaterials; ++value) {
+    if (!found.empty() && *value == last)
+      continue;
+    last = *value;
+    found.insert(last);
+  }
+  if (found.size() > kMostMaterials)
+    return {};
+  return {found.begin(), found.end()};
+}
 
 class VolumeSubject : public Subject {
 public:
@@ -33,6 +53,8 @@ public:
     else if (infos_[shape_].minValue < infos_[shape_].maxValue &&
              (!isShape || show.style == VolumeStyle::Slice)) // one value needs no legend
       color_ = shape_;
+    if (color_ && infos_[*color_].name == "material" && grid(*color_)->isType<openvdb::Int32Grid>())
+      materials_ = materialsOf(static_cast<const openvdb::Int32Grid&>(*grid(*color_)).constTree());
     const GridInfo& info = infos_[shape_];
     const GridSpace space(grid(shape_)->transform());
     bounds_ = space.bounds(info.boxMin, info.boxMax);
@@ -62,6 +84,12 @@ public:
       return std::nullopt;
     const GridInfo& info = infos_[*color_];
     ColorScale scale;
+    if (!materials_.empty()) {
+      scale.title = info.name;
+      for (const std::int32_t material : materials_)
+        scale.kinds.push_back(std::to_string(material));
+      return scale;
+    }
     scale.low = info.minValue;
     scale.high = info.maxValue;
     if (!(scale.low < scale.high)) { // one value, or none that is a number
@@ -79,7 +107,13 @@ public:
     paint.plain = show_.plain;
     if (color_ && scale != nullptr) {
       paint.grid = grid(*color_);
-      paint.colorOf = [colors = *scale](double value) { return colors(value); };
+      if (materials_.empty())
+        paint.colorOf = [colors = *scale](double value) { return colors(value); };
+      else
+        paint.colorOf = [colors = *scale, materials = materials_](double value) {
+          const auto at = std::lower_bound(materials.begin(), materials.end(), value);
+          return colors(static_cast<double>(at - materials.begin()));
+        };
     }
     Drawn drawn;
     const openvdb::GridBase::ConstPtr shape = grid(shape_);
@@ -119,15 +153,23 @@ private:
     return 0;
   }
 
+  // "stress:mises" is the grid "stress.mises", as it is when arrays become grids.
   std::size_t named(const std::string& name, const char* option) const {
-    std::string names;
+    std::string dotted = name;
+    if (const auto colon = dotted.rfind(':'); colon != std::string::npos)
+      dotted[colon] = '.';
+    for (const std::string& sought : {name, dotted})
+      for (std::size_t i = 0; i < infos_.size(); ++i)
+        if (infos_[i].name == sought)
+          return i;
+    std::vector<std::string> names;
+    std::string list;
     for (std::size_t i = 0; i < infos_.size(); ++i) {
-      if (infos_[i].name == name)
-        return i;
-      names += (names.empty() ? "" : ", ") + infos_[i].name;
+      names.push_back(infos_[i].name);
+      list += (list.empty() ? "it has " : ", ") + infos_[i].name;
     }
     throw Error(Status::Usage, option, "the volume has no grid '" + name + "'",
-                names.empty() ? "it holds none" : "there are: " + names);
+                suggestName(name, names, list.empty() ? "it holds none" : list));
   }
 
   static VolumeStyle styleFor(const GridInfo& info) {
@@ -144,6 +186,8 @@ private:
   std::vector<GridInfo> infos_;
   std::size_t shape_ = 0;
   std::optional<std::size_t> color_;
+  std::vector<std::int32_t>
+      materials_; ///< that are told apart, where the colours are such a grid's
   VolumeStyle style_ = VolumeStyle::Voxels;
   Box bounds_;
   double place_ = 0; ///< of a slice, world units

@@ -36,7 +36,8 @@ struct VolumeShow {
   /// file's first.
   std::string grid;
   /// The grid that gives the colours; empty: none, but for arrays (grids of other names than those
-  /// above) and slices, which have the colours of their own values where these differ.
+  /// above) and slices, which have the colours of their own values where these differ. Of a grid
+  /// "material" of whole numbers every number is a category with a colour of its own.
   std::string color;
   bool plainColor = false; ///< `plain`, whatever the grid
   SlicePlane slice;        ///< of style Slice

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/fields/GridNames.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/fields/ShownValues.h"
@@ -11,12 +13,15 @@
 #include "tetvdb/io/PackedGrid.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/VoxelizeMaterials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,20 +47,34 @@ void checkOutputs(const VoxelizeJob& job) {
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && job.meshOutput.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
+  std::vector<std::string> outputs;
   if (!job.output.empty()) {
-    requireExtension(job.output, {".vdb", ".nvdb"}, "name it .vdb or .nvdb");
-    requireNoInput(job.output, job.inputs);
-    requireWritable(job.output);
+    requireFormat(job.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
+    checkArrayOutput(job);
+    outputs = arrayFiles(job.output);
+    for (const std::string& path : outputs)
+      requireWritable(path);
   }
-  checkPreviewPath(job.preview, job.inputs);
+  checkPreviewPath(job.preview);
   if (!job.meshOutput.empty()) {
-    requireExtension(job.meshOutput,
-                     {".msh", ".mesh", ".vtu", ".stl", ".obj", ".ply", ".off", ".3mf"},
-                     "name it .msh, .mesh or .vtu for tets, .stl, .obj, .ply, .off or .3mf for "
-                     "triangles");
-    requireNoInput(job.meshOutput, job.inputs);
+    requireFormat(job.meshOutput, {FormatUse::WriteTets, FormatUse::WriteTriangles});
     requireWritable(job.meshOutput);
   }
+  outputs.insert(outputs.end(), {job.meshOutput, job.preview});
+  requireSeparateFiles(job.inputs, outputs);
+}
+
+// Of triangles, which have no arrays.
+void refuseArrays(const VoxelizeJob& job) {
+  if (!job.warp.array.empty())
+    throw Error(Status::Usage, "--warp", "takes an array of a solid mesh; the input is triangles",
+                "leave it out");
+  if (job.fields.empty())
+    return;
+  const std::string name = job.fields.all ? "all" : job.fields.requests.front().array;
+  throw Error(
+      Status::Usage, "--grid", "'" + name + "' is an array of a solid mesh; the input is triangles",
+      suggestName(name, {kGridNames.begin(), kGridNames.end()}, "choose from " + listGrids()));
 }
 
 // Whether the inputs hold triangles; one job takes one kind.
@@ -73,14 +92,21 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
                  filter.boxMax == none.boxMax))
     throw Error(Status::Usage, "--region, --exclude, --bbox",
                 "choose cells of a solid mesh; the input is triangles", "leave them out");
-  if (first && !(job.fields.empty() && job.warp.array.empty()))
-    throw Error(Status::Usage, job.fields.empty() ? "--warp" : "--grid",
-                "takes arrays of a solid mesh; the input is triangles",
-                "choose from density, mask, surface, fog, tet_id and material");
+  if (first)
+    refuseArrays(job);
   if (!job.meshOutput.empty() && !first && writesTriangles(job.meshOutput))
     throw Error(Status::Usage, job.meshOutput, "cannot hold tetrahedra",
-                "name it .msh, .mesh or .vtu");
+                "name it " + endingList(FormatUse::WriteTets));
   return first;
+}
+
+// Which step of several was taken where none was asked for.
+void warnOfOtherSteps(const InputInfo& info, const ReadOptions& wanted, Report& report) {
+  if (info.times.size() < 2 || wanted.timeStep >= 0)
+    return;
+  report.warn("last-step", fmt::format("{}: has {} time steps; the last one, at {:.6g}, is taken; "
+                                       "--frames takes others, each as a frame",
+                                       info.path, info.times.size(), info.times[info.step]));
 }
 
 std::string fileNames(const std::vector<std::string>& paths) {
@@ -139,8 +165,8 @@ void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Rep
                   fmt::format("leave --half out, or use --remap {}=0:1", grid.name));
     const std::string why = whyHidden(grid);
     if (!why.empty())
-      report.warn("hidden-values", fmt::format("'{}' {}; --remap {}=0:1 makes it visible",
-                                               grid.name, why, grid.name));
+      report.warn(kHiddenValues, fmt::format("'{}' {}; --remap {}=0:1 makes it visible", grid.name,
+                                             why, grid.name));
   }
 }
 
@@ -157,6 +183,7 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
   result.transform = made.transform;
   result.path = made.path;
   describeOrigin(job, made.volume);
+  fitVolume(made.volume, made.transform, job.voxelize.fit, report);
   for (const auto& grid : made.volume.grids().all)
     openFirstTile(*grid);
   result.grids = describe(made.volume);
@@ -196,6 +223,8 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   ShapeOptions shapes = job.shapes;
   shapes.maxMemory = memoryLeft(job.maxMemory);
   shapes.device = job.device;
+  if (const int side = job.voxelize.fit.voxels; side > 0)
+    shapes.box = VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
   addShapes(shapes, made);
   openvdb::GridPtrVec& grids = made.volume.grids().all;
   if (!hasMask)
@@ -237,6 +266,8 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
         writeNanoGrids(job.output, nano, progress);
       else if (!packed.empty())
         writeVdb(job.output, volume, packed, progress);
+      else if (isArrayFile(job.output))
+        writeArrays(job.output, volume, job.arrays, progress);
       else
         writeVolume(job.output, volume, progress);
     } catch (...) {
@@ -246,7 +277,8 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
         ::unlink(job.preview.c_str());
       throw;
     }
-    result.outputs.push_back(written(job.output));
+    for (const std::string& path : arrayFiles(job.output))
+      result.outputs.push_back(written(path));
   }
   if (!job.meshOutput.empty())
     result.outputs.push_back(written(job.meshOutput));
@@ -267,6 +299,8 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
     fields =
         resolveFields(mesh, wanted, report, job.fieldRanges.empty() ? nullptr : &job.fieldRanges);
   }
+  if (isArrayFile(job.output))
+    requireArrayRoom(job, boxOfUsed(mesh.points, mesh.tets), chooseTransform(mesh, options));
   Voxelization made;
   const bool fieldsAlone = !fields.empty() && options.grids.empty() && job.shapes.grids.empty();
   if (fieldsAlone) {
@@ -308,6 +342,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
     wanted.arrays = neededArrays(job.fields, job.warp);
   const auto read = [&](const std::string& path, InputInfo& info) {
     TetMesh one = readTets(path, wanted, job.filter, &info, report, progress);
+    warnOfOtherSteps(info, wanted, report);
     warpPoints(one, job.warp);
     return one;
   };
@@ -341,9 +376,12 @@ void add(CleanCounts& sum, const CleanCounts& more) {
   sum.unreferencedPoints += more.unreferencedPoints;
   sum.degenerateFaces += more.degenerateFaces;
   sum.duplicateFaces += more.duplicateFaces;
+  sum.innerFaces += more.innerFaces;
   sum.flippedFaces += more.flippedFaces;
   sum.flippedParts += more.flippedParts;
   sum.insideOut = sum.insideOut || more.insideOut;
+  sum.weldDistance = std::max(sum.weldDistance, more.weldDistance);
+  sum.doubtful = sum.doubtful || more.doubtful;
 }
 
 // From triangles to a volume, to tets, or to both.
@@ -363,7 +401,7 @@ public:
     }
     clean();
     if (!job_.output.empty() || needsTets(job_))
-      takeRoad();
+      chooseMethod();
     Volume volume;
     if (!job_.output.empty()) {
       volume = makeVolume(job_, {}, result_, report_,
@@ -385,10 +423,7 @@ private:
                                     [&](const std::string& path, InputInfo& info) {
                                       return readSoup(path, &info, report_, progress_);
                                     });
-    const auto& grids = job_.voxelize.grids;
-    const bool asMaterials = !job_.output.empty() && std::find(grids.begin(), grids.end(),
-                                                               GridKind::Material) != grids.end();
-    if (!asMaterials) {
+    if (!asMaterials()) {
       TriangleMesh all = mergeMeshes(std::move(meshes_), report_);
       meshes_.clear();
       meshes_.push_back(std::move(all));
@@ -408,12 +443,13 @@ private:
     }
   }
 
-  void takeRoad() {
+  void chooseMethod() {
     const WorldBox box = boxOf(meshes_);
     transform_ = chooseTransform(box, job_.voxelize);
+    requireArrayRoom(job_, box, transform_);
     MesherChoice& choice =
         result_.mesher.emplace(chooseMesher(job_, diagonalOf(box), transform_.voxelSize));
-    if (choice.road != Mesher::Envelope)
+    if (choice.method != Mesher::Envelope)
       return;
     TetrahedralizeOptions options;
     options.epsilon = choice.epsilon;
@@ -450,13 +486,20 @@ private:
       meshes_ = {}; // their memory serves the grids
   }
 
-  bool byTets() const { return result_.mesher->road == Mesher::Envelope; }
+  // Each input is then cleaned for itself.
+  bool asMaterials() const {
+    const auto& grids = job_.voxelize.grids;
+    return !job_.output.empty() &&
+           std::find(grids.begin(), grids.end(), GridKind::Material) != grids.end();
+  }
+
+  bool byTets() const { return result_.mesher->method == Mesher::Envelope; }
 
   // How the triangles become a solid where no tets are made.
   SolidOptions directSolid() const {
     SolidOptions solid = job_.solid;
     solid.method =
-        result_.mesher->road == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
+        result_.mesher->method == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
     return solid;
   }
 
@@ -465,9 +508,16 @@ private:
         job_, options, [&](const VoxelizeOptions& more) { return voxelizeSolid(more); },
         [&](const ShapeOptions& shapes, Voxelization& made) {
           result_.shapes = byTets() ? addShapeGrids(tets_, shapes, made, report_, progress_)
-                                    : addShapeGrids(meshes_.front(), directSolid(), shapes, made,
-                                                    report_, progress_);
+                                    : addShapes(shapes, made);
         });
+  }
+
+  ShapeSums addShapes(const ShapeOptions& shapes, Voxelization& made) {
+    if (meshes_.size() == 1)
+      return addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
+    Report told; // of mixed units, when the files were read
+    const TriangleMesh all = mergeMeshes(std::vector<TriangleMesh>(meshes_), told);
+    return addShapeGrids(all, directSolid(), shapes, made, report_, progress_);
   }
 
   Voxelization voxelizeSolid(VoxelizeOptions options) {
@@ -475,16 +525,33 @@ private:
       if (job_.device.kind == DeviceKind::Cuda)
         report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
                                       "makes tets, which the GPU takes");
-      Voxelization made = voxelize(meshes_.front(), directSolid(), options, report_, progress_);
+      Voxelization made =
+          asMaterials()
+              ? voxelizeMaterials(meshes_, job_.inputs, directSolid(), options, report_, progress_)
+              : voxelize(meshes_.front(), directSolid(), options, report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }
-    // By the triangles' box, so that voxels lie where they lie on the other roads.
+    keepWithinSize();
     options.voxelSize = transform_.voxelSize;
     options.origin = transform_.origin;
     reportOrigin(transform_, job_.voxelize, report_);
     return voxelize(tets_, options, job_.device, result_.device, nanoPlace(job_, nano_), report_,
                     progress_);
+  }
+
+  // Voxels lie where they lie without tets: by the triangles' box. Where the tets reach so far
+  // beyond it that they could have more voxels than were asked for, by the tets' own.
+  void keepWithinSize() {
+    const VoxelizeOptions& asked = job_.voxelize;
+    if (asked.voxelSize[0] != 0)
+      return;
+    const WorldBox box = boxOfUsed(tets_.points, tets_.tets);
+    const bool within = asked.fit.voxels > 0
+                            ? isWithinFit(box, transform_, asked.fit)
+                            : isWithinResolution(box, transform_, asked.resolution);
+    if (!within)
+      transform_ = chooseTransform(box, asked);
   }
 
   void writeMesh() {

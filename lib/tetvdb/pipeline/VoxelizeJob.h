@@ -17,6 +17,7 @@
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/fields/Warp.h"
 #include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/arrays/ArrayFile.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/JobFiles.h"
@@ -53,7 +54,8 @@ struct VoxelizeJob {
   ShapeOptions shapes;      ///< its grids come after those of `voxelize`; maxMemory as there
   FieldOptions fields;      ///< of tets: arrays that become grids, after all others
   Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
-  std::string output;       ///< .vdb or .nvdb; empty: no volume is made
+  std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is made
+  ArrayOptions arrays;      ///< of an output that is an array file
   /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
@@ -78,7 +80,7 @@ struct VoxelizeResult {
   double volume = 0;                  ///< of the tets, world units cubed
   CleanCounts cleaned;                ///< of triangles
   std::size_t openEdges = 0;          ///< of triangles: edges at which the faces do not close
-  std::optional<MesherChoice> mesher; ///< of triangles: the road taken in the end, if any was
+  std::optional<MesherChoice> mesher; ///< of triangles: the method taken in the end, if any was
   std::optional<MeshSummary> made;    ///< by the envelope mesher
   SnapCounts counts;
   ShapeSums shapes;
@@ -92,15 +94,18 @@ struct VoxelizeResult {
 };
 
 /// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Triangles
-/// take the road that chooseMesher() says; where the envelope mesher runs out of time or memory, or
-/// finds nothing inside, and no tets are needed, the winding number takes over, with a warning
+/// become voxels by the method that chooseMesher() says; where the envelope mesher runs out of time
+/// or memory, or finds nothing inside, and no tets are needed, the winding number takes over, with
+/// a warning
 /// ("fell-back") and, but for the last, `partial` in the report. Several inputs of triangles are
-/// merged before they are cleaned; for the grid "material" each is a material of its own, the first
-/// input's number being 1. Outputs are checked before any work: their extensions (Error(Usage)) and
-/// folders (Error(Write)), and so is the device. Adds stages "read", "clean" (triangles),
-/// "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and with a GPU
-/// "upload" and "download"; "preview" where a preview is asked for; "fields" where `shapes` asks
-/// for grids. The winding number and coverage are the CPU's: asking for a GPU is a warning
+/// merged before they are cleaned. For the grid "material" each is cleaned for itself and is a
+/// material of its own, the first input's number being 1 (voxelizeMaterials()); then density and
+/// mask are the union of their solids, and level set, fog and coverage have the faces of them all.
+/// Outputs are checked before any work: their extensions (Error(Usage)) and folders (Error(Write)),
+/// and so is the device. Adds stages "read", "clean" (triangles), "tetrahedralize" (the envelope
+/// mesher), "voxelize" and "write" to `report`, and with a GPU "upload" and "download"; "preview"
+/// where a preview is asked for; "fields" where `shapes` asks for grids. The winding number and
+/// coverage are the CPU's: asking for a GPU is a warning
 /// ("device-unused"). Tets and triangles in one job are Error(Usage), and so are filters of
 /// cells for triangles, as are `fields` and `warp`. Fields add stage "fields"; a grid whose values
 /// renderers would not show is a warning ("hidden-values"), and one that `half` cannot hold is

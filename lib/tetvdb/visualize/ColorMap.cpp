@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/ColorMap.h"
 
+#include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/visualize/ColorMapData.h"
 #include "tetvdb/visualize/Srgb.h"
@@ -50,7 +51,9 @@ const ColorMap& ColorMap::named(std::string_view name) {
   const auto found = maps.find(name);
   if (found == maps.end())
     throw Error(Status::Usage, "", fmt::format("'{}' is no colour map", name),
-                fmt::format("there are {}, and each backward with _r", fmt::join(names(), ", ")));
+                suggestName(name, names(),
+                            fmt::format("there are {}, and each backward with _r",
+                                        fmt::join(names(), ", "))));
   return found->second;
 }
 

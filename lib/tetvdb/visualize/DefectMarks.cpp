@@ -27,7 +27,9 @@ void markEdges(const TriangleMesh& mesh, DefectMarks& marks, Progress& progress)
 // Faces keep their order and their first corner when they are cleaned; some are gone, some turned.
 void markFlipped(const TriangleMesh& mesh, DefectMarks& marks, Progress& progress) {
   TriangleMesh clean = mesh;
-  cleanTriangles(clean, {}, progress);
+  CleanOptions options;
+  options.weldDistance = 0; // points stay where they are
+  cleanTriangles(clean, options, progress);
   marks.flipped.assign(mesh.triangleCount(), 0);
   const auto corner = [](const TriangleMesh& m, std::size_t face, std::size_t k) -> const Vec3d& {
     return m.points[m.triangles[3 * face + k]];

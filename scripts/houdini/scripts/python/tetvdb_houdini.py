@@ -8,6 +8,7 @@ or from the shelf, see docs/dcc.md. The program is that of the variable TETVDB_P
 PATH. Written from Houdini's documentation: tested with a stand-in for `hou`, not in Houdini.
 """
 
+import functools
 import json
 import os
 import re
@@ -19,9 +20,6 @@ import threading
 import time
 
 import hou
-
-# Formats that hold steps in one file.
-STEPPED = (".e", ".exo", ".exo2", ".g", ".xdmf", ".xmf")
 
 
 class TetvdbError(Exception):
@@ -35,6 +33,21 @@ def find_program():
     return path
 
 
+@functools.lru_cache(maxsize=None)
+def stepped_endings(program):
+    """The endings of files that hold several steps, as `tetvdb formats` says."""
+    try:
+        asked = subprocess.run([program, "formats", "--json", "-"], stdin=subprocess.DEVNULL,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               universal_newlines=True, timeout=60)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise TetvdbError(f"{program} does not start: {error}") from error
+    if asked.returncode != 0:
+        raise TetvdbError(asked.stderr.strip() or "tetvdb formats failed")
+    return [ending for row in json.loads(asked.stdout)["formats"] if row["steps_in_one_file"]
+            for ending in row["endings"]]
+
+
 def pattern_of(path):
     """out.$F4.vtu as out.*.vtu, which tetvdb takes for a sequence; other paths as they are."""
     parts = re.split(r"\$\{?F\d*\}?", path)
@@ -45,7 +58,7 @@ def pattern_of(path):
 
 def voxelize_arguments(path, output, resolution=256, voxel_size=None, arrays="", surface=False,
                        y_up=True, all_steps=True, more=""):
-    """The arguments of tetvdb. `path` may have $F4 in it; all steps of an Exodus or XDMF file are
+    """The arguments of tetvdb. `path` may have $F4 in it; all steps of a file that holds several are
     frames."""
     grids = ["density"] + ["surface"] * surface
     grids += [name.strip() for name in arrays.split(",") if name.strip()]
@@ -56,7 +69,7 @@ def voxelize_arguments(path, output, resolution=256, voxel_size=None, arrays="",
         arguments += ["--resolution", str(int(resolution))]
     if y_up:
         arguments += ["--up-axis", "y"]
-    if all_steps and os.path.splitext(path)[1].lower() in STEPPED:
+    if all_steps and os.path.splitext(path)[1].lower() in stepped_endings(find_program()):
         arguments += ["--frames", "all"]
     return arguments + shlex.split(more)
 
@@ -75,11 +88,12 @@ def run(arguments):
         said, step = [], [0.0]
 
         def read():
-            # "tetvdb: STAGE" and "tetvdb: STAGE 40 %" say how far it is.
+            # "tetvdb: STAGE" and "tetvdb: STAGE 40 %, about 30 s left" say how far it is as a whole.
             for line in process.stderr:
-                found = re.fullmatch(r"tetvdb: [a-z ]+?(?: (\d+) %)?", line.rstrip())
+                found = re.fullmatch(r"tetvdb: [a-z ]+?(?: (\d+) %(?:, about \d+ \w+ left)?)?",
+                                     line.rstrip())
                 if found:
-                    step[0] = int(found.group(1) or 0) / 100
+                    step[0] = int(found.group(1)) / 100 if found.group(1) else step[0]
                 elif line.strip():
                     said.append(line.rstrip())
 
@@ -153,7 +167,7 @@ def import_mesh(path, output=None, surface=False, **options):
     try:
         report = run(arguments)
     except TetvdbError as error:
-        # An Exodus or XDMF file may hold a mesh alone, and no steps.
+        # A file of such a format may hold a mesh alone, and no steps.
         if "--frames" not in arguments or "has no time steps" not in str(error):
             raise
         first = arguments.index("--frames")

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ArrayFlags.h"
+#include "Commands.h"
+#include "JobOptions.h"
+#include "JsonReport.h"
+#include "VolumeSignature.h"
+#include "tetvdb/io/Formats.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/pipeline/ConvertJob.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options : JobOptions {
+  std::string input, output;
+  std::vector<std::string> grids;
+  ArrayTexts arrays;
+  double simplify = 0;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb convert part.stl -o part.3mf       triangles, every one as it stands
+  tetvdb convert engine.vtu -o engine.msh   tetrahedra with their arrays and regions
+  tetvdb convert engine.vtu -o engine.stl   the surface of tetrahedra
+  tetvdb convert smoke.vdb -o smoke.nvdb
+  tetvdb convert smoke.vdb -o smoke.npz --grid density,temperature --compress
+      dense arrays [x][y][z] of the box of the active voxels, and the 4x4 matrix "transform" that
+      takes index space to world space; element [0,0,0] is voxel "origin"
+  tetvdb convert smoke.vdb -o smoke.npz --sparse
+      "NAME.coordinates" and "NAME.values" of the active voxels
+  tetvdb convert scan.vdb -o scan.nrrd --grid surface --box 0,0,0,127,127,127
+  tetvdb convert mask.vdb -o mask.binvox
+  tetvdb convert smoke.vdb -o smoke.obj --simplify 0.1
+      the surface of a volume: a mask, a fog at 0.5 or a level set at 0
+
+Meshes become volumes by 'tetvdb voxelize', triangles tetrahedra by 'tetvdb tetrahedralize'. Arrays
+are dense: 1000 voxels a side take 4 GB a grid of floats. docs/formats.md has the order of axes.)";
+
+ConvertJob makeJob(const Options& options) {
+  ConvertJob job;
+  job.input = options.input;
+  job.output = options.output;
+  const MappedFile readable(options.input); // says so at once if the file is not there
+  job.isVolume = signatureOf(options.input) != VolumeSignature::None;
+  for (const std::string& name : options.grids)
+    if (!name.empty())
+      job.grids.push_back(name);
+  job.arrays = parseArrays(options.arrays, options.output);
+  if (!std::isfinite(options.simplify) || options.simplify < 0)
+    throw Error(Status::Usage, "--simplify", "must be a number of voxels, zero or more");
+  job.simplify = options.simplify;
+  job.maxMemory = memoryLimit(options);
+  job.threads = threadCount(options);
+  return job;
+}
+
+const char* nameOf(SolidSource source) {
+  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
+  return kNames[static_cast<std::size_t>(source)];
+}
+
+std::string summaryOf(const ConvertResult& result) {
+  std::string text;
+  for (const OutputInfo& output : result.outputs) {
+    text +=
+        fmt::format("{}: {:.1f} MB", oneLine(output.path), static_cast<double>(output.bytes) / 1e6);
+    if (&output == &result.outputs.front()) {
+      if (result.triangles > 0)
+        text += fmt::format(", {} triangles", result.triangles);
+      if (result.tets > 0)
+        text += fmt::format(", {} tets", result.tets);
+    }
+    text += "\n";
+  }
+  for (const GridInfo& grid : result.grids)
+    text += fmt::format("  {} ({}): {} active voxels\n", grid.name, grid.type, grid.activeVoxels);
+  return text;
+}
+
+void runConvert(const Options& options, Session& session) {
+  session.sections = {
+      {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
+      {"stages", nullptr}, {"grids", Json::array()},     {"output", Json::array()}};
+  const ConvertJob job = makeJob(options);
+  session.sections["threads"] = job.threads;
+  setDeadline(options, session.progress);
+  const AllowThreads allowed(job.threads);
+  const ConvertResult result = run(job, session.report, session.progress);
+  Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
+  if (result.source != SolidSource::Volume) {
+    input["format"] = formatName(result.input.format);
+    input["vertices"] = result.input.vertices;
+  }
+  session.sections["input"] = Json::array({input});
+  session.sections["grids"] = toJson(result.grids);
+  Json outputs = Json::array();
+  for (const OutputInfo& output : result.outputs)
+    outputs.push_back({{"path", output.path}, {"bytes", output.bytes}});
+  if (result.triangles > 0)
+    outputs[0]["triangles"] = result.triangles;
+  if (result.tets > 0)
+    outputs[0]["tets"] = result.tets;
+  session.sections["output"] = std::move(outputs);
+  session.text = summaryOf(result);
+  session.textIsSummary = true;
+}
+
+} // namespace
+
+Command addConvert(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "convert", "Write a mesh or a volume in another format, as arrays, or as its surface");
+  auto options = std::make_shared<Options>();
+  command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("-o,--output", options->output,
+                   "Triangles: " + endingList(FormatUse::WriteTriangles) +
+                       "; tets: " + endingList(FormatUse::WriteTets) +
+                       "; a volume: " + endingList(FormatUse::WriteVolume) +
+                       "; arrays: " + endingList(FormatUse::WriteArrays))
+      ->required()
+      ->type_name("FILE")
+      ->check(notEmpty());
+  command
+      ->add_option(
+          "--grid", options->grids,
+          "Grids of a volume, by name, several with commas (default: all; of a surface the "
+          "first solid one)")
+      ->type_name("NAME")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  addArrayFlags(*command, options->arrays);
+  command
+      ->add_option("--simplify", options->simplify,
+                   "Merge triangles of a volume's surface while it moves no more than E voxels "
+                   "(default 0: keep all)")
+      ->type_name("E");
+  addLimitOptions(*command, *options);
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options](Session& session) { runConvert(*options, session); };
+  result.files = [options] { return FileNames{{options->input}, arrayFiles(options->output)}; };
+  return result;
+}
+
+} // namespace tetvdb::cli

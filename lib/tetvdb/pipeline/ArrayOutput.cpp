@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/ArrayOutput.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/arrays/ArrayFile.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tetvdb {
+namespace {
+
+// Voxels that a level set's band, a shell or a rule adds on every side.
+double marginOf(const VoxelizeJob& job, const GridTransform& transform) {
+  double margin = 1;
+  for (const ShapeGrid grid : job.shapes.grids)
+    if (grid != ShapeGrid::Coverage)
+      margin = std::max(
+          margin, job.shapes.halfWidth == kWholeBox ? 4 : std::ceil(job.shapes.halfWidth) + 1);
+  const Vec3d& h = transform.voxelSize;
+  return margin + std::ceil(job.solid.shell / 2 / std::min({h[0], h[1], h[2]}));
+}
+
+VoxelBox grown(const WorldBox& box, const GridTransform& transform, double margin) {
+  // Index space ends there for arrays.
+  constexpr double kFarthest = 1 << 30;
+  VoxelBox voxels;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double h = transform.voxelSize[axis], origin = transform.origin[axis];
+    const double low = std::ceil((box.min[axis] - origin) / h) - margin;
+    const double high = std::floor((box.max[axis] - origin) / h) + margin;
+    voxels.low[axis] = static_cast<std::int32_t>(std::clamp(low, -kFarthest, kFarthest));
+    voxels.high[axis] = static_cast<std::int32_t>(std::clamp(high, -kFarthest, kFarthest));
+  }
+  return voxels;
+}
+
+std::size_t gridsOf(const VoxelizeJob& job) {
+  // The arrays that `all` stands for are known once the mesh is read: one at least.
+  return job.voxelize.grids.size() + job.shapes.grids.size() + job.fields.requests.size() +
+         (job.fields.all ? 1 : 0);
+}
+
+} // namespace
+
+void checkArrayOutput(const VoxelizeJob& job) {
+  if (!isArrayFile(job.output))
+    return;
+  checkArrayOptions(job.output, job.arrays, gridsOf(job));
+  if (job.half)
+    throw Error(Status::Usage, "--half", "is for .vdb and .nvdb; arrays have their values in full",
+                "leave it out");
+}
+
+VoxelBox arrayBox(const VoxelizeJob& job, const WorldBox& box, const GridTransform& transform) {
+  return grown(box, transform, marginOf(job, transform));
+}
+
+void requireArrayRoom(const VoxelizeJob& job, const WorldBox& box, const GridTransform& transform) {
+  if (!isArrayFile(job.output) || job.arrays.sparse)
+    return;
+  const VoxelBox voxels = job.arrays.box ? *job.arrays.box : grown(box, transform, 0);
+  double bytes = 0; // of a voxel
+  for (const GridKind kind : job.voxelize.grids)
+    bytes += kind == GridKind::Mask ? 1 : 4;
+  bytes += 4 * static_cast<double>(gridsOf(job) - job.voxelize.grids.size());
+  requireRoom(job.output, voxels.voxels() * bytes, job.arrays.compress);
+}
+
+} // namespace tetvdb

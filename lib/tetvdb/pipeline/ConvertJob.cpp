@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/ConvertJob.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/Formats.h"
+#include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/surface/ExtractSurface.h"
+#include "tetvdb/surface/TetSurface.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+class Conversion {
+public:
+  Conversion(const ConvertJob& job, Report& report, Progress& progress)
+      : job_(job), report_(report), progress_(progress), toVolume_(writes(FormatUse::WriteVolume)),
+        toArrays_(writes(FormatUse::WriteArrays)), toTriangles_(writes(FormatUse::WriteTriangles)),
+        toTets_(writes(FormatUse::WriteTets)) {}
+
+  ConvertResult run() {
+    check();
+    if (job_.isVolume)
+      fromVolume();
+    else if (holdsTriangles(job_.input))
+      fromTriangles();
+    else
+      fromTets();
+    for (const std::string& path : arrayFiles(job_.output))
+      result_.outputs.push_back(written(path));
+    return std::move(result_);
+  }
+
+private:
+  void check() const {
+    requireFormat(job_.output, {FormatUse::WriteTets, FormatUse::WriteTriangles,
+                                FormatUse::WriteVolume, FormatUse::WriteArrays});
+    const std::vector<std::string> outputs = arrayFiles(job_.output);
+    for (const std::string& path : outputs)
+      requireWritable(path);
+    requireSeparateFiles({job_.input}, outputs);
+    if (job_.isVolume && toTets_)
+      throw Error(Status::Usage, job_.output, "is a format of tetrahedra, and the input a volume",
+                  "its surface becomes " + endingList(FormatUse::WriteTriangles));
+    if (!job_.isVolume && (toVolume_ || toArrays_))
+      throw Error(Status::Usage, job_.output, "is a format of volumes, and the input a mesh",
+                  "make one with 'tetvdb voxelize'");
+    if (!job_.isVolume && !job_.grids.empty())
+      throw Error(Status::Usage, "--grid", "chooses grids of a volume; the input is a mesh",
+                  "leave it out");
+    if (toTriangles_ && job_.grids.size() > 1)
+      throw Error(Status::Usage, "--grid", "the surface is that of one grid", "name one");
+    if (toArrays_)
+      checkArrayOptions(job_.output, job_.arrays, std::max<std::size_t>(job_.grids.size(), 1));
+  }
+
+  bool writes(FormatUse use) const { return formatForEnding(job_.output, use) != nullptr; }
+
+  template <typename Work>
+  auto stage(const char* name, const Work& work) {
+    StageTimer timer(report_, name);
+    progress_.stage(name);
+    return work();
+  }
+
+  void fromTriangles() {
+    if (!toTriangles_)
+      throw Error(Status::Usage, job_.output, "is a format of tetrahedra, and the input triangles",
+                  "make tets with 'tetvdb tetrahedralize', or write " +
+                      endingList(FormatUse::WriteTriangles));
+    const TriangleMesh mesh =
+        stage("read", [&] { return readSoup(job_.input, &result_.input, report_, progress_); });
+    write(mesh);
+  }
+
+  void fromTets() {
+    result_.source = SolidSource::Tets;
+    ReadOptions options;
+    options.attributes = toTets_;
+    const TetMesh mesh = stage("read", [&] {
+      return readTets(job_.input, options, {}, &result_.input, report_, progress_);
+    });
+    if (toTriangles_)
+      return write(stage("extract", [&] { return tetSurface(mesh, progress_); }));
+    result_.vertices = mesh.points.size();
+    result_.tets = mesh.tetCount();
+    stage("write", [&] { writeTetMesh(job_.output, mesh, progress_); });
+  }
+
+  void fromVolume() {
+    result_.source = SolidSource::Volume;
+    Volume volume = stage("read", [&] { return readVolume(job_.input, progress_); });
+    choose(volume);
+    if (toTriangles_) {
+      ExtractOptions options;
+      options.grid = job_.grids.empty() ? std::string() : job_.grids.front();
+      options.simplify = job_.simplify;
+      options.maxMemory = memoryLeft(job_.maxMemory);
+      return write(stage("extract", [&] { return extractSurface(volume, options, progress_); }));
+    }
+    result_.grids = describe(volume);
+    stage("write", [&] {
+      if (toArrays_)
+        writeArrays(job_.output, volume, job_.arrays, progress_);
+      else
+        writeVolume(job_.output, volume, progress_);
+    });
+  }
+
+  void choose(Volume& volume) const {
+    if (job_.grids.empty())
+      return;
+    openvdb::GridPtrVec& all = volume.grids().all;
+    openvdb::GridPtrVec chosen;
+    std::string names;
+    for (const auto& grid : all)
+      names += (names.empty() ? "" : ", ") + grid->getName();
+    for (const std::string& name : job_.grids) {
+      const auto found = std::find_if(all.begin(), all.end(),
+                                      [&](const auto& grid) { return grid->getName() == name; });
+      if (found == all.end())
+        throw Error(Status::Usage, "--grid", fmt::format("{} has no grid '{}'", job_.input, name),
+                    "choose from " + names);
+      if (std::find(chosen.begin(), chosen.end(), *found) != chosen.end())
+        throw Error(Status::Usage, "--grid", "'" + name + "' is named twice",
+                    "name every grid once");
+      chosen.push_back(*found);
+    }
+    all = std::move(chosen);
+  }
+
+  void write(const TriangleMesh& mesh) {
+    result_.vertices = mesh.points.size();
+    result_.triangles = mesh.triangleCount();
+    stage("write", [&] { writeTriangles(job_.output, mesh, progress_); });
+  }
+
+  const ConvertJob& job_;
+  Report& report_;
+  Progress& progress_;
+  bool toVolume_, toArrays_, toTriangles_, toTets_;
+  ConvertResult result_;
+};
+
+} // namespace
+
+ConvertResult run(const ConvertJob& job, Report& report, Progress& progress) {
+  if (job.threads <= 0)
+    return Conversion(job, report, progress).run();
+  tbb::task_arena arena(job.threads);
+  return arena.execute([&] { return Conversion(job, report, progress).run(); });
+}
+
+} // namespace tetvdb

@@ -54,6 +54,7 @@ public:
   NetCdf& operator=(const NetCdf&) = delete;
 
   const std::string& path() const { return source_.path; }
+  std::size_t size() const { return source_.bytes.size(); } ///< bytes
   [[noreturn]] void fail(const std::string& what, const char* advice = kCut) const {
     throw Error(Status::Invalid, source_.path, what, advice);
   }
@@ -218,13 +219,16 @@ public:
   std::vector<double> readTimes() {
     const std::size_t steps = file_.dimension("time_step").value_or(0);
     const auto variable = file_.variable("time_whole");
-    std::vector<double> times(steps);
-    if (variable && steps > 0)
+    std::vector<double> times;
+    if (variable && steps > 0) {
       readRow<double>(*variable, {}, steps, "time_whole",
-                      [&](std::size_t i, double time) { times[i] = time; });
-    else
+                      [&](std::size_t, double time) { times.push_back(time); });
+    } else {
+      if (steps > file_.size())
+        file_.fail(std::to_string(steps) + " time steps are declared, more than the file holds");
       for (std::size_t i = 0; i < steps; ++i)
-        times[i] = static_cast<double>(i);
+        times.push_back(static_cast<double>(i));
+    }
     return times;
   }
 

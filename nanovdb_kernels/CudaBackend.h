@@ -27,8 +27,8 @@ inline void check(cudaError_t status, const char* what) {
   cudaGetLastError(); // so that it does not show up again
   const std::string text = std::string(what) + ": " + cudaGetErrorString(status);
   if (status == cudaErrorMemoryAllocation)
-    throw Error(Status::Limit, "device", text, "use larger voxels or --device cpu");
-  throw Error(Status::Device, "device", text, "use --device cpu");
+    throw Error(Status::Limit, "device", text, "use larger voxels or `device=cpu`");
+  throw Error(Status::Device, "device", text, "use `device=cpu`");
 }
 
 inline std::string gigabytes(u64 bytes) {
@@ -279,7 +279,7 @@ public:
       throw Error(Status::Limit, "device",
                   "the GPU's memory is too small: at least " + gigabytes(bytes) + " more needed, " +
                       gigabytes(have) + " of " + gigabytes(total) + " free",
-                  "use larger voxels or --device cpu");
+                  "use larger voxels or `device=cpu`");
   }
   void release() {
     pool_.takeBack();

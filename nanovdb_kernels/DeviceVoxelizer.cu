@@ -140,10 +140,10 @@ struct Device {
     std::string why;
     const auto names = listDevices(why);
     if (number < 0 || number >= static_cast<int>(names.size()))
-      throw Error(Status::Device, "--device cuda:" + std::to_string(number),
+      throw Error(Status::Device, "`device=cuda:" + std::to_string(number) + "`",
                   names.empty() ? why
                                 : "there are only " + std::to_string(names.size()) + " devices",
-                  "use --device cpu");
+                  "use `device=cpu`");
     check(cudaSetDevice(device), "device");
     backend = std::make_unique<CudaBackend>();
     check(cudaStreamCreateWithFlags(&upload, cudaStreamNonBlocking), "no stream");
@@ -409,11 +409,11 @@ struct SharedVoxelizer::State {
 SharedVoxelizer::SharedVoxelizer(const std::vector<int>& devices)
     : state_(std::make_unique<State>()) {
   if (devices.empty())
-    throw Error(Status::Usage, "--device", "no device is named");
+    throw Error(Status::Usage, "`device`", "no device is named");
   for (std::size_t k = 0; k < devices.size(); ++k) {
     if (std::find(devices.begin(), devices.begin() + static_cast<std::ptrdiff_t>(k), devices[k]) !=
         devices.begin() + static_cast<std::ptrdiff_t>(k))
-      throw Error(Status::Usage, "--device",
+      throw Error(Status::Usage, "`device`",
                   "device " + std::to_string(devices[k]) + " is named twice");
     state_->devices.push_back(std::make_unique<Device>(devices[k]));
   }

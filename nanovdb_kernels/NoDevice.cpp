@@ -11,8 +11,8 @@ struct SharedVoxelizer::State {};
 
 namespace {
 [[noreturn]] void refuse() {
-  throw Error(Status::Device, "--device cuda", "this build has no GPU support",
-              "use --device auto or cpu");
+  throw Error(Status::Device, "`device=cuda`", "this build has no GPU support",
+              "use `device` auto or cpu");
 }
 } // namespace
 

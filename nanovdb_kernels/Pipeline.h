@@ -313,7 +313,7 @@ public:
     }
     if (space_.total() > 63)
       throw Error(Status::Limit, "", "the grid is too wide for the device",
-                  "use larger voxels or --device cpu");
+                  "use larger voxels or `device=cpu`");
   }
 
   bool denseFits() const {

@@ -88,7 +88,7 @@ std::string partsOf(const Report& report) {
 
 // Stages voxelize and fields together.
 template <typename... Mesh>
-openvdb::GridBase::Ptr makeShape(ShapeGrid kind, int resolution, Report& report, ShapeSums& sums,
+openvdb::GridBase::Ptr makeShape(GridKind kind, int resolution, Report& report, ShapeSums& sums,
                                  const Mesh&... mesh) {
   VoxelizeOptions options;
   options.resolution = resolution;
@@ -126,7 +126,7 @@ void runLevelSet(const Setup& setup, Tables& tables) {
                        last = {};
                        ShapeSums sums;
                        ours = openvdb::gridPtrCast<openvdb::FloatGrid>(makeShape(
-                           ShapeGrid::Surface, resolution, last, sums, mesh, SolidOptions()));
+                           GridKind::Surface, resolution, last, sums, mesh, SolidOptions()));
                        return stageSeconds(last);
                      }},
                     {"meshToVolume",
@@ -180,7 +180,7 @@ void runCoverage(const Setup& setup, Tables& tables) {
           [&] {
             grid.reset();
             last = {};
-            grid = makeShape(ShapeGrid::Coverage, sample.resolution, last, sums, sample.mesh);
+            grid = makeShape(GridKind::Coverage, sample.resolution, last, sums, sample.mesh);
             return stageSeconds(last);
           }},
          {"mask by centres", [&] { return timeOurs(sample.mesh, mask); }}},

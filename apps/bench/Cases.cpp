@@ -30,6 +30,8 @@ const std::vector<Case>& allCases() {
       {"models", "tetrahedra from the files of --mesh, by one thread and all", runModels, true},
       {"simplify", "fewer triangles, of --mesh or a sphere, against OpenMesh's decimater",
        runSimplify, true},
+      {"centroid", "voxels of the files of --mesh by the centroid covering and by winding number",
+       runCentroid, true},
       {"huge", "the whole program at 16384^3 (10 GB of memory)", runHuge, true},
       {"write5m", "writing 5 M leaves (11 GB of memory)", runWrite5M, true}};
   return cases;

@@ -58,6 +58,7 @@ void runResolution(const Setup&, Tables&);
 void runMesher(const Setup&, Tables&);
 void runModels(const Setup&, Tables&);
 void runSimplify(const Setup&, Tables&);
+void runCentroid(const Setup&, Tables&);
 
 /// What `triangles` has done in a process of its own, to see its memory: nothing, mask or
 /// meshToVolume; the mesh's name; resolution; --shrink; threads. Returns the exit status.

@@ -67,7 +67,7 @@ void compareTrees(Voxelization made, const SnappedMesh& mesh, const Boundary& fa
                              static_cast<double>(faces.faces.size())),
             std::max(times / 4, 3), [&](const DeviceChoice& choice) {
               ShapeOptions shapes;
-              shapes.grids = {ShapeGrid::Surface};
+              shapes.grids = {GridKind::Surface};
               shapes.halfWidth = kHalfWidth;
               shapes.device = choice;
               add(shapes, made);

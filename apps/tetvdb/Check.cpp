@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
 #include "JsonReport.h"
+#include "OptionNames.h"
 #include "tetvdb/pipeline/CheckVolumes.h"
 
 #include <algorithm>
@@ -54,12 +55,12 @@ void runCheck(const Options& options, Session& session) {
                                             {"code", finding.code},
                                             {"file", finding.file},
                                             {"grid", finding.grid},
-                                            {"text", finding.text},
-                                            {"cure", finding.cure}});
+                                            {"text", withOptionNames(finding.text)},
+                                            {"cure", withOptionNames(finding.cure)}});
     session.text +=
         fmt::format("{}: {}{} {}; {} [{}]\n", wordFor(finding.weight), oneLine(finding.file),
                     finding.grid.empty() ? ":" : ": '" + oneLine(finding.grid) + "'",
-                    oneLine(finding.text), oneLine(finding.cure), finding.code);
+                    oneLine(withOptionNames(finding.text)), oneLine(withOptionNames(finding.cure)), finding.code);
     wrong += finding.weight == Finding::Weight::Note ? 0 : 1;
   }
   session.text += wrong == 0 ? fmt::format("{} file{}: nothing wrong\n", options.files.size(),

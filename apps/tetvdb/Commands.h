@@ -37,7 +37,7 @@ Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);
 Command addReport(CLI::App& program);
 Command addFormats(CLI::App& program);
-Command addBench(CLI::App& program);
+Command addGrids(CLI::App& program);
 
 /// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
 CLI::Validator notEmpty();

@@ -3,6 +3,7 @@
 #include "InfoTriangles.h"
 #include "JsonReport.h"
 #include "NumberText.h"
+#include "OptionNames.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -221,8 +222,8 @@ void runInfo(const Options& options, Session& session) {
         throw;
       if (session.status == Status::Ok)
         session.status = error.status();
-      section["error"] = error.what();
-      session.errors.emplace_back(error.what());
+      section["error"] = withOptionNames(error.what());
+      session.errors.push_back(withOptionNames(error.what()));
     }
     session.sections["input"].push_back(std::move(section));
   }

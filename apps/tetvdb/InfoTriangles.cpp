@@ -3,6 +3,7 @@
 
 #include "JsonReport.h"
 #include "NumberText.h"
+#include "OptionNames.h"
 #include "tetvdb/pipeline/ReadInput.h"
 
 #include <fmt/format.h>
@@ -58,7 +59,7 @@ std::string measuresText(const SurfaceDefects& defects, const std::string& units
     text += fmt::format("  units       {}\n", oneLine(units));
   else if (!defects.likelyUnit.empty())
     text += fmt::format("  units       {}, to judge by the size\n", defects.likelyUnit);
-  return text + fmt::format("  verdict     {}\n", verdict(defects));
+  return text + fmt::format("  verdict     {}\n", withOptionNames(verdict(defects)));
 }
 
 } // namespace
@@ -104,7 +105,7 @@ void describeTriangles(const std::string& path, const DefectOptions& options,
              {"winding", windingJson(defects)},
              {"units", mesh.units},
              {"likely_units", defects.likelyUnit},
-             {"verdict", verdict(defects)}};
+             {"verdict", withOptionNames(verdict(defects))}};
   session.text += fmt::format("{}: {}\n", oneLine(path), formatName(info.format)) +
                   defectsText(defects, intersections) + measuresText(defects, mesh.units);
 }

@@ -128,7 +128,7 @@ InsideRule parseInsideRule(const std::string& name) {
 }
 
 Mesher parseMesher(const std::string& name) {
-  for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding, Mesher::Centroid})
+  for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding})
     if (name == nameOf(mesher))
       return mesher;
   return Mesher::Auto;

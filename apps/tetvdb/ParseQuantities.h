@@ -38,7 +38,7 @@ RelativeLength parseRelativeLength(const std::string& option, const std::string&
 /// "winding", "nonzero", "parity" or "flood"; the parser has seen to it that it is one of them.
 InsideRule parseInsideRule(const std::string& name);
 
-/// "auto", "envelope", "winding" or "centroid", likewise.
+/// "auto", "envelope" or "winding", likewise.
 Mesher parseMesher(const std::string& name);
 
 /// Seconds, above zero.

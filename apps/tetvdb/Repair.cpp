@@ -3,6 +3,7 @@
 #include "InfoTriangles.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "OptionNames.h"
 #include "ParseQuantities.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
@@ -177,7 +178,7 @@ Json repairOf(const RepairResult& result) {
           {"local", result.local ? localOf(*result.local) : Json()},
           {"changes", result.changes ? changesOf(result) : Json()},
           {"cleaned", isMesh ? toJson(result.cleaned) : Json()},
-          {"verdict", isMesh ? Json(verdict(*result.before)) : Json()},
+          {"verdict", isMesh ? Json(withOptionNames(verdict(*result.before))) : Json()},
           {"defects", isMesh ? toJson(*result.before, true) : Json()},
           {"voxel_size", hasGrid ? Json(result.transform.voxelSize) : Json()},
           {"triangles_before", isMesh ? Json(result.before->triangles) : Json()},
@@ -244,7 +245,7 @@ std::string summaryOf(const RepairResult& result) {
   }
   if (result.before)
     text += fmt::format("{}: {} triangles, {}\n", oneLine(result.input.path),
-                        result.before->triangles, verdict(*result.before));
+                        result.before->triangles, withOptionNames(verdict(*result.before)));
   text += fmt::format("{}: {} triangles, volume {:.6g}", oneLine(result.output.path),
                       result.triangles, result.volumeAfter);
   if (result.source == SolidSource::Volume)

@@ -143,9 +143,9 @@ Command addReport(CLI::App& program) {
       ->check(notEmpty())
       ->type_name("B");
   command->add_option("--mesher", options->settings.mesher, "As of voxelize, for triangles")
-      ->check(CLI::IsMember(std::set<std::string>{"auto", "envelope", "winding", "centroid"})
+      ->check(CLI::IsMember(std::set<std::string>{"auto", "envelope", "winding"})
                   .description(""))
-      ->type_name("auto|envelope|winding|centroid");
+      ->type_name("auto|envelope|winding");
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runReport(*options, session); };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "OptionNames.h"
 #include "RunLoop.h"
 
 #include "JsonReport.h"
@@ -64,7 +65,7 @@ Failure attempt(const std::function<void()>& work) {
     work();
     return {};
   } catch (const Error& error) {
-    return {error.status(), error.what()};
+    return {error.status(), withOptionNames(error.what())};
   } catch (const std::bad_alloc&) {
     return {Status::Limit, "out of memory; lower the resolution, read a part with --region or "
                            "--bbox, or use a machine with more memory"};
@@ -133,6 +134,10 @@ int runCommand(const Command& command) {
                             session.progress, session.estimate);
     failure = attempt([&] { command.run(session); });
   }
+  for (Warning& warning : session.report.warnings)
+    warning.text = withOptionNames(warning.text);
+  for (std::string& note : session.notes)
+    note = withOptionNames(note);
   Status status = failure.status;
   if (status == Status::Ok)
     status = session.status;
@@ -159,7 +164,7 @@ int runCommand(const Command& command) {
       writeReport(options.json, report);
   } catch (const Error& error) {
     if (failure.status == Status::Ok) {
-      printMessage(error.what());
+      printMessage(withOptionNames(error.what()));
       status = error.status();
     }
   }

@@ -35,7 +35,7 @@ struct Options : JobOptions {
   FieldTexts fields;
   SequenceTexts sequence;
   ArrayTexts arrays;
-  std::string device = "auto", path = "auto", upAxis = "z";
+  std::string device = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
   bool allowEmpty = false, half = false;
@@ -88,19 +88,9 @@ Lengths are in the inputs' own units. Several inputs are laid together into one 
 overlap count once, and cells of the second file are numbered on from those of the first. Files
 whose names differ in one number alone are the frames of a sequence, unless --union is given.)";
 
-constexpr std::array<std::pair<std::string_view, GridKind>, 4> kGridNames = {
-    {{"density", GridKind::Density},
-     {"mask", GridKind::Mask},
-     {"tet_id", GridKind::TetId},
-     {"material", GridKind::Material}}};
-
-constexpr std::array<std::pair<std::string_view, ShapeGrid>, 3> kShapeNames = {
-    {{"surface", ShapeGrid::Surface}, {"fog", ShapeGrid::Fog}, {"coverage", ShapeGrid::Coverage}}};
-
 // Names that are no grid of ours are arrays of the mesh.
 void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
-  std::vector<GridKind>& kinds = job.voxelize.grids;
-  kinds.clear();
+  job.grids.clear();
   std::set<std::string> seen;
   for (const std::string& name : names) {
     if (name.empty())
@@ -108,25 +98,13 @@ void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
     if (!seen.insert(name).second)
       throw Error(Status::Usage, "--grid", "'" + name + "' is asked for twice",
                   "name every grid once");
-    const auto* known = std::find_if(kGridNames.begin(), kGridNames.end(),
-                                     [&](const auto& entry) { return entry.first == name; });
-    const auto* shape = std::find_if(kShapeNames.begin(), kShapeNames.end(),
-                                     [&](const auto& entry) { return entry.first == name; });
-    if (known != kGridNames.end())
-      kinds.push_back(known->second);
-    else if (shape != kShapeNames.end())
-      job.shapes.grids.push_back(shape->second);
+    if (const std::optional<GridKind> kind = gridKindOf(name))
+      job.grids.push_back(*kind);
     else if (name == "all")
       job.fields.all = true;
     else
       job.fields.requests.push_back({"", name, FieldPart::Whole, ""});
   }
-}
-
-OccupancyPath parsePath(const std::string& name) {
-  if (name == "boundary")
-    return OccupancyPath::Boundary;
-  return name == "tets" ? OccupancyPath::Tets : OccupancyPath::Auto;
 }
 
 ShellSide parseShellSide(const std::string& name) {
@@ -139,18 +117,6 @@ VoxelRule parseRule(const std::string& name) {
   if (name == "any")
     return VoxelRule::Any;
   return name == "all" ? VoxelRule::All : VoxelRule::Centre;
-}
-
-std::string_view pathName(OccupancyPath path) {
-  switch (path) {
-  case OccupancyPath::Boundary:
-    return "boundary";
-  case OccupancyPath::Tets:
-    return "tets";
-  case OccupancyPath::Auto:
-    break;
-  }
-  return "auto";
 }
 
 void parseBox(const std::string& text, CellFilter& filter) {
@@ -225,7 +191,6 @@ VoxelizeJob makeJob(const Options& options) {
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
   job.shapes.halfWidth =
       options.halfWidth == "all" ? kWholeBox : parseLength("--half-width", options.halfWidth);
-  job.voxelize.path = parsePath(options.path);
   job.voxelize.rule = parseRule(options.rule);
   job.voxelize.allowEmpty = options.allowEmpty;
   job.maxMemory = memoryLimit(options);
@@ -262,7 +227,6 @@ Json tetsOf(const VoxelizeResult& result) {
           {"dropped", result.counts.dropped},
           {"boundary_faces", result.counts.boundaryFaces},
           {"volume", result.volume},
-          {"path", pathName(result.path)},
           // The envelope mesher's; tets come as they are.
           {"epsilon_asked", nullptr},
           {"epsilon_reached", nullptr},
@@ -296,7 +260,6 @@ Json trianglesOf(const VoxelizeResult& result, const Options& options) {
   mesh.update(toJson(*result.made));
   mesh["flipped"] = result.counts.flipped;
   mesh["dropped"] = result.counts.dropped;
-  mesh["path"] = pathName(result.path);
   return mesh;
 }
 
@@ -400,9 +363,7 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["output"] = outputsOf(result);
   reportPreview(result.preview, job.preview, session.sections);
   session.text = summaryOf(result, options, session.report);
-  const auto& shapes = job.shapes.grids;
-  const bool levelSet = std::any_of(shapes.begin(), shapes.end(),
-                                    [](ShapeGrid kind) { return kind != ShapeGrid::Coverage; });
+  const bool levelSet = !madeBy(job.grids, {GridMaker::Distance}).empty();
   describeDevices(result, !job.fields.empty(), levelSet, session);
   if (result.mesher)
     session.notes.push_back(
@@ -437,9 +398,6 @@ void addGridOptions(CLI::App& command, Options& options) {
                   "Voxels on either side of the surface that hold distances, 1 to 100 (default 3), "
                   "or all of the mesh's box")
       ->type_name("N|all");
-  command.add_option("--path", options.path, "How occupancy is found; the result is the same")
-      ->check(oneOf({"auto", "boundary", "tets"}))
-      ->type_name("auto|boundary|tets");
   command
       .add_option("--rule", options.rule,
                   "Voxels of density and mask: those whose centre is inside (default), any part of "
@@ -463,10 +421,9 @@ void addSolidOptions(CLI::App& command, Options& options) {
       .add_option("--mesher", options.mesher,
                   "How triangles become a solid: envelope makes tets within epsilon; winding asks "
                   "the winding number at every voxel, exact for closed meshes; auto (default) is "
-                  "winding, and envelope where tets are asked for; centroid joins every face to "
-                  "the centre, for closed meshes")
-      ->check(oneOf({"auto", "envelope", "winding", "centroid"}))
-      ->type_name("auto|envelope|winding|centroid");
+                  "winding, and envelope where tets are asked for")
+      ->check(oneOf({"auto", "envelope", "winding"}))
+      ->type_name("auto|envelope|winding");
   addEpsilonOption(command, options,
                    "How far the tets' surface may be from the triangles: a length, a part of the "
                    "diagonal (1e-3d) or voxels (default 0.5v)");

@@ -70,10 +70,8 @@ Json framesOf(const SequenceResult& result) {
 
 // The grid "material" numbers files of triangles: they are parts of one volume.
 bool numbersMaterials(const VoxelizeJob& job) {
-  const auto& grids = job.voxelize.grids;
   return job.inputs.size() > 1 && isNumbered(job.inputs) &&
-         std::find(grids.begin(), grids.end(), GridKind::Material) != grids.end() &&
-         holdsTriangles(job.inputs.front());
+         contains(job.grids, GridKind::Material) && holdsTriangles(job.inputs.front());
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "OptionNames.h"
 #include "ParseError.h"
 #include "RunLoop.h"
 #include "Streams.h"
@@ -46,7 +47,7 @@ const char* const kExamples = R"(Examples:
   tetvdb check part.vdb --target blender
   tetvdb report models/ -o report.html
   tetvdb formats
-  tetvdb bench
+  tetvdb grids
 
 Exit status: 0 done, 1 done but a promise was not met, 2 bad usage, 3 bad input or empty result,
 4 memory or size limit, 5 cancelled or timed out, 6 no such device, 7 cannot write, 8 differences
@@ -85,7 +86,7 @@ int runProgram(const std::vector<std::string>& arguments) {
   const std::vector<Command> commands = {
       addVoxelize(program), addTetrahedralize(program), addInfo(program),   addCompare(program),
       addRepair(program),   addConvert(program),        addRender(program), addCheck(program),
-      addReport(program),   addFormats(program),        addBench(program)};
+      addReport(program),   addFormats(program),        addGrids(program)};
   const std::vector<std::string> words = withoutHelp(arguments);
   // Before '--help', which there is for the program as a whole.
   if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {

@@ -31,8 +31,6 @@ from bpy.props import (BoolProperty, CollectionProperty, EnumProperty, FloatProp
                        IntProperty, StringProperty)
 from bpy_extras.io_utils import ImportHelper
 
-# Grids that are no arrays of the mesh.
-OWN_GRIDS = ("density", "surface", "mask", "fog", "coverage", "tet_id", "material")
 # From cold to hot.
 RAMP = ((0.0, (0.0, 0.0, 0.05)), (0.25, (0.25, 0.0, 0.35)), (0.5, (0.8, 0.1, 0.15)),
         (0.75, (1.0, 0.5, 0.0)), (1.0, (1.0, 1.0, 0.6)))
@@ -66,21 +64,21 @@ def find_program(preferred):
 
 
 @functools.lru_cache(maxsize=None)
-def formats(program):
-    """The file formats that the program knows: the rows of `tetvdb formats`."""
+def rows_of(program, table):
+    """The rows of one of the program's tables, "formats" or "grids"."""
     try:
-        asked = subprocess.run([program, "formats", "--json", "-"], stdin=subprocess.DEVNULL,
+        asked = subprocess.run([program, table, "--json", "-"], stdin=subprocess.DEVNULL,
                                capture_output=True, text=True, timeout=60)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise TetvdbError(f"{program} does not start: {error}") from error
     if asked.returncode != 0:
-        raise TetvdbError(asked.stderr.strip() or "tetvdb formats failed")
-    return json.loads(asked.stdout)["formats"]
+        raise TetvdbError(asked.stderr.strip() or f"tetvdb {table} failed")
+    return json.loads(asked.stdout)[table]
 
 
 def mesh_endings(program, stepped=False):
     """The endings of mesh files; with `stepped` of those that hold steps in one file."""
-    return [ending for row in formats(program)
+    return [ending for row in rows_of(program, "formats")
             if row["read"] and {"tets", "triangles"} & set(row["holds"])
             and (row["steps_in_one_file"] or not stepped) for ending in row["endings"]]
 
@@ -589,7 +587,8 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
                 raise TetvdbError(f"there is no grid '{self.color_by}' to color by, but "
                                   + ", ".join(ranges))
             return self.color_by
-        return next((name for name in ranges if name not in OWN_GRIDS), "")
+        no_arrays = {row["name"] for row in rows_of(self.job.command[0], "grids")}
+        return next((name for name in ranges if name not in no_arrays), "")
 
 
 def menu_entry(self, context):

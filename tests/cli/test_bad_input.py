@@ -147,7 +147,6 @@ class BadOptions(CommandLineTest):
     def test_words_that_are_not_known(self):
         self.refuse_options(2, "--grid", "surfaces", says=("--grid", "surfaces"))
         self.refuse_options(2, "--grid", "mask,mask", says="--grid")
-        self.refuse_options(2, "--path", "short", says="--path")
         self.refuse_options(2, "--device", "abacus", says="--device")
         self.refuse_options(2, "--up-axis", "x", says="--up-axis")
         self.refuse_options(2, "--bbox", "0,0,0,1,1", says="--bbox")

@@ -53,9 +53,7 @@ class Voxelize(CommandLineTest):
         for cells in (1, 2, 4):
             for ending, writer in WRITERS.items():
                 self.write("box." + ending, writer(*lattice(cells)))
-                for path in ("boundary", "tets", "auto"):
-                    self.assertEqual(
-                        self.voxels("box." + ending, "--resolution", 16, "--path", path), 16**3)
+                self.assertEqual(self.voxels("box." + ending, "--resolution", 16), 16**3)
 
     def test_level_set(self):
         self.write("box.mesh", medit(*lattice(2)))
@@ -242,13 +240,12 @@ class Voxelize(CommandLineTest):
         grids = self.report_of("info", "both.vdb")["input"][0]["grids"]
         self.assertGreater(next(g for g in grids if g["name"] == "tet_id")["max"], 48)
 
-    def test_threads_and_paths_give_the_same_volume(self):
+    def test_threads_give_the_same_volume(self):
         points, tets = lattice(5)
         turned = [(x + 0.3 * y, y - 0.2 * z, z + 0.1 * x) for x, y, z in points]
         self.write("box.mesh", medit(turned, tets))
         hashes = set()
-        for options in (("--threads", 1), ("--threads", 2), ("--threads", 5),
-                        ("--path", "boundary"), ("--path", "tets")):
+        for options in (("--threads", 1), ("--threads", 2), ("--threads", 5)):
             self.succeed("voxelize", "box.mesh", "-o", "out.vdb", "--resolution", 150, "--grid",
                          "density,mask,tet_id", *options)
             hashes.add(self.hash_of("out.vdb"))

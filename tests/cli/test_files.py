@@ -52,8 +52,7 @@ class InputsStay(FilesTest):
     COMMANDS = (("voxelize", "box.mesh", "-o", "out.vdb"), ("tetrahedralize", "box.off", "-o", "o.msh"),
                 ("repair", "box.off", "-o", "out.stl"), ("info", "box.mesh"), ("info", "box.off"),
                 ("render", "box.off", "-o", "out.png"), ("check", "box.mesh"),
-                ("compare", "box.mesh", "box.off"), ("report", "box.off", "-o", "out.html"),
-                ("bench", "box.mesh"))
+                ("compare", "box.mesh", "box.off"), ("report", "box.off", "-o", "out.html"))
 
     def test_report_onto_an_input(self):
         for command in self.COMMANDS:

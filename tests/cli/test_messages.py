@@ -2,6 +2,7 @@
 """What the program says: names that were misspelled, help, numbers, how far it is."""
 
 import os
+import pathlib
 import pty
 import re
 import subprocess
@@ -11,7 +12,8 @@ from program import PROGRAM, CommandLineTest, box_faces, gmsh, lattice, medit, o
 
 GRIDS = ("density", "mask", "surface", "fog", "coverage", "tet_id", "material")
 COMMANDS = ("voxelize", "tetrahedralize", "info", "compare", "repair", "render", "check", "report",
-            "formats", "bench")
+            "formats", "grids")
+LIBRARY = pathlib.Path(__file__).resolve().parents[2] / "lib" / "tetvdb"
 
 
 def legacy_vtk(points, tets, array):
@@ -40,6 +42,19 @@ class Messages(CommandLineTest):
         result = self.refuse(2, *job, "--banana", says="--banana")
         self.assertNotIn("did you mean", result.err)
         self.refuse(2, "info", "box.off", "-x", says="-x")
+
+    def test_settings_of_the_library_are_spelled_as_options(self):
+        """Texts of the library name settings, the program spells them as options."""
+        for source in LIBRARY.rglob("*.cpp"):
+            for line in source.read_text(encoding="utf-8").splitlines():
+                code = line.split("//")[0]
+                self.assertNotRegex(code, r'"[^"]*--[a-z]', f"{source.name}: {line}")
+        self.refuse(2, "voxelize", "box.off", "-o", "out.vdb", "--padding", "300", "--fit", "64",
+                    says=("--padding", "of --fit"))
+        self.refuse(2, "voxelize", "box.off", "-o", "out.vdb", "--inside", "flood", "--mesher",
+                    "envelope", says=("--inside", "--mesher winding"))
+        sheet = self.write("sheet.off", off([(0, 0, 0), (9, 0, 0), (0, 9, 0)], [(0, 1, 2)]))
+        self.assertIn("with --shell", self.run_program("info", sheet).out)
 
     def test_misspelled_commands(self):
         for wrong, right in (("voxelise", "voxelize"), ("tetrahedralise", "tetrahedralize"),

@@ -214,20 +214,5 @@ class Comparisons(CommandLineTest):
         self.refuse(2, "compare", "ball.off", "larger.off", "-o", "d.jpg", says="png")
 
 
-class Bench(CommandLineTest):
-    def test_a_mesh_of_ones_own(self):
-        self.write("tets.mesh", medit(*lattice(6)))
-        report = self.report_of("bench", "tets.mesh", "--resolution", "24", "--rounds", "2")
-        rows = {row["peer"]: row for row in report["rows"]}
-        self.assertIn("the paper's loop", rows)
-        self.assertEqual(len(rows["the paper's loop"]["seconds"]), 2)
-        self.assertTrue(any(name.startswith("vtk") for name in rows) or
-                        any(w["code"] == "no-vtk" for w in report["warnings"]))
-        self.write("box.off", off(*box_faces()))
-        report = self.report_of("bench", "box.off", "--resolution", "16", "--rounds", "1")
-        self.assertEqual([row["peer"] for row in report["rows"]], ["meshToVolume", "meshToVolume"])
-        self.refuse(3, "bench", "nothing.off")
-
-
 if __name__ == "__main__":
     unittest.main()

@@ -407,7 +407,6 @@ class VoxelizeByWayOfTets(CommandLineTest):
                 (("--resolution", 40, "--inside", "parity"), "winding", "--inside"),
                 (("--resolution", 40, "--shell", "0.2"), "winding", "--shell"),
                 (("--resolution", 40, "--mesher", "winding"), "winding", "asked for"),
-                (("--resolution", 40, "--mesher", "centroid"), "centroid", "asked for"),
                 (("--resolution", 300, "--mesher", "envelope"), "envelope", "asked for")):
             with self.subTest(options=options):
                 report = self.voxelize("box.off", *options)
@@ -542,7 +541,7 @@ class VoxelizeByWayOfTets(CommandLineTest):
     def test_options_that_exclude_each_other(self):
         self.write("box.mesh", medit(*lattice(1)))
         for options in (("--mesher", "winding", "--epsilon", "1e-3d"),
-                        ("--mesher", "centroid", "--grid", "tet_id"),
+                        ("--mesher", "winding", "--grid", "tet_id"),
                         ("--mesher", "winding", "--write-mesh", "out.msh"),
                         ("--mesher", "envelope", "--shell", "0.1"),
                         ("--mesher", "envelope", "--inside", "flood"),

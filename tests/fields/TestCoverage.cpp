@@ -32,7 +32,7 @@ Made make(const Vec3d& voxel, const Mesh&... mesh) {
   options.grids = {GridKind::Mask};
   options.allowEmpty = true;
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Coverage};
+  shapes.grids = {GridKind::Coverage};
   Made made;
   Progress progress;
   Voxelization all = voxelize(mesh..., options, made.report, progress);

@@ -140,7 +140,7 @@ TEST(Field, PartsThatATupleDoesNotHave) {
 
 TEST(Field, IntegersBeyond32Bits) {
   const TetMesh mesh = meshWith({integers("gid", std::int64_t(1) << 40), ofCells("c", 1)});
-  expectError(mesh, request("gid"), Status::Invalid, {"'gid'", "beyond 32 bits", "--remap"});
+  expectError(mesh, request("gid"), Status::Invalid, {"'gid'", "beyond 32 bits", "`remap=gid"});
   FieldOptions remapped = request("gid");
   remapped.remap = {{"gid", 0, 1}};
   EXPECT_EQ(resolve(mesh, remapped)[0].kind, FieldKind::Float);
@@ -155,7 +155,7 @@ TEST(Field, IntegersBeyond32Bits) {
 TEST(Field, RangesNameGrids) {
   FieldOptions options = request("T");
   options.remap = {{"X", 0, 1}};
-  expectError(meshWith({ofPoints("T", 1)}), options, Status::Usage, {"--remap", "'X'", "T"});
+  expectError(meshWith({ofPoints("T", 1)}), options, Status::Usage, {"`remap`", "'X'", "T"});
 }
 
 // A point that no tet uses may hold anything.

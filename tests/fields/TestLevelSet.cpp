@@ -27,7 +27,7 @@ VoxelizeOptions maskOf(double voxel) {
 
 ShapeOptions surfaceOf(double halfWidth) {
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Surface};
+  shapes.grids = {GridKind::Surface};
   shapes.halfWidth = halfWidth;
   return shapes;
 }
@@ -347,7 +347,7 @@ TEST(LevelSet, FogFromTheLevelSet) {
   const TetMesh cube = meshes::mapped(meshes::kuhnGrid(2, 2, 2), turned);
   Voxelization made = voxelize(cube, maskOf(0.05), report, progress);
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Fog, ShapeGrid::Surface};
+  shapes.grids = {GridKind::Fog, GridKind::Surface};
   addShapeGrids(cube, shapes, made, report, progress);
   const auto& grids = made.volume.grids().all;
   ASSERT_EQ(grids.size(), 3u);
@@ -411,7 +411,7 @@ TEST(LevelSet, RefusesWhatCannotBe) {
   shapes = surfaceOf(3);
   EXPECT_EQ(status([&] { checkShapes(shapes, {1, 1, 2}); }), Status::Usage);
   EXPECT_EQ(status([&] { checkShapes(shapes, {2, 2, 2}); }), Status::Ok);
-  shapes.grids.push_back(ShapeGrid::Surface);
+  shapes.grids.push_back(GridKind::Surface);
   EXPECT_EQ(status([&] { checkShapes(shapes, {1, 1, 1}); }), Status::Usage);
   EXPECT_EQ(status([] {
               const TetMesh mesh = meshes::kuhnGrid(4, 4, 4);

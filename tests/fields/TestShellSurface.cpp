@@ -21,7 +21,7 @@ Voxelization surfaceOf(const TriangleMesh& mesh, ShellSide side, double thicknes
   options.voxelSize = {kSize, kSize, kSize};
   options.grids = {GridKind::Mask};
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Surface, ShapeGrid::Fog};
+  shapes.grids = {GridKind::Surface, GridKind::Fog};
   shapes.halfWidth = kHalfWidth;
   Report report;
   Progress progress;

@@ -31,7 +31,7 @@ Surface surfaceOf(double voxel, double halfWidth, const Input&... input) {
   options.voxelSize = {voxel, voxel, voxel};
   options.grids = {GridKind::Mask};
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Surface};
+  shapes.grids = {GridKind::Surface};
   shapes.halfWidth = halfWidth;
   Surface surface;
   Progress progress;

@@ -33,7 +33,7 @@ Made make(const TriangleMesh& mesh, double voxel, const ShapeOptions& shapes,
 
 ShapeOptions wholeBox() {
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Surface};
+  shapes.grids = {GridKind::Surface};
   shapes.halfWidth = kWholeBox;
   return shapes;
 }
@@ -155,7 +155,7 @@ TEST(WholeBoxLevelSet, SameForAnyNumberOfThreads) {
 
 TEST(WholeBoxLevelSet, FogNeedsANumber) {
   ShapeOptions shapes = wholeBox();
-  shapes.grids = {ShapeGrid::Fog};
+  shapes.grids = {GridKind::Fog};
   EXPECT_THROW(checkShapes(shapes, {1, 1, 1}), Error);
 }
 

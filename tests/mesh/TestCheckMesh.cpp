@@ -145,7 +145,7 @@ TEST(CheckMesh, EveryFunctionThatTakesAMeshAsks) {
   expectInvalid([&] { (void)compareMeshes(itsFaces(), faces, {}, progress); }, says);
   expectInvalid([&] { (void)tetSurface(tets, progress); }, says);
   ShapeOptions shapes;
-  shapes.grids = {ShapeGrid::Surface};
+  shapes.grids = {GridKind::Surface};
   Voxelization made = voxelize(oneTet(), options, report, progress);
   expectInvalid([&] { (void)addShapeGrids(tets, shapes, made, report, progress); }, says);
   expectInvalid([&] { (void)addShapeGrids(faces, SolidOptions(), shapes, made, report, progress); },

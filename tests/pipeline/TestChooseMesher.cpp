@@ -31,7 +31,7 @@ TEST(ChooseMesher, WindingNumberWhateverTheSizeOfVoxels) {
 
 TEST(ChooseMesher, TetsNeedTheEnvelope) {
   VoxelizeJob wanted = job();
-  wanted.voxelize.grids = {GridKind::Density, GridKind::TetId};
+  wanted.grids = {GridKind::Density, GridKind::TetId};
   EXPECT_TRUE(needsTets(wanted));
   EXPECT_EQ(methodOf(wanted, kFine), Mesher::Envelope);
   wanted = job();
@@ -45,13 +45,13 @@ TEST(ChooseMesher, TetsNeedTheEnvelope) {
 
 TEST(ChooseMesher, MaterialsNeedNoTets) {
   VoxelizeJob wanted = job();
-  wanted.voxelize.grids = {GridKind::Material};
+  wanted.grids = {GridKind::Material};
   EXPECT_FALSE(needsTets(wanted));
   EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
   wanted.solid.shell = 0.1;
   EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Winding);
   wanted = job();
-  wanted.voxelize.grids = {GridKind::Material};
+  wanted.grids = {GridKind::Material};
   wanted.mesher = Mesher::Envelope;
   EXPECT_EQ(methodOf(wanted, kCoarse), Mesher::Envelope);
 }
@@ -74,7 +74,7 @@ TEST(ChooseMesher, EpsilonInAllItsUnits) {
 
 TEST(ChooseMesher, WhatTheJobSays) {
   VoxelizeJob wanted = job();
-  for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding, Mesher::Centroid}) {
+  for (const Mesher mesher : {Mesher::Envelope, Mesher::Winding}) {
     wanted.mesher = mesher;
     EXPECT_EQ(methodOf(wanted, kCoarse), mesher);
     EXPECT_EQ(methodOf(wanted, kFine), mesher);
@@ -105,7 +105,7 @@ TEST(ChooseMesher, RefusesContradictions) {
   wanted.epsilon.value = 1;
   EXPECT_TRUE(refused(wanted));
   wanted = job();
-  wanted.mesher = Mesher::Centroid;
+  wanted.mesher = Mesher::Winding;
   wanted.meshOutput = "out.msh";
   EXPECT_TRUE(refused(wanted));
   wanted = job();
@@ -114,7 +114,7 @@ TEST(ChooseMesher, RefusesContradictions) {
   wanted.mesher = Mesher::Envelope;
   EXPECT_TRUE(refused(wanted));
   wanted.mesher = Mesher::Auto;
-  wanted.voxelize.grids = {GridKind::TetId};
+  wanted.grids = {GridKind::TetId};
   EXPECT_TRUE(refused(wanted));
   wanted.output.clear(); // no volume: its grids do not count
   wanted.meshOutput = "out.stl";

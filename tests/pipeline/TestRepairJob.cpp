@@ -163,7 +163,7 @@ TEST_F(RepairJobTest, FlippedAndDoubledFaces) {
 
 TEST_F(RepairJobTest, SheetsNeedAThickness) {
   RepairJob wanted = job(sheet(6), 64);
-  EXPECT_NE(failure(wanted, Status::Invalid).find("--shell"), std::string::npos);
+  EXPECT_NE(failure(wanted, Status::Invalid).find("`shell"), std::string::npos);
   wanted.solid.shell = 0.2;
   const RepairResult result = repaired(wanted);
   // A plate, half cylinders along its four sides, quarters of a ball at its corners.

@@ -2,7 +2,7 @@
 #include "PaperLoop.h"
 
 #include "tetvdb/volume/Grids.h"
-#include "tetvdb/voxelize/PhilippB.h"
+#include "PhilippB.h"
 
 #include <algorithm>
 #include <cmath>

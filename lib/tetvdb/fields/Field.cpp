@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/fields/GridNames.h"
+#include "tetvdb/volume/GridKinds.h"
 
 #include <algorithm>
 #include <array>
@@ -92,13 +92,13 @@ public:
     if (options_.all)
       addAll();
     if (fields_.empty())
-      throw Error(Status::Usage, "--grid all", "the mesh has no arrays",
+      throw Error(Status::Usage, "`grid=all`", "the mesh has no arrays",
                   "name grids that need none, such as density");
     for (std::size_t i = 0; i < fields_.size(); ++i)
       for (std::size_t k = 0; k < i; ++k)
         if (fields_[i].name == fields_[k].name)
-          throw Error(Status::Usage, "--grid", "two grids would be named '" + fields_[i].name + "'",
-                      "give one another name with --derive NAME=ARRAY");
+          throw Error(Status::Usage, "`grid`", "two grids would be named '" + fields_[i].name + "'",
+                      "give one another name with `derive=NAME=ARRAY`");
     return std::move(fields_);
   }
 
@@ -194,10 +194,11 @@ private:
     std::string advice =
         names.empty() ? "it has no arrays" : "its arrays are " + describeArrays(mesh_);
     if (mayBeGrid) {
-      advice += "; grids of every mesh are " + listGrids();
-      names.insert(names.begin(), kGridNames.begin(), kGridNames.end());
+      advice += "; grids of every mesh are " + listGridKinds();
+      const std::vector<std::string> kinds = gridKindNames();
+      names.insert(names.begin(), kinds.begin(), kinds.end());
     }
-    throw Error(Status::Usage, mayBeGrid ? "--grid" : "", "the mesh has no array '" + name + "'",
+    throw Error(Status::Usage, mayBeGrid ? "`grid`" : "", "the mesh has no array '" + name + "'",
                 suggestName(name, names, advice));
   }
 
@@ -272,10 +273,7 @@ private:
            lower.rfind("rgb", 0) == 0;
   }
 
-  static bool reserved(const std::string& name) {
-    return name == "density" || name == "mask" || name == "surface" || name == "fog" ||
-           name == "coverage" || name == "tet_id" || name == "material";
-  }
+  static bool reserved(const std::string& name) { return gridKindOf(name).has_value(); }
 
   void add(const Tuple& tuple, const FieldRequest& request, const std::string& name) {
     checkLengths(tuple);
@@ -379,7 +377,7 @@ private:
       if (field.kind == FieldKind::Integer && !fitsInt32(*field.sources.front().array))
         throw Error(Status::Invalid, "array '" + field.array + "'",
                     "has integers beyond 32 bits, which no program reads from a volume",
-                    "use --remap " + field.name + "=0:1, or leave it out");
+                    "use `remap=" + field.name + "=0:1`, or leave it out");
     }
     fields_.push_back(std::move(field));
   }
@@ -511,9 +509,9 @@ FieldRule Field::rule() const {
 std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& options, Report& report,
                                  const std::vector<ValueRange>* ranges) {
   std::vector<Field> fields = Resolver(mesh, options, report).run();
-  requireGrids(options.clamp, "--clamp", fields);
-  requireGrids(options.remap, "--remap", fields);
-  requireGrids(options.background, "--background", fields);
+  requireGrids(options.clamp, "`clamp`", fields);
+  requireGrids(options.remap, "`remap`", fields);
+  requireGrids(options.background, "`background`", fields);
   const InUse inUse(mesh);
   for (std::size_t i = 0; i < fields.size(); ++i) {
     Field& field = fields[i];

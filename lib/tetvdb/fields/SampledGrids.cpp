@@ -60,7 +60,7 @@ SampledGrids::SampledGrids(const TetMesh& mesh, const SnappedMesh& snapped,
 void SampledGrids::requireAny(const SampleOptions& options) const {
   if (!grids_->any() && !options.allowEmpty)
     throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
-                "use smaller voxels, or --allow-empty to write an empty grid");
+                "use smaller voxels, or `allow_empty` to write an empty grid");
 }
 
 openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report& report) {

@@ -31,11 +31,6 @@
 namespace tetvdb {
 namespace {
 
-const char* nameOf(ShapeGrid grid) {
-  constexpr const char* kNames[] = {"surface", "fog", "coverage"};
-  return kNames[static_cast<std::size_t>(grid)];
-}
-
 openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
   for (const auto& grid : made.volume.grids().all)
     if (grid->getName() == "mask" && grid->isType<openvdb::BoolGrid>())
@@ -47,10 +42,6 @@ openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
 double bandOf(const ShapeOptions& options) {
   constexpr double kUsual = 3;
   return options.halfWidth == kWholeBox ? kUsual : options.halfWidth;
-}
-
-bool asksFor(const ShapeOptions& options, ShapeGrid kind) {
-  return std::find(options.grids.begin(), options.grids.end(), kind) != options.grids.end();
 }
 
 // The faces of a solid and what is known of it.
@@ -111,7 +102,7 @@ void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOption
 
 // For all grids that are asked for; of a whole box, for what is done before.
 void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
-  const bool covers = asksFor(options, ShapeGrid::Coverage);
+  const bool covers = contains(options.grids, GridKind::Coverage);
   const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
   double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
   const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes a face
@@ -234,11 +225,11 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
   const openvdb::BoolGrid::Ptr inside = maskOf(made);
   // Before the level set adds faces where holes are closed.
   openvdb::FloatGrid::Ptr filled, surface;
-  if (asksFor(options, ShapeGrid::Coverage)) {
+  if (contains(options.grids, GridKind::Coverage)) {
     timer.part("coverage");
     filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
   }
-  if (asksFor(options, ShapeGrid::Surface) || asksFor(options, ShapeGrid::Fog)) {
+  if (contains(options.grids, GridKind::Surface) || contains(options.grids, GridKind::Fog)) {
     if (solid.filled) {
       surface = sidedSurfaceOf(solid, inside, made.transform, options, sums.device, timer, report,
                                progress);
@@ -251,13 +242,13 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
           surfaceOf(solid, inside, made.transform, options, sums.device, timer, report, progress);
     }
   }
-  for (const ShapeGrid kind : options.grids) {
-    if (kind != ShapeGrid::Fog) {
-      all.push_back(kind == ShapeGrid::Coverage ? filled : surface);
+  for (const GridKind kind : options.grids) {
+    if (kind != GridKind::Fog) {
+      all.push_back(kind == GridKind::Coverage ? filled : surface);
       continue;
     }
     timer.part("fog");
-    const bool both = asksFor(options, ShapeGrid::Surface);
+    const bool both = contains(options.grids, GridKind::Surface);
     const openvdb::FloatGrid::Ptr fog = both ? surface->deepCopy() : surface;
     openvdb::tools::sdfToFogVolume(*fog);
     fog->setName("fog");
@@ -268,41 +259,37 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
 }
 
 void requireCoverable(const SolidOptions& how, const SoupRim& rim) {
-  if (how.shell > 0 || how.method != SolidMethod::Winding || how.inside != InsideRule::Winding)
-    throw Error(Status::Usage, "--grid coverage",
-                "is found from the winding number alone: not with --shell, --inside or centroid",
+  if (how.shell > 0 || how.inside != InsideRule::Winding)
+    throw Error(Status::Usage, "`grid=coverage`",
+                "is found from the winding number alone: not with `shell` or `inside`",
                 "leave them out");
   if (!rim.edges.empty())
-    throw Error(Status::Invalid, "--grid coverage",
+    throw Error(Status::Invalid, "`grid=coverage`",
                 fmt::format("needs faces that close; the mesh has {} open edges", rim.edges.size()),
-                "use --mesher envelope, which closes holes by tets, or repair the mesh first");
+                "use `mesher=envelope`, which closes holes by tets, or repair the mesh first");
 }
 
 } // namespace
 
 void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
   if (options.halfWidth == kWholeBox) {
-    if (asksFor(options, ShapeGrid::Fog))
-      throw Error(Status::Usage, "--grid fog", "rises to 1 at a half-width that is a number",
-                  "give --half-width a number, or make 'surface' alone");
+    if (contains(options.grids, GridKind::Fog))
+      throw Error(Status::Usage, "`grid=fog`", "rises to 1 at a half-width that is a number",
+                  "give `half_width` a number, or make 'surface' alone");
   } else if (!(options.halfWidth >= kMinHalfWidth && options.halfWidth <= kMaxHalfWidth)) {
-    throw Error(Status::Usage, "--half-width",
+    throw Error(Status::Usage, "`half_width`",
                 fmt::format("{} voxels is not between {} and {}", options.halfWidth, kMinHalfWidth,
                             kMaxHalfWidth),
                 "'all' has every voxel of the mesh's box");
   }
-  for (std::size_t i = 0; i < options.grids.size(); ++i) {
-    const ShapeGrid kind = options.grids[i];
-    if (std::find(options.grids.begin(), options.grids.begin() + static_cast<std::ptrdiff_t>(i),
-                  kind) != options.grids.begin() + static_cast<std::ptrdiff_t>(i))
-      throw Error(Status::Usage, "--grid", fmt::format("'{}' is asked for twice", nameOf(kind)),
-                  "name every grid once");
-    const bool cubes = voxelSize[0] == voxelSize[1] && voxelSize[1] == voxelSize[2];
-    if (kind != ShapeGrid::Coverage && !cubes)
-      throw Error(Status::Usage, fmt::format("--grid {}", nameOf(kind)),
+  if (!options.grids.empty())
+    checkGridKinds(options.grids, {GridMaker::Distance, GridMaker::Share});
+  const bool cubes = voxelSize[0] == voxelSize[1] && voxelSize[1] == voxelSize[2];
+  for (const GridKind kind : options.grids)
+    if (infoOf(kind).needsCubes && !cubes)
+      throw Error(Status::Usage, fmt::format("`grid={}`", infoOf(kind).name),
                   "needs voxels that are cubes: a level set has one voxel size",
-                  "give --voxel-size one number");
-  }
+                  "give `voxel_size` one number");
 }
 
 ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxelization& made,
@@ -325,14 +312,14 @@ void fillForShell(Solid& solid, const TriangleMesh& mesh, const SolidOptions& ho
                   const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
   const SoupRim rim = soupRim(mesh.triangles, progress);
   if (!rim.edges.empty())
-    throw Error(Status::Invalid, "--grid surface",
+    throw Error(Status::Invalid, "`grid=surface`",
                 fmt::format("of a shell on one side needs faces that close; the mesh has {} open "
                             "edges",
                             rim.edges.size()),
-                "ask for density or mask, or leave --shell-side out");
+                "ask for density or mask, or leave `shell_side` out");
   const double wide = options.halfWidth + how.shell / transform.voxelSize[0];
   if (wide > kMaxHalfWidth)
-    throw Error(Status::Usage, "--shell",
+    throw Error(Status::Usage, "`shell`",
                 fmt::format("the shell's thickness and the half-width are {:.4g} voxels together, "
                             "a level set has at most {}",
                             wide, kMaxHalfWidth),
@@ -365,21 +352,19 @@ ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
               false};
   solid.faces = soupFaces(mesh, solid.mesh);
   const bool onSide = how.shell > 0 && how.side != ShellSide::Both;
-  if (onSide && !asksFor(options, ShapeGrid::Coverage))
+  if (onSide && !contains(options.grids, GridKind::Coverage))
     fillForShell(solid, mesh, how, options, made.transform, progress);
   else
     solid.shell = how.shell / 2 / made.transform.voxelSize[0];
-  const bool byWinding = how.method == SolidMethod::Winding && how.shell == 0 &&
+  const bool byWinding = how.shell == 0 &&
                          (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
-  const bool covers = asksFor(options, ShapeGrid::Coverage);
+  const bool covers = contains(options.grids, GridKind::Coverage);
   solid.rule = fillRuleOf(how);
-  if (byWinding || covers || how.method == SolidMethod::Centroid) {
+  if (byWinding || covers) {
     const SoupRim rim = soupRim(mesh.triangles, progress);
     if (covers)
       requireCoverable(how, rim);
-    if (how.method == SolidMethod::Centroid)
-      closeToCentre(rim.edges, solid.mesh, solid.faces);
-    else if (!rim.edges.empty()) {
+    if (!rim.edges.empty()) {
       solid.rim.emplace(windingOfRim(rim.edges, solid.mesh));
       solid.rule.reset();
     }

@@ -6,7 +6,7 @@
 //   options.grids = {tetvdb::GridKind::Mask};
 //   tetvdb::Voxelization made = tetvdb::voxelize(mesh, options, report, progress);
 //   tetvdb::ShapeOptions shapes;
-//   shapes.grids = {tetvdb::ShapeGrid::Surface};
+//   shapes.grids = {tetvdb::GridKind::Surface};
 //   tetvdb::addShapeGrids(mesh, shapes, made, report, progress);
 #pragma once
 
@@ -16,6 +16,7 @@
 #include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/volume/GridKinds.h"
 #include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
@@ -28,18 +29,12 @@
 
 namespace tetvdb {
 
-enum class ShapeGrid : std::uint8_t {
-  Surface, ///< float level set "surface" (fields/LevelSet.h)
-  Fog,     ///< float fog "fog" made of it: 0 at the surface, rising to 1 a half-width inside
-  Coverage ///< float fog "coverage" (fields/Coverage.h)
-};
-
 /// A half-width that has every voxel of a box in the band (fields/WholeBoxLevelSet.h).
 constexpr double kWholeBox = std::numeric_limits<double>::infinity();
 
 struct ShapeOptions {
-  std::vector<ShapeGrid> grids;
-  double halfWidth = 3; ///< of the level set's band, voxels, or kWholeBox
+  std::vector<GridKind> grids; ///< made by GridMaker::Distance or Share
+  double halfWidth = 3;        ///< of the level set's band, voxels, or kWholeBox
   /// With kWholeBox, the box; none: the mesh's, grown by three voxels.
   std::optional<VoxelBox> box;
   /// Where the level set's distances are found; the grids are the same.
@@ -49,7 +44,7 @@ struct ShapeOptions {
 
 /// What else addShapeGrids() found.
 struct ShapeSums {
-  CoverageSum coverage; ///< where ShapeGrid::Coverage was asked for
+  CoverageSum coverage; ///< where GridKind::Coverage was asked for
   TrimCounts trim;      ///< where a level set or fog was
   DeviceUsed device;    ///< what found the distances
 };

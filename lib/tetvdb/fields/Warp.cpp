@@ -23,7 +23,7 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
   } catch (const Error& error) {
     if (error.status() != Status::Usage)
       throw;
-    throw Error(Status::Usage, "--warp", "the mesh has no array '" + warp.array + "'",
+    throw Error(Status::Usage, "`warp`", "the mesh has no array '" + warp.array + "'",
                 suggestName(warp.array, arrayNames(mesh),
                             mesh.attributes.empty() && mesh.unread.empty()
                                 ? "it has no arrays"
@@ -31,11 +31,11 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
   }
   const Field& field = fields.front();
   if (field.kind != FieldKind::Vector || field.on != Attribute::On::Points)
-    throw Error(Status::Usage, "--warp",
+    throw Error(Status::Usage, "`warp`",
                 "the array '" + warp.array + "' does not have a vector for every point",
                 "its arrays are " + describeArrays(mesh));
   if (field.notFinite > 0)
-    throw Error(Status::Invalid, "--warp",
+    throw Error(Status::Invalid, "`warp`",
                 "the array '" + warp.array + "' has no finite vector at " +
                     std::to_string(field.notFinite) + " points",
                 "repair the file");

@@ -186,7 +186,7 @@ std::uint32_t QuadraticCutter::add(const std::uint32_t* nodes, const std::uint8_
   std::sort(to + cornerCount, to + cornerCount + added.mids(), order);
   if (points_.size() >= 0xfffffffeu)
     throw Error(Status::Limit, "mesh", "more than 4294967294 points, with the middles of faces",
-                "split it into several files or choose a part with --bbox or --region");
+                "split it into several files or choose a part with `bbox` or `region`");
   Vec3d point{0, 0, 0};
   for (std::size_t k = 0; k < 3; ++k) {
     double sum = 0;

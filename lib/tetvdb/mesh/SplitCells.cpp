@@ -108,8 +108,8 @@ public:
       cell += run.count;
     }
     const auto& names = mesh.regionNames;
-    const auto excluded = findRegions(filter.exclude, "--exclude", present, names, report);
-    kept_ = findRegions(filter.regions, "--region", present, names, report);
+    const auto excluded = findRegions(filter.exclude, "`exclude`", present, names, report);
+    kept_ = findRegions(filter.regions, "`region`", present, names, report);
     if (filter.regions.empty())
       kept_ = present;
     for (const std::int32_t region : excluded)
@@ -342,7 +342,7 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   const auto refuseAbove = [](std::uint64_t tets) {
     if (tets > kMostTets)
       throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra",
-                  "split it into several files or choose a part with --bbox or --region");
+                  "split it into several files or choose a part with `bbox` or `region`");
   };
   refuseAbove(solid);
 
@@ -454,7 +454,7 @@ TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Pr
   if (result.tets.empty())
     throw Error(Status::Invalid, "mesh",
                 tally.filtered
-                    ? "no cell is left by --region, --exclude and --bbox"
+                    ? "no cell is left by `region`, `exclude` and `bbox`"
                     : "no solid cell can be split into tetrahedra; it holds " + describeCells(mesh),
                 tally.filtered ? "widen them" : "");
   keepSolidValues(mesh, result);

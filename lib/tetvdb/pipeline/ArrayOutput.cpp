@@ -13,10 +13,9 @@ namespace {
 // Voxels that a level set's band, a shell or a rule adds on every side.
 double marginOf(const VoxelizeJob& job, const GridTransform& transform) {
   double margin = 1;
-  for (const ShapeGrid grid : job.shapes.grids)
-    if (grid != ShapeGrid::Coverage)
-      margin = std::max(
-          margin, job.shapes.halfWidth == kWholeBox ? 4 : std::ceil(job.shapes.halfWidth) + 1);
+  if (!madeBy(job.grids, {GridMaker::Distance}).empty())
+    margin = std::max(margin,
+                      job.shapes.halfWidth == kWholeBox ? 4 : std::ceil(job.shapes.halfWidth) + 1);
   const Vec3d& h = transform.voxelSize;
   return margin + std::ceil(job.solid.shell / 2 / std::min({h[0], h[1], h[2]}));
 }
@@ -37,8 +36,7 @@ VoxelBox grown(const WorldBox& box, const GridTransform& transform, double margi
 
 std::size_t gridsOf(const VoxelizeJob& job) {
   // The arrays that `all` stands for are known once the mesh is read: one at least.
-  return job.voxelize.grids.size() + job.shapes.grids.size() + job.fields.requests.size() +
-         (job.fields.all ? 1 : 0);
+  return job.grids.size() + job.fields.requests.size() + (job.fields.all ? 1 : 0);
 }
 
 } // namespace
@@ -48,7 +46,7 @@ void checkArrayOutput(const VoxelizeJob& job) {
     return;
   checkArrayOptions(job.output, job.arrays, gridsOf(job));
   if (job.half)
-    throw Error(Status::Usage, "--half", "is for .vdb and .nvdb; arrays have their values in full",
+    throw Error(Status::Usage, "`half`", "is for .vdb and .nvdb; arrays have their values in full",
                 "leave it out");
 }
 
@@ -60,10 +58,8 @@ void requireArrayRoom(const VoxelizeJob& job, const WorldBox& box, const GridTra
   if (!isArrayFile(job.output) || job.arrays.sparse)
     return;
   const VoxelBox voxels = job.arrays.box ? *job.arrays.box : grown(box, transform, 0);
-  double bytes = 0; // of a voxel
-  for (const GridKind kind : job.voxelize.grids)
-    bytes += kind == GridKind::Mask ? 1 : 4;
-  bytes += 4 * static_cast<double>(gridsOf(job) - job.voxelize.grids.size());
+  const double bytes = 4 * static_cast<double>(gridsOf(job)) -
+                       (contains(job.grids, GridKind::Mask) ? 3 : 0); // of a voxel
   requireRoom(job.output, voxels.voxels() * bytes, job.arrays.compress);
 }
 

@@ -108,7 +108,7 @@ public:
     const std::string hidden = whyHidden(info);
     if (!hidden.empty())
       add(Weight::Warning, "hidden-values", info.name, hidden + where,
-          fmt::format("tetvdb voxelize with --remap {}=0:1{}", info.name,
+          fmt::format("tetvdb voxelize with `remap={}=0:1`{}", info.name,
                       options_.target == CheckTarget::Blender
                           ? ", or lower the render setting Volume > Clipping"
                           : ""));
@@ -187,12 +187,12 @@ private:
     const bool yUp = up != volume.metadata.end() && up->second == "y";
     if (forBlender() && yUp)
       add(Weight::Warning, "up-axis", "was made with y up, but in Blender z points up",
-          "voxelize without --up-axis y, or turn the object by 90 degrees about x");
+          "voxelize without `up_axis=y`, or turn the object by 90 degrees about x");
     if (!forBlender() && !yUp)
       add(Weight::Note, "up-axis",
           "in Houdini y points up; the file does not say that it was "
           "made so",
-          "if the model lies on its side, voxelize with --up-axis y");
+          "if the model lies on its side, voxelize with `up_axis=y`");
   }
 
   void checkTransform(const openvdb::math::Transform& transform,
@@ -222,7 +222,7 @@ private:
         add(Weight::Note, "velocity-name",
             "is what Blender takes for the velocity: shaders find it as 'velocity', not by its "
             "name",
-            "ask for 'velocity' in the material, or voxelize with --derive NAME=" + grid_);
+            "ask for 'velocity' in the material, or voxelize with `derive=NAME=" + grid_ + "`");
       return;
     }
   }
@@ -253,7 +253,7 @@ private:
           fmt::format("takes {:.1f} GB where it is uploaded densely, as by Blender without "
                       "NanoVDB and by real-time renderers",
                       bytes / 1e9),
-          "use larger voxels, or cut it in parts with --bbox");
+          "use larger voxels, or cut it in parts with `bbox`");
     const Vec3d& size = info.transform.voxelSize;
     const double side = std::min({std::abs(size[0]), std::abs(size[1]), std::abs(size[2])});
     if (side < kSmallVoxel)
@@ -271,7 +271,7 @@ private:
       add(Weight::Error, "type",
           forBlender() ? "is a mask grid, which Blender builds with NanoVDB do not draw"
                        : "is a mask grid, which Houdini's translation does not know",
-          "store it as bool, as tetvdb voxelize --grid mask does");
+          "store it as bool, as voxelize does with `grid=mask`");
     else if (kDrawn.count(info.type) == 0)
       add(Weight::Error, "type", "is of type '" + info.type + "', which is not drawn as a volume",
           "convert it to float");

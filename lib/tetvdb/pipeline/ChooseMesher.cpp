@@ -11,8 +11,7 @@ namespace tetvdb {
 namespace {
 
 bool asksForGrid(const VoxelizeJob& job, GridKind kind) {
-  const auto& grids = job.voxelize.grids;
-  return !job.output.empty() && std::find(grids.begin(), grids.end(), kind) != grids.end();
+  return !job.output.empty() && contains(job.grids, kind);
 }
 
 bool asksForTetFile(const VoxelizeJob& job) {
@@ -22,23 +21,23 @@ bool asksForTetFile(const VoxelizeJob& job) {
 // What asks for tets; empty where nothing does.
 std::string tetsFor(const VoxelizeJob& job) {
   if (asksForGrid(job, GridKind::TetId))
-    return "--grid tet_id";
+    return "`grid=tet_id`";
   if (asksForTetFile(job))
-    return "--write-mesh " + job.meshOutput;
-  return job.epsilon.value > 0 ? "--epsilon" : "";
+    return "`write_mesh=" + job.meshOutput + "`";
+  return job.epsilon.value > 0 ? "`epsilon`" : "";
 }
 
 // What only the methods without tets can do; empty where nothing asks for it.
 std::string noTetsFor(const VoxelizeJob& job) {
   if (job.solid.shell > 0)
-    return "--shell";
-  return job.solid.inside == InsideRule::Winding ? "" : "--inside";
+    return "`shell`";
+  return job.solid.inside == InsideRule::Winding ? "" : "`inside`";
 }
 
 } // namespace
 
 std::string nameOf(Mesher mesher) {
-  constexpr const char* kNames[] = {"auto", "envelope", "winding", "centroid"};
+  constexpr const char* kNames[] = {"auto", "envelope", "winding"};
   return kNames[static_cast<std::size_t>(mesher)];
 }
 
@@ -48,11 +47,11 @@ bool needsTets(const VoxelizeJob& job) {
 
 void checkMesher(const VoxelizeJob& job) {
   const std::string tets = tetsFor(job), without = noTetsFor(job);
-  if (job.mesher == Mesher::Winding || job.mesher == Mesher::Centroid) {
+  if (job.mesher == Mesher::Winding) {
     if (!tets.empty())
       throw Error(Status::Usage, tets,
-                  "is for tets, which --mesher " + nameOf(job.mesher) + " does not make",
-                  "use --mesher envelope");
+                  "is for tets, which `mesher=" + nameOf(job.mesher) + "` does not make",
+                  "use `mesher=envelope`");
     return;
   }
   if (without.empty())
@@ -61,8 +60,8 @@ void checkMesher(const VoxelizeJob& job) {
     throw Error(Status::Usage, tets, "is for tets, which " + without + " does not make",
                 "leave one of them out");
   if (job.mesher == Mesher::Envelope)
-    throw Error(Status::Usage, without, "does not go with --mesher envelope",
-                "use --mesher winding");
+    throw Error(Status::Usage, without, "does not go with `mesher=envelope`",
+                "use `mesher=winding`");
 }
 
 MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& voxelSize) {
@@ -71,8 +70,8 @@ MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& 
   const double epsilon = job.epsilon.value > 0 ? job.epsilon.inWorld(diagonal, voxel) : half;
   if (job.mesher == Mesher::Envelope)
     return {Mesher::Envelope, "asked for", epsilon};
-  if (job.mesher != Mesher::Auto)
-    return {job.mesher, "asked for", 0};
+  if (job.mesher == Mesher::Winding)
+    return {Mesher::Winding, "asked for", 0};
   if (const std::string tets = tetsFor(job); !tets.empty())
     return {Mesher::Envelope, tets + " needs tets", epsilon};
   if (const std::string without = noTetsFor(job); !without.empty())

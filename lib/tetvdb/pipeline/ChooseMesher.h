@@ -15,11 +15,10 @@ struct VoxelizeJob;
 enum class Mesher : std::uint8_t {
   Auto,     ///< as chooseMesher() says
   Envelope, ///< tets within epsilon (tetrahedralize/Tetrahedralize.h)
-  Winding,  ///< voxels at once, by SolidOptions::inside (voxelize/VoxelizeTriangles.h)
-  Centroid  ///< voxels at once, by SolidMethod::Centroid
+  Winding   ///< voxels at once, by SolidOptions::inside (voxelize/VoxelizeTriangles.h)
 };
 
-/// "auto", "envelope", "winding" or "centroid".
+/// "auto", "envelope" or "winding".
 std::string nameOf(Mesher mesher);
 
 struct MesherChoice {

@@ -26,7 +26,7 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
     report.warn("doubtful-orientation",
                 fmt::format("{}which way faces look is not clear: as they are, the mesh holds a "
                             "volume of about {:.4g}, turned so that neighbours agree {:.4g}; look "
-                            "at the result, and see --keep-orientation",
+                            "at the result, and see `keep_orientation`",
                             where, counts.fileVolume, counts.turnedVolume));
     report.partial = true;
   }

@@ -53,10 +53,10 @@ private:
       throw Error(Status::Usage, job_.output, "is a format of volumes, and the input a mesh",
                   "make one with 'tetvdb voxelize'");
     if (!job_.isVolume && !job_.grids.empty())
-      throw Error(Status::Usage, "--grid", "chooses grids of a volume; the input is a mesh",
+      throw Error(Status::Usage, "`grid`", "chooses grids of a volume; the input is a mesh",
                   "leave it out");
     if (toTriangles_ && job_.grids.size() > 1)
-      throw Error(Status::Usage, "--grid", "the surface is that of one grid", "name one");
+      throw Error(Status::Usage, "`grid`", "the surface is that of one grid", "name one");
     if (toArrays_)
       checkArrayOptions(job_.output, job_.arrays, std::max<std::size_t>(job_.grids.size(), 1));
   }
@@ -126,10 +126,10 @@ private:
       const auto found = std::find_if(all.begin(), all.end(),
                                       [&](const auto& grid) { return grid->getName() == name; });
       if (found == all.end())
-        throw Error(Status::Usage, "--grid", fmt::format("{} has no grid '{}'", job_.input, name),
+        throw Error(Status::Usage, "`grid`", fmt::format("{} has no grid '{}'", job_.input, name),
                     "choose from " + names);
       if (std::find(chosen.begin(), chosen.end(), *found) != chosen.end())
-        throw Error(Status::Usage, "--grid", "'" + name + "' is named twice",
+        throw Error(Status::Usage, "`grid`", "'" + name + "' is named twice",
                     "name every grid once");
       chosen.push_back(*found);
     }

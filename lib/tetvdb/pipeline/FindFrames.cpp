@@ -110,7 +110,7 @@ std::vector<Frame> framesByNumber(const std::vector<std::string>& paths, const s
       throw Error(Status::Invalid, what,
                   fmt::format("number {} is missing: '{}' follows '{}'", files[i - 1].number + step,
                               files[i].path, files[i - 1].path),
-                  "put it there, or use --allow-gaps to go on with the next one");
+                  "put it there, or use `allow_gaps` to go on with the next one");
   std::vector<Frame> frames;
   for (NumberedFile& file : files)
     frames.push_back({{std::move(file.path)}, -1, {}});
@@ -156,12 +156,12 @@ std::vector<Frame> framesOfFile(const std::string& path, Report& report, Progres
   const MappedFile file(path);
   const Format& format = formatOf(sniffFormat(file.bytes(), path));
   if (!can(format, FormatUse::ReadSteps))
-    throw Error(Status::Usage, "--frames", path + " is no sequence",
+    throw Error(Status::Usage, "`frames`", path + " is no sequence",
                 "name a .pvd file, a pattern such as 'frame_*.vtu' or a file of several steps (" +
                     endingList(FormatUse::ReadSteps) + ")");
   const std::vector<double> times = format.readTimes(file.source(), report, progress);
   if (times.empty())
-    throw Error(Status::Invalid, path, "has no time steps", "leave --frames out");
+    throw Error(Status::Invalid, path, "has no time steps", "leave `frames` out");
   std::vector<Frame> frames;
   for (std::size_t i = 0; i < times.size(); ++i)
     frames.push_back({{path}, static_cast<int>(i), times[i]});
@@ -171,10 +171,10 @@ std::vector<Frame> framesOfFile(const std::string& path, Report& report, Progres
 std::vector<Frame> chosen(std::vector<Frame> frames, const FrameRange& range) {
   const std::size_t last = range.last == 0 ? frames.size() : range.last;
   if (range.first < 1 || range.first > last || range.stride < 1)
-    throw Error(Status::Usage, "--frames", "the first frame comes after the last",
+    throw Error(Status::Usage, "`frames`", "the first frame comes after the last",
                 "give FIRST:LAST, counted from 1");
   if (last > frames.size())
-    throw Error(Status::Usage, "--frames", fmt::format("there is no frame {}", last),
+    throw Error(Status::Usage, "`frames`", fmt::format("there is no frame {}", last),
                 fmt::format("there are {}", frames.size()));
   std::vector<Frame> some;
   for (std::size_t i = range.first; i <= last; i += range.stride)

@@ -28,7 +28,7 @@ void fitVolume(Volume& volume, const GridTransform& transform, const FitBox& fit
   if (!cut.empty())
     report.warn("cut-band",
                 fmt::format("{} reached beyond the {}^3 voxels and ends there; a larger "
-                            "--padding keeps the band whole",
+                            "`padding` keeps the band whole",
                             cut, fit.voxels));
   std::string matrix;
   for (const auto& row : worldFromIndex(transform))

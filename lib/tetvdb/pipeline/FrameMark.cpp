@@ -83,12 +83,10 @@ std::string frameMark(const VoxelizeJob& job) {
        << static_cast<int>(job.mesher) << job.epsilon.value << static_cast<int>(job.epsilon.unit)
        << static_cast<int>(job.up);
   text << job.voxelize.voxelSize << job.voxelize.origin << static_cast<int>(job.voxelize.rule)
-       << job.voxelize.fit.voxels << job.voxelize.fit.padding << job.voxelize.grids.size();
-  for (const GridKind kind : job.voxelize.grids)
+       << job.voxelize.fit.voxels << job.voxelize.fit.padding << job.grids.size()
+       << job.shapes.halfWidth;
+  for (const GridKind kind : job.grids)
     text << static_cast<int>(kind);
-  text << job.shapes.grids.size() << job.shapes.halfWidth;
-  for (const ShapeGrid shape : job.shapes.grids)
-    text << static_cast<int>(shape);
   addFields(text, job);
   text << job.units << job.half;
   for (const auto& [key, value] : job.metadata)

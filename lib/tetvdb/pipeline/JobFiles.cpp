@@ -124,7 +124,7 @@ std::size_t memoryLeft(std::size_t limit) {
     throw Error(Status::Limit, "",
                 "the mesh alone takes " + megabytes(used) + " of the " + megabytes(limit) +
                     " allowed",
-                "raise --max-memory, or read a part with --region or --bbox");
+                "raise `max_memory`, or read a part with `region` or `bbox`");
   return limit - used;
 }
 

@@ -115,7 +115,7 @@ void PictureMaker::arrange() {
     throw Error(Status::Usage, "",
                 "a picture of " + std::to_string(width_) + " x " + std::to_string(height_) +
                     " pixels has no room for what is to be in it",
-                "give a larger --size");
+                "give a larger `size`");
 }
 
 // All pictures have the largest span of any: one scale.

@@ -58,7 +58,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job) {
     plan.tetrahedralize();
   if (!job.output.empty()) {
     plan.add("voxelize", 45);
-    if (!job.shapes.grids.empty() || !job.fields.empty())
+    if (!madeBy(job.grids, {GridMaker::Distance, GridMaker::Share}).empty() || !job.fields.empty())
       plan.add("fields", triangles ? 40 : 150);
     plan.preview();
   }

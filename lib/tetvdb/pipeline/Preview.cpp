@@ -89,9 +89,8 @@ void Preview::volume(const Volume& volume, Report& report, Progress& progress) {
 void Preview::arrays(const Volume& volume, VolumeShow show, const PictureOptions& options,
                      Report& report, Progress& progress) {
   const auto isShape = [](const openvdb::GridBase::Ptr& grid) {
-    const std::string name = grid->getName();
-    return name == "surface" || name == "density" || name == "coverage" || name == "mask" ||
-           name == "fog";
+    const std::optional<GridKind> kind = gridKindOf(grid->getName());
+    return kind && infoOf(*kind).drawsSolid;
   };
   const auto& grids = volume.grids().all;
   const bool anyShape = std::any_of(grids.begin(), grids.end(), isShape);

@@ -51,7 +51,7 @@ public:
       maker = std::make_unique<PictureMaker>(std::move(sitters), options, progress_);
       requireRoom(kBytesPerPixel * static_cast<std::size_t>(maker->width()) *
                       static_cast<std::size_t>(maker->height()),
-                  job_.maxMemory, "give a smaller --size, or raise --max-memory");
+                  job_.maxMemory, "give a smaller `size`, or raise `max_memory`");
     }
     write(takePictures(*maker));
     result_.width = maker->width();
@@ -90,7 +90,7 @@ private:
     if (holdsTriangles(input.path)) {
       TriangleMesh mesh = readSoup(input.path, &info, report_, progress_);
       requireRoom(kBytesPerFace * mesh.triangleCount(), job_.maxMemory,
-                  "raise --max-memory, or use a machine with more");
+                  "raise `max_memory`, or use a machine with more");
       return subjectOf(std::move(mesh), job_.look);
     }
     ReadOptions options;

@@ -99,7 +99,7 @@ private:
         if (const SheetCounts& sheets = result_.local->sheets; sheets.faces > 0)
           report_.warn("sheets",
                        fmt::format("{} faces in {} open parts bound no volume and are left "
-                                   "out; --shell gives sheets a thickness",
+                                   "out; `shell` gives sheets a thickness",
                                    sheets.faces, sheets.parts));
         return true;
       }
@@ -133,7 +133,7 @@ private:
       return;
     report_.warn("volume-changed",
                  fmt::format("the solid had a volume of {:.4g} and has {:.4g}: parts of it are "
-                             "thinner than a voxel; use a finer --resolution",
+                             "thinner than a voxel; use a finer `resolution`",
                              solids.before, solids.after));
     report_.partial = true;
   }
@@ -241,7 +241,7 @@ public:
   RepairResult run() {
     if (job_.solid.side != ShellSide::Both)
       throw Error(Status::Usage, "", "a repaired shell lies on both sides of the faces",
-                  "voxelize it with --shell-side, and repair the volume");
+                  "voxelize it with `shell_side`, and repair the volume");
     requireFormat(job_.output, {FormatUse::WriteTriangles});
     requireWritable(job_.output);
     checkPreviewPath(job_.preview);
@@ -420,7 +420,7 @@ private:
                          (likely.empty() || likely == "millimetres"
                               ? std::string()
                               : ", though by its size the model is in " + likely) +
-                         "; --units says which they are");
+                         "; `units` says which they are");
       }
       writeThreeMf(job_.output, objects, progress_);
     } else {

@@ -176,10 +176,10 @@ private:
     if (frames_.empty())
       throw Error(Status::Usage, "", "the sequence has no frames");
     if (!job_.preview.empty())
-      throw Error(Status::Usage, "--preview", "is for one frame; this is a sequence",
+      throw Error(Status::Usage, "`preview`", "is for one frame; this is a sequence",
                   "render frames with 'tetvdb render run.0001.vdb -o run.png'");
     if (!job_.meshOutput.empty())
-      throw Error(Status::Usage, "--write-mesh", "is for one mesh, not for a sequence",
+      throw Error(Status::Usage, "`write_mesh`", "is for one mesh, not for a sequence",
                   "leave it out");
     requireFormat(job_.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
     checkArrayOutput(job_);
@@ -344,7 +344,7 @@ private:
         continue;
       const std::size_t at = grid.all.minValue < 0 ? grid.minFrame : grid.maxFrame;
       report_.warn(kHiddenValues,
-                   fmt::format("'{}' {} (in all frames; see {}); --remap {}=0:1 "
+                   fmt::format("'{}' {} (in all frames; see {}); `remap={}=0:1` "
                                "makes it visible",
                                grid.all.name, why, nameOf(frames_[at], at), grid.all.name));
     }

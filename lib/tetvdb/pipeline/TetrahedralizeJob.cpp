@@ -24,7 +24,7 @@ void checkJob(const TetrahedralizeJob& job) {
   requireSeparateFiles(job.inputs, {job.output, job.preview});
   for (const RelativeLength& length : {job.epsilon, job.edgeLength})
     if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
-      throw Error(Status::Usage, "--epsilon, --edge-length",
+      throw Error(Status::Usage, "`epsilon`, `edge_length`",
                   "are given in voxels, but no voxels are made",
                   "give a length, or a part of the diagonal such as 1e-3d");
 }

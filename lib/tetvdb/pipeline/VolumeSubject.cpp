@@ -41,7 +41,7 @@ class VolumeSubject : public Subject {
 public:
   VolumeSubject(Volume volume, const VolumeShow& show) : volume_(std::move(volume)), show_(show) {
     infos_ = describe(volume_);
-    shape_ = show.grid.empty() ? mainGrid() : named(show.grid, "--grid");
+    shape_ = show.grid.empty() ? mainGrid() : named(show.grid, "`grid`");
     if (infos_[shape_].activeVoxels == 0)
       throw Error(Status::Invalid, infos_[shape_].name, "holds no active voxels");
     const bool isShape =
@@ -49,7 +49,7 @@ public:
     if (show.plainColor)
       color_ = std::nullopt;
     else if (!show.color.empty())
-      color_ = named(show.color, "--color");
+      color_ = named(show.color, "`color`");
     else if (infos_[shape_].minValue < infos_[shape_].maxValue &&
              (!isShape || show.style == VolumeStyle::Slice)) // one value needs no legend
       color_ = shape_;
@@ -64,7 +64,7 @@ public:
       const double low = bounds_.low[axis], high = bounds_.high[axis];
       place_ = show.slice.inUnits ? show.slice.at : low + show.slice.at * (high - low);
       if (!(place_ >= low && place_ <= high))
-        throw Error(Status::Usage, "--slice",
+        throw Error(Status::Usage, "`slice`",
                     "lies outside of the volume, which spans " + std::to_string(low) + " to " +
                         std::to_string(high) + " along that axis");
     }

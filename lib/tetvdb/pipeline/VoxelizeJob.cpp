@@ -4,7 +4,6 @@
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
-#include "tetvdb/fields/GridNames.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/fields/ShownValues.h"
@@ -37,10 +36,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Which of the job's grids voxelize() makes.
+std::vector<GridKind> voxelizedOf(const VoxelizeJob& job) {
+  return madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner});
+}
+
+// Which of them addShapeGrids() adds, and how.
+ShapeOptions shapesOf(const VoxelizeJob& job) {
+  ShapeOptions shapes = job.shapes;
+  shapes.grids = madeBy(job.grids, {GridMaker::Distance, GridMaker::Share});
+  return shapes;
+}
+
 void checkOutputs(const VoxelizeJob& job) {
-  checkShapes(job.shapes, job.voxelize.voxelSize);
-  if (job.voxelize.rule != VoxelRule::Centre && !job.shapes.grids.empty())
-    throw Error(Status::Usage, "--rule",
+  const ShapeOptions shapes = shapesOf(job);
+  checkShapes(shapes, job.voxelize.voxelSize);
+  if (job.voxelize.rule != VoxelRule::Centre && !shapes.grids.empty())
+    throw Error(Status::Usage, "`rule`",
                 "is for density and mask; surface, fog and coverage know of no rule",
                 "make them without it");
   if (job.inputs.empty())
@@ -67,14 +79,14 @@ void checkOutputs(const VoxelizeJob& job) {
 // Of triangles, which have no arrays.
 void refuseArrays(const VoxelizeJob& job) {
   if (!job.warp.array.empty())
-    throw Error(Status::Usage, "--warp", "takes an array of a solid mesh; the input is triangles",
+    throw Error(Status::Usage, "`warp`", "takes an array of a solid mesh; the input is triangles",
                 "leave it out");
   if (job.fields.empty())
     return;
   const std::string name = job.fields.all ? "all" : job.fields.requests.front().array;
-  throw Error(
-      Status::Usage, "--grid", "'" + name + "' is an array of a solid mesh; the input is triangles",
-      suggestName(name, {kGridNames.begin(), kGridNames.end()}, "choose from " + listGrids()));
+  throw Error(Status::Usage, "`grid`",
+              "'" + name + "' is an array of a solid mesh; the input is triangles",
+              suggestName(name, gridKindNames(), "choose from " + listGridKinds()));
 }
 
 // Whether the inputs hold triangles; one job takes one kind.
@@ -90,7 +102,7 @@ bool inputsHoldTriangles(const VoxelizeJob& job) {
   const CellFilter none;
   if (first && !(filter.regions.empty() && filter.exclude.empty() && filter.boxMin == none.boxMin &&
                  filter.boxMax == none.boxMax))
-    throw Error(Status::Usage, "--region, --exclude, --bbox",
+    throw Error(Status::Usage, "`region`, `exclude`, `bbox`",
                 "choose cells of a solid mesh; the input is triangles", "leave them out");
   if (first)
     refuseArrays(job);
@@ -105,7 +117,7 @@ void warnOfOtherSteps(const InputInfo& info, const ReadOptions& wanted, Report& 
   if (info.times.size() < 2 || wanted.timeStep >= 0)
     return;
   report.warn("last-step", fmt::format("{}: has {} time steps; the last one, at {:.6g}, is taken; "
-                                       "--frames takes others, each as a frame",
+                                       "`frames` takes others, each as a frame",
                                        info.path, info.times.size(), info.times[info.step]));
 }
 
@@ -155,17 +167,17 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
 
 // What is made of arrays can have any values.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {
-  for (std::size_t i = job.voxelize.grids.size() + job.shapes.grids.size(); i < grids.size(); ++i) {
+  for (std::size_t i = job.grids.size(); i < grids.size(); ++i) {
     const GridInfo& grid = grids[i];
     const double largest = std::max(std::abs(grid.minValue), std::abs(grid.maxValue));
     if (job.half && grid.activeVoxels > 0 && grid.type != "int32" && largest > kLargestHalf)
-      throw Error(Status::Invalid, "--half",
+      throw Error(Status::Invalid, "`half`",
                   fmt::format("'{}' has values up to {:.6g}, beyond {}, the largest of 16 bits",
                               grid.name, largest, kLargestHalf),
-                  fmt::format("leave --half out, or use --remap {}=0:1", grid.name));
+                  fmt::format("leave `half` out, or use `remap={}=0:1`", grid.name));
     const std::string why = whyHidden(grid);
     if (!why.empty())
-      report.warn(kHiddenValues, fmt::format("'{}' {}; --remap {}=0:1 makes it visible", grid.name,
+      report.warn(kHiddenValues, fmt::format("'{}' {}; `remap={}=0:1` makes it visible", grid.name,
                                              why, grid.name));
   }
 }
@@ -177,6 +189,7 @@ template <typename Voxelize>
 Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
                   Report& report, const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
+  options.grids = voxelizedOf(job);
   options.maxMemory = memoryLeft(job.maxMemory);
   Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
@@ -197,30 +210,27 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
 
 // Where the device's NanoVDB grids may be written as they are, place for them.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" && job.shapes.grids.empty() &&
-                 job.fields.empty()
+  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() &&
+                 voxelizedOf(job).size() == job.grids.size()
              ? &nano
              : nullptr;
 }
 
-// The grids of `voxelizeMesh` and then those of job.shapes, which `addShapes` makes with the mask.
-// A thin mesh can fill parts of voxels, and none of their centres.
+// The grids of `voxelizeMesh` and then those of shapesOf(job), which `addShapes` makes with the
+// mask. A thin mesh can fill parts of voxels, and none of their centres.
 template <typename Voxelize, typename AddShapes>
 Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
                         const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
-  if (job.shapes.grids.empty())
+  ShapeOptions shapes = shapesOf(job);
+  if (shapes.grids.empty())
     return voxelizeMesh(options);
   const auto asked = static_cast<std::ptrdiff_t>(options.grids.size());
-  const auto kinds = options.grids.begin();
-  const bool hasMask = std::find(kinds, kinds + asked, GridKind::Mask) != kinds + asked;
-  const auto& shapeGrids = job.shapes.grids;
-  const bool coverageOnly =
-      asked == 0 && shapeGrids.size() == 1 && shapeGrids.front() == ShapeGrid::Coverage;
+  const bool hasMask = contains(options.grids, GridKind::Mask);
+  const bool coverageOnly = job.grids == std::vector<GridKind>{GridKind::Coverage};
   options.allowEmpty = options.allowEmpty || coverageOnly;
   if (!hasMask)
     options.grids.push_back(GridKind::Mask);
   Voxelization made = voxelizeMesh(options);
-  ShapeOptions shapes = job.shapes;
   shapes.maxMemory = memoryLeft(job.maxMemory);
   shapes.device = job.device;
   if (const int side = job.voxelize.fit.voxels; side > 0)
@@ -302,7 +312,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   if (isArrayFile(job.output))
     requireArrayRoom(job, boxOfUsed(mesh.points, mesh.tets), chooseTransform(mesh, options));
   Voxelization made;
-  const bool fieldsAlone = !fields.empty() && options.grids.empty() && job.shapes.grids.empty();
+  const bool fieldsAlone = !fields.empty() && job.grids.empty();
   if (fieldsAlone) {
     made.transform = chooseTransform(mesh, options);
     reportOrigin(made.transform, options, report);
@@ -488,20 +498,10 @@ private:
 
   // Each input is then cleaned for itself.
   bool asMaterials() const {
-    const auto& grids = job_.voxelize.grids;
-    return !job_.output.empty() &&
-           std::find(grids.begin(), grids.end(), GridKind::Material) != grids.end();
+    return !job_.output.empty() && contains(job_.grids, GridKind::Material);
   }
 
   bool byTets() const { return result_.mesher->method == Mesher::Envelope; }
-
-  // How the triangles become a solid where no tets are made.
-  SolidOptions directSolid() const {
-    SolidOptions solid = job_.solid;
-    solid.method =
-        result_.mesher->method == Mesher::Centroid ? SolidMethod::Centroid : SolidMethod::Winding;
-    return solid;
-  }
 
   Voxelization makeGrids(const VoxelizeOptions& options) {
     return withShapes(
@@ -514,21 +514,21 @@ private:
 
   ShapeSums addShapes(const ShapeOptions& shapes, Voxelization& made) {
     if (meshes_.size() == 1)
-      return addShapeGrids(meshes_.front(), directSolid(), shapes, made, report_, progress_);
+      return addShapeGrids(meshes_.front(), job_.solid, shapes, made, report_, progress_);
     Report told; // of mixed units, when the files were read
     const TriangleMesh all = mergeMeshes(std::vector<TriangleMesh>(meshes_), told);
-    return addShapeGrids(all, directSolid(), shapes, made, report_, progress_);
+    return addShapeGrids(all, job_.solid, shapes, made, report_, progress_);
   }
 
   Voxelization voxelizeSolid(VoxelizeOptions options) {
     if (!byTets()) {
       if (job_.device.kind == DeviceKind::Cuda)
-        report_.warn("device-unused", "the winding number is found on the CPU; --mesher envelope "
+        report_.warn("device-unused", "the winding number is found on the CPU; `mesher=envelope` "
                                       "makes tets, which the GPU takes");
       Voxelization made =
           asMaterials()
-              ? voxelizeMaterials(meshes_, job_.inputs, directSolid(), options, report_, progress_)
-              : voxelize(meshes_.front(), directSolid(), options, report_, progress_);
+              ? voxelizeMaterials(meshes_, job_.inputs, job_.solid, options, report_, progress_)
+              : voxelize(meshes_.front(), job_.solid, options, report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }
@@ -575,7 +575,7 @@ private:
 
 void refuseMesherForTets(const VoxelizeJob& job) {
   if (job.mesher == Mesher::Envelope || job.epsilon.value > 0)
-    throw Error(Status::Usage, job.epsilon.value > 0 ? "--epsilon" : "--mesher envelope",
+    throw Error(Status::Usage, job.epsilon.value > 0 ? "`epsilon`" : "`mesher=envelope`",
                 "is for triangles; the input is tetrahedra", "leave it out");
 }
 
@@ -584,10 +584,10 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
   checkOutputs(job);
   requireDevice(job.device);
   result.holdsTriangles = inputsHoldTriangles(job);
-  const auto& shapes = job.shapes.grids;
-  if (job.device.kind == DeviceKind::Cuda &&
-      std::find(shapes.begin(), shapes.end(), ShapeGrid::Coverage) != shapes.end())
-    report.warn("device-unused", "coverage is found on the CPU");
+  if (job.device.kind == DeviceKind::Cuda)
+    for (const GridKind kind : job.grids)
+      if (!infoOf(kind).onDevice)
+        report.warn("device-unused", fmt::format("{} is found on the CPU", infoOf(kind).name));
   if (result.holdsTriangles) {
     TriangleRun(job, result, report, progress).run();
   } else {

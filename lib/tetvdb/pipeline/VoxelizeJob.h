@@ -46,12 +46,15 @@ struct VoxelizeJob {
   ReadOptions read;
   CellFilter filter;  ///< of tets; in the inputs' own axes, before `up`
   CleanOptions clean; ///< of triangles
-  SolidOptions solid; ///< of triangles; its method is overruled by `mesher`
+  SolidOptions solid; ///< of triangles, where no tets are made of them
   Mesher mesher = Mesher::Auto;
   RelativeLength epsilon; ///< of the envelope mesher; 0: half a voxel
   UpAxis up = UpAxis::Z;
-  VoxelizeOptions voxelize; ///< in the output's axes; its maxMemory is overruled by the job's
-  ShapeOptions shapes;      ///< its grids come after those of `voxelize`; maxMemory as there
+  /// Grids of occupancy and owners come first in the volume, then those of distances and shares,
+  /// each in this order.
+  std::vector<GridKind> grids{GridKind::Density};
+  VoxelizeOptions voxelize; ///< in the output's axes; its grids and maxMemory are the job's
+  ShapeOptions shapes;      ///< its grids, maxMemory and device are the job's
   FieldOptions fields;      ///< of tets: arrays that become grids, after all others
   Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
   std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is made

@@ -38,7 +38,7 @@ TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
     throw Error(Status::Limit, "",
                 "the surface has " + std::to_string(mesh.triangleCount()) +
                     " triangles, too many to be simplified in memory",
-                "use larger voxels, or --simplify 0");
+                "use larger voxels, or `simplify=0`");
   progress.stage("simplify");
   SimplifyOptions simplify;
   simplify.tolerance = options.simplify * *std::min_element(size.begin(), size.end());

@@ -78,9 +78,9 @@ std::string verdictOnOpen(const SurfaceDefects& defects) {
     return "loose triangles: no two share an edge; if they nearly do, weld them";
   if (!defects.orientable)
     return "open, with one side only, and thus without inside (" + open +
-           "); give it thickness with --shell";
+           "); give it thickness with `shell`";
   if (isSheet(defects))
-    return "a sheet without inside (" + open + "); give it thickness with --shell";
+    return "a sheet without inside (" + open + "); give it thickness with `shell`";
   std::vector<std::string> issues{open};
   if (defects.volume < -kLeastVolume * std::pow(defects.area, 1.5))
     issues.emplace_back("inside out");

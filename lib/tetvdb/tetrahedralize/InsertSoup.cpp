@@ -375,7 +375,7 @@ void SoupInsertion::thin(TetComplex& complex) {
   if (complex.tetCount() > kMostTets + kMostTetsOfFace * soup_.faces.size())
     throw Error(Status::Limit, "",
                 "the triangles cut one another into more pieces than can be meshed",
-                "a larger epsilon may help; voxelize --mesher winding does without tets");
+                "a larger epsilon may help; voxelize with `mesher=winding` needs no tets");
 }
 
 std::vector<std::uint32_t> SoupInsertion::missing() const {

@@ -77,13 +77,13 @@ Lengths checkLengths(const Box& box, const TetrahedralizeOptions& options) {
                 "there is nothing to fill with tets");
   const auto isLength = [](double l) { return std::isfinite(l) && l >= 0; };
   if (!isLength(options.epsilon))
-    throw Error(Status::Usage, "--epsilon", "is not a length above 0");
+    throw Error(Status::Usage, "`epsilon`", "is not a length above 0");
   if (!isLength(options.edgeLength))
-    throw Error(Status::Usage, "--edge-length", "is not a length above 0");
+    throw Error(Status::Usage, "`edge_length`", "is not a length above 0");
   lengths.epsilon = options.epsilon > 0 ? options.epsilon : 1e-3 * lengths.diagonal;
   lengths.edge = options.edgeLength > 0 ? options.edgeLength : lengths.diagonal / 20;
   if (lengths.epsilon > 0.1 * lengths.diagonal)
-    throw Error(Status::Usage, "--epsilon",
+    throw Error(Status::Usage, "`epsilon`",
                 fmt::format("{:.6g} is more than a tenth of the model's diagonal, {:.6g}",
                             lengths.epsilon, lengths.diagonal),
                 "nothing of the model would be left; 1e-3d is a usual choice");
@@ -172,7 +172,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   if (std::all_of(regions.begin(), regions.end(),
                   [](std::int32_t region) { return region == kOutsideRegion; }))
     throw Error(Status::Invalid, "", "nothing is inside: the triangles are sheets without volume",
-                "give them thickness with voxelize --shell, or check the mesh with info");
+                "give them thickness with voxelize `shell`, or check the mesh with info");
 
   timer.part("check");
   progress.stage("check");
@@ -297,7 +297,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const WorkingLattice lattice(box);
   const double epsilon = lengths.epsilon / lattice.unit();
   if (epsilon < kLeastEpsilon * lattice.coarse())
-    throw Error(Status::Usage, "--epsilon",
+    throw Error(Status::Usage, "`epsilon`",
                 fmt::format("{:.6g} is too small: coordinates of this model are told apart to "
                             "{:.6g}",
                             lengths.epsilon, lattice.coarse() * lattice.unit()),
@@ -314,7 +314,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
     throw Error(Status::Limit, "",
                 fmt::format("meshing {} triangles takes about {:.1f} GB", soup.faces.size(),
                             static_cast<double>(soup.faces.size()) * kBytesPerFace / 1e9),
-                "raise --max-memory");
+                "raise `max_memory`");
 
   timer.part("envelope");
   progress.stage("envelope");

@@ -106,14 +106,14 @@ double longestSide(const WorldBox& box) {
 // The option that a size which cannot be used came from.
 const char* sizeOption(const VoxelizeOptions& options) {
   if (options.voxelSize[0] != 0)
-    return "--voxel-size";
-  return options.fit.voxels > 0 ? "--fit" : "--resolution";
+    return "`voxel_size`";
+  return options.fit.voxels > 0 ? "`fit`" : "`resolution`";
 }
 
 void checkSize(const Vec3d& size, const VoxelizeOptions& options) {
   for (double s : size)
     if (!(s > 0) || !std::isfinite(s))
-      throw Error(Status::Usage, "--voxel-size", fmt::format("{} is not a positive length", s));
+      throw Error(Status::Usage, "`voxel_size`", fmt::format("{} is not a positive length", s));
   if (size[0] * size[1] * size[2] < kMinVoxelVolume)
     throw Error(
         options.voxelSize[0] == 0 ? Status::Limit : Status::Usage, sizeOption(options),
@@ -176,7 +176,7 @@ GridTransform smallestRight(double longest, double voxels, const TransformOf& tr
 
 GridTransform byResolution(const WorldBox& box, const VoxelizeOptions& options, BoxEnds ends) {
   if (options.resolution < 1)
-    throw Error(Status::Usage, "--resolution", "must be 1 or more");
+    throw Error(Status::Usage, "`resolution`", "must be 1 or more");
   const double longest = longestSide(box);
   return smallestRight(
       longest, options.resolution,
@@ -191,10 +191,10 @@ GridTransform byResolution(const WorldBox& box, const VoxelizeOptions& options, 
 GridTransform byFit(const WorldBox& box, const VoxelizeOptions& options) {
   const FitBox& fit = options.fit;
   if (fit.padding < 0 || fit.padding > (fit.voxels - 1) / 2)
-    throw Error(Status::Usage, "--padding",
+    throw Error(Status::Usage, "`padding`",
                 fmt::format("{} voxels on each side leave none of {} for the model", fit.padding,
                             fit.voxels),
-                "give less than half of the voxels of --fit");
+                "give less than half of the voxels of `fit`");
   return smallestRight(
       longestSide(box), fit.voxels - 2 * fit.padding,
       [&](double size) { return centred(box, size, options); },
@@ -232,7 +232,7 @@ bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitB
 GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options, BoxEnds ends) {
   for (double c : options.origin)
     if (!std::isfinite(c))
-      throw Error(Status::Usage, "--origin", "not a finite number");
+      throw Error(Status::Usage, "`origin`", "not a finite number");
   if (!box.finite)
     throw Error(Status::Invalid, "", "a coordinate of the mesh is not a finite number",
                 "repair the mesh");

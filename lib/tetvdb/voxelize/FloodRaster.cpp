@@ -94,7 +94,7 @@ public:
       starts_[c + 1] = starts_[c] + columns_[c].size();
     if (starts_.back() >= 0xFFFFFFFFu)
       throw Error(Status::Limit, "", "too many voxels beside faces for a flood",
-                  "use larger voxels, or --inside winding");
+                  "use larger voxels, or `inside=winding`");
     joinCells();
   }
 

@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -35,24 +34,6 @@ Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped) {
                   "use larger voxels, or subdivide the mesh");
   }
   return chain;
-}
-
-void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain) {
-  LatticePoint sum{0, 0, 0};
-  for (std::size_t i = 0; i < snapped.pointCount; ++i) {
-    const LatticePoint& p = snapped.points[i];
-    sum = {sum.x + p.x, sum.y + p.y, sum.z + p.z};
-  }
-  const auto count = static_cast<double>(snapped.pointCount);
-  const LatticePoint centre{std::round(sum.x / count), std::round(sum.y / count),
-                            std::round(sum.z / count)};
-  const auto index = static_cast<std::uint32_t>(snapped.pointCount);
-  snapped.points.resize(snapped.pointCount + 2);
-  snapped.points[index] = centre;
-  snapped.points[index + 1] = {0, 0, 0};
-  ++snapped.pointCount;
-  for (const IndexedRimEdge& e : rim)
-    chain.faces.push_back({e.b, e.a, index, e.weight});
 }
 
 std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,

@@ -17,11 +17,6 @@ namespace tetvdb {
 /// than kMaxTetExtent.
 Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped);
 
-/// The centroid covering joins every face to the centre of the points. As a chain, what is left of
-/// all these tets' faces is the soup and a face from every edge of its rim to the centre: adds the
-/// centre to `snapped` and these faces to `chain`.
-void closeToCentre(const std::vector<IndexedRimEdge>& rim, SnappedMesh& snapped, Boundary& chain);
-
 /// The boundary edges of a soup, in place.
 std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,
                                    const SnappedMesh& snapped);

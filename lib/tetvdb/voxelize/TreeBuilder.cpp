@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/TreeBuilder.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/voxelize/LeafRows.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 
@@ -64,9 +65,8 @@ class TreeBuilder::TypedBuilder : public TreeBuilder::GridBuilder {
   using Value = typename TreeType::ValueType;
 
 public:
-  TypedBuilder(std::string name, openvdb::GridClass gridClass, Fill fill)
-      : name_(std::move(name)), class_(gridClass), fill_(std::move(fill)),
-        assembly_(fill_.background) {}
+  TypedBuilder(GridKind kind, Fill fill)
+      : kind_(kind), fill_(std::move(fill)), assembly_(fill_.background) {}
 
   void* begin(const NodeIndex& node) override { return assembly_.begin(node).release(); }
 
@@ -107,7 +107,10 @@ public:
   }
 
   openvdb::GridBase::Ptr finish(const GridTransform& transform) override {
-    return assembly_.finish(name_, class_, transform);
+    const GridKindInfo& info = infoOf(kind_);
+    return assembly_.finish(std::string(info.name),
+                            openvdb::GridBase::stringToGridClass(std::string(info.gridClass)),
+                            transform);
   }
 
 private:
@@ -151,8 +154,7 @@ private:
     return leaf.release();
   }
 
-  std::string name_;
-  openvdb::GridClass class_;
+  GridKind kind_;
   Fill fill_;
   TreeAssembly<TreeType> assembly_;
 };
@@ -182,21 +184,21 @@ TreeBuilder::TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh
     switch (kind) {
     case GridKind::Density:
       builders_.push_back(std::make_unique<TypedBuilder<openvdb::FloatTree, ConstantFill<float>>>(
-          "density", openvdb::GRID_FOG_VOLUME, ConstantFill<float>{1.0f, 0.0f}));
+          kind, ConstantFill<float>{1.0f, 0.0f}));
       break;
     case GridKind::Mask:
       builders_.push_back(std::make_unique<TypedBuilder<openvdb::BoolTree, ConstantFill<bool>>>(
-          "mask", openvdb::GRID_UNKNOWN, ConstantFill<bool>{true, false}));
+          kind, ConstantFill<bool>{true, false}));
       break;
     case GridKind::TetId:
-      builders_.push_back(std::make_unique<TypedBuilder<openvdb::Int32Tree, CellFill>>(
-          "tet_id", openvdb::GRID_UNKNOWN, cell));
+      builders_.push_back(std::make_unique<TypedBuilder<openvdb::Int32Tree, CellFill>>(kind, cell));
       break;
     case GridKind::Material:
       builders_.push_back(std::make_unique<TypedBuilder<openvdb::Int32Tree, RegionFill>>(
-          "material", openvdb::GRID_UNKNOWN,
-          RegionFill{cell, mesh.regions.empty() ? nullptr : mesh.regions.data()}));
+          kind, RegionFill{cell, mesh.regions.empty() ? nullptr : mesh.regions.data()}));
       break;
+    default:
+      throw Error(Status::Usage, infoOf(kind).name, "is no grid of occupancy or owners");
     }
   }
 }

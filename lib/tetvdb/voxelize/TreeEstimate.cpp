@@ -115,7 +115,7 @@ void requireMemory(double bytes, const VoxelizeOptions& options) {
               fmt::format("voxelizing needs about {:.2f} GB, the limit is {:.2f} GB", bytes * 1e-9,
                           static_cast<double>(limit) * 1e-9),
               options.maxMemory != 0
-                  ? "raise --max-memory, use larger voxels or fewer grids"
+                  ? "raise `max_memory`, use larger voxels or fewer grids"
                   : "use larger voxels, fewer grids or a machine with more memory");
 }
 

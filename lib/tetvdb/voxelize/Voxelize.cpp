@@ -20,10 +20,6 @@
 namespace tetvdb {
 namespace {
 
-bool needsOwner(GridKind kind) {
-  return kind == GridKind::TetId || kind == GridKind::Material;
-}
-
 // The rates behind the choice of path, seconds on one core, as `tetvdb_bench paths` measures them.
 constexpr double kSecondsPerTetMatched = 30e-9;  // boundary path: a tet whose faces cancel
 constexpr double kSecondsPerOpenFace = 500e-9;   // a face that does not, matched and rasterised
@@ -72,24 +68,23 @@ void requireVoxels(const Voxelization& result, const VoxelizeOptions& options) {
     throw Error(Status::Invalid, "",
                 options.rule == VoxelRule::All ? "no voxel lies wholly inside the mesh"
                                                : "no voxel centre lies inside the mesh",
-                "use smaller voxels, or --allow-empty to write an empty grid");
+                "use smaller voxels, or `allow_empty` to write an empty grid");
 }
 
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Report& report,
                       Progress& progress) {
   progress.stage("voxelize");
-  if (options.grids.empty())
-    throw Error(Status::Usage, "--grid", "no grid was asked for");
+  checkGridKinds(options.grids, {GridMaker::Occupancy, GridMaker::Owner});
   checkMesh(mesh);
   if (mesh.tetCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
-  const bool owners = std::any_of(options.grids.begin(), options.grids.end(), needsOwner);
+  const bool owners = !madeBy(options.grids, {GridMaker::Owner}).empty();
   if (owners && mesh.cellCount > 0x7FFFFFFFu)
     throw Error(Status::Limit, "", "more than 2^31 cells cannot be numbered in an int32 grid");
   const bool byCentre = options.rule == VoxelRule::Centre;
   if (!byCentre && (owners || options.path == OccupancyPath::Tets))
-    throw Error(Status::Usage, "--rule",
-                "any and all are found from the boundary; voxels of tet_id, material and --path "
+    throw Error(Status::Usage, "`rule`",
+                "any and all are found from the boundary; voxels of tet_id, material and `path` "
                 "tets go by their centre",
                 "leave one of them out");
   initializeOpenVDB();

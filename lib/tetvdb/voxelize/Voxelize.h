@@ -12,6 +12,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/volume/GridKinds.h"
 #include "tetvdb/volume/Volume.h"
 
 #include <cstddef>
@@ -19,13 +20,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-enum class GridKind : std::uint8_t {
-  Density, ///< float fog volume "density": 1 inside
-  Mask,    ///< bool "mask"
-  TetId,   ///< int32 "tet_id": the input cell that owns the voxel, background -1
-  Material ///< int32 "material": the region number of that cell, background -1
-};
 
 /// How occupancy is found; the result is the same.
 enum class OccupancyPath : std::uint8_t {
@@ -54,7 +48,7 @@ struct VoxelizeOptions {
   int resolution = 256;     ///< most voxels along any side of the mesh's box; where voxelSize is 0
   Vec3d origin{0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
   FitBox fit;               ///< in place of `resolution` and `origin`; where voxelSize is 0
-  std::vector<GridKind> grids{GridKind::Density};
+  std::vector<GridKind> grids{GridKind::Density}; ///< made by GridMaker::Occupancy or Owner
   OccupancyPath path = OccupancyPath::Auto;
   VoxelRule rule =
       VoxelRule::Centre;     ///< others: density and mask alone, by OccupancyPath::Boundary

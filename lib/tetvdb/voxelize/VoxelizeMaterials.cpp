@@ -20,16 +20,13 @@ void check(const std::vector<TriangleMesh>& meshes, const std::vector<std::strin
            const VoxelizeOptions& options) {
   if (meshes.empty() || names.size() != meshes.size())
     throw Error(Status::Usage, "voxelizeMaterials()", "needs meshes, and a name for each");
-  if (options.grids.empty())
-    throw Error(Status::Usage, "--grid", "no grid was asked for");
-  for (const GridKind kind : options.grids) {
-    if (kind == GridKind::TetId)
-      throw Error(Status::Usage, "--grid", "tet_id needs tetrahedra, the input is triangles",
-                  "ask for material, density or mask");
-    if (kind == GridKind::Material && options.rule != VoxelRule::Centre)
-      throw Error(Status::Usage, "--rule", "is for density and mask; material knows of no rule",
-                  "make it without");
-  }
+  checkGridKinds(options.grids, {GridMaker::Occupancy, GridMaker::Owner});
+  if (contains(options.grids, GridKind::TetId))
+    throw Error(Status::Usage, "`grid`", "tet_id needs tetrahedra, the input is triangles",
+                "ask for material, density or mask");
+  if (contains(options.grids, GridKind::Material) && options.rule != VoxelRule::Centre)
+    throw Error(Status::Usage, "`rule`", "is for density and mask; material knows of no rule",
+                "make it without");
 }
 
 GridTransform transformOf(const std::vector<TriangleMesh>& meshes, const SolidOptions& solid,
@@ -93,7 +90,7 @@ Voxelization materialsOnce(const std::vector<TriangleMesh>& meshes,
   }
   if (empty && !options.allowEmpty)
     throw Error(Status::Invalid, "", "no voxel centre lies inside any of the meshes",
-                "use smaller voxels, give sheets a thickness with --shell T, or use --allow-empty "
+                "use smaller voxels, give sheets a thickness with `shell=T`, or use `allow_empty` "
                 "to write empty grids");
 
   timer.part("tree");

@@ -21,10 +21,8 @@
 namespace tetvdb {
 namespace {
 
-bool asksForOwners(const std::vector<GridKind>& kinds) {
-  return std::any_of(kinds.begin(), kinds.end(), [](GridKind kind) {
-    return kind == GridKind::TetId || kind == GridKind::Material;
-  });
+bool needsOwners(GridKind kind) {
+  return infoOf(kind).maker == GridMaker::Owner;
 }
 
 nano::Job jobFor(GridKind kind, const GridTransform& transform) {
@@ -33,24 +31,10 @@ nano::Job jobFor(GridKind kind, const GridTransform& transform) {
     job.voxelSize[k] = transform.voxelSize[k];
     job.origin[k] = transform.origin[k];
   }
-  switch (kind) {
-  case GridKind::Density:
-    job.type = nano::GridType::Fog;
-    job.name = "density";
-    break;
-  case GridKind::Mask:
-    job.type = nano::GridType::Bool;
-    job.name = "mask";
-    break;
-  case GridKind::TetId:
-    job.type = nano::GridType::Owner;
-    job.name = "tet_id";
-    break;
-  case GridKind::Material:
-    job.type = nano::GridType::Owner;
-    job.name = "material";
-    break;
-  }
+  job.name = infoOf(kind).name;
+  job.type = needsOwners(kind)        ? nano::GridType::Owner
+             : kind == GridKind::Mask ? nano::GridType::Bool
+                                      : nano::GridType::Fog;
   return job;
 }
 
@@ -146,7 +130,7 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
   const double threads = threadsThatGain();
   DeviceCost cost{kCpuStart, kDeviceStart};
   for (const GridKind kind : options.grids) {
-    const bool owners = asksForOwners({kind}), mask = kind == GridKind::Mask;
+    const bool owners = needsOwners(kind), mask = kind == GridKind::Mask;
     const double count = owners ? std::min(volume, surface + 3 * tets) : surface;
     cost.cpu += (tets * (owners ? kCpuPerOwnedTet : kCpuPerTet) +
                  count * (mask ? kCpuPerMaskLeaf : kCpuPerValueLeaf)) /
@@ -210,9 +194,9 @@ void requireDevice(const DeviceChoice& choice) {
   std::string why;
   const std::vector<std::string> names = nano::listDevices(why);
   for (const int number : choice.numbers) {
-    const std::string option = "--device cuda:" + std::to_string(number);
+    const std::string option = "`device=cuda:" + std::to_string(number) + "`";
     if (names.empty())
-      throw Error(Status::Device, option, why, "use --device auto or cpu");
+      throw Error(Status::Device, option, why, "use `device` auto or cpu");
     if (number < 0 || static_cast<std::size_t>(number) >= names.size())
       throw Error(Status::Device, option,
                   fmt::format("there {} {} device{}, numbered from 0",
@@ -264,7 +248,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
   }
   DeviceQuestion question;
   if (options.rule != VoxelRule::Centre)
-    question.unable = "--rule any and all are the CPU's";
+    question.unable = "`rule=any` and all are the CPU's";
   question.cost = [&] { return estimateCost(mesh, chooseTransform(mesh, options), options); };
   return runOnDevice(
       choice, question, used, report,

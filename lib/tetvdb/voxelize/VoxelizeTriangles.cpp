@@ -34,24 +34,16 @@ namespace {
 
 void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
                   const VoxelizeOptions& options) {
-  if (options.grids.empty())
-    throw Error(Status::Usage, "--grid", "no grid was asked for");
-  for (const GridKind kind : options.grids)
-    if (kind == GridKind::TetId || kind == GridKind::Material)
-      throw Error(Status::Usage, "--grid",
-                  kind == GridKind::TetId ? "tet_id needs tetrahedra, the input is triangles"
-                                          : "material is made by voxelizeMaterials()",
-                  "ask for density or mask");
+  checkGridKinds(options.grids, {GridMaker::Occupancy});
   if (options.rule != VoxelRule::Centre &&
-      (solid.shell > 0 || solid.method != SolidMethod::Winding ||
-       solid.inside == InsideRule::Flood))
-    throw Error(Status::Usage, "--rule",
-                "any and all do not go with --shell, --inside flood or the centroid covering",
+      (solid.shell > 0 || solid.inside == InsideRule::Flood))
+    throw Error(Status::Usage, "`rule`",
+                "any and all do not go with `shell` or `inside=flood`",
                 "leave one of them out");
   if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
-    throw Error(Status::Usage, "--shell", fmt::format("{} is not a thickness", solid.shell));
+    throw Error(Status::Usage, "`shell`", fmt::format("{} is not a thickness", solid.shell));
   if (solid.shell > 0 && solid.side != ShellSide::Both && solid.inside == InsideRule::Flood)
-    throw Error(Status::Usage, "--shell-side", "does not go with --inside flood",
+    throw Error(Status::Usage, "`shell_side`", "does not go with `inside=flood`",
                 "leave one of them out");
   if (mesh.triangleCount() >= 0xFFFFFFFFu)
     throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
@@ -76,16 +68,16 @@ void warnIfThin(std::uint64_t inside, double surface, Report& report) {
   if (static_cast<double>(inside) < 0.02 * surface)
     report.warn("nearly-empty",
                 fmt::format("only {} voxels are inside faces that pass through about {:.0f}: the "
-                            "mesh is rather a sheet, which --shell T gives a thickness",
+                            "mesh is rather a sheet, which `shell=T` gives a thickness",
                             inside, surface));
 }
 
 std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
   if (solid.shell > 0 || rim.edges.empty())
-    return "use smaller voxels, or --allow-empty to write an empty grid";
+    return "use smaller voxels, or `allow_empty` to write an empty grid";
   if (solid.inside == InsideRule::Flood)
-    return "use --inside winding, which closes holes, or larger voxels";
-  return "give the sheet a thickness with --shell T, or use smaller voxels";
+    return "use `inside=winding`, which closes holes, or larger voxels";
+  return "give the sheet a thickness with `shell=T`, or use smaller voxels";
 }
 
 } // namespace
@@ -142,8 +134,6 @@ openvdb::BoolGrid::Ptr shellOnSide(const TriangleMesh& mesh, const SolidOptions&
 std::optional<FillRule> fillRuleOf(const SolidOptions& solid) {
   if (solid.shell > 0)
     return std::nullopt;
-  if (solid.method == SolidMethod::Centroid)
-    return FillRule::Odd;
   switch (solid.inside) {
   case InsideRule::Winding:
     return FillRule::Positive;
@@ -188,8 +178,8 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   result.transform = chooseTransform(mesh, options, solid);
   reportOrigin(result.transform, options, report);
   timer.part("snap");
-  SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
-  Boundary chain = soupFaces(mesh, snapped);
+  const SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
+  const Boundary chain = soupFaces(mesh, snapped);
   result.counts.boundaryFaces = chain.faces.size();
 
   const bool onSide = solid.shell > 0 && solid.side != ShellSide::Both;
@@ -199,17 +189,15 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
     rim = soupRim(mesh.triangles, progress);
     result.counts.openEdges = rim.edges.size();
   }
-  const bool flood = solid.method == SolidMethod::Winding && solid.inside == InsideRule::Flood;
+  const bool flood = solid.inside == InsideRule::Flood;
   const FillRule rule = fillRuleOf(solid).value_or(FillRule::Positive);
   std::optional<TriangleClusters> holes;
   const bool fills = solid.shell == 0;
-  if (fills && solid.method == SolidMethod::Centroid)
-    closeToCentre(rim.edges, snapped, chain);
-  else if (fills && rule == FillRule::Odd && rim.oddEdges > 0)
+  if (fills && rule == FillRule::Odd && rim.oddEdges > 0)
     throw Error(Status::Invalid, "",
                 fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
                             rim.oddEdges),
-                "use --inside winding, which closes holes");
+                "use `inside=winding`, which closes holes");
   else if (fills && !flood && rule != FillRule::Odd && !rim.edges.empty())
     holes.emplace(fillHoles(boundaryEdges(rim.edges, snapped)));
 

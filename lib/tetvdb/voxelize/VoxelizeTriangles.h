@@ -27,13 +27,6 @@ enum class InsideRule : std::uint8_t {
            ///< crosses: cavities are filled, and holes of a voxel or more leak
 };
 
-/// How a solid is made of triangles.
-enum class SolidMethod : std::uint8_t {
-  Winding, ///< by `inside`, holes closed where the winding number passes 0.5
-  Centroid ///< signed tets from every face to the mesh's centre, by parity (Ogayar-Anguita et al.):
-           ///< right for closed meshes, wrong near the holes of open ones
-};
-
 /// Where a shell lies.
 enum class ShellSide : std::uint8_t {
   Both,    ///< half of its thickness on either side of the faces
@@ -43,7 +36,6 @@ enum class ShellSide : std::uint8_t {
 };
 
 struct SolidOptions {
-  SolidMethod method = SolidMethod::Winding;
   InsideRule inside = InsideRule::Winding;
   /// World units; above 0: no solid but a shell of this thickness, every voxel whose centre is
   /// within half of it of a face, or by `side` within all of it.

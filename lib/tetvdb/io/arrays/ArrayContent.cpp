@@ -52,7 +52,7 @@ void ArrayContent::requireOneGrid(const char* format) const {
     throw Error(Status::Usage, path,
                 std::string(format) + " holds one grid, and there are " +
                     std::to_string(grids.size()),
-                "choose one with --grid, or write .npz, .vti, .h5 or .raw");
+                "choose one with `grid`, or write .npz, .vti, .h5 or .raw");
 }
 
 ArrayStream::ArrayStream(const ArrayContent& content, Progress& progress, int passes)

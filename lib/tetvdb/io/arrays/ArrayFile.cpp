@@ -60,7 +60,7 @@ std::array<double, 16> matrixOf(const std::string& path, const openvdb::GridBase
     throw Error(Status::Usage, path,
                 fmt::format("'{}' has a transform that is not linear: no array can have it",
                             grid.getName()),
-                "choose others with --grid");
+                "choose others with `grid`");
   // OpenVDB multiplies rows from the left.
   const openvdb::Mat4d matrix = grid.transform().baseMap()->getAffineMap()->getConstMat4();
   std::array<double, 16> rows{};
@@ -94,7 +94,7 @@ VoxelBox activeBox(const std::string& path, const Volume& volume) {
   }
   if (all.empty())
     throw Error(Status::Invalid, path, "the grids have no active voxel, and so the array no size",
-                "give its voxels with --box");
+                "give its voxels with `box`");
   return {{all.min().x(), all.min().y(), all.min().z()},
           {all.max().x(), all.max().y(), all.max().z()}};
 }
@@ -130,14 +130,14 @@ ArrayContent contentOf(const std::string& path, const Volume& volume, const Arra
                   fmt::format("'{}' and '{}' have transforms of their own, and arrays of one file "
                               "share theirs",
                               grids.front()->getName(), grid->getName()),
-                  "choose one with --grid");
+                  "choose one with `grid`");
   const std::optional<VoxelBox> fit = fitBox(volume);
   content.box = options.box ? *options.box : fit ? *fit : activeBox(path, volume);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (content.box.low[axis] < -kFarthest || content.box.high[axis] > kFarthest)
       throw Error(Status::Limit, path,
                   fmt::format("the box ends beyond voxel {}, the farthest of arrays", kFarthest),
-                  "choose a part with --box");
+                  "choose a part with `box`");
   for (const auto& grid : grids)
     content.grids.push_back(denseGrid(*grid, content.box));
   content.names = namesOf(grids);
@@ -183,14 +183,14 @@ void checkArrayOptions(const std::string& path, const ArrayOptions& options, std
   const Format& format = requireRow(path);
   const std::string name = "a " + endingOf(path) + " file ";
   if (options.sparse && !isOne(format, arrays::kSparse))
-    throw Error(Status::Usage, path, name + "has no place for coordinates (--sparse)",
+    throw Error(Status::Usage, path, name + "has no place for coordinates (`sparse`)",
                 "write " + endingsWith(arrays::kSparse));
   if (options.compress && !isOne(format, arrays::kCompressed))
     throw Error(Status::Usage, path, name + "is not compressed",
-                "leave --compress out, or write " + endingsWith(arrays::kCompressed));
+                "leave `compress` out, or write " + endingsWith(arrays::kCompressed));
   if (grids > 1 && !isOne(format, arrays::kSeveral))
     throw Error(Status::Usage, path, name + fmt::format("holds one grid, and there are {}", grids),
-                "choose one with --grid, or write " + endingsWith(arrays::kSeveral));
+                "choose one with `grid`, or write " + endingsWith(arrays::kSeveral));
 }
 
 void requireRoom(const std::string& path, double bytes, bool compress) {
@@ -208,7 +208,7 @@ void requireRoom(const std::string& path, double bytes, bool compress) {
               fmt::format("the arrays take {}{}, and {} are free there", bytesText(bytes),
                           compress ? " before they are compressed" : "",
                           bytesText(static_cast<double>(space.available))),
-              "choose a part with --box, a lower resolution, or .vdb, which is sparse");
+              "choose a part with `box`, a lower resolution, or .vdb, which is sparse");
 }
 
 void writeArrays(const std::string& path, const Volume& volume, const ArrayOptions& options,

@@ -57,11 +57,11 @@ void writeBinvox(const ArrayContent& content, Progress& progress) {
   if (!grid.isBits())
     throw Error(Status::Usage, content.path,
                 fmt::format("a .binvox file holds a mask, and '{}' is none", content.names.front()),
-                "choose a mask with --grid, or write .npz, .vti, .nrrd or .raw");
+                "choose a mask with `grid`, or write .npz, .vti, .nrrd or .raw");
   const Vec3d h = content.voxelSize();
   if (h[0] != h[1] || h[1] != h[2])
     throw Error(Status::Usage, content.path, "a .binvox file has cubic voxels",
-                "make the volume with one --voxel-size, or write .npz, .vti or .nrrd");
+                "make the volume with one `voxel_size`, or write .npz, .vti or .nrrd");
   const VoxelBox& box = content.box;
   const std::uint64_t side = std::max({box.size(0), box.size(1), box.size(2)});
 

@@ -278,7 +278,7 @@ std::unique_ptr<DenseGrid> denseGrid(const openvdb::GridBase& grid, const VoxelB
   if (!known)
     throw Error(Status::Usage, grid.getName(),
                 "grids of type " + grid.type() + " do not become arrays",
-                "choose others with --grid");
+                "choose others with `grid`");
   return dense;
 }
 

@@ -272,7 +272,7 @@ void writeTiff(const ArrayContent& content, Progress& progress) {
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (content.box.size(axis) > 4294967295u)
       throw Error(Status::Limit, content.path, "a page is wider than TIFF allows",
-                  "choose a part with --box");
+                  "choose a part with `box`");
   Writer(content, progress).write();
 }
 

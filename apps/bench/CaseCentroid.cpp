@@ -31,8 +31,7 @@ openvdb::BoolGrid::Ptr maskOf(const TriangleMesh& mesh, InsideRule rule,
 void compare(const std::string& path, const Setup& setup, Tables& tables) {
   Report report;
   Progress progress;
-  const MappedFile file(path);
-  TriangleMesh mesh = readTriangles(file.source(), report, progress);
+  TriangleMesh mesh = readTriangles(path, report, progress);
   cleanTriangles(mesh, {}, progress);
   const TriangleMesh covering = centroidCovering(mesh);
 

@@ -60,7 +60,8 @@ void runCheck(const Options& options, Session& session) {
     session.text +=
         fmt::format("{}: {}{} {}; {} [{}]\n", wordFor(finding.weight), oneLine(finding.file),
                     finding.grid.empty() ? ":" : ": '" + oneLine(finding.grid) + "'",
-                    oneLine(withOptionNames(finding.text)), oneLine(withOptionNames(finding.cure)), finding.code);
+                    oneLine(withOptionNames(finding.text)), oneLine(withOptionNames(finding.cure)),
+                    finding.code);
     wrong += finding.weight == Finding::Weight::Note ? 0 : 1;
   }
   session.text += wrong == 0 ? fmt::format("{} file{}: nothing wrong\n", options.files.size(),

@@ -31,7 +31,8 @@ std::string withOptionNames(std::string_view text) {
       return out.append(text);
     const std::string option = optionOf(text.substr(open + 1, close - open - 1));
     // A backquote that opens nothing may be followed by one that does.
-    out += option.empty() ? std::string(text.substr(0, close)) : std::string(text.substr(0, open)) + option;
+    out += option.empty() ? std::string(text.substr(0, close))
+                          : std::string(text.substr(0, open)) + option;
     text.remove_prefix(option.empty() ? close : close + 1);
   }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The library knows settings, not options: its texts name a setting as `max_memory`, or with a
-// value as `mesher=winding` (core/Error.h). On the command line these are --max-memory and
-// --mesher winding.
+// The library knows settings, not options: its texts (errors, warnings, findings, verdicts) name a
+// setting between backquotes, as `max_memory`, or with a value as `mesher=winding`. On the command
+// line these are --max-memory and --mesher winding.
 #pragma once
 
 #include <string>

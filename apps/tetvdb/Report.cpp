@@ -143,8 +143,7 @@ Command addReport(CLI::App& program) {
       ->check(notEmpty())
       ->type_name("B");
   command->add_option("--mesher", options->settings.mesher, "As of voxelize, for triangles")
-      ->check(CLI::IsMember(std::set<std::string>{"auto", "envelope", "winding"})
-                  .description(""))
+      ->check(CLI::IsMember(std::set<std::string>{"auto", "envelope", "winding"}).description(""))
       ->type_name("auto|envelope|winding");
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);

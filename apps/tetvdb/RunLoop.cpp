@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "OptionNames.h"
 #include "RunLoop.h"
 
 #include "JsonReport.h"
+#include "OptionNames.h"
 #include "ProgressDisplay.h"
 #include "Streams.h"
 #include "tetvdb/core/AtomicFile.h"

@@ -73,8 +73,7 @@ TEST(CentroidCovering, IsTheParityOfItsTets) {
     tet.cellCount = 1;
     Report report;
     Progress progress;
-    for (const openvdb::Coord& voxel :
-         voxelsOf(voxelize(tet, maskOptions(), report, progress)))
+    for (const openvdb::Coord& voxel : voxelsOf(voxelize(tet, maskOptions(), report, progress)))
       if (!odd.insert(voxel).second)
         odd.erase(voxel);
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "PaperLoop.h"
 
-#include "tetvdb/volume/Grids.h"
 #include "PhilippB.h"
+#include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
 #include <cmath>

@@ -356,8 +356,8 @@ ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
     fillForShell(solid, mesh, how, options, made.transform, progress);
   else
     solid.shell = how.shell / 2 / made.transform.voxelSize[0];
-  const bool byWinding = how.shell == 0 &&
-                         (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
+  const bool byWinding =
+      how.shell == 0 && (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
   const bool covers = contains(options.grids, GridKind::Coverage);
   solid.rule = fillRuleOf(how);
   if (byWinding || covers) {

@@ -35,10 +35,8 @@ namespace {
 void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
                   const VoxelizeOptions& options) {
   checkGridKinds(options.grids, {GridMaker::Occupancy});
-  if (options.rule != VoxelRule::Centre &&
-      (solid.shell > 0 || solid.inside == InsideRule::Flood))
-    throw Error(Status::Usage, "`rule`",
-                "any and all do not go with `shell` or `inside=flood`",
+  if (options.rule != VoxelRule::Centre && (solid.shell > 0 || solid.inside == InsideRule::Flood))
+    throw Error(Status::Usage, "`rule`", "any and all do not go with `shell` or `inside=flood`",
                 "leave one of them out");
   if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
     throw Error(Status::Usage, "`shell`", fmt::format("{} is not a thickness", solid.shell));

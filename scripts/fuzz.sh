@@ -25,17 +25,19 @@ targets=("$@")
 if [[ ${#targets[@]} -eq 0 ]]; then
   mapfile -t targets < <(cd build/fuzz/bin && printf '%s\n' Fuzz*)
 fi
-status=0
-for target in "${targets[@]}"; do
-  found=build/fuzz/found/$target
+fuzz() { # target
+  local found=build/fuzz/found/$1
   mkdir -p "$found"
-  echo "fuzz: $target for $seconds s"
-  if ! build/fuzz/bin/"$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2500 \
+  echo "fuzz: $1 for $seconds s"
+  if ! build/fuzz/bin/"$1" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2500 \
     -max_len=65536 -artifact_prefix="$found/" -print_final_stats=0 -verbosity=0 \
-    "$found" "$seeds" >build/fuzz/"$target".log 2>&1; then
-    tail -40 build/fuzz/"$target".log
-    echo "fuzz: $target FAILED; the input lies in $found"
-    status=1
+    "$found" "$seeds" >build/fuzz/"$1".log 2>&1; then
+    tail -40 build/fuzz/"$1".log
+    echo "fuzz: $1 FAILED; the input lies in $found"
+    return 1
   fi
-done
-exit $status
+}
+export -f fuzz
+export seconds seeds
+# As many at a time as there are processors.
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}'

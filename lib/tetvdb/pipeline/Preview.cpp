@@ -4,6 +4,7 @@
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/PictureMaker.h"
 #include "tetvdb/visualize/WritePng.h"
+#include "tetvdb/volume/GridKinds.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>

@@ -174,7 +174,7 @@ Json repairOf(const RepairResult& result) {
   return {{"name", result.name.empty() ? Json() : Json(result.name)},
           {"source", nameOf(result.source)},
           {"remeshed", result.remeshed},
-          {"why", result.why.empty() ? Json() : Json(result.why)},
+          {"why", result.why.empty() ? Json() : Json(withOptionNames(result.why))},
           {"local", result.local ? localOf(*result.local) : Json()},
           {"changes", result.changes ? changesOf(result) : Json()},
           {"cleaned", isMesh ? toJson(result.cleaned) : Json()},

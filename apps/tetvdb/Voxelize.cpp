@@ -6,6 +6,7 @@
 #include "JsonReport.h"
 #include "MeshReport.h"
 #include "NumberText.h"
+#include "OptionNames.h"
 #include "ParseQuantities.h"
 #include "ProgressDisplay.h"
 #include "VoxelizeSequence.h"
@@ -251,7 +252,7 @@ Json trianglesOf(const VoxelizeResult& result, const Options& options) {
                {"closed", result.openEdges == 0},
                {"method", methodText(result, options)},
                {"mesher", result.mesher ? Json({{"method", nameOf(result.mesher->method)},
-                                                {"why", result.mesher->why}})
+                                                {"why", withOptionNames(result.mesher->why)}})
                                         : Json()},
                {"inside", options.inside},
                {"cleaned", toJson(result.cleaned)}};
@@ -327,13 +328,13 @@ void describeDevices(const VoxelizeResult& result, bool fields, bool levelSet, S
   session.sections["device"] = grids.name;
   Json& mesh = session.sections["mesh"];
   if (!grids.why.empty())
-    mesh["device_why"] = grids.why;
+    mesh["device_why"] = withOptionNames(grids.why);
   if (!grids.why.empty() && grids.name != "cpu")
     session.notes.push_back(fmt::format("device: {}, since {}", grids.name, grids.why));
   const auto describe = [&](const char* key, const char* what, const DeviceUsed& used) {
     mesh[fmt::format("{}_device", key)] = used.name;
     if (!used.why.empty())
-      mesh[fmt::format("{}_device_why", key)] = used.why;
+      mesh[fmt::format("{}_device_why", key)] = withOptionNames(used.why);
     if (used.name != grids.name)
       session.notes.push_back(fmt::format("device of the {}: {}", what, used.name));
   };

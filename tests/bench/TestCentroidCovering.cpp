@@ -30,7 +30,8 @@ Voxels voxelsOf(const Voxelization& made) {
   for (auto value = mask->cbeginValueOn(); value; ++value) {
     openvdb::CoordBBox box;
     value.getBoundingBox(box);
-    voxels.insert(box.begin(), box.end());
+    for (auto voxel = box.begin(); voxel != box.end(); ++voxel)
+      voxels.insert(*voxel);
   }
   return voxels;
 }

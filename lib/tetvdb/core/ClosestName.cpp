@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/ClosestName.h"
 
+#include "tetvdb/core/Letters.h"
+
 #include <algorithm>
 
 namespace tetvdb {
 namespace {
 
 constexpr std::size_t kLongest = 200; // longer names are no misspellings
-
-std::string lowerCase(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return lower;
-}
 
 // Damerau and Levenshtein's distance in its restricted form ("optimal string alignment").
 std::size_t editDistance(const std::string& a, const std::string& b) {

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/volume/GridKinds.h"
 
 #include <algorithm>
@@ -266,9 +267,7 @@ private:
   }
 
   static bool isColour(const std::string& name) {
-    std::string lower;
-    for (const char c : name)
-      lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string lower = lowerCase(name);
     return lower == "cd" || lower.rfind("color", 0) == 0 || lower.rfind("colour", 0) == 0 ||
            lower.rfind("rgb", 0) == 0;
   }

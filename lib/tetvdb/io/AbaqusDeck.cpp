@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/AbaqusDeck.h"
 
+#include "tetvdb/core/Letters.h"
+
 #include <charconv>
 #include <cmath>
 
 namespace tetvdb {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return text;
-}
 
 /// Cuts the text up to the next comma off `rest`.
 std::string_view cutField(std::string_view& rest) {

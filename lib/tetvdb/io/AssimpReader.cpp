@@ -5,6 +5,7 @@
 
 #ifdef TETVDB_ASSIMP
 
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/IsolatedRead.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/PlacedFaces.h"
@@ -57,7 +58,7 @@ void keepImporters(Assimp::Importer& importer, std::string_view part) {
 class Listener : public Assimp::LogStream {
 public:
   void write(const char* message) override {
-    const std::string text = lowered(message);
+    const std::string text = lowerCase(message);
     const auto has = [&](const char* word) { return text.find(word) != text.npos; };
     if (has("material") || has("texture") || has("anim") || has("light") || has("camera"))
       return;
@@ -89,14 +90,6 @@ public:
   }
 
 private:
-  static std::string lowered(const char* text) {
-    std::string result(text);
-    for (char& c : result)
-      if (c >= 'A' && c <= 'Z')
-        c = static_cast<char>(c - 'A' + 'a');
-    return result;
-  }
-
   std::size_t count_ = 0;
   std::string first_;
 };

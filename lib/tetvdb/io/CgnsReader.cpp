@@ -581,13 +581,9 @@ CellMesh readCgns(const Source& source, const ReadOptions& options, Report& repo
 std::vector<double> cgnsTimes(const Source& source, Report& report, Progress& progress) {
   const auto read = [&](Report& childReport, Progress& childProgress) {
     const ReadOptions options;
-    return NumberArrays{CgnsMesh(source, options, childReport, childProgress).times()};
+    return CgnsMesh(source, options, childReport, childProgress).times();
   };
-  NumberArrays arrays = readArraysIsolated(read, source.path, {}, report, progress);
-  auto* times = arrays.empty() ? nullptr : std::get_if<std::vector<double>>(&arrays.front());
-  if (times == nullptr)
-    throw Error(Status::Invalid, source.path, "its times cannot be read", kExport);
-  return std::move(*times);
+  return readTimesIsolated(read, source.path, report, progress);
 }
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #include "tetvdb/io/EnsightCase.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/NumberParser.h"
 #include "tetvdb/io/PathWithin.h"
 
@@ -17,22 +18,6 @@ namespace {
 
 constexpr const char* kExport = "repair the file or export it again";
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return text;
-}
-
-std::string lowered(std::string_view text) {
-  std::string out(text);
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
 class CaseParser {
 public:
   explicit CaseParser(const Source& source) : in_(source) {}
@@ -43,10 +28,10 @@ public:
       const std::size_t colon = line.find(':');
       if (colon == line.npos) {
         if (!continueNumbers(line))
-          section = lowered(line);
+          section = lowerCase(line);
         continue;
       }
-      const std::string key = lowered(trimmed(line.substr(0, colon)));
+      const std::string key = lowerCase(trimmed(line.substr(0, colon)));
       readEntry(section, key, trimmed(line.substr(colon + 1)));
     }
     if (!isGold_)
@@ -76,7 +61,7 @@ private:
     numbers_ = nullptr;
     fileNumbers_ = nullptr;
     if (section == "format")
-      readFormat(key, lowered(value));
+      readFormat(key, lowerCase(value));
     else if (section == "geometry" && key == "model")
       case_.geometry = pattern(value, false);
     else if (section == "geometry" && (key == "match" || key == "boundary" || key == "measured"))

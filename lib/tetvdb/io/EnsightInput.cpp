@@ -2,6 +2,7 @@
 #include "tetvdb/io/EnsightInput.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 
 #include <algorithm>
 
@@ -9,15 +10,6 @@ namespace tetvdb::ensight {
 namespace {
 
 constexpr std::size_t kRecord = 80; ///< characters of a record of text in a binary file
-
-std::string trimmed(std::string_view text) {
-  text = text.substr(0, text.find('\0'));
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return std::string(text);
-}
 
 } // namespace
 
@@ -40,10 +32,10 @@ bool Input::atEnd() {
 
 std::string Input::line() {
   if (binary_)
-    return trimmed(bytes_.take(kRecord));
+    return trimmedRecord(bytes_.take(kRecord));
   if (text_.remaining() == 0)
     fail("the file ends early", "it is cut off; export it again");
-  return trimmed(text_.line());
+  return trimmedRecord(text_.line());
 }
 
 std::string Input::keyword() {

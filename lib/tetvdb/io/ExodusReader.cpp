@@ -2,6 +2,7 @@
 #include "tetvdb/io/ExodusReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/IsolatedRead.h"
 #include "tetvdb/io/NetCdfSize.h"
@@ -93,7 +94,7 @@ public:
       return {};
     std::string text(length, '\0');
     check(nc_get_att_text(file_, variable.id, name, text.data()), name);
-    return trimmed(text);
+    return trimmedRecord(text);
   }
 
   /// Whether the file can hold `n` numbers of `variable`. HDF5's may be compressed.
@@ -139,17 +140,11 @@ public:
     read(*found, start, count, text.data(), name);
     std::vector<std::string> out;
     for (std::size_t i = 0; i < rows; ++i)
-      out.push_back(trimmed(text.substr(i * width, width)));
+      out.push_back(trimmedRecord(std::string_view(text).substr(i * width, width)));
     return out;
   }
 
 private:
-  static std::string trimmed(std::string text) {
-    text = text.substr(0, text.find('\0'));
-    while (!text.empty() && text.back() == ' ')
-      text.pop_back();
-    return text;
-  }
   void check(int status, const std::string& what) const {
     if (status != NC_NOERR)
       fail("cannot read '" + what + "': " + nc_strerror(status));
@@ -514,13 +509,9 @@ std::vector<double> exodusTimes(const Source& source, Report& report, Progress& 
   if (source.bytes.substr(0, 3) == "CDF")
     return ExodusFile(source, {}, report, progress).readTimes();
   const auto read = [&](Report& childReport, Progress& childProgress) {
-    return NumberArrays{ExodusFile(source, {}, childReport, childProgress).readTimes()};
+    return ExodusFile(source, {}, childReport, childProgress).readTimes();
   };
-  NumberArrays arrays = readArraysIsolated(read, source.path, {}, report, progress);
-  auto* times = arrays.empty() ? nullptr : std::get_if<std::vector<double>>(&arrays.front());
-  if (times == nullptr)
-    throw Error(Status::Invalid, source.path, "its times cannot be read", kCut);
-  return std::move(*times);
+  return readTimesIsolated(read, source.path, report, progress);
 }
 
 } // namespace tetvdb

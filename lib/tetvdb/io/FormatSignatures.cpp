@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/FormatSignatures.h"
 
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/NumberParser.h"
@@ -8,7 +9,6 @@
 #include "tetvdb/io/StlReader.h"
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 
 namespace tetvdb {
@@ -22,13 +22,6 @@ bool startsWith(std::string_view text, std::string_view start) {
 
 bool contains(std::string_view text, std::string_view part) {
   return text.find(part) != std::string_view::npos;
-}
-
-std::string lowered(std::string_view text) {
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return result;
 }
 
 std::string_view withoutMarkAndSpace(std::string_view text) {
@@ -61,7 +54,7 @@ std::string_view firstWord(const FileStart& file) {
 
 FileStart::FileStart(std::string_view all, const std::string& path)
     : bytes(all), head(all.substr(0, kLook)), text(withoutMarkAndSpace(head)),
-      start(lowered(text.substr(0, 32))), ending(endingOf(path)) {}
+      start(lowerCase(text.substr(0, 32))), ending(endingOf(path)) {}
 
 bool isText(std::string_view head) {
   return std::none_of(head.begin(), head.end(), [](char c) {
@@ -213,7 +206,7 @@ bool isPvd(const FileStart& file) {
 }
 
 bool isXdmf(const FileStart& file) {
-  return startsWith(file.text, "<") && contains(lowered(file.head), "<xdmf");
+  return startsWith(file.text, "<") && contains(lowerCase(file.head), "<xdmf");
 }
 
 bool isVtkHdf(const FileStart& file) {
@@ -227,7 +220,7 @@ bool isCgns(const FileStart& file) {
 
 bool isEnsight(const FileStart& file) {
   // "FORMAT", then "type: ensight gold"; comments may come first.
-  const std::string head = lowered(file.head);
+  const std::string head = lowerCase(file.head);
   const std::size_t type = head.find("type:");
   return isText(file.head) && type != head.npos && head.find("format") < type &&
          contains(std::string_view(head).substr(type, 64), "ensight");
@@ -267,7 +260,7 @@ bool isDamagedNetgen(const FileStart& file) {
 }
 
 bool isDamagedAbaqus(const FileStart& file) {
-  return contains(lowered(file.head), "*node");
+  return contains(lowerCase(file.head), "*node");
 }
 
 } // namespace tetvdb

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/Formats.h"
 
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/AbaqusReader.h"
 #include "tetvdb/io/AssimpReader.h"
 #include "tetvdb/io/CellFaces.h"
@@ -314,11 +315,7 @@ std::string endingOf(std::string_view path) {
   const std::size_t dot = path.find_last_of("./");
   if (dot == path.npos || path[dot] == '/' || dot == 0 || path[dot - 1] == '/')
     return {};
-  std::string ending(path.substr(dot));
-  for (char& c : ending)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return ending;
+  return lowerCase(path.substr(dot));
 }
 
 const Format* formatForEnding(std::string_view path, FormatUse use) {

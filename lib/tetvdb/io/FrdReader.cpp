@@ -5,6 +5,7 @@
 #include "tetvdb/io/FrdReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/NumberParser.h"
@@ -51,14 +52,6 @@ const CellKind* kindOf(std::int64_t type) {
 /// Corners of the polygon that an element of types 7 to 10 is; 0 for others.
 std::uint32_t polygonCorners(std::int64_t type) {
   return type == 7 || type == 8 ? 3 : type == 9 || type == 10 ? 4 : 0;
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return text;
 }
 
 /// How the numbers of a block are written.

@@ -444,6 +444,20 @@ NumberArrays readArraysIsolated(const std::function<NumberArrays(Report&, Progre
   return readInChild(read, path, limits, report, progress);
 }
 
+std::vector<double>
+readTimesIsolated(const std::function<std::vector<double>(Report&, Progress&)>& read,
+                  const std::string& path, Report& report, Progress& progress) {
+  const auto readAll = [&](Report& childReport, Progress& childProgress) {
+    return NumberArrays{read(childReport, childProgress)};
+  };
+  NumberArrays arrays = readInChild<NumberArrays>(readAll, path, {}, report, progress);
+  auto* times = arrays.empty() ? nullptr : std::get_if<std::vector<double>>(&arrays.front());
+  if (times == nullptr)
+    throw Error(Status::Invalid, path, "its times cannot be read",
+                "the file is damaged; export it again");
+  return std::move(*times);
+}
+
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
                                    const std::string& path, const IsolationLimits& limits,
                                    Report& report, Progress& progress) {

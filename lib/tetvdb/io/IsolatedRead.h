@@ -36,6 +36,11 @@ NumberArrays readArraysIsolated(const std::function<NumberArrays(Report&, Progre
                                 const std::string& path, const IsolationLimits& limits,
                                 Report& report, Progress& progress);
 
+/// The same for the times of a file's steps.
+std::vector<double>
+readTimesIsolated(const std::function<std::vector<double>(Report&, Progress&)>& read,
+                  const std::string& path, Report& report, Progress& progress);
+
 /// The same for triangles, with limits.
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
                                    const std::string& path, const IsolationLimits& limits,

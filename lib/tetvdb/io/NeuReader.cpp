@@ -4,6 +4,7 @@
 #include "tetvdb/io/NeuReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/NumberParser.h"
 
@@ -38,14 +39,6 @@ const CellKind* kindOf(std::int64_t type, std::int64_t nodes) {
     return nullptr;
   const CellKind& kind = linear[type - 4];
   return nodes == static_cast<std::int64_t>(kind.nodes) ? &kind : &other[type - 4];
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return text;
 }
 
 class NeuFile {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/ReferredFiles.h"
 
+#include "tetvdb/core/Letters.h"
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -20,13 +22,6 @@ constexpr int kDeepest = 4; // .pvd names .pvtu names .vtu
 constexpr std::array<std::string_view, 11> kLists{".pvd",  ".pvtu", ".pvtp", ".pvti",
                                                   ".vtm",  ".vtmb", ".xdmf", ".xmf",
                                                   ".gltf", ".case", ".encas"};
-
-std::string lowerCase(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
 
 std::string firstBytes(const fs::path& path) {
   std::error_code error;

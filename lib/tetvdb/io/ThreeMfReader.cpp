@@ -6,6 +6,7 @@
 #include "tetvdb/io/ThreeMfReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ThreeMfModel.h"
 #include "tetvdb/io/XmlScanner.h"
 #include "tetvdb/io/ZipDirectory.h"
@@ -23,11 +24,7 @@ constexpr std::uint64_t kMaxCorners = std::uint64_t(1) << 28; // points and corn
 
 /// Names in archives: without the first slash, any case.
 std::string normalized(std::string_view name) {
-  std::string result(name.substr(name.substr(0, 1) == "/" ? 1 : 0));
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return result;
+  return lowerCase(name.substr(name.substr(0, 1) == "/" ? 1 : 0));
 }
 
 class Package {

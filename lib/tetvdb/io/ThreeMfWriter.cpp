@@ -6,6 +6,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/XmlText.h"
 #include "tetvdb/io/ZipWriter.h"
 
 #include <algorithm>
@@ -78,22 +79,6 @@ bool hasFaces(const TriangleMesh& mesh) {
   return false;
 }
 
-/// As an attribute's value.
-std::string escaped(const std::string& name) {
-  std::string text;
-  for (const char c : name) {
-    constexpr std::pair<char, const char*> names[] = {
-        {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}};
-    const auto* found = std::find_if(std::begin(names), std::end(names),
-                                     [&](const auto& entry) { return entry.first == c; });
-    if (found != std::end(names))
-      text += found->second;
-    else if (static_cast<unsigned char>(c) >= 0x20)
-      text += c;
-  }
-  return text;
-}
-
 class ModelWriter {
 public:
   ModelWriter(Xml& xml, Progress& progress) : xml_(xml), progress_(progress) {}
@@ -124,7 +109,7 @@ private:
   void beginObject(std::size_t id, const std::string& name) {
     xml_.text("<object id=\"").number(id).text("\" type=\"model\"");
     if (!name.empty())
-      xml_.text(" name=\"").text(escaped(name)).text("\"");
+      xml_.text(" name=\"").text(xmlAttributeText(name)).text("\"");
     xml_.text(">");
   }
 

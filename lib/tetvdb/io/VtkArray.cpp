@@ -2,6 +2,7 @@
 #include "tetvdb/io/VtkArray.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ByteReader.h"
 
 #include <atomic>
@@ -152,10 +153,7 @@ std::optional<Number> legacyNumber(std::string_view name) {
       {"unsigned___int64", Number::UInt64},
       {"float", Number::Float32},
       {"double", Number::Float64}};
-  std::string lower(name.substr(0, 32));
-  for (char& c : lower)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
+  const std::string lower = lowerCase(name.substr(0, 32));
   for (const auto& [known, type] : kNames)
     if (known == lower)
       return type;

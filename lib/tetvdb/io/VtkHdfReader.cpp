@@ -315,13 +315,9 @@ CellMesh readVtkHdf(const Source& source, const ReadOptions& options, Report& re
 std::vector<double> vtkHdfTimes(const Source& source, Report& report, Progress& progress) {
   const auto read = [&](Report& childReport, Progress& childProgress) {
     const ReadOptions options;
-    return NumberArrays{VtkHdfFile(source, options, childReport, childProgress).times()};
+    return VtkHdfFile(source, options, childReport, childProgress).times();
   };
-  NumberArrays arrays = readArraysIsolated(read, source.path, {}, report, progress);
-  auto* times = arrays.empty() ? nullptr : std::get_if<std::vector<double>>(&arrays.front());
-  if (times == nullptr)
-    throw Error(Status::Invalid, source.path, "its times cannot be read", kCut);
-  return std::move(*times);
+  return readTimesIsolated(read, source.path, report, progress);
 }
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/io/VtkReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/NumberParser.h"
 #include "tetvdb/io/VtkArray.h"
@@ -22,17 +23,9 @@ using namespace vtk;
 constexpr const char* kExport = "repair the file or export it again";
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
+/// A keyword; longer words are none.
 std::string lower(std::string_view word) {
-  std::string out(word.substr(0, 64));
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z')
-      c = static_cast<char>(c - 'A' + 'a');
-  return out;
-}
-
-bool isBlank(std::string_view line) {
-  return std::all_of(line.begin(), line.end(),
-                     [](char c) { return static_cast<unsigned char>(c) <= ' '; });
+  return lowerCase(word.substr(0, 64));
 }
 
 // Names hold %20 for a space, and so on.
@@ -163,7 +156,7 @@ private:
     in_.skipSpace();
     const std::string_view rest = source_.bytes.substr(in_.position());
     if (lower(rest.substr(0, keyword.size())) == keyword &&
-        (rest.size() == keyword.size() || isBlank(rest.substr(keyword.size(), 1)))) {
+        (rest.size() == keyword.size() || isBlank(rest[keyword.size()]))) {
       in_.seek(in_.position() + keyword.size());
       return true;
     }
@@ -172,7 +165,7 @@ private:
   }
   /// Binary data begin on the next line.
   void endLine() {
-    if (binary_ && !isBlank(in_.line()))
+    if (binary_ && !trimmed(in_.line()).empty())
       fail("more words than expected before binary data", kCut);
   }
 
@@ -385,7 +378,7 @@ private:
     do
       if (in_.remaining() == 0)
         fail("the file ends within METADATA", kCut);
-    while (!isBlank(in_.line()));
+    while (!trimmed(in_.line()).empty());
   }
 
   // --- arrays ---

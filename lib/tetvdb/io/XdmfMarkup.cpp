@@ -2,6 +2,7 @@
 #include "tetvdb/io/XdmfMarkup.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 
 #include <algorithm>
 
@@ -13,15 +14,10 @@ constexpr std::size_t kMostReferences = 16; // one after the other
 constexpr std::size_t kLongestPath = 400;
 constexpr auto kMostPredicates = 8;
 
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
 } // namespace
 
 bool sameWord(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(),
-                                            [](char x, char y) { return lower(x) == lower(y); });
+  return lowerCase(a) == lowerCase(b);
 }
 
 std::size_t datasetColon(std::string_view text) {
@@ -30,13 +26,7 @@ std::size_t datasetColon(std::string_view text) {
 }
 
 std::string_view trimmedText(pugi::xml_node element) {
-  std::string_view text = element.text().get();
-  const auto blank = [](char c) { return static_cast<unsigned char>(c) <= ' '; };
-  while (!text.empty() && blank(text.front()))
-    text.remove_prefix(1);
-  while (!text.empty() && blank(text.back()))
-    text.remove_suffix(1);
-  return text;
+  return trimmed(element.text().get());
 }
 
 XdmfMarkup::XdmfMarkup(const Source& source) : path_(source.path) {

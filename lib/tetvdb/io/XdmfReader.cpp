@@ -2,6 +2,7 @@
 #include "tetvdb/io/XdmfReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/CellRuns.h"
 #include "tetvdb/io/NumberParser.h"
 #include "tetvdb/io/VtkCells.h"
@@ -42,10 +43,8 @@ constexpr std::array<Shape, 24> kShapes{
      {"tri6", 22, 6, -1},           {"hex20", 25, 20, -1},         {"hex27", 29, 27, -1}}};
 
 std::string plainName(std::string_view name) {
-  std::string text;
-  for (const char c : name)
-    if (c != '_')
-      text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  std::string text = lowerCase(name);
+  text.erase(std::remove(text.begin(), text.end(), '_'), text.end());
   return text;
 }
 

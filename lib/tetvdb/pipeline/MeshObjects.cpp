@@ -2,12 +2,12 @@
 #include "tetvdb/pipeline/MeshObjects.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/Source.h"
 #include "tetvdb/io/ThreeMfReader.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -108,10 +108,7 @@ TriangleMesh joinObjects(const std::vector<NamedMesh>& objects) {
 }
 
 bool keepsObjects(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending)
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending == ".3mf";
+  return lowerCase(std::filesystem::path(path).extension().string()) == ".3mf";
 }
 
 double metresOf(const std::string& unit, std::string* name) {

@@ -20,6 +20,30 @@ namespace tetvdb {
 
 enum class ElementType : std::uint8_t { UInt8, Int32, Int64, Float32, Float64 };
 
+/// The formats' names of an element type.
+struct ElementNames {
+  const char* numpy; ///< with the byte order
+  const char* vtk;
+  const char* nrrd;
+  const char* plain; ///< as NumPy names its scalar types
+};
+
+constexpr ElementNames namesOf(ElementType type) {
+  switch (type) {
+  case ElementType::UInt8:
+    return {"|u1", "UInt8", "uint8", "uint8"};
+  case ElementType::Int32:
+    return {"<i4", "Int32", "int32", "int32"};
+  case ElementType::Int64:
+    return {"<i8", "Int64", "int64", "int64"};
+  case ElementType::Float32:
+    return {"<f4", "Float32", "float", "float32"};
+  case ElementType::Float64:
+    return {"<f8", "Float64", "double", "float64"};
+  }
+  return {};
+}
+
 constexpr std::size_t bytesOf(ElementType type) {
   switch (type) {
   case ElementType::UInt8:

@@ -6,21 +6,7 @@
 namespace tetvdb {
 
 std::string npyType(ElementType element, bool isBits) {
-  if (isBits)
-    return "|b1";
-  switch (element) {
-  case ElementType::UInt8:
-    return "|u1";
-  case ElementType::Int32:
-    return "<i4";
-  case ElementType::Int64:
-    return "<i8";
-  case ElementType::Float32:
-    return "<f4";
-  case ElementType::Float64:
-    return "<f8";
-  }
-  return {};
+  return isBits ? "|b1" : namesOf(element).numpy;
 }
 
 std::string npyHeader(std::string_view type, const std::vector<std::uint64_t>& shape) {

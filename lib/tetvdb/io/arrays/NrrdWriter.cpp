@@ -10,22 +10,6 @@
 namespace tetvdb {
 namespace {
 
-const char* typeName(ElementType element) {
-  switch (element) {
-  case ElementType::UInt8:
-    return "uint8";
-  case ElementType::Int32:
-    return "int32";
-  case ElementType::Int64:
-    return "int64";
-  case ElementType::Float32:
-    return "float";
-  case ElementType::Float64:
-    return "double";
-  }
-  return "";
-}
-
 std::string vectorText(const Vec3d& v) {
   return fmt::format("({},{},{})", v[0], v[1], v[2]);
 }
@@ -43,7 +27,7 @@ std::string headerOf(const ArrayContent& content) {
   const bool isVector = grid.components() > 1;
   const auto& m = content.transform;
   std::string text = fmt::format("NRRD0004\ntype: {}\ndimension: {}\nspace dimension: 3\nsizes:",
-                                 typeName(grid.element()), isVector ? 4 : 3);
+                                 namesOf(grid.element()).nrrd, isVector ? 4 : 3);
   if (isVector)
     text += fmt::format(" {}", grid.components());
   for (std::size_t axis = 0; axis < 3; ++axis)

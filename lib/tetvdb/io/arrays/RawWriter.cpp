@@ -7,22 +7,6 @@
 namespace tetvdb {
 namespace {
 
-const char* typeName(ElementType element) {
-  switch (element) {
-  case ElementType::UInt8:
-    return "uint8";
-  case ElementType::Int32:
-    return "int32";
-  case ElementType::Int64:
-    return "int64";
-  case ElementType::Float32:
-    return "float32";
-  case ElementType::Float64:
-    return "float64";
-  }
-  return "";
-}
-
 // A JSON string; names and metadata may hold any bytes.
 std::string quoted(const std::string& text) {
   std::string out = "\"";
@@ -56,7 +40,7 @@ std::string headerOf(const ArrayContent& content) {
     const auto bytes = static_cast<std::uint64_t>(grid.bytes());
     text += fmt::format("{}\n    {{\"name\": {}, \"type\": \"{}\", \"components\": {}, "
                         "\"offset\": {}, \"bytes\": {}}}",
-                        i == 0 ? "" : ",", quoted(content.names[i]), typeName(grid.element()),
+                        i == 0 ? "" : ",", quoted(content.names[i]), namesOf(grid.element()).plain,
                         grid.components(), offset, bytes);
     offset += bytes;
   }

@@ -17,22 +17,6 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t(1) << 20; ///< bytes compressed as one
 
-const char* typeName(ElementType element) {
-  switch (element) {
-  case ElementType::UInt8:
-    return "UInt8";
-  case ElementType::Int32:
-    return "Int32";
-  case ElementType::Int64:
-    return "Int64";
-  case ElementType::Float32:
-    return "Float32";
-  case ElementType::Float64:
-    return "Float64";
-  }
-  return "";
-}
-
 // Blocks of one array, compressed side by side, written in order.
 class BlockWriter {
 public:
@@ -145,7 +129,7 @@ private:
       const DenseGrid& grid = *content_.grids[i];
       text(fmt::format("        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
                        "format=\"appended\" offset=\"",
-                       typeName(grid.element()), xmlAttributeText(content_.names[i]),
+                       namesOf(grid.element()).vtk, xmlAttributeText(content_.names[i]),
                        grid.components()));
       offsets_.push_back(file_.size());
       text(std::string(20, '0') + "\"/>\n");

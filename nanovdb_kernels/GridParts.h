@@ -4,7 +4,7 @@
 // values.
 #pragma once
 
-#include "NanoLayout.h"
+#include "NanoNodes.h"
 
 namespace tetvdb::nano {
 
@@ -45,8 +45,8 @@ struct NodeCounts {
 inline BufferLayout layoutOf(Kind kind, const NodeCounts& all, const NodeCounts& before,
                              const NodeCounts& own) {
   BufferLayout l;
-  l.root = sizeof(GridHeader) + sizeof(TreeHeader);
-  const u64 uppers = l.root + sizeof(RootHeader) + all.rootTiles * sizeof(RootTile);
+  l.root = sizeof(nanovdb::GridData) + sizeof(TreeData);
+  const u64 uppers = l.root + sizeof(RootData) + all.rootTiles * sizeof(RootTile);
   const u64 lowers = uppers + all.uppers * sizeof(UpperNode);
   const u64 leaves = lowers + all.lowers * sizeof(LowerNode);
   l.size = leaves + all.leaves * leafSize(kind);
@@ -109,7 +109,7 @@ TETVDB_HD inline void clearBounds(Shared& s) {
 }
 
 /// The first 16 bytes of a leaf: box of the active voxels, and the flag that there are some.
-TETVDB_HD inline void leafBox(const u64* mask, const i32 (&origin)[3], LeafHead& head) {
+TETVDB_HD inline void leafBox(const u64* mask, const i32 (&origin)[3], MaskLeaf& leaf) {
   u64 any = 0;
   int xLow = 8, xHigh = 0;
   for (int x = 0; x < 8; ++x)
@@ -123,13 +123,13 @@ TETVDB_HD inline void leafBox(const u64* mask, const i32 (&origin)[3], LeafHead&
     z |= static_cast<u32>(any >> (8 * y)) & 0xFF;
   const int yLow = lowestBit(any) >> 3, yHigh = highestBit(any) >> 3;
   const int zLow = lowestBit(z), zHigh = highestBit(z);
-  head.boxMin[0] = origin[0] + xLow;
-  head.boxMin[1] = origin[1] + yLow;
-  head.boxMin[2] = origin[2] + zLow;
-  head.boxSize[0] = static_cast<u8>(xHigh - xLow);
-  head.boxSize[1] = static_cast<u8>(yHigh - yLow);
-  head.boxSize[2] = static_cast<u8>(zHigh - zLow);
-  head.flags = 2;
+  leaf.mBBoxMin[0] = origin[0] + xLow;
+  leaf.mBBoxMin[1] = origin[1] + yLow;
+  leaf.mBBoxMin[2] = origin[2] + zLow;
+  leaf.mBBoxDif[0] = static_cast<u8>(xHigh - xLow);
+  leaf.mBBoxDif[1] = static_cast<u8>(yHigh - yLow);
+  leaf.mBBoxDif[2] = static_cast<u8>(zHigh - zLow);
+  leaf.mFlags = 2;
 }
 
 TETVDB_HD inline u64 countVoxels(const u64* mask) {

@@ -7,7 +7,7 @@
 namespace tetvdb::nano {
 
 void writeSharedHead(const KeySpace& space, Kind kind, const GridValues& values,
-                     const GridHeader& header, const SharedLayout& layout,
+                     const nanovdb::GridData& header, const SharedLayout& layout,
                      const std::vector<RootsOfShare>& shares, u8* grid) {
   RootsOfShare all;
   u64 uppers = 0, tiles = 0;

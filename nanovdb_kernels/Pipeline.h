@@ -461,7 +461,7 @@ public:
 
   static Kind kindOf(GridType type) {
     return type == GridType::Mask   ? Kind::Mask
-           : type == GridType::Bool ? Kind::Bool
+           : type == GridType::Bool ? Kind::Boolean
            : type == GridType::Fog  ? Kind::Float
                                     : Kind::Int32;
   }
@@ -471,31 +471,28 @@ public:
     return type == GridType::Owner ? GridValues{0, 0xFFFFFFFFu} : GridValues{1, 0};
   }
 
-  GridHeader makeHeader() const {
-    GridHeader h{};
-    h.magic = 0x304244566F6E614Eull;       // "NanoVDB0"
-    h.version = 32u << 21 | 4u << 10 | 2u; // 32.4.2, the layout to 32.9
-    const bool values = kind_ == Kind::Float || kind_ == Kind::Int32;
-    h.flags = 1u << 5 | (values ? 1u << 2 | 1u << 3 | 1u << 4 : 0u);
-    h.gridCount = 1;
-    std::memcpy(h.name, job_.name.data(), job_.name.size());
+  nanovdb::GridData makeHeader() const {
+    nanovdb::GridData h{};
+    h.mMagic = 0x304244566F6E614Eull;        // "NanoVDB0"
+    h.mVersion = nanovdb::Version(32, 4, 2); // the oldest with this layout, so that all read it
+    checksumOf(h) = 0;
+    flagsOf(h) = u32(nanovdb::GridFlags::IsBreadthFirst);
+    if (kind_ == Kind::Float || kind_ == Kind::Int32)
+      flagsOf(h) |= u32(nanovdb::GridFlags::HasMinMax) | u32(nanovdb::GridFlags::HasAverage) |
+                    u32(nanovdb::GridFlags::HasStdDeviation);
+    h.mGridCount = 1;
+    std::memcpy(h.mGridName, job_.name.data(), job_.name.size());
+    double scale[3][3] = {}, inverse[3][3] = {};
     for (int k = 0; k < 3; ++k) {
-      h.mapMatrix[4 * k] = job_.voxelSize[k];
-      h.mapInverse[4 * k] = 1.0 / job_.voxelSize[k];
-      h.mapTranslation[k] = job_.origin[k];
-      h.mapMatrixF[4 * k] = static_cast<float>(h.mapMatrix[4 * k]);
-      h.mapInverseF[4 * k] = static_cast<float>(h.mapInverse[4 * k]);
-      h.mapTranslationF[k] = static_cast<float>(job_.origin[k]);
-      h.voxelSize[k] = job_.voxelSize[k];
+      scale[k][k] = job_.voxelSize[k];
+      inverse[k][k] = 1.0 / job_.voxelSize[k];
+      h.mVoxelSize[k] = job_.voxelSize[k];
     }
-    h.taper = 1;
-    h.taperF = 1;
-    h.gridClass = job_.type == GridType::Fog ? 2 : job_.type == GridType::Mask ? 6 : 0;
-    h.gridType = static_cast<u32>(kind_);
-    for (int k = 0; k < 3; ++k) { // an empty box
-      h.worldBox[k] = 1.7976931348623157e308;
-      h.worldBox[3 + k] = -1.7976931348623157e308;
-    }
+    h.mMap.set(scale, inverse, job_.origin, 1);
+    h.mGridClass = job_.type == GridType::Fog    ? nanovdb::GridClass::FogVolume
+                   : job_.type == GridType::Mask ? nanovdb::GridClass::Topology
+                                                 : nanovdb::GridClass::Unknown;
+    h.mGridType = kind_;
     return h;
   }
 

@@ -73,7 +73,7 @@ RootsOfShare writeShare(Backend& b, Pipeline<Backend>& pipeline, const BufferLay
 /// Writes the head of the grid whose nodes are in `grid`: by the host's twin, in HostTwin.cpp, for
 /// in a file that nvcc compiles the kernels run on the device alone.
 void writeSharedHead(const KeySpace& space, Kind kind, const GridValues& values,
-                     const GridHeader& header, const SharedLayout& layout,
+                     const nanovdb::GridData& header, const SharedLayout& layout,
                      const std::vector<RootsOfShare>& shares, u8* grid);
 
 } // namespace tetvdb::nano

@@ -8,6 +8,9 @@
 #include "GridParts.h"
 #include "RasterizeTets.h"
 
+#include <cstring>
+#include <type_traits>
+
 namespace tetvdb::nano {
 
 template <typename Backend>
@@ -59,7 +62,7 @@ public:
     b_.zero(totals_, 4 * sizeof(u64));
     if (kind_ == Kind::Mask)
       writeFlatLeaves<sizeof(MaskLeaf) / 8>(buffer, l, leafMasks.mask);
-    else if (kind_ == Kind::Bool)
+    else if (kind_ == Kind::Boolean)
       writeFlatLeaves<sizeof(BoolLeaf) / 8>(buffer, l, leafMasks.mask);
     else
       writeValueLeaves(buffer, l, leafMasks.mask, table, summaries);
@@ -129,14 +132,13 @@ public:
   }
 
   TETVDB_HD static u64 headWord(const KeySpace& space, u64 key, const u64* mask, u32 w) {
-    union {
-      LeafHead head;
-      u64 word[2];
-    } u;
     i32 origin[3];
     originOf(space, 0, placeOfTreeKey(space, 0, key), origin);
-    leafBox(mask, origin, u.head);
-    return u.word[w];
+    alignas(MaskLeaf) u8 leaf[sizeof(MaskLeaf)];
+    leafBox(mask, origin, reinterpret_cast<MaskLeaf&>(leaf));
+    u64 word[2];
+    memcpy(word, leaf, sizeof word);
+    return word[w];
   }
 
   // Leaves of a mask or bool grid: a thread a word of eight bytes, so that writes are together.
@@ -190,14 +192,14 @@ public:
                 u32 bits;
                 float value;
               } u{values.inside};
-              node.values = {values.inside, values.inside, u.value, 0};
+              setValues(node, {values.inside, values.inside, u.value, 0});
             } else {
               const LeafSummary sum = summaries[slot];
               moments[leaf] = {sum.count, sum.mean, sum.squares};
-              node.values = valuesOf(sum.min, sum.max, moments[leaf]);
+              setValues(node, valuesOf(sum.min, sum.max, moments[leaf]));
             }
           }
-          u64* to = reinterpret_cast<u64*>(node.table);
+          u64* to = reinterpret_cast<u64*>(node.mValues);
           if (table != nullptr) {
             const u64* from = reinterpret_cast<const u64*>(table + 512 * slot);
             for (int w = team.rank(); w < 256; w += team.size())
@@ -229,7 +231,8 @@ public:
   void writeNodes(u8* buffer, const BufferLayout& l, const NodeMasks<kLog2>& masks,
                   const Entries& children, LevelNodes& nodes, const LevelNodes& below) {
     constexpr int level = kLog2 == 4 ? 1 : 2;
-    using Node = InternalNode<kLog2>;
+    using Node = std::conditional_t<kLog2 == 4, LowerNode, UpperNode>;
+    constexpr int kChildren = 1 << (3 * kLog2);
     using Shared = WriteShared<kLog2>;
     constexpr int kWords = Shared::kWords;
     const u64 count = level == 1 ? l.lowers : l.uppers;
@@ -263,8 +266,8 @@ public:
           for (int w = team.rank(); w < kWords; w += team.size()) {
             s.child[w] = childMask[slot * kWords + static_cast<u64>(w)];
             s.tile[w] = tileMask[slot * kWords + static_cast<u64>(w)];
-            node.childMask[w] = s.child[w];
-            node.valueMask[w] = s.tile[w];
+            wordsOf(node.mChildMask)[w] = s.child[w];
+            wordsOf(node.mValueMask)[w] = s.tile[w];
             s.before[w] = static_cast<u32>(bitCount(s.child[w]));
           }
           if (team.rank() == 0) {
@@ -277,7 +280,7 @@ public:
           const auto numberOf = [&](u64 j) { return childIndex == nullptr ? j : childIndex[j]; };
           const u64 firstChild = slot < made ? numberOf(first) : 0;
           const u64 toChildren = childAt - (at + number * sizeof(Node));
-          for (int i = team.rank(); i < static_cast<int>(Node::kChildren); i += team.size()) {
+          for (int i = team.rank(); i < kChildren; i += team.size()) {
             const u64 bit = u64(1) << (i & 63), child = s.child[i >> 6];
             u64 entry = (s.tile[i >> 6] & bit) != 0 ? values.inside : values.background;
             if ((child & bit) != 0) {
@@ -285,7 +288,7 @@ public:
                   firstChild + s.before[i >> 6] + static_cast<u64>(bitCount(child & (bit - 1)));
               entry = toChildren + index * childSize;
             }
-            node.table[i] = entry;
+            node.mTable[i].child = static_cast<i64>(entry);
           }
           // Tiles: their box, and how many.
           for (int w = team.rank(); w < kWords; w += team.size()) {
@@ -323,16 +326,16 @@ public:
                 const u8* bytes = childrenHere + child * childSize;
                 i32 from[3], to[3];
                 if (level == 1) {
-                  const LeafHead& leaf = *reinterpret_cast<const LeafHead*>(bytes);
+                  const MaskLeaf& leaf = *reinterpret_cast<const MaskLeaf*>(bytes);
                   for (int a = 0; a < 3; ++a) {
-                    from[a] = leaf.boxMin[a];
-                    to[a] = leaf.boxMin[a] + leaf.boxSize[a];
+                    from[a] = leaf.mBBoxMin[a];
+                    to[a] = leaf.mBBoxMin[a] + leaf.mBBoxDif[a];
                   }
                 } else {
                   const LowerNode& lower = *reinterpret_cast<const LowerNode*>(bytes);
                   for (int a = 0; a < 3; ++a) {
-                    from[a] = lower.boxMin[a];
-                    to[a] = lower.boxMax[a];
+                    from[a] = lower.mBBox[0][a];
+                    to[a] = lower.mBBox[1][a];
                   }
                 }
                 for (int a = 0; a < 3; ++a) {
@@ -341,10 +344,10 @@ public:
                 }
                 sum += childVoxels[child];
                 if (kind == Kind::Int32) {
-                  const NodeValues& v = level == 1
-                                            ? reinterpret_cast<const ValueLeaf*>(bytes)->values
-                                            : reinterpret_cast<const LowerNode*>(bytes)->values;
-                  const i32 least = static_cast<i32>(v.min), most = static_cast<i32>(v.max);
+                  using Child = std::conditional_t<level == 1, ValueLeaf, LowerNode>;
+                  const auto& of = *reinterpret_cast<const Child*>(bytes);
+                  const i32 least = static_cast<i32>(of.mMinimum),
+                            most = static_cast<i32>(of.mMaximum);
                   minValue = least < minValue ? least : minValue;
                   maxValue = most > maxValue ? most : maxValue;
                   addMoments(part, childMoments[child]);
@@ -354,7 +357,7 @@ public:
                 if (childStates[childSlot] != kFull)
                   continue;
                 const i32 v = childValues[childSlot];
-                node.table[childKeys[j] & (Node::kChildren - 1)] = static_cast<u32>(v);
+                node.mTable[childKeys[j] & (kChildren - 1)].child = static_cast<u32>(v);
                 minValue = v < minValue ? v : minValue;
                 maxValue = v > maxValue ? v : maxValue;
                 addMoments(part, {tileVoxels, static_cast<double>(v), 0});
@@ -379,33 +382,33 @@ public:
           team.sync();
           if (team.rank() == 0) {
             for (int a = 0; a < 3; ++a) {
-              node.boxMin[a] = s.low[a];
-              node.boxMax[a] = s.high[a];
+              node.mBBox[0][a] = s.low[a];
+              node.mBBox[1][a] = s.high[a];
             }
-            node.flags = 2;
+            node.mFlags = 2;
             const u64 side = static_cast<u64>(childSide);
             voxels[number] = s.voxels + s.low32 + s.tiles * side * side * side;
             addTo(totals + level, u64(s.tiles));
-            node.values = {0, 0, 0, 0};
+            memset(&node.mMinimum, 0,
+                   static_cast<u64>(reinterpret_cast<u8*>(node.mTable) -
+                                    reinterpret_cast<u8*>(&node.mMinimum)));
             if (kind == Kind::Float) {
               union {
                 u32 bits;
                 float value;
               } u{values.inside};
-              node.values = {values.inside, values.inside, u.value, 0};
+              setValues(node, {values.inside, values.inside, u.value, 0});
             } else if (kind == Kind::Int32) {
               moments[number] = sumParts(s);
-              node.values = valuesOf(s.minValue, s.maxValue, moments[number]);
+              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number]));
             }
-            for (u32& word : node.padding)
-              word = 0;
           }
           team.sync();
         });
   }
 
   /// Writes what lies before the nodes. `buffer`: the whole grid's; upper nodes are read there.
-  void writeHead(u8* buffer, const BufferLayout& l, const GridHeader& header,
+  void writeHead(u8* buffer, const BufferLayout& l, const nanovdb::GridData& header,
                  const RootParts& parts) {
     const RootEntry* entries = parts.entries;
     const u64* upperVoxels = parts.voxels;
@@ -417,9 +420,9 @@ public:
     const KeySpace space = space_;
     b_.template forTeams<HeadShared>(
         1, kParts, TETVDB_KERNEL(const Team& team, u64, HeadShared& s) {
-          auto& root = *reinterpret_cast<RootHeader*>(buffer + l.root);
-          auto* tiles = reinterpret_cast<RootTile*>(buffer + l.root + sizeof(RootHeader));
-          for (int w = team.rank(); w < static_cast<int>(sizeof(GridHeader) / 8); w += team.size())
+          auto& root = *reinterpret_cast<RootData*>(buffer + l.root);
+          auto* tiles = reinterpret_cast<RootTile*>(&root + 1);
+          for (int w = team.rank(); w < static_cast<int>(sizeof header / 8); w += team.size())
             reinterpret_cast<u64*>(buffer)[w] = reinterpret_cast<const u64*>(&header)[w];
           if (team.rank() == 0) {
             clearBounds(s);
@@ -434,9 +437,10 @@ public:
                 continue;
               i32 origin[3];
               originOf(space, 2, placeOfTreeKey(space, 2, entry.key), origin);
-              RootTile tile{};
-              tile.key = u64(u32(origin[0]) >> 12) << 42 | u64(u32(origin[1]) >> 12) << 21 |
-                         u64(u32(origin[2]) >> 12);
+              RootTile& tile = tiles[entry.rank]; // its padding is zeros too
+              memset(static_cast<void*>(&tile), 0, sizeof tile);
+              tile.key = RootData::CoordToKey(
+                  nanovdb::NanoRoot<u32>::CoordType(origin[0], origin[1], origin[2]));
               i32 from[3], to[3];
               u64 voxels = u64(1) << 36;
               if (entry.state == kNode) {
@@ -444,14 +448,14 @@ public:
                 const auto& upper = *reinterpret_cast<const UpperNode*>(buffer + at);
                 tile.child = static_cast<i64>(at - l.root);
                 for (int a = 0; a < 3; ++a) {
-                  from[a] = upper.boxMin[a];
-                  to[a] = upper.boxMax[a];
+                  from[a] = upper.mBBox[0][a];
+                  to[a] = upper.mBBox[1][a];
                 }
                 voxels = upperVoxels[entry.upper];
                 if (kind == Kind::Int32) {
                   addMoments(part, upperMoments[entry.upper]);
-                  minInto(&s.minValue, static_cast<i32>(upper.values.min));
-                  maxInto(&s.maxValue, static_cast<i32>(upper.values.max));
+                  minInto(&s.minValue, static_cast<i32>(upper.mMinimum));
+                  maxInto(&s.maxValue, static_cast<i32>(upper.mMaximum));
                 }
               } else {
                 tile.state = 1;
@@ -473,66 +477,50 @@ public:
                 maxInto(&s.high[a], to[a]);
               }
               addTo(&s.voxels, voxels);
-              tiles[entry.rank] = tile;
             }
             s.part[p] = part;
           }
           team.sync();
           if (team.rank() == 0) {
             const bool empty = l.rootTiles == 0;
-            root = RootHeader{};
+            memset(static_cast<void*>(&root), 0, sizeof root);
             for (int a = 0; a < 3; ++a) {
-              root.boxMin[a] = empty ? 0x7FFFFFFF : s.low[a];
-              root.boxMax[a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
+              root.mBBox[0][a] = empty ? 0x7FFFFFFF : s.low[a];
+              root.mBBox[1][a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
             }
-            root.tableSize = static_cast<u32>(l.rootTiles);
-            root.values[0] = values.background;
-            if (kind == Kind::Float || kind == Kind::Int32) {
-              union {
-                u32 bits;
-                float value;
-              } average, deviation;
-              u32 min = values.inside, max = values.inside;
-              average.bits = values.inside;
-              deviation.bits = 0;
-              if (empty) {
-                min = max = values.background;
-                average.bits = 0;
-              } else if (kind == Kind::Int32) {
-                const NodeValues v = valuesOf(s.minValue, s.maxValue, sumParts(s));
-                min = v.min;
-                max = v.max;
-                average.value = v.average;
-                deviation.value = v.deviation;
-              }
-              root.values[1] = min;
-              root.values[2] = max;
-              root.values[3] = average.bits;
-              root.values[4] = deviation.bits;
-            }
-            auto& grid = *reinterpret_cast<GridHeader*>(buffer);
-            grid.gridSize = l.size;
+            root.mTableSize = static_cast<u32>(l.rootTiles);
+            root.mBackground = values.background;
+            union {
+              u32 bits;
+              float value;
+            } inside{values.inside};
+            if (empty && (kind == Kind::Float || kind == Kind::Int32))
+              setValues(root, {values.background, values.background, 0, 0});
+            else if (kind == Kind::Float)
+              setValues(root, {values.inside, values.inside, inside.value, 0});
+            else if (kind == Kind::Int32)
+              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s)));
+            auto& grid = *reinterpret_cast<nanovdb::GridData*>(buffer);
+            grid.mGridSize = l.size;
             if (!empty) {
-              grid.flags |= 2;
+              flagsOf(grid) |= u32(nanovdb::GridFlags::HasBBox);
               for (int a = 0; a < 3; ++a) {
-                grid.worldBox[a] = grid.mapTranslation[a] + grid.mapMatrix[4 * a] * s.low[a];
-                grid.worldBox[3 + a] = grid.mapTranslation[a] +
-                                       grid.mapMatrix[4 * a] * (static_cast<double>(s.high[a]) + 1);
+                const double scale = grid.mMap.mMatD[4 * a], at = grid.mMap.mVecD[a];
+                grid.mWorldBBox[0][a] = at + scale * s.low[a];
+                grid.mWorldBBox[1][a] = at + scale * (static_cast<double>(s.high[a]) + 1);
               }
             }
-            auto& tree = *reinterpret_cast<TreeHeader*>(buffer + sizeof(GridHeader));
-            tree = TreeHeader{};
-            tree.nodeOffset[0] = l.leaf - sizeof(GridHeader);
-            tree.nodeOffset[1] = l.lower - sizeof(GridHeader);
-            tree.nodeOffset[2] = l.upper - sizeof(GridHeader);
-            tree.nodeOffset[3] = l.root - sizeof(GridHeader);
-            tree.nodeCount[0] = static_cast<u32>(l.leaves);
-            tree.nodeCount[1] = static_cast<u32>(l.lowers);
-            tree.nodeCount[2] = static_cast<u32>(l.uppers);
-            tree.tileCount[0] = static_cast<u32>(totals[1]);
-            tree.tileCount[1] = static_cast<u32>(totals[2]);
-            tree.tileCount[2] = static_cast<u32>(l.rootTiles - l.uppers);
-            tree.voxelCount = s.voxels;
+            auto& tree = *reinterpret_cast<TreeData*>(&grid + 1);
+            const u64 at[4] = {l.leaf, l.lower, l.upper, l.root};
+            for (int level = 0; level < 4; ++level)
+              tree.mNodeOffset[level] = at[level] - sizeof grid;
+            tree.mNodeCount[0] = static_cast<u32>(l.leaves);
+            tree.mNodeCount[1] = static_cast<u32>(l.lowers);
+            tree.mNodeCount[2] = static_cast<u32>(l.uppers);
+            tree.mTileCount[0] = static_cast<u32>(totals[1]);
+            tree.mTileCount[1] = static_cast<u32>(totals[2]);
+            tree.mTileCount[2] = static_cast<u32>(l.rootTiles - l.uppers);
+            tree.mVoxelCount = s.voxels;
           }
           team.sync();
           // NanoVDB's partial checksum: grid, tree and root but for magic and checksum.
@@ -551,7 +539,7 @@ public:
             u32 crc = s.crcStart;
             for (int p = 0; p < kParts; ++p)
               crc ^= s.crc[p];
-            reinterpret_cast<GridHeader*>(buffer)->checksum =
+            checksumOf(*reinterpret_cast<nanovdb::GridData*>(buffer)) =
                 u64(0xFFFFFFFFu) << 32 | (crc ^ 0xFFFFFFFFu);
           }
           team.sync();

@@ -5,8 +5,8 @@
 #include "Grids.h"
 #include "Meshes.h"
 #include "nanovdb_kernels/AnySoup.h"
-#include "nanovdb_kernels/NanoLayout.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/NanoVdb.h"
 #include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/VolumeFile.h"
 
@@ -198,9 +198,8 @@ TEST(HostTwin, FilesFromBuffersReadBack) {
   Progress progress;
   writeNanoGrids(path, grids, progress);
   EXPECT_EQ(hash(readVolume(path, progress)), cpuHash(mesh, GridKind::TetId, GridTransform{}));
-  nano::GridHeader header;
-  std::memcpy(&header, grids[0].data.get(), sizeof header);
-  EXPECT_NE(header.checksum >> 32, 0xFFFFFFFFu);
+  auto& header = *reinterpret_cast<nanovdb::GridData*>(grids[0].data.get());
+  EXPECT_NE(checksumOf(header) >> 32, 0xFFFFFFFFu);
   std::remove(path.c_str());
 }
 

@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The layout against NanoVDB's own headers and validator.
+// Buffers against NanoVDB's own validator and statistics.
 #include "Meshes.h"
 #include "nanovdb_kernels/Crc32.h"
 #include "nanovdb_kernels/DeviceVoxelizer.h"
-#include "nanovdb_kernels/NanoLayout.h"
 #include "tetvdb/io/NvdbLayout.h"
 
-#if __has_include(<nanovdb/tools/GridValidator.h>)
-#include <nanovdb/tools/GridStats.h>
-#include <nanovdb/tools/GridValidator.h>
-#else
-#include <nanovdb/util/GridStats.h>
-#include <nanovdb/util/GridValidator.h>
-#endif
-
+#include TETVDB_NANOVDB_TOOL(GridStats)
+#include TETVDB_NANOVDB_TOOL(GridValidator)
 #include <cstring>
 #include <gtest/gtest.h>
 #include <string>
@@ -24,23 +17,6 @@ namespace {
 
 using namespace tetvdb;
 using nano::GridType;
-
-template <typename T>
-void expectNodes(std::size_t leaf) {
-  EXPECT_EQ(sizeof(nanovdb::NanoLeaf<T>), leaf);
-  EXPECT_EQ(sizeof(nanovdb::NanoLower<T>), sizeof(nano::LowerNode));
-  EXPECT_EQ(sizeof(nanovdb::NanoUpper<T>), sizeof(nano::UpperNode));
-  EXPECT_EQ(sizeof(nanovdb::NanoRoot<T>), sizeof(nano::RootHeader));
-  EXPECT_EQ(sizeof(typename nanovdb::NanoRoot<T>::DataType::Tile), sizeof(nano::RootTile));
-}
-
-TEST(NanoLayout, SizesAreNanoVDBs) {
-  EXPECT_EQ(sizeof(nanovdb::GridData), sizeof(nano::GridHeader));
-  expectNodes<float>(sizeof(nano::ValueLeaf));
-  expectNodes<std::int32_t>(sizeof(nano::ValueLeaf));
-  expectNodes<bool>(sizeof(nano::BoolLeaf));
-  expectNodes<nanovdb::ValueMask>(sizeof(nano::MaskLeaf));
-}
 
 TEST(Crc32, OfPartsIsThatOfTheWhole) {
   const char* text = "123456789";
@@ -63,7 +39,7 @@ void expectValid(const TetMesh& mesh, GridType type) {
   const nano::Result result = twin.run(
       {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(), nullptr}, job);
   auto* grid = reinterpret_cast<nanovdb::NanoGrid<T>*>(const_cast<unsigned char*>(result.bytes));
-  EXPECT_EQ(nanovdb::GridValidator<T>::check(*grid, true), "");
+  EXPECT_EQ(nanotools::GridValidator<T>::check(*grid, true), "");
   EXPECT_EQ(grid->gridSize(), result.counts.bufferBytes);
 
   std::vector<unsigned char> copy(result.counts.bufferBytes + 64);
@@ -71,7 +47,7 @@ void expectValid(const TetMesh& mesh, GridType type) {
       (reinterpret_cast<std::uintptr_t>(copy.data()) + 63) / 64 * 64);
   std::memcpy(bytes, result.bytes, result.counts.bufferBytes);
   auto* other = reinterpret_cast<nanovdb::NanoGrid<T>*>(bytes);
-  nanovdb::gridStats(*other, nanovdb::StatsMode::All);
+  nanotools::gridStats(*other, nanotools::StatsMode::All);
   EXPECT_EQ(other->data()->mFlags, grid->data()->mFlags);
   EXPECT_EQ(other->worldBBox()[0], grid->worldBBox()[0]);
   EXPECT_EQ(other->worldBBox()[1], grid->worldBBox()[1]);

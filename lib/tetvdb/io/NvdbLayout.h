@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The .nvdb container: segments, each a header, one entry a grid, then the grids' bytes. And the
-// one place that knows where NanoVDB's headers are: they moved in OpenVDB 11 and 12. Internal.
+// The .nvdb container: segments, each a header, one entry a grid, then the grids' bytes.
+// Internal.
 #pragma once
 
 #ifndef NANOVDB_USE_TBB
@@ -10,22 +10,8 @@
 #ifndef NANOVDB_USE_OPENVDB
 #define NANOVDB_USE_OPENVDB
 #endif
-// Of levels without nodes NanoVDB's builder asks for the distance to their first one, which it
-// never uses, and asserts that there is one: in debug builds tiles alone, or nothing, would be an
-// abort.
-#ifndef NDEBUG
-#define NDEBUG
-#include <nanovdb/NanoVDB.h>
-#undef NDEBUG
-#include <cassert> // NOLINT(readability-duplicate-include): asserts are defined anew
-#else
-#include <nanovdb/NanoVDB.h>
-#endif
-#if __has_include(<nanovdb/GridHandle.h>)
-#include <nanovdb/GridHandle.h> // OpenVDB 12 and later
-#else
-#include <nanovdb/util/GridHandle.h>
-#endif
+#include "tetvdb/core/NanoVdb.h"
+#include TETVDB_NANOVDB_HANDLE
 
 #include <cstdint>
 #include <openvdb/openvdb.h>

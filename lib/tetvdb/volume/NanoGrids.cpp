@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/volume/NanoGrids.h"
 
-#include "nanovdb_kernels/NanoLayout.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/NanoVdb.h"
 
 #include <cstring>
 #include <memory>
@@ -14,40 +14,39 @@ namespace tetvdb {
 namespace {
 
 // One grid's buffer into OpenVDB's nodes.
-template <typename TreeType, typename LeafLayout>
+template <typename TreeType, typename BuildT>
 class NanoTree {
   using Upper = typename TreeType::RootNodeType::ChildNodeType;
   using Lower = typename Upper::ChildNodeType;
   using Leaf = typename TreeType::LeafNodeType;
   using Value = typename TreeType::ValueType;
+  using NanoUpper = typename nanovdb::NanoUpper<BuildT>::DataType;
+  using NanoLower = typename nanovdb::NanoLower<BuildT>::DataType;
+  using NanoLeaf = typename nanovdb::NanoLeaf<BuildT>::DataType;
 
 public:
-  explicit NanoTree(const unsigned char* bytes)
-      : bytes_(bytes), root_(bytes + sizeof(nano::GridHeader) + tree().nodeOffset[3]),
-        background_(value(rootHeader().values[0])) {}
+  explicit NanoTree(const nanovdb::NanoGrid<BuildT>& grid)
+      : root_(*grid.tree().root().data()), background_(root_.mBackground) {}
 
   typename TreeType::Ptr make() const {
     auto result = std::make_shared<TreeType>(background_);
     std::vector<Child> jobs;
-    const auto* tiles = reinterpret_cast<const nano::RootTile*>(root_ + sizeof(nano::RootHeader));
-    for (std::uint32_t i = 0; i < rootHeader().tableSize; ++i) {
-      const auto along = [&](int shift) {
-        return static_cast<openvdb::Int32>(
-            static_cast<std::uint32_t>(tiles[i].key >> shift & 0x1FFFFF) << 12);
-      };
-      const openvdb::Coord origin(along(42), along(21), along(0));
-      if (tiles[i].child == 0) {
-        result->root().addTile(origin, value(tiles[i].value), tiles[i].state != 0);
+    for (std::uint32_t i = 0; i < root_.mTableSize; ++i) {
+      const auto* tile = root_.tile(i);
+      const auto at = tile->origin();
+      const openvdb::Coord origin(at[0], at[1], at[2]);
+      if (tile->isValue()) {
+        result->root().addTile(origin, tile->value, tile->state != 0);
         continue;
       }
       auto* upper = new Upper(origin, background_, false);
       result->root().addChild(upper);
-      const auto* node = reinterpret_cast<const nano::UpperNode*>(root_ + tiles[i].child);
+      const NanoUpper& from = *root_.getChild(tile)->data();
       for (openvdb::Index n = 0; n < Upper::NUM_VALUES; ++n) {
-        if (isOn(node->childMask, n))
-          jobs.push_back({upper, n, reinterpret_cast<const unsigned char*>(node) + node->table[n]});
-        else if (isOn(node->valueMask, n))
-          upper->addTile(n, value(static_cast<std::uint32_t>(node->table[n])), true);
+        if (from.mChildMask.isOn(n))
+          jobs.push_back({upper, n, from.getChild(n)->data()});
+        else if (from.mValueMask.isOn(n))
+          upper->addTile(n, from.getValue(n), true);
       }
     }
     std::vector<std::unique_ptr<Lower>> lowers(jobs.size());
@@ -64,93 +63,72 @@ private:
   struct Child {
     Upper* parent;
     openvdb::Index entry;
-    const unsigned char* node;
+    const NanoLower* node;
   };
 
-  const nano::TreeHeader& tree() const {
-    return *reinterpret_cast<const nano::TreeHeader*>(bytes_ + sizeof(nano::GridHeader));
-  }
-  const nano::RootHeader& rootHeader() const {
-    return *reinterpret_cast<const nano::RootHeader*>(root_);
-  }
-  static bool isOn(const std::uint64_t* mask, openvdb::Index n) {
-    return (mask[n >> 6] >> (n & 63) & 1) != 0;
-  }
-  static Value value(std::uint32_t bits) {
-    if constexpr (std::is_same_v<Value, bool>) {
-      return (bits & 0xFF) != 0;
-    } else {
-      Value v;
-      static_assert(sizeof v == sizeof bits);
-      std::memcpy(&v, &bits, sizeof v);
-      return v;
-    }
-  }
-
   std::unique_ptr<Lower> makeLower(const Child& job) const {
-    const auto* node = reinterpret_cast<const nano::LowerNode*>(job.node);
+    const NanoLower& from = *job.node;
     auto lower =
         std::make_unique<Lower>(job.parent->offsetToGlobalCoord(job.entry), background_, false);
     for (openvdb::Index n = 0; n < Lower::NUM_VALUES; ++n) {
-      if (isOn(node->childMask, n))
-        lower->addLeaf(makeLeaf(*reinterpret_cast<const LeafLayout*>(job.node + node->table[n]),
-                                lower->offsetToGlobalCoord(n)));
-      else if (isOn(node->valueMask, n))
-        lower->addTile(n, value(static_cast<std::uint32_t>(node->table[n])), true);
+      if (from.mChildMask.isOn(n))
+        lower->addLeaf(makeLeaf(*from.getChild(n)->data(), lower->offsetToGlobalCoord(n)));
+      else if (from.mValueMask.isOn(n))
+        lower->addTile(n, from.getValue(n), true);
     }
     return lower;
   }
 
-  Leaf* makeLeaf(const LeafLayout& from, const openvdb::Coord& origin) const {
+  Leaf* makeLeaf(const NanoLeaf& from, const openvdb::Coord& origin) const {
     auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), origin, background_, false);
     leaf->allocate();
-    for (openvdb::Index w = 0; w < 8; ++w)
-      leaf->getValueMask().template getWord<openvdb::Index64>(w) = from.head.mask[w];
+    std::memcpy(&leaf->getValueMask().template getWord<openvdb::Index64>(0), &from.mValueMask,
+                sizeof from.mValueMask);
     // A bool leaf keeps its values as bits; ours are true where they are active.
-    const void* values = from.head.mask;
-    if constexpr (!std::is_same_v<Value, bool>)
-      values = from.table;
-    std::memcpy(leaf->buffer().data(), values, std::is_same_v<Value, bool> ? 64 : 2048);
+    if constexpr (std::is_same_v<Value, bool>)
+      std::memcpy(leaf->buffer().data(), &from.mValueMask, sizeof from.mValueMask);
+    else
+      std::memcpy(leaf->buffer().data(), from.mValues, sizeof from.mValues);
     return leaf.release();
   }
 
-  const unsigned char* bytes_;
-  const unsigned char* root_;
+  const typename nanovdb::NanoRoot<BuildT>::DataType& root_;
   Value background_;
 };
 
-template <typename TreeType, typename LeafLayout>
+template <typename TreeType, typename BuildT>
 openvdb::GridBase::Ptr make(const unsigned char* bytes) {
-  return openvdb::Grid<TreeType>::create(NanoTree<TreeType, LeafLayout>(bytes).make());
+  const auto& grid = *reinterpret_cast<const nanovdb::NanoGrid<BuildT>*>(bytes);
+  return openvdb::Grid<TreeType>::create(NanoTree<TreeType, BuildT>(grid).make());
+}
+
+openvdb::GridBase::Ptr makeOf(nanovdb::GridType type, const unsigned char* bytes) {
+  switch (type) {
+  case nanovdb::GridType::Float:
+    return make<openvdb::FloatTree, float>(bytes);
+  case nanovdb::GridType::Int32:
+    return make<openvdb::Int32Tree, std::int32_t>(bytes);
+  case nanovdb::GridType::Mask:
+    return make<openvdb::BoolTree, nanovdb::ValueMask>(bytes);
+  case nanovdb::GridType::Boolean:
+    return make<openvdb::BoolTree, bool>(bytes);
+  default:
+    throw Error(Status::Usage, "", "the NanoVDB grid is of a kind that is not built here");
+  }
 }
 
 } // namespace
 
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
-  nano::GridHeader header;
-  std::memcpy(&header, bytes, sizeof header);
-  openvdb::GridBase::Ptr grid;
-  switch (static_cast<nano::Kind>(header.gridType)) {
-  case nano::Kind::Float:
-    grid = make<openvdb::FloatTree, nano::ValueLeaf>(bytes);
-    break;
-  case nano::Kind::Int32:
-    grid = make<openvdb::Int32Tree, nano::ValueLeaf>(bytes);
-    break;
-  case nano::Kind::Mask:
-    grid = make<openvdb::BoolTree, nano::MaskLeaf>(bytes);
-    break;
-  case nano::Kind::Bool:
-    grid = make<openvdb::BoolTree, nano::BoolLeaf>(bytes);
-    break;
-  default:
-    throw Error(Status::Usage, "", "the NanoVDB grid is of a kind that is not built here");
-  }
-  grid->setName(header.name);
-  grid->setGridClass(header.gridClass == 2 ? openvdb::GRID_FOG_VOLUME : openvdb::GRID_UNKNOWN);
-  const double* t = header.mapTranslation;
-  grid->setTransform(makeTransform(
-      {{header.voxelSize[0], header.voxelSize[1], header.voxelSize[2]}, {t[0], t[1], t[2]}}));
+  const auto& header = *reinterpret_cast<const nanovdb::GridData*>(bytes);
+  const openvdb::GridBase::Ptr grid = makeOf(header.mGridType, bytes);
+  grid->setName(header.mGridName);
+  grid->setGridClass(header.mGridClass == nanovdb::GridClass::FogVolume ? openvdb::GRID_FOG_VOLUME
+                                                                        : openvdb::GRID_UNKNOWN);
+  const auto& size = header.mVoxelSize;
+  const double* origin = header.mMap.mVecD;
+  grid->setTransform(
+      makeTransform({{size[0], size[1], size[2]}, {origin[0], origin[1], origin[2]}}));
   return grid;
 }
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
-#include "tetvdb/pipeline/ChooseMesher.h"
+#include "tetvdb/pipeline/Mesher.h"
 #include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
-#include "tetvdb/pipeline/VoxelizeJob.h"
+#include "tetvdb/pipeline/ChooseMesher.h"
 
 #include <gtest/gtest.h>
 

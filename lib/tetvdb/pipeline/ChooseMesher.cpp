@@ -3,7 +3,6 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/TriangleWriter.h"
-#include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
 

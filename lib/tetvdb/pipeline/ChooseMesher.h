@@ -4,28 +4,9 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
-
-#include <cstdint>
-#include <string>
+#include "tetvdb/pipeline/VoxelizeJob.h"
 
 namespace tetvdb {
-
-struct VoxelizeJob;
-
-enum class Mesher : std::uint8_t {
-  Auto,     ///< as chooseMesher() says
-  Envelope, ///< tets within epsilon (tetrahedralize/Tetrahedralize.h)
-  Winding   ///< voxels at once, by SolidOptions::inside (voxelize/VoxelizeTriangles.h)
-};
-
-/// "auto", "envelope" or "winding".
-std::string nameOf(Mesher mesher);
-
-struct MesherChoice {
-  Mesher method = Mesher::Winding; ///< not Auto
-  std::string why;                 ///< one clause, without a full stop
-  double epsilon = 0;              ///< of the envelope, world units; 0 for other methods
-};
 
 /// Throws Error(Usage) where what the job asks for excludes each other: tets of a method that makes
 /// none, a shell of tets.

@@ -13,6 +13,7 @@
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/ArrayOutput.h"
+#include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/MergeMeshes.h"

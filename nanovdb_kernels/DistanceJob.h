@@ -4,7 +4,7 @@
 // and gives. No type of CUDA or NanoVDB is in here.
 #pragma once
 
-#include "tetvdb/fields/LeafDistance.h"
+#include "tetvdb/geometry/LeafDistance.h"
 
 #include <cstdint>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Where the z columns of voxel centres cross a boundary face, exactly: the rule of
-// voxelize/Ownership.h by columns, as voxelize/FaceRaster.h has it, in a form for the device. Every
+// geometry/Ownership.h by columns, as voxelize/FaceRaster.h has it, in a form for the device. Every
 // decision is made in doubles with a proven bound on their error, or else in 128-bit integers.
 #pragma once
 
 #include "Team.h"
-#include "tetvdb/voxelize/Ownership.h"
+#include "tetvdb/geometry/Ownership.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 // takes and gives. No type of CUDA or NanoVDB is in here.
 #pragma once
 
-#include "tetvdb/fields/FieldRule.h"
+#include "tetvdb/mesh/FieldRule.h"
 
 #include <cstddef>
 #include <cstdint>

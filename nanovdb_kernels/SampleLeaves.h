@@ -5,8 +5,7 @@
 
 #include "FieldJob.h"
 #include "Pipeline.h"
-#include "tetvdb/fields/CornerValues.h"
-#include "tetvdb/fields/TetWeights.h"
+#include "tetvdb/geometry/TetWeights.h"
 
 #include <algorithm>
 #include <vector>

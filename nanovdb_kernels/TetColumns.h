@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The voxels of a z column that a tet owns, exactly: the rule of voxelize/Ownership.h by columns,
+// The voxels of a z column that a tet owns, exactly: the rule of geometry/Ownership.h by columns,
 // as voxelize/TetRaster.h has it, in a form for the device.
 #pragma once
 

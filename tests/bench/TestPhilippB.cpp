@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
 #include "PhilippB.h"
-#include "tetvdb/voxelize/Ownership.h"
+#include "tetvdb/geometry/Ownership.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
-#include "tetvdb/fields/TensorParts.h"
+#include "tetvdb/mesh/TensorParts.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -3,8 +3,8 @@
 // FaceRaster.h and TetRaster.h voxel by voxel against Ownership.h: steep planes, long edges, places
 // far out in index space.
 #include "Meshes.h"
+#include "tetvdb/geometry/Ownership.h"
 #include "tetvdb/voxelize/FaceRaster.h"
-#include "tetvdb/voxelize/Ownership.h"
 #include "tetvdb/voxelize/TetRaster.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/fields/FaceFrame.h"
+#include "tetvdb/geometry/FaceFrame.h"
 
 #include <algorithm>
 #include <array>

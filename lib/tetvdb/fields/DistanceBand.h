@@ -4,7 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
-#include "tetvdb/fields/LeafDistance.h"
+#include "tetvdb/geometry/LeafDistance.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"

@@ -2,8 +2,8 @@
 #include "tetvdb/fields/DistanceBlocks.h"
 
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/fields/FaceFrame.h"
 #include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/FaceFrame.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>

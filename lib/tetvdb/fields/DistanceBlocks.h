@@ -14,7 +14,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
-#include "tetvdb/fields/LeafDistance.h"
+#include "tetvdb/geometry/LeafDistance.h"
 #include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/SnappedMesh.h"

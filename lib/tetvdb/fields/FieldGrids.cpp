@@ -2,9 +2,9 @@
 #include "tetvdb/fields/FieldGrids.h"
 
 #include "nanovdb_kernels/FieldJob.h"
-#include "tetvdb/fields/CornerValues.h"
 #include "tetvdb/fields/LeafSample.h"
 #include "tetvdb/fields/LeafShapes.h"
+#include "tetvdb/geometry/TetWeights.h"
 #include "tetvdb/io/LeafPacker.h"
 #include "tetvdb/voxelize/LeafRows.h"
 #include "tetvdb/voxelize/TreeAssembly.h"

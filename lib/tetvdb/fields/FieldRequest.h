@@ -8,7 +8,7 @@
 //   options.remap = {{"vonMises", 0, 1}};
 #pragma once
 
-#include "tetvdb/fields/FieldRule.h"
+#include "tetvdb/mesh/FieldRule.h"
 
 #include <string>
 #include <string_view>

@@ -4,7 +4,7 @@
 // used for every field. Internal.
 #pragma once
 
-#include "tetvdb/fields/TetWeights.h"
+#include "tetvdb/geometry/TetWeights.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 
 #include <array>

@@ -28,7 +28,7 @@ struct SampleOptions {
 };
 
 /// Adds a grid for each of `fields` to `volume`: Float, Vec3s or Int32, a fog volume if Float.
-/// Active are the voxels that a tet owns (voxelize/Ownership.h), but for those whose value is no
+/// Active are the voxels that a tet owns (geometry/Ownership.h), but for those whose value is no
 /// finite number. Arrays of the points are interpolated between the owner's corners, or by the
 /// shape functions of the cell that it is cut out of (TetMesh::curved); integers take the value of
 /// the corner with the largest weight; arrays of the cells are taken as they are.

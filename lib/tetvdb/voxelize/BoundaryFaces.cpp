@@ -4,7 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/voxelize/Ownership.h"
+#include "tetvdb/geometry/Ownership.h"
 
 #include <algorithm>
 #include <atomic>

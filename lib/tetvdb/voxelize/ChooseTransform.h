@@ -31,7 +31,7 @@ WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint
 
 /// Which voxel centres on the ends of a box, along each axis, count as in it.
 enum class BoxEnds : std::uint8_t {
-  OneIn, ///< those at one end, as by the ownership rule (voxelize/Ownership.h)
+  OneIn, ///< those at one end, as by the ownership rule (geometry/Ownership.h)
   BothIn ///< those at both, as of a shell
 };
 

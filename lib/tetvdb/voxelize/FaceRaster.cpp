@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/FaceRaster.h"
 
-#include "tetvdb/voxelize/Ownership.h"
+#include "tetvdb/geometry/Ownership.h"
 
 #include <algorithm>
 #include <cmath>

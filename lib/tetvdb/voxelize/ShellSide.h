@@ -17,7 +17,7 @@ namespace tetvdb {
 /// meet there, weighted by their angles (Baerentzen and Aanaes, Signed Distance Computation Using
 /// the Angle Weighted Pseudonormal, 2005). A centre at distance 0 along it is decided by the sign
 /// of the normal's first component that is not zero, as by the perturbation of
-/// voxelize/Ownership.h. For open meshes; points beyond their border are judged by the plane of the
+/// geometry/Ownership.h. For open meshes; points beyond their border are judged by the plane of the
 /// nearest border face. No active voxel is farther from the mesh than `farthest`, world units.
 /// Parallel by leaves; every voxel is a search for its nearest face.
 void keepSide(openvdb::BoolTree& shell, const TriangleMesh& mesh, const SnappedMesh& snapped,

@@ -6,7 +6,7 @@
 // can be built at the same time.
 #pragma once
 
-#include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/NodeIndex.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -14,9 +14,6 @@
 
 namespace tetvdb {
 
-constexpr int kLeafSize = 8;         ///< voxels along a leaf node
-constexpr int kNodeSize = 128;       ///< voxels along a lower internal node
-constexpr int kRootChildSize = 4096; ///< voxels along an upper internal node
 constexpr int kSlabsPerNode = kNodeSize / kLeafSize;
 constexpr int kSlabRows = kLeafSize * kNodeSize;
 
@@ -38,14 +35,6 @@ inline void setRun(std::uint64_t* row, int lo, int hi) {
     row[0] |= lowBits(hi) & ~lowBits(lo);
   if (hi > 64)
     row[1] |= lowBits(hi - 64) & ~lowBits(lo > 64 ? lo - 64 : 0);
-}
-
-/// Position of a 128^3 node in units of nodes: its first voxel is 128 times that.
-using NodeIndex = Vec3i;
-
-/// Position of the node that holds a voxel coordinate, along one axis.
-inline std::int32_t nodeOf(std::int64_t voxel) {
-  return static_cast<std::int32_t>(voxel >> 7);
 }
 
 /// Receives what a rasteriser finds. begin(), the slabs (each index at most once, from any thread),

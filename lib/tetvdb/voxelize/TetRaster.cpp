@@ -2,8 +2,8 @@
 #include "tetvdb/voxelize/TetRaster.h"
 
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/Ownership.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
-#include "tetvdb/voxelize/Ownership.h"
 
 #include <algorithm>
 #include <cmath>

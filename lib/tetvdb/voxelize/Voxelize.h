@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Tetrahedra into sparse grids. A voxel centre belongs to a tet by the ownership rule of
-// voxelize/Ownership.h: exactly one of the tets that meet in a face, an edge or a vertex gets it.
+// geometry/Ownership.h: exactly one of the tets that meet in a face, an edge or a vertex gets it.
 //
 //   tetvdb::VoxelizeOptions options;
 //   options.voxelSize = {0.01, 0.01, 0.01};
@@ -30,7 +30,7 @@ enum class OccupancyPath : std::uint8_t {
 
 /// Which voxels are inside. The cube of a voxel reaches half a voxel to each side of its centre.
 enum class VoxelRule : std::uint8_t {
-  Centre, ///< those whose centre is, each tet's by voxelize/Ownership.h
+  Centre, ///< those whose centre is, each tet's by geometry/Ownership.h
   Any,    ///< those whose cube the solid meets, be it in the smallest volume
   All     ///< those whose cube lies in the solid; of cubes that a face within a solid crosses, as
           ///< where tets overlap, that is not known, and they are left out

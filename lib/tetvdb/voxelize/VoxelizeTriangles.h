@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Triangles into sparse grids: a voxel is inside where the winding number of the soup at its centre
-// (perturbed as in voxelize/Ownership.h) says so.
+// (perturbed as in geometry/Ownership.h) says so.
 //
 //   tetvdb::TriangleMesh mesh = tetvdb::readTriangles("broken.stl", report, progress);
 //   tetvdb::cleanTriangles(mesh, {}, progress);

@@ -8,8 +8,8 @@
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/Lattice.h"
 #include "tetvdb/geometry/NearestDouble.h"
+#include "tetvdb/geometry/Ownership.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/voxelize/Ownership.h"
 
 #include <array>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/core/Vec3.h"
-#include "tetvdb/fields/FaceFrame.h"
-#include "tetvdb/voxelize/Slab.h"
+#include "tetvdb/geometry/FaceFrame.h"
+#include "tetvdb/geometry/NodeIndex.h"
 
 #include <cmath>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
-#include "tetvdb/fields/TensorParts.h"
+#include "tetvdb/mesh/TensorParts.h"
 
 #include <cmath>
 #include <cstdint>

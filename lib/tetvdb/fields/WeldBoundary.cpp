@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/WeldBoundary.h"
 
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/Orientation.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,19 +13,6 @@
 
 namespace tetvdb {
 namespace {
-
-// The finalizer of SplitMix64 (Steele et al. 2014) over the bits of the coordinates.
-std::uint64_t hashOf(const Vec3d& p) {
-  std::uint64_t x = 0;
-  for (const double c : p) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &c, sizeof bits);
-    x = (x ^ bits) * 0x9E3779B97F4A7C15ull;
-    x ^= x >> 30;
-  }
-  x *= 0xBF58476D1CE4E5B9ull;
-  return x ^ (x >> 31);
-}
 
 // Fills points, `first` and `extent`, and says which of them every point of the mesh is.
 std::vector<std::uint32_t> weldPoints(const SnappedMesh& mesh, const Boundary& boundary,
@@ -53,8 +40,8 @@ std::vector<std::uint32_t> weldPoints(const SnappedMesh& mesh, const Boundary& b
     if (number[i] == kNone)
       continue;
     const LatticePoint& p = mesh.points[i];
-    const Vec3d at{p.x - first.x, p.y - first.y, p.z - first.z}; // never -0: hashes are equal too
-    std::size_t slot = hashOf(at) & (size - 1);
+    const Vec3d at{p.x - first.x, p.y - first.y, p.z - first.z};
+    std::size_t slot = hashOfPoint(at) & (size - 1);
     while (table[slot] != kNone && welded.points[table[slot]] != at)
       slot = (slot + 1) & (size - 1);
     if (table[slot] == kNone) {

@@ -2,6 +2,7 @@
 #include "tetvdb/surface/FaceSides.h"
 
 #include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/PatchesAtEdge.h"
@@ -13,13 +14,9 @@
 namespace tetvdb {
 namespace {
 
-// A component of a direction, in -1..1: the finalizer of SplitMix64 (Steele et al. 2014).
+// A component of a direction, in -1..1.
 double component(std::uint64_t number) {
-  std::uint64_t x = (number + 1) * 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  x ^= x >> 31;
-  return static_cast<double>(x >> 11) * 0x1p-52 - 1;
+  return static_cast<double>(hashOfIndex(number) >> 11) * 0x1p-52 - 1;
 }
 
 } // namespace

@@ -2,12 +2,12 @@
 #include "tetvdb/surface/WeldPoints.h"
 
 #include "tetvdb/core/LargeVector.h"
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <unordered_map>
@@ -20,23 +20,6 @@ constexpr std::size_t kPointsPerTask = 1 << 14;
 // Points that share a bucket of the hash, on average: its table stays in the second cache.
 constexpr std::size_t kPointsPerBucket = 4096;
 constexpr std::size_t kMaxBuckets = 1 << 12;
-
-std::uint64_t mix(std::uint64_t x) { // finalizer of SplitMix64 (Steele et al. 2014)
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  return x ^ (x >> 31);
-}
-
-std::uint64_t hashOf(const Vec3d& p) {
-  std::uint64_t hash = 0;
-  for (const double coordinate : p) {
-    const double number = coordinate + 0.0; // -0 becomes 0
-    std::uint64_t bits;
-    std::memcpy(&bits, &number, sizeof bits);
-    hash = mix(hash ^ bits) + 0x9E3779B97F4A7C15ull;
-  }
-  return hash;
-}
 
 // Points sorted into buckets by hash, in each bucket by number.
 struct Buckets {
@@ -70,7 +53,7 @@ Buckets sortIntoBuckets(const std::vector<Vec3d>& points) {
   };
   eachTask([&](std::uint32_t* cursor, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      hashes[i] = hashOf(points[i]);
+      hashes[i] = hashOfPoint(points[i]);
       ++cursor[bucketOf(hashes[i])];
     }
   });
@@ -123,7 +106,7 @@ struct Cell {
   bool operator==(const Cell& other) const { return corner == other.corner; }
 };
 struct CellHash {
-  std::size_t operator()(const Cell& cell) const { return hashOf(cell.corner); }
+  std::size_t operator()(const Cell& cell) const { return hashOfPoint(cell.corner); }
 };
 
 // In a grid of cells of that size a neighbour lies in one of the 27 cells around, and a cell holds

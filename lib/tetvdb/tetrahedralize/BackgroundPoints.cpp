@@ -3,10 +3,10 @@
 // The lattice is body-centred: corners and centres of cells. Its Delaunay tets are all alike and
 // close to regular (4 edges to 2 as sqrt(3) to 2), and no five of its points are cospherical, so
 // that shaking it makes no slivers, as it does with corners alone.
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/tetrahedralize/BackgroundMesh.h"
-#include "tetvdb/tetrahedralize/IndexHash.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
 #include <algorithm>

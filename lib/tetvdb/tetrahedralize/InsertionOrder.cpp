@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/InsertionOrder.h"
 
-#include "tetvdb/tetrahedralize/IndexHash.h"
+#include "tetvdb/core/MixBits.h"
 
 #include <algorithm>
 #include <tbb/parallel_for.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/ShakeSoup.h"
 
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/tetrahedralize/IndexHash.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
 #include <cmath>

@@ -2,6 +2,7 @@
 #include "tetvdb/visualize/Renderer.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/EntryMap.h"
 
@@ -60,14 +61,6 @@ constexpr int kLeastContrast = 8;
 
 // Neighbours this far away share their light from the sky.
 constexpr int kSmoothing = 3;
-
-// splitmix64: Steele, Lea, Flood, "Fast splittable pseudorandom number generators" (2014).
-std::uint64_t hash(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ x >> 27) * 0x94D049BB133111EBULL;
-  return x ^ x >> 31;
-}
 
 // What has been gathered about a pixel besides its other light, which is in the image.
 struct Gathered {
@@ -158,9 +151,10 @@ private:
     const double entry = entries_ ? static_cast<double>(entries_->at(x, y)) : 0;
     if (std::isinf(entry))
       return; // what is there after no sample at all
-    const std::uint64_t scramble = hash(static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x));
-    const std::uint64_t skyScramble =
-        hash(~(static_cast<std::uint64_t>(y / kBlock) << 32 | std::uint32_t(x / kBlock)));
+    const std::uint64_t scramble =
+        mixBits(kGoldenRatio + (static_cast<std::uint64_t>(y) << 32 | std::uint32_t(x)));
+    const std::uint64_t skyScramble = mixBits(
+        kGoldenRatio + ~(static_cast<std::uint64_t>(y / kBlock) << 32 | std::uint32_t(x / kBlock)));
     const auto before = static_cast<float>(from);
     Gathered pixel = gathered_[index(x, y)];
     Pixel light = scaled(image_.at(x, y), before);
@@ -175,7 +169,8 @@ private:
     for (std::uint32_t i = from; i < to; ++i) {
       Ray ray = camera_.ray(x + kPlaces[i][0] / 32.0, y + kPlaces[i][1] / 32.0);
       ray.tMin = entry;
-      const double jitter = static_cast<double>(hash(scramble + i) >> 11) * 0x1p-53;
+      const double jitter =
+          static_cast<double>(mixBits(kGoldenRatio + scramble + i) >> 11) * 0x1p-53;
       const std::uint32_t rays = looksForSky ? skyRaysBefore(i + 1) - skyRaysBefore(i) : 0;
       const Sample sample = lights_.sample(ray, skyScramble, firstSkyRay(x, y, i), rays, jitter);
       light.red += sample.fixed[0];

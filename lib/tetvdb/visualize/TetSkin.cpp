@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
+#include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -35,12 +36,6 @@ struct Face {
     return tet != other.tet ? tet < other.tet : opposite < other.opposite;
   }
 };
-
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ x >> 31) * 0x7FB5D329728EA185ULL;
-  x = (x ^ x >> 27) * 0x81DADEF4BC2DD44DULL;
-  return x ^ x >> 33;
-}
 
 std::array<std::uint32_t, 3> sortedFace(const std::uint32_t* tet, std::size_t opposite) {
   std::array<std::uint32_t, 3> v = {tet[kFaces[opposite][0]], tet[kFaces[opposite][1]],
@@ -103,8 +98,7 @@ private:
           continue;
         for (std::size_t opposite = 0; opposite < 4; ++opposite) {
           const auto v = sortedFace(&mesh_.tets[4 * tet], opposite);
-          const std::uint64_t hash =
-              mixed(mixed(mixed(v[0] + 0x9E3779B97F4A7C15ULL) + v[1]) + v[2]);
+          const std::uint64_t hash = mixBits(mixBits(hashOfIndex(v[0]) + v[1]) + v[2]);
           for (const std::uint32_t point : v)
             sums[point].fetch_xor(hash, std::memory_order_relaxed);
         }

@@ -70,7 +70,7 @@ inline void eachFace(const SortedTet& t, const Visit& visit) {
   visit(t.v[1], t.v[2], t.v[3], t.sign);
 }
 
-// A number for a vertex that looks random (the finalizer of SplitMix64, Steele et al. 2014).
+// A number for a vertex that looks random: half of SplitMix64's finalizer, for speed.
 inline std::uint64_t fingerprint(std::uint32_t vertex) {
   std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;

@@ -15,6 +15,8 @@ namespace tetvdb {
 /// Two's complement. Results that do not fit wrap round: the caller knows bounds.
 template <std::size_t Words>
 class WideInteger {
+  __extension__ typedef unsigned __int128 UInt128;
+
 public:
   WideInteger() = default;
   WideInteger(Int128 value) {
@@ -63,6 +65,12 @@ public:
     return 0;
   }
 
+  /// Bits 64 i to 64 i + 63.
+  std::uint64_t word(std::size_t i) const { return words_[i]; }
+  /// Bits 64 i to 64 i + 127.
+  Int128 wordsFrom(std::size_t i) const {
+    return static_cast<Int128>(UInt128(words_[i + 1]) << 64 | words_[i]);
+  }
   /// Within 2^-52 of itself.
   double toDouble() const {
     if (sign() < 0)
@@ -77,7 +85,6 @@ public:
   }
 
 private:
-  __extension__ typedef unsigned __int128 UInt128;
   std::array<std::uint64_t, Words> words_{}; // lowest first
 };
 

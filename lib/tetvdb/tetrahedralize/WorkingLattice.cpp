@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
-#include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/WideInteger.h"
 
 #include <algorithm>
 #include <array>
@@ -47,26 +47,15 @@ double exactDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Ve
   };
   const Int128 ux = difference(b, 0), uy = difference(b, 1), uz = difference(b, 2);
   const Int128 vx = difference(c, 0), vy = difference(c, 1), vz = difference(c, 2);
-  // high 2^64 + low, the low parts of products below 2^112.
-  constexpr int kDigit = 64;
-  constexpr Int128 kMask = (Int128(1) << kDigit) - 1;
-  Int128 high = 0, low = 0;
-  const auto add = [&](Int128 w, Int128 minor) {
-    high += w * (minor >> kDigit);
-    low += w * (minor & kMask);
+  const auto product = [&](std::size_t axis, Int128 minor) {
+    return WideInteger<3>(difference(d, axis)) * WideInteger<3>(minor);
   };
-  add(difference(d, 0), uy * vz - uz * vy);
-  add(difference(d, 1), uz * vx - ux * vz);
-  add(difference(d, 2), ux * vy - uy * vx);
-  high += low >> kDigit;
-  low &= kMask;
-  const bool negative = high < 0;
-  if (negative) {
-    high = -high - (low != 0 ? 1 : 0);
-    low = low != 0 ? (kMask + 1) - low : 0;
-  }
-  const double size = static_cast<double>(high) * 0x1p64 + static_cast<double>(low);
-  return negative ? -size : size;
+  const WideInteger<3> sum =
+      product(0, uy * vz - uz * vy) + product(1, uz * vx - ux * vz) + product(2, ux * vy - uy * vx);
+  const WideInteger<3> size = sum.sign() < 0 ? -sum : sum;
+  const double rounded =
+      static_cast<double>(size.wordsFrom(1)) * 0x1p64 + static_cast<double>(size.word(0));
+  return sum.sign() < 0 ? -rounded : rounded;
 }
 
 } // namespace tetvdb

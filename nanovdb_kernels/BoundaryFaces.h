@@ -22,7 +22,7 @@ struct SortedFace {
 };
 
 TETVDB_HD inline SortedFace sortedFace(const u32* tet, int face, int tetSign) {
-  SortedFace f{tet[faceCorner(face, 0)], tet[faceCorner(face, 1)], tet[faceCorner(face, 2)],
+  SortedFace f{tet[inwardCorner(face, 0)], tet[inwardCorner(face, 1)], tet[inwardCorner(face, 2)],
                -tetSign};
   const auto order = [&f](u32& p, u32& q) {
     if (p > q) {
@@ -80,7 +80,7 @@ void orientTets(Backend& b, const LatticePoint* points, u64 pointCount, const u3
             signs[t] = 0;
             continue;
           }
-          const int sign = tetSign(v[0], v[1], v[2], v[3]);
+          const int sign = tetOrientation(v[0], v[1], v[2], v[3]);
           signs[t] = static_cast<std::int8_t>(sign);
           flipped += sign < 0;
           flat += sign == 0;

@@ -75,7 +75,8 @@ TETVDB_HD inline void edgeOf(const DensePoint& a, const DensePoint& b, float (&e
 
 /// The z component of the normal of face i, exactly: products of 32-bit differences.
 TETVDB_HD inline i64 exactNormalZ(const DensePoint (&v)[4], int i) {
-  const DensePoint &a = v[faceCorner(i, 0)], &b = v[faceCorner(i, 1)], &c = v[faceCorner(i, 2)];
+  const DensePoint &a = v[inwardCorner(i, 0)], &b = v[inwardCorner(i, 1)],
+                   &c = v[inwardCorner(i, 2)];
   return i64(b.x - a.x) * (c.y - a.y) - i64(b.y - a.y) * (c.x - a.x);
 }
 
@@ -453,7 +454,8 @@ public:
                                const u32 (&id)[4], int& sign, DenseTet& tet) {
     const DensePoint v[4] = {dense[id[0]], dense[id[1]], dense[id[2]], dense[id[3]]};
     return prepareDense(
-        v, [&] { return tetSign(points[id[0]], points[id[1]], points[id[2]], points[id[3]]); },
+        v,
+        [&] { return tetOrientation(points[id[0]], points[id[1]], points[id[2]], points[id[3]]); },
         sign, tet);
   }
 

@@ -75,18 +75,18 @@ public:
   // Public for nvcc alone, as in LevelBuilder.
 
   void prepare(const LatticePoint* points, const Face* faces, u64 faceCount) {
-    columns_ = b_.template temp<FaceColumns>(faceCount);
-    FaceColumns* columns = columns_;
+    columns_ = b_.template temp<CrossedFace>(faceCount);
+    CrossedFace* columns = columns_;
     b_.forEach(
         faceCount, TETVDB_KERNEL(u64 i) {
           const Face f = faces[i];
-          columns[i] = prepareFace(points[f.a], points[f.b], points[f.c], f.weight);
+          columns[i] = CrossedFace(points[f.a], points[f.b], points[f.c], f.weight);
         });
   }
 
   // Makes the sorted pairs: pairKey_, pairFace_, pairCount_.
   void pairs(u64 faceCount, const RootShare& share) {
-    const FaceColumns* columns = columns_;
+    const CrossedFace* columns = columns_;
     const KeySpace space = space_;
     // Blocks of 128 x 128 columns in the face's box.
     u32* count = b_.template temp<u32>(faceCount + 1);
@@ -97,7 +97,7 @@ public:
             count[i] = 0;
             return;
           }
-          const FaceColumns& f = columns[i];
+          const CrossedFace& f = columns[i];
           count[i] = static_cast<u32>(((f.xMax >> 7) - (f.xMin >> 7) + 1) *
                                       ((f.yMax >> 7) - (f.yMin >> 7) + 1));
         });
@@ -114,14 +114,13 @@ public:
             return;
           const u64 face = ownerOf(offset, faceCount, i);
           blockFace[i] = static_cast<u32>(face);
-          const FaceColumns& f = columns[face];
+          const CrossedFace& f = columns[face];
           i32 box[4];
           blockBox(f, i - offset[face], box);
           i64 low, high;
           const Place place{static_cast<u64>((box[0] >> 3) - space.base[0]),
                             static_cast<u64>((box[2] >> 3) - space.base[1]), 0};
-          if (share.has(space, 0, place) &&
-              crossingRange(f, box[0], box[1], box[2], box[3], low, high))
+          if (share.has(space, 0, place) && f.range(box[0], box[1], box[2], box[3], low, high))
             leafColumns[i] = static_cast<u32>(((box[1] >> 3) - (box[0] >> 3) + 1) *
                                               ((box[3] >> 3) - (box[2] >> 3) + 1));
         });
@@ -140,7 +139,7 @@ public:
             return;
           const u64 block = ownerOf(columnOffset, blocks, i);
           const u64 face = blockFace[block];
-          const FaceColumns& f = columns[face];
+          const CrossedFace& f = columns[face];
           i32 box[4];
           blockBox(f, block - offset[face], box);
           const u64 k = i - columnOffset[block];
@@ -150,7 +149,7 @@ public:
           i64 low, high;
           candidateFace[i] = static_cast<u32>(face);
           firstKey[i] = 0;
-          if (!crossingRange(f, x * 8, x * 8 + 7, y * 8, y * 8 + 7, low, high))
+          if (!f.range(x * 8, x * 8 + 7, y * 8, y * 8 + 7, low, high))
             return;
           low >>= 3;
           high >>= 3;
@@ -179,7 +178,7 @@ public:
   }
 
   // Box (x0, x1, y0, y1, inclusive) of the columns of a face in its k-th block.
-  TETVDB_HD static void blockBox(const FaceColumns& f, u64 k, i32 (&box)[4]) {
+  TETVDB_HD static void blockBox(const CrossedFace& f, u64 k, i32 (&box)[4]) {
     const u64 rows = static_cast<u64>((f.yMax >> 7) - (f.yMin >> 7) + 1);
     const i32 x = (f.xMin >> 7) + static_cast<i32>(k / rows);
     const i32 y = (f.yMin >> 7) + static_cast<i32>(k % rows);
@@ -221,7 +220,7 @@ public:
 
   void rasterizeColumns(const u64* columnBegin, u64 columnCount, const u64* begin, Entries& e,
                         const LeafMasks& leaves, int teamSize) {
-    const FaceColumns* columns = columns_;
+    const CrossedFace* columns = columns_;
     const u32* pairFace = pairFace_;
     const u64* keys = e.key;
     u8* states = e.state;
@@ -241,7 +240,7 @@ public:
             const u64 pairBegin = begin[leaf], pairEnd = begin[leaf + 1];
             if (pairEnd - pairBegin <= 8) {
               for (u64 k = pairBegin; k < pairEnd; ++k) {
-                const FaceColumns& f = columns[pairFace[k]];
+                const CrossedFace& f = columns[pairFace[k]];
                 const bool whole = coversLeaf(f, origin);
                 for (int c = team.rank(); c < 64; c += team.size())
                   addCrossing(f, origin, c >> 3, c & 7, whole, s.delta);
@@ -249,7 +248,7 @@ public:
             } else {
               for (u64 k = pairBegin + static_cast<u64>(team.rank()); k < pairEnd;
                    k += static_cast<u64>(team.size())) {
-                const FaceColumns& f = columns[pairFace[k]];
+                const CrossedFace& f = columns[pairFace[k]];
                 const i32 xLow = f.xMin - origin[0], xHigh = f.xMax - origin[0];
                 const i32 yLow = f.yMin - origin[1], yHigh = f.yMax - origin[1];
                 for (int x = xLow > 0 ? xLow : 0; x <= (xHigh < 7 ? xHigh : 7); ++x)
@@ -290,7 +289,7 @@ public:
   }
 
   // Whether all columns of a leaf are certainly inside the face seen along z.
-  TETVDB_HD static bool coversLeaf(const FaceColumns& f, const i32 (&origin)[3]) {
+  TETVDB_HD static bool coversLeaf(const CrossedFace& f, const i32 (&origin)[3]) {
     if (origin[0] < f.xMin || origin[0] + 7 > f.xMax || origin[1] < f.yMin ||
         origin[1] + 7 > f.yMax)
       return false;
@@ -307,7 +306,7 @@ public:
     return true;
   }
 
-  TETVDB_HD static void addCrossing(const FaceColumns& f, const i32 (&origin)[3], int x, int y,
+  TETVDB_HD static void addCrossing(const CrossedFace& f, const i32 (&origin)[3], int x, int y,
                                     bool inside, i32* delta) {
     const i64 vx = i64(origin[0]) + x, vy = i64(origin[1]) + y;
     if (!inside &&
@@ -321,7 +320,7 @@ public:
 private:
   Backend& b_;
   KeySpace space_;
-  FaceColumns* columns_ = nullptr;
+  CrossedFace* columns_ = nullptr;
   u64* pairKey_ = nullptr;
   u32* pairFace_ = nullptr;
   u64 pairCount_ = 0;

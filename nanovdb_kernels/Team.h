@@ -17,13 +17,6 @@
 #define TETVDB_KERNEL [=]
 #endif
 
-// Keeps what is rarely needed, and large, out of a kernel's registers.
-#if defined(__CUDACC__)
-#define TETVDB_APART __noinline__
-#else
-#define TETVDB_APART
-#endif
-
 namespace tetvdb::nano {
 
 using u8 = std::uint8_t;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "FaceColumns.h"
+#include "tetvdb/geometry/TetFaces.h"
 
 namespace tetvdb::nano {
 
@@ -36,29 +37,6 @@ struct VoxelBounds {
   i64 min[3], max[3];
   TETVDB_HD bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
 };
-
-// The corners of the face opposite to vertex i: for a positive tet the normal points inward.
-TETVDB_HD constexpr int faceCorner(int face, int k) {
-  constexpr int corners[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
-  return corners[face][k];
-}
-
-/// Orientation by doubles where these decide (Shewchuk 1997, orient3d's first filter: differences
-/// are exact here), else by integers.
-TETVDB_HD inline int tetSign(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                             const LatticePoint& d) {
-  const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z;
-  const double vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
-  const double wx = d.x - a.x, wy = d.y - a.y, wz = d.z - a.z;
-  const double xy = vx * wy, yx = vy * wx, yz = vy * wz, zy = vz * wy, zx = vz * wx, xz = vx * wz;
-  const double det = ux * (yz - zy) + uy * (zx - xz) + uz * (xy - yx);
-  const double permanent = magnitude(ux) * (magnitude(yz) + magnitude(zy)) +
-                           magnitude(uy) * (magnitude(zx) + magnitude(xz)) +
-                           magnitude(uz) * (magnitude(xy) + magnitude(yx));
-  if (magnitude(det) > 1e-15 * permanent)
-    return det > 0 ? 1 : -1;
-  return signOf(orientation(a, b, c, d));
-}
 
 TETVDB_HD inline double tetExtent(const LatticePoint (&v)[4]) {
   const auto along = [](double a, double b, double c, double d) {
@@ -103,7 +81,8 @@ TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const 
 #pragma unroll
 #endif
   for (int i = 0; i < 4; ++i) {
-    const LatticePoint &a = v[faceCorner(i, 0)], &b = v[faceCorner(i, 1)], &c = v[faceCorner(i, 2)];
+    const LatticePoint &a = v[inwardCorner(i, 0)], &b = v[inwardCorner(i, 1)],
+                       &c = v[inwardCorner(i, 2)];
     double nx, ny, nz;
     if (narrow) {
       const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z;
@@ -146,38 +125,28 @@ TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const 
   }
 }
 
-// First voxel of column (x, y) beyond the plane: the first inside for a lower bound, the first
-// outside for an upper one; by integers, see TetRaster.cpp. Not steep: it is zNear or the next.
+/// Normal of a face, inward for a positive tet, and a corner of it.
+TETVDB_HD inline ExactVector exactNormal(const TetSource& source, int face, LatticePoint& corner) {
+  corner = source.points[source.corners[inwardCorner(face, 0)]];
+  return triangleNormal(corner, source.points[source.corners[inwardCorner(face, 1)]],
+                        source.points[source.corners[inwardCorner(face, 2)]]);
+}
+
+// As tetvdb::exactBound(), of a face of a tet of orientation `sign`.
 TETVDB_HD TETVDB_APART inline i64 exactBound(const TetSource& source, int sign, int face,
                                              bool steep, i64 x, i64 y, i64 zNear) {
-  const LatticePoint a = source.points[source.corners[faceCorner(face, 0)]],
-                     b = source.points[source.corners[faceCorner(face, 1)]],
-                     c = source.points[source.corners[faceCorner(face, 2)]];
-  ExactVector n = triangleNormal(a, b, c);
+  LatticePoint a;
+  ExactVector n = exactNormal(source, face, a);
   if (sign < 0)
     n = {-n.x, -n.y, -n.z};
-  const Int128 planar = n.x * unitsFrom(a.x, x) + n.y * unitsFrom(a.y, y);
-  const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
-  const bool lower = n.z > 0;
-  if (!steep) {
-    const int side = signOf(planar + n.z * unitsFrom(a.z, zNear));
-    const bool inside = side > 0 || (side == 0 && tieIn);
-    return inside == lower ? zNear : zNear + 1;
-  }
-  const Int128 oz = -unitsFrom(a.z, zNear);
-  const Int128 step = (lower ? n.z : -n.z) * kUnitsPerVoxel;
-  const Int128 num = lower ? n.z * oz - planar : planar - n.z * oz;
-  return zNear +
-         static_cast<i64>(lower == tieIn ? ceilDivide(num, step) : floorDivide(num, step) + 1);
+  return tetvdb::exactBound(n, a, steep, x, y, zNear);
 }
 
 // Whether column (x, y) lies inside a face that is parallel to z, by integers.
 TETVDB_HD TETVDB_APART inline bool exactInside(const TetSource& source, int sign, int face, i64 x,
                                                i64 y) {
-  const LatticePoint a = source.points[source.corners[faceCorner(face, 0)]],
-                     b = source.points[source.corners[faceCorner(face, 1)]],
-                     c = source.points[source.corners[faceCorner(face, 2)]];
-  const ExactVector n = triangleNormal(a, b, c);
+  LatticePoint a;
+  const ExactVector n = exactNormal(source, face, a);
   int side = signOf(n.x * unitsFrom(a.x, x) + n.y * unitsFrom(a.y, y));
   if (side == 0)
     side = tieSign(n.x, n.y, n.z);

@@ -38,7 +38,7 @@ void expectCrossings(const LatticePoint* p, const SlabOrigin& slab) {
   const FaceRaster face(p[0], p[1], p[2], 1);
   auto crossings = std::make_unique<SlabCrossings>();
   crossings->clear();
-  if (face.crossesColumns())
+  if (face.crosses != 0)
     face.rasterize(slab.x, slab.y, slab.z, *crossings);
   ASSERT_TRUE(crossings->extra.empty());
   const bool leaving = triangleNormal(p[0], p[1], p[2]).z > 0;
@@ -149,14 +149,14 @@ TEST(FaceRaster, RangeHoldsEveryCrossing) {
     LatticePoint p[3];
     corners.make(p, 3, slab);
     const FaceRaster face(p[0], p[1], p[2], 1);
-    if (!face.crossesColumns())
+    if (face.crosses == 0)
       continue;
     SlabCrossings crossings;
     crossings.clear();
     face.rasterize(slab.x, slab.y, slab.z, crossings);
     std::int64_t low = 0, high = -1;
     const bool any =
-        face.zRange(slab.x, slab.x + kLeafSize - 1, slab.y, slab.y + kNodeSize - 1, low, high);
+        face.range(slab.x, slab.x + kLeafSize - 1, slab.y, slab.y + kNodeSize - 1, low, high);
     for (const SlabBits* bits : {&crossings.entering, &crossings.leaving})
       for (const auto& row : bits->rows)
         for (int z = 0; z < kNodeSize; ++z)

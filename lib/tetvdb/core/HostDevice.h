@@ -7,3 +7,10 @@
 #else
 #define TETVDB_HD
 #endif
+
+/// Keeps what is rarely needed, and large, out of its callers' registers.
+#if defined(__CUDACC__)
+#define TETVDB_APART __noinline__
+#else
+#define TETVDB_APART __attribute__((noinline))
+#endif

@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/Orientation.h"
 
 #include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/RoundedDeterminant.h"
 
 #include <cmath>
 #include <cstddef>
@@ -12,9 +13,8 @@
 namespace tetvdb {
 namespace {
 
-// The filters' error bounds are less than 8 and 4 units of 2^-53, relative to the sum of the
-// absolute products; twice that for their own rounding.
-constexpr double kError3 = 16 * 0x1p-53;
+// The error bound in the plane is less than 4 units of 2^-53, relative to the sum of the absolute
+// products; twice that for its own rounding.
 constexpr double kError2 = 8 * 0x1p-53;
 // Below this sum, products may have lost bits to underflow.
 constexpr double kLeastSum = 0x1p-900;
@@ -128,22 +128,10 @@ int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) 
   for (std::size_t axis = 0; axis < 3; ++axis) // quite usual, and quick to see
     if (a[axis] == b[axis] && b[axis] == c[axis] && c[axis] == d[axis])
       return 0;
-  double u[3], v[3], w[3];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    u[axis] = b[axis] - a[axis];
-    v[axis] = c[axis] - a[axis];
-    w[axis] = d[axis] - a[axis];
-  }
-  double determinant = 0, sum = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t p = (axis + 1) % 3, q = (axis + 2) % 3;
-    const double left = u[p] * v[q], right = u[q] * v[p];
-    determinant += (left - right) * w[axis];
-    sum += (std::abs(left) + std::abs(right)) * std::abs(w[axis]);
-  }
-  if (sum > kLeastSum && std::abs(determinant) > kError3 * sum)
-    return signOf(determinant);
-  return exactOrientation(a, b, c, d);
+  const RoundedDeterminant rounded(b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1],
+                                   c[2] - a[2], d[0] - a[0], d[1] - a[1], d[2] - a[2]);
+  const int sign = rounded.sign(RoundedDeterminant::kOfRounded);
+  return sign != 0 && rounded.size > kLeastSum ? sign : exactOrientation(a, b, c, d);
 }
 
 int orientation(const Vec2d& a, const Vec2d& b, const Vec2d& c) {

@@ -16,6 +16,7 @@
 #include "tetvdb/core/HostDevice.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/RoundedDeterminant.h"
 
 #include <array>
 #include <cstdint>
@@ -63,6 +64,15 @@ TETVDB_HD inline ExactVector triangleNormal(const LatticePoint& a, const Lattice
 TETVDB_HD inline Int128 orientation(const LatticePoint& a, const LatticePoint& b,
                                     const LatticePoint& c, const LatticePoint& d) {
   return dot(triangleNormal(a, b, c), difference(d, a));
+}
+
+/// Sign of orientation(), by doubles where these decide.
+TETVDB_HD inline int tetOrientation(const LatticePoint& a, const LatticePoint& b,
+                                    const LatticePoint& c, const LatticePoint& d) {
+  const RoundedDeterminant rounded(b.x - a.x, b.y - a.y, b.z - a.z, c.x - a.x, c.y - a.y, c.z - a.z,
+                                   d.x - a.x, d.y - a.y, d.z - a.z);
+  const int sign = rounded.sign(RoundedDeterminant::kOfExact);
+  return sign != 0 ? sign : signOf(orientation(a, b, c, d));
 }
 
 /// Lattice point of a voxel centre.

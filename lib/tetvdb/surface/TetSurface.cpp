@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/geometry/TetFaces.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/SplitFans.h"
 
@@ -21,9 +22,6 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-// Faces of a tet of positive volume, opposite each corner, turned outward.
-constexpr std::size_t kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 // A face of a tet. Equal faces have equal corners, ascending.
 struct Face {
   std::array<std::uint32_t, 3> corners;
@@ -39,7 +37,7 @@ struct Face {
 std::array<std::uint32_t, 3> outward(const TetMesh& mesh, std::size_t tet, std::size_t opposite) {
   std::array<std::uint32_t, 3> v;
   for (std::size_t k = 0; k < 3; ++k)
-    v[k] = mesh.tets[4 * tet + kFaces[opposite][k]];
+    v[k] = mesh.tets[4 * tet + kFaceCorners[opposite][k]];
   return v;
 }
 

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/TetFaces.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
 #include <array>
@@ -34,10 +35,6 @@ constexpr Chain unitChain(std::size_t input, std::size_t inputs) {
                     : static_cast<Chain>(std::uint32_t(1)
                                          << (chainBits(inputs) * static_cast<int>(input)));
 }
-
-/// Corners of the face opposite corner i, counter-clockwise seen from outside a positive tet.
-constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaceCorners{
-    {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
 /// The corners k, l that make (i, j, k, l) an even permutation: for a positive tet the tet of these
 /// corners in this order is positive too. Nothing for i = j.

@@ -13,6 +13,8 @@
 
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/RoundedDeterminant.h"
 
 #include <cmath>
 #include <cstdint>
@@ -66,24 +68,12 @@ inline double orientDeterminant(const Vec3d& a, const Vec3d& b, const Vec3d& c, 
   return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx);
 }
 
-/// The sign of the tet's volume, exact for lattice points. With exact differences every one of the
-/// six products is off by at most 2 roundings, and sums add 4 more: 8 * 2^-53 of their magnitudes.
+/// The sign of the tet's volume, exact for lattice points.
 inline int latticeOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-  const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-  const double wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
-  const double yz = uy * vz, zy = uz * vy, zx = uz * vx, xz = ux * vz, xy = ux * vy, yx = uy * vx;
-  const double det = wx * (yz - zy) + wy * (zx - xz) + wz * (xy - yx);
-  const double size = std::abs(wx) * (std::abs(yz) + std::abs(zy)) +
-                      std::abs(wy) * (std::abs(zx) + std::abs(xz)) +
-                      std::abs(wz) * (std::abs(xy) + std::abs(yx));
-  constexpr double kError = 1e-15; // 8 * 2^-53 = 8.9e-16, rounded up
-  if (det > kError * size)
-    return 1;
-  if (det < -kError * size)
-    return -1;
-  const double exact = exactDeterminant(a, b, c, d);
-  return (exact > 0) - (exact < 0);
+  const RoundedDeterminant rounded(b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1],
+                                   c[2] - a[2], d[0] - a[0], d[1] - a[1], d[2] - a[2]);
+  const int sign = rounded.sign(RoundedDeterminant::kOfExact);
+  return sign != 0 ? sign : signOf(exactDeterminant(a, b, c, d));
 }
 
 } // namespace tetvdb

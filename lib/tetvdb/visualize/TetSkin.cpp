@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/MixBits.h"
+#include "tetvdb/geometry/TetFaces.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -20,8 +21,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kTetsPerTask = 1 << 14;
-// Faces of a tet of positive volume, opposite each corner, turned outward.
-constexpr std::size_t kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 enum class Place : std::uint8_t { Kept, Met, Gone };
 
@@ -38,8 +37,8 @@ struct Face {
 };
 
 std::array<std::uint32_t, 3> sortedFace(const std::uint32_t* tet, std::size_t opposite) {
-  std::array<std::uint32_t, 3> v = {tet[kFaces[opposite][0]], tet[kFaces[opposite][1]],
-                                    tet[kFaces[opposite][2]]};
+  std::array<std::uint32_t, 3> v = {tet[kFaceCorners[opposite][0]], tet[kFaceCorners[opposite][1]],
+                                    tet[kFaceCorners[opposite][2]]};
   std::sort(v.begin(), v.end());
   return v;
 }
@@ -138,7 +137,7 @@ private:
     const bool turned =
         dot(minus(mesh_.points[v[3]], origin),
             cross(minus(mesh_.points[v[1]], origin), minus(mesh_.points[v[2]], origin))) < 0;
-    const std::size_t* face = kFaces[opposite];
+    const auto& face = kFaceCorners[opposite];
     return {v[face[0]], v[face[turned ? 2 : 1]], v[face[turned ? 1 : 2]]};
   }
 

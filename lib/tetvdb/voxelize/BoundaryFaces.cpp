@@ -125,29 +125,6 @@ private:
   std::size_t mask_ = 0;
 };
 
-} // namespace
-
-int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                   const LatticePoint& d) {
-  const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z;
-  const double vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
-  const double wx = d.x - a.x, wy = d.y - a.y, wz = d.z - a.z;
-  const double xy = vx * wy, yx = vy * wx;
-  const double yz = vy * wz, zy = vz * wy;
-  const double zx = vz * wx, xz = vx * wz;
-  const double det = ux * (yz - zy) + uy * (zx - xz) + uz * (xy - yx);
-  // Shewchuk 1997, orient3d's first filter: the differences are exact here, so the error is below
-  // (7 + 56 u) u times the permanent, u = 2^-53.
-  const double permanent = std::abs(ux) * (std::abs(yz) + std::abs(zy)) +
-                           std::abs(uy) * (std::abs(zx) + std::abs(xz)) +
-                           std::abs(uz) * (std::abs(xy) + std::abs(yx));
-  if (std::abs(det) > 1e-15 * permanent)
-    return det > 0 ? 1 : -1;
-  return signOf(orientation(a, b, c, d));
-}
-
-namespace {
-
 // Adds r_b r_c over the faces a < b < c of a tet at their first corner.
 TETVDB_INLINE void addFaces(const std::uint32_t* v, std::int32_t sign, std::uint64_t* sums) {
   const SortedTet s = sortTet(v, sign);
@@ -195,8 +172,8 @@ TETVDB_MULTIVERSION std::uint64_t sumFaces(const SnappedMesh& mesh, std::size_t 
     const Quad sizes = magnitude(turned) * (magnitude(one) + magnitude(two));
     const double det = terms[0] + terms[1] + terms[2];
     const double permanent = sizes[0] + sizes[1] + sizes[2];
-    const int sign =
-        static_cast<int>(det > 1e-15 * permanent) - static_cast<int>(det < -1e-15 * permanent);
+    const double error = RoundedDeterminant::kOfExact * permanent;
+    const int sign = static_cast<int>(det > error) - static_cast<int>(det < -error);
     signs[t] = static_cast<std::int8_t>(sign);
     doubtful += sign == 0;
     addFaces(id, sign, sums);

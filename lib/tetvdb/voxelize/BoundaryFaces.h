@@ -25,10 +25,6 @@ struct Boundary {
   std::uint64_t dropped = 0; ///< flat tets, left out
 };
 
-/// Sign of orientation() of a tet, by doubles where these decide.
-int tetOrientation(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                   const LatticePoint& d);
-
 /// Sums the signs of equal faces (equal by vertex index) over all tets, each turned to positive
 /// orientation, and keeps the faces whose sum is not zero. As a chain this is the boundary of the
 /// sum of the tets, so the signed crossings of a ray count the tets around a point, overlaps

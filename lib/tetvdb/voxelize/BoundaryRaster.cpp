@@ -74,13 +74,13 @@ std::vector<FaceInNode> binFaces(const AllFaces& faces, const WindingBand* band,
     auto& out = locals.local();
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const FaceRaster face = faces.prepare(i);
-      if (!face.crossesColumns())
+      if (face.crosses == 0)
         continue;
-      for (auto x = nodeOf(face.xMin()); x <= nodeOf(face.xMax()); ++x)
-        for (auto y = nodeOf(face.yMin()); y <= nodeOf(face.yMax()); ++y) {
+      for (auto x = nodeOf(face.xMin); x <= nodeOf(face.xMax); ++x)
+        for (auto y = nodeOf(face.yMin); y <= nodeOf(face.yMax); ++y) {
           const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
           std::int64_t low, high;
-          if (!face.zRange(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
+          if (!face.range(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
             continue;
           for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
             out.push_back({x, y, z, static_cast<std::uint32_t>(i)});
@@ -395,7 +395,7 @@ private:
         const auto rasterize = [&](const std::vector<FaceRaster>& some, SlabCrossings& into) {
           bool cleared = false;
           for (const FaceRaster& face : some) {
-            if (face.xMax() < first || face.xMin() >= first + kLeafSize)
+            if (face.xMax < first || face.xMin >= first + kLeafSize)
               continue;
             if (!cleared)
               into.clear();

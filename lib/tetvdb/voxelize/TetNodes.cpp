@@ -2,7 +2,7 @@
 #include "tetvdb/voxelize/TetNodes.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/geometry/Ownership.h"
 
 #include <algorithm>
 #include <atomic>

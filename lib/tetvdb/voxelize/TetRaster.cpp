@@ -2,8 +2,9 @@
 #include "tetvdb/voxelize/TetRaster.h"
 
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/ColumnBounds.h"
 #include "tetvdb/geometry/Ownership.h"
-#include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/geometry/TetFaces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +18,6 @@ namespace {
 
 // Up to this extent (32 voxels) cross products of edges, and the sum of three, are exact in double.
 constexpr double kExactExtent = static_cast<double>(std::int64_t(1) << 25);
-// From this tolerance on (voxels) a plane is so steep that doubles say nothing of its crossings.
-constexpr double kSteep = 0.25;
 // Adding and subtracting 1.5 * 2^52 rounds to the nearest integer.
 constexpr double kRound = 6755399441055744.0;
 
@@ -48,51 +47,30 @@ struct Tet {
   int verticals = 0;
 };
 
-// The vertices of the face opposite to vertex i, in the order of ownsVoxel(): for a positive tet
-// the normal points inward.
-constexpr int kFaces[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};
+// A vertex of a face.
+const LatticePoint& cornerOf(const Tet& t, int face) {
+  return t.v[inwardCorner(face, 0)];
+}
 
 // Inward normal, exact.
 ExactVector exactNormal(const Tet& t, int face) {
-  const int* f = kFaces[face];
-  const ExactVector n = triangleNormal(t.v[f[0]], t.v[f[1]], t.v[f[2]]);
+  const ExactVector n =
+      triangleNormal(cornerOf(t, face), t.v[inwardCorner(face, 1)], t.v[inwardCorner(face, 2)]);
   return t.sign > 0 ? n : ExactVector{-n.x, -n.y, -n.z};
 }
 
-std::int64_t unitsFrom(double origin, std::int64_t voxel) {
-  return static_cast<std::int64_t>(
-      static_cast<double>(voxel) * static_cast<double>(kUnitsPerVoxel) - origin);
-}
-
-// First voxel of column (x, y) beyond the plane: the first inside for a lower bound, the first
-// outside for an upper one. The crossing is within half a voxel of zNear, unless the plane is
-// steep. Numbers are taken relative to zNear, so that they fit 128 bits anywhere in index space.
+// First voxel of column (x, y) beyond the plane.
 __attribute__((noinline)) std::int64_t exactBound(const Tet& t, const Plane& plane, std::int64_t x,
                                                   std::int64_t y, std::int64_t zNear) {
-  const ExactVector n = exactNormal(t, plane.face);
-  const LatticePoint& o = t.v[kFaces[plane.face][0]];
-  const Int128 planar = n.x * unitsFrom(o.x, x) + n.y * unitsFrom(o.y, y);
-  const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
-  const bool lower = n.z > 0;
-  if (plane.tolerance < kSteep) {
-    const int sign = signOf(planar + n.z * unitsFrom(o.z, zNear));
-    const bool inside = sign > 0 || (sign == 0 && tieIn);
-    return inside == lower ? zNear : zNear + 1;
-  }
-  // n.z z + planar = 0, divided: z = oz - planar / n.z.
-  const Int128 oz = -unitsFrom(o.z, zNear);
-  const Int128 step = (lower ? n.z : -n.z) * kUnitsPerVoxel;
-  const Int128 num = lower ? n.z * oz - planar : planar - n.z * oz;
-  const bool ceiling = lower == tieIn;
-  return zNear +
-         static_cast<std::int64_t>(ceiling ? ceilDivide(num, step) : floorDivide(num, step) + 1);
+  return exactBound(exactNormal(t, plane.face), cornerOf(t, plane.face), plane.tolerance >= kSteep,
+                    x, y, zNear);
 }
 
 // Narrows [yBegin, yEnd) to the rows of column x that are inside a face parallel to z.
 __attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int64_t x,
                                                 std::int64_t& yBegin, std::int64_t& yEnd) {
   const ExactVector n = exactNormal(t, face);
-  const LatticePoint& o = t.v[kFaces[face][0]];
+  const LatticePoint& o = cornerOf(t, face);
   const Int128 ex = n.x * unitsFrom(o.x, x);
   const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
   if (n.y == 0) {
@@ -100,15 +78,8 @@ __attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int
       yEnd = yBegin;
     return;
   }
-  const bool lower = n.y > 0;
-  const std::int64_t yNear = floorVoxel(o.y);
-  const Int128 oy = -unitsFrom(o.y, yNear);
-  const Int128 step = (lower ? n.y : -n.y) * kUnitsPerVoxel;
-  const Int128 num = lower ? n.y * oy - ex : ex - n.y * oy;
-  const bool ceiling = lower == tieIn;
-  const auto bound = yNear + static_cast<std::int64_t>(ceiling ? ceilDivide(num, step)
-                                                               : floorDivide(num, step) + 1);
-  if (lower)
+  const std::int64_t bound = firstBeyond(n.y, ex, tieIn, o.y, floorVoxel(o.y));
+  if (n.y > 0)
     yBegin = std::max(yBegin, bound);
   else
     yEnd = std::min(yEnd, bound);
@@ -159,8 +130,8 @@ TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
     if (t.sign == 0)
       return false;
     for (int i = 0; i < 4; ++i) {
-      const int* f = kFaces[i];
-      const ExactVector e = triangleNormal(t.v[f[0]], t.v[f[1]], t.v[f[2]]);
+      const ExactVector e =
+          triangleNormal(cornerOf(t, i), t.v[inwardCorner(i, 1)], t.v[inwardCorner(i, 2)]);
       n[i][0] = static_cast<double>(e.x);
       n[i][1] = static_cast<double>(e.y);
       n[i][2] = static_cast<double>(e.z);
@@ -178,7 +149,7 @@ TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
       continue;
     }
     Plane& p = nz > 0 ? t.lower[t.lowers++] : t.upper[t.uppers++];
-    const LatticePoint& o = t.v[kFaces[i][0]];
+    const LatticePoint& o = cornerOf(t, i);
     p.face = i;
     p.x = o.x * kVoxelsPerUnit;
     p.y = o.y * kVoxelsPerUnit;
@@ -373,7 +344,7 @@ Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const TetBox& box) {
   Cover cover = Cover::Inside;
   for (int i = 0; i < 4; ++i) {
     const ExactVector n = exactNormal(t, i);
-    const LatticePoint& o = t.v[kFaces[i][0]];
+    const LatticePoint& o = cornerOf(t, i);
     const double normal[3] = {static_cast<double>(n.x), static_cast<double>(n.y),
                               static_cast<double>(n.z)};
     const double origin[3] = {o.x, o.y, o.z};

@@ -2,18 +2,15 @@
 #include "tetvdb/surface/TetSurface.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/LargeVector.h"
 #include "tetvdb/geometry/Orientation.h"
-#include "tetvdb/geometry/TetFaces.h"
+#include "tetvdb/geometry/SortedTetFaces.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/SplitFans.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <utility>
 #include <vector>
 
@@ -21,18 +18,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-
-// A face of a tet. Equal faces have equal corners, ascending.
-struct Face {
-  std::array<std::uint32_t, 3> corners;
-  std::uint32_t tet : 30, opposite : 2;
-
-  bool operator<(const Face& other) const {
-    if (corners != other.corners)
-      return corners < other.corners;
-    return tet != other.tet ? tet < other.tet : opposite < other.opposite;
-  }
-};
 
 std::array<std::uint32_t, 3> outward(const TetMesh& mesh, std::size_t tet, std::size_t opposite) {
   std::array<std::uint32_t, 3> v;
@@ -56,14 +41,15 @@ public:
   Surface(const TetMesh& mesh, Progress& progress) : mesh_(mesh), progress_(progress) {}
 
   TriangleMesh run() {
-    if (mesh_.tetCount() >= std::size_t(1) << 30)
-      throw Error(Status::Limit, "", "more than 2^30 tetrahedra", "extract their surface in parts");
     orient();
-    sortFaces();
+    faces_ = sortedTetFaces(
+        mesh_.tets.data(), mesh_.tetCount(),
+        [&](const TetFace& face) { return !hasRepeatedPoint(&mesh_.tets[4 * face.tet]); },
+        progress_);
     orientFlatTets();
     TriangleMesh surface;
-    for (std::size_t i = 0; i < faces_.size();)
-      i = addFaces(i, surface);
+    forEqualFaces(
+        faces_, [&](const TetFace* first, const TetFace* last) { addFaces(first, last, surface); });
     if (surface.triangles.empty())
       throw Error(Status::Invalid, "", "the tetrahedra have no surface",
                   "all of them are flat or cancel out");
@@ -83,57 +69,28 @@ private:
     });
   }
 
-  void sortFaces() {
-    faces_.resize(4 * mesh_.tetCount());
-    std::size_t count = 0;
-    for (std::size_t tet = 0; tet < mesh_.tetCount(); ++tet) {
-      if (hasRepeatedPoint(&mesh_.tets[4 * tet]))
-        continue;
-      for (std::uint32_t opposite = 0; opposite < 4; ++opposite) {
-        Face face{outward(mesh_, tet, opposite), static_cast<std::uint32_t>(tet) & 0x3FFFFFFFu,
-                  opposite & 3u};
-        std::sort(face.corners.begin(), face.corners.end());
-        faces_[count++] = face;
-      }
-    }
-    faces_.resize(count);
-    progress_.check();
-    tbb::parallel_sort(faces_.begin(), faces_.end());
-    progress_.check();
-  }
-
-  std::size_t endOfEqual(std::size_t i) const {
-    std::size_t end = i + 1;
-    while (end < faces_.size() && faces_[end].corners == faces_[i].corners)
-      ++end;
-    return end;
-  }
-
   // 1 where the face, seen from outside its tet, turns as its corners ascend; -1 the other way; 0
   // while its tet is flat and has no side yet.
-  int turn(const Face& face) const {
+  int turn(const TetFace& face) const {
     return isOdd(outward(mesh_, face.tet, face.opposite)) ? -sign_[face.tet] : sign_[face.tet];
   }
 
   // A flat tet takes the side that makes its faces cancel with a neighbour's, wave by wave.
   void orientFlatTets() {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs; // positions in faces_
-    for (std::size_t i = 0; i < faces_.size();) {
-      const std::size_t end = endOfEqual(i);
-      if (end == i + 2 && (sign_[faces_[i].tet] == 0 || sign_[faces_[i + 1].tet] == 0))
-        pairs.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1)});
-      i = end;
-    }
+    std::vector<std::pair<const TetFace*, const TetFace*>> pairs;
+    forEqualFaces(faces_, [&](const TetFace* first, const TetFace* last) {
+      if (last == first + 2 && (sign_[first[0].tet] == 0 || sign_[first[1].tet] == 0))
+        pairs.emplace_back(first, first + 1);
+    });
     for (bool changed = true; changed;) {
       changed = false;
-      std::vector<std::pair<std::uint32_t, std::uint32_t>> rest;
+      std::vector<std::pair<const TetFace*, const TetFace*>> rest;
       for (const auto& [a, b] : pairs) {
-        const Face &first = faces_[a], &second = faces_[b];
-        const int turnA = turn(first), turnB = turn(second);
+        const int turnA = turn(*a), turnB = turn(*b);
         if (turnA == 0 && turnB == 0) {
-          rest.push_back({a, b});
+          rest.emplace_back(a, b);
         } else if (turnA == 0 || turnB == 0) {
-          const Face& flat = turnA == 0 ? first : second;
+          const TetFace& flat = turnA == 0 ? *a : *b;
           const bool odd = isOdd(outward(mesh_, flat.tet, flat.opposite));
           sign_[flat.tet] = static_cast<signed char>((odd ? 1 : -1) * (turnA + turnB));
           changed = true;
@@ -144,17 +101,15 @@ private:
     }
   }
 
-  std::size_t addFaces(std::size_t i, TriangleMesh& surface) const {
-    const std::size_t end = endOfEqual(i);
+  void addFaces(const TetFace* first, const TetFace* last, TriangleMesh& surface) const {
     int sum = 0;
-    for (std::size_t k = i; k < end; ++k)
-      sum += turn(faces_[k]);
-    const std::array<std::uint32_t, 3>& v = faces_[i].corners;
+    for (const TetFace* face = first; face != last; ++face)
+      sum += turn(*face);
+    const std::array<std::uint32_t, 3>& v = first->corners;
     for (; sum > 0; --sum)
       surface.triangles.insert(surface.triangles.end(), {v[0], v[1], v[2]});
     for (; sum < 0; ++sum)
       surface.triangles.insert(surface.triangles.end(), {v[0], v[2], v[1]});
-    return end;
   }
 
   void compact(TriangleMesh& surface) const {
@@ -173,7 +128,7 @@ private:
   const TetMesh& mesh_;
   Progress& progress_;
   std::vector<signed char> sign_; ///< of a tet's volume
-  LargeVector<Face> faces_;
+  LargeVector<TetFace> faces_;
 };
 
 } // namespace

@@ -2,9 +2,8 @@
 #include "tetvdb/visualize/TetSkin.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/MixBits.h"
-#include "tetvdb/geometry/TetFaces.h"
+#include "tetvdb/geometry/SortedTetFaces.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -15,7 +14,6 @@
 #include <limits>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 namespace tetvdb {
 namespace {
@@ -23,25 +21,6 @@ namespace {
 constexpr std::size_t kTetsPerTask = 1 << 14;
 
 enum class Place : std::uint8_t { Kept, Met, Gone };
-
-struct Face {
-  std::array<std::uint32_t, 3> corners; ///< ascending
-  std::uint32_t tet;
-  std::uint32_t opposite;
-
-  bool operator<(const Face& other) const {
-    if (corners != other.corners)
-      return corners < other.corners;
-    return tet != other.tet ? tet < other.tet : opposite < other.opposite;
-  }
-};
-
-std::array<std::uint32_t, 3> sortedFace(const std::uint32_t* tet, std::size_t opposite) {
-  std::array<std::uint32_t, 3> v = {tet[kFaceCorners[opposite][0]], tet[kFaceCorners[opposite][1]],
-                                    tet[kFaceCorners[opposite][2]]};
-  std::sort(v.begin(), v.end());
-  return v;
-}
 
 class Skin {
 public:
@@ -65,13 +44,13 @@ private:
     const std::size_t tasks = (mesh_.tetCount() + kTetsPerTask - 1) / kTetsPerTask;
     tbb::parallel_for(std::size_t(0), tasks, [&](std::size_t task) {
       progress_.check();
-      visit(task, task * kTetsPerTask, std::min(mesh_.tetCount(), (task + 1) * kTetsPerTask));
+      visit(task * kTetsPerTask, std::min(mesh_.tetCount(), (task + 1) * kTetsPerTask));
     });
   }
 
   void sortTets(const CutPlane& cut) {
     places_.resize(mesh_.tetCount());
-    eachTask([&](std::size_t, std::size_t begin, std::size_t end) {
+    eachTask([&](std::size_t begin, std::size_t end) {
       for (std::size_t tet = begin; tet < end; ++tet) {
         bool before = false, beyond = false;
         for (std::size_t k = 0; k < 4; ++k) {
@@ -89,45 +68,36 @@ private:
   // Around a point within the tets every face comes twice, so that the exclusive or of the faces'
   // hashes is zero; by chance also around one on the outside, once in 2^64. Only faces whose three
   // points are on the outside are matched.
-  std::vector<Face> outerFaces() const {
+  std::vector<TetFace> outerFaces() const {
     std::vector<std::atomic<std::uint64_t>> sums(mesh_.points.size());
-    eachTask([&](std::size_t, std::size_t begin, std::size_t end) {
+    eachTask([&](std::size_t begin, std::size_t end) {
       for (std::size_t tet = begin; tet < end; ++tet) {
         if (!isKept(tet))
           continue;
-        for (std::size_t opposite = 0; opposite < 4; ++opposite) {
-          const auto v = sortedFace(&mesh_.tets[4 * tet], opposite);
+        for (const auto& face : kFaceCorners) {
+          std::array<std::uint32_t, 3> v{};
+          for (std::size_t k = 0; k < 3; ++k)
+            v[k] = mesh_.tets[4 * tet + face[k]];
+          std::sort(v.begin(), v.end());
           const std::uint64_t hash = mixBits(mixBits(hashOfIndex(v[0]) + v[1]) + v[2]);
           for (const std::uint32_t point : v)
             sums[point].fetch_xor(hash, std::memory_order_relaxed);
         }
       }
     });
-    std::vector<std::vector<Face>> found((mesh_.tetCount() + kTetsPerTask - 1) / kTetsPerTask);
-    eachTask([&](std::size_t task, std::size_t begin, std::size_t end) {
-      for (std::size_t tet = begin; tet < end; ++tet) {
-        if (!isKept(tet))
-          continue;
-        for (std::uint32_t opposite = 0; opposite < 4; ++opposite) {
-          const auto v = sortedFace(&mesh_.tets[4 * tet], opposite);
-          if (sums[v[0]] != 0 && sums[v[1]] != 0 && sums[v[2]] != 0)
-            found[task].push_back({v, static_cast<std::uint32_t>(tet), opposite});
-        }
-      }
+    const auto faces = sortedTetFaces(
+        mesh_.tets.data(), mesh_.tetCount(),
+        [&](const TetFace& face) {
+          const auto& v = face.corners;
+          return isKept(face.tet) && sums[v[0]] != 0 && sums[v[1]] != 0 && sums[v[2]] != 0;
+        },
+        progress_);
+    std::vector<TetFace> outer;
+    forEqualFaces(faces, [&](const TetFace* first, const TetFace* last) {
+      if ((last - first) % 2 == 1)
+        outer.push_back(*first);
     });
-    std::vector<Face> faces = joinedVectors<Face>(found);
-    tbb::parallel_sort(faces.begin(), faces.end());
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < faces.size();) {
-      std::size_t next = i + 1;
-      while (next < faces.size() && faces[next].corners == faces[i].corners)
-        ++next;
-      if ((next - i) % 2 == 1)
-        faces[count++] = faces[i];
-      i = next;
-    }
-    faces.resize(count);
-    return faces;
+    return outer;
   }
 
   // A face as it is seen from outside its tet, whichever way the tet is turned.
@@ -141,10 +111,10 @@ private:
     return {v[face[0]], v[face[turned ? 2 : 1]], v[face[turned ? 1 : 2]]};
   }
 
-  void addOutside(const std::vector<Face>& faces) {
+  void addOutside(const std::vector<TetFace>& faces) {
     constexpr std::uint32_t kNone = 0xFFFFFFFFU;
     std::vector<std::uint32_t> number(mesh_.points.size(), kNone);
-    for (const Face& face : faces) {
+    for (const TetFace& face : faces) {
       skin_.tetOfFace.push_back(face.tet);
       for (const std::uint32_t point : outward(face.tet, face.opposite)) {
         if (number[point] == kNone) {

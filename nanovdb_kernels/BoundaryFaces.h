@@ -75,7 +75,7 @@ void orientTets(Backend& b, const LatticePoint* points, u64 pointCount, const u3
             continue;
           }
           const LatticePoint v[4] = {points[id[0]], points[id[1]], points[id[2]], points[id[3]]};
-          if (tetExtent(v) > kMaxTetExtent) {
+          if (boxOf(v[0], v[1], v[2], v[3]).extent() > kMaxTetExtent) {
             orInto(errors, u32(kLongTet));
             signs[t] = 0;
             continue;

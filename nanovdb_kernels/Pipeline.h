@@ -382,7 +382,7 @@ public:
           LatticePoint v[4];
           for (u64 k = 0; k < 4; ++k)
             v[k] = points[tets[4 * t + k]];
-          const VoxelBounds box = boundsOf(v);
+          const TetBox box = voxelBox(boxOf(v[0], v[1], v[2], v[3]));
           for (int k = 0; k < 3; ++k) {
             low[k] = box.min[k] >> 3;
             high[k] = box.max[k] >> 3;

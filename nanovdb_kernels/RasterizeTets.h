@@ -64,12 +64,12 @@ public:
 
   // Corners and box of tet t; false where it owns nothing.
   TETVDB_HD static bool load(const LatticePoint* points, const u32* tets, const std::int8_t* signs,
-                             u64 t, LatticePoint (&v)[4], VoxelBounds& box) {
+                             u64 t, LatticePoint (&v)[4], TetBox& box) {
     if (signs[t] == 0)
       return false;
     for (int k = 0; k < 4; ++k)
       v[k] = points[tets[4 * t + static_cast<u64>(k)]];
-    box = boundsOf(v);
+    box = voxelBox(boxOf(v[0], v[1], v[2], v[3]));
     return !box.empty();
   }
 
@@ -89,7 +89,7 @@ public:
         n + 1, TETVDB_KERNEL(u64 t) {
           count[t] = 0;
           LatticePoint v[4];
-          VoxelBounds box;
+          TetBox box;
           if (t == n || !load(points, tets, signs, t, v, box))
             return;
           TetPlanes tet;

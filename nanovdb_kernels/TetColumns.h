@@ -5,6 +5,7 @@
 #pragma once
 
 #include "FaceColumns.h"
+#include "tetvdb/geometry/TetBox.h"
 #include "tetvdb/geometry/TetFaces.h"
 
 namespace tetvdb::nano {
@@ -32,47 +33,19 @@ struct TetSource {
   const u32* corners; // of the tet
 };
 
-/// Inclusive box of the voxel centres within a tet's box.
-struct VoxelBounds {
-  i64 min[3], max[3];
-  TETVDB_HD bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
-};
-
-TETVDB_HD inline double tetExtent(const LatticePoint (&v)[4]) {
-  const auto along = [](double a, double b, double c, double d) {
-    return most(most(a, b), most(c, d)) - least(least(a, b), least(c, d));
-  };
-  return most(along(v[0].x, v[1].x, v[2].x, v[3].x), along(v[0].y, v[1].y, v[2].y, v[3].y),
-              along(v[0].z, v[1].z, v[2].z, v[3].z));
-}
-
-TETVDB_HD inline VoxelBounds boundsOf(const LatticePoint (&v)[4]) {
-  VoxelBounds b;
-  b.min[0] = ceilVoxel(least(least(v[0].x, v[1].x), least(v[2].x, v[3].x)));
-  b.max[0] = floorVoxel(most(most(v[0].x, v[1].x), most(v[2].x, v[3].x)));
-  b.min[1] = ceilVoxel(least(least(v[0].y, v[1].y), least(v[2].y, v[3].y)));
-  b.max[1] = floorVoxel(most(most(v[0].y, v[1].y), most(v[2].y, v[3].y)));
-  b.min[2] = ceilVoxel(least(least(v[0].z, v[1].z), least(v[2].z, v[3].z)));
-  b.max[2] = floorVoxel(most(most(v[0].z, v[1].z), most(v[2].z, v[3].z)));
-  return b;
-}
-
 /// Finds the planes of a tet of orientation `sign` != 0 whose box has voxels. Up to 32 voxels of
 /// extent the normals are exact in double, beyond they are made of integers.
-TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const VoxelBounds& box,
+TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const TetBox& box,
                                     TetPlanes& t) {
   t.sign = sign;
   for (int k = 0; k < 3; ++k) {
     t.min[k] = static_cast<i32>(box.min[k]);
     t.max[k] = static_cast<i32>(box.max[k]);
   }
-  const auto along = [](double a, double b, double c, double d) {
-    return most(most(a, b), most(c, d)) - least(least(a, b), least(c, d));
-  };
-  const double ex = along(v[0].x, v[1].x, v[2].x, v[3].x),
-               ey = along(v[0].y, v[1].y, v[2].y, v[3].y),
-               ez = along(v[0].z, v[1].z, v[2].z, v[3].z);
-  const bool narrow = most(ex, ey, ez) <= static_cast<double>(i64(1) << 25);
+  const LatticeBox corners = boxOf(v[0], v[1], v[2], v[3]);
+  const double ex = corners.high.x - corners.low.x, ey = corners.high.y - corners.low.y,
+               ez = corners.high.z - corners.low.z;
+  const bool narrow = corners.extent() <= static_cast<double>(i64(1) << 25);
   const double columnsX = ex * kVoxelsPerUnit + 1, columnsY = ey * kVoxelsPerUnit + 1,
                height = ez * kVoxelsPerUnit + 256;
   const double first[3] = {static_cast<double>(t.min[0]), static_cast<double>(t.min[1]),

@@ -5,6 +5,7 @@
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/Ownership.h"
+#include "tetvdb/geometry/TetBox.h"
 
 #include <algorithm>
 #include <atomic>
@@ -257,13 +258,8 @@ private:
   }
 
   void checkExtent(const std::uint32_t* v) const {
-    const LatticePoint *a = &mesh_.points[v[0]], *b = &mesh_.points[v[1]], *c = &mesh_.points[v[2]],
-                       *d = &mesh_.points[v[3]];
-    const auto extent = [&](double LatticePoint::*k) {
-      return std::max({a->*k, b->*k, c->*k, d->*k}) - std::min({a->*k, b->*k, c->*k, d->*k});
-    };
-    if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
-        kMaxTetExtent)
+    if (boxOf(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]])
+            .extent() > kMaxTetExtent)
       throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
   }
 

@@ -93,16 +93,8 @@ void checkExtent(const SnappedMesh& mesh, std::size_t tet, const TetBox& box) {
       continue;
     else {
       const std::uint32_t* v = mesh.tets + 4 * tet;
-      const auto extent = [&](double LatticePoint::*c) {
-        double low = mesh.points[v[0]].*c, high = low;
-        for (int i = 1; i < 4; ++i) {
-          low = std::min(low, mesh.points[v[i]].*c);
-          high = std::max(high, mesh.points[v[i]].*c);
-        }
-        return high - low;
-      };
-      if (std::max({extent(&LatticePoint::x), extent(&LatticePoint::y), extent(&LatticePoint::z)}) >
-          kMaxTetExtent)
+      if (boxOf(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]])
+              .extent() > kMaxTetExtent)
         throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
       return;
     }

@@ -90,13 +90,10 @@ TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
   const std::uint32_t* id = mesh.tets + 4 * index;
   for (int i = 0; i < 4; ++i)
     t.v[i] = mesh.points[id[i]];
-  const auto extent = [&](double LatticePoint::*k) {
-    return std::max(std::max(t.v[0].*k, t.v[1].*k), std::max(t.v[2].*k, t.v[3].*k)) -
-           std::min(std::min(t.v[0].*k, t.v[1].*k), std::min(t.v[2].*k, t.v[3].*k));
-  };
-  const double ex = extent(&LatticePoint::x), ey = extent(&LatticePoint::y),
-               ez = extent(&LatticePoint::z);
-  const double size = std::max(std::max(ex, ey), ez);
+  const LatticeBox box = boxOf(t.v[0], t.v[1], t.v[2], t.v[3]);
+  const double ex = box.high.x - box.low.x, ey = box.high.y - box.low.y,
+               ez = box.high.z - box.low.z;
+  const double size = box.extent();
 
   double n[4][3]; // inward normals of a positive tet
   if (size <= kExactExtent) {
@@ -259,17 +256,7 @@ TETVDB_INLINE void rasterize(const Tet& t, const TetBox& box, const SlabOrigin& 
 }
 
 TETVDB_INLINE TetBox boxOf(const Tet& t) {
-  TetBox box;
-  const auto axis = [&](double LatticePoint::*k, int i) {
-    box.min[i] =
-        ceilVoxel(std::min(std::min(t.v[0].*k, t.v[1].*k), std::min(t.v[2].*k, t.v[3].*k)));
-    box.max[i] =
-        floorVoxel(std::max(std::max(t.v[0].*k, t.v[1].*k), std::max(t.v[2].*k, t.v[3].*k)));
-  };
-  axis(&LatticePoint::x, 0);
-  axis(&LatticePoint::y, 1);
-  axis(&LatticePoint::z, 2);
-  return box;
+  return voxelBox(boxOf(t.v[0], t.v[1], t.v[2], t.v[3]));
 }
 
 TETVDB_INLINE void countOrientation(const Tet& t, const TetBox& box, const SlabOrigin& slab,

@@ -3,6 +3,7 @@
 // The voxels of a slab that tets own, exactly.
 #pragma once
 
+#include "tetvdb/geometry/TetBox.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 
@@ -30,17 +31,6 @@ struct OrientationCounts {
   }
 };
 
-/// Inclusive box of the voxel centres within the box of a tet; empty where min > max.
-struct TetBox {
-  std::int64_t min[3], max[3];
-  bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
-  /// Whether it spans three nodes or more along an axis, so that a node may lie wholly inside or
-  /// outside of what the box is around.
-  bool spansNodes() const {
-    const auto spans = [&](int k) { return (max[k] >> 7) - (min[k] >> 7) >= 2; };
-    return spans(0) || spans(1) || spans(2);
-  }
-};
 TetBox voxelBox(const SnappedMesh& mesh, std::size_t tet);
 
 /// Sets the bits of all voxels owned by any of `count` tets. Along a row, each face plane bounds

@@ -16,7 +16,7 @@ namespace exact_volume {
 
 using Point = std::array<double, 3>;
 
-/// A whole number: its sign, and digits of 32 bits, the least first.
+/// A whole number: its sign, and digits of 32 bits, the lowest first.
 class Whole {
 public:
   /// value * 2^-unit, which is whole.
@@ -72,7 +72,7 @@ private:
     while (!digits_.empty() && digits_.back() == 0)
       digits_.pop_back();
   }
-  bool smallerThan(const Whole& other) const { // in magnitude
+  bool smallerThan(const Whole& other) const { // of absolute values
     if (digits_.size() != other.digits_.size())
       return digits_.size() < other.digits_.size();
     return std::lexicographical_compare(digits_.rbegin(), digits_.rend(), other.digits_.rbegin(),
@@ -141,23 +141,23 @@ inline int signByWholes(const Point& a, const Point& b, const Point& c, const Po
 
 /// Six times the signed volume, rounded.
 inline long double sixfold(const Point& a, const Point& b, const Point& c, const Point& d,
-                           long double& magnitude) {
+                           long double& absSum) {
   using Real = long double;
   const Real ux = Real(b[0]) - a[0], uy = Real(b[1]) - a[1], uz = Real(b[2]) - a[2];
   const Real vx = Real(c[0]) - a[0], vy = Real(c[1]) - a[1], vz = Real(c[2]) - a[2];
   const Real wx = Real(d[0]) - a[0], wy = Real(d[1]) - a[1], wz = Real(d[2]) - a[2];
-  magnitude = std::abs(wx) * (std::abs(uy * vz) + std::abs(uz * vy)) +
-              std::abs(wy) * (std::abs(uz * vx) + std::abs(ux * vz)) +
-              std::abs(wz) * (std::abs(ux * vy) + std::abs(uy * vx));
+  absSum = std::abs(wx) * (std::abs(uy * vz) + std::abs(uz * vy)) +
+           std::abs(wy) * (std::abs(uz * vx) + std::abs(ux * vz)) +
+           std::abs(wz) * (std::abs(ux * vy) + std::abs(uy * vx));
   return wx * (uy * vz - uz * vy) + wy * (uz * vx - ux * vz) + wz * (ux * vy - uy * vx);
 }
 
 /// The same, quick where rounding (a dozen units of 2^-53 at most, whatever a long double is)
 /// cannot change it.
 inline int sign(const Point& a, const Point& b, const Point& c, const Point& d) {
-  long double magnitude = 0;
-  const long double volume = sixfold(a, b, c, d, magnitude);
-  if (std::abs(volume) > 0x1p-49L * magnitude)
+  long double absSum = 0;
+  const long double volume = sixfold(a, b, c, d, absSum);
+  if (std::abs(volume) > 0x1p-49L * absSum)
     return volume > 0 ? 1 : -1;
   return signByWholes(a, b, c, d);
 }

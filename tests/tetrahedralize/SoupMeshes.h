@@ -70,9 +70,9 @@ inline TetComplex complexOf(const std::vector<Vec3d>& points, double grain) {
   }
   connect(complex, std::vector<Chain>(complex.tets.size(), 0));
   for (const auto& tet : complex.tets)
-    for (unsigned slot = 0; slot < 4; ++slot)
-      if (tet.neighbours[slot] == TetComplex::kOutside)
-        for (const std::uint32_t p : keyOfFace(tet.corners, slot))
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      if (tet.neighbours[localFace] == TetComplex::kOutside)
+        for (const std::uint32_t p : keyOfFace(tet.corners, localFace))
           complex.points[p].fixed = true;
   return complex;
 }
@@ -177,7 +177,7 @@ inline std::string bytesOf(const TetComplex& complex) {
     put(point.at);
     put(point.tet);
     put(point.fixed);
-    put(point.rim);
+    put(point.onBoundary);
   }
   for (const auto& tet : complex.tets) {
     put(tet.corners);

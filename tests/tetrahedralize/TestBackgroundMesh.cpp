@@ -222,7 +222,7 @@ TEST(DelaunayTets, CollinearPoints) {
     along.push_back({7.0 * i, 0, 0});
     diagonal.push_back({3.0 * i, 5.0 * i, -7.0 * i});
   }
-  for (int i = 0; i < 600; ++i) // each piece of one line makes a tet with each of the other
+  for (int i = 0; i < 600; ++i) // each interval of one line makes a tet with each of the other
     two.push_back(i % 2 == 0 ? Vec3d{1.0 * i, 300, 0} : Vec3d{300, 1.0 * i, 1000});
   for (const auto* line : {&along, &diagonal, &two})
     for (const double grow : {0.0, 1.0, 1e6}) {
@@ -319,13 +319,13 @@ LatticeSoup someSoup(double scale) {
 }
 
 double nearestFace(const LatticeSoup& soup, const Vec3d& p) {
-  double least = Box::kInfinity;
+  double minValue = Box::kInfinity;
   for (const auto& f : soup.faces)
-    least =
-        std::min(least, nearestOnTriangle(minus(soup.points[f[0]], p), minus(soup.points[f[1]], p),
+    minValue = std::min(minValue,
+                        nearestOnTriangle(minus(soup.points[f[0]], p), minus(soup.points[f[1]], p),
                                           minus(soup.points[f[2]], p))
                             .squared);
-  return std::sqrt(least);
+  return std::sqrt(minValue);
 }
 
 TEST(BackgroundPoints, FillTheBoxAwayFromTheSoup) {
@@ -358,10 +358,10 @@ TEST(BackgroundPoints, FillTheBoxAwayFromTheSoup) {
     Vec3d p{};
     for (std::size_t axis = 0; axis < 3; ++axis)
       p[axis] = random.between(box.low[axis], box.high[axis]);
-    double least = nearestFace(soup, p);
+    double minValue = nearestFace(soup, p);
     for (const Vec3d& q : points)
-      least = std::min(least, length(minus(p, q)));
-    EXPECT_LT(least, 1.0 * kSpacing);
+      minValue = std::min(minValue, length(minus(p, q)));
+    EXPECT_LT(minValue, 1.0 * kSpacing);
   }
   expectFillsBox(points, delaunayTets(points, 1, progress));
 }

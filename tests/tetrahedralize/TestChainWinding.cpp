@@ -21,10 +21,10 @@ ChainWinding windingOf(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
     faces.push_back(
         {at(mesh.triangles[i]), at(mesh.triangles[i + 1]), at(mesh.triangles[i + 2]), 1});
-  std::vector<RimEdge> rim;
+  std::vector<RimEdge> boundary;
   for (const IndexedRimEdge& edge : soupRim(mesh.triangles, progress).edges)
-    rim.push_back({at(edge.a), at(edge.b), edge.weight});
-  return ChainWinding(std::move(faces), std::move(rim));
+    boundary.push_back({at(edge.a), at(edge.b), edge.weight});
+  return ChainWinding(std::move(faces), std::move(boundary));
 }
 
 TriangleMesh onLattice(const TriangleMesh& mesh, double scale) {

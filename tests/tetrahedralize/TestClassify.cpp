@@ -34,18 +34,18 @@ template <typename Choose>
 std::vector<std::array<std::uint32_t, 3>> forget(TetComplex& complex, const Choose& choose) {
   std::vector<std::array<std::uint32_t, 3>> faces;
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
-    for (unsigned slot = 0; slot < 4; ++slot) {
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
       TetComplex::Tet& tet = complex.tets[t];
-      const auto& at = kFaceCorners[slot];
+      const auto& at = kFaceCorners[localFace];
       const std::array<std::uint32_t, 3> face{tet.corners[at[0]], tet.corners[at[1]],
                                               tet.corners[at[2]]};
-      if (tet.chains[slot] <= 0 || !choose(complex.at(face[0])))
+      if (tet.chains[localFace] <= 0 || !choose(complex.at(face[0])))
         continue;
       faces.push_back(face);
-      TetComplex::Tet& other = complex.tets[tet.neighbours[slot]];
-      const unsigned back = complex.slotOf(tet.neighbours[slot], t);
-      tet.chains[slot] = other.chains[back] = 0;
-      tet.tracked[slot] = other.tracked[back] = false;
+      TetComplex::Tet& other = complex.tets[tet.neighbours[localFace]];
+      const unsigned back = complex.localFaceOf(tet.neighbours[localFace], t);
+      tet.chains[localFace] = other.chains[back] = 0;
+      tet.tracked[localFace] = other.tracked[back] = false;
     }
   return faces;
 }
@@ -101,15 +101,15 @@ TEST(Classify, TellsPackedInputsApart) {
   TetComplex complex = cubeMesh(kCells, kStep, 0.2, [](const Vec3d&) { return 0; });
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
     TetComplex::Tet& tet = complex.tets[t];
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      if (tet.neighbours[slot] == TetComplex::kOutside)
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      if (tet.neighbours[localFace] == TetComplex::kOutside)
         continue;
       const Vec3d here = centreOf(complex, tet);
-      const Vec3d there = centreOf(complex, complex.tets[tet.neighbours[slot]]);
+      const Vec3d there = centreOf(complex, complex.tets[tet.neighbours[localFace]]);
       for (std::size_t input = 0; input < inputs; ++input) {
         const int change = windingOf(input, here) - windingOf(input, there);
         ASSERT_LT(std::abs(change), 4) << "a digit's width";
-        tet.chains[slot] += change * unitChain(input, inputs);
+        tet.chains[localFace] += change * unitChain(input, inputs);
       }
     }
   }
@@ -187,10 +187,10 @@ TEST(Classify, OpenAndClosedInputsTogether) {
   forget(complex, [&](const Vec3d& p) { return p[0] > kMiddle + 2 * kStep; });
   const std::vector<std::uint16_t> alone = classify(complex, 1);
   for (TetComplex::Tet& tet : complex.tets)
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tet.neighbours[slot];
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = tet.neighbours[localFace];
       if (next != TetComplex::kOutside)
-        tet.chains[slot] +=
+        tet.chains[localFace] +=
             (other(centreOf(complex, tet)) - other(centreOf(complex, complex.tets[next]))) *
             unitChain(1, 3);
     }

@@ -85,10 +85,10 @@ TEST(EdgeSizes, FollowTheSurfaceAndGrowFromThere) {
       continue;
     }
     // No smaller than some point of the surface asks for.
-    double least = std::numeric_limits<double>::infinity();
+    double minValue = std::numeric_limits<double>::infinity();
     for (const auto& [q, length] : asked)
-      least = std::min(least, length + kGrowth * distance(complex.at(p), complex.at(q)));
-    EXPECT_GE(size, least / kQuantum * (1 - 1e-9));
+      minValue = std::min(minValue, length + kGrowth * distance(complex.at(p), complex.at(q)));
+    EXPECT_GE(size, minValue / kQuantum * (1 - 1e-9));
     if (asked.count(p) != 0) {
       EXPECT_LE(size, asked[p] * (1 + 1e-9));
     }

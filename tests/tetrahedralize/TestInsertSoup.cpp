@@ -126,11 +126,11 @@ void expectWinding(const Inserted& made, const std::vector<TriangleMesh>& meshes
   while (!ahead.empty()) {
     const std::uint32_t t = ahead.back();
     ahead.pop_back();
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tets[t].neighbours[slot];
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = tets[t].neighbours[localFace];
       if (next == TetComplex::kOutside)
         continue;
-      const Chain there = winding[t] - tets[t].chains[slot];
+      const Chain there = winding[t] - tets[t].chains[localFace];
       if (known[next] == 0) {
         known[next] = 1;
         winding[next] = there;
@@ -287,8 +287,8 @@ TEST(SoupInsertion, LongThinTrianglesThroughOneAnother) {
         const std::vector<bool> held = isFixed();
         before += complex.tetCount();
         Progress progress;
-        const Envelope surface(soup.points, soup.faces, kReach), rim({}, {}, kReach);
-        coarsen(complex, {surface, rim, kReach}, progress);
+        const Envelope surface(soup.points, soup.faces, kReach), boundary({}, {}, kReach);
+        coarsen(complex, {surface, boundary, kReach}, progress);
         after += complex.tetCount();
         ++calls;
         EXPECT_TRUE(isFixed() == held);
@@ -300,9 +300,9 @@ TEST(SoupInsertion, LongThinTrianglesThroughOneAnother) {
   expectWinding(made, tubes);
   // What was held is free again, but for the box.
   for (const TetComplex::Tet& tet : made.complex.tets)
-    for (unsigned slot = 0; tet.exists() && slot < 4; ++slot)
-      for (const unsigned corner : kFaceCorners[slot]) {
-        EXPECT_FALSE(tet.tracked[slot] && made.complex.points[tet.corners[corner]].fixed);
+    for (unsigned localFace = 0; tet.exists() && localFace < 4; ++localFace)
+      for (const unsigned corner : kFaceCorners[localFace]) {
+        EXPECT_FALSE(tet.tracked[localFace] && made.complex.points[tet.corners[corner]].fixed);
       }
 }
 
@@ -342,16 +342,16 @@ TEST(SoupInsertion, OpenEdgesAreMarked) {
         const Vec3d &a = made.soup.points[edge.first], &b = made.soup.points[edge.second];
         toRim.add({a, b, b});
         ++open;
-        EXPECT_TRUE(made.complex.points[edge.first + kFirst].rim);
-        EXPECT_TRUE(made.complex.points[edge.second + kFirst].rim);
+        EXPECT_TRUE(made.complex.points[edge.first + kFirst].onBoundary);
+        EXPECT_TRUE(made.complex.points[edge.second + kFirst].onBoundary);
       }
     EXPECT_GT(open, 10u);
     double farthest = 0;
     for (const auto& point : made.complex.points)
-      if (point.rim)
+      if (point.onBoundary)
         farthest = std::max(farthest, toRim(point.at));
     EXPECT_LE(farthest, made.reach);
-    // Where the chain ends, there is a rim. (A strip that cannot be oriented
+    // Where the chain ends, there is a boundary. (A strip that cannot be oriented
     // ends also within.)
     const TrackedFaces surface = trackedFaces(made.complex);
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> sums;
@@ -360,13 +360,13 @@ TEST(SoupInsertion, OpenEdgesAreMarked) {
         ++sums[std::minmax(face[i], face[(i + 1) % 3])];
     for (const auto& [edge, faces] : sums)
       if (faces == 1) {
-        EXPECT_TRUE(made.complex.points[edge.first].rim);
-        EXPECT_TRUE(made.complex.points[edge.second].rim);
+        EXPECT_TRUE(made.complex.points[edge.first].onBoundary);
+        EXPECT_TRUE(made.complex.points[edge.second].onBoundary);
       }
   }
   const Inserted closed = inserted({meshes::sphere()});
   for (const auto& point : closed.complex.points)
-    EXPECT_FALSE(point.rim);
+    EXPECT_FALSE(point.onBoundary);
 }
 
 TEST(SoupInsertion, TheSameMeshForAnyNumberOfThreads) {

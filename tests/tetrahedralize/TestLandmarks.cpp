@@ -24,12 +24,12 @@ Envelope envelopeOf(const TriangleMesh& mesh, double epsilon) {
 
 TEST(Landmarks, AreCornersAndPointsOfSharpEdges) {
   const Envelope cube = envelopeOf(meshes::box(), 0.1);
-  // Twelve edges in ten pieces each; the sides' diagonals are flat.
+  // Twelve edges in ten intervals each; the sides' diagonals are flat.
   EXPECT_EQ(Landmarks(cube, 0.1001).size(), 8u + 12 * 9);
   EXPECT_EQ(Landmarks(cube, 2).size(), 8u);
   const Envelope fine = envelopeOf(meshes::box({0, 0, 0}, {1, 1, 1}, 4), 0.1);
   EXPECT_EQ(Landmarks(fine, 0.25001).size(), 6u * 16 + 2);
-  // A rim is sharp.
+  // A boundary edge is sharp.
   const Envelope square = envelopeOf(meshes::sheet(1), 0.1);
   EXPECT_GT(Landmarks(square, 0.01).size(), 200u);
   EXPECT_EQ(Landmarks(Envelope({}, {}, 1), 1).size(), 0u);
@@ -85,14 +85,14 @@ TEST(Landmarks, TheSameAsLookingAtEveryOne) {
   // Faces that are points: distances need no more than Pythagoras.
   meshes::Random random(1);
   const auto squareTo = [](const Vec3d& p, const std::vector<Face>& faces) {
-    double least = 1e9;
+    double minValue = 1e9;
     for (const Face& face : faces) {
       double square = 0;
       for (std::size_t axis = 0; axis < 3; ++axis)
         square += (p[axis] - face[0][axis]) * (p[axis] - face[0][axis]);
-      least = std::min(least, square);
+      minValue = std::min(minValue, square);
     }
-    return least;
+    return minValue;
   };
   std::array<int, 2> answers{0, 0};
   for (int i = 0; i < 2000; ++i) {

@@ -19,15 +19,15 @@ const Vec3d kCentre{kMiddle, kMiddle, kMiddle};
 TetComplex bowl() {
   TetComplex complex = cubeMesh(kCells, kStep, 0.2, ballAt(kCentre, 3.2 * kStep));
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
-    for (unsigned slot = 0; slot < 4; ++slot) {
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
       TetComplex::Tet& tet = complex.tets[t];
-      if (tet.chains[slot] == 0 || tet.neighbours[slot] == TetComplex::kOutside ||
-          complex.at(tet.corners[kFaceCorners[slot][0]])[0] < kMiddle)
+      if (tet.chains[localFace] == 0 || tet.neighbours[localFace] == TetComplex::kOutside ||
+          complex.at(tet.corners[kFaceCorners[localFace][0]])[0] < kMiddle)
         continue;
-      TetComplex::Tet& other = complex.tets[tet.neighbours[slot]];
-      const unsigned back = complex.slotOf(tet.neighbours[slot], t);
-      tet.chains[slot] = other.chains[back] = 0;
-      tet.tracked[slot] = other.tracked[back] = false;
+      TetComplex::Tet& other = complex.tets[tet.neighbours[localFace]];
+      const unsigned back = complex.localFaceOf(tet.neighbours[localFace], t);
+      tet.chains[localFace] = other.chains[back] = 0;
+      tet.tracked[localFace] = other.tracked[back] = false;
     }
   return complex;
 }
@@ -84,9 +84,9 @@ TEST(RefineHoles, SurfaceComesNearTheWindingNumbersAsTetsGetSmall) {
   std::size_t ends = 0;
   for (std::size_t t = 0; t < complex.tets.size(); ++t) {
     const TetComplex::Tet& tet = complex.tets[t];
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (tet.neighbours[slot] == TetComplex::kOutside || tet.chains[slot] != 0 ||
-          inside[tet.neighbours[slot]] == inside[t])
+    for (std::size_t localFace = 0; localFace < 4; ++localFace) {
+      if (tet.neighbours[localFace] == TetComplex::kOutside || tet.chains[localFace] != 0 ||
+          inside[tet.neighbours[localFace]] == inside[t])
         continue;
       ++ends;
       for (std::size_t i = 0; i < 4; ++i)
@@ -124,11 +124,12 @@ TEST(RefineHoles, ClosedInputsKeepWhatTheyHave) {
     return sum;
   };
   for (TetComplex::Tet& tet : complex.tets)
-    for (unsigned slot = 0; slot < 4; ++slot)
-      if (tet.neighbours[slot] != TetComplex::kOutside) {
-        const Chain change = ball(centre(tet)) - ball(centre(complex.tets[tet.neighbours[slot]]));
-        tet.chains[slot] += change * unitChain(1, 2);
-        tet.tracked[slot] = tet.tracked[slot] || change != 0;
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      if (tet.neighbours[localFace] != TetComplex::kOutside) {
+        const Chain change =
+            ball(centre(tet)) - ball(centre(complex.tets[tet.neighbours[localFace]]));
+        tet.chains[localFace] += change * unitChain(1, 2);
+        tet.tracked[localFace] = tet.tracked[localFace] || change != 0;
       }
   std::vector<std::uint16_t> inside = insideOf(complex, 2, {}, {}, progress);
   refineHoles(complex, 2, {}, {}, kStep / 2, 200000, inside, progress);

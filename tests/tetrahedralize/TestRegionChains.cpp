@@ -28,9 +28,9 @@ struct TwoBalls {
       if (next == TetComplex::kOutside)
         continue;
       complex.tets[t].tracked[2] = true;
-      complex.tets[next].tracked[complex.slotOf(next, t)] = true;
+      complex.tets[next].tracked[complex.localFaceOf(next, t)] = true;
     }
-    complex.points[100].rim = true;
+    complex.points[100].onBoundary = true;
   }
 };
 
@@ -47,22 +47,22 @@ TEST(RegionChains, OnlyWhatPartsRegionsIsTracked) {
       for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
         const TetComplex::Tet& tet = complex.tets[t];
         EXPECT_EQ(tet.weight < 1, region(t) == kOutsideRegion && !keepOutside);
-        for (unsigned slot = 0; slot < 4; ++slot) {
-          const std::uint32_t next = tet.neighbours[slot];
+        for (unsigned localFace = 0; localFace < 4; ++localFace) {
+          const std::uint32_t next = tet.neighbours[localFace];
           const std::int32_t other = next == TetComplex::kOutside ? kOutsideRegion : region(next);
-          EXPECT_EQ(tet.tracked[slot], region(t) != other);
+          EXPECT_EQ(tet.tracked[localFace], region(t) != other);
           Chain expected = 0; // of region r digit r - 1, sixteen bits each
           if (region(t) != other) {
             expected += region(t) == 1 ? 1 : region(t) == 2 ? 1 << 16 : 0;
             expected -= other == 1 ? 1 : other == 2 ? 1 << 16 : 0;
           }
-          EXPECT_EQ(tet.chains[slot], expected);
-          walls += tet.tracked[slot];
+          EXPECT_EQ(tet.chains[localFace], expected);
+          walls += tet.tracked[localFace];
         }
       }
       EXPECT_GT(walls, 50u);
       for (const TetComplex::Point& point : complex.points)
-        EXPECT_FALSE(point.rim);
+        EXPECT_FALSE(point.onBoundary);
       expectClosed(trackedFaces(complex), rule == Boolean::Materials);
     }
 }
@@ -73,16 +73,16 @@ TEST(RegionChains, NothingIsChangedWhereInsideEndsAtNoFace) {
   // A hole of one face.
   for (std::uint32_t t = 0;; ++t) {
     ASSERT_LT(t, complex.tets.size());
-    unsigned slot = 0;
-    while (slot < 4 && (complex.tets[t].chains[slot] == 0 ||
-                        complex.tets[t].neighbours[slot] == TetComplex::kOutside))
-      ++slot;
-    if (slot == 4)
+    unsigned localFace = 0;
+    while (localFace < 4 && (complex.tets[t].chains[localFace] == 0 ||
+                             complex.tets[t].neighbours[localFace] == TetComplex::kOutside))
+      ++localFace;
+    if (localFace == 4)
       continue;
-    const std::uint32_t next = complex.tets[t].neighbours[slot];
-    const unsigned back = complex.slotOf(next, t);
-    complex.tets[t].tracked[slot] = complex.tets[next].tracked[back] = false;
-    complex.tets[t].chains[slot] = complex.tets[next].chains[back] = 0;
+    const std::uint32_t next = complex.tets[t].neighbours[localFace];
+    const unsigned back = complex.localFaceOf(next, t);
+    complex.tets[t].tracked[localFace] = complex.tets[next].tracked[back] = false;
+    complex.tets[t].chains[localFace] = complex.tets[next].chains[back] = 0;
     break;
   }
   const TetComplex before = complex;

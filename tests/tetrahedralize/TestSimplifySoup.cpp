@@ -56,16 +56,16 @@ double distanceTo(const LatticeSoup& soup, const Vec3d& p) {
 
 // The largest distance from places on one soup's faces to another soup.
 double farthest(const LatticeSoup& from, const LatticeSoup& to, int cuts) {
-  double most = 0;
+  double maxValue = 0;
   for (const auto& f : from.faces)
     for (int i = 0; i <= cuts; ++i)
       for (int j = 0; i + j <= cuts; ++j) {
         const Vec3d p = plus(times(from.points[f[0]], double(i) / cuts),
                              plus(times(from.points[f[1]], double(j) / cuts),
                                   times(from.points[f[2]], double(cuts - i - j) / cuts)));
-        most = std::max(most, distanceTo(to, p));
+        maxValue = std::max(maxValue, distanceTo(to, p));
       }
-  return most;
+  return maxValue;
 }
 
 using Edges = std::map<std::pair<std::uint32_t, std::uint32_t>, int>;
@@ -89,14 +89,14 @@ double volume(const LatticeSoup& soup) {
 }
 
 // Edges of one face or more than two, as places.
-std::set<std::array<Vec3d, 2>> rimOf(const LatticeSoup& soup) {
-  std::set<std::array<Vec3d, 2>> rim;
+std::set<std::array<Vec3d, 2>> boundaryEdges(const LatticeSoup& soup) {
+  std::set<std::array<Vec3d, 2>> boundary;
   for (const auto& [edge, count] : edgesOf(soup))
     if (count != 2) {
       const Vec3d &a = soup.points[edge.first], &b = soup.points[edge.second];
-      rim.insert({std::min(a, b), std::max(a, b)});
+      boundary.insert({std::min(a, b), std::max(a, b)});
     }
-  return rim;
+  return boundary;
 }
 
 void expectPromises(const LatticeSoup& soup) {
@@ -130,7 +130,7 @@ Simplified simplified(const LatticeSoup& before, double radius) {
   expectPromises(after.soup);
   EXPECT_EQ(after.soup.faces.size(), before.faces.size() - 2 * after.counts.collapses);
   EXPECT_EQ(eulerCharacteristic(after.soup), eulerCharacteristic(before));
-  EXPECT_EQ(rimOf(after.soup), rimOf(before));
+  EXPECT_EQ(boundaryEdges(after.soup), boundaryEdges(before));
   EXPECT_LE(farthest(after.soup, before, 5), radius * kScale * (1 + 1e-9));
   // Points and middles of edges are held exactly, what is between them nearly so.
   for (const Vec3d& p : before.points)
@@ -164,10 +164,10 @@ TEST(SimplifySoup, BoxKeepsItsEdges) {
   EXPECT_LT(simplified(before, 1e-7).soup.faces.size(), 150u);
 }
 
-TEST(SimplifySoup, RimOfASheetStays) {
+TEST(SimplifySoup, BoundaryOfASheetStays) {
   const LatticeSoup before = soupOf(meshes::sheet(16));
   const Simplified after = simplified(before, 1e-3);
-  EXPECT_LT(after.soup.faces.size(), 200u); // 64 points of the rim: 62 faces at least
+  EXPECT_LT(after.soup.faces.size(), 200u); // 64 points of the boundary: 62 faces at least
   for (std::size_t f = 0; f < after.soup.faces.size(); ++f) {
     const auto& face = after.soup.faces[f];
     const Vec3d normal = cross(minus(after.soup.points[face[1]], after.soup.points[face[0]]),

@@ -21,17 +21,17 @@ void expectConnected(const TetComplex& complex) {
   std::map<FaceKey, std::vector<std::uint32_t>> tetsOfFace;
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
     if (complex.tets[t].exists())
-      for (unsigned slot = 0; slot < 4; ++slot)
-        tetsOfFace[keyOfFace(complex.tets[t].corners, slot)].push_back(t);
+      for (unsigned localFace = 0; localFace < 4; ++localFace)
+        tetsOfFace[keyOfFace(complex.tets[t].corners, localFace)].push_back(t);
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
     if (complex.tets[t].exists())
-      for (unsigned slot = 0; slot < 4; ++slot) {
-        const auto& both = tetsOfFace[keyOfFace(complex.tets[t].corners, slot)];
+      for (unsigned localFace = 0; localFace < 4; ++localFace) {
+        const auto& both = tetsOfFace[keyOfFace(complex.tets[t].corners, localFace)];
         ASSERT_LE(both.size(), 2u);
         const std::uint32_t expected = both.size() == 1 ? TetComplex::kOutside
                                        : both[0] == t   ? both[1]
                                                         : both[0];
-        EXPECT_EQ(complex.tets[t].neighbours[slot], expected);
+        EXPECT_EQ(complex.tets[t].neighbours[localFace], expected);
       }
 }
 
@@ -47,18 +47,19 @@ std::vector<std::uint32_t> tetsWith(const TetComplex& complex,
 }
 
 // A face between two tets gives way to the edge between their tips. False where that cannot be.
-bool flipFace(TetComplex& complex, std::uint32_t t, unsigned slot) {
+bool flipFace(TetComplex& complex, std::uint32_t t, unsigned localFace) {
   const TetComplex::Tet tet = complex.tets[t];
-  const std::uint32_t other = tet.neighbours[slot];
-  if (other == TetComplex::kOutside || tet.tracked[slot])
+  const std::uint32_t other = tet.neighbours[localFace];
+  if (other == TetComplex::kOutside || tet.tracked[localFace])
     return false;
   const TetComplex::Tet beyond = complex.tets[other];
-  const std::uint32_t top = tet.corners[slot], bottom = beyond.corners[complex.slotOf(other, t)];
+  const std::uint32_t top = tet.corners[localFace],
+                      bottom = beyond.corners[complex.localFaceOf(other, t)];
   std::vector<TetComplex::NewTet> fresh;
   for (unsigned k = 0; k < 3; ++k) {
     // Seen from outside of tet, a, b, c turn counter-clockwise; bottom is on that side.
-    const std::uint32_t a = tet.corners[kFaceCorners[slot][k]];
-    const std::uint32_t b = tet.corners[kFaceCorners[slot][(k + 1) % 3]];
+    const std::uint32_t a = tet.corners[kFaceCorners[localFace][k]];
+    const std::uint32_t b = tet.corners[kFaceCorners[localFace][(k + 1) % 3]];
     TetComplex::NewTet one;
     one.corners = {a, b, bottom, top};
     if (!complex.isPositive(one.corners))

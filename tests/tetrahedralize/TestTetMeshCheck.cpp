@@ -113,7 +113,7 @@ TEST(TetMeshCheck, FindsTheCubeTooSmallOrTooLarge) {
     const TetMeshCheck strict = checkTetMesh(other, cubeOfTriangles(), 0.001, kSamples);
     EXPECT_EQ(strict.faults(), "far-surface wrong-side") << strict.json();
     EXPECT_GT(strict.farPoints, 1000u);
-    // Half an epsilon off a side's rim is another side.
+    // Half an epsilon off a side's boundary is another side.
     EXPECT_GT(strict.lostPoints, 0.95 * static_cast<double>(strict.judgedFarPoints));
   }
 }

@@ -21,9 +21,9 @@ std::map<FaceKey, std::pair<Chain, bool>> surfaceOf(const TetComplex& complex) {
   std::map<FaceKey, std::pair<Chain, bool>> result;
   for (const auto& tet : complex.tets)
     if (tet.exists())
-      for (unsigned slot = 0; slot < 4; ++slot)
-        if (tet.tracked[slot])
-          result[keyOfFace(tet.corners, slot)] = {std::abs(tet.chains[slot]), true};
+      for (unsigned localFace = 0; localFace < 4; ++localFace)
+        if (tet.tracked[localFace])
+          result[keyOfFace(tet.corners, localFace)] = {std::abs(tet.chains[localFace]), true};
   return result;
 }
 

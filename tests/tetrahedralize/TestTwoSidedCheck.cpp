@@ -217,10 +217,10 @@ TEST(TwoSidedCheck, HolesAreClosedFarFromTheInput) {
   // Without its top the cube's winding number passes one half in the plane where the top was.
   const TriangleMesh cube = meshes::box({0, 0, 0}, {1, 1, 1}, 8);
   const TriangleMesh open = meshes::without(cube, [&](std::size_t face) {
-    double least = 1;
+    double minValue = 1;
     for (std::size_t k = 0; k < 3; ++k)
-      least = std::min(least, cube.points[cube.triangles[3 * face + k]][2]);
-    return least == 1;
+      minValue = std::min(minValue, cube.points[cube.triangles[3 * face + k]][2]);
+    return minValue == 1;
   });
   const LostSurface found = check(unitCube(), {open});
   EXPECT_EQ(found.figures.lostPoints, 0u);
@@ -243,20 +243,20 @@ TEST(TwoSidedCheck, WhatIsBesideARimIsNotOwed) {
   // part inside from outside.
   const TriangleMesh cube = meshes::box({0, 0, 0}, {1, 1, 1}, 8);
   const TriangleMesh open = meshes::without(cube, [&](std::size_t face) {
-    double least = 1;
+    double minValue = 1;
     for (std::size_t k = 0; k < 3; ++k)
-      least = std::min(least, cube.points[cube.triangles[3 * face + k]][2]);
-    return least == 1;
+      minValue = std::min(minValue, cube.points[cube.triangles[3 * face + k]][2]);
+    return minValue == 1;
   });
   constexpr double kHeight = 0.5;
   const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[2] < kHeight ? 1 : 0; });
   const LostSurface found = check(mesh, {open});
   // By brute force, at points of the wall x = 0: how many are owed, and the nearest to 0.5 of all.
   const auto doubt = [&](double y, double z) {
-    double least = 1;
+    double minValue = 1;
     for (const double x : {-kEpsilon / 2, kEpsilon / 2})
-      least = std::min(least, std::abs(meshes::windingNumberAt(open, {x, y, z}) - 0.5));
-    return least;
+      minValue = std::min(minValue, std::abs(meshes::windingNumberAt(open, {x, y, z}) - 0.5));
+    return minValue;
   };
   meshes::Random random(1);
   constexpr int kPoints = 2000;

@@ -195,10 +195,10 @@ TEST(LatticeOrientation, IsExactNearPlanes) {
 
 TEST(LatticeOrientation, IsExactAtTheCornersOfTheLattice) {
   std::vector<Vec3d> corners;
-  const double most = kLatticeBound - 1;
+  const double maxValue = kLatticeBound - 1;
   for (int i = 0; i < 8; ++i)
-    corners.push_back(
-        {(i & 1) != 0 ? most : -most, (i & 2) != 0 ? most : -most, (i & 4) != 0 ? most : -most});
+    corners.push_back({(i & 1) != 0 ? maxValue : -maxValue, (i & 2) != 0 ? maxValue : -maxValue,
+                       (i & 4) != 0 ? maxValue : -maxValue});
   corners.push_back({0, 0, 0});
   corners.push_back({1, 0, 0});
   for (const Vec3d& a : corners)

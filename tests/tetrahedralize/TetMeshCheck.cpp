@@ -25,7 +25,7 @@ namespace {
 using Triangle = std::array<Vec3d, 3>;
 using Corners = std::array<std::uint32_t, 4>;
 
-constexpr std::size_t kMostFarPoints = 2000; // looked at
+constexpr std::size_t kMaxFarPoints = 2000; // looked at
 
 // Of a positive tet, seen from outside counter-clockwise; the face opposite each corner.
 constexpr std::size_t kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -45,14 +45,14 @@ public:
   int sign(std::size_t tet) const {
     return exact_volume::sign(at(tet, 0), at(tet, 1), at(tet, 2), at(tet, 3));
   }
-  // 1 inside, 0 on the rim, -1 outside of a positive tet.
+  // 1 inside, 0 on the surface, -1 outside of a positive tet.
   int side(std::size_t tet, const Vec3d& p) const {
-    int least = 1;
+    int minValue = 1;
     for (const auto& face : kFaces) {
       const int sign = -exact_volume::sign(at(tet, face[0]), at(tet, face[1]), at(tet, face[2]), p);
-      least = std::min(least, sign);
+      minValue = std::min(minValue, sign);
     }
-    return least;
+    return minValue;
   }
 
   const std::vector<Vec3d>& points;
@@ -294,7 +294,7 @@ std::vector<Triangle> findSurface(const Tets& tets, TetMeshCheck& check) {
 }
 
 void measureVolumes(const Tets& tets, const std::vector<Triangle>& surface, TetMeshCheck& check) {
-  long double sum = 0, enclosed = 0, magnitude = 0;
+  long double sum = 0, enclosed = 0, absSum = 0;
   Vec3d origin{0, 0, 0};
   if (!surface.empty())
     origin = surface[0][0];
@@ -303,11 +303,11 @@ void measureVolumes(const Tets& tets, const std::vector<Triangle>& surface, TetM
     if (tets.inside[t] == 0)
       continue;
     ++check.insideTets;
-    sum += exact_volume::sixfold(tets.at(t, 0), tets.at(t, 1), tets.at(t, 2), tets.at(t, 3),
-                                 magnitude);
+    sum +=
+        exact_volume::sixfold(tets.at(t, 0), tets.at(t, 1), tets.at(t, 2), tets.at(t, 3), absSum);
   }
   for (const Triangle& f : surface)
-    enclosed -= exact_volume::sixfold(f[0], f[1], f[2], origin, magnitude);
+    enclosed -= exact_volume::sixfold(f[0], f[1], f[2], origin, absSum);
   check.volume = static_cast<double>(sum / 6);
   check.enclosedVolume = static_cast<double>(enclosed / 6);
 }
@@ -366,7 +366,7 @@ public:
     });
     return found;
   }
-  // Whether p is in one of the inside tets or on its rim.
+  // Whether p is in one of the inside tets or on its surface.
   bool isInside(const Vec3d& p) const {
     bool found = false;
     visit(p, [&](std::uint32_t t) {
@@ -451,7 +451,7 @@ void judgeFarPoints(const Triangles& input, const Windings& windings,
   }
   check.farPoints = far.size();
   std::vector<Vec3d> sides;
-  const std::size_t step = far.size() / kMostFarPoints + 1;
+  const std::size_t step = far.size() / kMaxFarPoints + 1;
   for (std::size_t k = 0; k < far.size(); k += step) {
     const Triangle& t = input.all()[of[far[k]]];
     const Vec3d normal = cross(minus(t[1], t[0]), minus(t[2], t[0]));

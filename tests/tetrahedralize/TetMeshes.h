@@ -22,10 +22,10 @@ namespace tetvdb {
 
 using FaceKey = std::array<std::uint32_t, 3>;
 
-inline FaceKey keyOfFace(const std::array<std::uint32_t, 4>& corners, unsigned slot) {
+inline FaceKey keyOfFace(const std::array<std::uint32_t, 4>& corners, unsigned localFace) {
   FaceKey key{};
   for (unsigned i = 0, k = 0; i < 4; ++i)
-    if (i != slot)
+    if (i != localFace)
       key[k++] = corners[i];
   std::sort(key.begin(), key.end());
   return key;
@@ -41,17 +41,18 @@ inline void connect(TetComplex& complex, const std::vector<Chain>& winding) {
     tet.tracked.fill(false);
     tet.energy = 0;
     tet.mark = 0;
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      complex.points[tet.corners[slot]].tet = t;
-      const auto [found, isNew] = open.insert({keyOfFace(tet.corners, slot), {t, slot}});
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      complex.points[tet.corners[localFace]].tet = t;
+      const auto [found, isNew] = open.insert({keyOfFace(tet.corners, localFace), {t, localFace}});
       if (isNew)
         continue;
-      const auto [other, otherSlot] = found->second;
-      tet.neighbours[slot] = other;
-      complex.tets[other].neighbours[otherSlot] = t;
-      tet.chains[slot] = winding[t] - winding[other];
-      complex.tets[other].chains[otherSlot] = winding[other] - winding[t];
-      tet.tracked[slot] = complex.tets[other].tracked[otherSlot] = winding[other] != winding[t];
+      const auto [other, otherFace] = found->second;
+      tet.neighbours[localFace] = other;
+      complex.tets[other].neighbours[otherFace] = t;
+      tet.chains[localFace] = winding[t] - winding[other];
+      complex.tets[other].chains[otherFace] = winding[other] - winding[t];
+      tet.tracked[localFace] = complex.tets[other].tracked[otherFace] =
+          winding[other] != winding[t];
       open.erase(found);
     }
   }
@@ -79,7 +80,7 @@ inline Int128 volumeOf(const TetComplex& complex) {
 }
 
 /// Cubes of side `step`, `cells` a side, each cut into six tets along a diagonal; inner points are
-/// shaken by up to `shake` of the step. `winding` says what the winding number is at a tet's
+/// perturbed by up to `shake` of the step. `winding` says what the winding number is at a tet's
 /// centre; the box's corners have the coordinates 0 and cells * step.
 inline TetComplex cubeMesh(int cells, double step, double shake,
                            const std::function<Chain(const Vec3d&)>& winding,
@@ -155,18 +156,18 @@ inline TrackedFaces trackedFaces(const TetComplex& complex) {
   for (const auto& tet : complex.tets) {
     if (!tet.exists())
       continue;
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const auto& f = kFaceCorners[slot];
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const auto& f = kFaceCorners[localFace];
       const std::array<std::uint32_t, 3> face{tet.corners[f[0]], tet.corners[f[1]],
                                               tet.corners[f[2]]};
       // Of the two sides the positive one; of chain 0 the one that starts lower.
       const bool mine =
-          tet.chains[slot] != 0
-              ? tet.chains[slot] > 0
-              : tet.neighbours[slot] > static_cast<std::uint32_t>(&tet - complex.tets.data());
-      if (tet.tracked[slot] && mine) {
+          tet.chains[localFace] != 0
+              ? tet.chains[localFace] > 0
+              : tet.neighbours[localFace] > static_cast<std::uint32_t>(&tet - complex.tets.data());
+      if (tet.tracked[localFace] && mine) {
         result.faces.push_back(face);
-        result.chains.push_back(tet.chains[slot]);
+        result.chains.push_back(tet.chains[localFace]);
       }
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra over a box that have the soup's points among their corners: what triangles are then
-// inserted into.
+// The background mesh: tetrahedra over a box that have the soup's points among their corners, into
+// which triangles are inserted.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -33,11 +33,11 @@ PlainTets delaunayTets(const std::vector<Vec3d>& points, double grain, Progress&
 
 /// Points to mesh: the box's eight corners first, then the soup's points in their order, then
 /// points in between, away from the surface: a body-centred lattice as dense as a cubic one of
-/// `spacing`, slightly shaken so that no five are cospherical, that fills the box and its sides and
-/// leaves out what is nearer to the soup than `clearance`. The box is the soup's, grown by `margin`
-/// on each side (at least a grain; what the working lattice has room for at most). All points are
-/// distinct and multiples of the soup's grain. The spacing is enlarged where there would be more
-/// than 200,000 of them. Parallel.
+/// `spacing`, slightly perturbed so that no five are cospherical, that fills the box and its sides
+/// and leaves out what is nearer to the soup than `clearance`. The box is the soup's, grown by
+/// `margin` on each side (at least a grain; what the working lattice has room for at most). All
+/// points are distinct and multiples of the soup's grain. The spacing is enlarged where there would
+/// be more than 200,000 of them. Parallel.
 std::vector<Vec3d> backgroundPoints(const LatticeSoup& soup, double margin, double spacing,
                                     double clearance, Progress& progress);
 

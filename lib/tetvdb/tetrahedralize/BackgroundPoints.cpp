@@ -17,8 +17,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMostPoints = 200000; // whatever the spacing asks for
-constexpr double kShake = 0.1;         // of a cell
+constexpr double kMaxPoints = 200000; // whatever the spacing asks for
+constexpr double kPerturb = 0.1;      // of a cell
 // Grains: cells narrower than this could round two points to one.
 constexpr double kNarrowest = 16;
 
@@ -76,11 +76,40 @@ std::array<std::size_t, 3> countCells(const Box& box, double spacing, double gra
           std::max(1.0, std::floor(std::min(side / cell + 0.5, side / (kNarrowest * grain))));
       centres *= count;
       corners *= count + 1;
-      cells[axis] = static_cast<std::size_t>(std::min(count, kMostPoints));
+      cells[axis] = static_cast<std::size_t>(std::min(count, kMaxPoints));
     }
-    if (corners + centres <= kMostPoints)
+    if (corners + centres <= kMaxPoints)
       return cells;
   }
+}
+
+// A perturbed body-centred lattice over the box: the corners and centres of cells, without the
+// box's corners.
+std::vector<Vec3d> latticeOver(const Box& box, double spacing, double grain) {
+  // In half cells: all even are corners, all odd are centres.
+  const std::array<std::size_t, 3> cells = countCells(box, spacing, grain);
+  std::vector<Vec3d> between;
+  for (std::size_t z = 0; z <= 2 * cells[2]; ++z)
+    for (std::size_t y = z % 2; y <= 2 * cells[1]; y += 2)
+      for (std::size_t x = z % 2; x <= 2 * cells[0]; x += 2) {
+        const std::array<std::size_t, 3> at = {x, y, z};
+        Vec3d p{};
+        std::size_t sides = 0;
+        std::uint64_t random = hashOfIndex(between.size());
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const double cell = (box.high[axis] - box.low[axis]) / static_cast<double>(cells[axis]);
+          const double shift = static_cast<double>(random & 0xFFFFFu) / 0x80000 - 1; // [-1, 1)
+          random >>= 20;
+          p[axis] = box.low[axis] + cell * (0.5 * static_cast<double>(at[axis]) + kPerturb * shift);
+          if (at[axis] == 0 || at[axis] == 2 * cells[axis]) {
+            p[axis] = at[axis] == 0 ? box.low[axis] : box.high[axis];
+            ++sides;
+          }
+        }
+        if (sides < 3)
+          between.push_back(roundToGrain(p, grain));
+      }
+  return between;
 }
 
 } // namespace
@@ -102,30 +131,7 @@ std::vector<Vec3d> backgroundPoints(const LatticeSoup& soup, double margin, doub
                       (corner & 4u ? box.high : box.low)[2]});
   points.insert(points.end(), soup.points.begin(), soup.points.end());
 
-  // In half cells: all even are corners, all odd are centres.
-  const std::array<std::size_t, 3> cells = countCells(box, spacing, soup.grain);
-  std::vector<Vec3d> between;
-  for (std::size_t z = 0; z <= 2 * cells[2]; ++z)
-    for (std::size_t y = z % 2; y <= 2 * cells[1]; y += 2)
-      for (std::size_t x = z % 2; x <= 2 * cells[0]; x += 2) {
-        const std::array<std::size_t, 3> at = {x, y, z};
-        Vec3d p{};
-        std::size_t sides = 0;
-        std::uint64_t random = hashOfIndex(between.size());
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const double cell = (box.high[axis] - box.low[axis]) / static_cast<double>(cells[axis]);
-          const double shift = static_cast<double>(random & 0xFFFFFu) / 0x80000 - 1; // [-1, 1)
-          random >>= 20;
-          p[axis] = box.low[axis] + cell * (0.5 * static_cast<double>(at[axis]) + kShake * shift);
-          if (at[axis] == 0 || at[axis] == 2 * cells[axis]) {
-            p[axis] = at[axis] == 0 ? box.low[axis] : box.high[axis];
-            ++sides;
-          }
-        }
-        if (sides < 3)
-          between.push_back(roundToGrain(p, soup.grain));
-      }
-
+  const std::vector<Vec3d> between = latticeOver(box, spacing, soup.grain);
   // Never nearer than a grain, so that no point is one of the soup's.
   const Clearance clear(soup, std::max(clearance, soup.grain));
   std::vector<std::uint8_t> kept(between.size());

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kGroupPoints = 64;
 constexpr std::ptrdiff_t kPointsPerTask = 4096;
-// More faces than this below a group are looked for point by point.
+// Where there are more faces than this below a group, they are searched for point by point.
 constexpr std::size_t kGroupFaces = 384;
 
 Vec3d vectorOf(const LatticePoint& p) {
@@ -46,15 +46,15 @@ void findGroups(const std::vector<LatticePoint>& points, std::vector<std::uint32
   for (std::size_t other = 1; other < 3; ++other)
     if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
       axis = other;
-  const std::ptrdiff_t middle = begin + (end - begin) / 2;
-  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
+  const std::ptrdiff_t median = begin + (end - begin) / 2;
+  std::nth_element(order.begin() + begin, order.begin() + median, order.begin() + end,
                    [&](std::uint32_t i, std::uint32_t j) {
                      const double a = vectorOf(points[i])[axis], b = vectorOf(points[j])[axis];
                      return a != b ? a < b : i < j;
                    });
   std::vector<std::uint32_t> later;
-  const auto low = [&] { findGroups(points, order, begin, middle, begins); };
-  const auto high = [&] { findGroups(points, order, middle, end, later); };
+  const auto low = [&] { findGroups(points, order, begin, median, begins); };
+  const auto high = [&] { findGroups(points, order, median, end, later); };
   if (end - begin > kPointsPerTask) {
     tbb::parallel_invoke(low, high);
   } else {
@@ -86,8 +86,8 @@ struct ChainWinding::Group {
   const std::uint32_t *begin, *end; ///< numbers of points
 };
 
-ChainWinding::ChainWinding(std::vector<Face> faces, std::vector<RimEdge> rim)
-    : faces_(std::move(faces)), tree_(boxesOf(faces_)), rim_(std::move(rim)) {}
+ChainWinding::ChainWinding(std::vector<Face> faces, std::vector<RimEdge> boundary)
+    : faces_(std::move(faces)), tree_(boxesOf(faces_)), boundary_(std::move(boundary)) {}
 
 // +weight where a ray down from the moved point leaves through the face, -weight where it enters.
 std::int32_t ChainWinding::crossing(const Face& face, const LatticePoint& p) {
@@ -118,37 +118,38 @@ std::int64_t ChainWinding::facesBelow(const LatticePoint& p) const {
 // But for whole numbers, in curtains, s is within |gradient| r + bend r^2 / 2 of what it is at the
 // centre.
 bool ChainWinding::staysRound(const Vec3d& centre, double reach) const {
-  if (rim_.empty())
+  if (boundary_.empty())
     return true;
-  const Vec3d middle = roundToLattice(centre);
+  const Vec3d median = roundToLattice(centre);
   const double wide = reach + 1; // the centre may be moved by less than one
-  const LatticePoint at{middle[0], middle[1], middle[2]};
-  const RimWinding::Slope slope = rim_.slope(at, wide);
+  const LatticePoint at{median[0], median[1], median[2]};
+  const RimWinding::Slope slope = boundary_.slope(at, wide);
   if (!std::isfinite(slope.bend))
     return false;
   const Vec3d gradient{slope.gradient[0], slope.gradient[1], slope.gradient[2]};
   const double change = (length(gradient) + slope.error + slope.bend * wide / 2) * wide;
-  const double margin = kFromHalf + (rim_.rough() ? 2 * kRoughWindingError : 2 * kRimWindingError);
+  const double margin =
+      kFromHalf + (boundary_.rough() ? 2 * kRoughWindingError : 2 * kRimWindingError);
   if (!(change + margin < 0.5))
     return false;
-  const double s = rim_.at(at);
+  const double s = boundary_.at(at);
   return std::abs(s - std::nearbyint(s)) + change + margin < 0.5;
 }
 
 void ChainWinding::atGroup(const Group& group, double* winding) const {
   Box box;
-  RimPoints rimPoints;
+  RimPoints sums;
   for (const std::uint32_t* i = group.begin; i != group.end; ++i) {
     const LatticePoint& p = group.points[*i];
     box.add(vectorOf(p));
-    rimPoints.x.push_back(p.x);
-    rimPoints.y.push_back(p.y);
-    rimPoints.z.push_back(p.z);
+    sums.x.push_back(p.x);
+    sums.y.push_back(p.y);
+    sums.z.push_back(p.z);
   }
-  rimPoints.sum.assign(rimPoints.size(), 0);
-  if (!rim_.empty()) {
+  sums.sum.assign(sums.size(), 0);
+  if (!boundary_.empty()) {
     const Vec3d half = times(minus(box.high, box.low), 0.5), centre = plus(box.low, half);
-    rim_.at({centre[0], centre[1], centre[2]}, length(half), rimPoints);
+    boundary_.at({centre[0], centre[1], centre[2]}, length(half), sums);
   }
 
   std::vector<std::uint32_t> below;
@@ -176,7 +177,7 @@ void ChainWinding::atGroup(const Group& group, double* winding) const {
           sum += crossing(faces_[face], p);
       }
     }
-    winding[*i] = static_cast<double>(sum) + rimPoints.sum[n];
+    winding[*i] = static_cast<double>(sum) + sums.sum[n];
   }
 }
 

@@ -13,8 +13,8 @@
 
 namespace tetvdb {
 
-/// N + s of geometry/RimWinding.h: faces below a point, counted exactly, and what the rim adds.
-/// Immutable once made; thread-safe.
+/// N + s of geometry/RimWinding.h: faces below a point, counted exactly, and what the boundary
+/// edges add. Immutable once made; thread-safe.
 class ChainWinding {
 public:
   /// Counts `weight` times. Coordinates are whole numbers below 2^39: the working lattice's, four
@@ -24,19 +24,19 @@ public:
     std::int32_t weight;
   };
 
-  /// `rim` is the boundary of `faces`; none: they are closed, and the winding number is exact.
-  ChainWinding(std::vector<Face> faces, std::vector<RimEdge> rim);
+  /// `boundary` is the boundary of `faces`; none: they are closed, and the winding number is exact.
+  ChainWinding(std::vector<Face> faces, std::vector<RimEdge> boundary);
 
-  /// Whether the winding number stays farther than `kFromHalf` from 0.5, 1.5 and so on all over a
-  /// ball, apart from the faces in it: it is then the same whole number, rounded, wherever one gets
-  /// to within the ball without crossing a face. A proof, up to the error of the rim's sums; no
-  /// where the rim is in reach. The cost of a few points.
+  /// Whether the winding number stays farther than `kFromHalf` from 0.5, 1.5 and so on in a whole
+  /// ball, apart from the faces in it: rounded, it is then the same in all of the ball that is
+  /// connected without crossing a face. Yes is a proof, up to the error of the sums over boundary
+  /// edges; the answer is no where boundary edges are near. The cost of a few points.
   bool staysRound(const Vec3d& centre, double reach) const;
   static constexpr double kFromHalf = 0.02;
 
-  /// At points moved by (e, e^2, e^3), e -> 0+; on a face that is one of its sides. Points that lie
-  /// near one another are worked on together: about 0.5 us a point, and some ns for each edge of a
-  /// rim nearby. Parallel; the same for any number of threads.
+  /// At points moved by (e, e^2, e^3), e -> 0+; so that no point is on a face. Points near one
+  /// another are evaluated together: about 0.5 us a point, and some ns for each
+  /// boundary edge nearby. Parallel; the same for any number of threads.
   std::vector<double> at(const std::vector<LatticePoint>& points, Progress& progress) const;
 
 private:
@@ -47,7 +47,7 @@ private:
 
   std::vector<Face> faces_;
   BoxTree tree_;
-  RimWinding rim_;
+  RimWinding boundary_;
 };
 
 } // namespace tetvdb

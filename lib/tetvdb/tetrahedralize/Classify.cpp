@@ -16,11 +16,11 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kTetsPerCheck = 65536;
-// Tets that are looked at together: at first, and how many fewer if in vain, and at last.
-constexpr std::ptrdiff_t kMostTogether = 256, kFewer = 4, kLeastTogether = 16;
+// Tets that are tested together: at first, the divisor after a test that fails, and at last.
+constexpr std::ptrdiff_t kMaxTogether = 256, kFewer = 4, kMinTogether = 16;
 
-/// Calls step(from, slot, to) for tets that are reached from those in `open`; whether `to` is to be
-/// gone on from is its answer.
+/// Calls step(from, localFace, to) for the neighbours of tets that are reached from those in `open`.
+/// It returns whether the flood continues from `to`.
 template <typename Step>
 void flood(const TetComplex& complex, std::vector<std::uint32_t>& open, Progress& progress,
            const Step& step) {
@@ -29,9 +29,9 @@ void flood(const TetComplex& complex, std::vector<std::uint32_t>& open, Progress
       progress.check();
     const std::uint32_t here = open.back();
     open.pop_back();
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = complex.tets[here].neighbours[slot];
-      if (next != TetComplex::kOutside && step(here, slot, next))
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = complex.tets[here].neighbours[localFace];
+      if (next != TetComplex::kOutside && step(here, localFace, next))
         open.push_back(next);
     }
   }
@@ -64,23 +64,23 @@ void floodClosed(const TetComplex& complex, const InputChains& chains,
   std::vector<std::uint32_t> open;
   for (std::uint32_t start = 0; start < complex.tets.size(); ++start) {
     const TetComplex::Tet& tet = complex.tets[start];
-    for (std::size_t slot = 0; slot < 4 && tet.exists() && !reached[start]; ++slot)
-      if (tet.neighbours[slot] == TetComplex::kOutside) {
-        reach(start, widened(tet.chains[slot]));
+    for (std::size_t localFace = 0; localFace < 4 && tet.exists() && !reached[start]; ++localFace)
+      if (tet.neighbours[localFace] == TetComplex::kOutside) {
+        reach(start, widened(tet.chains[localFace]));
         open.push_back(start);
       }
-    flood(complex, open, progress, [&](std::uint32_t from, unsigned slot, std::uint32_t to) {
+    flood(complex, open, progress, [&](std::uint32_t from, unsigned localFace, std::uint32_t to) {
       if (reached[to])
         return false;
-      reach(to, winding[from] - widened(complex.tets[from].chains[slot]));
+      reach(to, winding[from] - widened(complex.tets[from].chains[localFace]));
       return true;
     });
   }
 }
 
-// An input whose chain is open, or has faces that are missing in the mesh. Where the winding number
-// stays away from half numbers it is followed from tet to tet, rounded, through calm regions, each
-// of which takes one number to begin with; everywhere else it is worked out tet by tet.
+// An input whose chain is open, or has faces that are missing in the mesh. In calm regions, where
+// the winding number stays away from 0.5, 1.5 and so on, it is computed once and followed from tet
+// to tet, rounded. Everywhere else it is computed for every tet.
 class OpenInput {
 public:
   OpenInput(const TetComplex& complex, const InputChains& chains, std::size_t input,
@@ -130,8 +130,8 @@ BoxTree OpenInput::missingFaces(const InputChains& chains, const InputChain& cha
   return BoxTree(std::move(boxes));
 }
 
-// Whether one can follow the winding number through these tets: along ways within the tets it only
-// changes much at tracked faces.
+// Whether the winding number can be followed through these tets: apart from tracked faces, its
+// rounded value is the same in all of them.
 bool OpenInput::isCalm(std::ptrdiff_t begin, std::ptrdiff_t end) const {
   Box box;
   for (std::ptrdiff_t i = begin; i < end; ++i)
@@ -155,7 +155,7 @@ void OpenInput::findCalm(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_
       return;
     }
     together /= kFewer;
-    if (together < kLeastTogether)
+    if (together < kMinTogether)
       return;
   }
   Box box;
@@ -165,14 +165,14 @@ void OpenInput::findCalm(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_
   for (std::size_t other = 1; other < 3; ++other)
     if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
       axis = other;
-  const std::ptrdiff_t middle = begin + (end - begin) / 2;
-  std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
+  const std::ptrdiff_t median = begin + (end - begin) / 2;
+  std::nth_element(items_.begin() + begin, items_.begin() + median, items_.begin() + end,
                    [axis](const Item& s, const Item& t) {
                      return s.centre[axis] != t.centre[axis] ? s.centre[axis] < t.centre[axis]
                                                              : s.tet < t.tet;
                    });
-  tbb::parallel_invoke([&] { findCalm(begin, middle, together); },
-                       [&] { findCalm(middle, end, together); });
+  tbb::parallel_invoke([&] { findCalm(begin, median, together); },
+                       [&] { findCalm(median, end, together); });
 }
 
 void OpenInput::findRegions() {
@@ -185,11 +185,11 @@ void OpenInput::findRegions() {
     firstTet_.push_back(start);
     region_[start] = region;
     open.push_back(start);
-    flood(complex_, open, progress_, [&](std::uint32_t from, unsigned slot, std::uint32_t to) {
+    flood(complex_, open, progress_, [&](std::uint32_t from, unsigned localFace, std::uint32_t to) {
       if (region_[to] != kCalm)
         return false;
       region_[to] = region;
-      const std::int64_t step = chainDigit(complex_.tets[from].chains[slot], input_, bits);
+      const std::int64_t step = chainDigit(complex_.tets[from].chains[localFace], input_, bits);
       relative_[to] = static_cast<std::int32_t>(relative_[from] - step);
       return true;
     });
@@ -197,7 +197,7 @@ void OpenInput::findRegions() {
 }
 
 void OpenInput::classify(std::vector<std::uint16_t>& inside) {
-  findCalm(0, static_cast<std::ptrdiff_t>(items_.size()), kMostTogether);
+  findCalm(0, static_cast<std::ptrdiff_t>(items_.size()), kMaxTogether);
   findRegions();
   std::vector<LatticePoint> asked; // of regions, then of tets that belong to none
   for (const std::uint32_t tet : firstTet_)

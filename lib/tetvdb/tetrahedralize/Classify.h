@@ -11,14 +11,13 @@
 
 namespace tetvdb {
 
-/// For every tet of the mesh (0 for slots of tets that are gone) which inputs it is inside of: bit
-/// k where the winding number of what stands for input k is above 0.5. That surface is the chain of
-/// the tracked faces and, so that nothing that failed to be inserted is forgotten, the `missing`
-/// faces of the soup.
+/// For every tet of the mesh (0 for tets that are gone) which inputs it is inside of: bit
+/// k where the winding number of input k is above 0.5. Its surface is the chain of the tracked
+/// faces and the `missing` faces of the soup, which could not be inserted.
 ///   Where the chain is closed the winding number is a whole number, the same in all tets between
 /// tracked faces: it is summed from face to face, exactly. Elsewhere it is N + s (see
-/// geometry/RimWinding.h) at the tets' centres: signed crossings, exact, and what the chain's rim
-/// adds. Parallel; the same for any number of threads. Linear for closed chains.
+/// geometry/RimWinding.h) at the tets' centres: signed crossings, exact, and the sum over the
+/// chain's boundary edges. Parallel; the same for any number of threads. Linear for closed chains.
 std::vector<std::uint16_t> insideOf(const TetComplex& complex, std::size_t inputCount,
                                     const LatticeSoup& soup,
                                     const std::vector<std::uint32_t>& missing, Progress& progress);

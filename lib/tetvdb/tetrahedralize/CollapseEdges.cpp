@@ -122,8 +122,8 @@ bool EdgeCollapser::isShapely(std::uint32_t to) const {
   return true;
 }
 
-// Edges with one tracked face are rims, with three and more they are where sheets meet; both form
-// curves, whose ends and branches stay.
+// Edges with one tracked face are boundary edges, at edges with three and more sheets meet; both
+// form curves, whose end points and branching points stay.
 bool EdgeCollapser::followsCurve(std::uint32_t to, std::uint32_t toSheets) const {
   std::size_t onCurve = 0;
   std::uint32_t kind = 2, far = to;
@@ -137,13 +137,13 @@ bool EdgeCollapser::followsCurve(std::uint32_t to, std::uint32_t toSheets) const
       far = spoke.point;
   }
   if (onCurve == 0)
-    return !complex_.points[star_.point()].rim;
+    return !complex_.points[star_.point()].onBoundary;
   if (onCurve != 2 || toSheets != kind)
     return false;
-  if (!complex_.points[star_.point()].rim)
+  if (!complex_.points[star_.point()].onBoundary)
     return true;
-  return kind == 1 && complex_.points[to].rim && complex_.points[far].rim &&
-         bounds_.rim.contains(complex_.at(to), complex_.at(far), bounds_.radius);
+  return kind == 1 && complex_.points[to].onBoundary && complex_.points[far].onBoundary &&
+         bounds_.boundary.contains(complex_.at(to), complex_.at(far), bounds_.radius);
 }
 
 EdgeCollapser::Answer EdgeCollapser::keepsTopology(std::uint32_t to) {

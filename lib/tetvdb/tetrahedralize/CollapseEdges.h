@@ -13,13 +13,12 @@
 
 namespace tetvdb {
 
-/// Collapses edges of one part, serially: a point goes, what was around it takes one of its
+/// Collapses edges of one part, serially: a point is removed, and the tets around it get one of its
 /// neighbours for a corner instead.
 ///   The tracked faces keep their topology (the link condition of "Topology preserving edge
 /// contraction", Dey, Edelsbrunner, Guha, Nekhayev 1999, for the surface; for tets it holds by
-/// itself where all of them are positive): no hole opens, no thin wall is pressed together. They
-/// stay within the envelope, and the point that goes stays near to them, so that no spike is worn
-/// away.
+/// itself where all of them are positive): no hole opens, no thin wall is closed. They stay
+/// within the envelope, and the removed point stays near them, so that no spike is removed.
 class EdgeCollapser {
 public:
   struct Rules {
@@ -38,10 +37,10 @@ public:
       : complex_(complex), bounds_(bounds), rules_(rules), guard_(bounds) {}
 
   /// Tries every point that changed since it was last tried, those with the shortest edges first.
-  /// Returns how many went.
+  /// Returns how many were removed.
   std::size_t sweep();
 
-  std::size_t tried() const { return tried_; } ///< candidates, that is edges and their direction
+  std::size_t tried() const { return tried_; } ///< candidates: directed edges
 
 private:
   enum class Answer { No, NotHere, Yes }; ///< NotHere: perhaps in another part

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bowyer-Watson: the tets whose spheres hold the new point strictly inside go, and the point is
-// joined to the faces around them.
-//   Spheres are judged exactly, which makes the cavity right without further ado. Let f be a face
+// Bowyer-Watson: the tets whose spheres hold the new point strictly inside are removed, and the
+// point is joined to the faces around them.
+//   Spheres are tested exactly, so that the cavity needs no repair. Let f be a face
 // between a tet t whose open ball holds the new point p and a tet n whose open ball does not. All
 // balls being empty so far, beyond f the ball of t lies within that of n, and in f's plane the two
 // are the same disc: so p lies strictly on t's side of f. Every face around the cavity thus sees p
 // strictly, a ray from p leaves the cavity once, and the new tets are positive, fill it, and leave
-// all balls empty. Tets with p on their rim hold it in their open balls, so they go too. What may
-// be in p's plane are faces on the box's sides: then p lies on that side, and the face is opened.
+// all balls empty. Tets with p on their surface hold it in their open balls, so they are removed
+// too. Only faces on the box's sides may lie in p's plane: p then lies on that side, and the face
+// is opened.
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/tetrahedralize/BackgroundMesh.h"
@@ -25,7 +26,7 @@ namespace {
 
 using Index = std::uint32_t;
 constexpr Index kNone = PlainTets::kNoTet;
-constexpr std::size_t kMostTets = std::size_t(1) << 30; // so that 4 * tet + face is an Index
+constexpr std::size_t kMaxTets = std::size_t(1) << 30; // so that 4 * tet + face is an Index
 constexpr std::size_t kBoxCorners = 8;
 
 // A face of a tet, by the corner it lies opposite to, is 4 * tet + corner.
@@ -35,39 +36,39 @@ struct Tet {
 };
 
 // The new tets' faces by their edges away from the new point, which two tets see in opposite
-// directions. Large and almost empty, so that branches are easily foretold.
+// directions. Large and almost empty, so that branches are predicted well.
 class EdgeTable {
 public:
   // Forgets all; room for `edges`.
   void begin(std::size_t edges) {
-    if (slots_.size() < 4 * edges) {
+    if (table_.size() < 4 * edges) {
       std::size_t size = 1024;
       for (shift_ = 64 - 10; size < 8 * edges; --shift_)
         size *= 2;
-      slots_.assign(size, {});
+      table_.assign(size, {});
       now_ = 0;
     }
     ++now_;
   }
   void add(Index from, Index to, Index face) {
     std::size_t at = first(from, to);
-    while (slots_[at].stamp == now_)
-      at = (at + 1) & (slots_.size() - 1);
-    slots_[at] = {from, to, face, now_};
+    while (table_[at].stamp == now_)
+      at = (at + 1) & (table_.size() - 1);
+    table_[at] = {from, to, face, now_};
   }
   // kNone where there is none.
   Index find(Index from, Index to) const {
-    for (std::size_t at = first(from, to);; at = (at + 1) & (slots_.size() - 1)) {
-      const Slot& slot = slots_[at];
-      if (slot.stamp != now_)
+    for (std::size_t at = first(from, to);; at = (at + 1) & (table_.size() - 1)) {
+      const Entry& entry = table_[at];
+      if (entry.stamp != now_)
         return kNone;
-      if (slot.from == from && slot.to == to)
-        return slot.face;
+      if (entry.from == from && entry.to == to)
+        return entry.face;
     }
   }
 
 private:
-  struct Slot {
+  struct Entry {
     Index from = 0, to = 0, face = 0, stamp = 0;
   };
   std::size_t first(Index from, Index to) const {
@@ -75,7 +76,7 @@ private:
     return (edge * 0x9E3779B97F4A7C15u) >> shift_;
   }
 
-  std::vector<Slot> slots_;
+  std::vector<Entry> table_;
   int shift_ = 0;
   Index now_ = 0;
 };
@@ -105,7 +106,7 @@ public:
     fill(point);
   }
 
-  // With the names the points have outside.
+  // With the numbers that the points have outside.
   PlainTets take(const std::vector<Index>& names) const {
     std::vector<Index> places(tets_.size(), 0);
     for (const Index tet : free_)
@@ -130,7 +131,7 @@ public:
   }
 
 private:
-  struct RimFace {
+  struct CavityFace {
     std::array<Index, 4> corners; // of the tet within the cavity, the new point in its place
     Index corner;                 // that place
     Index across;
@@ -152,7 +153,7 @@ private:
   }
 
   Index append() {
-    if (tets_.size() == kMostTets)
+    if (tets_.size() == kMaxTets)
       throw Error(Status::Limit, "", "too many points for one mesh", "simplify the input");
     tets_.push_back({{}, {kNone, kNone, kNone, kNone}});
     marks_.push_back(0);
@@ -169,7 +170,7 @@ private:
   }
 
   // A tet that holds p, from the last one on through faces that have p beyond them. Where spheres
-  // are tied such a walk can go in circles; a random choice among faces ends these (Devillers,
+  // are tied such a walk can cycle; a random choice among faces prevents this (Devillers,
   // Pion, Teillaud, "Walking in a triangulation", 2002).
   Index locate(const Vec3d& p) {
     Index tet = last_, from = kNone;
@@ -200,12 +201,12 @@ private:
     }
   }
 
-  // Gathers the tets that go, and the faces around them.
+  // Finds the tets that are removed, and the faces around them.
   void openCavity(Index seed, const Vec3d& p) {
-    in_ += 2; // a mark is in_ where the tet goes, in_ + 1 where it was found to stay
+    in_ += 2; // a mark is in_ where the tet is removed, in_ + 1 where it stays
     const Index stays = in_ + 1;
     cavity_.assign(1, seed);
-    rim_.clear();
+    cavityFaces_.clear();
     marks_[seed] = in_;
     for (std::size_t k = 0; k < cavity_.size(); ++k) {
       const Tet& tet = tets_[cavity_[k]];
@@ -227,16 +228,16 @@ private:
           if (mark == in_)
             continue;
         }
-        rim_.push_back({tet.corners, corner, across, kNone});
+        cavityFaces_.push_back({tet.corners, corner, across, kNone});
       }
     }
   }
 
-  // Joins the point to the rim.
+  // Joins the point to the faces around the cavity.
   void fill(Index point) {
-    edges_.begin(3 * rim_.size());
+    edges_.begin(3 * cavityFaces_.size());
     std::size_t reused = 0;
-    for (RimFace& face : rim_) {
+    for (CavityFace& face : cavityFaces_) {
       const Index tet = reused < cavity_.size() ? cavity_[reused++] : unusedTet();
       face.tet = tet;
       face.corners[face.corner] = point;
@@ -247,10 +248,10 @@ private:
       for (const auto& turn : kTurns[face.corner])
         edges_.add(face.corners[turn[1]], face.corners[turn[2]], 4 * tet + turn[0]);
     }
-    for (const RimFace& face : rim_)
+    for (const CavityFace& face : cavityFaces_)
       for (const auto& turn : kTurns[face.corner])
         tets_[face.tet].across[turn[0]] = edges_.find(face.corners[turn[2]], face.corners[turn[1]]);
-    last_ = rim_.back().tet;
+    last_ = cavityFaces_.back().tet;
     free_.insert(free_.end(), cavity_.begin() + static_cast<std::ptrdiff_t>(reused), cavity_.end());
   }
 
@@ -267,7 +268,7 @@ private:
   LargeVector<Index> marks_; // of every tet
   std::vector<Index> free_;
   std::vector<Index> cavity_;
-  std::vector<RimFace> rim_;
+  std::vector<CavityFace> cavityFaces_;
   EdgeTable edges_;
   Index in_ = 0, last_ = 0, random_ = 0x2545F491u;
 };
@@ -275,7 +276,7 @@ private:
 } // namespace
 
 PlainTets delaunayTets(const std::vector<Vec3d>& points, double grain, Progress& progress) {
-  if (points.size() > kMostTets)
+  if (points.size() > kMaxTets)
     throw Error(Status::Limit, "", "too many points for one mesh", "simplify the input");
   // Points are renamed in the order they go in, so that neighbours lie near in memory.
   std::vector<Index> names = {0, 1, 2, 3, 4, 5, 6, 7};

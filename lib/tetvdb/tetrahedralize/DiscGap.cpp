@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Faces seen under a sharper angle (its sine) have gaps along the direction that say little.
-constexpr double kLeastSine = 0.05;
+constexpr double kMinSine = 0.05;
 
 // Two axes across a direction and one along it, of unit length.
 struct Frame {
@@ -32,8 +32,8 @@ double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-// Whether two triangles in the plane have more than a rim in common: no edge of one has the other
-// on its outer side.
+// Whether the interiors of two triangles in the plane meet: no edge of one has the other on its
+// outer side.
 bool overlap(const std::array<Vec3d, 3>& u, const std::array<Vec3d, 3>& v) {
   const auto isApart = [](const std::array<Vec3d, 3>& p, const std::array<Vec3d, 3>& q) {
     for (std::size_t k = 0; k < 3; ++k)
@@ -71,8 +71,8 @@ bool goRoundOnce(const Disc& fan, const Vec3d& direction) {
   const Frame frame(direction);
   int turns = 0;
   for (const Disc::Face& face : fan.faces) {
-    const auto& [middle, from, to] = face.at;
-    turns += dot(minus(from, middle), frame.y) < 0 && dot(minus(to, middle), frame.y) >= 0;
+    const auto& [centre, from, to] = face.at;
+    turns += dot(minus(from, centre), frame.y) < 0 && dot(minus(to, centre), frame.y) >= 0;
   }
   return turns == 1;
 }
@@ -88,7 +88,7 @@ void DiscGap::findDepths(const Disc& before, Disc& after, const Vec3d& direction
     flat.clear();
     for (const Disc::Face& face : disc.faces) {
       const Vec3d normal = cross(minus(face.at[1], face.at[0]), minus(face.at[2], face.at[0]));
-      if (!(dot(normal, frame.z) > kLeastSine * length(normal)))
+      if (!(dot(normal, frame.z) > kMinSine * length(normal)))
         return false;
       flat.emplace_back();
       for (std::size_t k = 0; k < 3; ++k)

@@ -38,7 +38,7 @@ std::uint8_t EdgeSizes::finenessOf(double length) const {
 }
 
 void EdgeSizes::followSurface(TetComplex& complex, double share, double growth) const {
-  std::vector<Edge> edges; // each from both ends
+  std::vector<Edge> edges; // in both directions
   for (const TetComplex::Tet& tet : complex.tets) {
     if (!tet.exists() || tet.weight < 1)
       continue;

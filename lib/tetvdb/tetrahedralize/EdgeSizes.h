@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How long edges shall be, from place to place.
+// Target lengths of edges.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -12,28 +12,28 @@
 
 namespace tetvdb {
 
-/// Lengths that edges are to have at points, kept with these (Point::fineness) in steps of a
-/// twelfth of an octave below the greatest.
+/// Target lengths at points, stored with these (Point::fineness) in steps of a twelfth of an octave
+/// below the greatest.
 class EdgeSizes {
 public:
   explicit EdgeSizes(double longest);
 
   double longest() const { return lengths_[0]; }
   double at(const TetComplex::Point& point) const { return lengths_[point.fineness]; }
-  /// Of an edge: the mean of its ends.
+  /// Of an edge: the mean of its two points.
   double of(const TetComplex::Point& a, const TetComplex::Point& b) const {
     return 0.5 * (at(a) + at(b));
   }
-  /// The least fineness whose length is no more than that, as far as there is one.
+  /// The lowest fineness whose length is no more than `length`; the highest if there is none.
   std::uint8_t finenessOf(double length) const;
 
-  /// Sizes follow the surface: at its points they are `share` of the mean length of its edges
-  /// there, and from there on they grow with the way along edges, `growth` times it, through tets
-  /// of weight 1. Elsewhere they are the longest. n log n.
+  /// Makes sizes follow the surface: at its points `share` of the mean length of its edges there;
+  /// away from it larger by `growth` times the distance along edges of tets of weight 1; elsewhere
+  /// the longest. n log n.
   void followSurface(TetComplex& complex, double share, double growth) const;
 
-  /// Makes sizes around tets above `energy` `share` of the mean length of their edges, and grow
-  /// from there as above; none gets larger, or shorter than `shortest`.
+  /// Makes sizes around tets above `energy` `share` of the mean length of their edges, and
+  /// growing from there as above; no size gets larger, or less than `shortest`.
   void refine(TetComplex& complex, double energy, double share, double growth,
               double shortest) const;
 

@@ -14,41 +14,42 @@ namespace {
 // Distances are off by the rounding of coordinates, 2^-53 of the lattice's 2^37 or so.
 constexpr double kSafety = 1 - 2e-12;
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-// Triangles near a corner that the other corners are tried against. Where there are more, they are
-// small beside the radius, and one of them is unlikely to have all corners near.
+// Triangles near a corner that the other corners are tested against. Where there are more, they are
+// small against the radius, and it is unlikely that all corners are near one of them.
 constexpr int kTries = 8;
-// Parts wait in the order of their size, so that what is out is found before much is looked at
-// closely; of more than that, the newest comes first, so that memory stays small.
+// Up to so many polygons wait in the order of their size, so that one that is out is found early.
+// Of more the newest comes first, so that memory stays small.
 constexpr std::size_t kWaiting = 512;
-// Some ten milliseconds. A candidate in the wedge between two far-off triangles is parted into
-// (1 / kSlack)^2 pieces and more; one that lies over that many triangles is best not made either.
-constexpr std::size_t kMostPieces = 20000;
+// Some ten milliseconds. A candidate in the wedge between two distant triangles is cut into
+// (1 / kSlack)^2 polygons and more. A candidate over that many triangles is refused.
+constexpr std::size_t kMaxPolygons = 20000;
 
-// Corners of a piece, and of one that is cut: rounding apart it gets one more, and where rounding
-// makes it change sides six times, three more.
-constexpr std::size_t kMostCorners = 9;
+// Corners of a polygon, and of one that is cut: a cut adds one corner, and three where rounding
+// makes the polygon change sides six times.
+constexpr std::size_t kMaxCorners = 9;
 constexpr std::size_t kCutCorners = 6;
-// How far from a triangle's edges pieces are cut, and from where on they are, as a part of how far
-// its neighbourhood reaches there: where the two are apart, no slivers are cut off.
+// How far from a triangle's edges polygons are cut, and how far a polygon has to go beyond them to
+// be cut; shares of how far the triangle's neighbourhood reaches there. As the second is larger, no
+// slivers are cut off.
 constexpr double kCutAt = 0.6, kCutFrom = 0.95;
 
-// Pieces larger than that, in what the neighbourhood reaches, are cut; others are parted in equal
-// parts, which is quicker.
+// Polygons larger than that, against what the neighbourhood reaches, are cut along its edges;
+// others are quartered, which is quicker.
 constexpr double kLarge = 3;
 
-// A convex piece of a candidate: a segment or a polygon.
-struct Piece {
-  std::array<Vec3d, kMostCorners> at;
+// A part of a candidate; a segment has 2 corners.
+struct ConvexPolygon {
+  std::array<Vec3d, kMaxCorners> at;
   std::size_t corners;
 
-  Piece() = default;
-  Piece(std::initializer_list<Vec3d> points) : corners(points.size()) {
+  ConvexPolygon() = default;
+  ConvexPolygon(std::initializer_list<Vec3d> points) : corners(points.size()) {
     std::copy(points.begin(), points.end(), at.begin());
   }
-  Piece(const Piece& other) : corners(other.corners) {
+  ConvexPolygon(const ConvexPolygon& other) : corners(other.corners) {
     std::copy(other.at.begin(), other.at.begin() + corners, at.begin());
   }
-  Piece& operator=(const Piece& other) {
+  ConvexPolygon& operator=(const ConvexPolygon& other) {
     corners = other.corners;
     std::copy(other.at.begin(), other.at.begin() + corners, at.begin());
     return *this;
@@ -62,61 +63,61 @@ struct Piece {
   }
 };
 
-// Whether one triangle is near all corners: its neighbourhood is convex, so that all of the piece
+// Whether one triangle is near all corners: its neighbourhood is convex, so that all of the polygon
 // is near it.
-bool isNear(const Piece& piece, const NearTriangle& triangle, double limit) {
-  for (std::size_t k = 0; k < piece.corners; ++k)
-    if (!(triangle.squaredDistance(piece.at[k]) <= limit))
+bool isNear(const ConvexPolygon& polygon, const NearTriangle& triangle, double limit) {
+  for (std::size_t k = 0; k < polygon.corners; ++k)
+    if (!(triangle.squaredDistance(polygon.at[k]) <= limit))
       return false;
   return true;
 }
 
-// Parts a piece where heights of its corners change their sign.
-void cut(const Piece& piece, const std::array<double, kMostCorners>& heights, Piece& below,
-         Piece& above) {
+// Cuts a polygon where the heights of its corners change their sign.
+void cut(const ConvexPolygon& polygon, const std::array<double, kMaxCorners>& heights,
+         ConvexPolygon& below, ConvexPolygon& above) {
   below.corners = above.corners = 0;
-  for (std::size_t k = 0; k < piece.corners; ++k) {
-    const std::size_t next = k + 1 < piece.corners ? k + 1 : 0;
-    (heights[k] > 0 ? above : below).add(piece.at[k]);
-    if ((heights[k] > 0) == (heights[next] > 0) || (piece.corners == 2 && next == 0))
+  for (std::size_t k = 0; k < polygon.corners; ++k) {
+    const std::size_t next = k + 1 < polygon.corners ? k + 1 : 0;
+    (heights[k] > 0 ? above : below).add(polygon.at[k]);
+    if ((heights[k] > 0) == (heights[next] > 0) || (polygon.corners == 2 && next == 0))
       continue;
     const double share = heights[k] / (heights[k] - heights[next]);
-    const Vec3d between = plus(piece.at[k], times(minus(piece.at[next], piece.at[k]), share));
+    const Vec3d between = plus(polygon.at[k], times(minus(polygon.at[next], polygon.at[k]), share));
     below.add(between);
     above.add(between);
   }
 }
 
-// Across its longest diagonal; many corners are shared out first.
-void halve(const Piece& piece, Piece& one, Piece& other) {
-  if (piece.corners > kCutCorners) {
-    const std::size_t middle = piece.corners / 2;
+// Across its longest diagonal; a polygon of many corners along one that halves their number.
+void halve(const ConvexPolygon& polygon, ConvexPolygon& one, ConvexPolygon& other) {
+  if (polygon.corners > kCutCorners) {
+    const std::size_t median = polygon.corners / 2;
     one.corners = other.corners = 0;
-    for (std::size_t k = 0; k <= middle; ++k)
-      one.add(piece.at[k]);
-    for (std::size_t k = middle; k < piece.corners; ++k)
-      other.add(piece.at[k]);
-    other.add(piece.at[0]);
+    for (std::size_t k = 0; k <= median; ++k)
+      one.add(polygon.at[k]);
+    for (std::size_t k = median; k < polygon.corners; ++k)
+      other.add(polygon.at[k]);
+    other.add(polygon.at[0]);
     return;
   }
   Vec3d longest{0, 0, 0};
-  for (std::size_t k = 0; k < piece.corners; ++k)
+  for (std::size_t k = 0; k < polygon.corners; ++k)
     for (std::size_t l = 0; l < k; ++l) {
-      const Vec3d diagonal = minus(piece.at[k], piece.at[l]);
+      const Vec3d diagonal = minus(polygon.at[k], polygon.at[l]);
       if (dot(diagonal, diagonal) > dot(longest, longest))
         longest = diagonal;
     }
-  const Vec3d centre = piece.centre();
-  std::array<double, kMostCorners> heights{};
-  for (std::size_t k = 0; k < piece.corners; ++k)
-    heights[k] = dot(minus(piece.at[k], centre), longest);
-  cut(piece, heights, one, other);
+  const Vec3d centre = polygon.centre();
+  std::array<double, kMaxCorners> heights{};
+  for (std::size_t k = 0; k < polygon.corners; ++k)
+    heights[k] = dot(minus(polygon.at[k], centre), longest);
+  cut(polygon, heights, one, other);
 }
 
-// Quarters of a triangle, but for those that another one is near all of.
-void addQuarters(const Piece& piece, const NearTriangle& triangle, double limit,
-                 std::vector<Piece>& parts) {
-  const Vec3d &a = piece.at[0], &b = piece.at[1], &c = piece.at[2];
+// Adds a triangle's quarters, without those that `triangle` is near all of.
+void addQuarters(const ConvexPolygon& polygon, const NearTriangle& triangle, double limit,
+                 std::vector<ConvexPolygon>& parts) {
+  const Vec3d &a = polygon.at[0], &b = polygon.at[1], &c = polygon.at[2];
   const Vec3d ab = times(plus(a, b), 0.5), bc = times(plus(b, c), 0.5), ca = times(plus(c, a), 0.5);
   const auto isOut = [&](const Vec3d& p) { return !(triangle.squaredDistance(p) <= limit); };
   const bool isAbOut = isOut(ab), isBcOut = isOut(bc), isCaOut = isOut(ca);
@@ -130,12 +131,12 @@ void addQuarters(const Piece& piece, const NearTriangle& triangle, double limit,
     parts.push_back({ca, bc, c});
 }
 
-// Parts of a piece that a triangle is not near all of: what goes over the triangle's edges is cut
-// off, so that there are about as many parts as there are triangles below, however large these are
-// beside the radius. `reach` is how far from its edges the triangle's neighbourhood reaches.
-void addParts(const Piece& piece, const NearTriangle& triangle, double reach, double limit,
-              std::vector<Piece>& parts) {
-  Piece rest = piece, inner, outer;
+// Adds the parts of a polygon that `triangle` is not near all of. What goes beyond the triangle's
+// edges is cut off, so that there are about as many parts as triangles below, however large these
+// are against the radius. `reach` is how far from its edges the triangle's neighbourhood reaches.
+void addParts(const ConvexPolygon& polygon, const NearTriangle& triangle, double reach,
+              double limit, std::vector<ConvexPolygon>& parts) {
+  ConvexPolygon rest = polygon, inner, outer;
   const Vec3d normal = cross(triangle.ab, triangle.ac);
   const std::array<Vec3d, 3> edges{triangle.ab, minus(triangle.ac, triangle.ab),
                                    minus(Vec3d{0, 0, 0}, triangle.ac)};
@@ -144,7 +145,7 @@ void addParts(const Piece& piece, const NearTriangle& triangle, double reach, do
     const Vec3d out = cross(edges[e], normal);
     const double scale = length(out);
     const Vec3d from = e == 1 ? plus(triangle.a, triangle.ab) : triangle.a;
-    std::array<double, kMostCorners> heights{};
+    std::array<double, kMaxCorners> heights{};
     double lowest = reach * scale, highest = 0;
     for (std::size_t k = 0; k < rest.corners; ++k) {
       heights[k] = dot(minus(rest.at[k], from), out) - kCutAt * reach * scale;
@@ -163,26 +164,71 @@ void addParts(const Piece& piece, const NearTriangle& triangle, double reach, do
   if (isCut && isNear(rest, triangle, limit))
     return;
   halve(rest, inner, outer);
-  for (const Piece& half : {inner, outer})
+  for (const ConvexPolygon& half : {inner, outer})
     if (!isNear(half, triangle, limit))
       parts.push_back(half);
 }
 
-bool containsPiece(const TriangleTree& tree, const Piece& whole, double limit) {
-  // Triangles near one corner may be near the others.
-  int tries = 0;
-  bool isIn = false, isWholeIn = false;
-  tree.visit(whole.at[0], limit, [&](std::uint32_t i, double&) {
-    const NearTriangle& triangle = tree.triangle(i);
-    if (!(triangle.squaredDistance(whole.at[0]) <= limit))
-      return false;
-    isIn = true;
-    isWholeIn = isNear(whole, triangle, limit);
-    return isWholeIn || ++tries == kTries;
-  });
-  if (!isIn || isWholeIn)
-    return isWholeIn;
+// What one or a few triangles say about a polygon.
+enum class Nearness { None, Some, All };
 
+// Whether a triangle that is near the first corner is near all of the polygon. None: no triangle is
+// near that corner; Some: it is not known.
+Nearness nearnessOf(const TriangleTree& tree, const ConvexPolygon& polygon, double limit) {
+  int tries = 0;
+  Nearness found = Nearness::None;
+  tree.visit(polygon.at[0], limit, [&](std::uint32_t i, double&) {
+    const NearTriangle& triangle = tree.triangle(i);
+    if (!(triangle.squaredDistance(polygon.at[0]) <= limit))
+      return false;
+    found = isNear(polygon, triangle, limit) ? Nearness::All : Nearness::Some;
+    return found == Nearness::All || ++tries == kTries;
+  });
+  return found;
+}
+
+// Decides about a polygon at its centre. All: a triangle's neighbourhood holds it. None: it is out,
+// or too small to be cut further. Some: it is cut, and its parts are added to `waiting`.
+Nearness cutAtCentre(const TriangleTree& tree, const TriangleTree::Cut& cut,
+                     const ConvexPolygon& polygon, double limit,
+                     std::vector<ConvexPolygon>& waiting) {
+  const Vec3d centre = polygon.centre();
+  // The triangle nearest to the centre, at distance d: if its neighbourhood does not hold the
+  // polygon, a corner is farther from it than the radius, and d + (centre to corner) exceeds it.
+  std::uint32_t nearest = kNone;
+  double square = limit;
+  const bool isHeld = tree.visit(cut, centre, limit, [&](std::uint32_t i, double& farthest) {
+    const NearTriangle& triangle = tree.triangle(i);
+    const double here = triangle.squaredDistance(centre);
+    if (!(here <= farthest))
+      return false;
+    farthest = square = here;
+    nearest = i;
+    return isNear(polygon, triangle, limit);
+  });
+  if (isHeld)
+    return Nearness::All;
+  if (nearest == kNone)
+    return Nearness::None;
+  double radius = 0; // squared
+  for (std::size_t k = 0; k < polygon.corners; ++k) {
+    const Vec3d out = minus(polygon.at[k], centre);
+    radius = std::max(radius, dot(out, out));
+  }
+  if (radius < limit * Envelope::kSlack * Envelope::kSlack)
+    return Nearness::None;
+  const NearTriangle& triangle = tree.triangle(nearest);
+  if (polygon.corners == 3 && radius < kLarge * kLarge * (limit - square))
+    addQuarters(polygon, triangle, limit, waiting);
+  else
+    addParts(polygon, triangle, std::sqrt(limit - square), limit, waiting);
+  return Nearness::Some;
+}
+
+bool containsPolygon(const TriangleTree& tree, const ConvexPolygon& whole, double limit) {
+  const Nearness first = nearnessOf(tree, whole, limit);
+  if (first != Nearness::Some)
+    return first == Nearness::All;
   Box box;
   for (std::size_t k = 0; k < whole.corners; ++k)
     box.add(whole.at[k]);
@@ -193,50 +239,21 @@ bool containsPiece(const TriangleTree& tree, const Piece& whole, double limit) {
         }))
       return false;
 
-  const double least = limit * Envelope::kSlack * Envelope::kSlack;
-  thread_local std::vector<Piece> waiting;
+  thread_local std::vector<ConvexPolygon> waiting;
   waiting.assign(1, whole);
-  std::size_t looked = 0;
+  std::size_t visited = 0;
   for (std::size_t oldest = 0; oldest < waiting.size();) {
-    if (++looked > kMostPieces)
+    if (++visited > kMaxPolygons)
       return false;
-    Piece piece;
+    ConvexPolygon polygon;
     if (waiting.size() - oldest < kWaiting) {
-      piece = waiting[oldest++];
+      polygon = waiting[oldest++];
     } else {
-      piece = waiting.back();
+      polygon = waiting.back();
       waiting.pop_back();
     }
-    const Vec3d centre = piece.centre();
-    // The triangle nearest to the centre, at distance d: if its neighbourhood does not hold the
-    // piece, a corner is farther from it than the radius, and d + (centre to corner) exceeds it.
-    std::uint32_t nearest = kNone;
-    double square = limit;
-    const bool isHeld = tree.visit(cut, centre, limit, [&](std::uint32_t i, double& farthest) {
-      const NearTriangle& triangle = tree.triangle(i);
-      const double here = triangle.squaredDistance(centre);
-      if (!(here <= farthest))
-        return false;
-      farthest = square = here;
-      nearest = i;
-      return isNear(piece, triangle, limit);
-    });
-    if (isHeld)
-      continue;
-    if (nearest == kNone)
+    if (cutAtCentre(tree, cut, polygon, limit, waiting) == Nearness::None)
       return false;
-    double radius = 0;
-    for (std::size_t k = 0; k < piece.corners; ++k) {
-      const Vec3d out = minus(piece.at[k], centre);
-      radius = std::max(radius, dot(out, out));
-    }
-    if (radius < least)
-      return false;
-    const NearTriangle& triangle = tree.triangle(nearest);
-    if (piece.corners == 3 && radius < kLarge * kLarge * (limit - square))
-      addQuarters(piece, triangle, limit, waiting);
-    else
-      addParts(piece, triangle, std::sqrt(limit - square), limit, waiting);
   }
   return true;
 }
@@ -281,11 +298,11 @@ bool Envelope::contains(const Vec3d& p, double radius) const {
 }
 
 bool Envelope::contains(const Vec3d& p, const Vec3d& q, double radius) const {
-  return containsPiece(impl_->tree, {p, q}, radius * radius * kSafety);
+  return containsPolygon(impl_->tree, {p, q}, radius * radius * kSafety);
 }
 
 bool Envelope::contains(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius) const {
-  return containsPiece(impl_->tree, {p, q, r}, radius * radius * kSafety);
+  return containsPolygon(impl_->tree, {p, q, r}, radius * radius * kSafety);
 }
 
 Envelope::Nearest Envelope::nearest(const Vec3d& p) const {
@@ -293,22 +310,22 @@ Envelope::Nearest Envelope::nearest(const Vec3d& p) const {
   constexpr double kFarthest = 1e300, kAbout = 1 + 1e-9;
   const TriangleTree& tree = impl_->tree;
   Nearest best;
-  double least = kFarthest;
+  double minSquared = kFarthest;
   tree.visit(p, kFarthest, [&](std::uint32_t i, double& limit) {
     const NearTriangle& triangle = tree.triangle(i);
     if (triangle.squaredDistance(p) > limit)
       return false;
     const Vec3d a = minus(triangle.a, p);
     const NearestOffset to = nearestOnTriangle(a, plus(a, triangle.ab), plus(a, triangle.ac));
-    if (to.squared < least || (to.squared == least && triangle.face < best.face)) {
-      least = to.squared;
-      limit = least * kAbout;
+    if (to.squared < minSquared || (to.squared == minSquared && triangle.face < best.face)) {
+      minSquared = to.squared;
+      limit = minSquared * kAbout;
       best.point = plus(p, to.offset);
       best.face = triangle.face;
     }
     return false;
   });
-  best.distance = std::sqrt(least);
+  best.distance = std::sqrt(minSquared);
   return best;
 }
 

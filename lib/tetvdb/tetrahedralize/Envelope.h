@@ -12,16 +12,16 @@
 
 namespace tetvdb {
 
-/// All that is no farther than epsilon from triangles. Triangles (a, b, b) are segments: the
-/// envelope of a rim is made from these. Answers are conservative and use the whole of epsilon: yes
-/// is a proof up to rounding, no may be wrong only within a small fraction of epsilon (kSlack) of
-/// the border.
+/// All points no farther than epsilon from triangles. Triangles (a, b, b) are segments: the
+/// envelope of boundary edges is made from these. Answers are conservative: yes is a proof up to
+/// rounding, no may be wrong only within a small fraction of epsilon (kSlack) of the envelope's
+/// border.
 ///   A triangle's neighbourhood is convex, so that a candidate whose corners are all near one input
-/// triangle is in at once. Others are parted in four, each part being in where its centre's
-/// distance and its own radius add up to no more than epsilon (distance is 1-Lipschitz), out where
-/// its centre is out. One query looks at 20 000 parts at most, some ten milliseconds, and says no
-/// where that is not enough: a candidate over tens of thousands of triangles may be refused.
-/// Immutable once made; queries are thread-safe and depend on nothing but their arguments.
+/// triangle is in at once. Others are cut. A part is in where its centre's distance and its own
+/// radius add up to no more than epsilon (distance is 1-Lipschitz), and out where its centre is
+/// out. One query visits 20 000 parts at most, some ten milliseconds, and answers no where that is
+/// not enough: a candidate over tens of thousands of triangles may be refused. Immutable once made;
+/// queries are thread-safe and depend on nothing but their arguments.
 class Envelope {
 public:
   static constexpr double kSlack = 0.02;

@@ -60,30 +60,31 @@ struct BoundsOnBothSides {
 
   explicit BoundsOnBothSides(const Bounds& given)
       : own(given.landmarks ? nullptr : new Landmarks(given.surface, given.radius)),
-        bounds{given.surface, given.rim, given.radius, own ? own.get() : given.landmarks} {}
+        bounds{given.surface, given.boundary, given.radius, own ? own.get() : given.landmarks} {}
 };
 
 constexpr int kRoundsAPass = 2;
-// Passes that make the mesh coarse; passes that follow sizes from then on, at least, and how many
-// more to get below the aim and not just below the energy asked for.
+// Passes that coarsen the mesh; the least number of passes that then follow sizes; passes after
+// these that still aim below the stop energy.
 constexpr int kCoarsePasses = 3, kFinePasses = 4, kMorePasses = 4;
 constexpr double kAimShare = 0.8;
-// Who asks for less does not ask for sizes.
+// Above this stop energy sizes are not used.
 constexpr double kFineStop = 30;
-// Sizes: at the surface, of the coarse mesh's edges there; away from it; around tets that stay bad,
-// of their edges; how often these are refined in vain, with how many passes from one to the next.
-// Measured: meshes of about this many tets have about the least mean energy for their number.
+// Sizes: at the surface, as a share of the coarse mesh's edges there; their growth away from it;
+// around tets that stay bad, as a share of their edges; how often they are refined at most, and the
+// passes between two refinements. Chosen by measurement: meshes with about this many tets have
+// about the lowest mean energy for their number.
 constexpr double kSurfaceShare = 1.25, kGrowth = 0.48, kRefinedShare = 0.7;
-constexpr int kMostRefined = 15, kPassesToRefine = 2;
-// Edges are split where they are longer than that, and go where they are shorter; so they come out
-// a tenth shorter than their size, on the average.
+constexpr int kMaxRefined = 15, kPassesToRefine = 2;
+// Edges are split where they are longer than kSplitShare of their size, and collapsed where they
+// are shorter than kCollapseShare; on average they end up a tenth shorter than their size.
 constexpr double kSplitShare = 4. / 3, kCollapseShare = 4. / 5, kSizeOfLength = 1.1;
-// A split may leave tets as bad as that, in energies asked for.
+// A split may leave tets of up to so many times the stop energy.
 constexpr double kSplitEnergy = 3;
 
 struct Step {
   double above; ///< tets of no more energy are neither swapped nor smoothed
-  double aim;   ///< what is above gets other treatment too
+  double aim;   ///< tets above it are also peeled, split and moved off the input
 };
 
 void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
@@ -134,7 +135,7 @@ void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOption
 ImproveCounts coarsen(TetComplex& complex, const Bounds& given, Progress& progress) {
   const BoundsOnBothSides bothSides(given);
   const Bounds& bounds = bothSides.bounds;
-  constexpr int kMostSweeps = 4;
+  constexpr int kMaxSweeps = 4;
   ImproveCounts counts;
   EdgeCollapser::Rules rules;
   rules.energy = kCoarsenEnergy;
@@ -146,7 +147,7 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& given, Progress& progre
         [&](TetParts::Part& part) {
           EdgeCollapser collapser(part.complex, bounds, rules);
           std::size_t last = part.complex.tetCount();
-          for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+          for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
             progress.check();
             collapses[part.index] += collapser.sweep();
             const std::size_t now = part.complex.tetCount();
@@ -167,28 +168,25 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& given, Progress& progre
 }
 
 ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOptions& options,
-                      const std::function<std::size_t()>& reinsert, Progress& progress) {
+                      Progress& progress) {
   const BoundsOnBothSides bothSides(given);
   const Bounds& bounds = bothSides.bounds;
   ImproveCounts counts;
   for (TetComplex::Point& point : complex.points)
     point.changed = 0xFF; // other rules may have been in force
-  std::size_t missing = reinsert ? reinsert() : 0;
   const EdgeSizes sizes(kSizeOfLength * options.edgeLength);
   const bool isFine = options.stopEnergy <= kFineStop;
   const double aim = kAimShare * options.stopEnergy;
   const Step coarse{options.stopEnergy / 2, options.stopEnergy}, fine{3, aim};
   std::size_t bad = countEnergies(complex, options.stopEnergy, counts);
   int round = 0, refined = 0, sinceRefined = 0;
-  while (counts.passes < options.maxPasses && refined < kMostRefined) {
+  while (counts.passes < options.maxPasses && refined < kMaxRefined) {
     if (isFine && counts.passes == kCoarsePasses)
       sizes.followSurface(complex, kSurfaceShare, kGrowth);
     const bool isCoarse = !isFine || counts.passes < kCoarsePasses;
     for (int i = 0; i < kRoundsAPass; ++i)
       improveParts(complex, bounds, options, sizes, round++, isCoarse ? coarse : fine, counts,
                    progress);
-    if (reinsert && counts.passes % 3 == 2)
-      missing = reinsert();
     ++counts.passes;
     ++sinceRefined;
     const std::size_t before = bad;
@@ -198,7 +196,7 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
     bad = countEnergies(complex, limit, counts);
     if (isFine && finePasses < kFinePasses)
       continue;
-    if (bad == 0 && missing == 0)
+    if (bad == 0)
       break;
     if (5 * bad > 4 * before && sinceRefined >= kPassesToRefine) {
       sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge);

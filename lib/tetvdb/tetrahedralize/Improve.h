@@ -9,18 +9,17 @@
 #include "tetvdb/tetrahedralize/TetComplex.h"
 
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 namespace tetvdb {
 
-/// Where tracked faces and rim edges must stay.
+/// Where tracked faces and boundary edges must stay.
 struct Bounds {
   const Envelope& surface;
-  const Envelope& rim; ///< empty where the input has no open edges
-  double radius;       ///< of both, lattice units
-  /// Of `surface`: what must stay near to tracked faces. coarsen() and improve() make their own
-  /// where there are none.
+  const Envelope& boundary; ///< empty where the input has none
+  double radius;            ///< of both, lattice units
+  /// Of `surface`: points that tracked faces must stay near to. Null: coarsen() and improve() make
+  /// their own.
   const Landmarks* landmarks = nullptr;
 };
 
@@ -37,7 +36,7 @@ struct ImproveCounts {
   std::size_t splits = 0, collapses = 0, swaps = 0, moves = 0, peels = 0;
 };
 
-/// What coarsen() may make of a tet that was good.
+/// The worst energy that coarsen() may give to a tet that was better.
 constexpr double kCoarsenEnergy = 300;
 
 /// Collapses edges as long as tets become markedly fewer (by a hundredth and more a round), with no
@@ -50,10 +49,9 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
 /// as the target length and the surface's bounds allow; the others, where no more than 30 is asked
 /// for, follow sizes that grow away from its surface (EdgeSizes.h) and make all tets better. They
 /// aim a little lower than `stopEnergy`. Around tets that stay bad sizes are made smaller, down to
-/// `smallestEdge`; ends early where that is in vain. First and every third pass `reinsert` is
-/// called, if given, which may put further triangles in; it returns how many are missing. Parallel
-/// by TetParts; the same mesh for any number of threads.
+/// `smallestEdge`; ends early where that is in vain. Parallel by TetParts; the same mesh for any
+/// number of threads.
 ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
-                      const std::function<std::size_t()>& reinsert, Progress& progress);
+                      Progress& progress);
 
 } // namespace tetvdb

@@ -5,18 +5,18 @@
 
 namespace tetvdb {
 
-/// The sign that rounding hides from liesInSphere().
+/// The case of liesInSphere() that rounding leaves open.
 bool liesInSphereExactly(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d,
                          const Vec3d& p);
 
 /// Whether p lies strictly inside the sphere through the corners of a tet, positive by
 /// latticeOrientation(). Exact for lattice points.
 ///   The determinant of the rows (x, y, z, x^2 + y^2 + z^2) relative to p. Differences are exact;
-/// minors of two rows are off by 2 roundings of their terms' magnitudes, of three by 5, squares by
-/// 3; their product by 9 and the sum of four by 11; 16 leaves room for the bound's own rounding.
-/// The magnitudes of a minor of three sum to no more than the product of its rows' sums, sqrt(3)
-/// lengths each: with all four to sqrt(27) |a||b||c||d| (|a| + |b| + |c| + |d|), whose last factor
-/// is at most 2 sqrt(|a|^2 + |b|^2 + |c|^2 + |d|^2).
+/// minors of two rows are off by 2 roundings of the sums of their terms' absolute values, of three
+/// by 5, squares by 3; their product by 9 and the sum of four by 11; 16 leaves room for the bound's
+/// own rounding. The absolute values of the terms of a minor of three sum to no more than the
+/// product of its rows' sums, sqrt(3) lengths each: with all four to sqrt(27) |a||b||c||d| (|a| +
+/// |b| + |c| + |d|), whose last factor is at most 2 sqrt(|a|^2 + |b|^2 + |c|^2 + |d|^2).
 inline bool liesInSphere(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d,
                          const Vec3d& p) {
   const double ax = a[0] - p[0], ay = a[1] - p[1], az = a[2] - p[2];

@@ -18,14 +18,14 @@ void addTracked(const TetComplex& complex, InputChains& chains, Progress& progre
     const TetComplex::Tet& tet = complex.tets[t];
     if (!tet.exists())
       continue;
-    for (std::size_t slot = 0; slot < 4; ++slot) {
-      if (tet.chains[slot] == 0 || tet.neighbours[slot] < t)
+    for (std::size_t localFace = 0; localFace < 4; ++localFace) {
+      if (tet.chains[localFace] == 0 || tet.neighbours[localFace] < t)
         continue;
-      const auto& at = kFaceCorners[slot];
+      const auto& at = kFaceCorners[localFace];
       const std::array<std::uint32_t, 3> corners{tet.corners[at[0]], tet.corners[at[1]],
                                                  tet.corners[at[2]]};
       for (std::size_t input = 0; input < chains.inputs.size(); ++input)
-        if (const std::int64_t weight = chainDigit(tet.chains[slot], input, bits); weight != 0)
+        if (const std::int64_t weight = chainDigit(tet.chains[localFace], input, bits); weight != 0)
           chains.inputs[input].faces.push_back({corners, static_cast<std::int32_t>(weight)});
     }
   }
@@ -140,11 +140,11 @@ ChainWinding chainWinding(const InputChains& chains, std::size_t input) {
   faces.reserve(chain.faces.size());
   for (const InputChain::Face& face : chain.faces)
     faces.push_back({at(face.corners[0]), at(face.corners[1]), at(face.corners[2]), face.weight});
-  std::vector<RimEdge> rim;
-  rim.reserve(chain.boundary.size());
+  std::vector<RimEdge> boundary;
+  boundary.reserve(chain.boundary.size());
   for (const InputChain::Edge& edge : chain.boundary)
-    rim.push_back({at(edge.a), at(edge.b), edge.weight});
-  return ChainWinding(std::move(faces), std::move(rim));
+    boundary.push_back({at(edge.a), at(edge.b), edge.weight});
+  return ChainWinding(std::move(faces), std::move(boundary));
 }
 
 } // namespace tetvdb

@@ -45,33 +45,24 @@ std::uint32_t PointInsertion::intoEdge(std::uint32_t a, std::uint32_t b, const V
   return commit(at);
 }
 
-std::uint32_t PointInsertion::intoFace(std::uint32_t t, unsigned slot, const Vec3d& at) {
-  const std::uint32_t across = complex_.tets[t].neighbours[slot];
+std::uint32_t PointInsertion::intoFace(std::uint32_t t, unsigned localFace, const Vec3d& at) {
+  const std::uint32_t across = complex_.tets[t].neighbours[localFace];
   if (across >= TetComplex::kElsewhere)
     return TetComplex::kNone;
   const auto point = static_cast<std::uint32_t>(complex_.points.size());
   old_ = {t, across};
   fresh_.clear();
-  const unsigned slots[] = {slot, complex_.slotOf(across, t)};
+  const unsigned localFaces[] = {localFace, complex_.localFaceOf(across, t)};
   for (int side = 0; side < 2; ++side) {
     const TetComplex::Tet& tet = complex_.tets[old_[static_cast<std::size_t>(side)]];
     for (unsigned corner = 0; corner < 4; ++corner) {
-      if (corner == slots[side])
+      if (corner == localFaces[side])
         continue;
       addChild(old_[static_cast<std::size_t>(side)], corner, point);
-      fresh_.back().chains[slots[side]] = tet.chains[slots[side]];
-      fresh_.back().tracked[slots[side]] = tet.tracked[slots[side]];
+      fresh_.back().chains[localFaces[side]] = tet.chains[localFaces[side]];
+      fresh_.back().tracked[localFaces[side]] = tet.tracked[localFaces[side]];
     }
   }
-  return commit(at);
-}
-
-std::uint32_t PointInsertion::intoTet(std::uint32_t t, const Vec3d& at) {
-  const auto point = static_cast<std::uint32_t>(complex_.points.size());
-  old_ = {t};
-  fresh_.clear();
-  for (unsigned corner = 0; corner < 4; ++corner)
-    addChild(t, corner, point);
   return commit(at);
 }
 

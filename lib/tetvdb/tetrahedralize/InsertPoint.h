@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A new point in an edge, a face or a tet of the mesh, which stays conforming; faces that are cut
-// hand on what they stand for.
+// A new point in an edge or a face of the mesh, which stays conforming. The parts of a face that is
+// cut have its chain and stay tracked.
 #pragma once
 
 #include "tetvdb/tetrahedralize/TetComplex.h"
@@ -20,10 +20,8 @@ public:
 
   /// In edge a-b, of which `at` should be close to a point.
   std::uint32_t intoEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at);
-  /// In the face of tet `t` opposite its corner `slot`.
-  std::uint32_t intoFace(std::uint32_t t, unsigned slot, const Vec3d& at);
-  /// In a tet.
-  std::uint32_t intoTet(std::uint32_t t, const Vec3d& at);
+  /// In the face of tet `t` opposite its corner `localFace`.
+  std::uint32_t intoFace(std::uint32_t t, unsigned localFace, const Vec3d& at);
 
 private:
   // To fresh_: tet `t` with the new point in place of a corner.

@@ -17,26 +17,27 @@ namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
 
-// Triangles that are lower than this many tolerances have no side of their own: the path of their
-// longest edge goes through their apex, and nothing is left to cover.
+// Triangles lower than this many tolerances are almost collinear: the path of their longest edge
+// goes through their apex, and no face is needed.
 constexpr double kFlat = 3;
 
-// Faces that go in together: fewer do as well one by one, of more all would be looked through for
-// every point.
-constexpr std::size_t kLeastInFlat = 12;
-constexpr std::size_t kMostInFlat = 2000;
+// Faces that are inserted together: fewer are as quick one by one, of more every point would be
+// compared with all.
+constexpr std::size_t kMinInFlat = 12;
+constexpr std::size_t kMaxInFlat = 2000;
 
-// How many times its tets, and how many besides, a part may get in a round.
+// A part may grow in a round to so many times its tets, and so many more.
 constexpr std::size_t kGrowth = 3, kFreeGrowth = 50000;
-// Tets that coarsening may leave of a mesh that has grown too much, and of these for each face.
-constexpr std::size_t kMostTets = 1500000, kMostTetsOfFace = 40;
-// Rounds go on as long as so many of the missing faces go in: one of eight.
-constexpr std::size_t kLeastShare = 8;
-// Tets looked at for a triangle: less where there is another round.
-constexpr std::size_t kMostEffort = 1000000, kFirstEffort = 200000;
+// The tets that coarsening may leave of a mesh that has grown too much, and more for each face.
+constexpr std::size_t kMaxTets = 1500000, kMaxTetsOfFace = 40;
+// Rounds continue as long as one of so many missing faces goes in.
+constexpr std::size_t kMinShare = 8;
+// Tets visited for a triangle: fewer where there is another round.
+constexpr std::size_t kMaxEffort = 1000000, kFirstEffort = 200000;
 
-// What counts as on a triangle: far above the rounding of points, far below what matters.
-constexpr double kReach = 1e4, kLeastTolerance = 16;
+// The tolerance within which a point is on a triangle: a share of the reach, and at least so many
+// lattice units, far above the rounding of points.
+constexpr double kReach = 1e4, kMinTolerance = 16;
 
 } // namespace
 
@@ -46,9 +47,11 @@ struct SoupInsertion::PartWork {
   const Progress* progress = nullptr;
   std::vector<std::uint32_t> faces; // of the soup, ascending
   bool last = false;                // there is no other part, now or later
-  std::size_t mostTets = 0;
-  bool isCutShort = false; // at these
-  std::vector<std::uint32_t> done;
+  std::size_t maxTets = 0;
+  bool isCutShort = false;                // at these
+  std::set<std::uint32_t> here, inserted; // of faces
+  /// Flats that were tried, and whether their faces go in one by one.
+  std::unordered_map<std::uint32_t, bool> areAlone;
   std::vector<std::uint32_t> pointOfWhole; // as Part's
   std::size_t newPoints = 0;
   InsertedPaths paths; // of points of the part
@@ -58,8 +61,8 @@ SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
                              std::uint32_t firstPoint, double reach,
                              std::function<void(TetComplex&)> coarsen)
     : soup_(soup), inputCount_(inputCount), firstPoint_(firstPoint),
-      tolerance_(std::max(kLeastTolerance, reach / kReach)),
-      reach_(std::max(reach, 2 * kLeastTolerance)), in_(soup.faces.size(), false),
+      tolerance_(std::max(kMinTolerance, reach / kReach)),
+      reach_(std::max(reach, 2 * kMinTolerance)), in_(soup.faces.size(), false),
       through_(soup.faces.size(), 3), facesBegin_(soup.points.size() + 1, 0),
       facesOfPoint_(3 * soup.faces.size()), coarsen_(std::move(coarsen)) {
   for (const auto& face : soup.faces)
@@ -91,60 +94,75 @@ SoupInsertion::SoupInsertion(const LatticeSoup& soup, std::size_t inputCount,
   findFlats();
 }
 
-// Grown from the lowest face on, as long as points are in its plane.
-void SoupInsertion::findFlats() {
-  std::unordered_map<std::uint64_t, std::array<std::uint32_t, 3>> facesAtEdge; // two and a count
+SoupInsertion::EdgeFaces SoupInsertion::facesAtEdges() const {
+  EdgeFaces facesAtEdge;
   for (std::size_t f = 0; f < soup_.faces.size(); ++f)
     for (std::size_t i = 0; i < 3; ++i) {
       auto& edge = facesAtEdge[edgeKey(soup_.faces[f][i], soup_.faces[f][(i + 1) % 3])];
-      if (edge[2] < 2)
-        edge[edge[2]] = static_cast<std::uint32_t>(f);
-      ++edge[2];
+      if (edge.count < 2)
+        edge.faces[edge.count] = static_cast<std::uint32_t>(f);
+      ++edge.count;
     }
-  // Faces beside one that is all but collinear go alone: its own path may lead around it.
-  std::vector<bool> apart(soup_.faces.size(), false);
+  return facesAtEdge;
+}
+
+void SoupInsertion::findFlats() {
+  const EdgeFaces facesAtEdge = facesAtEdges();
+  // Faces that may go in together. One next to an almost collinear face goes in alone: the path of
+  // that face may lead around it.
+  std::vector<bool> isFree(soup_.faces.size());
+  for (std::size_t f = 0; f < soup_.faces.size(); ++f)
+    isFree[f] = through_[f] == 3;
   for (const auto& [key, edge] : facesAtEdge)
-    if (edge[2] >= 2 && (through_[edge[0]] < 3 || through_[edge[1]] < 3))
-      apart[edge[0]] = apart[edge[1]] = true;
+    if (edge.count >= 2 && (through_[edge.faces[0]] < 3 || through_[edge.faces[1]] < 3))
+      isFree[edge.faces[0]] = isFree[edge.faces[1]] = false;
   flatOf_.assign(soup_.faces.size(), kNone);
   for (std::uint32_t seed = 0; seed < soup_.faces.size(); ++seed) {
-    if (flatOf_[seed] != kNone || through_[seed] < 3 || apart[seed])
+    if (!isFree[seed])
       continue;
-    const Vec3d& origin = soup_.points[soup_.faces[seed][0]];
-    const Vec3d area = areaOf(seed);
-    const Vec3d normal = times(area, 1 / length(area));
-    const auto number = static_cast<std::uint32_t>(flats_.size());
-    std::vector<std::uint32_t> grown{seed};
-    flatOf_[seed] = number;
-    for (std::size_t next = 0; next < grown.size() && grown.size() < kMostInFlat; ++next)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto& corners = soup_.faces[grown[next]];
-        const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
-        const auto& edge = facesAtEdge[edgeKey(a, b)];
-        if (edge[2] != 2)
-          continue;
-        const std::uint32_t other = edge[0] == grown[next] ? edge[1] : edge[0];
-        if (flatOf_[other] != kNone || through_[other] < 3 || apart[other] ||
-            chainOf(other) != chainOf(seed) || !(dot(areaOf(other), normal) > 0))
-          continue;
-        const auto& there = soup_.faces[other];
-        const bool inPlane = std::all_of(there.begin(), there.end(), [&](std::uint32_t p) {
-          return std::abs(dot(normal, minus(soup_.points[p], origin))) <= reach_ / 4;
-        });
-        const auto at = std::find(there.begin(), there.end(), b) - there.begin();
-        if (!inPlane || there[static_cast<std::size_t>(at + 1) % 3] != a)
-          continue; // that does not run along the edge the other way
-        flatOf_[other] = number;
-        grown.push_back(other);
-      }
-    if (grown.size() < kLeastInFlat) {
-      for (const std::uint32_t face : grown)
-        flatOf_[face] = kNone;
-      continue;
+    std::vector<std::uint32_t> grown = growFlat(seed, facesAtEdge, isFree);
+    const bool isFlat = grown.size() >= kMinInFlat;
+    for (const std::uint32_t face : grown) {
+      isFree[face] = !isFlat;
+      flatOf_[face] = isFlat ? static_cast<std::uint32_t>(flats_.size()) : kNone;
     }
+    if (!isFlat)
+      continue;
     std::sort(grown.begin(), grown.end());
     flats_.push_back(std::move(grown));
   }
+}
+
+// The faces in the plane of a face that are connected to it, itself first. Not free any more.
+std::vector<std::uint32_t> SoupInsertion::growFlat(std::uint32_t seed, const EdgeFaces& facesAtEdge,
+                                                   std::vector<bool>& isFree) const {
+  const Vec3d& origin = soup_.points[soup_.faces[seed][0]];
+  const Vec3d area = areaOf(seed);
+  const Vec3d normal = times(area, 1 / length(area));
+  std::vector<std::uint32_t> grown{seed};
+  isFree[seed] = false;
+  for (std::size_t next = 0; next < grown.size() && grown.size() < kMaxInFlat; ++next)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& corners = soup_.faces[grown[next]];
+      const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+      const EdgeFace& edge = facesAtEdge.at(edgeKey(a, b));
+      if (edge.count != 2)
+        continue;
+      const std::uint32_t other = edge.faces[edge.faces[0] == grown[next] ? 1 : 0];
+      if (!isFree[other] || chainOf(other) != chainOf(seed) || !(dot(areaOf(other), normal) > 0))
+        continue;
+      const auto& there = soup_.faces[other];
+      const bool inPlane = std::all_of(there.begin(), there.end(), [&](std::uint32_t p) {
+        return std::abs(dot(normal, minus(soup_.points[p], origin))) <= reach_ / 4;
+      });
+      // Oriented faces have their edge in opposite directions.
+      const auto at = std::find(there.begin(), there.end(), b) - there.begin();
+      if (!inPlane || there[static_cast<std::size_t>(at + 1) % 3] != a)
+        continue;
+      isFree[other] = false;
+      grown.push_back(other);
+    }
+  return grown;
 }
 
 Vec3d SoupInsertion::areaOf(std::uint32_t face) const {
@@ -193,77 +211,80 @@ void SoupInsertion::findFaces(PartWork& mine, const TetComplex& complex) const {
   }
 }
 
-void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
+// Corners as points of the part, and the paths of edges that are known. False where some of these
+// are in another part.
+bool SoupInsertion::bring(std::uint32_t face, PartWork& mine,
+                          std::array<std::uint32_t, 3>& corners) const {
   const TetParts::Part& part = *mine.part;
-  mine.pointOfWhole = part.pointOfWhole;
-  // Flat ones first: they say which way their longest edges go.
+  const auto whole = cornersOf(face);
+  for (std::size_t i = 0; i < 3; ++i) {
+    corners[i] = part.local(whole[i]);
+    if (corners[i] == kNone)
+      return false;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto earlier = paths_.paths.find(edgeKey(whole[i], whole[(i + 1) % 3]));
+    if (earlier == paths_.paths.end())
+      continue;
+    std::vector<std::uint32_t> local;
+    for (const std::uint32_t point : earlier->second)
+      local.push_back(part.local(point));
+    if (std::find(local.begin(), local.end(), kNone) != local.end())
+      return false;
+    mine.paths.paths.emplace(edgeKey(corners[i], corners[(i + 1) % 3]), std::move(local));
+  }
+  return true;
+}
+
+// Whether all faces of a flat are the part's and went in together.
+bool SoupInsertion::insertFlat(std::uint32_t flat, PartWork& mine,
+                               TriangleInserter& inserter) const {
+  const auto& faces = flats_[flat];
+  std::vector<std::array<std::uint32_t, 3>> corners(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (mine.here.count(faces[i]) == 0 || mine.inserted.count(faces[i]) != 0 ||
+        !bring(faces[i], mine, corners[i]))
+      return mine.areAlone[flat] = false;
+  if (inserter.insertFlat(corners, chainOf(faces[0])) != TriangleInserter::Result::In) {
+    mine.areAlone[flat] = true;
+    return false;
+  }
+  mine.inserted.insert(faces.begin(), faces.end());
+  return true;
+}
+
+void SoupInsertion::insert(PartWork& mine, TetComplex& complex) const {
+  mine.pointOfWhole = mine.part->pointOfWhole;
+  // Almost collinear ones first: they decide the paths of their longest edges.
   std::sort(mine.faces.begin(), mine.faces.end(), [&](std::uint32_t a, std::uint32_t b) {
     const bool flatA = through_[a] < 3, flatB = through_[b] < 3;
     return flatA != flatB ? flatA : a < b;
   });
+  mine.here.insert(mine.faces.begin(), mine.faces.end());
   TriangleInserter inserter(complex, mine.paths, tolerance_, reach_,
-                            mine.last ? kMostEffort : kFirstEffort);
-  // Corners as points of the part, and the paths of edges that are known. False where some of it is
-  // in another part.
-  const auto bring = [&](std::uint32_t face, std::array<std::uint32_t, 3>& corners) {
-    const auto whole = cornersOf(face);
-    for (std::size_t i = 0; i < 3; ++i) {
-      corners[i] = part.local(whole[i]);
-      if (corners[i] == kNone)
-        return false;
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto earlier = paths_.paths.find(edgeKey(whole[i], whole[(i + 1) % 3]));
-      if (earlier == paths_.paths.end())
-        continue;
-      std::vector<std::uint32_t> local;
-      for (const std::uint32_t point : earlier->second)
-        local.push_back(part.local(point));
-      if (std::find(local.begin(), local.end(), kNone) != local.end())
-        return false;
-      mine.paths.paths.emplace(edgeKey(corners[i], corners[(i + 1) % 3]), std::move(local));
-    }
-    return true;
-  };
-  const std::set<std::uint32_t> here(mine.faces.begin(), mine.faces.end());
-  std::set<std::uint32_t> done;
-  std::unordered_map<std::uint32_t, bool> alone; // flats, whether their faces go in one by one
+                            mine.last ? kMaxEffort : kFirstEffort);
   for (const std::uint32_t face : mine.faces) {
     mine.progress->check();
-    if (done.count(face) > 0)
+    if (mine.inserted.count(face) > 0)
       continue;
-    const std::uint32_t flat = flatOf_[face];
-    if (flat != kNone) {
-      const auto [known, isNew] = alone.emplace(flat, false);
-      if (isNew) {
-        const auto& faces = flats_[flat];
-        std::vector<std::array<std::uint32_t, 3>> corners(faces.size());
-        bool all = true;
-        for (std::size_t i = 0; all && i < faces.size(); ++i)
-          all =
-              here.count(faces[i]) > 0 && done.count(faces[i]) == 0 && bring(faces[i], corners[i]);
-        if (all && inserter.insertFlat(corners, chainOf(face)) == TriangleInserter::Result::In) {
-          done.insert(faces.begin(), faces.end());
-          continue;
-        }
-        known->second = all || mine.last;
-      }
-      if (!known->second)
+    if (const std::uint32_t flat = flatOf_[face]; flat != kNone) {
+      if (mine.areAlone.count(flat) == 0 && insertFlat(flat, mine, inserter))
+        continue;
+      if (!mine.areAlone[flat] && !mine.last)
         continue; // perhaps in another round
     }
     std::array<std::uint32_t, 3> corners;
-    if (bring(face, corners) &&
+    if (bring(face, mine, corners) &&
         inserter.insert(corners, chainOf(face), through_[face]) == TriangleInserter::Result::In)
-      done.insert(face);
-    mine.isCutShort = complex.tetCount() > mine.mostTets;
+      mine.inserted.insert(face);
+    mine.isCutShort = complex.tetCount() > mine.maxTets;
     if (mine.isCutShort)
       break;
   }
-  mine.done.assign(done.begin(), done.end());
-  mine.newPoints = complex.points.size() - part.pointOfWhole.size();
+  mine.newPoints = complex.points.size() - mine.part->pointOfWhole.size();
 }
 
-// Of all faces where none are named.
+// Inserts the named faces; all faces where none are named.
 void SoupInsertion::round(TetComplex& complex, int round, const std::vector<std::uint32_t>& named,
                           Progress& progress) {
   const std::size_t before = complex.points.size();
@@ -275,7 +296,7 @@ void SoupInsertion::round(TetComplex& complex, int round, const std::vector<std:
         mine.part = &part;
         mine.progress = &progress;
         mine.last = round < 0;
-        mine.mostTets = kGrowth * part.complex.tetCount() + kFreeGrowth;
+        mine.maxTets = kGrowth * part.complex.tetCount() + kFreeGrowth;
         mine.faces = named;
         if (named.empty())
           findFaces(mine, part.complex);
@@ -296,10 +317,10 @@ void SoupInsertion::collect(const std::vector<PartWork>& works, std::size_t poin
                  ? mine.pointOfWhole[point]
                  : static_cast<std::uint32_t>(base + point - mine.pointOfWhole.size());
     };
-    for (const auto& [edge, middle] : mine.paths.middles)
-      paths_.middles.emplace(edgeKey(whole(static_cast<std::uint32_t>(edge >> 32)),
-                                     whole(static_cast<std::uint32_t>(edge))),
-                             whole(middle));
+    for (const auto& [edge, midpoint] : mine.paths.midpoints)
+      paths_.midpoints.emplace(edgeKey(whole(static_cast<std::uint32_t>(edge >> 32)),
+                                       whole(static_cast<std::uint32_t>(edge))),
+                               whole(midpoint));
     for (const auto& [edge, path] : mine.paths.paths) {
       std::vector<std::uint32_t> joined;
       for (const std::uint32_t point : path)
@@ -308,13 +329,13 @@ void SoupInsertion::collect(const std::vector<PartWork>& works, std::size_t poin
         std::reverse(joined.begin(), joined.end());
       paths_.paths.emplace(edgeKey(joined.front(), joined.back()), std::move(joined));
     }
-    for (const std::uint32_t face : mine.done)
+    for (const std::uint32_t face : mine.inserted)
       in_[face] = true;
     base += mine.newPoints;
   }
   for (auto& [edge, path] : paths_.paths)
     path = paths_.path(path.front(), path.back());
-  paths_.middles.clear();
+  paths_.midpoints.clear();
 }
 
 void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& first,
@@ -327,7 +348,7 @@ void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& f
     last = now;
     now = missing().size();
   };
-  const auto isWorthwhile = [&] { return now > 0 && kLeastShare * (last - now) >= last; };
+  const auto isWorthwhile = [&] { return now > 0 && kMinShare * (last - now) >= last; };
   for (int r = 0; r < TetParts::kRounds || (isCutShort_ && isWorthwhile()); ++r) {
     if (isCutShort_)
       thin(complex);
@@ -339,12 +360,12 @@ void SoupInsertion::run(TetComplex& complex, const std::vector<std::uint32_t>& f
   now = in_.size();
   for (insertOnce(-1); isWorthwhile() || (isCutShort_ && now > 0 && now < last); insertOnce(-1))
     thin(complex);
-  markRim(complex);
+  markBoundary(complex);
 }
 
-// Points that missing faces ask for stay.
+// Coarsens the mesh. Points of missing faces and of their paths stay.
 void SoupInsertion::thin(TetComplex& complex) {
-  markRim(complex);
+  markBoundary(complex);
   std::vector<std::uint32_t> held;
   const auto hold = [&](std::uint32_t point) {
     if (complex.points[point].fixed)
@@ -372,9 +393,9 @@ void SoupInsertion::thin(TetComplex& complex) {
   coarsen_(complex);
   for (const std::uint32_t point : held)
     complex.points[point].fixed = false;
-  if (complex.tetCount() > kMostTets + kMostTetsOfFace * soup_.faces.size())
+  if (complex.tetCount() > kMaxTets + kMaxTetsOfFace * soup_.faces.size())
     throw Error(Status::Limit, "",
-                "the triangles cut one another into more pieces than can be meshed",
+                "the triangles cut one another into more tets than can be meshed",
                 "a larger epsilon may help; voxelize with `mesher=winding` needs no tets");
 }
 
@@ -386,10 +407,10 @@ std::vector<std::uint32_t> SoupInsertion::missing() const {
   return faces;
 }
 
-void SoupInsertion::markRim(TetComplex& complex) const {
+void SoupInsertion::markBoundary(TetComplex& complex) const {
   for (const auto& [a, b] : openEdges(soup_))
     for (const std::uint32_t point : paths_.path(a + firstPoint_, b + firstPoint_))
-      complex.points[point].rim = true;
+      complex.points[point].onBoundary = true;
 }
 
 } // namespace tetvdb

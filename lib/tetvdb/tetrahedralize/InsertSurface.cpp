@@ -11,11 +11,11 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kFirstSoupPoint = 8; // after the box's corners
-// Tries with one soup, while no more than so many faces do not go in.
+// Attempts with one soup, as long as no more than kFew faces are missing.
 constexpr int kTries = 3;
 constexpr std::size_t kFew = 16;
-// Variants that are cut to too many pieces.
-constexpr int kMostTooMany = 2;
+// Variants that may need too many tets.
+constexpr int kMaxTooMany = 2;
 
 TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain) {
   TetComplex complex;
@@ -31,17 +31,17 @@ TetComplex startComplex(const std::vector<Vec3d>& points, const PlainTets& plain
     tet.tracked = {false, false, false, false};
     tet.energy = 0;
     tet.mark = 0;
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      complex.points[tet.corners[slot]].tet = static_cast<std::uint32_t>(t);
-      if (tet.neighbours[slot] == TetComplex::kOutside)
-        for (const unsigned corner : kFaceCorners[slot])
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      complex.points[tet.corners[localFace]].tet = static_cast<std::uint32_t>(t);
+      if (tet.neighbours[localFace] == TetComplex::kOutside)
+        for (const unsigned corner : kFaceCorners[localFace])
           complex.points[tet.corners[corner]].fixed = true;
     }
   }
   return complex;
 }
 
-// Where few faces do not go in, these go first in another try.
+// Where few faces are missing, another attempt inserts these first.
 void insertAll(InsertedSurface& surface, std::size_t inputCount,
                const InsertSurfaceOptions& options, const std::vector<Vec3d>& points,
                const PlainTets& background, Progress& progress) {
@@ -83,8 +83,8 @@ InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& sou
     try {
       insertAll(next, inputCount, options, points, background, progress);
     } catch (const Error& error) {
-      // Another variant may be cut less, but few are where two were not.
-      if (error.status() != Status::Limit || (++tooMany == kMostTooMany && !found))
+      // Another variant may need fewer tets, though seldom after two that did not.
+      if (error.status() != Status::Limit || (++tooMany == kMaxTooMany && !found))
         throw;
       continue;
     }

@@ -14,10 +14,10 @@ namespace tetvdb {
 
 /// Lengths are in lattice units.
 struct InsertSurfaceOptions {
-  double spacing = 0;   ///< of points away from the surface
+  double spacing = 0;   ///< of points in between
   double margin = 0;    ///< about the soup's box
-  double clearance = 0; ///< what points in between keep from the surface
-  double reach = 0;     ///< what a triangle's faces may be off it where tets are too flat to part
+  double clearance = 0; ///< distance of these points from the surface
+  double reach = 0; ///< how far a triangle's faces may be from it where tets are too flat to be cut
   std::function<void(TetComplex&)> coarsen; ///< as SoupInsertion's
 };
 
@@ -28,11 +28,12 @@ struct InsertedSurface {
 };
 
 /// A mesh of a soup's box with the soup's triangles as tracked faces: Delaunay tets of its points
-/// and of points in between, into which the triangles go (InsertSoup.h). Where some do not, it is
-/// tried again, those first, then with soupOf(1) instead of soupOf(0), up to `variants`; of all
-/// tries the one that misses fewest counts. Writes parts "background" and "insert" to `timer`.
-/// Parallel; the same mesh for any number of threads. `variants` is two or more. Throws
-/// Error(Limit) where the first two are cut to more pieces than can be meshed.
+/// and of points in between, into which the triangles are inserted (InsertSoup.h). Where some are
+/// missing, they are inserted first in another attempt, then soupOf(1) is taken instead of
+/// soupOf(0), up to `variants`. Returns the attempt with the fewest missing faces. Writes parts
+/// "background" and "insert" to `timer`. Parallel; the same mesh for any number of threads.
+/// `variants` is two or more. Throws Error(Limit) where the first two variants need more tets than
+/// can be meshed.
 InsertedSurface insertSurface(const std::function<LatticeSoup(int variant)>& soupOf, int variants,
                               std::size_t inputCount, const InsertSurfaceOptions& options,
                               StageTimer& timer, Progress& progress);

@@ -13,10 +13,10 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kLeaf = 8;
-// Of all edges together, in pieces of the radius; where there are more, all are longer.
-constexpr double kMostPieces = 500000;
-// Within an envelope of radius r along an edge that turns by an angle t a surface can get as far as
-// r / cos(t / 2) from the edge: for 15 degrees less than a hundredth more than r.
+// Intervals between landmarks along all edges together, which are as long as the radius or longer.
+constexpr double kMaxIntervals = 500000;
+// Within an envelope of radius r along an edge that turns by an angle t a surface can be as far as
+// r / cos(t / 2) from the edge: at 15 degrees less than a hundredth more than r.
 const double kFlat = -std::cos(15 * 3.14159265358979323846 / 180);
 
 struct EdgeOfFace {
@@ -29,7 +29,7 @@ struct EdgeOfFace {
   }
 };
 
-// Whether two faces at an edge are nearly one plane, whichever way they are oriented.
+// Whether two faces at an edge are nearly coplanar, in either orientation.
 bool isFlat(const EdgeOfFace& one, const EdgeOfFace& other) {
   const Vec3d edge = minus(one.to, one.from);
   const auto out = [&](const Vec3d& p) {
@@ -41,10 +41,11 @@ bool isFlat(const EdgeOfFace& one, const EdgeOfFace& other) {
 }
 
 double squareTo(const Vec3d& p, const std::vector<Landmarks::Face>& faces) {
-  double least = std::numeric_limits<double>::infinity();
+  double minSquared = std::numeric_limits<double>::infinity();
   for (const auto& [a, b, c] : faces)
-    least = std::min(least, nearestOnTriangle(minus(a, p), minus(b, p), minus(c, p)).squared);
-  return least;
+    minSquared =
+        std::min(minSquared, nearestOnTriangle(minus(a, p), minus(b, p), minus(c, p)).squared);
+  return minSquared;
 }
 
 } // namespace
@@ -73,12 +74,12 @@ Landmarks::Landmarks(const Envelope& surface, double radius, const std::vector<V
     total += length(minus(edges[i].to, edges[i].from));
     edges[count++] = edges[i];
   }
-  const double spacing = std::max(radius, total / kMostPieces);
+  const double spacing = std::max(radius, total / kMaxIntervals);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d from = edges[i].from, edge = minus(edges[i].to, from);
-    const double pieces = std::ceil(length(edge) / spacing);
-    for (double k = 1; k < pieces; ++k)
-      points_.push_back(plus(from, times(edge, k / pieces)));
+    const double intervals = std::ceil(length(edge) / spacing);
+    for (double k = 1; k < intervals; ++k)
+      points_.push_back(plus(from, times(edge, k / intervals)));
   }
   if (!points_.empty())
     addNode(0, static_cast<std::uint32_t>(points_.size()));
@@ -96,13 +97,13 @@ std::uint32_t Landmarks::addNode(std::uint32_t begin, std::uint32_t end) {
   for (std::size_t other = 1; other < 3; ++other)
     if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
       axis = other;
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(points_.begin() + begin, points_.begin() + middle, points_.begin() + end,
+  const std::uint32_t median = begin + (end - begin) / 2;
+  std::nth_element(points_.begin() + begin, points_.begin() + median, points_.begin() + end,
                    [axis](const Vec3d& a, const Vec3d& b) {
                      return a[axis] != b[axis] ? a[axis] < b[axis] : a < b;
                    });
-  addNode(begin, middle);
-  const std::uint32_t second = addNode(middle, end);
+  addNode(begin, median);
+  const std::uint32_t second = addNode(median, end);
   nodes_[number].second = second;
   return number;
 }

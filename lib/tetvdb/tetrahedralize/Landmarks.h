@@ -13,28 +13,28 @@
 
 namespace tetvdb {
 
-/// Where a surface that stays in the envelope can all the same go away from the input: at its
-/// points, and along edges that are not nearly flat. (Elsewhere the envelope is a slab: what
-/// crosses it stays within its thickness.) Changes are compared with these themselves and not with
-/// what they were changed to before, so that small errors of many changes do not add up.
+/// Where a surface within the envelope can still leave the input: at the input's points, and along
+/// edges that are not nearly flat. (Elsewhere the envelope is a slab, and a surface that crosses it
+/// stays within its thickness.) Every change is compared with the landmarks themselves, so that the
+/// errors of many changes do not add up.
 /// Immutable once made; queries are thread-safe.
 class Landmarks {
 public:
   using Face = std::array<Vec3d, 3>;
 
-  /// Of the envelope's faces; along edges one every `radius`, or half a million evenly where these
-  /// would be more. n log n in faces and landmarks, about a second for a million.
-  /// `more` are points to be kept besides.
+  /// Landmarks of the envelope's faces, and `more`. Along edges one every `radius`, or half a
+  /// million evenly where there would be more. n log n in faces and landmarks, about a second for a
+  /// million.
   Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more = {});
 
   std::size_t size() const { return points_.size(); }
 
-  /// Whether faces `after` may take the place of `before`: every landmark that was no farther than
+  /// Whether faces `after` may replace `before`: every landmark that was no farther than
   /// the radius from `before` is no farther than kShare of the radius from `after`, or no farther
   /// than it was.
   bool keeps(const std::vector<Face>& before, const std::vector<Face>& after) const;
 
-  /// What is between landmarks may be a little farther away than these.
+  /// A margin for the points between landmarks.
   static constexpr double kShare = 0.98;
 
 private:

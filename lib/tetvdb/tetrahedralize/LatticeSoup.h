@@ -12,7 +12,7 @@
 
 namespace tetvdb {
 
-/// The triangles of all inputs on the working lattice, as the mesher's stages hand them on.
+/// The triangles of all inputs on the working lattice, as they pass through the mesher's stages.
 /// No two points are equal, every point is used, no face has a repeated point, and no input has
 /// two faces over the same three points. Faces may be collinear, cross each other and end anywhere.
 struct LatticeSoup {
@@ -27,18 +27,20 @@ inline std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) {
   return a < b ? std::uint64_t(a) << 32 | b : std::uint64_t(b) << 32 | a;
 }
 
-/// The edges of a single face, by face.
+/// The boundary edges: those of exactly one face, in the order of faces.
 std::vector<std::array<std::uint32_t, 2>> openEdges(const LatticeSoup& soup);
 
-/// The inputs' triangles snapped to the lattice, to multiples of `grain` on it; what becomes equal
-/// or loses its area to a repeated point is dropped, and of an input's faces over the same three
-/// points pairs that look opposite ways go, one of the others stays. Faces keep the inputs' order.
-///   Faces that should be coplanar are off by about a grain, which has to be well below what
-/// insertion takes for on a triangle.
+/// The inputs' triangles snapped to the lattice, to multiples of `grain` on it; points
+/// that become equal are merged and faces with a repeated point dropped. Of an input's faces over
+/// the same three points pairs of opposite orientation are dropped, and one of the others stays.
+/// Faces keep the inputs' order.
+///   Faces that should be coplanar are off by about a grain, which has to be well below the
+///   tolerance
+/// of insertion.
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
                         double grain, Progress& progress);
 
-/// Makes a soup keep its promises after points have moved: as latticeSoup() does.
+/// Restores LatticeSoup's conditions after points have moved, as latticeSoup() does.
 void tidySoup(LatticeSoup& soup, Progress& progress);
 
 } // namespace tetvdb

@@ -33,21 +33,21 @@ TetPeeler::Answer TetPeeler::mayGo(std::uint32_t t) {
   std::size_t trackedCount = 0;
   Chain out = 0;
   bool isHere = true;
-  for (unsigned slot = 0; slot < 4; ++slot) {
-    isHere = isHere && tet.neighbours[slot] < TetComplex::kElsewhere;
-    if (!tet.tracked[slot])
+  for (unsigned localFace = 0; localFace < 4; ++localFace) {
+    isHere = isHere && tet.neighbours[localFace] < TetComplex::kElsewhere;
+    if (!tet.tracked[localFace])
       continue;
-    if (trackedCount++ > 0 && tet.chains[slot] != out)
+    if (trackedCount++ > 0 && tet.chains[localFace] != out)
       return Answer::No;
-    out = tet.chains[slot];
+    out = tet.chains[localFace];
   }
   if (trackedCount == 0 || trackedCount == 4)
     return Answer::No;
   if (!isHere)
     return Answer::NotHere;
-  for (unsigned slot = 0; slot < 4; ++slot)
-    if (tet.tracked[slot]) {
-      beyond_ = complex_.tets[tet.neighbours[slot]].weight;
+  for (unsigned localFace = 0; localFace < 4; ++localFace)
+    if (tet.tracked[localFace]) {
+      beyond_ = complex_.tets[tet.neighbours[localFace]].weight;
       if (!(beyond_ < 1))
         return Answer::No;
     }
@@ -55,32 +55,32 @@ TetPeeler::Answer TetPeeler::mayGo(std::uint32_t t) {
   return topology == Answer::Yes && !keepsBounds(tet) ? Answer::No : topology;
 }
 
-// The surface is pushed through the tet: what comes to lie on it must not be on it yet, and what is
-// taken off must be on no more of it.
+// The surface moves from the tet's tracked faces to its others: an edge or point that comes onto
+// the surface must not be on it yet, and one that leaves it must be on no other tracked face.
 TetPeeler::Answer TetPeeler::keepsTopology(std::uint32_t t, std::size_t trackedCount) const {
   const TetComplex::Tet& tet = complex_.tets[t];
   if (trackedCount == 2) {
     std::array<std::uint32_t, 2> lone{}, shared{}; // edges of no tracked face, of both
     std::size_t lones = 0, shareds = 0;
-    for (unsigned slot = 0; slot < 4; ++slot)
-      (tet.tracked[slot] ? lone[lones++] : shared[shareds++]) = tet.corners[slot];
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      (tet.tracked[localFace] ? lone[lones++] : shared[shareds++]) = tet.corners[localFace];
     const OnSheet onSheet = edgeOnSheet(complex_, lone[0], lone[1], t);
     if (onSheet != OnSheet::No)
       return onSheet == OnSheet::Yes ? Answer::No : Answer::NotHere;
-    // Other sheets may meet in the edge that goes off the surface.
+    // Other sheets may meet in the edge that leaves the surface.
     std::size_t sheets = 0;
     std::vector<std::uint32_t> ringPoints;
     if (!complex_.ring(shared[0], shared[1], star_, ringPoints, t))
       return Answer::NotHere;
     for (const std::uint32_t around : star_) {
       const TetComplex::Tet& other = complex_.tets[around];
-      for (unsigned slot = 0; slot < 4; ++slot)
-        sheets += other.tracked[slot] && other.corners[slot] != shared[0] &&
-                  other.corners[slot] != shared[1];
+      for (unsigned localFace = 0; localFace < 4; ++localFace)
+        sheets += other.tracked[localFace] && other.corners[localFace] != shared[0] &&
+                  other.corners[localFace] != shared[1];
     }
     return sheets == 4 ? Answer::Yes : Answer::No; // each of two counted from both sides
   }
-  // The corner that goes off the surface, or comes onto it.
+  // The corner that leaves the surface, or comes onto it.
   unsigned apex = 0;
   while (tet.tracked[apex] != (trackedCount == 1))
     ++apex;
@@ -91,8 +91,8 @@ TetPeeler::Answer TetPeeler::keepsTopology(std::uint32_t t, std::size_t trackedC
   std::size_t sheets = 0; // counted from both sides
   for (const std::uint32_t around : star_) {
     const TetComplex::Tet& other = complex_.tets[around];
-    for (unsigned slot = 0; slot < 4; ++slot)
-      sheets += other.tracked[slot] && other.corners[slot] != point;
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      sheets += other.tracked[localFace] && other.corners[localFace] != point;
   }
   return sheets == (trackedCount == 1 ? 0u : 6u) ? Answer::Yes : Answer::No;
 }
@@ -100,24 +100,25 @@ TetPeeler::Answer TetPeeler::keepsTopology(std::uint32_t t, std::size_t trackedC
 bool TetPeeler::keepsBounds(const TetComplex::Tet& tet) {
   before_.clear();
   after_.clear();
-  for (unsigned slot = 0; slot < 4; ++slot) {
-    const auto& corner = kFaceCorners[slot];
-    (tet.tracked[slot] ? before_ : after_)
+  for (unsigned localFace = 0; localFace < 4; ++localFace) {
+    const auto& corner = kFaceCorners[localFace];
+    (tet.tracked[localFace] ? before_ : after_)
         .push_back({complex_.at(tet.corners[corner[0]]), complex_.at(tet.corners[corner[1]]),
                     complex_.at(tet.corners[corner[2]])});
   }
   if (before_.size() == 2) {
     std::array<Vec3d, 2> lone{}, shared{};
     std::size_t lones = 0, shareds = 0;
-    for (unsigned slot = 0; slot < 4; ++slot)
-      (tet.tracked[slot] ? lone[lones++] : shared[shareds++]) = complex_.at(tet.corners[slot]);
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      (tet.tracked[localFace] ? lone[lones++] : shared[shareds++]) =
+          complex_.at(tet.corners[localFace]);
     return guard_.allowsFlip(shared[0], shared[1], lone[0], lone[1]);
   }
   // The apex is farthest from the face opposite.
   const auto& [a, b, c] = before_.size() == 1 ? before_[0] : after_[0];
-  for (unsigned slot = 0; slot < 4; ++slot)
-    if (tet.tracked[slot] == (before_.size() == 1)) {
-      const Vec3d& apex = complex_.at(tet.corners[slot]);
+  for (unsigned localFace = 0; localFace < 4; ++localFace)
+    if (tet.tracked[localFace] == (before_.size() == 1)) {
+      const Vec3d& apex = complex_.at(tet.corners[localFace]);
       if (nearestOnTriangle(minus(a, apex), minus(b, apex), minus(c, apex)).squared >
           bounds_.radius * bounds_.radius)
         return false;

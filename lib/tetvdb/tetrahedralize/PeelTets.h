@@ -12,20 +12,20 @@
 
 namespace tetvdb {
 
-/// Gives bad tets at the surface of one part to the outside, where quality matters less (their
-/// weight does): tets that are flat against the surface, whose angles nothing else can change
-/// because their faces are tracked. Serial. The surface keeps its topology and stays within bounds.
+/// Moves bad tets at the surface of one part to the outside, where their weight is less: tets that
+/// are flat against the surface, whose shape no other operation can change because their faces are
+/// tracked. Serial. The surface keeps its topology and stays within bounds.
 class TetPeeler {
 public:
   /// Bit of Point::changed.
   static constexpr std::uint8_t kChanged = 16;
 
-  /// Only tets above `energy` go.
+  /// Only tets above `energy` are moved.
   TetPeeler(TetComplex& complex, const Bounds& bounds, double energy)
       : complex_(complex), bounds_(bounds), energy_(energy), guard_(bounds) {}
 
   /// Tries every such tet around which something changed since it was last tried, the worst first.
-  /// Returns how many went.
+  /// Returns how many were moved.
   std::size_t sweep();
 
 private:

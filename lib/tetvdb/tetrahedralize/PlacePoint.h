@@ -2,10 +2,11 @@
 //
 // The best place for a point within the faces around it.
 //
-// What is made small is the sum of the cubes of energies, f = P^3 / (16 det^2) each: the worst
-// count most, and f is convex in the point as long as tets are positive. With p and d for the
+// The sum of the cubes of energies, f = P^3 / (16 det^2) each, is minimized: the worst tets
+// dominate it, and f is convex in the point as long as tets are positive. With p and d for the
 // gradients of P and det, divided by P and det, the gradient is f (3 p - 2 d) and the matrix of
-// second derivatives f (6 (p - d)(p - d)^T + 18 / P): positive, so that Newton's step leads down.
+// second derivatives f (6 (p - d)(p - d)^T + 18 / P): positive definite, so that Newton's step
+// descends.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -20,12 +21,12 @@ namespace tetvdb {
 /// The sum over tets (at, face); infinity where one is not positive or its cube is above `limit`.
 double sumOfCubes(const std::vector<PointStar::LinkFace>& faces, const Vec3d& at, double limit);
 
-/// Newton's step. False where rounding leaves nothing to go by.
+/// Newton's step. False where it is lost in rounding.
 bool newtonStep(const std::vector<PointStar::LinkFace>& faces, const Vec3d& at, Vec3d& step);
 
-/// Moves `at` to a better lattice point in a few steps, each tried whole, then by halves.
-/// `project` puts a trial where it may be. Returns the sum there; `at` stays where nothing better
-/// is found, or where the sum, `now`, is infinite.
+/// Moves `at` to a better lattice point in a few steps, each halved until it is one. `project`
+/// moves a trial to where the point may lie. Returns the sum at the new place; `at` is unchanged
+/// where no better point is found, or where the sum, `now`, is infinite.
 template <typename Project>
 double descend(const std::vector<PointStar::LinkFace>& faces, double limit, double now, Vec3d& at,
                const Project& project) {

@@ -38,9 +38,9 @@ void PointStar::gather(TetComplex& complex, std::uint32_t point) {
       spokes_.push_back({corner, 0, dot(spoke, spoke)});
     }
     for (unsigned k = 0; k < 3; ++k) {
-      const unsigned slot = around[k];
+      const unsigned localFace = around[k];
       // Both tets of the face are here: the lower one tells.
-      if (!tet.tracked[slot] || tet.neighbours[slot] < t)
+      if (!tet.tracked[localFace] || tet.neighbours[localFace] < t)
         continue;
       const std::uint32_t p = corners[(k + 1) % 3], q = corners[(k + 2) % 3];
       sheets_.push_back({p, q});

@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// What lies around a point that is not fixed, laid out for the many candidates that look at it.
+/// The tets, faces and edges around a point that is not fixed, gathered once for many candidates.
 class PointStar {
 public:
   /// The face opposite the point: (point, a, b, c) is positive.

@@ -22,7 +22,7 @@ public:
   HoleRefiner(TetComplex& complex, const InputChains& chains, std::vector<std::uint16_t>& inside,
               Progress& progress);
 
-  std::size_t run(double length, std::size_t mostMore);
+  std::size_t run(double length, std::size_t maxMore);
 
 private:
   struct Edge {
@@ -33,7 +33,7 @@ private:
     }
     bool operator==(const Edge& other) const { return a == other.a && b == other.b; }
   };
-  bool endsInside(const TetComplex::Tet& tet, std::uint16_t here, unsigned slot) const;
+  bool endsInside(const TetComplex::Tet& tet, std::uint16_t here, unsigned localFace) const;
   Edge longestEdge(const TetComplex::Tet& tet) const;
   std::vector<Edge> edgesToHalve(double length) const;
   bool halve(const Edge& edge);
@@ -63,14 +63,15 @@ HoleRefiner::HoleRefiner(TetComplex& complex, const InputChains& chains,
 }
 
 // Whether an open input's inside ends at a face of the tet that the input does not pass through.
-bool HoleRefiner::endsInside(const TetComplex::Tet& tet, std::uint16_t here, unsigned slot) const {
-  const std::uint32_t next = tet.neighbours[slot];
+bool HoleRefiner::endsInside(const TetComplex::Tet& tet, std::uint16_t here,
+                             unsigned localFace) const {
+  const std::uint32_t next = tet.neighbours[localFace];
   if (next == TetComplex::kOutside)
     return false;
   const int differ = (here ^ inside_[next]) & open_;
   for (std::size_t input = 0; differ >> input != 0; ++input)
     if ((differ >> input & 1) != 0 &&
-        chainDigit(tet.chains[slot], input, chainBits(inputCount_)) == 0)
+        chainDigit(tet.chains[localFace], input, chainBits(inputCount_)) == 0)
       return true;
   return false;
 }
@@ -93,8 +94,8 @@ std::vector<HoleRefiner::Edge> HoleRefiner::edgesToHalve(double length) const {
     const TetComplex::Tet& tet = complex_.tets[t];
     if (!tet.exists())
       continue;
-    for (unsigned slot = 0; slot < 4; ++slot)
-      if (endsInside(tet, inside_[t], slot)) {
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      if (endsInside(tet, inside_[t], localFace)) {
         const Edge edge = longestEdge(tet);
         if (edge.square > length * length)
           edges.push_back(edge);
@@ -106,15 +107,15 @@ std::vector<HoleRefiner::Edge> HoleRefiner::edgesToHalve(double length) const {
   return edges;
 }
 
-// New tets inherit the bits of the tet that they are halves of.
+// New tets inherit the bits of the tet that was halved.
 bool HoleRefiner::halve(const Edge& edge) {
   if (!complex_.ring(edge.a, edge.b, tets_, ring_))
     return false; // halved or changed with another, or on the box's sides
   masks_.clear();
   for (const std::uint32_t tet : tets_)
     masks_.push_back(inside_[tet]);
-  const Vec3d middle = roundToLattice(times(plus(complex_.at(edge.a), complex_.at(edge.b)), 0.5));
-  const std::uint32_t point = insertion_.intoEdge(edge.a, edge.b, middle);
+  const Vec3d midpoint = roundToLattice(times(plus(complex_.at(edge.a), complex_.at(edge.b)), 0.5));
+  const std::uint32_t point = insertion_.intoEdge(edge.a, edge.b, midpoint);
   if (point == TetComplex::kNone)
     return false;
   inside_.resize(complex_.tets.size(), 0);
@@ -148,18 +149,18 @@ void HoleRefiner::classifyNew() {
   fresh_.clear();
 }
 
-std::size_t HoleRefiner::run(double length, std::size_t mostMore) {
-  const std::size_t most = complex_.tetCount() + mostMore;
+std::size_t HoleRefiner::run(double length, std::size_t maxMore) {
+  const std::size_t maxTets = complex_.tetCount() + maxMore;
   std::size_t points = 0;
   while (open_ != 0) {
     const std::vector<Edge> edges = edgesToHalve(length);
     std::size_t halved = 0;
-    const double least =
+    const double minSquare =
         edges.empty() ? 0 : edges.front().square * kShareOfLongest * kShareOfLongest;
-    for (std::size_t i = 0; i < edges.size() && complex_.tetCount() < most; ++i) {
+    for (std::size_t i = 0; i < edges.size() && complex_.tetCount() < maxTets; ++i) {
       if (i % kEdgesPerCheck == 0)
         progress_.check();
-      if (edges[i].square < least && halved > 0)
+      if (edges[i].square < minSquare && halved > 0)
         break;
       halved += halve(edges[i]) ? 1 : 0;
     }
@@ -175,13 +176,13 @@ std::size_t HoleRefiner::run(double length, std::size_t mostMore) {
 
 std::size_t refineHoles(TetComplex& complex, std::size_t inputCount, const LatticeSoup& soup,
                         const std::vector<std::uint32_t>& missing, double length,
-                        std::size_t mostMore, std::vector<std::uint16_t>& inside,
+                        std::size_t maxMore, std::vector<std::uint16_t>& inside,
                         Progress& progress) {
   const InputChains chains = inputChains(complex, inputCount, soup, missing, progress);
   if (std::all_of(chains.inputs.begin(), chains.inputs.end(),
                   [](const InputChain& chain) { return chain.isFlooded(); }))
     return 0;
-  return HoleRefiner(complex, chains, inside, progress).run(length, mostMore);
+  return HoleRefiner(complex, chains, inside, progress).run(length, maxMore);
 }
 
 } // namespace tetvdb

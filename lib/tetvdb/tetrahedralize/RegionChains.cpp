@@ -11,13 +11,13 @@ bool chainRegions(TetComplex& complex, const std::vector<std::uint16_t>& inside,
   for (std::size_t t = 0; t < complex.tets.size(); ++t)
     if (complex.tets[t].exists())
       regions[t] = regionOf(inside[t], inputCount, rule);
-  const auto beyond = [&](const TetComplex::Tet& tet, unsigned slot) {
-    const std::uint32_t next = tet.neighbours[slot];
+  const auto beyond = [&](const TetComplex::Tet& tet, unsigned localFace) {
+    const std::uint32_t next = tet.neighbours[localFace];
     return next == TetComplex::kOutside ? kOutsideRegion : regions[next];
   };
   for (std::size_t t = 0; t < complex.tets.size(); ++t)
-    for (unsigned slot = 0; complex.tets[t].exists() && slot < 4; ++slot)
-      if (!complex.tets[t].tracked[slot] && regions[t] != beyond(complex.tets[t], slot))
+    for (unsigned localFace = 0; complex.tets[t].exists() && localFace < 4; ++localFace)
+      if (!complex.tets[t].tracked[localFace] && regions[t] != beyond(complex.tets[t], localFace))
         return false;
   const auto windingOf = [&](std::int32_t region) {
     return region == kOutsideRegion ? 0
@@ -27,15 +27,15 @@ bool chainRegions(TetComplex& complex, const std::vector<std::uint16_t>& inside,
     TetComplex::Tet& tet = complex.tets[t];
     if (!tet.exists())
       continue;
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      tet.chains[slot] = windingOf(regions[t]) - windingOf(beyond(tet, slot));
-      tet.tracked[slot] = tet.chains[slot] != 0;
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      tet.chains[localFace] = windingOf(regions[t]) - windingOf(beyond(tet, localFace));
+      tet.tracked[localFace] = tet.chains[localFace] != 0;
     }
     tet.weight = regions[t] == kOutsideRegion && !keepOutside ? kOutsideWeight : 1;
     tet.energy = 0;
   }
   for (TetComplex::Point& point : complex.points)
-    point.rim = false;
+    point.onBoundary = false;
   return true;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The surface of what is kept in place of the surfaces of the inputs.
+// Replaces the surfaces of the inputs by the surfaces of the regions that are kept.
 #pragma once
 
 #include "tetvdb/tetrahedralize/TetComplex.h"
@@ -12,16 +12,16 @@
 
 namespace tetvdb {
 
-/// What the energy of tets outside counts, where they are not kept: what would be 10 inside may be
-/// 300 there.
+/// Weight of the energy of tets outside, where they are not kept: an energy of 300 there counts as
+/// 10 inside.
 constexpr float kOutsideWeight = 1.f / 30;
 
-/// Where inside ends at tracked faces alone (as it does for closed inputs), faces are tracked from
-/// now on only between regions (regionOf(), Regions.h): inner walls, sheets and rims are gone, so
-/// that improvement need not keep them. Chains become those of the regions, digit r - 1 for region
-/// r: what insideOf() says of the complex from then on is to be read by Boolean::Materials. Tets
-/// outside get kOutsideWeight unless `keepOutside`. `inside` is insideOf()'s. False, with nothing
-/// changed, where inside ends elsewhere. Linear; about 50 ns a tet.
+/// Where the inside ends at tracked faces alone (as it does for closed inputs), tracks only faces
+/// between regions (regionOf(), Regions.h): inner walls, sheets and boundary edges are not tracked
+/// any more, so that improvement need not keep them. Chains become those of the regions, digit r -
+/// 1 for region r, so that insideOf() is then to be read by Boolean::Materials. Tets outside get
+/// kOutsideWeight unless `keepOutside`. `inside` is insideOf()'s. False, with nothing changed,
+/// where the inside ends elsewhere. Linear; about 50 ns a tet.
 bool chainRegions(TetComplex& complex, const std::vector<std::uint16_t>& inside,
                   std::size_t inputCount, Boolean rule, bool keepOutside);
 

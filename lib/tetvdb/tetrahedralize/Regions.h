@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which tets are kept, and whose they are.
+// Which tets are kept, and the region of each.
 #pragma once
 
 #include "tetvdb/mesh/TetMesh.h"
@@ -16,9 +16,10 @@ namespace tetvdb {
 
 constexpr std::int32_t kOutsideRegion = -1;
 
-/// The region of what lies inside the inputs of `mask` (bit k: input k) of `inputCount`: 1, 2, ...
-/// for the lowest one (Boolean::Materials), 1 for what the other rules keep, kOutsideRegion for the
-/// rest.
+/// The region of a point that is inside the inputs of `mask` (bit k: input k) of `inputCount`: 1,
+/// 2,
+/// ... for the lowest one (Boolean::Materials), 1 for what the other rules keep, kOutsideRegion
+/// otherwise.
 std::int32_t regionOf(std::uint16_t mask, std::size_t inputCount, Boolean rule);
 
 /// The tets of the complex that are in a region, in world space, exactly as on the lattice; with

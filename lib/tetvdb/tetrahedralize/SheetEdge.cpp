@@ -4,8 +4,8 @@
 namespace tetvdb {
 
 OnSheet edgeOnSheet(const TetComplex& complex, std::uint32_t a, std::uint32_t b,
-                    std::uint32_t start) {
-  std::uint32_t t = start, last = TetComplex::kNone;
+                    std::uint32_t first) {
+  std::uint32_t t = first, last = TetComplex::kNone;
   do {
     const TetComplex::Tet& tet = complex.tets[t];
     const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
@@ -22,7 +22,7 @@ OnSheet edgeOnSheet(const TetComplex& complex, std::uint32_t a, std::uint32_t b,
       return OnSheet::Unknown;
     last = t;
     t = next;
-  } while (t != start);
+  } while (t != first);
   return OnSheet::No;
 }
 

@@ -9,9 +9,9 @@ namespace tetvdb {
 
 enum class OnSheet : std::uint8_t { No, Yes, Unknown };
 
-/// Whether edge (a, b) of tet `start` is one of a tracked face. Unknown where none is found and
+/// Whether edge (a, b) of tet `first` is one of a tracked face. Unknown where none is found and
 /// tets around the edge lie in another part.
 OnSheet edgeOnSheet(const TetComplex& complex, std::uint32_t a, std::uint32_t b,
-                    std::uint32_t start);
+                    std::uint32_t first);
 
 } // namespace tetvdb

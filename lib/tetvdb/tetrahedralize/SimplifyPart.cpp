@@ -18,10 +18,10 @@ constexpr std::size_t kMaxFaces = 48; ///< around a point
 // where there was a worse one; below the second it has no normal worth keeping.
 constexpr double kSliver = 0.1;
 constexpr double kFlat = 1e-7;
-constexpr double kLeastCosine = 0.2; ///< of the angle that a normal may turn by at a collapse
-constexpr double kHold = 1e-3;       ///< to the middle of an edge, beside the planes' 1
-constexpr double kCoplanar = 0.996;  ///< cosine between faces whose edge may be swapped: 5 degrees
-constexpr double kBetter = 1.1;      ///< what a swap has to gain
+constexpr double kMinCosine = 0.2;  ///< of the angle that a normal may turn by at a collapse
+constexpr double kHold = 1e-3;      ///< to the midpoint of an edge, beside the planes' 1
+constexpr double kCoplanar = 0.996; ///< cosine between faces whose edge may be swapped: 5 degrees
+constexpr double kBetter = 1.1;     ///< what a swap has to gain
 constexpr std::size_t kManyTimes = 64; ///< steps between looks at the clock
 
 Vec3d normalOf(const std::array<Vec3d, 3>& at) {
@@ -88,7 +88,7 @@ void SimplifyPart::enqueue(std::uint32_t a, std::uint32_t b) {
   std::push_heap(queue_.begin(), queue_.end());
 }
 
-// Of an edge whose ends are both due, one end puts it in.
+// An edge whose two points are both due is put in by one of them.
 void SimplifyPart::enqueueStar(std::uint32_t point, bool isNewOnly) {
   s_.findStar(point, kMaxFaces, starA_);
   if (starA_.size() > kMaxFaces)
@@ -135,7 +135,7 @@ void SimplifyPart::tryToCollapse(std::uint32_t a, std::uint32_t b) {
   if (keepMoves)
     addNewFaces(keep, starA_, gone);
   carried_.clear();
-  // What is likely to be lost comes first.
+  // What is most likely lost comes first.
   for (const std::uint32_t v : {keep, gone})
     if (!s_.isCarried[v] && (v == gone || keepMoves))
       carried_.push_back(v);
@@ -205,21 +205,21 @@ void SimplifyPart::addNewFaces(std::uint32_t point, const std::vector<std::uint3
   }
 }
 
-// The least sum of squared distances to the faces' planes, weighted by squared areas (Garland and
-// Heckbert, Surface Simplification Using Quadric Error Metrics, 1997), of the faces as they are now
-// (Lindstrom and Turk, Fast and Memory Efficient Polygonal Simplification, 1998). Where the planes
-// leave it open, near the middle.
-Vec3d SimplifyPart::bestPlace(const Vec3d& middle) const {
+// Minimizes the sum of squared distances to the faces' planes, weighted by squared areas (Garland
+// and Heckbert, Surface Simplification Using Quadric Error Metrics, 1997), of the faces as they are
+// now (Lindstrom and Turk, Fast and Memory Efficient Polygonal Simplification, 1998). Where the
+// planes leave it open, near the midpoint.
+Vec3d SimplifyPart::bestPlace(const Vec3d& midpoint) const {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Vec3d sum{0, 0, 0};
   double scale = 0;
   for (const NewFace& changed : newFaces_)
     scale = std::max(scale, dot(changed.normal, changed.normal));
   if (!(scale > 0))
-    return roundToGrain(middle, s_.grain);
+    return roundToGrain(midpoint, s_.grain);
   for (const NewFace& changed : newFaces_) {
     const Vec3d n = times(changed.normal, 1 / std::sqrt(scale));
-    const double height = dot(n, minus(changed.at[0], middle));
+    const double height = dot(n, minus(changed.at[0], midpoint));
     xx += n[0] * n[0];
     xy += n[0] * n[1];
     xz += n[0] * n[2];
@@ -239,7 +239,7 @@ Vec3d SimplifyPart::bestPlace(const Vec3d& middle) const {
       (a * sum[0] + b * sum[1] + c * sum[2]) / determinant,
       (b * sum[0] + (xx * zz - xz * xz) * sum[1] + (xy * xz - xx * yz) * sum[2]) / determinant,
       (c * sum[0] + (xy * xz - xx * yz) * sum[1] + (xx * yy - xy * xy) * sum[2]) / determinant};
-  return roundToGrain(plus(middle, step), s_.grain);
+  return roundToGrain(plus(midpoint, step), s_.grain);
 }
 
 void SimplifyPart::addCarried(std::uint32_t face) {
@@ -247,49 +247,49 @@ void SimplifyPart::addCarried(std::uint32_t face) {
     carried_.push_back(p);
 }
 
-// Puts the moving corner there; what is cheap to know about the new faces.
+// Moves the corner there. Whether the new faces' shapes and normals allow it.
 bool SimplifyPart::isGoodAt(const Vec3d& to) {
-  const double leastShape = std::min(kSliver, worstShape_);
+  const double minShape = std::min(kSliver, worstShape_);
   for (NewFace& changed : newFaces_) {
     changed.at[changed.moving] = to;
     const Vec3d normal = normalOf(changed.at);
-    if (!(shapeOf(changed.at, normal) >= leastShape) || !(dot(normal, normal) > 0))
+    if (!(shapeOf(changed.at, normal) >= minShape) || !(dot(normal, normal) > 0))
       return false;
     if (changed.shape > kFlat &&
-        !(dot(normal, changed.normal) > kLeastCosine * length(normal) * length(changed.normal)))
+        !(dot(normal, changed.normal) > kMinCosine * length(normal) * length(changed.normal)))
       return false;
   }
   return !newFaces_.empty();
 }
 
-// Whether all that was carried is near one of the new faces, and of which it is nearest to.
+// Whether every carried point is near one of the new faces; finds the nearest.
 bool SimplifyPart::keepsCarried() {
   triangles_.clear();
   for (const NewFace& changed : newFaces_)
     triangles_.emplace_back(changed.at[0], changed.at[1], changed.at[2], changed.face);
   nearestOf_.clear();
   for (const std::uint32_t p : carried_) {
-    double least = std::numeric_limits<double>::infinity();
+    double minSquared = std::numeric_limits<double>::infinity();
     std::uint32_t nearest = kNone;
     for (const NearTriangle& triangle : triangles_) {
       const double distance = triangle.squaredDistance(s_.carried[p]);
-      if (distance < least) {
-        least = distance;
+      if (distance < minSquared) {
+        minSquared = distance;
         nearest = triangle.face;
       }
     }
-    if (!(least <= radius_ * radius_))
+    if (!(minSquared <= radius_ * radius_))
       return false;
     nearestOf_.push_back(nearest);
   }
   return true;
 }
 
-// Whether the new faces are in the envelope, and how far in. Asking the envelope is what takes the
-// time; where surfaces are flat, it is enough to know how far the old faces were from it.
+// Whether the new faces are in the envelope, and how far in. Queries of the envelope take most of
+// the time; where surfaces are flat, the old faces' depths suffice.
 bool SimplifyPart::isInEnvelope(std::uint32_t keep, std::uint32_t gone, const Vec3d& to) {
   const bool keepMoves = !s_.isFixed[keep];
-  // The moved point has a number of its own: its edges may cross those of both ends.
+  // The moved point has a number of its own: its edges may cross those of both points.
   const std::uint32_t moved = keepMoves ? kNone : keep;
   Vec3d direction{0, 0, 0};
   before_.clear();
@@ -343,7 +343,7 @@ bool SimplifyPart::asksEnvelope(const Vec3d& direction) {
   return true;
 }
 
-// Gives what was known of the old faces to the new ones.
+// Gives the new faces their depths, and the carried points of the old ones.
 void SimplifyPart::dealOut() {
   for (const NewFace& changed : newFaces_) {
     s_.firstCarried[changed.face] = kNone;
@@ -386,34 +386,41 @@ void SimplifyPart::swapAt(std::uint32_t point) {
         break;
 }
 
-// The edge that begins at the corner.
-bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
-  const std::uint32_t a = s_.faces[face][corner], b = s_.faces[face][(corner + 1) % 3],
-                      c = s_.faces[face][(corner + 2) % 3];
-  s_.findStar(a, kMaxFaces, starB_);
-  std::uint32_t across = kNone, d = kNone;
-  std::size_t count = 0, place = 0;
+// The edge from the corner to the next, if exactly two faces of one input have it, whose four
+// points are of the part.
+bool SimplifyPart::findSwap(std::uint32_t face, std::size_t corner, Swap& swap) {
+  swap.a = s_.faces[face][corner];
+  swap.b = s_.faces[face][(corner + 1) % 3];
+  swap.c = s_.faces[face][(corner + 2) % 3];
+  swap.d = kNone;
+  s_.findStar(swap.a, kMaxFaces, starB_);
+  std::size_t count = 0;
   for (const std::uint32_t other : starB_) {
     const auto& f = s_.faces[other];
-    const auto at = static_cast<std::size_t>(std::find(f.begin(), f.end(), b) - f.begin());
+    const auto at = static_cast<std::size_t>(std::find(f.begin(), f.end(), swap.b) - f.begin());
     if (at == 3)
       continue;
     ++count;
-    if (other != face && f[(at + 1) % 3] == a) {
-      across = other;
-      place = (at + 1) % 3;
-      d = f[(at + 2) % 3];
+    if (other != face && f[(at + 1) % 3] == swap.a) {
+      swap.across = other;
+      swap.cornerAcross = (at + 1) % 3;
+      swap.d = f[(at + 2) % 3];
     }
   }
-  if (count != 2 || across == kNone || c == d || s_.inputOf(face) != s_.inputOf(across))
+  if (count != 2 || swap.d == kNone || swap.c == swap.d ||
+      s_.inputOf(face) != s_.inputOf(swap.across))
     return false;
-  for (const std::uint32_t v : {a, b, c, d})
+  for (const std::uint32_t v : {swap.a, swap.b, swap.c, swap.d})
     if (s_.part[v] != part_)
       return false;
-  const Vec3d &pa = s_.points[a], &pb = s_.points[b], &pc = s_.points[c], &pd = s_.points[d];
-  const std::array<std::array<Vec3d, 3>, 2> before{{{pa, pb, pc}, {pb, pa, pd}}};
-  const std::array<std::array<Vec3d, 3>, 2> after{{{pa, pd, pc}, {pb, pc, pd}}};
-  std::array<Vec3d, 2> old, made;
+  return true;
+}
+
+// Whether c and d may be joined: the faces get better, all four are almost coplanar, and there is
+// no edge between c and d yet.
+bool SimplifyPart::isGoodSwap(const Swap& swap, const FacePair& before, const FacePair& after,
+                              std::array<Vec3d, 2>& old) {
+  std::array<Vec3d, 2> made;
   double worstOld = 1, worstMade = 1;
   for (std::size_t i = 0; i < 2; ++i) {
     old[i] = normalOf(before[i]);
@@ -426,14 +433,25 @@ bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
   const auto areCoplanar = [](const Vec3d& u, const Vec3d& v) {
     return dot(u, v) >= kCoplanar * length(u) * length(v);
   };
-  // Faces without area agree with all.
+  // Faces without area are coplanar with all.
   if (!areCoplanar(old[0], old[1]) || !areCoplanar(made[0], made[1]) ||
       !areCoplanar(plus(old[0], old[1]), made[0]))
     return false;
-  s_.findStar(c, kMaxFaces, starB_);
-  findNeighbours(c, starB_, neighboursB_);
-  if (starB_.size() > kMaxFaces ||
-      std::find(neighboursB_.begin(), neighboursB_.end(), d) != neighboursB_.end())
+  s_.findStar(swap.c, kMaxFaces, starB_);
+  findNeighbours(swap.c, starB_, neighboursB_);
+  return starB_.size() <= kMaxFaces &&
+         std::find(neighboursB_.begin(), neighboursB_.end(), swap.d) == neighboursB_.end();
+}
+
+bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
+  Swap swap{};
+  if (!findSwap(face, corner, swap))
+    return false;
+  const auto [a, b, c, d, across, cornerAcross] = swap;
+  const Vec3d &pa = s_.points[a], &pb = s_.points[b], &pc = s_.points[c], &pd = s_.points[d];
+  const FacePair before{{{pa, pb, pc}, {pb, pa, pd}}}, after{{{pa, pd, pc}, {pb, pc, pd}}};
+  std::array<Vec3d, 2> old;
+  if (!isGoodSwap(swap, before, after, old))
     return false;
   newFaces_.clear();
   carried_.clear();
@@ -458,7 +476,7 @@ bool SimplifyPart::tryToSwap(std::uint32_t face, std::size_t corner) {
     s_.link(to, number);
   };
   moveCorner(face, (corner + 1) % 3, d);
-  moveCorner(across, place, c);
+  moveCorner(across, cornerAcross, c);
   dealOut();
   ++counts_.swaps;
   for (const std::uint32_t v : {a, b, c, d})

@@ -15,8 +15,8 @@
 
 namespace tetvdb {
 
-/// Simplifies what lies within one part of a surface: moves points whose neighbours are all of the
-/// part, swaps edges whose four points are.
+/// Simplifies one part of a surface: moves points whose neighbours are all of the part, swaps edges
+/// whose four points are.
 class SimplifyPart {
 public:
   SimplifyPart(SoupSurface& surface, const Envelope& envelope, double radius, Progress& progress);
@@ -50,14 +50,13 @@ private:
   void enqueue(std::uint32_t a, std::uint32_t b);
   void enqueueStar(std::uint32_t point, bool isNewOnly);
   bool isWithinPart(const std::vector<std::uint32_t>& star) const;
-  bool hasWithin(std::uint32_t a, std::uint32_t b);
   void findNeighbours(std::uint32_t point, const std::vector<std::uint32_t>& star,
                       std::vector<std::uint32_t>& neighbours) const;
   void tryToCollapse(std::uint32_t a, std::uint32_t b);
   bool keepsTopology(std::uint32_t keep, std::uint32_t gone);
   void addNewFaces(std::uint32_t point, const std::vector<std::uint32_t>& star,
                    std::uint32_t other);
-  Vec3d bestPlace(const Vec3d& middle) const;
+  Vec3d bestPlace(const Vec3d& midpoint) const;
   bool isGoodAt(const Vec3d& to);
   void addCarried(std::uint32_t face);
   bool keepsCarried();
@@ -65,7 +64,16 @@ private:
   bool asksEnvelope(const Vec3d& direction);
   void collapse(std::uint32_t keep, std::uint32_t gone, const Vec3d& to);
   void dealOut();
+  using FacePair = std::array<std::array<Vec3d, 3>, 2>;
+  /// Of faces (a, b, c) and `across` (b, a, d): edge a-b becomes c-d.
+  struct Swap {
+    std::uint32_t a, b, c, d, across;
+    std::size_t cornerAcross; ///< of a
+  };
   void swapAt(std::uint32_t point);
+  bool findSwap(std::uint32_t face, std::size_t corner, Swap& swap);
+  bool isGoodSwap(const Swap& swap, const FacePair& before, const FacePair& after,
+                  std::array<Vec3d, 2>& old);
   bool tryToSwap(std::uint32_t face, std::size_t corner);
 
   SoupSurface& s_;

@@ -37,12 +37,12 @@ void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::itera
   for (std::size_t other = 1; other < 3; ++other)
     if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
       axis = other;
-  const auto middle = first + static_cast<std::ptrdiff_t>(static_cast<double>(count) * share);
-  std::nth_element(first, middle, last, [&](std::uint32_t a, std::uint32_t b) {
+  const auto median = first + static_cast<std::ptrdiff_t>(static_cast<double>(count) * share);
+  std::nth_element(first, median, last, [&](std::uint32_t a, std::uint32_t b) {
     return points[a][axis] != points[b][axis] ? points[a][axis] < points[b][axis] : a < b;
   });
-  cut(points, first, middle, share, parts);
-  cut(points, middle, last, share, parts);
+  cut(points, first, median, share, parts);
+  cut(points, median, last, share, parts);
 }
 
 } // namespace

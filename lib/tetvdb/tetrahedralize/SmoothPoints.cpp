@@ -7,14 +7,14 @@
 namespace tetvdb {
 namespace {
 
-// A move that gains less is not worth it.
+// A move has to reduce the sum by this factor.
 constexpr double kGain = 0.98;
-// So far in the radius points of the surface may go off the input: who is at the border of the
-// envelope hardly moves any more.
+// How far points of the surface may leave the input, as a share of the radius: a point at the
+// border of the envelope can hardly move any more.
 constexpr double kReach = 0.3;
 // How often a move that leaves the bounds is halved.
 constexpr int kHalvings = 3;
-// Points of more tets take long and do not matter more than others.
+// Points of more tets are skipped: they take long.
 constexpr std::size_t kManyTets = 300;
 
 } // namespace
@@ -38,24 +38,24 @@ bool PointSmoother::smooth(std::uint32_t point) {
   star_.gather(complex_, point);
   if (star_.worstEnergy() <= energy_ || star_.tets().size() > kManyTets)
     return settle();
-  onRim_ = complex_.points[point].rim;
-  if (onRim_) {
-    std::size_t ends = 0;
+  onBoundary_ = complex_.points[point].onBoundary;
+  if (onBoundary_) {
+    std::size_t found = 0;
     for (const PointStar::Spoke& spoke : star_.spokes())
       if (spoke.sheets == 1) {
-        if (ends == 2)
+        if (found == 2)
           return settle();
-        rim_[ends++] = spoke.point;
+        boundaryNeighbours_[found++] = spoke.point;
       }
-    if (ends != 2 || bounds_.rim.empty())
+    if (found != 2 || bounds_.boundary.empty())
       return settle();
   }
   ++tried_;
   const double worst = star_.worstEnergy();
   const double limit = worst * worst * worst * (1 + 1e-6);
   const double before = sumOfCubes(star_.faces(), complex_.at(point), limit);
-  // A point of the surface goes along the input; where that does not help, anywhere within bounds.
-  const bool mayLeave = star_.onSurface() && !onRim_;
+  // A point of the surface moves on the input; where that does not help, anywhere within bounds.
+  const bool mayLeave = star_.onSurface() && !onBoundary_;
   Vec3d at;
   const double reach = kReach * bounds_.radius;
   const auto moves = [&](bool isBound) {
@@ -64,7 +64,7 @@ bool PointSmoother::smooth(std::uint32_t point) {
                                [&](Vec3d& trial) { project(trial, isBound ? 0 : reach); });
     if (!(now < kGain * before))
       return false;
-    // On the way there it is better than here too.
+    // Halfway the sum is smaller than here too: it is convex.
     for (int halving = 0; halving < kHalvings; ++halving) {
       if (keepsBounds(at))
         return true;
@@ -81,11 +81,11 @@ bool PointSmoother::smooth(std::uint32_t point) {
   return true;
 }
 
-// Onto the rim or as near as that to the surface, where the point is on one.
+// Onto the boundary edges, or to within `reach` of the surface, where the point is on one.
 void PointSmoother::project(Vec3d& at, double reach) const {
-  if (onRim_)
-    at = roundToLattice(bounds_.rim.nearest(at).point);
-  if (onRim_ || !star_.onSurface())
+  if (onBoundary_)
+    at = roundToLattice(bounds_.boundary.nearest(at).point);
+  if (onBoundary_ || !star_.onSurface())
     return;
   const Envelope::Nearest nearest = bounds_.surface.nearest(at);
   if (nearest.distance > reach)
@@ -94,9 +94,9 @@ void PointSmoother::project(Vec3d& at, double reach) const {
 }
 
 bool PointSmoother::keepsBounds(const Vec3d& at) {
-  if (onRim_)
-    for (const std::uint32_t end : rim_)
-      if (!bounds_.rim.contains(at, complex_.at(end), bounds_.radius))
+  if (onBoundary_)
+    for (const std::uint32_t neighbour : boundaryNeighbours_)
+      if (!bounds_.boundary.contains(at, complex_.at(neighbour), bounds_.radius))
         return false;
   return !star_.onSurface() || guard_.allows(complex_, star_, at);
 }

@@ -18,14 +18,15 @@ public:
   /// Bit of Point::changed.
   static constexpr std::uint8_t kChanged = 4;
 
-  /// Only points with tets above `energy` move. Points of the surface stay on the input, but where
-  /// there are tets above `freeEnergy` and that is in vain may go off it, within bounds.
+  /// Only points with tets above `energy` move. Points of the surface move on the input; where that
+  /// does not help and there are tets above `freeEnergy`, they may leave it, within bounds.
   PointSmoother(TetComplex& complex, const Bounds& bounds, double energy, double freeEnergy)
       : complex_(complex), bounds_(bounds), energy_(energy), freeEnergy_(freeEnergy),
         guard_(bounds) {}
 
-  /// Moves every such point around which something changed since it last would not move. No tet
-  /// gets worse than the worst around the point, and the sum gets less. Returns how many moved.
+  /// Tries every such point around which something changed since it was last tried without success.
+  /// No tet gets worse than the worst around the point, and the sum of cubed energies decreases.
+  /// Returns how many points moved.
   std::size_t sweep();
 
   std::size_t tried() const { return tried_; }
@@ -41,8 +42,8 @@ private:
   std::size_t tried_ = 0;
   PointStar star_;
   SurfaceGuard guard_;
-  std::array<std::uint32_t, 2> rim_{}; // the neighbours along the rim
-  bool onRim_ = false;
+  std::array<std::uint32_t, 2> boundaryNeighbours_{}; // the neighbours along the boundary edges
+  bool onBoundary_ = false;
 };
 
 } // namespace tetvdb

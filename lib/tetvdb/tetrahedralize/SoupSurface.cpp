@@ -63,11 +63,10 @@ bool SoupSurface::isClosedFan(std::uint32_t point) const {
   return steps == edges.size();
 }
 
-void SoupSurface::findStar(std::uint32_t point, std::size_t most,
-                           std::vector<std::uint32_t>& star) {
+void SoupSurface::findStar(std::uint32_t point, std::size_t max, std::vector<std::uint32_t>& star) {
   star.clear();
   std::uint32_t* link = &firstCorner[point];
-  while (*link != kNone && star.size() <= most) {
+  while (*link != kNone && star.size() <= max) {
     if (isGone(*link / 3)) {
       *link = nextCorner[*link];
       continue;

@@ -10,14 +10,14 @@
 
 namespace tetvdb {
 
-/// A soup that is being simplified: which faces are around a point, what may move, and the points
-/// of the original that faces stand for. Tasks that work on points of different parts, and change
-/// only faces whose three points are of their part, do not disturb one another.
+/// A soup that is being simplified: the faces around each point, the points that may move, and the
+/// points of the original that each face carries. Tasks may work at the same time on points of
+/// different parts if they change only faces whose three points are of their part.
 struct SoupSurface {
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-  /// Carried are the soup's points, once they are gone, and from the start the middles of edges
-  /// longer than `spacing`: between its ends an edge may have been bent away from.
+  /// Carried are the soup's points once they are removed, and from the beginning the midpoints of
+  /// edges longer than `spacing`, since new faces may leave an edge between its points.
   SoupSurface(LatticeSoup soup, double spacing);
 
   /// What is left, in its order.
@@ -33,17 +33,17 @@ struct SoupSurface {
   std::vector<std::uint32_t> part;   ///< of a point
   std::vector<std::uint8_t> isDue;   ///< points whose edges are to be tried in the next round
 
-  std::vector<double> depth; ///< what a face is known to be no farther from the original than
+  std::vector<double> depth; ///< of each face: a bound on its distance to the original
 
-  std::vector<Vec3d> carried; ///< the soup's points, then middles of edges
+  std::vector<Vec3d> carried; ///< the soup's points, then midpoints of edges
   std::vector<std::uint8_t> isCarried;
   std::vector<std::uint32_t> firstCarried, nextCarried; ///< of a face, of a carried point
 
   bool isGone(std::uint32_t face) const { return faces[face][0] == kNone; }
   std::uint16_t inputOf(std::uint32_t face) const { return inputs.empty() ? 0 : inputs[face]; }
 
-  /// The faces around a point, up to `most` + 1 of them; those gone are unlinked on the way.
-  void findStar(std::uint32_t point, std::size_t most, std::vector<std::uint32_t>& star);
+  /// The faces around a point, up to `max` + 1 of them; removed faces are unlinked.
+  void findStar(std::uint32_t point, std::size_t max, std::vector<std::uint32_t>& star);
   void link(std::uint32_t point, std::uint32_t corner) {
     nextCorner[corner] = firstCorner[point];
     firstCorner[point] = corner;

@@ -33,18 +33,18 @@ class EdgeSplitter {
 public:
   explicit EdgeSplitter(TetComplex& complex) : complex_(complex) {}
 
-  /// In the middle, unless a tet gets worse than `energy` and than all around were.
+  /// At the midpoint, unless a tet gets worse than `energy` and than all tets around the edge.
   bool split(const LongEdge& edge, double energy) {
     const auto& tet = complex_.tets[edge.tet];
     const bool isThere = tet.exists() && tet.cornerOf(edge.a) < 4 && tet.cornerOf(edge.b) < 4;
     if (!gather(edge.a, edge.b, isThere ? edge.tet : TetComplex::kNone))
       return false;
-    constexpr double kMostWorse = 1.5;
+    constexpr double kMaxWorse = 1.5;
     double worst = 0;
     for (const std::uint32_t around : around_)
       worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
-    const Vec3d at = middle();
-    const EnergyLimit limit(std::max(energy, kMostWorse * worst));
+    const Vec3d at = midpoint();
+    const EnergyLimit limit(std::max(energy, kMaxWorse * worst));
     for (const PointStar::LinkFace& face : faces_)
       if (!limit.allows(at, face.a, face.b, face.c, face.weight))
         return false;
@@ -52,7 +52,7 @@ public:
     return true;
   }
 
-  /// Of the tet's edges the one that gains most, if any gains enough.
+  /// The tet's edge whose split improves the worst tet most, if any improves it enough.
   bool splitBest(std::uint32_t t) {
     constexpr double kGain = 0.9;
     const auto corners = complex_.tets[t].corners;
@@ -63,7 +63,7 @@ public:
       for (unsigned j = i + 1; j < 4; ++j) {
         if (!gather(corners[i], corners[j], t))
           continue;
-        Vec3d at = middle();
+        Vec3d at = midpoint();
         double worst = 0;
         for (const std::uint32_t around : around_)
           worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
@@ -96,9 +96,9 @@ private:
   bool gather(std::uint32_t a, std::uint32_t b, std::uint32_t first) {
     if (!complex_.ring(a, b, around_, ring_, first)) {
       if (!around_.empty())
-        for (const std::uint32_t end : {a, b})
-          complex_.points[end].changed =
-              static_cast<std::uint8_t>(complex_.points[end].changed | kSplitChanged);
+        for (const std::uint32_t point : {a, b})
+          complex_.points[point].changed =
+              static_cast<std::uint8_t>(complex_.points[point].changed | kSplitChanged);
       return false;
     }
     a_ = a;
@@ -107,8 +107,8 @@ private:
     sheets_ = 0;
     for (const std::uint32_t t : around_) {
       const TetComplex::Tet& tet = complex_.tets[t];
-      for (const unsigned slot : {tet.cornerOf(a), tet.cornerOf(b)}) {
-        const auto& corner = kFaceCorners[slot];
+      for (const unsigned localFace : {tet.cornerOf(a), tet.cornerOf(b)}) {
+        const auto& corner = kFaceCorners[localFace];
         const std::array<std::uint32_t, 3> corners{tet.corners[corner[0]], tet.corners[corner[1]],
                                                    tet.corners[corner[2]]};
         faces_.push_back({complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]),
@@ -120,7 +120,7 @@ private:
     return true;
   }
 
-  Vec3d middle() const {
+  Vec3d midpoint() const {
     return roundToLattice(times(plus(complex_.at(a_), complex_.at(b_)), 0.5));
   }
 
@@ -147,7 +147,8 @@ private:
     const auto &a = complex_.points[a_], &b = complex_.points[b_];
     point.at = at;
     point.fineness = static_cast<std::uint8_t>((a.fineness + b.fineness) / 2);
-    point.rim = a.rim && b.rim && sheets_ == 2; // both tets of the only tracked face
+    point.onBoundary =
+        a.onBoundary && b.onBoundary && sheets_ == 2; // both tets of the only tracked face
     complex_.points.push_back(point);
     complex_.replace(around_, fresh_);
   }
@@ -196,24 +197,11 @@ std::size_t splitEdges(TetComplex& complex, const EdgeSizes& sizes, double share
 }
 
 std::size_t splitBadTets(TetComplex& complex, double energy) {
-  std::vector<std::pair<float, std::uint32_t>> order;
-  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
-    const TetComplex::Tet& tet = complex.tets[t];
-    if (!tet.exists())
-      continue;
-    bool changed = false;
-    for (const std::uint32_t corner : tet.corners)
-      changed = changed || (complex.points[corner].changed & kSplitChanged);
-    if (changed && energyOf(complex, t) > energy)
-      order.push_back({-tet.energy, t});
-  }
-  for (TetComplex::Point& point : complex.points)
-    point.changed = static_cast<std::uint8_t>(point.changed & ~kSplitChanged);
-  std::sort(order.begin(), order.end());
+  const auto order = takeChangedTets(complex, kSplitChanged, energy, 0);
   EdgeSplitter splitter(complex);
   std::size_t splits = 0;
   for (const auto& [worst, t] : order)
-    if (complex.tets[t].exists() && energyOf(complex, t) == -worst)
+    if (complex.tets[t].exists() && energyOf(complex, t) == worst)
       splits += splitter.splitBest(t);
   return splits;
 }

@@ -9,15 +9,16 @@
 
 namespace tetvdb {
 
-/// Splits edges of a part that are longer than `share` of their size in the middle, the longest
-/// first; edges on the box's sides and between parts stay, and such as no tet of weight 1 has, and
-/// such that it would make a tet worse than `energy` and than the worst that was around the edge.
-/// New points are on the rim where the edge is. Serial. Returns how many were split.
+/// Splits edges of a part that are longer than `share` of their size at their midpoints, the
+/// longest first. Not split are edges on the box's sides, edges between parts, edges of no tet of
+/// weight 1, and edges whose split would make a tet worse than `energy` and worse than the worst
+/// tet around the edge. A midpoint is on a boundary edge where the edge is. Serial. Returns how
+/// many were split.
 std::size_t splitEdges(TetComplex& complex, const EdgeSizes& sizes, double share, double energy);
 
 /// Splits edges of tets above `energy`, the worst first, where that makes the worst tet around the
-/// edge better: in the middle, or where new points are best that need not lie on the surface. Each
-/// tet is tried once unless something around it changes. Serial. Returns how many were split.
+/// edge better: at the midpoint, or, off the surface, where the new point is best. Each tet is
+/// tried once until something around it changes. Serial. Returns how many were split.
 std::size_t splitBadTets(TetComplex& complex, double energy);
 
 /// Bit of Point::changed that splitBadTets() uses.

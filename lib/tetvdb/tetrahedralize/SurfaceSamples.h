@@ -18,12 +18,12 @@ struct SurfaceSample {
   std::uint32_t triangle;
 };
 
-/// About `count` points, one in every stretch of as much area, and the centroids of all triangles
+/// About `count` points, one for each interval of equal area, and the centroids of all triangles
 /// if `centroids`; in order of triangles. Triangles without area get none. Always the same points.
 std::vector<SurfaceSample> sampleSurface(const TriangleMesh& mesh, std::size_t count,
                                          bool centroids);
 
-/// Of a sequence of points that fill a box evenly, however many of them are taken.
+/// Point i of a sequence that fills a box evenly, for any number of points.
 Vec3d pointInBox(const Box& box, std::size_t i);
 
 } // namespace tetvdb

@@ -11,7 +11,7 @@
 namespace tetvdb {
 namespace {
 
-// Less is not worth it, and might be undone and done again for ever.
+// A swap has to improve the energy by this factor; with a smaller gain swaps could cycle.
 constexpr double kGain = 0.99;
 
 double cubeOf(double x) {
@@ -34,8 +34,8 @@ bool EdgeSwapper::swapAt(std::uint32_t t) {
   for (unsigned i = 0; i < 3; ++i)
     for (unsigned j = i + 1; j < 4; ++j)
       tryEdge(t, i, j);
-  for (unsigned slot = 0; slot < 4; ++slot)
-    tryFace(t, slot);
+  for (unsigned localFace = 0; localFace < 4; ++localFace)
+    tryFace(t, localFace);
   if (best_.cube == std::numeric_limits<double>::infinity())
     return false;
   complex_.replace(best_.old, best_.fresh);
@@ -52,11 +52,11 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
   ++tried_;
   a_ = tet.corners[i];
   b_ = tet.corners[j];
-  const double most = tet.energy;
+  const double worst = tet.energy;
   tetsAround_.clear();
   ringPoints_.clear();
   std::size_t sheets = 0;
-  std::array<std::size_t, 2> ends{0, 0};
+  std::array<std::size_t, 2> tracked{0, 0}; // ring points of tracked faces
   for (std::uint32_t next = t;;) {
     const TetComplex::Tet& around = complex_.tets[next];
     const auto [k, l] = kEdgeOthers[around.cornerOf(a_)][around.cornerOf(b_)];
@@ -64,7 +64,7 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
     if (around.tracked[l]) {
       if (sheets == 2)
         return;
-      ends[sheets++] = ringPoints_.size();
+      tracked[sheets++] = ringPoints_.size();
     }
     tetsAround_.push_back(next);
     ringPoints_.push_back(around.corners[k]);
@@ -81,14 +81,14 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
     }
     // The worst tet around the edge is the one that tries.
     const double energy = energyOf(complex_, next);
-    if (energy > most || (energy == most && next < t) || tetsAround_.size() == kMostAround)
+    if (energy > worst || (energy == worst && next < t) || tetsAround_.size() == kMaxAround)
       return;
   }
-  const double limit = std::min(best_.cube, cubeOf(kGain * most));
+  const double limit = std::min(best_.cube, cubeOf(kGain * worst));
   if (sheets == 0)
     tryInside(limit);
   else if (sheets == 2)
-    tryOnSurface(ends[0], ends[1], limit);
+    tryOnSurface(tracked[0], tracked[1], limit);
 }
 
 void EdgeSwapper::tryInside(double limit) {
@@ -103,8 +103,8 @@ void EdgeSwapper::tryInside(double limit) {
   addTriangles(0, count - 1, weight);
 }
 
-// Points c and d, where the two tracked faces at the edge end, become joined instead; the points
-// around are parted there.
+// Joins points c and d, the third points of the two tracked faces at the edge; they divide the
+// points around it in two.
 void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
   const std::size_t count = ringPoints_.size();
   const auto chainOf = [&](std::size_t tet, std::size_t point) {
@@ -120,9 +120,9 @@ void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
   if (d - c == 1 || count - (d - c) == 1) {
     const std::uint32_t alone = tetsAround_[d - c == 1 ? c : d];
     const TetComplex::Tet& tet = complex_.tets[alone];
-    for (const std::uint32_t end : {a_, b_}) {
-      const unsigned slot = tet.cornerOf(end);
-      if (tet.tracked[slot] || tet.neighbours[slot] >= TetComplex::kElsewhere)
+    for (const std::uint32_t point : {a_, b_}) {
+      const unsigned localFace = tet.cornerOf(point);
+      if (tet.tracked[localFace] || tet.neighbours[localFace] >= TetComplex::kElsewhere)
         return;
     }
     if (edgeOnSheet(complex_, first, second, alone) != OnSheet::No)
@@ -132,11 +132,11 @@ void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
   std::rotate(ringPoints_.begin(), ringPoints_.begin() + static_cast<std::ptrdiff_t>(c),
               ringPoints_.end());
   ringPoints_.push_back(first);
-  const std::size_t middle = d - c;
+  const std::size_t apart = d - c;
   const float weights[2] = {complex_.tets[tetsAround_[c]].weight,
                             complex_.tets[tetsAround_[d % count]].weight};
-  const double cube = std::max(triangulate(0, middle, weights[0], limit),
-                               triangulate(middle, count, weights[1], limit));
+  const double cube = std::max(triangulate(0, apart, weights[0], limit),
+                               triangulate(apart, count, weights[1], limit));
   if (!(cube < limit) ||
       !guard_.allowsFlip(complex_.at(a_), complex_.at(b_), complex_.at(first), complex_.at(second)))
     return;
@@ -154,28 +154,29 @@ void EdgeSwapper::tryOnSurface(std::size_t c, std::size_t d, double limit) {
       best_.fresh[base + k].tracked[k + 1] = true;
     }
   };
-  addSide(0, middle, chain, weights[0]);
-  addSide(middle, count, -chain, weights[1]);
+  addSide(0, apart, chain, weights[0]);
+  addSide(apart, count, -chain, weights[1]);
 }
 
-// The least worst cube over the polygon of points from..to; infinity where none is below `limit`.
+// The minimum of the worst cube over the polygon of points from..to; infinity where none is below
+// `limit`.
 double EdgeSwapper::triangulate(std::size_t from, std::size_t to, float weight, double limit) {
   const double cubed = static_cast<double>(weight) * weight * weight;
   for (std::size_t first = to; first-- > from;) {
     cost_[first][first + 1] = 0;
     for (std::size_t last = first + 2; last <= to; ++last) {
-      double least = std::numeric_limits<double>::infinity();
+      double minCost = std::numeric_limits<double>::infinity();
       for (std::size_t k = first + 1; k < last; ++k) {
         double cost = std::max(cost_[first][k], cost_[k][last]);
-        if (cost >= std::min(limit, least))
+        if (cost >= std::min(limit, minCost))
           continue;
         cost = std::max(cost, cubed * trianglesCube(first, k, last));
-        if (cost >= least)
+        if (cost >= minCost)
           continue;
-        least = cost;
+        minCost = cost;
         apex_[first][last] = static_cast<std::uint8_t>(k);
       }
-      cost_[first][last] = least;
+      cost_[first][last] = minCost;
     }
   }
   return cost_[from][to];
@@ -202,27 +203,27 @@ void EdgeSwapper::addTriangles(std::size_t i, std::size_t j, float weight) {
   addTriangles(k, j, weight);
 }
 
-void EdgeSwapper::tryFace(std::uint32_t t, unsigned slot) {
+void EdgeSwapper::tryFace(std::uint32_t t, unsigned localFace) {
   const TetComplex::Tet& tet = complex_.tets[t];
-  const std::uint32_t other = tet.neighbours[slot];
-  if (tet.tracked[slot] || other == TetComplex::kOutside)
+  const std::uint32_t other = tet.neighbours[localFace];
+  if (tet.tracked[localFace] || other == TetComplex::kOutside)
     return;
   if (other >= TetComplex::kElsewhere) {
-    for (const std::uint8_t k : kFaceCorners[slot])
+    for (const std::uint8_t k : kFaceCorners[localFace])
       tryAgain(tet.corners[k]);
     return;
   }
   ++tried_;
-  const std::uint32_t top = tet.corners[slot];
-  const std::uint32_t bottom = complex_.tets[other].corners[complex_.slotOf(other, t)];
+  const std::uint32_t top = tet.corners[localFace];
+  const std::uint32_t bottom = complex_.tets[other].corners[complex_.localFaceOf(other, t)];
   const double worst = std::max(energyOf(complex_, t), energyOf(complex_, other));
   const double limit = std::min(best_.cube, cubeOf(kGain * worst));
   std::array<TetComplex::NewTet, 3> fresh;
   double cube = 0;
   for (unsigned k = 0; k < 3; ++k) {
     // Counter-clockwise seen from the bottom.
-    const std::uint32_t p = tet.corners[kFaceCorners[slot][k]];
-    const std::uint32_t q = tet.corners[kFaceCorners[slot][(k + 1) % 3]];
+    const std::uint32_t p = tet.corners[kFaceCorners[localFace][k]];
+    const std::uint32_t q = tet.corners[kFaceCorners[localFace][(k + 1) % 3]];
     fresh[k].corners = {p, q, top, bottom};
     fresh[k].weight = tet.weight;
     cube = std::max(cube, cubedWeight(tet) * energyCube(complex_.at(p), complex_.at(q),

@@ -11,11 +11,12 @@
 
 namespace tetvdb {
 
-/// Swaps edges and faces of one part, serially: the tets around an edge give way to others over the
-/// same points without it, two tets with a common face to three with a common edge. Tracked faces
-/// stay, but where exactly two of them have an edge they may become the two across, within bounds.
-///   Of the triangulations of the points around an edge the one whose worst tet is best is found by
-/// dynamic programming over polygons, as for triangulations of least cost (Klincsek 1980; for tets
+/// Swaps edges and faces of one part, serially: the tets around an edge are replaced by others over
+/// the same points without it, two tets with a common face by three with a common edge. Tracked
+/// faces stay, except that two that alone meet at an edge may become the other two of their four
+/// points, within bounds.
+///   The triangulation of the points around an edge whose worst tet is best is found by dynamic
+/// programming over polygons, as for triangulations of minimum cost (Klincsek 1980; for tets
 /// Shewchuk, "Two Discrete Optimization Algorithms for the Topological Improvement of Tetrahedral
 /// Meshes", 2002).
 class EdgeSwapper {
@@ -34,7 +35,7 @@ public:
   std::size_t tried() const { return tried_; } ///< edges and faces
 
 private:
-  static constexpr std::size_t kMostAround = 7;
+  static constexpr std::size_t kMaxAround = 7;
 
   struct Swap {
     double cube = 0; ///< of the worst new tet's energy
@@ -48,7 +49,7 @@ private:
   void tryInside(double limit);
   void tryOnSurface(std::size_t c, std::size_t d, double limit);
   double triangulate(std::size_t from, std::size_t to, float weight, double limit);
-  void tryFace(std::uint32_t t, unsigned slot);
+  void tryFace(std::uint32_t t, unsigned localFace);
   double trianglesCube(std::size_t i, std::size_t k, std::size_t j) const;
   void addTriangles(std::size_t i, std::size_t j, float weight);
 
@@ -59,9 +60,9 @@ private:
   Swap best_;
   std::uint32_t a_ = 0, b_ = 0; // the edge
   std::vector<std::uint32_t> tetsAround_, ringPoints_;
-  std::array<std::array<double, kMostAround + 1>, kMostAround + 1>
+  std::array<std::array<double, kMaxAround + 1>, kMaxAround + 1>
       cost_{}; // of the polygon from i to j
-  std::array<std::array<std::uint8_t, kMostAround + 1>, kMostAround + 1> apex_{};
+  std::array<std::array<std::uint8_t, kMaxAround + 1>, kMaxAround + 1> apex_{};
 };
 
 } // namespace tetvdb

@@ -21,8 +21,8 @@ Key sorted(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   return {a, b, c};
 }
 
-Key faceKey(const std::array<std::uint32_t, 4>& corners, unsigned slot) {
-  const auto& face = kFaceCorners[slot];
+Key faceKey(const std::array<std::uint32_t, 4>& corners, unsigned localFace) {
+  const auto& face = kFaceCorners[localFace];
   return sorted(corners[face[0]], corners[face[1]], corners[face[2]]);
 }
 
@@ -44,14 +44,14 @@ std::uint32_t TetComplex::addPoint(const Vec3d& at) {
   return static_cast<std::uint32_t>(points.size() - 1);
 }
 
-unsigned TetComplex::slotOf(std::uint32_t t, std::uint32_t other) const {
+unsigned TetComplex::localFaceOf(std::uint32_t t, std::uint32_t other) const {
   const auto& neighbours = tets[t].neighbours;
-  unsigned slot = 0;
-  while (neighbours[slot] != other) {
-    ++slot;
-    assert(slot < 4);
+  unsigned localFace = 0;
+  while (neighbours[localFace] != other) {
+    ++localFace;
+    assert(localFace < 4);
   }
-  return slot;
+  return localFace;
 }
 
 void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out,
@@ -64,9 +64,9 @@ void TetComplex::star(std::uint32_t point, std::vector<std::uint32_t>& out,
   out.push_back(first);
   for (std::size_t i = 0; i < out.size() && out.size() <= enough; ++i) {
     const Tet& tet = tets[out[i]];
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tet.neighbours[slot];
-      if (tet.corners[slot] == point || next >= kElsewhere || all[next].mark == mark)
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = tet.neighbours[localFace];
+      if (tet.corners[localFace] == point || next >= kElsewhere || all[next].mark == mark)
         continue;
       all[next].mark = mark;
       out.push_back(next);
@@ -132,26 +132,7 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
     faceRound_ = 0;
   }
   ++faceRound_;
-  const std::uint32_t mark = nextMark();
-  for (const std::uint32_t t : old)
-    tets[t].mark = mark;
-  for (const std::uint32_t t : old) {
-    const Tet& tet = tets[t];
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tet.neighbours[slot];
-      if (next < kElsewhere && tets[next].mark == mark)
-        continue;
-      const Key key = faceKey(tet.corners, slot);
-      OpenFace& face = findFace(key);
-      face = {key,
-              next,
-              next < kElsewhere ? slotOf(next, t) : 0,
-              tet.chains[slot],
-              tet.tracked[slot],
-              true,
-              faceRound_};
-    }
-  }
+  openFaces(old);
   for (const std::uint32_t t : old) {
     for (const std::uint32_t corner : tets[t].corners)
       points[corner].tet = kNone;
@@ -160,49 +141,82 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
   }
   std::reverse(free_.end() - static_cast<std::ptrdiff_t>(old.size()), free_.end());
   for (const NewTet& one : fresh) {
-    std::uint32_t t;
-    if (free_.empty()) {
-      t = static_cast<std::uint32_t>(tets.size());
-      tets.emplace_back();
-    } else {
-      t = free_.back();
-      free_.pop_back();
-    }
+    const std::uint32_t t = addTet(one);
     if (made != nullptr)
       made->push_back(t);
-    Tet& tet = tets[t];
-    tet.corners = one.corners;
-    tet.chains = one.chains;
-    tet.tracked = one.tracked;
-    tet.energy = 0;
-    tet.mark = 0;
-    tet.weight = one.weight;
-    for (const std::uint32_t corner : one.corners) {
-      points[corner].tet = t;
-      points[corner].changed = 0xFF;
-    }
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const Key key = faceKey(one.corners, slot);
-      OpenFace& face = findFace(key);
-      if (face.round != faceRound_) {
-        face = {key, t, slot, 0, false, false, faceRound_};
-        tet.neighbours[slot] = kOutside;
+    for (unsigned localFace = 0; localFace < 4; ++localFace)
+      joinFace(t, localFace);
+  }
+}
+
+// To faces_: the outer faces of these tets.
+void TetComplex::openFaces(const std::vector<std::uint32_t>& old) {
+  const std::uint32_t mark = nextMark();
+  for (const std::uint32_t t : old)
+    tets[t].mark = mark;
+  for (const std::uint32_t t : old) {
+    const Tet& tet = tets[t];
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = tet.neighbours[localFace];
+      if (next < kElsewhere && tets[next].mark == mark)
         continue;
-      }
-      tet.neighbours[slot] = face.tet;
-      if (face.border) {
-        tet.chains[slot] += face.chain;
-        tet.tracked[slot] = tet.tracked[slot] || face.tracked;
-      } else {
-        assert(tets[face.tet].chains[face.slot] == -tet.chains[slot]);
-      }
-      if (face.tet < kElsewhere) {
-        Tet& other = tets[face.tet];
-        other.neighbours[face.slot] = t;
-        other.chains[face.slot] = -tet.chains[slot];
-        other.tracked[face.slot] = tet.tracked[slot];
-      }
+      const Key key = faceKey(tet.corners, localFace);
+      findFace(key) = {key,
+                       next,
+                       next < kElsewhere ? localFaceOf(next, t) : 0,
+                       tet.chains[localFace],
+                       tet.tracked[localFace],
+                       true,
+                       faceRound_};
     }
+  }
+}
+
+std::uint32_t TetComplex::addTet(const NewTet& one) {
+  std::uint32_t t;
+  if (free_.empty()) {
+    t = static_cast<std::uint32_t>(tets.size());
+    tets.emplace_back();
+  } else {
+    t = free_.back();
+    free_.pop_back();
+  }
+  Tet& tet = tets[t];
+  tet.corners = one.corners;
+  tet.chains = one.chains;
+  tet.tracked = one.tracked;
+  tet.energy = 0;
+  tet.mark = 0;
+  tet.weight = one.weight;
+  for (const std::uint32_t corner : one.corners) {
+    points[corner].tet = t;
+    points[corner].changed = 0xFF;
+  }
+  return t;
+}
+
+// Joins a face of a new tet to the tet in faces_ that has it too, or puts it there.
+void TetComplex::joinFace(std::uint32_t t, unsigned localFace) {
+  Tet& tet = tets[t];
+  const Key key = faceKey(tet.corners, localFace);
+  OpenFace& face = findFace(key);
+  if (face.round != faceRound_) {
+    face = {key, t, localFace, 0, false, false, faceRound_};
+    tet.neighbours[localFace] = kOutside;
+    return;
+  }
+  tet.neighbours[localFace] = face.tet;
+  if (face.border) {
+    tet.chains[localFace] += face.chain;
+    tet.tracked[localFace] = tet.tracked[localFace] || face.tracked;
+  } else {
+    assert(tets[face.tet].chains[face.localFace] == -tet.chains[localFace]);
+  }
+  if (face.tet < kElsewhere) {
+    Tet& other = tets[face.tet];
+    other.neighbours[face.localFace] = t;
+    other.chains[face.localFace] = -tet.chains[localFace];
+    other.tracked[face.localFace] = tet.tracked[localFace];
   }
 }
 
@@ -210,10 +224,10 @@ void TetComplex::collapse(std::uint32_t from, std::uint32_t to,
                           const std::vector<std::uint32_t>& star) {
   const auto join = [this](std::uint32_t t, std::uint32_t gone, std::uint32_t next, Chain chain,
                            bool isTracked) {
-    const unsigned slot = slotOf(t, gone);
-    tets[t].neighbours[slot] = next;
-    tets[t].chains[slot] = chain;
-    tets[t].tracked[slot] = isTracked;
+    const unsigned localFace = localFaceOf(t, gone);
+    tets[t].neighbours[localFace] = next;
+    tets[t].chains[localFace] = chain;
+    tets[t].tracked[localFace] = isTracked;
   };
   for (const std::uint32_t t : star) {
     Tet& tet = tets[t];
@@ -252,18 +266,18 @@ void TetComplex::move(std::uint32_t point, const Vec3d& to,
 void TetComplex::crossOver(std::uint32_t t, float weight) {
   Tet& tet = tets[t];
   Chain out = 0;
-  for (unsigned slot = 0; slot < 4; ++slot)
-    if (tet.tracked[slot])
-      out = tet.chains[slot];
-  for (unsigned slot = 0; slot < 4; ++slot) {
-    const std::uint32_t next = tet.neighbours[slot];
-    tet.chains[slot] -= out;
-    tet.tracked[slot] = !tet.tracked[slot];
-    assert(next < kElsewhere && (tet.tracked[slot] || tet.chains[slot] == 0));
-    const unsigned back = slotOf(next, t);
-    tets[next].chains[back] = -tet.chains[slot];
-    tets[next].tracked[back] = tet.tracked[slot];
-    points[tet.corners[slot]].changed = 0xFF;
+  for (unsigned localFace = 0; localFace < 4; ++localFace)
+    if (tet.tracked[localFace])
+      out = tet.chains[localFace];
+  for (unsigned localFace = 0; localFace < 4; ++localFace) {
+    const std::uint32_t next = tet.neighbours[localFace];
+    tet.chains[localFace] -= out;
+    tet.tracked[localFace] = !tet.tracked[localFace];
+    assert(next < kElsewhere && (tet.tracked[localFace] || tet.chains[localFace] == 0));
+    const unsigned back = localFaceOf(next, t);
+    tets[next].chains[back] = -tet.chains[localFace];
+    tets[next].tracked[back] = tet.tracked[localFace];
+    points[tet.corners[localFace]].changed = 0xFF;
   }
   tet.weight = weight;
   tet.energy = 0;
@@ -282,8 +296,8 @@ void TetComplex::verify() const {
         fail("a tet has a point that is gone", t);
     if (!isPositive(tet.corners))
       fail("a tet is not positive", t);
-    for (unsigned slot = 0; slot < 4; ++slot) {
-      const std::uint32_t next = tet.neighbours[slot];
+    for (unsigned localFace = 0; localFace < 4; ++localFace) {
+      const std::uint32_t next = tet.neighbours[localFace];
       if (next >= kElsewhere)
         continue;
       const Tet& other = tets[next];
@@ -293,13 +307,13 @@ void TetComplex::verify() const {
                                   static_cast<std::uint32_t>(t));
       if (back == other.neighbours.end())
         fail("neighbours do not agree", t);
-      const auto otherSlot = static_cast<unsigned>(back - other.neighbours.begin());
-      if (faceKey(tet.corners, slot) != faceKey(other.corners, otherSlot))
+      const auto otherFace = static_cast<unsigned>(back - other.neighbours.begin());
+      if (faceKey(tet.corners, localFace) != faceKey(other.corners, otherFace))
         fail("neighbours do not share the face's points", t);
-      if (tet.chains[slot] != -other.chains[otherSlot] ||
-          tet.tracked[slot] != other.tracked[otherSlot])
+      if (tet.chains[localFace] != -other.chains[otherFace] ||
+          tet.tracked[localFace] != other.tracked[otherFace])
         fail("neighbours do not agree on what a face stands for", t);
-      if (tet.chains[slot] != 0 && !tet.tracked[slot])
+      if (tet.chains[localFace] != 0 && !tet.tracked[localFace])
         fail("a face has a chain but is not tracked", t);
     }
   }

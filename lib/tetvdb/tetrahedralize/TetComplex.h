@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The mesh that the mesher works on: tets that know their neighbours, faces that know what they
-// stand for.
+// The mesh that the mesher works on: tets with their neighbours, and faces with the input surfaces
+// that they lie on.
 //
-// Every change goes through replace(), collapse() or move(): a set of connected tets gives way to
-// others that fill the same room. Tets are positive and the mesh is conforming before and after.
+// Every change goes through replace(), collapse() or move(): a set of connected tets is replaced by
+// others that fill the same space. Tets are positive and the mesh is conforming before and after.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -20,8 +20,8 @@
 namespace tetvdb {
 
 /// Signed multiplicities of the inputs' surfaces on a face, or winding numbers in a tet: digit k in
-/// base 2^bits (balanced, from -2^(bits-1) up) is that of input k. Sums and negatives are plain
-/// arithmetic.
+/// base 2^bits (balanced, from -2^(bits-1) up) is that of input k. Chains are added and negated as
+/// integers.
 using Chain = std::int32_t;
 /// Inputs that one mesh can tell apart: 3 bits each, multiplicities of -4 to 3.
 constexpr std::size_t kMaxInputs = 10;
@@ -54,14 +54,14 @@ public:
   struct alignas(64) Tet {
     std::array<std::uint32_t, 4> corners; ///< [0] is kNone where the tet is gone
     std::array<std::uint32_t, 4> neighbours;
-    /// Of the face opposite each corner: the surfaces that pass there, positive where they look out
-    /// of this tet. The winding number here is that of the neighbour plus this.
+    /// Of the face opposite each corner: the surfaces on it, positive where they look out of this
+    /// tet. The winding number here is that of the neighbour plus this.
     std::array<Chain, 4> chains;
-    std::array<bool, 4> tracked; ///< the face stands for input, if only for sheets that cancel
-    float energy;                ///< as the owner of the complex likes; replace() sets it to 0
+    std::array<bool, 4> tracked; ///< the face lies on input, its chain may be 0 where sheets cancel
+    float energy;                ///< for the owner of the complex; replace() sets it to 0
     std::uint32_t mark;          ///< private to TetComplex
-    /// What the energy counts beside others': less where quality matters less. Differs across
-    /// tracked faces alone.
+    /// Weight of the tet's energy: less where quality matters less. Differs across tracked faces
+    /// alone.
     float weight = 1;
 
     bool exists() const { return corners[0] != kNone; }
@@ -79,8 +79,8 @@ public:
     Vec3d at;                  ///< lattice point
     std::uint32_t tet = kNone; ///< one that has it for a corner; kNone: the point is gone
     bool fixed = false;        ///< on the box's sides or between parts: never moved or removed
-    bool rim = false;          ///< on an open edge of the input: stays within the rim's envelope
-    /// Every change around the point sets all bits; who has tried in vain here clears his own.
+    bool onBoundary = false;   ///< on a boundary edge of the input: stays within their envelope
+    /// Every change around the point sets all bits; an operation that fails here clears its own.
     std::uint8_t changed = 0xFF;
     std::uint8_t fineness = 0; ///< how short edges shall be here (EdgeSizes.h)
     bool exists() const { return tet != kNone; }
@@ -93,9 +93,8 @@ public:
   /// Tets that exist.
   std::size_t tetCount() const { return tets.size() - free_.size(); }
 
-  /// A tet to put in: `corners` positive. What `chains` and `tracked` say of faces between two new
-  /// tets is what these faces get (both tets must say the same); on faces that border on old tets
-  /// it is added to what is there already.
+  /// A tet to add: `corners` positive. Faces between two new tets get `chains` and `tracked`, which
+  /// must agree in both tets; on faces next to old tets they are added to what the face has.
   struct NewTet {
     std::array<std::uint32_t, 4> corners;
     std::array<Chain, 4> chains{0, 0, 0, 0};
@@ -103,34 +102,34 @@ public:
     float weight = 1;
   };
 
-  /// Puts `fresh` in place of `old`, which fill the same room and have the same outer faces. New
-  /// tets take the old slots first; their numbers are appended to `made`, if given. Points that
-  /// lose all their tets are gone. Costs about 30 ns a face.
+  /// Replaces `old` by `fresh`, which fill the same space and have the same outer faces. New tets
+  /// take the numbers of old ones first; their numbers are appended to `made`, if given. Points
+  /// that lose all their tets are gone. Costs about 30 ns a face.
   void replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
                std::vector<std::uint32_t>* made = nullptr);
 
-  /// Point `from` goes, and what it was a corner of gets `to` instead; tets with both vanish.
-  /// `star` is star(from), all of it in this part; `to` is joined to it by an edge; what stays has
-  /// to be positive. Where a tet (from, to, x, y) vanishes, the faces (from, x, y) and (to, x, y)
-  /// become one: their chains add up, as windings on both sides ask, and it is tracked where one
-  /// was. Not for pairs of which (to, x, y) lies between parts and (from, x, y) is tracked.
-  /// Energies become 0. Some ten ns a tet.
+  /// Removes point `from`; tets around it get `to` for this corner, and tets with both are removed.
+  /// `star` is star(from), all of it in this part; `to` is joined to it by an edge; the tets that
+  /// stay have to be positive. Where a tet (from, to, x, y) is removed, the faces (from, x, y) and
+  /// (to, x, y) become one: their chains add up, and it is tracked where one was. Not for pairs of
+  /// which (to, x, y) lies between parts and (from, x, y) is tracked. Energies become 0. Some ten
+  /// ns a tet.
   void collapse(std::uint32_t from, std::uint32_t to, const std::vector<std::uint32_t>& star);
 
   /// Moves a point; all tets around it have to stay positive. `star` is star(point); energies
   /// become 0.
   void move(std::uint32_t point, const Vec3d& to, const std::vector<std::uint32_t>& star);
 
-  /// Gives a tet to what is beyond its tracked faces: it gets their winding number, and `weight`;
-  /// these faces stand for nothing then, and its others for what they did. Tracked faces have to
-  /// have the same chain, others none, and all neighbours to be in this part.
+  /// Moves a tet to the other side of its tracked faces: it gets the winding number there, and
+  /// `weight`; these faces lose their chains, and its others get them. Tracked faces have to have
+  /// the same chain, others none, and all neighbours to be in this part.
   void crossOver(std::uint32_t t, float weight);
 
   /// Adds a point without tets; it exists once replace() gives it some.
   std::uint32_t addPoint(const Vec3d& at);
 
   /// The tets around a point, in an order that depends on the mesh alone. Of a fixed point only
-  /// those that are connected within this part. Ends once there are more than `enough`.
+  /// those that are connected within this part. Stops once there are more than `enough`.
   void star(std::uint32_t point, std::vector<std::uint32_t>& out,
             std::size_t enough = std::numeric_limits<std::size_t>::max()) const;
 
@@ -141,14 +140,14 @@ public:
   bool ring(std::uint32_t a, std::uint32_t b, std::vector<std::uint32_t>& tetsAround,
             std::vector<std::uint32_t>& ringPoints, std::uint32_t first = kNone) const;
 
-  /// Whether there are more than `count` tets around a point; no more than these are looked at.
+  /// Whether there are more than `count` tets around a point; no more than these are visited.
   bool hasMoreTets(std::uint32_t point, std::size_t count) const;
 
   /// A tet that has edge a-b, in this part; kNone: there is none.
   std::uint32_t tetAtEdge(std::uint32_t a, std::uint32_t b) const;
 
-  /// Where tet `t` has neighbour `other`: 0..3.
-  unsigned slotOf(std::uint32_t t, std::uint32_t other) const;
+  /// The local face of tet `t`, 0..3, whose neighbour is `other`.
+  unsigned localFaceOf(std::uint32_t t, std::uint32_t other) const;
 
   /// Whether the tet is positive, exactly.
   bool isPositive(const std::array<std::uint32_t, 4>& corners) const {
@@ -162,14 +161,17 @@ public:
 
 private:
   std::uint32_t nextMark() const;
+  void openFaces(const std::vector<std::uint32_t>& old);
+  std::uint32_t addTet(const NewTet& one);
+  void joinFace(std::uint32_t t, unsigned localFace);
 
-  std::vector<std::uint32_t> free_; // slots of tets that are gone
+  std::vector<std::uint32_t> free_; // numbers of tets that are gone
   mutable std::uint32_t mark_ = 0;
   mutable std::vector<std::uint32_t> stack_;
   // Scratch of replace(): faces by their points.
   struct OpenFace {
     std::array<std::uint32_t, 3> key;
-    std::uint32_t tet, slot; // of the new tet; of the old neighbour where `border`
+    std::uint32_t tet, localFace; // of the new tet; of the old neighbour where `border`
     Chain chain;
     bool tracked, border;
     std::uint32_t round;

@@ -3,7 +3,7 @@
 // How far a tet is from regular.
 //
 // The AMIPS energy tr(J^T J) / det(J)^(2/3), J being the map from the regular tet ("Computing
-// Locally Injective Mappings by Advanced MIPS", Fu, Liu, Guo 2015), does not ask for J: the sum P
+// Locally Injective Mappings by Advanced MIPS", Fu, Liu, Guo 2015), needs no J: the sum P
 // of the squared lengths of six edges is proportional to the trace, as those of the regular tet add
 // up to a multiple of the identity. With six times the volume as det, energy^3 = P^3 / (16 det^2):
 // 3 for the regular tet.
@@ -22,8 +22,8 @@
 
 namespace tetvdb {
 
-/// Above this an energy's determinant is worked out exactly. Below, rounding leaves ten digits: of
-/// an energy E the determinant is P^1.5 / (4 E^1.5), its error within 1e-15 P^1.5.
+/// Above this the determinant of an energy is computed exactly. Below, ten digits are right: the
+/// determinant is P^1.5 / (4 E^1.5) for energy E, and its error within 1e-15 P^1.5.
 constexpr double kRoughEnergy = 1e4;
 
 /// The squared lengths' sum and the determinant of the tet (p, a, b, c).
@@ -52,8 +52,8 @@ inline double tetEnergy(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Ve
   return std::cbrt(energyCube(a, b, c, d));
 }
 
-/// Whether tets (p, a, b, c) are positive and of no more than a certain energy: what a candidate
-/// asks most.
+/// Whether tets (p, a, b, c) are positive and of no more than a given energy: the most frequent
+/// query of candidates.
 class EnergyLimit {
 public:
   explicit EnergyLimit(double energy)
@@ -63,7 +63,7 @@ public:
   /// `weight` is that of TetComplex::Tet, cubed.
   bool allows(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c,
               double weight = 1) const {
-    // So good a tet is positive whatever the rounding.
+    // A tet of low energy is positive in spite of rounding.
     const TetShape shape(p, a, b, c);
     if (shape.det > 0 && weight * cubed(shape.squares) <= cube16_ * (shape.det * shape.det))
       return true;
@@ -82,7 +82,7 @@ inline double cubedWeight(const TetComplex::Tet& tet) {
   return weight * weight * weight;
 }
 
-/// The tet's energy by its weight, which it keeps until it changes.
+/// The tet's energy times its weight, cached until it changes.
 inline float energyOf(TetComplex& complex, std::uint32_t t) {
   TetComplex::Tet& tet = complex.tets[t];
   if (tet.energy == 0)
@@ -96,11 +96,11 @@ inline float energyOf(TetComplex& complex, std::uint32_t t) {
 /// Tets above `energy` and of no less than a weight, with their energies, the worst first, that
 /// have a point at which `bit` of Point::changed is set; clears that bit everywhere.
 inline std::vector<std::pair<float, std::uint32_t>>
-takeChangedTets(TetComplex& complex, std::uint8_t bit, double energy, double leastWeight) {
+takeChangedTets(TetComplex& complex, std::uint8_t bit, double energy, double minWeight) {
   std::vector<std::pair<float, std::uint32_t>> taken;
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
     const TetComplex::Tet& tet = complex.tets[t];
-    if (!tet.exists() || tet.weight < leastWeight)
+    if (!tet.exists() || tet.weight < minWeight)
       continue;
     const bool changed =
         std::any_of(tet.corners.begin(), tet.corners.end(), [&](std::uint32_t corner) {

@@ -2,10 +2,10 @@
 //
 // Parallel work on one mesh that gives the same mesh for any number of threads.
 //
-// The tets are parted by the places of their centres into parts of some thousand tets, each a mesh
-// of its own. One task works on one part from beginning to end, serially; points that two parts
-// share are fixed there. The parts are then joined in order. How the mesh is parted depends on the
-// mesh alone; the next round parts it along other planes, so that what was fixed comes free.
+// The mesh is partitioned by the centres of its tets into parts of some thousand tets, each a mesh
+// of its own. One task works on one part, serially; points that two parts share are fixed. The
+// parts are then joined in order. The partition depends on the mesh alone; the next round cuts
+// along other planes, so that points that were fixed can change.
 //
 //   for (int round = 0; round < TetParts::kRounds; ++round)
 //     TetParts(complex, round).run([&](TetParts::Part& part) { smooth(part.complex); }, progress);
@@ -23,7 +23,7 @@ namespace tetvdb {
 
 class TetParts {
 public:
-  static constexpr int kRounds = 3; ///< ways to part a mesh, of planes askew to one another
+  static constexpr int kRounds = 3; ///< directions of the planes that parts are cut along
   static constexpr std::size_t kTetsPerPart = 6000;
 
   struct Part {
@@ -49,13 +49,17 @@ public:
   void run(const std::function<void(Part&)>& work, Progress& progress);
 
 private:
+  std::vector<std::vector<std::uint32_t>> cut(int round, int levels);
+  void findBorders();
   void extract(std::size_t index, const std::vector<std::uint32_t>& tets);
   void join();
+  void copyBack(Part& part, std::size_t firstTet, std::size_t firstPoint);
+  void joinBorders();
 
   TetComplex& whole_;
   std::vector<Part> parts_;
   std::vector<std::uint32_t> partOfTet_;
-  std::vector<std::uint32_t> slotInPart_;             // of tets of the whole mesh
+  std::vector<std::uint32_t> indexInPart_;            // of tets of the whole mesh
   std::vector<std::uint32_t> partOfPoint_;            // kShared: several
   std::vector<std::array<std::uint32_t, 4>> borders_; // numbers of faces between parts, by tet
   std::size_t borderCount_ = 0;

@@ -11,10 +11,10 @@
 #include "tetvdb/tetrahedralize/InsertSurface.h"
 #include "tetvdb/tetrahedralize/Landmarks.h"
 #include "tetvdb/tetrahedralize/LatticeSoup.h"
+#include "tetvdb/tetrahedralize/PerturbSoup.h"
 #include "tetvdb/tetrahedralize/RefineHoles.h"
 #include "tetvdb/tetrahedralize/RegionChains.h"
 #include "tetvdb/tetrahedralize/Regions.h"
-#include "tetvdb/tetrahedralize/ShakeSoup.h"
 #include "tetvdb/tetrahedralize/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/TetComplex.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
@@ -30,31 +30,43 @@
 namespace tetvdb {
 namespace {
 
-// Shares of epsilon: what simplification may use up, so that improvement still has room to move, at
-// first and where faces do not go in, how far points may be moved there besides, and how far a
-// triangle's faces may be from it where tets are too flat to part.
-constexpr double kSimplifyShare = 0.6, kCarefulShare = 0.3, kShakeShare = 0.25, kReachShare = 0.1;
-// How far surfaces may move where the mesh is coarsened before all of them are in.
+// Shares of epsilon. What simplification may use, so that improvement can still move points: at
+// first, and in later variants.
+constexpr double kSimplifyShare = 0.6, kCarefulShare = 0.3;
+// How far later variants move points besides.
+constexpr double kPerturbShare = 0.25;
+// How far a triangle's faces may be from it where tets are too flat to be cut.
+constexpr double kReachShare = 0.1;
+// How far the surface may move where the mesh is coarsened before all of it is inserted.
 constexpr double kThinShare = 0.5;
-// Where faces do not go in: their points moved; less simplified, so that sheets do not come to
-// cross; the closed pieces of that moved; its points moved, in two ways.
-constexpr int kCareful = 2, kPieces = 3, kVariants = 6;
-// Input points are snapped to this part of epsilon or less (latticeSoup()).
+
+// What is inserted, in this order, until all faces of a variant are in.
+enum Variant : int {
+  kSimplified,
+  kSimplifiedPerturbed,
+  kCareful, // less simplified, so that sheets do not come to cross
+  kCarefulComponents,
+  kCarefulPerturbed,
+  kCarefulPerturbedOtherwise,
+  kVariants // their number
+};
+
+// Input points are snapped to this share of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
-// What tells input points apart must be small against epsilon.
-constexpr double kLeastEpsilon = 256;
-// What closes a hole is cut from tets of this share of the target length, as long as there are not
-// more of them.
+// Epsilon is at least so many times the distance at which input points are told apart.
+constexpr double kMinEpsilon = 256;
+// Holes are closed along tets of this share of the target length, as long as no more than
+// kMaxHoleTets are added.
 constexpr double kHoleShare = 0.5;
-constexpr std::size_t kMostHoleTets = 25000;
-// Where no more than one in so many owed points is lost, what is around them is kept as it was
-// inserted, and improvement begins anew, so often at most.
+constexpr std::size_t kMaxHoleTets = 25000;
+// Where no more than one in kFewLost owed points is lost, the surface around them is kept as it was
+// inserted and improvement is run again, at most kMaxMends times.
 constexpr std::size_t kFewLost = 20;
-constexpr int kMostMends = 2;
-// Said where energies, and the tets' volume against the input's, are farther off than this.
+constexpr int kMaxMends = 2;
+// The report warns of energies, and of volumes against the input's, that are farther off.
 constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
-// Memory of the whole work for a triangle: more than any model took so far that is not very small
-// or cut to pieces by itself.
+// Memory of the whole work for a triangle: above what the models of docs/benchmarks.md take, small
+// ones and those that intersect themselves much apart.
 constexpr double kBytesPerFace = 6000;
 
 struct Lengths {
@@ -90,12 +102,12 @@ Lengths checkLengths(const Box& box, const TetrahedralizeOptions& options) {
   return lengths;
 }
 
-// Open edges as triangles without area, for an envelope.
-std::vector<std::array<std::uint32_t, 3>> rimOf(const LatticeSoup& soup) {
-  std::vector<std::array<std::uint32_t, 3>> rim;
+// Boundary edges as triangles without area, for an envelope.
+std::vector<std::array<std::uint32_t, 3>> boundaryEdges(const LatticeSoup& soup) {
+  std::vector<std::array<std::uint32_t, 3>> boundary;
   for (const auto& [a, b] : openEdges(soup))
-    rim.push_back({a, b, b});
-  return rim;
+    boundary.push_back({a, b, b});
+  return boundary;
 }
 
 void assertValid([[maybe_unused]] const TetComplex& complex) {
@@ -112,12 +124,12 @@ struct Work {
   const WorkingLattice& lattice;
   const LatticeSoup& soup;
   const Envelope& surface;
-  const Envelope& rim;
+  const Envelope& boundary;
   const std::vector<std::uint32_t>& missing;
   double radius; // lattice units
 };
 
-// Of what is kept, as it is in the end: what is refined in holes is not improved any more.
+// Of the tets that are kept, once holes are refined: those tets are not improved any more.
 void measureEnergies(const WorkingLattice& lattice, Tetrahedralization& made) {
   const TetMesh& mesh = made.mesh;
   made.worstEnergy = made.meanEnergy = 0;
@@ -131,7 +143,7 @@ void measureEnergies(const WorkingLattice& lattice, Tetrahedralization& made) {
   }
 }
 
-// Improves the mesh, takes what is inside of it and looks at it from both sides.
+// Improves the mesh, keeps the tets that are inside and checks the result in both directions.
 LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& complex,
                    Tetrahedralization& made, StageTimer& timer, Progress& progress) {
   const TetrahedralizeOptions& options = work.options;
@@ -139,7 +151,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   const double edge = work.lengths.edge / work.lattice.unit();
   timer.part("improve");
   progress.stage("improve");
-  const Bounds bounds{work.surface, work.rim, work.radius, landmarks};
+  const Bounds bounds{work.surface, work.boundary, work.radius, landmarks};
   ImproveCounts counts;
   bool isChained = false; // by regions
   if (options.stopEnergy > 0) {
@@ -151,8 +163,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
     wish.smallestEdge = work.radius;
     wish.stopEnergy = options.stopEnergy;
     wish.maxPasses = options.maxPasses;
-    counts = improve(
-        complex, bounds, wish, [&] { return work.missing.size(); }, progress);
+    counts = improve(complex, bounds, wish, progress);
   } else {
     counts = coarsen(complex, bounds, progress);
   }
@@ -162,7 +173,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   timer.part("classify");
   progress.stage("classify");
   std::vector<std::uint16_t> inside = insideOf(complex, count, work.soup, work.missing, progress);
-  refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMostHoleTets, inside,
+  refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMaxHoleTets, inside,
               progress);
   assertValid(complex);
   made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
@@ -182,7 +193,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   return lost;
 }
 
-// Fixes the surface's points near what was lost, so that it is not lost again.
+// Fixes the surface's points near lost points, so that these are not lost again.
 void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, double distance,
               const WorkingLattice& lattice) {
   if (lost.empty())
@@ -196,24 +207,24 @@ void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, 
   }
   const Envelope near(points, faces, distance);
   for (const TetComplex::Tet& tet : complex.tets)
-    for (unsigned slot = 0; tet.exists() && slot < 4; ++slot)
-      if (tet.tracked[slot])
-        for (const unsigned corner : kFaceCorners[slot]) {
+    for (unsigned localFace = 0; tet.exists() && localFace < 4; ++localFace)
+      if (tet.tracked[localFace])
+        for (const unsigned corner : kFaceCorners[localFace]) {
           TetComplex::Point& point = complex.points[tet.corners[corner]];
           point.fixed = point.fixed || near.contains(point.at, distance);
         }
 }
 
-// finish(), again where a little is lost, which is kept then: by fixed points as a rule, by
-// landmarks where energies matter, which would suffer from these.
+// finish(), repeated where a few points are lost. The next round keeps them: by fixed points, or,
+// where an energy is asked for, by landmarks, since fixed points make energies worse.
 void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& made,
                    StageTimer& timer, Progress& progress) {
   const bool isFixed = !(work.options.stopEnergy > 0);
   std::vector<LostSurface::Point> kept;
   Tetrahedralization best;
   for (int round = 0;; ++round) {
-    // Around open edges what is lost is lost to the winding number.
-    const bool last = round == kMostMends || !work.rim.empty();
+    // Around boundary edges the winding number decides what is kept.
+    const bool last = round == kMaxMends || !work.boundary.empty();
     // Moved in the last round alone. NOLINTNEXTLINE(bugprone-use-after-move)
     TetComplex mesh = last ? std::move(complex) : complex;
     std::unique_ptr<const Landmarks> landmarks;
@@ -269,11 +280,8 @@ void warnOfLoss(const Tetrahedralization& made, const TetrahedralizeOptions& opt
   }
 }
 
-} // namespace
-
-Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
-                                  const TetrahedralizeOptions& options, Report& report,
-                                  Progress& progress) {
+// Checks the inputs; returns the box of their triangles.
+Box checkInputs(const std::vector<TriangleMesh>& inputs) {
   if (inputs.empty())
     throw Error(Status::Usage, "", "no mesh was given");
   if (inputs.size() > kMaxInputs)
@@ -286,6 +294,70 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Box box = boxOf(inputs);
   if (!(box.low[0] <= box.high[0]))
     throw Error(Status::Invalid, "", "the mesh has no triangles");
+  return box;
+}
+
+// The grain that the inputs' points are snapped to; lattice units.
+double grainOf(const WorkingLattice& lattice, double epsilon) {
+  const double asked = epsilon / lattice.unit();
+  if (asked < kMinEpsilon * lattice.coarse())
+    throw Error(Status::Usage, "`epsilon`",
+                fmt::format("{:.6g} is too small: coordinates of this model are told apart to "
+                            "{:.6g}",
+                            epsilon, lattice.coarse() * lattice.unit()),
+                fmt::format("take {:.6g} or more, or move the model nearer to the origin",
+                            kMinEpsilon * lattice.coarse() * lattice.unit()));
+  return std::max(lattice.coarse(), std::exp2(std::floor(std::log2(asked * kGrainShare))));
+}
+
+void checkSoup(const LatticeSoup& soup, const TetrahedralizeOptions& options) {
+  if (soup.faces.empty())
+    throw Error(Status::Invalid, "", "no triangle of the mesh has an area",
+                "there is nothing to fill with tets");
+  const double bytes = static_cast<double>(soup.faces.size()) * kBytesPerFace;
+  if (options.maxMemory > 0 && bytes > static_cast<double>(options.maxMemory))
+    throw Error(
+        Status::Limit, "",
+        fmt::format("meshing {} triangles takes about {:.1f} GB", soup.faces.size(), bytes / 1e9),
+        "raise `max_memory`");
+}
+
+// A mesh with the soup's triangles as faces, of the first variant of which all are in, or else of
+// the best. `edge`, `epsilon` in lattice units.
+InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, double edge,
+                               double diagonal, double epsilon, const Envelope& surface,
+                               const Envelope& boundary, StageTimer& timer, Progress& progress) {
+  const double radius = surface.epsilon();
+  InsertSurfaceOptions wish;
+  wish.spacing = std::min(edge, diagonal / 10);
+  wish.margin = std::max(wish.spacing, 2 * epsilon);
+  wish.clearance = 10 * epsilon;
+  wish.reach = kReachShare * radius;
+  wish.coarsen = [&](TetComplex& complex) {
+    coarsen(complex, {surface, boundary, kThinShare * radius}, progress);
+  };
+  LatticeSoup simple;
+  const auto soupOf = [&](int variant) {
+    if (variant != kSimplified && variant != kCareful)
+      return perturbedSoup(simple, kPerturbShare * radius,
+                           variant == kCarefulComponents ? Perturb::Components : Perturb::Points,
+                           static_cast<std::uint32_t>(variant));
+    timer.part("simplify");
+    progress.stage("simplify");
+    simple = soup;
+    const double share = variant == kSimplified ? kSimplifyShare : kCarefulShare;
+    simplifySoup(simple, surface, share * radius, progress);
+    return simple;
+  };
+  return insertSurface(soupOf, kVariants, inputCount, wish, timer, progress);
+}
+
+} // namespace
+
+Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
+                                  const TetrahedralizeOptions& options, Report& report,
+                                  Progress& progress) {
+  const Box box = checkInputs(inputs);
   const Lengths lengths = checkLengths(box, options);
   StageTimer timer(report, "tetrahedralize");
   Tetrahedralization made;
@@ -295,69 +367,28 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   timer.part("snap");
   progress.stage("snap");
   const WorkingLattice lattice(box);
-  const double epsilon = lengths.epsilon / lattice.unit();
-  if (epsilon < kLeastEpsilon * lattice.coarse())
-    throw Error(Status::Usage, "`epsilon`",
-                fmt::format("{:.6g} is too small: coordinates of this model are told apart to "
-                            "{:.6g}",
-                            lengths.epsilon, lattice.coarse() * lattice.unit()),
-                fmt::format("take {:.6g} or more, or move the model nearer to the origin",
-                            kLeastEpsilon * lattice.coarse() * lattice.unit()));
-  const double grain =
-      std::max(lattice.coarse(), std::exp2(std::floor(std::log2(epsilon * kGrainShare))));
-  LatticeSoup soup = latticeSoup(inputs, lattice, grain, progress);
-  if (soup.faces.empty())
-    throw Error(Status::Invalid, "", "no triangle of the mesh has an area",
-                "there is nothing to fill with tets");
-  if (options.maxMemory > 0 && static_cast<double>(soup.faces.size()) * kBytesPerFace >
-                                   static_cast<double>(options.maxMemory))
-    throw Error(Status::Limit, "",
-                fmt::format("meshing {} triangles takes about {:.1f} GB", soup.faces.size(),
-                            static_cast<double>(soup.faces.size()) * kBytesPerFace / 1e9),
-                "raise `max_memory`");
+  const double grain = grainOf(lattice, lengths.epsilon);
+  const LatticeSoup soup = latticeSoup(inputs, lattice, grain, progress);
+  checkSoup(soup, options);
 
   timer.part("envelope");
   progress.stage("envelope");
   // Snapping has moved points by half a grain's diagonal at most.
-  const double radius = epsilon - grain;
+  const double epsilon = lengths.epsilon / lattice.unit(), radius = epsilon - grain;
   const Envelope surface(soup.points, soup.faces, radius);
-  const Envelope rim(soup.points, rimOf(soup), radius);
+  const Envelope boundary(soup.points, boundaryEdges(soup), radius);
 
-  const double edge = lengths.edge / lattice.unit();
-  InsertSurfaceOptions wish;
-  wish.spacing = std::min(edge, lengths.diagonal / lattice.unit() / 10);
-  wish.margin = std::max(wish.spacing, 2 * epsilon);
-  wish.clearance = 10 * epsilon;
-  wish.reach = kReachShare * radius;
-  wish.coarsen = [&](TetComplex& complex) {
-    coarsen(complex, {surface, rim, kThinShare * radius}, progress);
-  };
-  const auto simplified = [&](double share) {
-    timer.part("simplify");
-    progress.stage("simplify");
-    LatticeSoup simple = soup;
-    simplifySoup(simple, surface, share * radius, progress);
-    return simple;
-  };
-  LatticeSoup simple;
-  InsertedSurface inserted = insertSurface(
-      [&](int variant) {
-        if (variant == 0 || variant == kCareful)
-          return simple = simplified(variant == 0 ? kSimplifyShare : kCarefulShare);
-        return shakenSoup(simple, kShakeShare * radius, variant == kPieces,
-                          static_cast<std::uint32_t>(variant));
-      },
-      kVariants, inputs.size(), wish, timer, progress);
-  soup = std::move(inserted.soup);
-  TetComplex complex = std::move(inserted.complex);
-  const std::vector<std::uint32_t> missing = std::move(inserted.missing);
-  assertValid(complex);
-  made.simplifiedFaces = soup.faces.size();
-  made.notInserted = missing.size();
-  made.insertedFaces = soup.faces.size() - missing.size();
+  InsertedSurface inserted = insertVariants(soup, inputs.size(), lengths.edge / lattice.unit(),
+                                            lengths.diagonal / lattice.unit(), epsilon, surface,
+                                            boundary, timer, progress);
+  assertValid(inserted.complex);
+  made.simplifiedFaces = inserted.soup.faces.size();
+  made.notInserted = inserted.missing.size();
+  made.insertedFaces = made.simplifiedFaces - made.notInserted;
 
-  const Work work{inputs, options, lengths, lattice, soup, surface, rim, missing, radius};
-  finishAndMend(work, std::move(complex), made, timer, progress);
+  const Work work{inputs,  options,  lengths,          lattice, inserted.soup,
+                  surface, boundary, inserted.missing, radius};
+  finishAndMend(work, std::move(inserted.complex), made, timer, progress);
   warnOfLoss(made, options, lengths.epsilon, report);
   return made;
 }

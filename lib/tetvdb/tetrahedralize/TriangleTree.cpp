@@ -49,7 +49,7 @@ NearTriangle::NearTriangle(const Vec3d& pa, const Vec3d& pb, const Vec3d& pc, st
 
 struct TriangleTree::Builder {
   std::vector<Box> boxes;
-  std::vector<Vec3d> middles; ///< doubled
+  std::vector<Vec3d> doubledCentres; ///< of boxes
   std::vector<std::uint32_t> order;
   std::vector<Node> nodes; ///< a node over [first, last) lies at its first split
   float slack = 0;         ///< what boxes grow by, for the rounding of points
@@ -62,21 +62,21 @@ struct TriangleTree::Builder {
   }
 
   std::uint32_t median(std::uint32_t first, std::uint32_t last, std::size_t axis) {
-    const std::uint32_t middle = first + (last - first) / 2;
-    std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
+    const std::uint32_t half = first + (last - first) / 2;
+    std::nth_element(order.begin() + first, order.begin() + half, order.begin() + last,
                      [&](std::uint32_t x, std::uint32_t y) {
-                       return middles[x][axis] != middles[y][axis]
-                                  ? middles[x][axis] < middles[y][axis]
+                       return doubledCentres[x][axis] != doubledCentres[y][axis]
+                                  ? doubledCentres[x][axis] < doubledCentres[y][axis]
                                   : x < y;
                      });
-    return middle;
+    return half;
   }
 
-  /// Parts a range of two or more in two that are not empty.
+  /// Splits a range of two or more into two that are not empty; returns where the second begins.
   std::uint32_t split(std::uint32_t first, std::uint32_t last, std::size_t depth) {
     Box spread;
     for (std::uint32_t i = first; i < last; ++i)
-      spread.add(middles[order[i]]);
+      spread.add(doubledCentres[order[i]]);
     std::size_t axis = 0;
     for (std::size_t other = 1; other < 3; ++other)
       if (spread.high[other] - spread.low[other] > spread.high[axis] - spread.low[axis])
@@ -86,7 +86,7 @@ struct TriangleTree::Builder {
       return median(first, last, axis);
     const double scale = (kBins - 1e-3) / width;
     const auto binOf = [&](std::uint32_t item) {
-      return static_cast<std::size_t>((middles[item][axis] - spread.low[axis]) * scale);
+      return static_cast<std::size_t>((doubledCentres[item][axis] - spread.low[axis]) * scale);
     };
     std::array<Box, kBins> inBin;
     std::array<std::uint32_t, kBins> count{};
@@ -106,7 +106,7 @@ struct TriangleTree::Builder {
     }
     grown = Box();
     items = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double minCost = std::numeric_limits<double>::infinity();
     std::size_t best = 0;
     for (std::size_t bin = 1; bin < kBins; ++bin) {
       if (count[bin - 1] > 0)
@@ -115,21 +115,35 @@ struct TriangleTree::Builder {
       if (items == 0 || items == last - first)
         continue;
       const double cost = halfArea(grown) * items + right[bin];
-      if (cost < least) {
-        least = cost;
+      if (cost < minCost) {
+        minCost = cost;
         best = bin;
       }
     }
-    const auto middle = std::partition(order.begin() + first, order.begin() + last,
+    const auto second = std::partition(order.begin() + first, order.begin() + last,
                                        [&](std::uint32_t item) { return binOf(item) < best; });
-    return static_cast<std::uint32_t>(middle - order.begin());
+    return static_cast<std::uint32_t>(second - order.begin());
+  }
+
+  using Ranges = std::array<std::pair<std::uint32_t, std::uint32_t>, 4>;
+
+  /// Gives a node the boxes of `count` ranges of triangles, and no children yet.
+  void setLanes(Node& node, const Ranges& ranges, std::size_t count) const {
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const Box box = lane < count ? boxOf(ranges[lane].first, ranges[lane].second) : Box();
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        node.low[axis][lane] = static_cast<float>(box.low[axis]) - slack;
+        node.high[axis][lane] = static_cast<float>(box.high[axis]) + slack;
+      }
+      node.child[lane] = kTriangle;
+    }
   }
 
   std::uint32_t build(std::uint32_t first, std::uint32_t last, std::size_t depth) {
-    const std::uint32_t middle = split(first, last, depth);
-    std::array<std::pair<std::uint32_t, std::uint32_t>, 4> parts;
+    const std::uint32_t second = split(first, last, depth);
+    Ranges parts;
     std::size_t count = 0;
-    for (const auto& half : {std::make_pair(first, middle), std::make_pair(middle, last)}) {
+    for (const auto& half : {std::make_pair(first, second), std::make_pair(second, last)}) {
       if (half.second - half.first == 1) {
         parts[count++] = half;
         continue;
@@ -138,27 +152,40 @@ struct TriangleTree::Builder {
       parts[count++] = {half.first, cut};
       parts[count++] = {cut, half.second};
     }
-    Node& node = nodes[middle];
+    Node& node = nodes[second];
     const auto fill = [&](std::size_t lane) {
       const auto [from, to] = parts[lane];
       node.child[lane] = to - from == 1 ? from | kTriangle : build(from, to, depth + 1);
     };
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-      const Box box = lane < count ? boxOf(parts[lane].first, parts[lane].second) : Box();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        node.low[axis][lane] = static_cast<float>(box.low[axis]) - slack;
-        node.high[axis][lane] = static_cast<float>(box.high[axis]) + slack;
-      }
-      node.child[lane] = kTriangle;
-    }
+    setLanes(node, parts, count);
     if (last - first > kTrianglesPerTask)
       tbb::parallel_for(std::size_t(0), count, fill);
     else
       for (std::size_t lane = 0; lane < count; ++lane)
         fill(lane);
-    return middle;
+    return second;
   }
 };
+
+// Appends the nodes below `root` in the order of a visit: parents before children.
+void TriangleTree::addNodes(const std::vector<Node>& nodes, std::uint32_t root) {
+  struct Waiting {
+    std::uint32_t node, parent; // parent: the place of it
+    std::size_t lane;           // of the parent; 4: the root
+  };
+  std::vector<Waiting> waiting{{root, 0, 4}};
+  while (!waiting.empty()) {
+    const auto [number, parent, laneOfParent] = waiting.back();
+    const auto place = static_cast<std::uint32_t>(nodes_.size());
+    if (laneOfParent < 4)
+      nodes_[parent].child[laneOfParent] = place;
+    waiting.pop_back();
+    nodes_.push_back(nodes[number]);
+    for (std::size_t lane = 4; lane-- > 0;)
+      if (!(nodes[number].child[lane] & kTriangle))
+        waiting.push_back({nodes[number].child[lane], place, lane});
+  }
+}
 
 TriangleTree::TriangleTree(const std::vector<Vec3d>& points,
                            const std::vector<std::array<std::uint32_t, 3>>& faces) {
@@ -167,7 +194,7 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& points,
     return;
   Builder builder;
   builder.boxes.resize(count);
-  builder.middles.resize(count);
+  builder.doubledCentres.resize(count);
   builder.order.resize(count);
   std::iota(builder.order.begin(), builder.order.end(), 0u);
   double farthest = 0;
@@ -178,43 +205,16 @@ TriangleTree::TriangleTree(const std::vector<Vec3d>& points,
       for (const double x : points[v])
         farthest = std::max(farthest, std::abs(x));
     }
-    builder.middles[f] = plus(box.low, box.high);
+    builder.doubledCentres[f] = plus(box.low, box.high);
   }
   // Points and boxes are rounded by 2^-24 of their coordinates each, and so is this sum.
   builder.slack = static_cast<float>(farthest * 0x1p-21);
-  if (count == 1) { // a node with one triangle in it
-    Node root;
-    for (std::size_t lane = 0; lane < 4; ++lane) {
-      const Box box = lane == 0 ? builder.boxes[0] : Box();
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        root.low[axis][lane] = static_cast<float>(box.low[axis]) - builder.slack;
-        root.high[axis][lane] = static_cast<float>(box.high[axis]) + builder.slack;
-      }
-      root.child[lane] = kTriangle;
-    }
-    nodes_.push_back(root);
+  if (count == 1) {
+    nodes_.emplace_back();
+    builder.setLanes(nodes_[0], {{{0, 1}}}, 1);
   } else {
     builder.nodes.resize(count);
-    const std::uint32_t root = builder.build(0, count, 0);
-    // Nodes as a visit meets them: parents before children.
-    std::vector<std::uint32_t> waiting{root}, ofParent{0};
-    std::vector<std::size_t> laneOfParent{4};
-    while (!waiting.empty()) {
-      const Node& node = builder.nodes[waiting.back()];
-      const auto place = static_cast<std::uint32_t>(nodes_.size());
-      if (laneOfParent.back() < 4)
-        nodes_[ofParent.back()].child[laneOfParent.back()] = place;
-      waiting.pop_back();
-      ofParent.pop_back();
-      laneOfParent.pop_back();
-      nodes_.push_back(node);
-      for (std::size_t lane = 4; lane-- > 0;)
-        if (!(node.child[lane] & kTriangle)) {
-          waiting.push_back(node.child[lane]);
-          ofParent.push_back(place);
-          laneOfParent.push_back(lane);
-        }
-    }
+    addNodes(builder.nodes, builder.build(0, count, 0));
   }
   triangles_.resize(count);
   tbb::parallel_for(std::uint32_t(0), count, [&](std::uint32_t i) {
@@ -228,7 +228,7 @@ TriangleTree::Cut::Cut(const TriangleTree& tree, const Box& box, double reach) {
     return;
   const Vec3d grow{reach, reach, reach};
   const Point low(minus(box.low, grow)), high(plus(box.high, grow));
-  // Nodes whose children are looked at, the largest first; what does not fit stays a node.
+  // Nodes whose children are visited, the largest first; what does not fit stays a node.
   constexpr std::size_t kLanes = 4 * kCutNodes;
   struct Child {
     const Node* parent;

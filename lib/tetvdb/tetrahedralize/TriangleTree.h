@@ -72,9 +72,9 @@ private:
   }
 };
 
-/// Boxes are split where the surface area heuristic says (MacDonald and Booth, Heuristics for Ray
-/// Tracing Using Space Subdivision, 1990), and kept in floats, rounded outward: four of them are
-/// looked at at once, with vectors that every x86-64 has. The same tree for any number of threads;
+/// A tree of boxes, split by the surface area heuristic (MacDonald and Booth, Heuristics for Ray
+/// Tracing Using Space Subdivision, 1990). Boxes are floats, rounded outward; four of them are
+/// tested at once, with vectors that every x86-64 has. The same tree for any number of threads;
 /// queries are thread-safe.
 class TriangleTree {
 public:
@@ -159,12 +159,12 @@ private:
     std::size_t depth = 0;
   };
 
-  // Puts what is near of a node's children onto the stack, the nearest on top.
+  // Puts those of a node's children that are near onto the stack, the nearest on top.
   static void addChildren(const Point& at, const Node& node, Stack& stack, double limit,
                           std::size_t bottom) {
     const Float4 squares = node.squaredDistances(at);
-    const float most = roundedUp(limit);
-    for (std::uint32_t mask = maskOf(squares <= Float4{most, most, most, most}); mask != 0;
+    const float max = roundedUp(limit);
+    for (std::uint32_t mask = maskOf(squares <= Float4{max, max, max, max}); mask != 0;
          mask &= mask - 1) {
       const auto lane = static_cast<std::uint32_t>(__builtin_ctz(mask));
       const float square = squares[lane];
@@ -193,6 +193,7 @@ private:
   }
 
   struct Builder;
+  void addNodes(const std::vector<Node>& nodes, std::uint32_t root);
 
   std::vector<Node> nodes_; ///< the root first
   std::vector<NearTriangle> triangles_;

@@ -22,21 +22,20 @@ namespace {
 
 constexpr double kSamples = 100000; // of one surface, or half as many and all centroids
 constexpr double kMaxCentroids = 50000;
-constexpr double kMaxCorners = 50000; // of the inputs, which are the first to be lost
+constexpr double kMaxCorners = 50000; // of the inputs: corners are lost first
 constexpr std::size_t kPointsInBox = 65536;
 constexpr double kSamplesPerSquare = 4; // of side epsilon
-constexpr double kFewestSamples = 1000;
-// A rim with as many edges halves the number of samples; more than that many times fewer is never
-// asked for.
-constexpr double kRimEdges = 1000, kFewerAtMost = 4;
-// How near to a whole number a winding number is where the tets' surface is to be near to the
-// input.
+constexpr double kMinSamples = 1000;
+// A boundary with as many edges halves the number of samples; more than that many times fewer is
+// never asked for.
+constexpr double kBoundaryEdges = 1000, kMaxFewer = 4;
+// Where winding numbers are this near to whole numbers, the tets' surface has to be near the input.
 constexpr double kWhole = 0.2;
-// How far from 0.5 a winding number has to be for which side is which to be beyond doubt.
+// A winding number this far from 0.5 is clearly inside or outside.
 constexpr double kClear = 0.2;
-// Sides of a triangle are looked at from this part of epsilon away from its rim, where other faces
-// begin: beside a box's corner one of them would lie on the next face.
-constexpr double kFromRim = 1.0 / 64;
+// Sides of a triangle are looked at from this part of epsilon away from its edges, where other
+// faces begin: beside a box's corner one of them would lie on the next face.
+constexpr double kFromEdge = 1.0 / 64;
 // Distances are compared with epsilon up to rounding.
 constexpr double kRounding = 1e-9;
 
@@ -54,7 +53,7 @@ public:
   std::vector<Place> placesOf(const Points& points, Progress& progress) const;
   /// Whether every input's winding number is near a whole number.
   std::vector<bool> areWhole(const Points& points, Progress& progress) const;
-  double fewer() const { return fewer_; } ///< how many times fewer samples than usual
+  double fewer() const { return fewer_; } ///< the factor by which the number of samples is divided
 
 private:
   std::vector<double> at(std::size_t input, const Points& points, Progress& progress) const;
@@ -85,17 +84,17 @@ InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const Work
                              Progress& progress)
     : lattice_(lattice) {
   for (const TriangleMesh& mesh : inputs) {
-    std::vector<RimEdge> rim;
+    std::vector<RimEdge> boundary;
     for (const IndexedRimEdge& edge : soupRim(mesh.triangles, progress).edges)
-      rim.push_back({latticePoint(lattice, mesh.points[edge.a]),
-                     latticePoint(lattice, mesh.points[edge.b]), edge.weight});
-    isOpen_.push_back(!rim.empty());
-    fewer_ += static_cast<double>(rim.size()) / kRimEdges;
+      boundary.push_back({latticePoint(lattice, mesh.points[edge.a]),
+                          latticePoint(lattice, mesh.points[edge.b]), edge.weight});
+    isOpen_.push_back(!boundary.empty());
+    fewer_ += static_cast<double>(boundary.size()) / kBoundaryEdges;
     windings_.push_back(std::make_unique<ChainWinding>(facesOf(mesh, mesh.triangleCount(), lattice),
-                                                       std::move(rim)));
+                                                       std::move(boundary)));
     progress.check();
   }
-  fewer_ = std::min(fewer_, kFewerAtMost);
+  fewer_ = std::min(fewer_, kMaxFewer);
 }
 
 std::vector<double> InputWindings::at(std::size_t input, const Points& points,
@@ -164,11 +163,11 @@ double areaOf(const TriangleMesh& mesh) {
 }
 
 std::vector<SurfaceSample> samplesOf(const TriangleMesh& mesh, double epsilon, double fewer) {
-  const double most = kSamplesPerSquare * areaOf(mesh) / (epsilon * epsilon);
+  const double enough = kSamplesPerSquare * areaOf(mesh) / (epsilon * epsilon);
   const bool centroids = static_cast<double>(mesh.triangleCount()) * fewer <= kMaxCentroids;
   double count = (centroids ? kSamples / 2 : kSamples) / fewer;
-  if (most < count)
-    count = std::max(most, kFewestSamples);
+  if (enough < count)
+    count = std::max(enough, kMinSamples);
   return sampleSurface(mesh, static_cast<std::size_t>(count), centroids);
 }
 
@@ -223,7 +222,7 @@ std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSam
     const Vec3d normal = cross(minus(b, a), minus(c, a));
     const Vec3d off = times(normal, epsilon / 2 / length(normal));
     const Vec3d inward = minus(times(plus(plus(a, b), c), 1.0 / 3), sample.at);
-    const double share = kFromRim * epsilon / std::max(length(inward), kFromRim * epsilon);
+    const double share = kFromEdge * epsilon / std::max(length(inward), kFromEdge * epsilon);
     const Vec3d from = plus(sample.at, times(inward, share));
     sides.push_back(plus(from, off));
     sides.push_back(minus(from, off));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whether the tets are what the input says, looked at from both sides.
+// Compares the tets with the input, in both directions.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -31,18 +31,19 @@ struct LostSurface {
 /// between two regions; tets of region -1 are none).
 ///   A point of an input is owed where its two sides, half an epsilon off the triangle, belong to
 /// different regions by the winding numbers of the inputs (regionOf()): interior walls, sheets,
-/// doubled shells and walls thinner than half an epsilon are not owed. Nor is it where the winding
-/// number of an open input is within 0.2 of one half on either side, as it is beside the rim of a
-/// hole: what closes the hole begins about there, not at the rim itself. An owed point farther than
-/// epsilon from the tets' surface is lost.
+/// doubled shells and walls thinner than half an epsilon are not owed. Nor are points where the
+/// winding number of an open input is within 0.2 of 0.5 on either side, as it is next to a hole
+/// boundary: the surface that closes the hole begins near there, not at the boundary itself. An owed point
+/// farther than epsilon from the tets' surface is lost.
 ///   outToIn is the largest distance of samples of the tets' surface at which all winding numbers
 /// are within 0.2 of whole numbers, that is of all of them where the inputs are closed. Elsewhere
-/// the tets' surface closes a hole of an input, where it is rightly far from the input.
-///   windingVolume is the tets' volume, and what the winding number adds to it or takes away at
-/// points spread evenly over the box. volumeError is a standard error, that of random points.
+/// the tets' surface closes a hole, and is far from the input by design.
+///   windingVolume is the tets' volume, corrected by the winding number at points spread evenly
+///   over
+/// the box. volumeError is a standard error, that of random points.
 ///   Inputs are cleaned. Parallel, deterministic; at most about 100 000 samples of each surface
-/// and 50 000 of the inputs' corners, fewer where inputs are torn (their winding numbers are slow),
-/// and 65 536 points in space: a second or two.
+/// and 50 000 of the inputs' corners, fewer where inputs have many boundary edges (their winding
+/// numbers are slow), and 65 536 points in space: a second or two.
 LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
                            Boolean boolean, double epsilon, Progress& progress);
 

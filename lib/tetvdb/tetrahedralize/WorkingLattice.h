@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The mesher's coordinates: whole numbers, kept in doubles.
+// The mesher's coordinates: whole numbers, stored in doubles.
 //
 // The model's box is mapped onto a lattice whose unit is a power of two, fine enough for 48 bits
 // along the longest side (about 4e-15 of it), and no finer than doubles resolve at the model's
 // distance from the origin. Differences of coordinates are then exact in doubles, orientations are
 // exact in 192 bits, and the way back to world space rounds nothing: a tet that is positive on the
 // lattice is positive in the file.
-//   The soup's points lie on every 1024th point of it at most, so that insertion has room to put
-// points between faces that all but touch.
+//   The soup's points lie on every 1024th point of it at most, so that insertion can add
+// points between faces that almost touch.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -21,7 +21,7 @@
 
 namespace tetvdb {
 
-/// Coordinates of lattice points are below this in magnitude.
+/// The absolute values of lattice points' coordinates are below this.
 constexpr double kLatticeBound = static_cast<double>(std::int64_t(1) << 47);
 
 class WorkingLattice {

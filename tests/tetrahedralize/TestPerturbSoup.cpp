@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/tetrahedralize/ShakeSoup.h"
+#include "tetvdb/tetrahedralize/PerturbSoup.h"
 #include "tetvdb/tetrahedralize/WorkingLattice.h"
 
 #include <cmath>
@@ -33,31 +33,31 @@ std::vector<Vec3d> cornersOf(const LatticeSoup& soup) {
   return corners;
 }
 
-TEST(ShakeSoup, MovesEveryPointALittleAndDifferently) {
+TEST(PerturbSoup, MovesEveryPointALittleAndDifferently) {
   const LatticeSoup soup = soupOf(meshes::sphere({0, 0, 0}, 1, 12));
   std::set<Vec3d> moves;
   for (const std::uint32_t seed : {1u, 2u}) {
-    const LatticeSoup shaken = shakenSoup(soup, kDistance, false, seed);
-    ASSERT_EQ(shaken.faces, soup.faces);
-    EXPECT_EQ(shaken.grain, kGrain);
+    const LatticeSoup perturbed = perturbedSoup(soup, kDistance, Perturb::Points, seed);
+    ASSERT_EQ(perturbed.faces, soup.faces);
+    EXPECT_EQ(perturbed.grain, kGrain);
     for (std::size_t p = 0; p < soup.points.size(); ++p) {
-      const Vec3d move = minus(shaken.points[p], soup.points[p]);
+      const Vec3d move = minus(perturbed.points[p], soup.points[p]);
       EXPECT_LE(length(move), kDistance);
-      EXPECT_EQ(shaken.points[p], roundToGrain(shaken.points[p], kGrain));
+      EXPECT_EQ(perturbed.points[p], roundToGrain(perturbed.points[p], kGrain));
       EXPECT_TRUE(moves.insert(move).second);
     }
-    EXPECT_EQ(shakenSoup(soup, kDistance, false, seed).points, shaken.points);
+    EXPECT_EQ(perturbedSoup(soup, kDistance, Perturb::Points, seed).points, perturbed.points);
   }
 }
 
-TEST(ShakeSoup, MovesClosedPiecesAsAWhole) {
+TEST(PerturbSoup, MovesClosedComponentsAsAWhole) {
   TriangleMesh mesh = meshes::sphere({0, 0, 0}, 0.3, 6);
   const std::size_t first = mesh.triangleCount();
   meshes::append(mesh, meshes::sphere({1, 0, 0}, 0.3, 6));
   const LatticeSoup soup = soupOf(mesh);
-  const LatticeSoup shaken = shakenSoup(soup, kDistance, true, 3);
-  ASSERT_EQ(shaken.faces.size(), soup.faces.size());
-  const std::vector<Vec3d> before = cornersOf(soup), after = cornersOf(shaken);
+  const LatticeSoup perturbed = perturbedSoup(soup, kDistance, Perturb::Components, 3);
+  ASSERT_EQ(perturbed.faces.size(), soup.faces.size());
+  const std::vector<Vec3d> before = cornersOf(soup), after = cornersOf(perturbed);
   const Vec3d moved = minus(after[0], before[0]), other = minus(after.back(), before.back());
   EXPECT_NE(moved, other);
   EXPECT_GT(length(moved), 0);
@@ -67,15 +67,15 @@ TEST(ShakeSoup, MovesClosedPiecesAsAWhole) {
 }
 
 // Two boxes on one another's corner come apart; an open sheet stays where it is.
-TEST(ShakeSoup, PiecesThatMeetInAPointPartAndOpenOnesStay) {
+TEST(PerturbSoup, ComponentsThatMeetInAPointComeApartAndOpenOnesStay) {
   TriangleMesh mesh = meshes::box({0, 0, 0}, {1, 1, 1});
   meshes::append(mesh, meshes::box({1, 1, 1}, {2, 2, 2}));
   const LatticeSoup soup = soupOf(mesh);
   ASSERT_EQ(soup.points.size(), 15u);
-  EXPECT_EQ(shakenSoup(soup, kDistance, true, 1).points.size(), 16u);
+  EXPECT_EQ(perturbedSoup(soup, kDistance, Perturb::Components, 1).points.size(), 16u);
 
   const LatticeSoup sheet = soupOf(meshes::sheet(3));
-  EXPECT_EQ(cornersOf(shakenSoup(sheet, kDistance, true, 1)), cornersOf(sheet));
+  EXPECT_EQ(cornersOf(perturbedSoup(sheet, kDistance, Perturb::Components, 1)), cornersOf(sheet));
 }
 
 } // namespace

@@ -264,8 +264,8 @@ def wall(seconds):
     return f"{seconds:.0f}" if seconds >= 100 else f"{seconds:.1f}" if seconds >= 10 else f"{seconds:.2f}"
 
 
-MEANINGS = {0: "done, every promise met", 1: "done, a promise not met (a face left out, a part lost: said)",
-            3: "nothing to mesh (no inside, or unreadable), said in a sentence", 4: "memory limit", 5: "time limit", TOO_LATE: "time limit overlooked, ended from outside"}
+MEANINGS = {0: "done, every promise met", 1: "done, a promise not met (a face not inserted, a point lost), with a warning",
+            3: "nothing to mesh (no inside, or unreadable), with an error", 4: "memory limit", 5: "time limit", TOO_LATE: "time limit overlooked, ended from outside"}
 
 
 def success_text(rows, arguments, tetgen):
@@ -296,18 +296,18 @@ def success_text(rows, arguments, tetgen):
         solid = [r for r in rows if r["status"] != 3 and "tetgen" in r]
         outcomes = [r["tetgen"]["outcome"] for r in solid]
         ours = sum(r["status"] in (0, 1) for r in solid)
-        lines += ["", f"Beside TetGen (`tetgen -p` on the cleaned triangles, limit {arguments.tetgen_limit or arguments.limit:.0f} s), "
+        lines += ["", f"Compared with TetGen (`tetgen -p` on the cleaned triangles, limit {arguments.tetgen_limit or arguments.limit:.0f} s), "
                   f"over the {len(solid)} files that hold a solid, and the paper's own figures (3000 models of Thingi10k, 20 minutes):", "",
                   table(("", "TetVDB", "TetGen", "the paper's mesher", "TetGen in the paper"),
                         [("tets (TetVDB: status 0 or 1)", f"{ours} ({percent(ours, len(solid))})",
                           f"{outcomes.count('ok')} ({percent(outcomes.count('ok'), len(solid))})", "99.4 %", "59.1 %"),
-                         ("too late", sum(r["status"] in (5, TOO_LATE) for r in solid), outcomes.count("too late"), 10, 46),
+                         ("time limit", sum(r["status"] in (5, TOO_LATE) for r in solid), outcomes.count("too late"), 10, 46),
                          ("no outcome", sum(r["status"] not in (0, 1, 5, TOO_LATE) for r in solid),
                           sum(o not in ("ok", "too late") for o in outcomes), 8, 1183)])]
         words = {w: outcomes.count(w) for w in ("gives up", "crashes", "empty", "")}
         lines += ["", f"TetGen's {sum(words.values())} without outcome: {words['gives up']} given up (mostly crossing "
-                  f"faces), {words['crashes']} crashed, {words['empty']} empty (open, so that all is outside), "
-                  f"{words['']} not to be cleaned."]
+                  f"faces), {words['crashes']} crashed, {words['empty']} empty (open, so that everything is outside), "
+                  f"{words['']} could not be cleaned."]
     return "\n".join(lines)
 
 
@@ -348,13 +348,13 @@ def epsilon_text(rows):
     each = [[row["name"], row.get("faces", "")] + ["-" if at(row, e).get("iou") is None else f"{at(row, e)['iou']:.4f}"
                                                    for e in EPSILONS] for row in rows]
     return "\n\n".join((
-        table(("epsilon / diagonal", "in voxels", "mean IoU", "least IoU", "mean s", "median tets",
+        table(("epsilon / diagonal", "in voxels", "mean IoU", "min IoU", "mean s", "median tets",
                f"status 0, of {len(rows)}"), [line(e) for e in EPSILONS]),
         f"Every model is above 0.99 up to {up_to(0.99)}, above 0.95 up to {up_to(0.95)} and "
-        f"above 0.9 up to {up_to(0.9)}.\nParts thinner than twice epsilon may vanish, for their two sides are then within "
-        "epsilon of each other's\nplace: models of thin parts fall first. A flat side that lies on voxel\ncentres takes or leaves a layer of them "
-        "as soon as it moves, by however little: so do sides on the box's own planes. Of\nstatus 1 are meshes that lose "
-        "points, and runs without tets in time (-), where the exact volume is written instead; both say so.",
+        f"above 0.9 up to {up_to(0.9)}.\nParts thinner than twice epsilon may vanish, since their two sides are within "
+        "epsilon of each other: models\nof thin parts lose most. Where a planar side lies on voxel centres, any movement "
+        "of it adds or removes\na layer of voxels; the sides on the box's own planes are such. Status 1 are meshes\nthat "
+        "lose points, and runs without tets in time (-), where the exact volume is written instead; both have a warning.",
         "IoU model by model:",
         table(("model", "faces", *(f"{e:g}" for e in EPSILONS)), each)))
 
@@ -374,10 +374,10 @@ def augmentation_text(rows):
 def augmentation_words(rows):
     least, most = AUGMENTING[0], AUGMENTING[-1]
     tets = {e: f"{middle(at(row, e).get('tets') for row in rows):.0f}" for e in (least, most)}
-    return f"""Differences stay within epsilon of the surface, holes aside, and every shape can be had again, for the mesher is
-deterministic: one varies epsilon, not a seed. The median number of tets
-goes from {tets[least]} at {least:g} to {tets[most]} at {most:g}; as tets become few, flat parts tilt and thin ones
-vanish, so that how large epsilon may be depends on what the learner is to take for the same thing."""
+    return f"""Differences stay within epsilon of the surface, except in holes. The mesher is deterministic: every shape can be
+reproduced from its epsilon, without a seed. The median number of tets
+goes from {tets[least]} at {least:g} to {tets[most]} at {most:g}; with few tets planar parts tilt and thin ones
+vanish, so that the largest epsilon depends on what counts as the same shape."""
 
 
 def quality_text(rows):
@@ -407,12 +407,12 @@ def page(version, arguments, tetgen, files, success, epsilon, quality):
     limit = f"{arguments.limit:.0f} s"
     short = "" if arguments.limit >= 1200 else " where the paper gave 1200 s"
     part = "" if len(success) == files else f"(the smallest of {files}) "
-    parts = [f"""# The paper's studies, repeated
+    parts = [f"""# The paper's studies
 
 How triangles become tets within epsilon: the experiments of "Robust Voxelization and Visualization by Improved
-Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), done again with `tetvdb tetrahedralize`.
+Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), repeated with `tetvdb tetrahedralize`.
 `scripts/mesher_studies.py` makes this page; TetVDB {version}.
-[robustness.md](robustness.md) tells of the winding number on the same kind of files."""]
+[robustness.md](robustness.md) has the same for the winding number."""]
     if arguments.note:
         parts.append(arguments.note)
     if success:
@@ -429,12 +429,12 @@ and little difference below 1e-2. Seconds are of the whole process, meshing incl
                   """## Augmentation
 
 The paper offers the differences of larger epsilons as augmentation of data for learning: the same mesh through several
-epsilons is several shapes. How much they differ, as one less IoU:""", augmentation_text(epsilon),
+epsilons is several shapes. Their differences, as 1 - IoU:""", augmentation_text(epsilon),
                   augmentation_words(epsilon)]
     if quality:
         parts += [f"""## Quality
 
-The paper holds that well-shaped tets voxelize faster, for their bounding boxes hold few voxels in vain. "Box/volume": the
+The paper states that well-shaped tets voxelize faster, since their bounding boxes hold few voxels outside of the tet. "Box/volume": the
 summed volume of the tets' boxes over the tets' own. "s": meshing, the whole process. The rest: seconds of the stage
 `voxelize` of `tetvdb voxelize MESH.msh`, best of {TRIALS}; `mask` is made from the boundary where that is quicker,
 `tet_id` needs every tet.""", quality_text(quality)]
@@ -442,9 +442,9 @@ summed volume of the tets' boxes over the tets' own. "s": meshing, the whole pro
         parts += [f"""## Files
 
 "left out": faces of the input that were not inserted; "lost": points of the input that are owed and farther than epsilon
-from the boundary; "out": the farthest that the boundary is from the input, over epsilon; "volume": over the winding
-number's. "tet_checker" is the tests' judge (bin/tet_checker, {' '.join(CHECK_SAMPLES)} samples), which shares no code with the
-mesher. Seconds and peak memory are of the whole process; other work on the machine disturbs them.""", files_table(success)]
+from the boundary; "out": the largest distance of the boundary from the input, over epsilon; "volume": over the winding
+number's. "tet_checker" is the independent check of the tests (bin/tet_checker, {' '.join(CHECK_SAMPLES)} samples), which shares no code with the
+mesher. Seconds and peak memory are of the whole process; other work on the machine affects them.""", files_table(success)]
     return "\n\n".join(parts) + "\n"
 
 

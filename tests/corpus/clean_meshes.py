@@ -209,6 +209,38 @@ def signed_volume(a_mesh):
     return float(numpy.einsum("ij,ij->i", a, numpy.cross(b, c)).sum() / 6)
 
 
+def wound_volume(mesh, columns=1000):
+    """The volume of the places that a closed mesh winds around more often than not, within 1e-5 of it: of copies that
+    overlap the union's, where signed_volume() is the sum. By columns, none of which lies along a face."""
+    points = turned(mesh)[0]
+    low, high = points.min(axis=0), points.max(axis=0)
+    step = (high - low)[:2] / columns
+    scaled = (points[:, :2] - low[:2]) / step - 0.5  # column i at i
+    where, heights, signs = [], [], []
+    for face in mesh[1]:
+        (ax, ay), (bx, by), (cx, cy) = scaled[face]
+        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        x0, x1 = int(numpy.ceil(min(ax, bx, cx))), int(numpy.floor(max(ax, bx, cx)))
+        y0, y1 = int(numpy.ceil(min(ay, by, cy))), int(numpy.floor(max(ay, by, cy)))
+        if area == 0 or x1 < x0 or y1 < y0:
+            continue
+        x, y = numpy.meshgrid(numpy.arange(x0, x1 + 1), numpy.arange(y0, y1 + 1), indexing="ij")
+        u = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / area
+        v = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area
+        hit = (u >= 0) & (v >= 0) & (u + v <= 1)
+        x, y, u, v = x[hit], y[hit], u[hit], v[hit]
+        z = points[face, 2]
+        where.append(x * columns + y)
+        heights.append(u * z[0] + v * z[1] + (1 - u - v) * z[2])
+        signs.append(numpy.full(len(x), -1 if area > 0 else 1))
+    where, heights, signs = map(numpy.concatenate, (where, heights, signs))
+    order = numpy.lexsort((heights, where))
+    where, heights, signs = where[order], heights[order], signs[order]
+    total = numpy.cumsum(signs)  # back to 0 after each column
+    inside = (total[:-1] > 0) & (where[1:] == where[:-1])
+    return float((heights[1:] - heights[:-1])[inside].sum() * step[0] * step[1])
+
+
 def outward(a_mesh):
     return a_mesh if signed_volume(a_mesh) > 0 else reversed_mesh(a_mesh)
 

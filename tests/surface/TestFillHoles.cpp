@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/FillHoles.h"
 
@@ -18,11 +19,14 @@ HoleFilling filled(TriangleMesh& mesh) {
   Progress progress;
   HoleFilling filling = fillHoles(mesh, progress);
   EXPECT_EQ(manifoldDefect(mesh), "");
-  EXPECT_EQ(mesh.points, before.points);
+  EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), mesh.points.begin()));
   EXPECT_TRUE(std::equal(before.triangles.begin(), before.triangles.end(), mesh.triangles.begin()));
-  std::size_t faces = 0;
-  for (const FilledHole& hole : filling.holes)
+  std::size_t faces = 0, points = before.points.size();
+  for (const FilledHole& hole : filling.holes) {
     faces += hole.faces;
+    points += hole.points;
+  }
+  EXPECT_EQ(mesh.points.size(), points);
   EXPECT_EQ(mesh.triangleCount(), before.triangleCount() + faces);
   return filling;
 }
@@ -59,6 +63,58 @@ TEST(FillHoles, CurvedHolesFollowTheSurface) {
   const HoleFilling filling = filled(mesh);
   EXPECT_GT(filling.holes.size(), 0u);
   EXPECT_NEAR(signedVolume(mesh), whole, 0.01 * whole);
+}
+
+TEST(FillHoles, LargeCurvedHolesAreSmooth) {
+  // Of a ball everything within an angle of a direction goes: what fills the hole lies on the ball.
+  const TriangleMesh ball = sphere({0, 0, 0}, 1, 24);
+  const Vec3d way{0.36, 0.48, 0.8};
+  for (const double cosine : {0.95, 0.85, 0.7}) {
+    TriangleMesh mesh = without(ball, [&](std::size_t f) {
+      Vec3d middle{0, 0, 0};
+      for (std::size_t k = 0; k < 3; ++k)
+        middle = plus(middle, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
+      return dot(middle, way) > cosine;
+    });
+    dropUnusedPoints(mesh);
+    const std::size_t first = mesh.points.size();
+    const HoleFilling filling = filled(mesh);
+    ASSERT_EQ(filling.holes.size(), 1u);
+    EXPECT_GT(filling.holes[0].points, 20u);
+    for (std::size_t i = first; i < mesh.points.size(); ++i)
+      EXPECT_NEAR(length(mesh.points[i]), 1, 0.15 * (1 - cosine));
+    const double cap = kPi * (1 - cosine) * (1 - cosine) * (2 + cosine) / 3;
+    EXPECT_NEAR(signedVolume(mesh), signedVolume(ball), 0.1 * cap);
+    // Faces are about as large as the others.
+    double longest = 0, longestBefore = 0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      const double size = length(minus(mesh.points[mesh.triangles[i]],
+                                       mesh.points[mesh.triangles[i % 3 == 2 ? i - 2 : i + 1]]));
+      double& most =
+          i / 3 < mesh.triangleCount() - filling.holes[0].faces ? longestBefore : longest;
+      most = std::max(most, size);
+    }
+    EXPECT_LT(longest, 2 * longestBefore);
+  }
+}
+
+TEST(FillHoles, APatchThatWouldCrossIsPlain) {
+  // A spike just below the ball's surface stands where the smooth patch would be.
+  const TriangleMesh ball = sphere({0, 0, 0}, 1, 24);
+  const TriangleMesh holed = without(ball, [&](std::size_t f) {
+    Vec3d middle{0, 0, 0};
+    for (std::size_t k = 0; k < 3; ++k)
+      middle = plus(middle, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
+    return dot(middle, Vec3d{0.36, 0.48, 0.8}) > 0.8;
+  });
+  TriangleMesh mesh = joined({holed, box({0.33, 0.45, 0.77}, {0.38, 0.5, 1.2})});
+  dropUnusedPoints(mesh);
+  const std::size_t before = mesh.points.size();
+  const HoleFilling filling = filled(mesh);
+  ASSERT_EQ(filling.holes.size(), 1u);
+  EXPECT_EQ(filling.holes[0].points, 0u);
+  EXPECT_EQ(filling.holes[0].faces, filling.holes[0].edges - 2);
+  EXPECT_EQ(mesh.points.size(), before);
 }
 
 TEST(FillHoles, HolesThatTouchAtAPointAreTwo) {

@@ -141,6 +141,84 @@ TEST(TriangulatePolygon, AvoidsEdgesThatExist) {
   }
 }
 
+TEST(TriangulatePolygon, HolesThatTouchTheOutlineOrOneAnother) {
+  // At a point of the outline, and two holes at a point of each other.
+  const std::vector<Vec3d> points{{0, 0, 0}, {6, 0, 0}, {6, 6, 0}, {0, 6, 0}, {2, 1, 0},
+                                  {1, 2, 0}, {3, 3, 0}, {2, 4, 0}, {4, 4, 0}, {5, 3, 0}};
+  expectFilled(points, {{0, 1, 2, 3}, {0, 5, 4}});
+  expectFilled(points, {{0, 1, 2, 3}, {4, 5, 6}, {6, 7, 8}});
+  expectFilled(points, {{0, 1, 2, 3}, {0, 5, 4}, {6, 7, 8, 9}});
+}
+
+TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
+  // Any set of the cells of a grid: its boundary runs through corners twice where cells touch
+  // there. The grid is sheared so that not all lines are along the axes.
+  Random random(17);
+  constexpr std::uint32_t kSize = 7;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Vec3d> points;
+    for (std::uint32_t i = 0; i <= kSize; ++i)
+      for (std::uint32_t k = 0; k <= kSize; ++k)
+        points.push_back({i + 0.125 * k, k - 0.25 * i, 0.5});
+    const double share = random.unit();
+    std::vector<char> isFull(kSize * kSize);
+    for (char& full : isFull)
+      full = random.unit() < share;
+    std::vector<PolygonEdge> edges;
+    double area = 0;
+    const auto full = [&](std::uint32_t i, std::uint32_t k) {
+      return i < kSize && k < kSize && isFull[i * kSize + k] != 0;
+    };
+    const auto at = [&](std::uint32_t i, std::uint32_t k) { return i * (kSize + 1) + k; };
+    for (std::uint32_t i = 0; i < kSize; ++i)
+      for (std::uint32_t k = 0; k < kSize; ++k) {
+        if (!full(i, k))
+          continue;
+        area += 1 + 0.125 * 0.25;
+        if (!full(i, k - 1))
+          edges.emplace_back(at(i, k), at(i + 1, k));
+        if (!full(i + 1, k))
+          edges.emplace_back(at(i + 1, k), at(i + 1, k + 1));
+        if (!full(i, k + 1))
+          edges.emplace_back(at(i + 1, k + 1), at(i, k + 1));
+        if (!full(i - 1, k))
+          edges.emplace_back(at(i, k + 1), at(i, k));
+      }
+    if (edges.empty())
+      continue;
+    Loop corners;
+    ASSERT_TRUE(triangulateEdges(points, edges, {0, 0, 1}, kNoneTaken, corners));
+    EXPECT_NEAR(areaOf(points, corners), area, 1e-12);
+    std::map<PolygonEdge, int> excess;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const std::uint32_t a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
+      ++excess[{a, b}];
+      --excess[{b, a}];
+    }
+    for (const PolygonEdge& edge : edges) {
+      EXPECT_EQ(excess[edge], 1);
+      excess[edge] = excess[{edge.second, edge.first}] = 0;
+    }
+    for (const auto& [edge, sum] : excess)
+      EXPECT_EQ(sum, 0);
+  }
+}
+
+TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 0, 0}};
+  for (const std::vector<PolygonEdge>& edges : std::vector<std::vector<PolygonEdge>>{
+           {},
+           {{0, 1}, {1, 2}},                         // open
+           {{0, 3}, {3, 2}, {2, 1}, {1, 0}},         // clockwise
+           {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 1}}, // an edge twice
+           {{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 0}}, // through a point of its own
+           {{0, 4}, {4, 1}, {1, 0}}}) {              // without area
+    Loop corners;
+    EXPECT_FALSE(triangulateEdges(points, edges, {0, 0, 1}, kNoneTaken, corners));
+    EXPECT_TRUE(corners.empty());
+  }
+}
+
 TEST(TriangulatePolygon, RefusesWhatCrossesItself) {
   const std::vector<Vec3d> points{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
   Loop corners;

@@ -2,15 +2,20 @@
 #include "tetvdb/surface/FillHoles.h"
 
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/BoundaryLoops.h"
+#include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/FairPatch.h"
+#include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/TriangulateLoop.h"
 #include "tetvdb/surface/TriangulatePolygon.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
@@ -21,6 +26,8 @@ namespace {
 constexpr double kFlat = 1e-4;
 // Loops longer than that are not tried in the plane, where time grows with the square.
 constexpr std::size_t kMostPlanePoints = 4096;
+// Curved holes of fewer edges are filled by the points that are there.
+constexpr std::size_t kFewestFairEdges = 7;
 
 struct Plane {
   Vec3d origin{0, 0, 0}, normal{0, 0, 0}; ///< the loop turns counter-clockwise around the normal
@@ -86,8 +93,11 @@ public:
       for (const std::size_t loop : group)
         fillInSpace(loop, added, filling);
     }
+    takeBackCrossing(added, filling);
     mesh_.triangles.insert(mesh_.triangles.end(), added.begin(), added.end());
     mesh_.faceCount = mesh_.triangleCount();
+    if (dropsPoints_)
+      dropUnusedPoints(mesh_);
     return filling;
   }
 
@@ -174,7 +184,92 @@ private:
       triangulateLoop(
           mesh_.points, space, [](std::uint32_t, std::uint32_t) { return false; }, added,
           progress_);
+    if (loop.points.size() >= kFewestFairEdges)
+      fair(loop, added, first, hole, filling.holes.size());
     finish(hole, added, first, filling);
+  }
+
+  // The faces from `first` on, over a loop, become finer and smoother.
+  void fair(const BoundaryLoop& loop, std::vector<std::uint32_t>& added, std::size_t first,
+            FilledHole& hole, std::size_t number) {
+    HolePatch patch;
+    const auto begin = added.begin() + static_cast<std::ptrdiff_t>(first);
+    for (auto c = begin; c != added.end(); c += 3)
+      patch.faces.push_back({c[0], c[1], c[2]});
+    findFacesAtLoops();
+    std::vector<std::uint32_t> around;
+    for (const std::uint32_t point : loop.points)
+      around.insert(around.end(), facesAt_[point].begin(), facesAt_[point].end());
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    for (const std::uint32_t face : around)
+      patch.around.push_back(cornersOf(mesh_.triangles, face));
+    hole.points = fairPatch(
+        mesh_.points, patch, [&](std::uint32_t a, std::uint32_t b) { return isTaken(a, b); },
+        progress_);
+    if (hole.points == 0)
+      return;
+    fairHoles_.push_back({number, {begin, added.end()}});
+    added.erase(begin, added.end());
+    for (const HolePatch::Corners& c : patch.faces)
+      added.insert(added.end(), c.begin(), c.end());
+  }
+
+  void findFacesAtLoops() {
+    if (!facesAt_.empty())
+      return;
+    for (const BoundaryLoop& loop : loops_)
+      for (const std::uint32_t point : loop.points)
+        facesAt_[point];
+    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
+      if (const auto at = facesAt_.find(mesh_.triangles[i]); at != facesAt_.end())
+        at->second.push_back(static_cast<std::uint32_t>(i / 3));
+  }
+
+  static HolePatch::Corners cornersOf(const std::vector<std::uint32_t>& corners, std::size_t face) {
+    return {corners[3 * face], corners[3 * face + 1], corners[3 * face + 2]};
+  }
+
+  // Faired patches that meet other faces become plain again.
+  void takeBackCrossing(std::vector<std::uint32_t>& added, HoleFilling& filling) {
+    if (fairHoles_.empty())
+      return;
+    std::vector<char> looked;
+    std::vector<std::uint32_t> corners, hole; // the latter by face, fairHoles_.size(): none
+    const auto add = [&](const HolePatch::Corners& c, std::size_t number) {
+      if (areCollinear(mesh_.points[c[0]], mesh_.points[c[1]], mesh_.points[c[2]]))
+        return;
+      corners.insert(corners.end(), c.begin(), c.end());
+      hole.push_back(static_cast<std::uint32_t>(number));
+      looked.push_back(number < fairHoles_.size());
+    };
+    for (std::size_t face = 0; face < mesh_.triangleCount(); ++face)
+      add(cornersOf(mesh_.triangles, face), fairHoles_.size());
+    for (std::size_t i = 0, face = 0, fair = 0; i < filling.holes.size(); ++i) {
+      while (fair < fairHoles_.size() && fairHoles_[fair].number < i)
+        ++fair;
+      const bool isFair = fair < fairHoles_.size() && fairHoles_[fair].number == i;
+      for (std::size_t k = 0; k < filling.holes[i].faces; ++k, ++face)
+        add(cornersOf(added, face), isFair ? fair : fairHoles_.size());
+    }
+    std::vector<char> crosses(fairHoles_.size(), 0);
+    for (const std::uint32_t face : facesThatMeetOthers(mesh_.points, corners, looked, progress_))
+      crosses[hole[face]] = 1;
+    for (std::size_t i = fairHoles_.size(); i-- > 0;) {
+      if (crosses[i] == 0)
+        continue;
+      FilledHole& filled = filling.holes[fairHoles_[i].number];
+      std::size_t before = 0;
+      for (std::size_t k = 0; k < fairHoles_[i].number; ++k)
+        before += filling.holes[k].faces;
+      const std::vector<std::uint32_t>& plain = fairHoles_[i].plain;
+      const auto begin = added.begin() + static_cast<std::ptrdiff_t>(3 * before);
+      added.insert(added.erase(begin, begin + static_cast<std::ptrdiff_t>(3 * filled.faces)),
+                   plain.begin(), plain.end());
+      filled.faces = plain.size() / 3;
+      filled.points = 0;
+      dropsPoints_ = true;
+    }
   }
 
   void finish(FilledHole& hole, const std::vector<std::uint32_t>& added, std::size_t first,
@@ -191,6 +286,13 @@ private:
   const std::vector<BoundaryLoop> loops_;
   std::vector<Plane> planes_; ///< by loop
   std::unordered_set<std::uint64_t> taken_;
+  struct FairHole {
+    std::size_t number;               ///< of the filled hole
+    std::vector<std::uint32_t> plain; ///< its faces before
+  };
+  std::vector<FairHole> fairHoles_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> facesAt_; ///< points of loops
+  bool dropsPoints_ = false;
 };
 
 } // namespace

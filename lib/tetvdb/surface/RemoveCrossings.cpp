@@ -157,8 +157,6 @@ public:
     insert(p, entry->second);
     return entry->second;
   }
-  // On the lattice, unrounded.
-  const Vec3d& lattice(std::uint32_t point) const { return positions_.at(point); }
 
 private:
   using Cell = std::array<std::int64_t, 3>;
@@ -182,7 +180,6 @@ private:
   }
   void insert(const Vec3d& p, std::uint32_t point) {
     cells_[cellOf(p)].emplace_back(p, point);
-    positions_.try_emplace(point, p);
     byPosition_.try_emplace(mesh_.points[point], point);
   }
 
@@ -190,7 +187,6 @@ private:
   const LatticeChain& chain_;
   const bool floats_;
   std::map<Cell, std::vector<std::pair<Vec3d, std::uint32_t>>> cells_;
-  std::map<std::uint32_t, Vec3d> positions_;
   std::map<Vec3d, std::uint32_t> byPosition_; ///< in the world
 };
 
@@ -201,6 +197,9 @@ struct Region {
   std::uint32_t face; ///< of the chain
   bool inverse;
   std::set<Edge> edges;
+  /// On the lattice, unrounded: of a point of the mesh that several of the lattice became, the one
+  /// that is in this face.
+  std::map<std::uint32_t, Vec3d> at;
 };
 
 bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
@@ -220,13 +219,14 @@ public:
   bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
-      std::set<std::uint32_t> corners;
+      Region region{face, inverse, {}, {}};
       for (const FacePart& part : parts) {
         if (part.inverse != inverse)
           continue;
         Loop loop;
         for (const Vec3d& p : part.outline) {
           const std::uint32_t v = points_.at(p);
+          region.at.try_emplace(v, p);
           if (loop.empty() || (loop.back() != v && loop.front() != v))
             loop.push_back(v);
         }
@@ -234,14 +234,12 @@ public:
           continue;
         if (inverse)
           std::reverse(loop.begin(), loop.end());
-        corners.insert(loop.begin(), loop.end());
         outlines.push_back(std::move(loop));
       }
-      if (corners.size() > kMostPartCorners)
+      if (region.at.size() > kMostPartCorners)
         return false;
-      Region region{face, inverse, {}};
       for (const Loop& loop : outlines)
-        addOutline(loop, corners, region.edges);
+        addOutline(loop, region);
       if (!region.edges.empty())
         regions_.push_back(std::move(region));
     }
@@ -255,14 +253,17 @@ public:
       for (const Edge& edge : regions_[i].edges)
         if (auto& at = regionsAt[edge.first]; at.empty() || at.back() != i)
           at.push_back(i);
+    std::map<Edge, std::set<std::uint32_t>> dropped; // corners that an edge runs past, low first
     for (const auto& [v, at] : regionsAt) {
       if (faceCorners.count(v) > 0)
         continue;
+      std::vector<std::set<std::uint32_t>> passed; // by region
       std::vector<Edge> spans; // from the corner before to the one after, by region
       for (const std::size_t i : at) {
         Edge span{kNone, kNone};
         std::size_t out = 0, in = 0;
-        const std::set<Edge>& edges = regions_[i].edges;
+        const Region& region = regions_[i];
+        const std::set<Edge>& edges = region.edges;
         for (auto e = edges.lower_bound({v, 0}); e != edges.end() && e->first == v; ++e, ++out)
           span.second = e->second;
         for (const Edge& edge : edges)
@@ -270,11 +271,13 @@ public:
             span.first = edge.first;
             ++in;
           }
-        double along;
+        passed.push_back({v});
+        for (const std::uint32_t other : {span.first, span.second})
+          if (const auto past = dropped.find({std::min(v, other), std::max(v, other)});
+              past != dropped.end())
+            passed.back().insert(past->second.begin(), past->second.end());
         if (in != 1 || out != 1 || edges.count({span.first, span.second}) > 0 ||
-            span.first == span.second ||
-            !isBetween(points_.lattice(span.first), points_.lattice(span.second),
-                       points_.lattice(v), along)) {
+            span.first == span.second || !runsPast(region, span, passed.back())) {
           spans.clear();
           break;
         }
@@ -285,25 +288,30 @@ public:
         edges.erase({spans[k].first, v});
         edges.erase({v, spans[k].second});
         edges.insert(spans[k]);
+        dropped[{std::min(spans[k].first, spans[k].second),
+                 std::max(spans[k].first, spans[k].second)}]
+            .insert(passed[k].begin(), passed[k].end());
       }
     }
   }
 
   // Splits edges at corners of other regions that lie on them.
   void addCornersOfOthers() {
-    std::set<std::uint32_t> all;
+    std::set<std::pair<std::uint32_t, Vec3d>> all;
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
-        all.insert(edge.first);
-    const std::vector<std::uint32_t> corners(all.begin(), all.end());
+        all.insert({edge.first, region.at.at(edge.first)});
+    const std::vector<std::pair<std::uint32_t, Vec3d>> corners(all.begin(), all.end());
     std::vector<Box> boxes;
-    for (const std::uint32_t v : corners)
-      boxes.push_back(Box{points_.lattice(v), points_.lattice(v)});
+    for (const auto& [v, p] : corners)
+      boxes.push_back(Box{p, p});
     const BoxTree tree(boxes);
     for (Region& region : regions_) {
       const std::set<Edge> edges = region.edges;
       for (const Edge& edge : edges) {
-        const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
+        if (region.edges.count(edge) == 0)
+          continue; // one that was split ran against it
+        const Vec3d a = region.at.at(edge.first), b = region.at.at(edge.second);
         Box box;
         box.add(a);
         box.add(b);
@@ -311,25 +319,19 @@ public:
           box.low[axis] -= kStraight;
           box.high[axis] += kStraight;
         }
-        std::vector<std::pair<double, std::uint32_t>> between;
+        std::map<std::uint32_t, double> between;
         tree.visit([&](const Box& other) { return other.meets(box); },
                    [&](std::uint32_t item) {
+                     const auto& [v, p] = corners[item];
                      double along;
-                     if (isBetween(a, b, points_.lattice(corners[item]), along))
-                       between.emplace_back(along, corners[item]);
+                     if (v != edge.first && v != edge.second && isBetween(a, b, p, along)) {
+                       between.try_emplace(v, along);
+                       region.at.try_emplace(v, p);
+                     }
                      return false;
                    });
-        if (between.empty())
-          continue;
-        std::sort(between.begin(), between.end());
-        region.edges.erase(edge);
-        std::uint32_t from = edge.first;
-        between.emplace_back(0, edge.second);
-        for (const auto& [along, to] : between) {
-          if (region.edges.erase({to, from}) == 0)
-            region.edges.insert({from, to});
-          from = to;
-        }
+        if (!between.empty())
+          replaceEdge(edge, between, region.edges);
       }
     }
   }
@@ -341,121 +343,57 @@ public:
       const std::array<Vec3d, 3> c = chain.welded.cornersOf(region.face);
       const Vec3d normal =
           times(cross(minus(c[1], c[0]), minus(c[2], c[0])), region.inverse ? -1.0 : 1.0);
-      for (const Edge& edge : region.edges)
-        lattice[edge.first] = points_.lattice(edge.first);
-      const std::vector<Loop> loops = loopsOf(region.edges);
-      for (const std::vector<Loop>& polygon : polygonsOf(loops, lattice, normal)) {
-        const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
-        if (!triangulatePolygon(mesh_.points, polygon, normal, none, corners) &&
-            !triangulatePolygon(lattice, polygon, normal, none, corners))
-          return false;
-      }
+      for (const auto& [v, p] : region.at)
+        lattice[v] = p;
+      const std::vector<PolygonEdge> edges(region.edges.begin(), region.edges.end());
+      const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
+      if (!triangulateEdges(mesh_.points, edges, normal, none, corners) &&
+          !triangulateEdges(lattice, edges, normal, none, corners))
+        return false;
     }
     return true;
   }
 
 private:
-  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners,
-                  std::set<Edge>& edges) const {
+  static bool runsPast(const Region& region, const Edge& edge,
+                       const std::set<std::uint32_t>& corners) {
+    return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
+      double along;
+      const auto p = region.at.find(v);
+      return p == region.at.end() ||
+             isBetween(region.at.at(edge.first), region.at.at(edge.second), p->second, along);
+    });
+  }
+
+  // An edge that runs along corners, which are that far from its first point.
+  static void replaceEdge(const Edge& edge, const std::map<std::uint32_t, double>& between,
+                          std::set<Edge>& edges) {
+    std::vector<std::pair<double, std::uint32_t>> ordered;
+    for (const auto& [v, along] : between)
+      ordered.emplace_back(along, v);
+    std::sort(ordered.begin(), ordered.end());
+    ordered.emplace_back(0, edge.second);
+    edges.erase(edge);
+    std::uint32_t from = edge.first;
+    for (const auto& [along, to] : ordered) {
+      if (edges.erase({to, from}) == 0)
+        edges.insert({from, to});
+      from = to;
+    }
+  }
+
+  static void addOutline(const Loop& loop, Region& region) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t a = loop[i], b = loop[(i + 1) % loop.size()];
-      std::vector<std::pair<double, std::uint32_t>> between;
-      for (const std::uint32_t v : corners) {
+      const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
+      const Vec3d &a = region.at.at(edge.first), &b = region.at.at(edge.second);
+      std::map<std::uint32_t, double> between;
+      for (const auto& [v, p] : region.at) {
         double along;
-        if (v != a && v != b &&
-            isBetween(points_.lattice(a), points_.lattice(b), points_.lattice(v), along))
-          between.emplace_back(along, v);
+        if (v != edge.first && v != edge.second && isBetween(a, b, p, along))
+          between.emplace(v, along);
       }
-      std::sort(between.begin(), between.end());
-      std::uint32_t from = a;
-      between.emplace_back(0, b);
-      for (const auto& [along, to] : between) {
-        if (edges.erase({to, from}) == 0)
-          edges.insert({from, to});
-        from = to;
-      }
+      replaceEdge(edge, between, region.edges);
     }
-  }
-
-  // Simple loops of edges that close.
-  static std::vector<Loop> loopsOf(std::set<Edge> edges) {
-    std::vector<Loop> loops;
-    while (!edges.empty()) {
-      Loop way{edges.begin()->first};
-      std::map<std::uint32_t, std::size_t> placeOf{{way.front(), 0}};
-      while (true) {
-        const auto next = edges.lower_bound({way.back(), 0});
-        if (next == edges.end() || next->first != way.back())
-          break;
-        const std::uint32_t to = next->second;
-        edges.erase(next);
-        const auto seen = placeOf.find(to);
-        if (seen == placeOf.end()) {
-          placeOf[to] = way.size();
-          way.push_back(to);
-          continue;
-        }
-        const auto first = way.begin() + static_cast<std::ptrdiff_t>(seen->second);
-        Loop loop(first, way.end());
-        for (auto v = first + 1; v != way.end(); ++v)
-          placeOf.erase(*v);
-        way.erase(first + 1, way.end());
-        if (loop.size() > 2)
-          loops.push_back(std::move(loop));
-      }
-    }
-    return loops;
-  }
-
-  // Outlines, each with the holes in it.
-  static std::vector<std::vector<Loop>> polygonsOf(const std::vector<Loop>& loops,
-                                                   const std::vector<Vec3d>& points,
-                                                   const Vec3d& normal) {
-    const Vec3d unit = times(normal, 1 / length(normal));
-    std::vector<double> areas;
-    for (const Loop& loop : loops) {
-      Vec3d sum{0, 0, 0};
-      for (std::size_t i = 0; i < loop.size(); ++i)
-        sum = plus(sum, cross(minus(points[loop[i]], points[loop[0]]),
-                              minus(points[loop[(i + 1) % loop.size()]], points[loop[0]])));
-      areas.push_back(dot(sum, unit));
-    }
-    const auto turnsAround = [&](const Loop& loop, const Vec3d& p) {
-      double turn = 0;
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const Vec3d a = minus(points[loop[i]], p),
-                    b = minus(points[loop[(i + 1) % loop.size()]], p);
-        turn += std::atan2(dot(cross(a, b), unit), dot(a, b));
-      }
-      return turn > 3;
-    };
-    std::vector<std::vector<Loop>> polygons;
-    std::vector<std::size_t> outlineOf;
-    for (std::size_t i = 0; i < loops.size(); ++i)
-      if (areas[i] > 0) {
-        polygons.push_back({loops[i]});
-        outlineOf.push_back(i);
-      }
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-      if (!(areas[i] < 0))
-        continue;
-      std::size_t best = polygons.size();
-      for (std::size_t k = 0; k < polygons.size(); ++k) {
-        const Loop& outline = loops[outlineOf[k]];
-        if (areas[outlineOf[k]] <= -areas[i] ||
-            (best < polygons.size() && areas[outlineOf[best]] <= areas[outlineOf[k]]))
-          continue;
-        // By a corner that is not the outline's as well.
-        const auto own = std::find_if(loops[i].begin(), loops[i].end(), [&](std::uint32_t v) {
-          return std::find(outline.begin(), outline.end(), v) == outline.end();
-        });
-        if (own == loops[i].end() || turnsAround(outline, points[*own]))
-          best = k;
-      }
-      if (best < polygons.size())
-        polygons[best].push_back(loops[i]);
-    }
-    return polygons;
   }
 
   const TriangleMesh& mesh_;

@@ -7,14 +7,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <map>
-#include <tuple>
+#include <set>
+#include <unordered_map>
 #include <utility>
 
 namespace tetvdb {
 namespace {
-
-using Loop = std::vector<std::uint32_t>;
 
 // The points as seen along the normal's largest axis, so that coordinates stay as they are.
 class FlatPoints {
@@ -33,18 +33,8 @@ public:
   int turn(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     return orientation(at(a), at(b), at(c));
   }
-  bool contains(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t x) const {
-    return turn(a, b, x) >= 0 && turn(b, c, x) >= 0 && turn(c, a, x) >= 0;
-  }
   bool properlyCross(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) const {
     return turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0;
-  }
-  // Of the segment from a to b, without its ends.
-  bool isWithin(std::uint32_t a, std::uint32_t b, std::uint32_t x) const {
-    if (turn(a, b, x) != 0)
-      return false;
-    const Vec2d u = at(a), v = at(b), w = at(x);
-    return (w[0] - u[0]) * (w[0] - v[0]) + (w[1] - u[1]) * (w[1] - v[1]) < 0;
   }
   double squaredDistance(std::uint32_t a, std::uint32_t b) const {
     const Vec2d u = at(a), v = at(b);
@@ -64,141 +54,202 @@ private:
   std::size_t p_ = 0, q_ = 1;
 };
 
-// The outline with every hole joined to it by an edge that is run along both ways; empty where
-// there is no such edge.
-Loop withBridges(const FlatPoints& flat, const std::vector<Loop>& loops) {
-  Loop outline = loops.front();
-  std::vector<const Loop*> holes;
-  for (std::size_t i = 1; i < loops.size(); ++i)
-    holes.push_back(&loops[i]);
-  const auto crosses = [&](const Loop& loop, std::uint32_t a, std::uint32_t b) {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::uint32_t c = loop[i], d = loop[(i + 1) % loop.size()];
-      if (flat.properlyCross(a, b, c, d) || flat.isWithin(a, b, c))
-        return true;
-    }
-    return false;
-  };
-  // Whether the way from place i of the outline to x leads into the polygon.
-  const auto entersAt = [&](std::size_t i, std::uint32_t x) {
-    const std::size_t n = outline.size();
-    const std::uint32_t before = outline[(i + n - 1) % n], at = outline[i],
-                        after = outline[(i + 1) % n];
-    const bool left = flat.turn(before, at, x) > 0, right = flat.turn(at, after, x) > 0;
-    return flat.turn(before, at, after) > 0 ? left && right : left || right;
-  };
-  while (!holes.empty()) {
-    using Pair = std::tuple<double, std::size_t, std::size_t, std::size_t>;
-    std::vector<Pair> pairs;
-    for (std::size_t i = 0; i < outline.size(); ++i)
-      for (std::size_t h = 0; h < holes.size(); ++h)
-        for (std::size_t j = 0; j < holes[h]->size(); ++j)
-          pairs.emplace_back(flat.squaredDistance(outline[i], (*holes[h])[j]), i, h, j);
-    std::sort(pairs.begin(), pairs.end());
-    bool found = false;
-    for (const auto& [distance, i, h, j] : pairs) {
-      const Loop& hole = *holes[h];
-      const std::uint32_t from = outline[i], to = hole[j];
-      if (!entersAt(i, to) || crosses(outline, from, to) ||
-          std::any_of(holes.begin(), holes.end(),
-                      [&](const Loop* other) { return crosses(*other, from, to); }))
-        continue;
-      Loop detour(hole.begin() + static_cast<std::ptrdiff_t>(j), hole.end());
-      detour.insert(detour.end(), hole.begin(), hole.begin() + static_cast<std::ptrdiff_t>(j) + 1);
-      detour.push_back(from);
-      outline.insert(outline.begin() + static_cast<std::ptrdiff_t>(i) + 1, detour.begin(),
-                     detour.end());
-      holes.erase(holes.begin() + static_cast<std::ptrdiff_t>(h));
-      found = true;
-      break;
-    }
-    if (!found)
-      return {};
-  }
-  return outline;
-}
-
-class EarClipping {
+// Triangles over the convex hull of points, that have certain edges.
+class ConstrainedTriangles {
 public:
-  EarClipping(const FlatPoints& flat, Loop outline, const EdgeTaken& isTaken)
-      : flat_(flat), left_(std::move(outline)), isTaken_(isTaken) {}
+  explicit ConstrainedTriangles(const FlatPoints& flat) : flat_(flat) {}
 
-  bool run(std::vector<std::uint32_t>& corners) {
-    shapes_.assign(left_.size(), kUnknown);
-    while (left_.size() > 3) {
-      std::size_t best = bestEar();
-      if (best == left_.size()) { // what stood in an ear may have been clipped
-        std::fill(shapes_.begin(), shapes_.end(), kUnknown);
-        best = bestEar();
-      }
-      if (best == left_.size()) {
-        if (takenAllowed_)
-          return false;
-        takenAllowed_ = true;
-        std::fill(shapes_.begin(), shapes_.end(), kUnknown);
-        continue;
-      }
-      add(corners, best);
-      const auto at = static_cast<std::ptrdiff_t>(best);
-      left_.erase(left_.begin() + at);
-      shapes_.erase(shapes_.begin() + at);
-      shapes_[best % left_.size()] = shapes_[(best + left_.size() - 1) % left_.size()] = kUnknown;
-    }
-    if (flat_.turn(left_[0], left_[1], left_[2]) <= 0)
+  // All points, in the order of their positions: each is joined to the edges of the hull that it
+  // sees. False where all are collinear, or two are equal.
+  bool build(std::vector<std::uint32_t> points) {
+    std::sort(points.begin(), points.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::make_pair(flat_.at(a), a) < std::make_pair(flat_.at(b), b);
+    });
+    for (std::size_t i = 0; i + 1 < points.size(); ++i)
+      if (flat_.at(points[i]) == flat_.at(points[i + 1]))
+        return false;
+    std::size_t apex = 2;
+    while (apex < points.size() && flat_.turn(points[0], points[1], points[apex]) == 0)
+      ++apex;
+    if (apex >= points.size())
       return false;
-    add(corners, 1);
+    std::map<std::uint32_t, std::uint32_t> next, previous; // around the hull
+    const auto link = [&](std::uint32_t a, std::uint32_t b) {
+      next[a] = b;
+      previous[b] = a;
+    };
+    const bool left = flat_.turn(points[0], points[1], points[apex]) > 0;
+    for (std::size_t i = 0; i + 1 < apex; ++i) {
+      const std::uint32_t a = points[left ? i : i + 1], b = points[left ? i + 1 : i];
+      add(a, b, points[apex]);
+      link(a, b);
+    }
+    link(points[left ? apex - 1 : 0], points[apex]);
+    link(points[apex], points[left ? 0 : apex - 1]);
+    for (std::size_t i = apex + 1; i < points.size(); ++i) {
+      const std::uint32_t p = points[i];
+      std::uint32_t first = points[i - 1], last = first; // the hull's part that p sees
+      while (flat_.turn(last, next[last], p) < 0) {
+        add(next[last], last, p);
+        last = next[last];
+      }
+      while (flat_.turn(previous[first], first, p) < 0) {
+        add(first, previous[first], p);
+        first = previous[first];
+      }
+      link(first, p);
+      link(p, last);
+    }
+    return true;
+  }
+
+  // Makes a and b neighbours by flips of what lies in between. False where that is a point or a
+  // constrained edge.
+  bool constrain(std::uint32_t a, std::uint32_t b) {
+    if (!has(a, b) && !has(b, a) && !openWay(a, b))
+      return false;
+    constrained_.insert({std::min(a, b), std::max(a, b)});
+    return true;
+  }
+
+  // Those to the left of directed constrained edges, as far as no constrained edge is between.
+  // False where a triangle is also to the right of one, or none is there.
+  bool collect(const std::set<PolygonEdge>& boundary, std::vector<std::uint32_t>& corners) const {
+    std::vector<char> isInside(corners_.size() / 3, 0);
+    std::vector<std::size_t> open;
+    const auto enter = [&](std::size_t triangle) {
+      if (isInside[triangle] == 0) {
+        isInside[triangle] = 1;
+        open.push_back(triangle);
+      }
+    };
+    for (const auto& [a, b] : boundary) {
+      const auto side = sides_.find(key(a, b));
+      if (side == sides_.end())
+        return false;
+      enter(side->second / 3);
+    }
+    while (!open.empty()) {
+      const std::size_t triangle = open.back();
+      open.pop_back();
+      for (std::size_t side = 3 * triangle; side < 3 * triangle + 3; ++side) {
+        const std::uint32_t a = corners_[side], b = corners_[nextOf(side)];
+        if (constrained_.count({std::min(a, b), std::max(a, b)}) > 0) {
+          if (boundary.count({a, b}) == 0)
+            return false;
+          continue;
+        }
+        const auto back = sides_.find(key(b, a));
+        if (back == sides_.end())
+          return false;
+        enter(back->second / 3);
+      }
+    }
+    for (std::size_t i = 0; i < corners_.size(); ++i)
+      if (isInside[i / 3] != 0)
+        corners.push_back(corners_[i]);
     return true;
   }
 
 private:
-  static constexpr double kUnknown = -1; // 0: no ear
-
-  std::uint32_t at(std::size_t i) const { return left_[i % left_.size()]; }
-  void add(std::vector<std::uint32_t>& corners, std::size_t i) const {
-    for (const std::size_t k : {i + left_.size() - 1, i, i + 1})
-      corners.push_back(at(k));
+  static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t(a) << 32 | b; }
+  static std::size_t nextOf(std::size_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
+  bool has(std::uint32_t a, std::uint32_t b) const { return sides_.count(key(a, b)) > 0; }
+  // Of the triangle to the left of the way from a to b.
+  std::uint32_t apexOf(std::uint32_t a, std::uint32_t b) const {
+    return corners_[nextOf(nextOf(sides_.at(key(a, b))))];
   }
 
-  std::size_t bestEar() {
-    std::size_t best = left_.size();
-    for (std::size_t i = 0; i < left_.size(); ++i) {
-      if (shapes_[i] == kUnknown)
-        shapes_[i] = earShape(i);
-      if (shapes_[i] > 0 && (best == left_.size() || shapes_[i] > shapes_[best]))
-        best = i;
+  void put(std::size_t triangle, const std::array<std::uint32_t, 3>& corners) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners_[3 * triangle + k] = corners[k];
+      sides_[key(corners[k], corners[(k + 1) % 3])] = 3 * triangle + k;
+      sideAt_[corners[k]] = 3 * triangle + k;
     }
-    return best;
+  }
+  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    corners_.resize(corners_.size() + 3);
+    put(corners_.size() / 3 - 1, {a, b, c});
   }
 
-  double earShape(std::size_t i) const {
-    const std::size_t n = left_.size();
-    const std::uint32_t a = at(i + n - 1), b = at(i), c = at(i + 1);
-    if (a == c || flat_.turn(a, b, c) <= 0 || (!takenAllowed_ && isTaken_(a, c)))
-      return 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::uint32_t x = left_[k], y = at(k + 1);
-      if (x != a && x != b && x != c && flat_.contains(a, b, c, x))
-        return 0;
-      if (flat_.properlyCross(a, c, x, y))
-        return 0;
+  // The side opposite to a that the way to b leaves through, from right to left; false where the
+  // way runs along an edge.
+  bool firstCrossed(std::uint32_t a, std::uint32_t b, PolygonEdge& crossed) const {
+    const std::size_t first = sideAt_.at(a);
+    for (const bool forward : {true, false}) {
+      std::size_t side = first; // from a
+      while (true) {
+        const std::uint32_t x = corners_[nextOf(side)], y = corners_[nextOf(nextOf(side))];
+        if (flat_.turn(a, b, x) < 0 && flat_.turn(a, b, y) > 0 && flat_.turn(x, y, b) <= 0) {
+          crossed = {x, y};
+          return true;
+        }
+        const auto across = sides_.find(forward ? key(a, y) : key(x, a));
+        if (across == sides_.end())
+          break;
+        side = forward ? across->second : nextOf(across->second);
+        if (side == first)
+          return false;
+      }
     }
-    return std::max(flat_.shape(a, b, c), 1e-300);
+    return false;
+  }
+
+  bool openWay(std::uint32_t a, std::uint32_t b) {
+    std::deque<PolygonEdge> crossed;
+    PolygonEdge edge;
+    if (!firstCrossed(a, b, edge))
+      return false;
+    while (true) {
+      const auto [x, y] = edge; // x to the right, y to the left
+      if (constrained_.count({std::min(x, y), std::max(x, y)}) > 0 || !has(y, x))
+        return false;
+      crossed.push_back(edge);
+      const std::uint32_t ahead = apexOf(y, x);
+      if (ahead == b)
+        break;
+      const int turn = flat_.turn(a, b, ahead);
+      if (turn == 0)
+        return false;
+      edge = turn > 0 ? PolygonEdge{x, ahead} : PolygonEdge{ahead, y};
+    }
+    // Each flip of a convex pair that does not cross the way any more is final (Sloan 1993).
+    std::size_t left = 64 + 16 * crossed.size() * crossed.size();
+    while (!crossed.empty()) {
+      if (left-- == 0)
+        return false;
+      const auto [x, y] = crossed.front();
+      crossed.pop_front();
+      const std::size_t f = sides_.at(key(x, y)) / 3, g = sides_.at(key(y, x)) / 3;
+      const std::uint32_t c = apexOf(x, y), d = apexOf(y, x);
+      if (!flat_.properlyCross(x, y, c, d)) {
+        crossed.emplace_back(x, y);
+        continue;
+      }
+      sides_.erase(key(x, y));
+      sides_.erase(key(y, x));
+      put(f, {x, d, c});
+      put(g, {d, y, c});
+      if (flat_.properlyCross(a, b, c, d))
+        crossed.emplace_back(c, d);
+    }
+    return has(a, b) || has(b, a);
   }
 
   const FlatPoints& flat_;
-  Loop left_;
-  const EdgeTaken& isTaken_;
-  std::vector<double> shapes_; ///< by place: of the ear there
-  bool takenAllowed_ = false;
+  std::vector<std::uint32_t> corners_;
+  std::unordered_map<std::uint64_t, std::size_t> sides_;  ///< by the points that one runs between
+  std::unordered_map<std::uint32_t, std::size_t> sideAt_; ///< by point: one that runs from it
+  std::set<PolygonEdge> constrained_;                     ///< low point first
 };
 
-// Flips inner edges while that makes the worse of the two triangles better.
+// Flips inner edges while that removes one that is taken, or makes the worse of the two triangles
+// better.
 void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
                std::vector<std::uint32_t>& corners) {
-  using Edge = std::pair<std::uint32_t, std::uint32_t>;
-  constexpr int kMostRounds = 16;
+  constexpr int kMostRounds = 64;
   for (int round = 0; round < kMostRounds; ++round) {
-    std::map<Edge, std::size_t> sides; // directed; two where a bridge's edge is run along twice
+    std::map<PolygonEdge, std::size_t> sides; // directed
     for (std::size_t s = 0; s < corners.size(); ++s)
       sides[{corners[s], corners[s % 3 == 2 ? s - 2 : s + 1]}] = s;
     std::vector<char> touched(corners.size() / 3, 0);
@@ -216,7 +267,7 @@ void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
         continue;
       const double now = std::min(flat.shape(a, b, c), flat.shape(b, a, d));
       const double then = std::min(flat.shape(a, d, c), flat.shape(d, b, c));
-      if (!(then > now * (1 + 1e-9)))
+      if (!(then > now * (1 + 1e-9)) && !isTaken(a, b))
         continue;
       const std::array<std::uint32_t, 3> first{a, d, c}, second{d, b, c};
       std::copy(first.begin(), first.end(), &corners[3 * f]);
@@ -231,19 +282,40 @@ void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
 
 } // namespace
 
-bool triangulatePolygon(const std::vector<Vec3d>& points,
-                        const std::vector<std::vector<std::uint32_t>>& loops, const Vec3d& normal,
-                        const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners) {
+bool triangulateEdges(const std::vector<Vec3d>& points, const std::vector<PolygonEdge>& edges,
+                      const Vec3d& normal, const EdgeTaken& isTaken,
+                      std::vector<std::uint32_t>& corners) {
   const FlatPoints flat(points, normal);
-  Loop outline = withBridges(flat, loops);
-  if (outline.size() < 3)
+  const std::set<PolygonEdge> boundary(edges.begin(), edges.end());
+  std::vector<std::uint32_t> used;
+  for (const PolygonEdge& edge : edges) {
+    used.push_back(edge.first);
+    used.push_back(edge.second);
+  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  ConstrainedTriangles triangles(flat);
+  if (boundary.size() != edges.size() || used.size() < 3 || !triangles.build(std::move(used)))
     return false;
+  for (const auto& [a, b] : boundary)
+    if (!triangles.constrain(a, b))
+      return false;
   std::vector<std::uint32_t> made;
-  if (!EarClipping(flat, std::move(outline), isTaken).run(made))
+  if (!triangles.collect(boundary, made))
     return false;
   flipEdges(flat, isTaken, made);
   corners.insert(corners.end(), made.begin(), made.end());
   return true;
+}
+
+bool triangulatePolygon(const std::vector<Vec3d>& points,
+                        const std::vector<std::vector<std::uint32_t>>& loops, const Vec3d& normal,
+                        const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners) {
+  std::vector<PolygonEdge> edges;
+  for (const std::vector<std::uint32_t>& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+  return triangulateEdges(points, edges, normal, isTaken, corners);
 }
 
 } // namespace tetvdb

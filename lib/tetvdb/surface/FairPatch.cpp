@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/FairPatch.h"
+
+#include "tetvdb/geometry/VectorMath.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+using Corners = HolePatch::Corners;
+
+constexpr int kMostRounds = 24; // of splitting
+constexpr int kMostFlips = 12;  // rounds of flipping after each
+constexpr int kFairings = 3;    // with cotangents of the surface before
+constexpr double kLeastCot = 0.02, kMostCot = 50;
+constexpr double kSolved = 1e-9; // of the first residual
+
+double cotangent(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
+  const Vec3d u = minus(a, apex), v = minus(b, apex);
+  const double size = length(cross(u, v));
+  return size > 0 ? dot(u, v) / size : (dot(u, v) > 0 ? kMostCot : -kMostCot);
+}
+
+// --- Finer.
+
+class Refinement {
+public:
+  Refinement(std::vector<Vec3d>& points, const HolePatch& patch, const EdgeTaken& isTaken)
+      : points_(points), faces_(patch.faces), isTaken_(isTaken), loopEnd_(points.size()) {
+    std::map<std::uint32_t, std::pair<double, int>> edges;
+    std::set<std::uint32_t> loop;
+    for (const Corners& c : patch.faces)
+      loop.insert(c.begin(), c.end());
+    for (const Corners& c : patch.around)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double size = length(minus(points[c[k]], points[c[(k + 1) % 3]]));
+        for (const std::uint32_t v : {c[k], c[(k + 1) % 3]})
+          if (loop.count(v) > 0) {
+            edges[v].first += size;
+            ++edges[v].second;
+          }
+      }
+    for (const std::uint32_t v : loop)
+      scale_[v] = edges[v].second > 0 ? edges[v].first / edges[v].second : 0;
+  }
+
+  // False where there would be too many points.
+  bool run(Progress& progress) {
+    for (int round = 0; round < kMostRounds; ++round) {
+      progress.check();
+      const std::size_t before = faces_.size();
+      for (std::size_t face = 0; face < before; ++face)
+        split(face);
+      if (points_.size() - loopEnd_ > kMostFairPoints)
+        return false;
+      flip();
+      if (faces_.size() == before)
+        return true;
+    }
+    return true;
+  }
+
+  const std::vector<Corners>& faces() const { return faces_; }
+
+  void flip() {
+    for (int round = 0; round < kMostFlips; ++round)
+      if (!flipOnce())
+        return;
+  }
+
+private:
+  void split(std::size_t face) {
+    const Corners c = faces_[face];
+    Vec3d middle{0, 0, 0};
+    double scale = 0;
+    for (const std::uint32_t v : c) {
+      middle = plus(middle, times(points_[v], 1.0 / 3));
+      scale += scale_[v] / 3;
+    }
+    for (const std::uint32_t v : c) {
+      const double away = std::sqrt(2.0) * length(minus(middle, points_[v]));
+      if (!(away > scale) || !(away > scale_[v]))
+        return;
+    }
+    const auto added = static_cast<std::uint32_t>(points_.size());
+    points_.push_back(middle);
+    scale_[added] = scale;
+    faces_[face] = {c[0], c[1], added};
+    faces_.push_back({c[1], c[2], added});
+    faces_.push_back({c[2], c[0], added});
+  }
+
+  Vec3d normal(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    return cross(minus(points_[b], points_[a]), minus(points_[c], points_[a]));
+  }
+
+  bool flipOnce() {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> sides; // 3 face + k
+    for (std::size_t s = 0; s < 3 * faces_.size(); ++s)
+      sides[{faces_[s / 3][s % 3], faces_[s / 3][(s + 1) % 3]}] = s;
+    std::vector<char> touched(faces_.size(), 0);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> made;
+    bool flipped = false;
+    for (const auto& [edge, s] : sides) {
+      const auto [a, b] = edge;
+      const auto back = sides.find({b, a});
+      if (a > b || back == sides.end())
+        continue;
+      const std::size_t f = s / 3, g = back->second / 3;
+      if (touched[f] != 0 || touched[g] != 0)
+        continue;
+      const std::uint32_t c = faces_[f][(s + 2) % 3], d = faces_[g][(back->second + 2) % 3];
+      if (c == d || sides.count({c, d}) + sides.count({d, c}) > 0 ||
+          made.count({std::min(c, d), std::max(c, d)}) > 0 ||
+          (c < loopEnd_ && d < loopEnd_ && isTaken_(c, d)))
+        continue;
+      const double now = cotangent(points_[c], points_[a], points_[b]) +
+                         cotangent(points_[d], points_[a], points_[b]);
+      if (!(now < -1e-6))
+        continue;
+      // Neither new face looks away from both old ones.
+      const Vec3d before = plus(normal(a, b, c), normal(b, a, d));
+      if (!(dot(normal(a, d, c), before) > 0) || !(dot(normal(d, b, c), before) > 0))
+        continue;
+      faces_[f] = {a, d, c};
+      faces_[g] = {d, b, c};
+      made.insert({std::min(c, d), std::max(c, d)});
+      touched[f] = touched[g] = 1;
+      flipped = true;
+    }
+    return flipped;
+  }
+
+  std::vector<Vec3d>& points_;
+  std::vector<Corners> faces_;
+  const EdgeTaken& isTaken_;
+  const std::size_t loopEnd_;             ///< points from there on are new
+  std::map<std::uint32_t, double> scale_; ///< mean length of the mesh's edges at a point
+};
+
+// --- Smoother.
+
+// The squared Laplacian of the patch's points, as a function of those that are new.
+class Fairing {
+public:
+  Fairing(std::vector<Vec3d>& points, std::size_t firstNew, const std::vector<Corners>& faces,
+          const std::vector<Corners>& around)
+      : points_(points), firstNew_(firstNew) {
+    std::set<std::uint32_t> loop;
+    for (const Corners& c : faces)
+      for (const std::uint32_t v : c)
+        if (v < firstNew)
+          loop.insert(v);
+    std::map<std::uint32_t, std::size_t> row;
+    for (const std::uint32_t v : loop)
+      row.emplace(v, row.size());
+    for (std::size_t v = firstNew; v < points.size(); ++v)
+      row.emplace(static_cast<std::uint32_t>(v), row.size());
+    std::vector<std::map<std::uint32_t, double>> weights(row.size());
+    std::vector<double> areas(row.size(), 0);
+    for (const std::vector<Corners>* part : {&faces, &around})
+      for (const Corners& c : *part) {
+        const double area =
+            length(cross(minus(points[c[1]], points[c[0]]), minus(points[c[2]], points[c[0]]))) / 6;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
+          const double weight =
+              std::clamp(cotangent(points[c[k]], points[a], points[b]), kLeastCot, kMostCot);
+          if (const auto at = row.find(a); at != row.end())
+            weights[at->second][b] += weight;
+          if (const auto at = row.find(b); at != row.end())
+            weights[at->second][a] += weight;
+          if (const auto at = row.find(c[k]); at != row.end())
+            areas[at->second] += area;
+        }
+      }
+    for (const auto& [v, i] : row) {
+      Row made{v, areas[i] > 0 ? 1 / areas[i] : 0, {}};
+      made.others.assign(weights[i].begin(), weights[i].end());
+      rows_.push_back(std::move(made));
+    }
+  }
+
+  // Conjugate gradients with the diagonal as preconditioner.
+  void solve(Progress& progress) {
+    const std::size_t count = points_.size() - firstNew_;
+    Vectors position(points_.begin() + static_cast<std::ptrdiff_t>(firstNew_), points_.end());
+    Vectors residual = gradient(points_);
+    for (Vec3d& r : residual)
+      r = times(r, -1);
+    const std::vector<double> diagonal = diagonalOf(count);
+    const auto scaled = [&](const Vectors& of) {
+      Vectors result(of);
+      for (std::size_t i = 0; i < count; ++i)
+        result[i] = times(of[i], 1 / diagonal[i]);
+      return result;
+    };
+    Vectors z = scaled(residual), way = z, step(points_.size(), Vec3d{0, 0, 0});
+    double rz = product(residual, z);
+    const double enough = kSolved * kSolved * rz;
+    for (std::size_t i = 0; i < 20 * count + 100 && rz > enough; ++i) {
+      if (i % 64 == 0)
+        progress.check();
+      std::copy(way.begin(), way.end(), step.begin() + static_cast<std::ptrdiff_t>(firstNew_));
+      const Vectors image = gradient(step);
+      const double bend = product(way, image);
+      if (!(bend > 0))
+        break;
+      const double share = rz / bend;
+      for (std::size_t k = 0; k < count; ++k) {
+        position[k] = plus(position[k], times(way[k], share));
+        residual[k] = minus(residual[k], times(image[k], share));
+      }
+      z = scaled(residual);
+      const double next = product(residual, z);
+      for (std::size_t k = 0; k < count; ++k)
+        way[k] = plus(z[k], times(way[k], next / rz));
+      rz = next;
+    }
+    std::copy(position.begin(), position.end(),
+              points_.begin() + static_cast<std::ptrdiff_t>(firstNew_));
+  }
+
+private:
+  using Vectors = std::vector<Vec3d>;
+  struct Row {
+    std::uint32_t point;
+    double weight; ///< of the square: one over the area
+    std::vector<std::pair<std::uint32_t, double>> others;
+  };
+
+  static double product(const Vectors& a, const Vectors& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      sum += dot(a[i], b[i]);
+    return sum;
+  }
+
+  // Half the gradient with respect to the new points, at `at`: linear in it.
+  Vectors gradient(const Vectors& at) const {
+    Vectors result(points_.size() - firstNew_, Vec3d{0, 0, 0});
+    const auto add = [&](std::uint32_t point, const Vec3d& d) {
+      if (point >= firstNew_)
+        result[point - firstNew_] = plus(result[point - firstNew_], d);
+    };
+    for (const Row& row : rows_) {
+      Vec3d laplacian{0, 0, 0};
+      double sum = 0;
+      for (const auto& [other, weight] : row.others) {
+        laplacian = plus(laplacian, times(minus(at[other], at[row.point]), weight));
+        sum += weight;
+      }
+      laplacian = times(laplacian, row.weight);
+      for (const auto& [other, weight] : row.others)
+        add(other, times(laplacian, weight));
+      add(row.point, times(laplacian, -sum));
+    }
+    return result;
+  }
+
+  std::vector<double> diagonalOf(std::size_t count) const {
+    std::vector<double> diagonal(count, 0);
+    for (const Row& row : rows_) {
+      double sum = 0;
+      for (const auto& [other, weight] : row.others) {
+        sum += weight;
+        if (other >= firstNew_)
+          diagonal[other - firstNew_] += row.weight * weight * weight;
+      }
+      if (row.point >= firstNew_)
+        diagonal[row.point - firstNew_] += row.weight * sum * sum;
+    }
+    for (double& d : diagonal)
+      d = d > 0 ? d : 1;
+    return diagonal;
+  }
+
+  std::vector<Vec3d>& points_;
+  const std::size_t firstNew_;
+  std::vector<Row> rows_;
+};
+
+} // namespace
+
+std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTaken& isTaken,
+                      Progress& progress) {
+  const std::size_t first = points.size();
+  Refinement refinement(points, patch, isTaken);
+  if (!refinement.run(progress) || points.size() == first) {
+    points.resize(first);
+    return 0;
+  }
+  Vec3d low = points[patch.faces[0][0]], high = low;
+  for (const Corners& c : patch.faces)
+    for (const std::uint32_t v : c)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = std::min(low[axis], points[v][axis]);
+        high[axis] = std::max(high[axis], points[v][axis]);
+      }
+  const double most = length(minus(high, low)); // of a new point from its place in the plain patch
+  const std::vector<Vec3d> before(points.begin() + static_cast<std::ptrdiff_t>(first),
+                                  points.end());
+  for (int i = 0; i < kFairings; ++i) {
+    Fairing(points, first, refinement.faces(), patch.around).solve(progress);
+    refinement.flip();
+  }
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (!(length(minus(points[first + i], before[i])) <= most)) {
+      points.resize(first);
+      return 0;
+    }
+  patch.faces = refinement.faces();
+  return before.size();
+}
+
+} // namespace tetvdb

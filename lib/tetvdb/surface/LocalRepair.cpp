@@ -3,11 +3,13 @@
 
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
+#include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
 #include "tetvdb/surface/SeparatePoints.h"
 #include "tetvdb/surface/SplitFans.h"
 #include "tetvdb/surface/SurfaceDefects.h"
+#include "tetvdb/surface/WeldBoundary.h"
 
 #include <algorithm>
 #include <array>
@@ -53,6 +55,43 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
     drops[face] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
   }
   dropFaces(mesh, drops);
+  dropUnusedPoints(mesh);
+}
+
+// Where a surface is there twice, nearly in the same place, one of the two goes.
+void dropDoubles(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
+  BoundaryWeld weld;
+  {
+    const EdgeTable edges(mesh);
+    weld = weldBoundary(mesh, edges, WeldCandidates::AllPoints, progress);
+  }
+  if (weld.becomes.empty())
+    return;
+  for (std::size_t point = 0; point < weld.becomes.size(); ++point)
+    repair.stitched.joinedPoints += weld.becomes[point] != point;
+  repair.stitched.largestMove = std::max(repair.stitched.largestMove, weld.distance);
+  for (std::uint32_t& corner : mesh.triangles)
+    corner = weld.becomes[corner];
+  // Of faces over the same points those go that cancel, and all but one of those that are left.
+  std::vector<char> drops(mesh.triangleCount(), 0);
+  {
+    const EdgeTable edges(mesh);
+    const DuplicateGroups groups = findDuplicates(edges);
+    for (std::size_t i = 0; i < groups.count(); ++i) {
+      std::array<std::vector<std::uint32_t>, 2> sides;
+      for (std::uint32_t k = groups.first[i]; k < groups.first[i + 1]; ++k) {
+        const std::uint32_t face = groups.faces[k];
+        const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
+        const auto least = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
+        const bool inverse = c[(least + 1) % 3] > c[(least + 2) % 3];
+        sides[inverse ? 1 : 0].push_back(face);
+        drops[face] = 1;
+      }
+      if (sides[0].size() != sides[1].size())
+        drops[sides[sides[1].size() > sides[0].size() ? 1 : 0].front()] = 0;
+    }
+  }
+  repair.doubleFaces = dropFaces(mesh, drops);
   dropUnusedPoints(mesh);
 }
 
@@ -121,6 +160,7 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
     repair.why = why;
     return repair;
   };
+  dropDoubles(work, repair, progress);
   joinEqualAsFloats(work, repair);
   const StitchCounts stitched = stitchBoundaries(work, progress);
   repair.stitched.joinedPoints += stitched.joinedPoints;

@@ -25,7 +25,8 @@ namespace tetvdb {
 /// What repairLocally() did, and where it gave up, why.
 struct LocalRepair {
   bool succeeded = false;
-  std::string why; ///< of a failure: what could not be mended
+  std::string why;             ///< of a failure: what could not be mended
+  std::size_t doubleFaces = 0; ///< dropped, as the surface is there twice
   StitchCounts stitched;
   SheetCounts sheets; ///< dropped, as they bound no volume
   std::vector<FilledHole> holes;
@@ -41,8 +42,9 @@ struct LocalRepair {
 std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
                          bool flatFacesAllowed = false);
 
-/// In this order, each only where there is something for it to do: points that are equal as 32-bit
-/// floats become one; boundaries are stitched (StitchBoundaries.h); sheets are dropped
+/// In this order, each only where there is something for it to do: of a surface that is there
+/// twice, nearly in the same place (WeldBoundary.h, all points), one goes; points that are equal as
+/// 32-bit floats become one; boundaries are stitched (StitchBoundaries.h); sheets are dropped
 /// (DropSheets.h); holes are filled (FillHoles.h); faces that cross are cut, and what does not
 /// bound the solid goes (RemoveCrossings.h); edges of several faces and points of several fans are
 /// parted (SplitFans.h, SeparatePoints.h). The result stands if nothing is broken then (faces

@@ -27,6 +27,7 @@ constexpr double kJoinShare = 0.1;     // of the shortest boundary edge at a ver
 constexpr double kJoinDiagonal = 1e-3; // of the box's diagonal
 constexpr double kSplitShare = 0.02;   // of the shortest boundary edge at a vertex
 constexpr double kRounding = 0x1p-21;  // of the largest coordinate: a few units of a float
+constexpr double kFlat = 0x1p-22;      // of the largest coordinate: below a unit of a float
 constexpr double kAgainst = -0.9;      // cosine between edges that run against each other
 
 // The boundary of a mesh: sides that no other face shares, and the vertices on them.
@@ -287,12 +288,18 @@ void splitFaces(TriangleMesh& mesh, const Boundary& boundary, StitchCounts& coun
 
 // --- Collinear faces.
 
-// Of a collinear face the side that the third corner lies on; kNone where the face has area.
-std::uint32_t longSide(const TriangleMesh& mesh, std::uint32_t face) {
-  const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
-  const std::array<Vec3d, 3> p{mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]};
-  if (!areCollinear(p[0], p[1], p[2]))
-    return EdgeTable::kNone;
+// The largest distance of a corner from the opposite side that 32-bit floats cannot tell.
+double flatHeight(const TriangleMesh& mesh) {
+  double largest = 0;
+  for (const std::uint32_t corner : mesh.triangles)
+    for (const double c : mesh.points[corner])
+      largest = std::max(largest, std::abs(c));
+  return kFlat * largest;
+}
+
+// The side of three points (0: from the first to the second) that the other one lies on or within
+// `height` of, between its ends; 3 where they are a face with area.
+std::uint32_t flatSide(const std::array<Vec3d, 3>& p, double height) {
   std::uint32_t longest = 0;
   double most = -1;
   for (std::uint32_t k = 0; k < 3; ++k) {
@@ -302,13 +309,24 @@ std::uint32_t longSide(const TriangleMesh& mesh, std::uint32_t face) {
       longest = k;
     }
   }
-  return 3 * face + longest;
+  if (areCollinear(p[0], p[1], p[2]))
+    return longest;
+  const double twice = length(cross(minus(p[1], p[0]), minus(p[2], p[0])));
+  return twice <= height * most ? longest : 3;
 }
 
-std::size_t flipCollinear(TriangleMesh& mesh, const EdgeTable& edges) {
+std::uint32_t longSide(const TriangleMesh& mesh, std::uint32_t face, double height) {
+  const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
+  const std::uint32_t side =
+      flatSide({mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]}, height);
+  return side == 3 ? EdgeTable::kNone : 3 * face + side;
+}
+
+std::size_t flipFlat(TriangleMesh& mesh, const EdgeTable& edges) {
+  const double height = flatHeight(mesh);
   std::vector<std::uint32_t> long_;
   for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face)
-    if (const std::uint32_t side = longSide(mesh, face); side != EdgeTable::kNone)
+    if (const std::uint32_t side = longSide(mesh, face, height); side != EdgeTable::kNone)
       long_.push_back(side);
   if (long_.empty())
     return 0;
@@ -344,9 +362,9 @@ std::size_t flipCollinear(TriangleMesh& mesh, const EdgeTable& edges) {
                         b = mesh.triangles[EdgeTable::previous(side)],
                         d = mesh.triangles[EdgeTable::previous(back)];
     if (touched[face] != 0 || touched[other] != 0 || mesh.triangles[back] != a || b == d ||
-        longSide(mesh, other) != EdgeTable::kNone || exists(b, d) ||
-        areCollinear(mesh.points[a], mesh.points[b], mesh.points[d]) ||
-        areCollinear(mesh.points[b], mesh.points[c], mesh.points[d]))
+        longSide(mesh, other, height) != EdgeTable::kNone || exists(b, d) ||
+        flatSide({mesh.points[a], mesh.points[b], mesh.points[d]}, height) != 3 ||
+        flatSide({mesh.points[b], mesh.points[c], mesh.points[d]}, height) != 3)
       continue;
     const std::array<std::uint32_t, 3> first{a, b, d}, second{b, c, d};
     std::copy(first.begin(), first.end(), &mesh.triangles[3 * std::size_t(face)]);
@@ -377,7 +395,7 @@ StitchCounts stitchBoundaries(TriangleMesh& mesh, Progress& progress) {
         splitFaces(mesh, boundary, counts, progress);
     }
     const EdgeTable edges(mesh);
-    counts.flippedFaces += flipCollinear(mesh, edges);
+    counts.flippedFaces += flipFlat(mesh, edges);
     if (counts.joinedPoints == before.joinedPoints && counts.splitFaces == before.splitFaces &&
         counts.flippedFaces == before.flippedFaces)
       break;

@@ -108,6 +108,42 @@ double typicalGap(const std::vector<Near>& pairs, std::size_t pointCount) {
   return nearest[static_cast<std::size_t>(at)];
 }
 
+// Which of several points stays: one of the component (connected across points) that has most
+// faces, then of the one that comes first by position, then the first by position itself. So a
+// component keeps all its points where a smaller one, or its double, is welded to it.
+class Precedence {
+public:
+  explicit Precedence(const TriangleMesh& mesh)
+      : mesh_(mesh), components_(mesh.points.size()), faces_(mesh.points.size(), 0),
+        first_(mesh.points.size()) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+      components_.join(mesh.triangles[i], mesh.triangles[i + 1]);
+      components_.join(mesh.triangles[i], mesh.triangles[i + 2]);
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
+      ++faces_[components_.find(mesh.triangles[i])];
+    std::iota(first_.begin(), first_.end(), 0u);
+    for (std::uint32_t point = 0; point < first_.size(); ++point) {
+      std::uint32_t& first = first_[components_.find(point)];
+      if (mesh.points[point] < mesh.points[first])
+        first = point;
+    }
+  }
+
+  bool comesBefore(std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t inA = components_.find(a), inB = components_.find(b);
+    if (faces_[inA] != faces_[inB])
+      return faces_[inA] > faces_[inB];
+    return inA != inB ? mesh_.points[first_[inA]] < mesh_.points[first_[inB]]
+                      : mesh_.points[a] < mesh_.points[b];
+  }
+
+private:
+  const TriangleMesh& mesh_;
+  DisjointSets components_;
+  std::vector<std::uint32_t> faces_, first_; ///< of a component
+};
+
 std::size_t boundaryEdges(const EdgeTable& edges) {
   std::size_t count = 0;
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
@@ -139,13 +175,13 @@ BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, Weld
       if (set == sets.find(mesh.triangles[3 * face + (k + 1) % 3]))
         collapses[set] = 1;
     }
-  // Of each set the point that comes first by position.
+  Precedence precedence(mesh);
   std::vector<std::uint32_t> first(mesh.points.size());
   std::iota(first.begin(), first.end(), 0u);
   std::vector<std::uint32_t> becomes = first;
   for (const std::uint32_t point : candidates.points) {
     std::uint32_t& best = first[sets.find(point)];
-    if (mesh.points[point] < mesh.points[best])
+    if (precedence.comesBefore(point, best))
       best = point;
   }
   std::size_t gone = 0;

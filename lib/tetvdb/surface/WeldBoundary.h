@@ -33,7 +33,9 @@ enum class WeldCandidates {
 /// The result is accepted as a whole, where it closes half of the boundary edges or more, and at
 /// least one for each point that goes: points that differ by rounding do so all over a file (of all
 /// points: where it makes at least half of the faces duplicates of others). `mesh` is without equal
-/// points. Which points become one does not depend on their order.
+/// points. Of points that become one that of the largest component (of most faces, connected across
+/// points) stays: components that are welded to it change, it does not. Which points become one,
+/// and where, does not depend on their order.
 BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges,
                           WeldCandidates candidates, Progress& progress);
 

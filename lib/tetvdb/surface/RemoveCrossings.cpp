@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -134,8 +135,8 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
 
 class PartPoints {
 public:
-  PartPoints(TriangleMesh& mesh, const LatticeChain& chain, bool floats)
-      : mesh_(mesh), chain_(chain), floats_(floats) {}
+  PartPoints(TriangleMesh& mesh, const LatticeChain& chain)
+      : mesh_(mesh), chain_(chain), firstNew_(mesh.points.size()) {}
 
   // Corners of faces that are cut are found again as what they are.
   void addCorner(std::uint32_t latticePoint) {
@@ -147,15 +148,30 @@ public:
     const std::uint32_t found = find(p);
     if (found != kNone)
       return found;
-    Vec3d world = chain_.toWorld(p);
-    if (floats_)
-      world = nearestFloats(world);
-    const auto [entry, isNew] =
-        byPosition_.try_emplace(world, static_cast<std::uint32_t>(mesh_.points.size()));
-    if (isNew)
-      mesh_.points.push_back(world);
-    insert(p, entry->second);
-    return entry->second;
+    const auto added = static_cast<std::uint32_t>(mesh_.points.size());
+    mesh_.points.push_back(chain_.toWorld(p));
+    insert(p, added);
+    return added;
+  }
+  // On the lattice, unrounded.
+  const Vec3d& lattice(std::uint32_t point) const { return positions_.at(point); }
+  const std::map<std::uint32_t, Vec3d>& positions() const { return positions_; }
+
+  // New points become floats if that is asked for; returns by point the one that it then is.
+  std::vector<std::uint32_t> round(bool floats) {
+    std::vector<std::uint32_t> becomes(mesh_.points.size());
+    std::iota(becomes.begin(), becomes.end(), 0u);
+    std::map<Vec3d, std::uint32_t> byPosition;
+    for (const auto& [point, p] : positions_)
+      if (point < firstNew_)
+        byPosition.try_emplace(mesh_.points[point], point);
+    for (std::size_t point = firstNew_; point < becomes.size(); ++point) {
+      Vec3d& p = mesh_.points[point];
+      if (floats)
+        p = nearestFloats(p);
+      becomes[point] = byPosition.try_emplace(p, static_cast<std::uint32_t>(point)).first->second;
+    }
+    return becomes;
   }
 
 private:
@@ -180,14 +196,14 @@ private:
   }
   void insert(const Vec3d& p, std::uint32_t point) {
     cells_[cellOf(p)].emplace_back(p, point);
-    byPosition_.try_emplace(mesh_.points[point], point);
+    positions_.try_emplace(point, p);
   }
 
   TriangleMesh& mesh_;
   const LatticeChain& chain_;
-  const bool floats_;
+  const std::size_t firstNew_;
   std::map<Cell, std::vector<std::pair<Vec3d, std::uint32_t>>> cells_;
-  std::map<Vec3d, std::uint32_t> byPosition_; ///< in the world
+  std::map<std::uint32_t, Vec3d> positions_;
 };
 
 // --- The parts of one face put together again.
@@ -197,9 +213,6 @@ struct Region {
   std::uint32_t face; ///< of the chain
   bool inverse;
   std::set<Edge> edges;
-  /// On the lattice, unrounded: of a point of the mesh that several of the lattice became, the one
-  /// that is in this face.
-  std::map<std::uint32_t, Vec3d> at;
 };
 
 bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
@@ -219,14 +232,14 @@ public:
   bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
-      Region region{face, inverse, {}, {}};
+      std::set<std::uint32_t> corners;
+      Region region{face, inverse, {}};
       for (const FacePart& part : parts) {
         if (part.inverse != inverse)
           continue;
         Loop loop;
         for (const Vec3d& p : part.outline) {
           const std::uint32_t v = points_.at(p);
-          region.at.try_emplace(v, p);
           if (loop.empty() || (loop.back() != v && loop.front() != v))
             loop.push_back(v);
         }
@@ -234,12 +247,13 @@ public:
           continue;
         if (inverse)
           std::reverse(loop.begin(), loop.end());
+        corners.insert(loop.begin(), loop.end());
         outlines.push_back(std::move(loop));
       }
-      if (region.at.size() > kMostPartCorners)
+      if (corners.size() > kMostPartCorners)
         return false;
       for (const Loop& loop : outlines)
-        addOutline(loop, region);
+        addOutline(loop, corners, region.edges);
       if (!region.edges.empty())
         regions_.push_back(std::move(region));
     }
@@ -262,8 +276,7 @@ public:
       for (const std::size_t i : at) {
         Edge span{kNone, kNone};
         std::size_t out = 0, in = 0;
-        const Region& region = regions_[i];
-        const std::set<Edge>& edges = region.edges;
+        const std::set<Edge>& edges = regions_[i].edges;
         for (auto e = edges.lower_bound({v, 0}); e != edges.end() && e->first == v; ++e, ++out)
           span.second = e->second;
         for (const Edge& edge : edges)
@@ -277,7 +290,7 @@ public:
               past != dropped.end())
             passed.back().insert(past->second.begin(), past->second.end());
         if (in != 1 || out != 1 || edges.count({span.first, span.second}) > 0 ||
-            span.first == span.second || !runsPast(region, span, passed.back())) {
+            span.first == span.second || !runsPast(span, passed.back())) {
           spans.clear();
           break;
         }
@@ -297,21 +310,21 @@ public:
 
   // Splits edges at corners of other regions that lie on them.
   void addCornersOfOthers() {
-    std::set<std::pair<std::uint32_t, Vec3d>> all;
+    std::set<std::uint32_t> all;
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
-        all.insert({edge.first, region.at.at(edge.first)});
-    const std::vector<std::pair<std::uint32_t, Vec3d>> corners(all.begin(), all.end());
+        all.insert(edge.first);
+    const std::vector<std::uint32_t> corners(all.begin(), all.end());
     std::vector<Box> boxes;
-    for (const auto& [v, p] : corners)
-      boxes.push_back(Box{p, p});
+    for (const std::uint32_t v : corners)
+      boxes.push_back(Box{points_.lattice(v), points_.lattice(v)});
     const BoxTree tree(boxes);
     for (Region& region : regions_) {
       const std::set<Edge> edges = region.edges;
       for (const Edge& edge : edges) {
         if (region.edges.count(edge) == 0)
           continue; // one that was split ran against it
-        const Vec3d a = region.at.at(edge.first), b = region.at.at(edge.second);
+        const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
         Box box;
         box.add(a);
         box.add(b);
@@ -322,12 +335,9 @@ public:
         std::map<std::uint32_t, double> between;
         tree.visit([&](const Box& other) { return other.meets(box); },
                    [&](std::uint32_t item) {
-                     const auto& [v, p] = corners[item];
                      double along;
-                     if (v != edge.first && v != edge.second && isBetween(a, b, p, along)) {
-                       between.try_emplace(v, along);
-                       region.at.try_emplace(v, p);
-                     }
+                     if (isBetween(a, b, points_.lattice(corners[item]), along))
+                       between.emplace(corners[item], along);
                      return false;
                    });
         if (!between.empty())
@@ -336,32 +346,45 @@ public:
     }
   }
 
-  // Triangles of all regions; false where one cannot be triangulated.
-  bool triangulate(const LatticeChain& chain, std::vector<std::uint32_t>& corners) const {
+  // Triangles of all regions over what the points become; false where one cannot be triangulated.
+  bool triangulate(const LatticeChain& chain, const std::vector<std::uint32_t>& becomes,
+                   std::vector<std::uint32_t>& corners) const {
     std::vector<Vec3d> lattice(mesh_.points.size());
+    for (const auto& [v, p] : points_.positions())
+      lattice[v] = p;
     for (const Region& region : regions_) {
       const std::array<Vec3d, 3> c = chain.welded.cornersOf(region.face);
       const Vec3d normal =
           times(cross(minus(c[1], c[0]), minus(c[2], c[0])), region.inverse ? -1.0 : 1.0);
-      for (const auto& [v, p] : region.at)
-        lattice[v] = p;
-      const std::vector<PolygonEdge> edges(region.edges.begin(), region.edges.end());
       const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
-      if (!triangulateEdges(mesh_.points, edges, normal, none, corners) &&
-          !triangulateEdges(lattice, edges, normal, none, corners))
+      std::set<Edge> rounded;
+      for (const auto& [from, to] : region.edges)
+        if (becomes[from] != becomes[to] && rounded.erase({becomes[to], becomes[from]}) == 0)
+          rounded.insert({becomes[from], becomes[to]});
+      if (rounded.empty() ||
+          triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()}, normal, none, corners))
+        continue;
+      // Rounding makes edges cross: triangles as they are without, some of which go.
+      std::vector<std::uint32_t> unrounded;
+      if (!triangulateEdges(lattice, {region.edges.begin(), region.edges.end()}, normal, none,
+                            unrounded))
         return false;
+      for (std::size_t i = 0; i < unrounded.size(); i += 3) {
+        const std::array<std::uint32_t, 3> made{becomes[unrounded[i]], becomes[unrounded[i + 1]],
+                                                becomes[unrounded[i + 2]]};
+        if (made[0] != made[1] && made[1] != made[2] && made[2] != made[0])
+          corners.insert(corners.end(), made.begin(), made.end());
+      }
     }
     return true;
   }
 
 private:
-  static bool runsPast(const Region& region, const Edge& edge,
-                       const std::set<std::uint32_t>& corners) {
+  bool runsPast(const Edge& edge, const std::set<std::uint32_t>& corners) const {
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
       double along;
-      const auto p = region.at.find(v);
-      return p == region.at.end() ||
-             isBetween(region.at.at(edge.first), region.at.at(edge.second), p->second, along);
+      return isBetween(points_.lattice(edge.first), points_.lattice(edge.second),
+                       points_.lattice(v), along);
     });
   }
 
@@ -382,17 +405,19 @@ private:
     }
   }
 
-  static void addOutline(const Loop& loop, Region& region) {
+  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners,
+                  std::set<Edge>& edges) const {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
-      const Vec3d &a = region.at.at(edge.first), &b = region.at.at(edge.second);
       std::map<std::uint32_t, double> between;
-      for (const auto& [v, p] : region.at) {
+      for (const std::uint32_t v : corners) {
         double along;
-        if (v != edge.first && v != edge.second && isBetween(a, b, p, along))
+        if (v != edge.first && v != edge.second &&
+            isBetween(points_.lattice(edge.first), points_.lattice(edge.second), points_.lattice(v),
+                      along))
           between.emplace(v, along);
       }
-      replaceEdge(edge, between, region.edges);
+      replaceEdge(edge, between, edges);
     }
   }
 
@@ -419,7 +444,7 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
   // What stays of the mesh. Of a face that stays the back is inside, since it is wound around more
   // often than the front: it looks the way it did.
   std::vector<char> drops(mesh.triangleCount(), 1);
-  PartPoints points(mesh, chain, floats);
+  PartPoints points(mesh, chain);
   Regions regions(mesh, points);
   std::set<std::uint32_t> faceCorners;
   std::size_t cut = 0, kept = 0;
@@ -447,7 +472,7 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
   regions.dropStraightCorners(faceCorners);
   regions.addCornersOfOthers();
   std::vector<std::uint32_t> added;
-  if (!regions.triangulate(chain, added))
+  if (!regions.triangulate(chain, points.round(floats), added))
     return Round::GivenUp;
   counts.cutFaces += cut;
   counts.addedFaces += added.size() / 3;

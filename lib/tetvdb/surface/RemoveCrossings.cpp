@@ -17,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <numeric>
 #include <set>
@@ -208,6 +209,42 @@ private:
 
 // --- The parts of one face put together again.
 
+// Directed edges, of which those in opposite directions cancel.
+class EdgeSum {
+public:
+  void add(std::uint32_t from, std::uint32_t to) {
+    int& sum = sums_[{std::min(from, to), std::max(from, to)}];
+    sum += from < to ? 1 : -1;
+  }
+  // Along corners, which are that far from its first point.
+  void add(const Edge& edge, const std::map<std::uint32_t, double>& between) {
+    std::vector<std::pair<double, std::uint32_t>> ordered;
+    for (const auto& [v, along] : between)
+      ordered.emplace_back(along, v);
+    std::sort(ordered.begin(), ordered.end());
+    ordered.emplace_back(0, edge.second);
+    std::uint32_t from = edge.first;
+    for (const auto& [along, to] : ordered) {
+      add(from, to);
+      from = to;
+    }
+  }
+  // False where one is left twice.
+  bool take(std::set<Edge>& edges) const {
+    edges.clear();
+    for (const auto& [edge, sum] : sums_) {
+      if (std::abs(sum) > 1)
+        return false;
+      if (sum != 0)
+        edges.insert(sum > 0 ? edge : Edge{edge.second, edge.first});
+    }
+    return true;
+  }
+
+private:
+  std::map<Edge, int> sums_; ///< low first
+};
+
 // What stays of a face, one way round: edges with the face on their left.
 struct Region {
   std::uint32_t face; ///< of the chain
@@ -228,7 +265,7 @@ class Regions {
 public:
   Regions(const TriangleMesh& mesh, PartPoints& points) : mesh_(mesh), points_(points) {}
 
-  // False where there are too many corners.
+  // False where there are too many corners, or parts overlap.
   bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
@@ -252,8 +289,11 @@ public:
       }
       if (corners.size() > kMostPartCorners)
         return false;
+      EdgeSum edges;
       for (const Loop& loop : outlines)
-        addOutline(loop, corners, region.edges);
+        addOutline(loop, corners, edges);
+      if (!edges.take(region.edges))
+        return false;
       if (!region.edges.empty())
         regions_.push_back(std::move(region));
     }
@@ -308,8 +348,8 @@ public:
     }
   }
 
-  // Splits edges at corners of other regions that lie on them.
-  void addCornersOfOthers() {
+  // Splits edges at corners of other regions that lie on them. False where one is left twice.
+  bool addCornersOfOthers() {
     std::set<std::uint32_t> all;
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
@@ -320,10 +360,8 @@ public:
       boxes.push_back(Box{points_.lattice(v), points_.lattice(v)});
     const BoxTree tree(boxes);
     for (Region& region : regions_) {
-      const std::set<Edge> edges = region.edges;
-      for (const Edge& edge : edges) {
-        if (region.edges.count(edge) == 0)
-          continue; // one that was split ran against it
+      EdgeSum edges;
+      for (const Edge& edge : region.edges) {
         const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
         Box box;
         box.add(a);
@@ -340,10 +378,12 @@ public:
                        between.emplace(corners[item], along);
                      return false;
                    });
-        if (!between.empty())
-          replaceEdge(edge, between, region.edges);
+        edges.add(edge, between);
       }
+      if (!edges.take(region.edges))
+        return false;
     }
+    return true;
   }
 
   // Triangles of all regions over what the points become; false where one cannot be triangulated.
@@ -357,12 +397,14 @@ public:
       const Vec3d normal =
           times(cross(minus(c[1], c[0]), minus(c[2], c[0])), region.inverse ? -1.0 : 1.0);
       const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
-      std::set<Edge> rounded;
+      EdgeSum sum;
       for (const auto& [from, to] : region.edges)
-        if (becomes[from] != becomes[to] && rounded.erase({becomes[to], becomes[from]}) == 0)
-          rounded.insert({becomes[from], becomes[to]});
-      if (rounded.empty() ||
-          triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()}, normal, none, corners))
+        if (becomes[from] != becomes[to])
+          sum.add(becomes[from], becomes[to]);
+      std::set<Edge> rounded;
+      if (sum.take(rounded) &&
+          (rounded.empty() ||
+           triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()}, normal, none, corners)))
         continue;
       // Rounding makes edges cross: triangles as they are without, some of which go.
       std::vector<std::uint32_t> unrounded;
@@ -388,25 +430,7 @@ private:
     });
   }
 
-  // An edge that runs along corners, which are that far from its first point.
-  static void replaceEdge(const Edge& edge, const std::map<std::uint32_t, double>& between,
-                          std::set<Edge>& edges) {
-    std::vector<std::pair<double, std::uint32_t>> ordered;
-    for (const auto& [v, along] : between)
-      ordered.emplace_back(along, v);
-    std::sort(ordered.begin(), ordered.end());
-    ordered.emplace_back(0, edge.second);
-    edges.erase(edge);
-    std::uint32_t from = edge.first;
-    for (const auto& [along, to] : ordered) {
-      if (edges.erase({to, from}) == 0)
-        edges.insert({from, to});
-      from = to;
-    }
-  }
-
-  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners,
-                  std::set<Edge>& edges) const {
+  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners, EdgeSum& edges) const {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
       std::map<std::uint32_t, double> between;
@@ -417,7 +441,7 @@ private:
                       along))
           between.emplace(v, along);
       }
-      replaceEdge(edge, between, edges);
+      edges.add(edge, between);
     }
   }
 
@@ -470,7 +494,8 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
   if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
     return Round::Done; // faces without area cross nothing
   regions.dropStraightCorners(faceCorners);
-  regions.addCornersOfOthers();
+  if (!regions.addCornersOfOthers())
+    return Round::GivenUp;
   std::vector<std::uint32_t> added;
   if (!regions.triangulate(chain, points.round(floats), added))
     return Round::GivenUp;

@@ -117,8 +117,9 @@ const char* nameOf(SolidSource source) {
 Json localOf(const LocalRepair& local) {
   Json holes = Json::array();
   for (const FilledHole& hole : local.holes)
-    holes.push_back({{"edges", hole.edges}, {"faces", hole.faces}});
+    holes.push_back({{"edges", hole.edges}, {"faces", hole.faces}, {"points", hole.points}});
   return {{"succeeded", local.succeeded},
+          {"double_faces", local.doubleFaces},
           {"joined_points", local.stitched.joinedPoints},
           {"split_faces", local.stitched.splitFaces},
           {"flipped_collinear_faces", local.stitched.flippedFaces},
@@ -208,6 +209,8 @@ std::string changesText(const RepairResult& result) {
       text += fmt::format("{} {}", i > 0 ? "," : "", local.holes[i].edges);
     text += local.holes.size() > kMostNamed ? ", ... edges\n" : " edges\n";
   }
+  if (local.doubleFaces > 0)
+    text += fmt::format("  faces that were there twice, dropped: {}\n", local.doubleFaces);
   if (local.stitched.joinedPoints + local.separatedPoints > 0)
     text += fmt::format("  vertices moved: {}, up to {:.4g}\n",
                         local.stitched.joinedPoints + local.separatedPoints, local.largestMove);

@@ -34,7 +34,7 @@ void expectInOrder(const TriangleMesh& mesh) {
 
 CrossingCounts removed(TriangleMesh& mesh) {
   Progress progress;
-  const CrossingCounts counts = removeCrossings(mesh, progress);
+  const CrossingCounts counts = removeCrossings(mesh, NewCorners::FloatsAsGiven, progress);
   EXPECT_TRUE(counts.complete);
   expectInOrder(mesh);
   return counts;
@@ -144,6 +144,28 @@ TEST(RemoveCrossings, TheSameForAnyOrderOfFaces) {
   removed(second);
   EXPECT_EQ(meshChanges(first, second).removed, 0u);
   EXPECT_EQ(meshChanges(first, second).added, 0u);
+}
+
+TEST(RemoveCrossings, CornersThatTouchFacesBecomeCorners) {
+  // The tip of a pyramid on the side of a box, in the middle of a face and on an edge within it.
+  for (const Vec3d& tip : {Vec3d{1, 0.25, 0.5}, Vec3d{1, 0.5, 0.5}}) {
+    TriangleMesh pyramid;
+    pyramid.points = {tip, {2, 0, 0}, {2, 1, 0}, {2, 1, 1}, {2, 0, 1}};
+    pyramid.triangles = {0, 2, 1, 0, 3, 2, 0, 4, 3, 0, 1, 4, 1, 2, 3, 1, 3, 4};
+    pyramid.faceCount = 6;
+    const TriangleMesh given = joined({box({0, 0, 0}, {1, 1, 1}), pyramid});
+    TriangleMesh mesh = given;
+    removed(mesh);
+    EXPECT_NEAR(signedVolume(mesh), 1 + 1.0 / 3, 1e-14);
+    EXPECT_EQ(mesh.points.size(), given.points.size());
+    mesh = given;
+    Progress progress;
+    const LocalRepair repair = repairLocally(mesh, progress);
+    ASSERT_TRUE(repair.succeeded) << repair.why;
+    EXPECT_EQ(manifoldDefect(mesh), "");
+    EXPECT_NEAR(signedVolume(mesh), 1 + 1.0 / 3, 1e-5);
+    EXPECT_EQ(repair.separatedPoints, 1u);
+  }
 }
 
 TEST(RemoveCrossings, AsAStepOfRepair) {

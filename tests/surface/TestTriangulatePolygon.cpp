@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace tetvdb {
@@ -187,7 +188,7 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
     if (edges.empty())
       continue;
     Loop corners;
-    ASSERT_TRUE(triangulateEdges(points, edges, {0, 0, 1}, kNoneTaken, corners));
+    ASSERT_TRUE(triangulateEdges(points, edges, {}, {0, 0, 1}, kNoneTaken, corners));
     EXPECT_NEAR(areaOf(points, corners), area, 1e-12);
     std::map<PolygonEdge, int> excess;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -204,6 +205,17 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
   }
 }
 
+TEST(TriangulatePolygon, InnerPointsAreCorners) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}};
+  Loop corners;
+  ASSERT_TRUE(triangulateEdges(points, {{0, 1}, {1, 2}, {2, 0}}, {3, 4, 5}, {0, 0, 1}, kNoneTaken,
+                               corners));
+  EXPECT_NEAR(areaOf(points, corners), 8, 1e-14);
+  expectBoundary(corners, {{0, 1, 2}});
+  EXPECT_EQ(corners.size(), 3u * 7u);
+  EXPECT_EQ(std::set<std::uint32_t>(corners.begin(), corners.end()).size(), 6u);
+}
+
 TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
   const std::vector<Vec3d> points{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 0, 0}};
   for (const std::vector<PolygonEdge>& edges : std::vector<std::vector<PolygonEdge>>{
@@ -214,7 +226,7 @@ TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
            {{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 0}}, // through a point of its own
            {{0, 4}, {4, 1}, {1, 0}}}) {              // without area
     Loop corners;
-    EXPECT_FALSE(triangulateEdges(points, edges, {0, 0, 1}, kNoneTaken, corners));
+    EXPECT_FALSE(triangulateEdges(points, edges, {}, {0, 0, 1}, kNoneTaken, corners));
     EXPECT_TRUE(corners.empty());
   }
 }

@@ -25,7 +25,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kVolumeTolerance = 0.02; // of the solid's volume
+constexpr double kVolumeTolerance = 0.01; // of the solid's volume
 // Of a surface made anew, before simplification: it takes some tens of seconds on one core.
 constexpr std::size_t kMostFaces = 4000000;
 constexpr std::size_t kBytesPerFace = 1000; // of all stages together
@@ -101,6 +101,11 @@ private:
                        fmt::format("{} faces in {} open parts bound no volume and are left "
                                    "out; `shell` gives sheets a thickness",
                                    sheets.faces, sheets.parts));
+        if (const SolidComparison& solids = result_.local->solids; result_.local->changesVolume)
+          report_.warn("volume-changed",
+                       fmt::format("of a solid of {:.4g}, as far as it is defined, repair in place "
+                                   "lost {:.2g} and added {:.2g}",
+                                   solids.before, solids.lost, solids.gained));
         return true;
       }
       result_.why = result_.local->why;

@@ -90,13 +90,13 @@ struct RepairResult {
 /// and with `remesh`, the mesh is voxelized by its winding number (VoxelizeTriangles.h), and the
 /// surface of the voxels inside (ExtractSurface.h), drawn onto the mesh where it is near, is
 /// written, with the warning "remeshed" unless that was asked for: closed, manifold and oriented.
-/// Where the solid's volume changes by more than 2 %, the warning "volume-changed" says so and the
-/// report is partial. Tets are their surface; a volume's surface is extracted at once. Then
-/// finishSurface() smooths and simplifies it, if that is asked for. Adds stages "read", "clean",
-/// "check", "repair", "voxelize", "extract", those of finishSurface() and "write" to `report`.
-/// Throws what the steps throw; sheets without an inside are Error(Invalid). Where the output is
-/// .3mf, which has units, and the input's are unknown, the warning "unit-guessed" says that
-/// millimetres are written.
+/// Where the solid's volume changes by more than 1 % by that, or by more than 0.1 % by repair in
+/// place, the warning "volume-changed" says so; the report is partial in the former case. Tets are
+/// their surface; a volume's surface is extracted at once. Then finishSurface() smooths and
+/// simplifies it, if that is asked for. Adds stages "read", "clean", "check", "repair", "voxelize",
+/// "extract", those of finishSurface() and "write" to `report`. Throws what the steps throw; sheets
+/// without an inside are Error(Invalid). Where the output is .3mf, which has units, and the input's
+/// are unknown, the warning "unit-guessed" says that millimetres are written.
 RepairResult run(const RepairJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

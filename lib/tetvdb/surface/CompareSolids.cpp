@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kFirstSamples = 1 << 13, kMostSamples = 1 << 17, kEnoughInside = 1000;
+constexpr std::size_t kFirstSamples = 1 << 13, kMostSamples = 1 << 17, kEnoughInside = 8000;
 constexpr std::size_t kMostWork = 100000000; // solid angles of boundary edges
 
 enum Bits : std::uint8_t { kBefore = 1, kAfter = 2, kSureInside = 4, kSureOutside = 8 };

@@ -18,8 +18,8 @@ struct SolidComparison {
 };
 
 /// What changed between two solids. The first may be open, turned in parts, or cross itself; its
-/// winding number decides. At least 8192 points, and up to 2^17 until a thousand are inside, as far
-/// as boundary edges times points stay below 10^8. The same points every time. Parallel.
+/// winding number decides. At least 8192 points, and up to 2^17 until eight thousand are inside, as
+/// far as boundary edges times points stay below 10^8. The same points every time. Parallel.
 SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& after,
                               Progress& progress);
 

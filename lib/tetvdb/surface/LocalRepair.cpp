@@ -22,6 +22,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMostChange = 0.01; // of the solid's volume
+constexpr double kNoChange = 0.001;  // beyond which it is told
 constexpr double kLeastSamples = 4;  // points that may differ whatever their share
 
 // Points that are equal as floats become the first of them.
@@ -117,6 +118,38 @@ std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& p
   return whatIsBroken(mesh, progress, true);
 }
 
+// Says what is broken then. Rounding corners to floats, or joining those that are equal as floats,
+// may make faces cross anew where details are as fine as that: done without, then.
+std::string cutCrossings(const TriangleMesh& closed, TriangleMesh& mesh, LocalRepair& repair,
+                         Progress& progress) {
+  std::string broken;
+  for (const NewCorners corners : {NewCorners::FloatsAsGiven, NewCorners::Doubles}) {
+    TriangleMesh cut = closed;
+    if (corners == NewCorners::Doubles && !repair.crossings.floats)
+      break; // the same again
+    const CrossingCounts crossings = removeCrossings(cut, corners, progress);
+    repair.crossings = crossings;
+    if (!crossings.complete) {
+      broken = "faces that cross, too many to cut";
+      continue;
+    }
+    for (const bool joins : {true, false}) {
+      if (!joins && equalAsFloats(cut.points).empty())
+        break; // the same again
+      mesh = cut;
+      const StitchCounts stitched = repair.stitched;
+      if (joins)
+        joinEqualAsFloats(mesh, repair);
+      broken = isBalanced(mesh) ? partWhatTouches(mesh, repair, progress)
+                                : "edges left open where faces were cut";
+      if (broken.empty())
+        return broken;
+      repair.stitched = stitched;
+    }
+  }
+  return broken;
+}
+
 std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -179,23 +212,16 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   }
   const TriangleMesh closed = work;
   std::string broken = partWhatTouches(work, repair, progress);
-  if (!broken.empty()) {
-    work = closed;
-    repair.crossings = removeCrossings(work, progress);
-    if (!repair.crossings.complete)
-      return failed("faces that cross, too many to cut");
-    joinEqualAsFloats(work, repair);
-    if (!isBalanced(work))
-      return failed("edges left open where faces were cut");
-    broken = partWhatTouches(work, repair, progress);
-  }
+  if (!broken.empty())
+    broken = cutCrossings(closed, work, repair, progress);
   if (!broken.empty())
     return failed(broken);
   repair.solids = compareSolids(mesh, work, progress);
   const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
-  const double most = std::max(kMostChange * repair.solids.before, kLeastSamples * each);
-  if (repair.solids.lost > most || repair.solids.gained > most)
+  const double changed = std::max(repair.solids.lost, repair.solids.gained);
+  if (changed > std::max(kMostChange * repair.solids.before, kLeastSamples * each))
     return failed("closing it would change its volume");
+  repair.changesVolume = changed > std::max(kNoChange * repair.solids.before, kLeastSamples * each);
   repair.succeeded = true;
   mesh = std::move(work);
   return repair;

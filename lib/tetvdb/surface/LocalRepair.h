@@ -34,6 +34,7 @@ struct LocalRepair {
   std::size_t separatedPoints = 0; ///< moved apart where solids touch
   double largestMove = 0;          ///< of any point, world units
   SolidComparison solids;          ///< the cleaned mesh and the repaired one
+  bool changesVolume = false;      ///< what is lost, or gained, is above 0.1 % of the solid
 };
 
 /// The defects that keep a mesh from being written as it is; empty for a closed, oriented manifold

@@ -2,22 +2,19 @@
 #include "tetvdb/surface/RemoveCrossings.h"
 
 #include "tetvdb/geometry/BoxTree.h"
-#include "tetvdb/geometry/LatticePlane.h"
-#include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/FillHoles.h"
 #include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/LatticeChain.h"
 #include "tetvdb/surface/StitchBoundaries.h"
 #include "tetvdb/surface/TriangulatePolygon.h"
 #include "tetvdb/surface/TrimChain.h"
-#include "tetvdb/surface/WeldedFaces.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <numeric>
 #include <set>
@@ -38,98 +35,6 @@ using Loop = std::vector<std::uint32_t>;
 
 bool isPositive(std::int64_t winding) {
   return winding > 0;
-}
-
-// The faces on a lattice, and which of the mesh they are.
-struct LatticeChain {
-  WeldedFaces welded;
-  std::vector<std::uint32_t> pointOf; ///< of the mesh, by point of `welded`
-  std::vector<std::uint32_t> source;  ///< face of the mesh, by face of `welded`
-  Vec3d origin{0, 0, 0};
-  double scale = 1; ///< lattice units in a world unit: a power of two
-
-  Vec3d toWorld(const Vec3d& p) const { return plus(origin, times(p, 1 / scale)); }
-};
-
-LatticeChain latticeChain(const TriangleMesh& mesh) {
-  LatticeChain chain;
-  Box box;
-  for (const std::uint32_t corner : mesh.triangles)
-    box.add(mesh.points[corner]);
-  chain.origin = box.low;
-  double extent = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    extent = std::max(extent, box.high[axis] - box.low[axis]);
-  int exponent = 0;
-  std::frexp(extent, &exponent); // extent <= 2^exponent
-  chain.scale = std::ldexp(1, 40 - exponent);
-
-  // Numbered by position, so that nothing follows from the order of faces.
-  std::map<Vec3d, std::uint32_t> corners; // the first corner's point of the mesh
-  std::vector<Vec3d> snapped(mesh.points.size());
-  std::vector<std::uint32_t> number(mesh.points.size(), kNone);
-  for (const std::uint32_t corner : mesh.triangles) {
-    if (number[corner] != kNone)
-      continue;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      snapped[corner][axis] = std::round((mesh.points[corner][axis] - box.low[axis]) * chain.scale);
-    number[corner] = 0;
-    corners.try_emplace(snapped[corner], corner);
-  }
-  for (auto& [p, point] : corners) {
-    chain.pointOf.push_back(point);
-    point = static_cast<std::uint32_t>(chain.welded.points.size());
-    chain.welded.points.push_back(p);
-    for (const double c : p)
-      chain.welded.extent = std::max(chain.welded.extent, c);
-  }
-  for (std::size_t point = 0; point < number.size(); ++point)
-    if (number[point] != kNone)
-      number[point] = corners.at(snapped[point]);
-
-  struct Weighed {
-    WeldedFace face;
-    std::uint32_t source;
-  };
-  std::vector<Weighed> all;
-  const std::vector<Vec3d>& points = chain.welded.points;
-  for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
-    std::array<std::uint32_t, 3> c;
-    for (std::size_t k = 0; k < 3; ++k)
-      c[k] = number[mesh.triangles[3 * std::size_t(face) + k]];
-    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ||
-        areCollinear(points[c[0]], points[c[1]], points[c[2]])) {
-      ++chain.welded.flat;
-      continue;
-    }
-    std::int32_t weight = 1;
-    const auto order = [&](std::size_t i, std::size_t k) {
-      if (points[c[k]] < points[c[i]]) {
-        std::swap(c[i], c[k]);
-        weight = -weight;
-      }
-    };
-    order(0, 1);
-    order(1, 2);
-    order(0, 1);
-    all.push_back({{c, weight}, face});
-  }
-  std::sort(all.begin(), all.end(), [](const Weighed& a, const Weighed& b) {
-    return a.face.corners != b.face.corners ? a.face.corners < b.face.corners : a.source < b.source;
-  });
-  for (std::size_t i = 0, end; i < all.size(); i = end) {
-    std::int32_t sum = 0;
-    for (end = i; end < all.size() && all[end].face.corners == all[i].face.corners; ++end)
-      sum += all[end].face.weight;
-    if (sum == 0)
-      continue;
-    std::size_t first = i;
-    while (all[first].face.weight * sum < 0)
-      ++first;
-    chain.welded.faces.push_back({all[i].face.corners, sum});
-    chain.source.push_back(all[first].source);
-  }
-  return chain;
 }
 
 // --- Corners of parts as points of the mesh.
@@ -229,16 +134,13 @@ public:
       from = to;
     }
   }
-  // False where one is left twice.
-  bool take(std::set<Edge>& edges) const {
-    edges.clear();
-    for (const auto& [edge, sum] : sums_) {
-      if (std::abs(sum) > 1)
-        return false;
+  // One that is left twice, as where parts overlap by rounding, is there once: a slit stays open.
+  std::set<Edge> edges() const {
+    std::set<Edge> edges;
+    for (const auto& [edge, sum] : sums_)
       if (sum != 0)
         edges.insert(sum > 0 ? edge : Edge{edge.second, edge.first});
-    }
-    return true;
+    return edges;
   }
 
 private:
@@ -250,6 +152,7 @@ struct Region {
   std::uint32_t face; ///< of the chain
   bool inverse;
   std::set<Edge> edges;
+  std::set<std::uint32_t> inner; ///< corners of other faces that touch it, off its edges
 };
 
 bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
@@ -265,12 +168,12 @@ class Regions {
 public:
   Regions(const TriangleMesh& mesh, PartPoints& points) : mesh_(mesh), points_(points) {}
 
-  // False where there are too many corners, or parts overlap.
+  // False where there are too many corners.
   bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
       std::set<std::uint32_t> corners;
-      Region region{face, inverse, {}};
+      Region region{face, inverse, {}, {}};
       for (const FacePart& part : parts) {
         if (part.inverse != inverse)
           continue;
@@ -292,12 +195,21 @@ public:
       EdgeSum edges;
       for (const Loop& loop : outlines)
         addOutline(loop, corners, edges);
-      if (!edges.take(region.edges))
-        return false;
+      region.edges = edges.edges();
       if (!region.edges.empty())
         regions_.push_back(std::move(region));
     }
     return true;
+  }
+
+  // A whole face that corners of others touch: on its edges, which are in the outline, or within.
+  void addTouched(std::uint32_t face, bool inverse, Loop outline, std::set<std::uint32_t> inner) {
+    if (inverse)
+      std::reverse(outline.begin(), outline.end());
+    Region region{face, inverse, {}, std::move(inner)};
+    for (std::size_t i = 0; i < outline.size(); ++i)
+      region.edges.insert({outline[i], outline[(i + 1) % outline.size()]});
+    regions_.push_back(std::move(region));
   }
 
   // Takes out corners that are straight in every region that has them, but for corners of faces.
@@ -348,8 +260,8 @@ public:
     }
   }
 
-  // Splits edges at corners of other regions that lie on them. False where one is left twice.
-  bool addCornersOfOthers() {
+  // Splits edges at corners of other regions that lie on them.
+  void addCornersOfOthers() {
     std::set<std::uint32_t> all;
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
@@ -380,10 +292,8 @@ public:
                    });
         edges.add(edge, between);
       }
-      if (!edges.take(region.edges))
-        return false;
+      region.edges = edges.edges();
     }
-    return true;
   }
 
   // Triangles of all regions over what the points become; false where one cannot be triangulated.
@@ -401,15 +311,19 @@ public:
       for (const auto& [from, to] : region.edges)
         if (becomes[from] != becomes[to])
           sum.add(becomes[from], becomes[to]);
-      std::set<Edge> rounded;
-      if (sum.take(rounded) &&
-          (rounded.empty() ||
-           triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()}, normal, none, corners)))
+      const std::set<Edge> rounded = sum.edges();
+      std::set<std::uint32_t> inner;
+      for (const std::uint32_t v : region.inner)
+        inner.insert(becomes[v]);
+      for (const Edge& edge : rounded)
+        inner.erase(edge.first);
+      if (rounded.empty() || triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()},
+                                              {inner.begin(), inner.end()}, normal, none, corners))
         continue;
       // Rounding makes edges cross: triangles as they are without, some of which go.
       std::vector<std::uint32_t> unrounded;
-      if (!triangulateEdges(lattice, {region.edges.begin(), region.edges.end()}, normal, none,
-                            unrounded))
+      if (!triangulateEdges(lattice, {region.edges.begin(), region.edges.end()},
+                            {region.inner.begin(), region.inner.end()}, normal, none, unrounded))
         return false;
       for (std::size_t i = 0; i < unrounded.size(); i += 3) {
         const std::array<std::uint32_t, 3> made{becomes[unrounded[i]], becomes[unrounded[i + 1]],
@@ -457,7 +371,7 @@ bool areFloats(const std::vector<Vec3d>& points) {
 
 enum class Round { Done, Again, GivenUp };
 
-Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress& progress) {
+Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
   const LatticeChain chain = latticeChain(mesh);
   const TrimmedChain trimmed = trimChain(chain.welded, isPositive, progress);
   if (!trimmed.complete)
@@ -491,13 +405,40 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
       drops[chain.source[i]] = 0;
     }
   }
+  for (const TouchedFace& face : findTouchedFaces(chain, trimmed)) {
+    const auto& own = chain.welded.faces[face.face].corners;
+    Loop outline;
+    std::set<std::uint32_t> inner;
+    for (std::size_t k = 0; k < 3; ++k) {
+      points.addCorner(own[k]);
+      outline.push_back(points.at(chain.welded.points[own[k]]));
+      for (const std::uint32_t v : face.onEdges[k]) {
+        points.addCorner(v);
+        outline.push_back(points.at(chain.welded.points[v]));
+      }
+    }
+    for (const std::uint32_t v : face.within) {
+      points.addCorner(v);
+      inner.insert(points.at(chain.welded.points[v]));
+    }
+    std::vector<std::uint32_t> distinct = outline;
+    distinct.insert(distinct.end(), inner.begin(), inner.end());
+    faceCorners.insert(distinct.begin(), distinct.end());
+    std::sort(distinct.begin(), distinct.end());
+    if (std::adjacent_find(distinct.begin(), distinct.end()) != distinct.end())
+      continue; // as near a corner as rounding
+    regions.addTouched(face.face, trimmed.rests[face.face].fate == PartFate::StaysInverse,
+                       std::move(outline), std::move(inner));
+    drops[chain.source[face.face]] = 1;
+    --kept;
+    ++cut;
+  }
   if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
     return Round::Done; // faces without area cross nothing
   regions.dropStraightCorners(faceCorners);
-  if (!regions.addCornersOfOthers())
-    return Round::GivenUp;
+  regions.addCornersOfOthers();
   std::vector<std::uint32_t> added;
-  if (!regions.triangulate(chain, points.round(floats), added))
+  if (!regions.triangulate(chain, points.round(counts.floats), added))
     return Round::GivenUp;
   counts.cutFaces += cut;
   counts.addedFaces += added.size() / 3;
@@ -512,13 +453,13 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
 
 } // namespace
 
-CrossingCounts removeCrossings(TriangleMesh& mesh, Progress& progress) {
+CrossingCounts removeCrossings(TriangleMesh& mesh, NewCorners corners, Progress& progress) {
   CrossingCounts counts;
   const TriangleMesh before = mesh;
-  const bool floats = areFloats(mesh.points);
+  counts.floats = corners == NewCorners::FloatsAsGiven && areFloats(mesh.points);
   Round round = Round::Again;
   for (; round == Round::Again && counts.rounds < kMostRounds; ++counts.rounds)
-    round = cutOnce(mesh, floats, counts, progress);
+    round = cutOnce(mesh, counts, progress);
   if (round == Round::GivenUp) {
     counts.complete = false;
     mesh = before;

@@ -21,7 +21,7 @@ namespace tetvdb {
 namespace {
 
 constexpr int kFirstStep = -22, kLastStep = -12; // powers of two of the largest coordinate
-constexpr int kMostRounds = 3;
+constexpr int kMostRounds = 8;
 
 using FloatPosition = std::array<float, 3>;
 

@@ -283,11 +283,11 @@ void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
 } // namespace
 
 bool triangulateEdges(const std::vector<Vec3d>& points, const std::vector<PolygonEdge>& edges,
-                      const Vec3d& normal, const EdgeTaken& isTaken,
-                      std::vector<std::uint32_t>& corners) {
+                      const std::vector<std::uint32_t>& inner, const Vec3d& normal,
+                      const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners) {
   const FlatPoints flat(points, normal);
   const std::set<PolygonEdge> boundary(edges.begin(), edges.end());
-  std::vector<std::uint32_t> used;
+  std::vector<std::uint32_t> used = inner;
   for (const PolygonEdge& edge : edges) {
     used.push_back(edge.first);
     used.push_back(edge.second);
@@ -315,7 +315,7 @@ bool triangulatePolygon(const std::vector<Vec3d>& points,
   for (const std::vector<std::uint32_t>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i)
       edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
-  return triangulateEdges(points, edges, normal, isTaken, corners);
+  return triangulateEdges(points, edges, {}, normal, isTaken, corners);
 }
 
 } // namespace tetvdb

@@ -22,8 +22,9 @@ using EdgeTaken = std::function<bool(std::uint32_t, std::uint32_t)>;
 /// A directed edge of a boundary: the points it runs from and to.
 using PolygonEdge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Appends to `corners`, three point numbers each, triangles over exactly the points of `edges`,
-/// none of them collinear as seen along the normal's largest axis. The edges, in any order, bound
+/// Appends to `corners`, three point numbers each, triangles over exactly the points of `edges` and
+/// the `inner` ones, which lie within, none of them collinear as seen along the normal's largest
+/// axis. The edges, in any order, bound
 /// one or several regions that lie to the left of each edge as seen from where `normal` points to;
 /// regions may have holes and may touch themselves or one another at points. Points are as good as
 /// in one plane. A triangulation of all points is constrained to the edges, decided by exact
@@ -33,8 +34,8 @@ using PolygonEdge = std::pair<std::uint32_t, std::uint32_t>;
 /// pass through points, points that are equal as seen, regions without a closed boundary. About
 /// O(n^1.5) for n points, 2 us each.
 bool triangulateEdges(const std::vector<Vec3d>& points, const std::vector<PolygonEdge>& edges,
-                      const Vec3d& normal, const EdgeTaken& isTaken,
-                      std::vector<std::uint32_t>& corners);
+                      const std::vector<std::uint32_t>& inner, const Vec3d& normal,
+                      const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners);
 
 /// The same for loops: the first loop is the outline and turns counter-clockwise around `normal`,
 /// the others are holes in it and turn clockwise.

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/surface/LatticeChain.h"
+
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/surface/FacePieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+bool stays(const FaceRest& rest) {
+  return rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse;
+}
+
+} // namespace
+
+LatticeChain latticeChain(const TriangleMesh& mesh) {
+  LatticeChain chain;
+  Box box;
+  for (const std::uint32_t corner : mesh.triangles)
+    box.add(mesh.points[corner]);
+  chain.origin = box.low;
+  double extent = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    extent = std::max(extent, box.high[axis] - box.low[axis]);
+  int exponent = 0;
+  std::frexp(extent, &exponent); // extent <= 2^exponent
+  chain.scale = std::ldexp(1, 40 - exponent);
+
+  // Numbered by position, so that nothing follows from the order of faces.
+  std::map<Vec3d, std::uint32_t> corners; // the first corner's point of the mesh
+  std::vector<Vec3d> snapped(mesh.points.size());
+  std::vector<std::uint32_t> number(mesh.points.size(), kNone);
+  for (const std::uint32_t corner : mesh.triangles) {
+    if (number[corner] != kNone)
+      continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      snapped[corner][axis] = std::round((mesh.points[corner][axis] - box.low[axis]) * chain.scale);
+    number[corner] = 0;
+    corners.try_emplace(snapped[corner], corner);
+  }
+  for (auto& [p, point] : corners) {
+    chain.pointOf.push_back(point);
+    point = static_cast<std::uint32_t>(chain.welded.points.size());
+    chain.welded.points.push_back(p);
+    for (const double c : p)
+      chain.welded.extent = std::max(chain.welded.extent, c);
+  }
+  for (std::size_t point = 0; point < number.size(); ++point)
+    if (number[point] != kNone)
+      number[point] = corners.at(snapped[point]);
+
+  struct Weighed {
+    WeldedFace face;
+    std::uint32_t source;
+  };
+  std::vector<Weighed> all;
+  const std::vector<Vec3d>& points = chain.welded.points;
+  for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
+    std::array<std::uint32_t, 3> c;
+    for (std::size_t k = 0; k < 3; ++k)
+      c[k] = number[mesh.triangles[3 * std::size_t(face) + k]];
+    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ||
+        areCollinear(points[c[0]], points[c[1]], points[c[2]])) {
+      ++chain.welded.flat;
+      continue;
+    }
+    std::int32_t weight = 1;
+    const auto order = [&](std::size_t i, std::size_t k) {
+      if (points[c[k]] < points[c[i]]) {
+        std::swap(c[i], c[k]);
+        weight = -weight;
+      }
+    };
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    all.push_back({{c, weight}, face});
+  }
+  std::sort(all.begin(), all.end(), [](const Weighed& a, const Weighed& b) {
+    return a.face.corners != b.face.corners ? a.face.corners < b.face.corners : a.source < b.source;
+  });
+  for (std::size_t i = 0, end; i < all.size(); i = end) {
+    std::int32_t sum = 0;
+    for (end = i; end < all.size() && all[end].face.corners == all[i].face.corners; ++end)
+      sum += all[end].face.weight;
+    if (sum == 0)
+      continue;
+    std::size_t first = i;
+    while (all[first].face.weight * sum < 0)
+      ++first;
+    chain.welded.faces.push_back({all[i].face.corners, sum});
+    chain.source.push_back(all[first].source);
+  }
+  return chain;
+}
+
+std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed) {
+  std::set<std::uint32_t> used;
+  for (std::size_t i = 0; i < trimmed.rests.size(); ++i)
+    if (trimmed.isMet[i] != 0 && (!trimmed.rests[i].parts.empty() || stays(trimmed.rests[i])))
+      used.insert(chain.welded.faces[i].corners.begin(), chain.welded.faces[i].corners.end());
+  const std::vector<std::uint32_t> corners(used.begin(), used.end());
+  std::vector<Box> boxes;
+  for (const std::uint32_t v : corners)
+    boxes.push_back(Box{chain.welded.points[v], chain.welded.points[v]});
+  const BoxTree tree(std::move(boxes));
+  std::vector<TouchedFace> all;
+  for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i) {
+    if (trimmed.isMet[i] == 0 || !trimmed.rests[i].parts.empty() || !stays(trimmed.rests[i]))
+      continue;
+    const std::array<Vec3d, 3> c = chain.welded.cornersOf(i);
+    const FacePlanes planes(c);
+    Box box;
+    for (const Vec3d& p : c)
+      box.add(p);
+    TouchedFace touched{i, {}, {}};
+    const auto& own = chain.welded.faces[i].corners;
+    tree.visit([&](const Box& other) { return other.meets(box); },
+               [&](std::uint32_t item) {
+                 const std::uint32_t v = corners[item];
+                 const Vec3d& p = chain.welded.points[v];
+                 if (std::find(own.begin(), own.end(), v) != own.end() || planes.plane.side(p) != 0)
+                   return false;
+                 std::size_t on = 3;
+                 for (std::size_t k = 0; k < 3; ++k) {
+                   const int side = planes.edges[k].side(p);
+                   if (side < 0)
+                     return false;
+                   if (side == 0)
+                     on = k;
+                 }
+                 (on < 3 ? touched.onEdges[on] : touched.within).push_back(v);
+                 return false;
+               });
+    std::size_t count = touched.within.size();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto along = [&](std::uint32_t v) {
+        return dot(minus(chain.welded.points[v], c[k]), minus(c[(k + 1) % 3], c[k]));
+      };
+      std::sort(touched.onEdges[k].begin(), touched.onEdges[k].end(),
+                [&](std::uint32_t a, std::uint32_t b) { return along(a) < along(b); });
+      count += touched.onEdges[k].size();
+    }
+    if (count > 0)
+      all.push_back(std::move(touched));
+  }
+  return all;
+}
+
+} // namespace tetvdb

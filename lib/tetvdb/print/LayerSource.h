@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Layers one after the other, from below: what checks, containers and sums are made of.
+//
+//   forEachLayer(
+//       source, [&](std::int32_t k, Layer&& layer) { return encode(k, layer); },   // in parallel
+//       [&](std::int32_t k, std::string&& bytes) { file.write(k, bytes); },        // in order
+//       progress);
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/print/Layer.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+#include <type_traits>
+#include <utility>
+
+namespace tetvdb {
+
+/// Some consecutive layers, ready to be made. Thread-safe.
+class LayerBatch {
+public:
+  virtual ~LayerBatch() = default;
+  /// One past the last layer.
+  virtual std::int32_t end() const = 0;
+  /// Makes a layer of the batch; `layer` is overwritten.
+  virtual void make(std::int32_t k, Layer& layer) const = 0;
+};
+
+/// A solid, cut into layers. Whatever the number of threads, the layers are the same.
+class LayerSource {
+public:
+  virtual ~LayerSource() = default;
+  virtual const LayerFrame& frame() const = 0;
+  /// The batch that begins with layer `first`: layer 0, and then where the last one ended. For one
+  /// thread at a time; batches can be used while others are made, as long as the source lives.
+  virtual std::shared_ptr<const LayerBatch> batch(std::int32_t first) = 0;
+};
+
+/// For every layer k, from 0 upward, take(k, work(k, layer)): work() in parallel for different
+/// layers, take() for one after the other in order. About two layers a thread are in memory at a
+/// time. Throws what these throw, and Error(Cancelled).
+template <typename Work, typename Take>
+void forEachLayer(LayerSource& source, const Work& work, const Take& take, Progress& progress) {
+  using Made = std::decay_t<decltype(work(std::int32_t(0), std::declval<Layer&&>()))>;
+  struct Item {
+    std::int32_t k = 0;
+    std::shared_ptr<const LayerBatch> batch;
+    std::optional<Made> made;
+  };
+  const std::int32_t layers = source.frame().layers;
+  std::int32_t next = 0;
+  std::shared_ptr<const LayerBatch> batch;
+  const auto begin = [&](tbb::flow_control& flow) -> std::shared_ptr<Item> {
+    if (next == layers) {
+      flow.stop();
+      return nullptr;
+    }
+    if (!batch || batch->end() == next)
+      batch = source.batch(next);
+    auto item = std::make_shared<Item>();
+    item->k = next++;
+    item->batch = batch;
+    return item;
+  };
+  const auto make = [&](std::shared_ptr<Item> item) {
+    progress.check();
+    Layer layer;
+    item->batch->make(item->k, layer);
+    item->batch.reset();
+    item->made.emplace(work(item->k, std::move(layer)));
+    return item;
+  };
+  const auto end = [&](const std::shared_ptr<Item>& item) {
+    take(item->k, std::move(*item->made));
+    progress.update(static_cast<double>(item->k + 1) / layers);
+  };
+  const auto tokens = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  tbb::parallel_pipeline(
+      tokens,
+      tbb::make_filter<void, std::shared_ptr<Item>>(tbb::filter_mode::serial_in_order, begin) &
+          tbb::make_filter<std::shared_ptr<Item>, std::shared_ptr<Item>>(tbb::filter_mode::parallel,
+                                                                         make) &
+          tbb::make_filter<std::shared_ptr<Item>, void>(tbb::filter_mode::serial_in_order, end));
+}
+
+} // namespace tetvdb

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where a model stands on the plate, and which pixel that is.
+#pragma once
+
+#include "tetvdb/print/Layer.h"
+#include "tetvdb/print/MeshLayers.h"
+#include "tetvdb/print/PrinterSettings.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+
+#include <array>
+#include <optional>
+
+namespace tetvdb {
+
+/// Where the model goes; by default the middle of its box to the middle of the display, its lowest
+/// point onto the plate.
+struct PlaceOptions {
+  bool keep = false; ///< coordinates are those of the plate, in millimetres, from its corner
+  std::optional<std::array<double, 2>> centre; ///< of the box, millimetres on the plate
+  double scale = 1;                            ///< millimetres in a unit of the model
+};
+
+/// From the model to the plate: point * scale + offset, in millimetres. The plate's x and y run
+/// from 0 to the display's width and height, seen from above.
+struct PlateMap {
+  std::array<double, 3> scale{1, 1, 1}, offset{0, 0, 0};
+  WorldBox box; ///< of the model, on the plate
+
+  Vec3d operator()(const Vec3d& p) const {
+    return {p[0] * scale[0] + offset[0], p[1] * scale[1] + offset[1], p[2] * scale[2] + offset[2]};
+  }
+};
+
+/// Throws Error(Limit), with the sizes, for a model that does not fit on the plate.
+PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
+                      const PlaceOptions& options);
+
+/// The frame of a printer's images for a model that reaches up to `top` millimetres: as many layers
+/// as have a part of it (Volume), or whose middle is below its top, at least one. A portrait
+/// display has its sides exchanged. Throws Error(Limit) beyond 2^20 layers.
+LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share);
+
+/// Whether the images of a printer show the plate as in a mirror, rows counted from the top.
+bool isMirrored(const PrinterSettings& printer);
+
+/// A place on the plate, in millimetres, as x and y in pixels of the image: seen from above, row 0
+/// is at the plate's largest y; a portrait display is turned by a quarter to the right and
+/// mirrored; then the image is mirrored as the printer asks. As PrusaSlicer places them.
+std::array<double, 2> pixelOf(const PrinterSettings& printer, double x, double y);
+
+/// Points of a model on the plate, then in the image; clamped to the frame, which placeOnPlate()
+/// lets them pass by rounding alone. Contours stay in millimetres.
+FrameFaces framedFaces(std::vector<Vec3d> points, std::vector<std::uint32_t> triangles,
+                       const PlateMap& map, const PrinterSettings& printer, LayerShare share);
+
+} // namespace tetvdb

@@ -81,6 +81,12 @@ std::vector<PlannedStage> plannedStages(const RenderJob& job) {
   return {{"read", 2}, {"scene", 3}, {"render", 6 * pictures}, {"write", 0.1}};
 }
 
+std::vector<PlannedStage> plannedStages(const SliceJob& job) {
+  if (job.isVolume)
+    return {{"read", 2}, {"extract", 10}, {"cut", 1}, {"layers", 20}};
+  return {{"read", 2}, {"clean", 5}, {"cut", 1}, {"layers", 20}};
+}
+
 std::vector<PlannedStage> plannedSequence() {
   return {{"first pass", 1}, {"frames", 6}}; // both read, the second makes volumes too
 }

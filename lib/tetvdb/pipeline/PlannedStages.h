@@ -12,6 +12,7 @@
 
 #include "tetvdb/core/TimeEstimate.h"
 #include "tetvdb/pipeline/RenderJob.h"
+#include "tetvdb/pipeline/SliceJob.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
@@ -25,6 +26,7 @@ namespace tetvdb {
 std::vector<PlannedStage> plannedStages(const VoxelizeJob& job);
 std::vector<PlannedStage> plannedStages(const TetrahedralizeJob& job);
 std::vector<PlannedStage> plannedStages(const RenderJob& job);
+std::vector<PlannedStage> plannedStages(const SliceJob& job);
 /// Of runSequence(), whatever its frames are.
 std::vector<PlannedStage> plannedSequence();
 

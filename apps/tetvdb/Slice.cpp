@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "JobOptions.h"
+#include "JsonReport.h"
+#include "ParseQuantities.h"
+#include "VolumeSignature.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/NumberParser.h"
+#include "tetvdb/io/Source.h"
+#include "tetvdb/pipeline/MeshObjects.h"
+#include "tetvdb/pipeline/PlannedStages.h"
+#include "tetvdb/pipeline/SliceJob.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options : JobOptions {
+  std::vector<std::string> inputs;
+  std::string output, format, printer, pixels, display, layerHeight, firstLayerHeight;
+  std::string orientation, mirror, maxHeight, place, units, grid, aa = "volume", table, stretch;
+  std::string exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed, lightOffDelay;
+  double scale = 1, gamma = 1;
+  int levels = 256, bottomLayers = 1, fadedLayers = 0;
+  bool materials = false;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb slice part.stl -o part.sl1 --printer sl1s.ini
+      the printer from an exported configuration of PrusaSlicer
+  tetvdb slice part.stl -o layers --pixels 11520,5120 --display 218.88,122.88 --layer-height 0.05
+      a folder of PNG files with manifest.json
+  tetvdb slice part.3mf -o part.goo --printer saturn.ini --exposure 2.5 --bottom-exposure 30
+  tetvdb slice part.stl -o part.sl1 --printer sl1s.ini --aa area --levels 9
+      grey levels of the middle plane, nine of them
+  tetvdb slice engine.msh -o layers --printer jet.ini --materials
+      every pixel the number of its region, as PNG files with a palette
+  tetvdb slice a.stl b.stl -o layers --printer jet.ini --materials
+  tetvdb slice part.stl -o part.cli --printer lpbf.ini
+      contours in place of pixels, as with .svg and .3mf
+  tetvdb slice lattice.vdb -o lattice.sl1 --printer sl1s.ini
+
+A grey level is round(255 c), where c is the exact share of the pixel that is solid: of its whole
+layer (--aa volume), or of the layer's middle plane (--aa area). The model stands in the middle of
+the plate unless --place says otherwise. Lengths of the printer are in millimetres; those of the
+model too, unless its file or --units says otherwise. docs/print.md explains formats and options.)";
+
+std::array<double, 2> parsePair(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 2 || !std::isfinite(numbers[0]) || !std::isfinite(numbers[1]))
+    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
+                "give two numbers with a comma between them");
+  return {numbers[0], numbers[1]};
+}
+
+// A length or time that was asked for replaces the printer's.
+void take(const std::string& option, const std::string& text, double& value) {
+  if (text.empty())
+    return;
+  const std::vector<double> numbers = parseNumbers(option, text);
+  if (numbers.size() != 1 || !(numbers[0] >= 0) || !std::isfinite(numbers[0]))
+    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
+                "give a number, zero or more");
+  value = numbers[0];
+}
+
+std::array<std::uint8_t, 256> readTable(const std::string& path) {
+  const MappedFile file(path);
+  std::string text(file.bytes());
+  std::replace(text.begin(), text.end(), ',', ' ');
+  NumberParser in(text, path, '#');
+  std::array<std::uint8_t, 256> table{};
+  for (std::uint8_t& level : table) {
+    const double number = in.real();
+    if (!(number >= 0 && number <= 255) || number != std::floor(number))
+      throw Error(Status::Invalid, path, "holds a level that is not a whole number from 0 to 255");
+    level = static_cast<std::uint8_t>(number);
+  }
+  in.skipSpace();
+  if (in.remaining() > 0)
+    throw Error(Status::Invalid, path, "holds more than 256 levels");
+  return table;
+}
+
+void setPrinter(const Options& options, const CLI::App& command, PrinterSettings& printer) {
+  if (!options.pixels.empty()) {
+    const auto pixels = parsePair("--pixels", options.pixels);
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (!(pixels[k] >= 1 && pixels[k] <= 1 << 20) || pixels[k] != std::floor(pixels[k]))
+        throw Error(Status::Usage, "--pixels", "'" + options.pixels + "' cannot be used",
+                    "give two whole numbers, such as 2560,1440");
+      printer.pixels[k] = static_cast<int>(pixels[k]);
+    }
+  }
+  if (!options.display.empty())
+    printer.display = parsePair("--display", options.display);
+  if (!options.layerHeight.empty()) {
+    printer.layerHeight = parseLength("--layer-height", options.layerHeight);
+    printer.firstLayerHeight = 0;
+  }
+  if (!options.firstLayerHeight.empty())
+    printer.firstLayerHeight = parseLength("--first-layer-height", options.firstLayerHeight);
+  if (!options.orientation.empty())
+    printer.portrait = options.orientation == "portrait";
+  if (!options.mirror.empty())
+    printer.mirror = {options.mirror == "x" || options.mirror == "xy",
+                      options.mirror == "y" || options.mirror == "xy"};
+  take("--max-height", options.maxHeight, printer.maxHeight);
+  take("--exposure", options.exposure, printer.exposure);
+  take("--bottom-exposure", options.bottomExposure, printer.firstExposure);
+  if (command.count("--bottom-layers") > 0)
+    printer.bottomLayers = options.bottomLayers;
+  if (command.count("--transition-layers") > 0)
+    printer.fadedLayers = options.fadedLayers;
+  if (!options.liftHeight.empty()) {
+    take("--lift-height", options.liftHeight, printer.liftHeight);
+    printer.bottomLiftHeight = printer.liftHeight;
+  }
+  if (!options.liftSpeed.empty()) {
+    take("--lift-speed", options.liftSpeed, printer.liftSpeed);
+    printer.bottomLiftSpeed = printer.liftSpeed;
+  }
+  take("--retract-speed", options.retractSpeed, printer.retractSpeed);
+  take("--light-off-delay", options.lightOffDelay, printer.lightOffDelay);
+  if (!options.stretch.empty()) {
+    const Vec3d factors = parsePoint("--stretch", options.stretch);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!(factors[k] > 0))
+        throw Error(Status::Usage, "--stretch", "factors must be above zero");
+      printer.stretch[k] *= factors[k];
+    }
+  }
+}
+
+void setPlace(const Options& options, PlaceOptions& place) {
+  if (!std::isfinite(options.scale) || !(options.scale > 0))
+    throw Error(Status::Usage, "--scale", "must be a number above zero");
+  place.scale = options.scale;
+  if (options.place == "keep")
+    place.keep = true;
+  else if (!options.place.empty() && options.place != "centre" && options.place != "center")
+    place.centre = parsePair("--place", options.place);
+}
+
+SliceJob makeJob(const Options& options, const CLI::App& command) {
+  SliceJob job;
+  job.inputs = options.inputs;
+  for (const std::string& input : options.inputs) {
+    const MappedFile readable(input); // says so at once if the file is not there
+    job.isVolume = job.isVolume || signatureOf(input) != VolumeSignature::None;
+  }
+  job.grid = options.grid;
+  if (!job.grid.empty() && !job.isVolume)
+    throw Error(Status::Usage, "--grid", "chooses a grid of a volume; the input is a mesh",
+                "leave it out");
+  job.output = options.output;
+  job.format = options.format;
+  if (!options.printer.empty())
+    job.printer = readPrinter(options.printer);
+  setPrinter(options, command, job.printer);
+  setPlace(options, job.place);
+  job.units = options.units;
+  if (!options.units.empty() && !(metresOf(options.units) > 0))
+    throw Error(Status::Usage, "--units", "'" + options.units + "' is no unit known here",
+                "choose from um, mm, cm, m, in and ft");
+  job.aa = options.aa == "area"   ? SliceAa::Area
+           : options.aa == "none" ? SliceAa::None
+                                  : SliceAa::Volume;
+  job.grey.levels = options.levels;
+  job.grey.gamma = command.count("--gamma") > 0 ? options.gamma : job.printer.gamma;
+  if (!options.table.empty())
+    job.grey.table = readTable(options.table);
+  job.materials = options.materials;
+  setCleaning(options, job.clean);
+  job.maxMemory = memoryLimit(options);
+  job.threads = threadCount(options);
+  return job;
+}
+
+const char* nameOf(SolidSource source) {
+  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
+  return kNames[static_cast<std::size_t>(source)];
+}
+
+Json inputsOf(const SliceResult& result, const std::vector<std::string>& paths) {
+  Json inputs = Json::array();
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    Json input = {{"path", paths[i]}, {"kind", nameOf(result.source)}};
+    if (i < result.inputs.size()) {
+      input["format"] = formatName(result.inputs[i].format);
+      input["vertices"] = result.inputs[i].vertices;
+      if (result.source == SolidSource::Tets)
+        input["tets"] = result.inputs[i].tets;
+      else
+        input["triangles"] = result.inputs[i].triangles;
+    }
+    inputs.push_back(std::move(input));
+  }
+  return inputs;
+}
+
+Json slicesOf(const SliceResult& result) {
+  const LayerFrame& frame = result.frame;
+  Json slices = {{"format", result.format},
+                 {"layers", frame.layers},
+                 {"empty_layers", result.emptyLayers},
+                 {"width_px", frame.width},
+                 {"height_px", frame.height},
+                 {"pixel_mm", {frame.pixelWidth, frame.pixelHeight}},
+                 {"layer_height_mm", frame.layerHeight},
+                 {"first_layer_height_mm", frame.firstLayerHeight},
+                 {"box_mm", {{"min", result.box.min}, {"max", result.box.max}}},
+                 {"mesh_volume_mm3", result.meshVolume > 0 ? Json(result.meshVolume) : Json()},
+                 {"volume_mm3", result.volume},
+                 {"overlap_mm3", result.overlap},
+                 {"repaired", result.repaired}};
+  if (!result.materials.empty())
+    slices["materials"] = result.materials;
+  if (result.source == SolidSource::Triangles)
+    slices["cleaned"] = toJson(result.cleaned);
+  return slices;
+}
+
+void runSlice(const Options& options, const CLI::App& command, Session& session) {
+  Json paths = Json::array();
+  for (const std::string& input : options.inputs)
+    paths.push_back({{"path", input}});
+  session.sections = {{"device", "cpu"},   {"threads", options.threads}, {"input", paths},
+                      {"stages", nullptr}, {"slices", nullptr},          {"output", Json::array()}};
+  const SliceJob job = makeJob(options, command);
+  session.sections["threads"] = job.threads;
+  setDeadline(options, session.progress);
+  session.estimate.plan(plannedStages(job), 0);
+  const AllowThreads allowed(job.threads);
+  const SliceResult result = run(job, session.report, session.progress);
+  session.sections["input"] = inputsOf(result, options.inputs);
+  session.sections["slices"] = slicesOf(result);
+  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  session.text = fmt::format("{}: {:.1f} MB, {} layers of {} x {} pixels, {:.6g} ml\n",
+                             oneLine(result.output.path),
+                             static_cast<double>(result.output.bytes) / 1e6, result.frame.layers,
+                             result.frame.width, result.frame.height, result.volume / 1000);
+  session.textIsSummary = true;
+}
+
+void addPrinterOptions(CLI::App& command, Options& options) {
+  const auto add = [&](const char* name, std::string& value, const char* type,
+                       const std::string& description) {
+    return command.add_option(name, value, description)->type_name(type)->check(notEmpty());
+  };
+  add("--printer", options.printer, "FILE",
+      "The printer's settings: keys of PrusaSlicer, one a line; options below replace them");
+  add("--pixels", options.pixels, "W,H", "Pixels of the display");
+  add("--display", options.display, "W,H", "Size of the display, mm");
+  add("--layer-height", options.layerHeight, "H", "Height of a layer, mm");
+  add("--first-layer-height", options.firstLayerHeight, "H", "Of the first (default: as others)");
+  add("--orientation", options.orientation, "O",
+      "landscape, or portrait: images are turned by a quarter")
+      ->check(CLI::IsMember({"landscape", "portrait"}).description(""));
+  add("--mirror", options.mirror, "AXES", "Mirror images along x, y, xy or none")
+      ->check(CLI::IsMember({"x", "y", "xy", "none"}).description(""));
+  add("--max-height", options.maxHeight, "H", "Refuse models that are higher, mm (0: no limit)");
+  add("--exposure", options.exposure, "SECONDS", "Exposure of a layer");
+  add("--bottom-exposure", options.bottomExposure, "SECONDS", "Exposure of the bottom layers");
+  command.add_option("--bottom-layers", options.bottomLayers, "How many of these (default 1)")
+      ->check(CLI::Range(0, 1 << 20).description(""))
+      ->type_name("N");
+  command
+      .add_option("--transition-layers", options.fadedLayers,
+                  "Layers over which exposure goes from the bottom's to the others' (default 0)")
+      ->check(CLI::Range(0, 1 << 20).description(""))
+      ->type_name("N");
+  add("--lift-height", options.liftHeight, "H", "How far the plate is lifted, mm (default 5)");
+  add("--lift-speed", options.liftSpeed, "V", "mm a minute (default 60)");
+  add("--retract-speed", options.retractSpeed, "V", "mm a minute (default 150)");
+  add("--light-off-delay", options.lightOffDelay, "SECONDS", "Wait before a layer (default 0)");
+}
+
+void addModelOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--place", options.place,
+                  "centre: the middle of the display (default); X,Y: the box's middle there, mm; "
+                  "keep: coordinates are the plate's")
+      ->type_name("PLACE")
+      ->check(notEmpty());
+  command.add_option("--units", options.units, "Of the model: um, mm, cm, m, in or ft")
+      ->type_name("UNIT")
+      ->check(notEmpty());
+  command.add_option("--scale", options.scale, "Multiply the model by F")->type_name("F");
+  command
+      .add_option("--stretch", options.stretch,
+                  "Multiply it along each axis, against shrinkage of the material")
+      ->type_name("FX,FY,FZ")
+      ->check(notEmpty());
+  command.add_option("--grid", options.grid, "Of a volume, by name")
+      ->type_name("NAME")
+      ->check(notEmpty());
+}
+
+void addPixelOptions(CLI::App& command, Options& options) {
+  command
+      .add_option("--aa", options.aa,
+                  "Grey levels: volume (default), the share of the pixel through the whole layer; "
+                  "area, that of the middle plane; none, white where the middle is solid")
+      ->type_name("RULE")
+      ->check(CLI::IsMember({"volume", "area", "none"}).description(""));
+  command.add_option("--levels", options.levels, "Grey levels, evenly spaced (default 256)")
+      ->type_name("N")
+      ->check(CLI::Range(2, 256).description(""));
+  command
+      .add_option("--gamma", options.gamma,
+                  "Raise shares to this power (default: the printer's, else 1; 0: half and more "
+                  "is white)")
+      ->type_name("G");
+  command
+      .add_option("--lut", options.table,
+                  "A file of 256 levels that replace the levels 0 to 255, in the end")
+      ->type_name("FILE")
+      ->check(notEmpty());
+  command.add_flag("--materials", options.materials,
+                   "Pixels are numbers of materials: regions of tets, or inputs of triangles");
+}
+
+std::string endingsOfFormats() {
+  std::string list;
+  for (const LayerFormat& format : layerFormats())
+    if (!format.endings.empty() && list.find(format.endings) == std::string::npos)
+      (list += list.empty() ? "" : " ") += format.endings;
+  return list;
+}
+
+std::string namesOfFormats() {
+  std::string list;
+  for (const LayerFormat& format : layerFormats())
+    (list += list.empty() ? "" : ", ") += format.name;
+  return list;
+}
+
+} // namespace
+
+Command addSlice(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("slice", "Cut a mesh or a volume into the layers of a 3D printer");
+  auto options = std::make_shared<Options>();
+  command->add_option("IN", options->inputs, "Meshes of triangles or one of tets, or a volume")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("-o,--output", options->output,
+                   "A file: " + endingsOfFormats() + "; without an ending: a folder of PNG files")
+      ->required()
+      ->type_name("FILE|FOLDER")
+      ->check(notEmpty());
+  command
+      ->add_option("--format", options->format,
+                   "Where the ending does not tell: " + namesOfFormats())
+      ->type_name("NAME")
+      ->check(notEmpty());
+  addPrinterOptions(*command, *options);
+  addModelOptions(*command, *options);
+  addPixelOptions(*command, *options);
+  addCleaningOptions(*command, *options);
+  addLimitOptions(*command, *options);
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options, command](Session& session) { runSlice(*options, *command, session); };
+  result.files = [options] {
+    FileNames names{options->inputs, {options->output}};
+    names.read.insert(names.read.end(), {options->printer, options->table});
+    return names;
+  };
+  return result;
+}
+
+} // namespace tetvdb::cli

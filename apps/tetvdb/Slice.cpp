@@ -3,6 +3,7 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "ParseQuantities.h"
+#include "ProgressDisplay.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/NumberParser.h"
@@ -25,7 +26,8 @@ struct Options : JobOptions {
   std::vector<std::string> inputs;
   std::string output, format, printer, pixels, display, layerHeight, firstLayerHeight;
   std::string orientation, mirror, maxHeight, place, units, grid, aa = "volume", table, stretch;
-  std::string exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed, lightOffDelay;
+  std::string xyOffset, footOffset, exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed,
+      lightOffDelay;
   double scale = 1, gamma = 1;
   int levels = 256, bottomLayers = 1, fadedLayers = 0;
   bool materials = false;
@@ -128,6 +130,13 @@ void setPrinter(const Options& options, const CLI::App& command, PrinterSettings
   }
   take("--retract-speed", options.retractSpeed, printer.retractSpeed);
   take("--light-off-delay", options.lightOffDelay, printer.lightOffDelay);
+  if (!options.xyOffset.empty()) {
+    const std::vector<double> numbers = parseNumbers("--xy-offset", options.xyOffset);
+    if (numbers.size() != 1 || !std::isfinite(numbers[0]))
+      throw Error(Status::Usage, "--xy-offset", "'" + options.xyOffset + "' is not a length");
+    printer.xyOffset = numbers[0];
+  }
+  take("--foot-offset", options.footOffset, printer.footOffset);
   if (!options.stretch.empty()) {
     const Vec3d factors = parsePoint("--stretch", options.stretch);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -219,7 +228,8 @@ Json slicesOf(const SliceResult& result) {
                  {"mesh_volume_mm3", result.meshVolume > 0 ? Json(result.meshVolume) : Json()},
                  {"volume_mm3", result.volume},
                  {"overlap_mm3", result.overlap},
-                 {"repaired", result.repaired}};
+                 {"repaired", result.repaired},
+                 {"remeshed", result.remeshed}};
   if (!result.materials.empty())
     slices["materials"] = result.materials;
   if (result.source == SolidSource::Triangles)
@@ -236,7 +246,7 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
   const SliceJob job = makeJob(options, command);
   session.sections["threads"] = job.threads;
   setDeadline(options, session.progress);
-  session.estimate.plan(plannedStages(job), 0);
+  session.estimate.plan(plannedStages(job), secondsNow());
   const AllowThreads allowed(job.threads);
   const SliceResult result = run(job, session.report, session.progress);
   session.sections["input"] = inputsOf(result, options.inputs);
@@ -298,6 +308,14 @@ void addModelOptions(CLI::App& command, Options& options) {
                   "Multiply it along each axis, against shrinkage of the material")
       ->type_name("FX,FY,FZ")
       ->check(notEmpty());
+  command
+      .add_option("--xy-offset", options.xyOffset,
+                  "Grow outlines by D mm, below 0: shrink them, against light that spreads")
+      ->type_name("D");
+  command
+      .add_option("--foot-offset", options.footOffset,
+                  "Shrink the first layer's outline by D mm, those of the transition layers less")
+      ->type_name("D");
   command.add_option("--grid", options.grid, "Of a volume, by name")
       ->type_name("NAME")
       ->check(notEmpty());

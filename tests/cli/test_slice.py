@@ -269,6 +269,36 @@ class SliceTest(program.CommandLineTest):
         _, _, definitions = readers.goo(self.path("a.goo"))
         self.assertEqual([d["z"] for d in definitions[:3]], [0.5, 0.75, 1.0])
 
+    def test_outlines_grow_and_shrink(self):
+        self.write("box.off", off(*box_faces((0, 0, 0), (4.0, 2.0, 1.0))))
+        volumes = {}
+        for by in ("0.3", "-0.3"):
+            slices = self.report_of("slice", "box.off", "-o", "out", *PRINTER, "--xy-offset",
+                                    by)["slices"]
+            volumes[by] = slices["volume_mm3"]
+        self.assertAlmostEqual(volumes["0.3"], 8 + 2 * 0.3 * 6 + math.pi * 0.09, 2)
+        self.assertAlmostEqual(volumes["-0.3"], 3.4 * 1.4, 1)
+        self.refuse(2, "slice", "part.off", "-o", "x.cli", *PRINTER, "--xy-offset", "0.1",
+                    says="--xy-offset")
+        self.refuse(4, "slice", "part.off", "-o", "x", *PRINTER, "--xy-offset", "5")
+        self.write("foot.ini", "elefant_foot_compensation = 0.2\nfaded_layers = 2\n")
+        self.slice("foot", "--printer", "foot.ini", model="box.off")
+        layers, _ = readers.png_folder(self.path("foot"))
+        sums = [sum(map(sum, layer)) for layer in layers]
+        self.assertLess(sums[0], sums[1])
+        self.assertLess(sums[1], sums[2])
+        self.assertEqual(sums[2], sums[3])
+
+    def test_open_meshes_are_answered(self):
+        points, faces = ball(10, 1.7, (0, 0, 0))
+        self.write("bowl.off", off(points, [f for f in faces if max(points[c][2] for c in f) < 1]))
+        for aa in ("volume", "area", "none"):
+            slices = self.report_of("slice", "bowl.off", "-o", "bowl", *PRINTER, "--aa",
+                                    aa)["slices"]
+            self.assertGreater(slices["volume_mm3"], 0.7 * volume((points, faces)) * 0.8)
+        self.write("sheet.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0.5)], [[0, 1, 2]]))
+        self.refuse(3, "slice", "sheet.off", "-o", "x", *PRINTER)
+
     # --- folders ---
 
     def test_a_folder_is_replaced_where_it_holds_layers_alone(self):
@@ -328,12 +358,24 @@ class SliceTest(program.CommandLineTest):
 
     @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
     def test_area_is_prusaslicers(self):
-        points, faces = joined(ball(30, 17, (0, 0, 17)), inverted(ball(20, 8, (2, 1, 16))),
-                               box_faces((20.3, -19, 0.0), (47.7, -10.3, 21.1)))
-        self.write("model.stl", stl(points, faces))
+        self.compare_with_prusaslicer(
+            joined(ball(30, 17, (0, 0, 17)), inverted(ball(20, 8, (2, 1, 16))),
+                   box_faces((20.3, -19, 0.0), (47.7, -10.3, 21.1))), "landscape", 0, 0)
+
+    @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
+    def test_turned_images_are_prusaslicers(self):
+        model = joined(box_faces((0, 0, 0), (41.3, 5.7, 4.2)),
+                       box_faces((0, 7.1, 0), (12.9, 33.3, 4.2)))
+        self.compare_with_prusaslicer(model, "portrait", 1, 0)
+        self.compare_with_prusaslicer(model, "portrait", 0, 1)
+        self.compare_with_prusaslicer(model, "landscape", 0, 1)
+
+    def compare_with_prusaslicer(self, model, orientation, mirror_x, mirror_y):
+        self.write("model.stl", stl(*model))
         self.write("prusa.ini", "printer_technology = SLA\ndisplay_width = 120\n"
                    "display_height = 68\ndisplay_pixels_x = 480\ndisplay_pixels_y = 272\n"
-                   "display_orientation = landscape\ndisplay_mirror_x = 0\ndisplay_mirror_y = 0\n"
+                   f"display_orientation = {orientation}\ndisplay_mirror_x = {mirror_x}\n"
+                   f"display_mirror_y = {mirror_y}\n"
                    "layer_height = 0.5\ninitial_layer_height = 0.5\nexposure_time = 8\n"
                    "initial_exposure_time = 35\nfaded_layers = 10\ngamma_correction = 1\n"
                    "max_print_height = 150\nsupports_enable = 0\npad_enable = 0\n"

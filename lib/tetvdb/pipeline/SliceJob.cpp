@@ -12,9 +12,11 @@
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/TetSurface.h"
+#include "tetvdb/surface/TriangleScene.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/SoupRim.h"
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,8 +104,13 @@ private:
     if (job_.isVolume && job_.inputs.size() > 1)
       throw Error(Status::Usage, job_.inputs[1], "a volume is cut by itself",
                   "give one input at a time");
-    const bool wholeVoxels = job_.materials || (job_.aa == SliceAa::None && !format_.contours);
-    if (wholeVoxels && job_.printer.firstHeight() != job_.printer.layerHeight)
+    const bool offsets = job_.printer.xyOffset != 0 || job_.printer.footOffset != 0;
+    if (offsets && (asksCentres() || format_.contours))
+      throw Error(Status::Usage, "--xy-offset, --foot-offset",
+                  "need grey levels: --aa volume or area, and a format of pixels",
+                  "set them to 0 (absolute_correction and elefant_foot_compensation in the "
+                  "printer's file)");
+    if (asksCentres() && job_.printer.firstHeight() != job_.printer.layerHeight)
       throw Error(Status::Usage, "--first-layer-height", "layers of whole voxels have one height",
                   "leave it out, or use --aa volume");
   }
@@ -137,26 +144,63 @@ private:
     return meshes;
   }
 
-  void close(TriangleMesh& mesh, const std::string& name) {
+  // Whether the winding number of every voxel's centre is asked for, which needs no closed faces.
+  bool asksCentres() const {
+    return job_.materials || (job_.aa == SliceAa::None && !format_.contours);
+  }
+
+  void clean(TriangleMesh& mesh, const std::string& name) {
     result_.cleaned = cleanInput(mesh, name, job_.clean, report_, progress_);
-    if (soupRim(mesh.triangles, progress_).edges.empty())
+    if (asksCentres())
       return;
     const std::size_t open = soupRim(mesh.triangles, progress_).edges.size();
+    if (open == 0)
+      return;
     const LocalRepair repair = repairLocally(mesh, progress_);
     if (!repair.succeeded)
-      throw Error(Status::Invalid, name,
-                  fmt::format("has {} open edges and could not be mended: {}", open, repair.why),
-                  "make a closed surface of it with 'tetvdb repair'");
+      return remesh(mesh, name, open, repair.why);
     result_.repaired = true;
     report_.warn("repaired", fmt::format("{}: had {} open edges; {} holes were filled", name, open,
                                          repair.holes.size()));
+  }
+
+  // The surface of the voxels that the winding number says are inside.
+  void remesh(TriangleMesh& mesh, const std::string& name, std::size_t open,
+              const std::string& why) {
+    const LayerFrame frame = frameOf(job_.printer, job_.printer.layerHeight, LayerShare::Volume);
+    const double side =
+        std::max({frame.pixelWidth, frame.pixelHeight, frame.layerHeight}) / scaleOf(mesh.units);
+    VoxelizeOptions options;
+    options.voxelSize = {side, side, side};
+    options.grids = {GridKind::Mask};
+    options.allowEmpty = true;
+    options.maxMemory = memoryLeft(job_.maxMemory);
+    const Volume volume = voxelize(mesh, {}, options, report_, progress_).volume;
+    if (volume.grids().all.front()->empty())
+      throw Error(Status::Invalid, name,
+                  fmt::format("has {} open edges and encloses nothing", open),
+                  "give the sheet a thickness with 'tetvdb repair --shell T'");
+    const TriangleScene scene(mesh);
+    ExtractOptions extract;
+    extract.original = &scene;
+    extract.simplify = 0;
+    extract.maxMemory = memoryLeft(job_.maxMemory);
+    TriangleMesh surface = extractSurface(volume, extract, progress_);
+    surface.units = mesh.units;
+    mesh = std::move(surface);
+    result_.remeshed = true;
+    report_.warn(
+        "remeshed",
+        fmt::format("{}: had {} open edges, and mending them left {}: the surface was made "
+                    "anew from voxels of {:.6g}, and details finer than that are lost",
+                    name, open, why, side));
   }
 
   TriangleMesh readTriangleInputs() {
     std::vector<TriangleMesh> meshes = readAll();
     return stage("clean", [&] {
       TriangleMesh all = mergeMeshes(std::move(meshes), report_);
-      close(all, job_.inputs.size() == 1 ? job_.inputs.front() : "");
+      clean(all, job_.inputs.size() == 1 ? job_.inputs.front() : "the inputs");
       return all;
     });
   }
@@ -182,7 +226,14 @@ private:
   PlateMap place(const WorldBox& box, const std::string& fileUnits) {
     PlaceOptions options = job_.place;
     options.scale = scaleOf(fileUnits);
-    const PlateMap map = placeOnPlate(box, job_.printer, options);
+    WorldBox grown = box; // by what the outlines grow
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double by =
+          std::max(job_.printer.xyOffset, 0.0) / (options.scale * job_.printer.stretch[k]);
+      grown.min[k] -= by;
+      grown.max[k] += by;
+    }
+    const PlateMap map = placeOnPlate(grown, job_.printer, options);
     result_.box = info_.box = map.box;
     return map;
   }
@@ -197,7 +248,7 @@ private:
           p = map(p);
         info_.mesh = &mesh_;
       }
-      if (job_.aa == SliceAa::None && !format_.contours)
+      if (asksCentres())
         return maskOf(std::move(mesh), map);
       const LayerShare share = format_.contours             ? LayerShare::Contours
                                : job_.aa == SliceAa::Volume ? LayerShare::Volume
@@ -205,8 +256,12 @@ private:
       info_.frame = frameOf(job_.printer, map.box.max[2], share);
       return std::make_unique<MeshLayers>(
           framedFaces(std::move(mesh.points), std::move(mesh.triangles), map, job_.printer, share),
-          info_.frame, share, GreyLevels(job_.grey));
+          info_.frame, share, GreyLevels(job_.grey), offset());
     });
+  }
+
+  LayerOffset offset() const {
+    return {job_.printer.xyOffset, job_.printer.footOffset, std::max(job_.printer.fadedLayers, 1)};
   }
 
   // Voxels that are the pixels of the image, one unit each along x and y.
@@ -274,7 +329,7 @@ private:
     std::vector<std::string> names = uniqueStems(job_.inputs);
     stage("clean", [&] {
       for (std::size_t i = 0; i < meshes.size(); ++i)
-        close(meshes[i], job_.inputs[i]);
+        clean(meshes[i], job_.inputs[i]);
     });
     const PlateMap map = place(boxOf(meshes), meshes.front().units);
     info_.frame = frameOf(job_.printer, map.box.max[2], LayerShare::Area);

@@ -5,6 +5,7 @@
 #include "tetvdb/print/ContourLines.h"
 #include "tetvdb/print/CutLayer.h"
 #include "tetvdb/print/LayerFaces.h"
+#include "tetvdb/print/OffsetRows.h"
 
 #include <algorithm>
 #include <array>
@@ -37,8 +38,9 @@ std::int32_t countLayers(const LayerFrame& frame, double guess, const Below& bel
 
 class MeshLayers::Impl {
 public:
-  Impl(FrameFaces faces, const LayerFrame& frame, LayerShare share, const GreyLevels& levels)
-      : faces_(std::move(faces)), frame_(frame), share_(share), levels_(levels),
+  Impl(FrameFaces faces, const LayerFrame& frame, LayerShare share, const GreyLevels& levels,
+       const LayerOffset& offset)
+      : faces_(std::move(faces)), frame_(frame), share_(share), levels_(levels), offset_(offset),
         layerFaces_(ranges(), frame.layers) {}
 
   const LayerFrame& frame() const { return frame_; }
@@ -50,7 +52,9 @@ public:
       return makeContours(k, begin, end, layer);
     PixelSums& sums = sums_.local();
     sums.clear();
-    if (share_ == LayerShare::Volume)
+    if (offset_.of(k) != 0)
+      addOffset(k, begin, end, sums);
+    else if (share_ == LayerShare::Volume)
       addVolumes(k, begin, end, sums);
     else
       addAreas(k, begin, end, sums);
@@ -140,6 +144,23 @@ private:
         });
   }
 
+  void addOffset(std::int32_t k, const std::uint32_t* begin, const std::uint32_t* end,
+                 PixelSums& sums) const {
+    const int planes = share_ == LayerShare::Volume ? 4 : 1;
+    const int lines = 32 / planes;
+    const int weight = faces_.mirrored ? -1 : 1;
+    const std::vector<Vec3d>& p = faces_.points;
+    OffsetRows rows(frame_, offset_.of(k), lines);
+    for (int plane = 0; plane < planes; ++plane) {
+      const double z = frame_.bottomOf(k) + frame_.heightOf(k) * (2 * plane + 1) / (2 * planes);
+      forEachLine(
+          z, begin, end, [&](std::uint32_t i, std::uint32_t j, std::uint32_t m, std::uint32_t n) {
+            rows.addLine(crossingOfEdge(p[i], p[j], z), crossingOfEdge(p[m], p[n], z), weight);
+          });
+      rows.finishPlane(1.0 / (planes * lines), sums);
+    }
+  }
+
   void makeContours(std::int32_t k, const std::uint32_t* begin, const std::uint32_t* end,
                     Layer& layer) const {
     layer.clear();
@@ -163,6 +184,7 @@ private:
   LayerFrame frame_;
   LayerShare share_;
   GreyLevels levels_;
+  LayerOffset offset_;
   LayerFaces layerFaces_;
   mutable tbb::enumerable_thread_specific<PixelSums> sums_;
 };
@@ -189,8 +211,8 @@ private:
 } // namespace
 
 MeshLayers::MeshLayers(FrameFaces faces, const LayerFrame& frame, LayerShare share,
-                       const GreyLevels& levels)
-    : impl_(std::make_unique<Impl>(std::move(faces), frame, share, levels)) {}
+                       const GreyLevels& levels, const LayerOffset& offset)
+    : impl_(std::make_unique<Impl>(std::move(faces), frame, share, levels, offset)) {}
 MeshLayers::~MeshLayers() = default;
 
 const LayerFrame& MeshLayers::frame() const {

@@ -97,6 +97,8 @@ const std::map<std::string_view, Setter>& setters() {
       {"material_correction_x", [](P& p, const Entry& e) { p.stretch[0] *= e.positive(); }},
       {"material_correction_y", [](P& p, const Entry& e) { p.stretch[1] *= e.positive(); }},
       {"material_correction_z", [](P& p, const Entry& e) { p.stretch[2] *= e.positive(); }},
+      {"absolute_correction", [](P& p, const Entry& e) { p.xyOffset = e.number(); }},
+      {"elefant_foot_compensation", [](P& p, const Entry& e) { p.footOffset = e.notNegative(); }},
       {"lift_height", [](P& p, const Entry& e) { p.liftHeight = e.notNegative(); }},
       {"lift_speed", [](P& p, const Entry& e) { p.liftSpeed = e.notNegative(); }},
       {"retract_speed", [](P& p, const Entry& e) { p.retractSpeed = e.notNegative(); }},

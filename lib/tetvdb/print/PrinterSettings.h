@@ -29,6 +29,8 @@ struct PrinterSettings {
   /// Factors that the model is stretched by (relative_correction_x times material_correction_x and
   /// so on).
   std::array<double, 3> stretch{1, 1, 1};
+  double xyOffset = 0;   ///< of every layer's outline, outward (absolute_correction)
+  double footOffset = 0; ///< of the first layer's, inward, fading (elefant_foot_compensation)
   double liftHeight = 5, liftSpeed = 60, retractSpeed = 150; ///< (lift_height*, ...)
   double bottomLiftHeight = 5, bottomLiftSpeed = 60;         ///< (bottom_lift_height*, ...)
   double lightOffDelay = 0;                                  ///< (light_off_delay*)

@@ -364,8 +364,9 @@ class SliceTest(program.CommandLineTest):
 
     @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
     def test_turned_images_are_prusaslicers(self):
-        model = joined(box_faces((0, 0, 0), (41.3, 5.7, 4.2)),
-                       box_faces((0, 7.1, 0), (12.9, 33.3, 4.2)))
+        # Corners are on PrusaSlicer's grid of 1/256 pixel.
+        model = joined(box_faces((0, 0, 0), (41.25, 5.6875, 4.2)),
+                       box_faces((0, 7.125, 0), (12.9375, 33.3125, 4.2)))
         self.compare_with_prusaslicer(model, "portrait", 1, 0)
         self.compare_with_prusaslicer(model, "portrait", 0, 1)
         self.compare_with_prusaslicer(model, "landscape", 0, 1)

@@ -57,6 +57,20 @@ TEST_P(FrdForms, MeshStepsAndArrays) {
   EXPECT_THROW(readText(readFrd, bytes, nullptr, first), Error);
 }
 
+TEST(FrdReader, MaterialsThatAreNames) {
+  std::string bytes = frdFile(1);
+  for (const auto& [number, name] :
+       {std::pair{"    0    1", "    0EL   "}, {"    0    2", "    0AIR  "}}) {
+    const std::size_t at = bytes.find(std::string(number) + "\n -2");
+    ASSERT_NE(at, bytes.npos);
+    bytes.replace(at, std::string(number).size(), name);
+  }
+  const CellMesh mesh = readText(readFrd, bytes);
+  EXPECT_EQ(mesh.regions, (std::vector<std::int32_t>{1, 2}));
+  EXPECT_EQ(mesh.regionNames.at(1), "EL");
+  EXPECT_EQ(mesh.regionNames.at(2), "AIR");
+}
+
 // Short and long text, floats, doubles.
 INSTANTIATE_TEST_SUITE_P(All, FrdForms, testing::Values(0, 1, 2, 3));
 

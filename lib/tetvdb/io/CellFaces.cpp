@@ -2,6 +2,7 @@
 #include "tetvdb/io/CellFaces.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/mesh/SplitCells.h"
 
 #include <algorithm>
 #include <utility>
@@ -25,8 +26,9 @@ TriangleMesh trianglesOfFaces(CellMesh&& mesh, const std::string& path) {
     throw Error(Status::Invalid, path, "holds solid cells, not triangles alone",
                 "take it as a mesh of solid cells");
   if (!hasPolygons(mesh))
-    throw Error(Status::Invalid, path, "it holds no faces",
-                "points alone have no inside; export the mesh with its faces");
+    throw Error(Status::Invalid, path,
+                "no solid cells and no faces; it holds " + describeCells(mesh),
+                "points and lines have no inside; export the mesh with its cells or faces");
   TriangleMesh faces;
   faces.points = std::move(mesh.points);
   const std::uint32_t* cell = mesh.nodes.data();

@@ -138,7 +138,9 @@ public:
   }
 
   CellMesh read() {
-    const std::size_t steps = times().size();
+    CellMesh whole;
+    whole.times = times();
+    const std::size_t steps = whole.times.size();
     if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
       throw Error(Status::Usage, source_.path,
                   "has no time step " + std::to_string(options_.timeStep + 1),
@@ -147,7 +149,6 @@ public:
     step_ = options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep)
             : steps == 0           ? 0
                                    : steps - 1;
-    CellMesh whole;
     std::vector<std::int32_t> regions;
     std::map<std::int32_t, std::string> names;
     for (int zone = 1; zone <= zones_; ++zone) {
@@ -166,6 +167,24 @@ public:
     return whole;
   }
 
+  bool hasSolidCells() {
+    for (int zone = 1; zone <= zones_; ++zone) {
+      cgsize_t size[9] = {};
+      if (openZone(zone, size) == Structured) {
+        if (dimension_ == 3 && std::all_of(size, size + 3, [](cgsize_t n) { return n > 1; }))
+          return true;
+        continue;
+      }
+      for (const Section& section : sections())
+        if (section.type == NFACE_n ||
+            (section.type == MIXED
+                 ? isMixedSolid(section)
+                 : section.type != NGON_n && kindOf(section.type).type != CellType::Flat))
+          return true;
+    }
+    return false;
+  }
+
 private:
   /// The zone's family, or its own name.
   std::string familyOf(int zone) const {
@@ -178,14 +197,22 @@ private:
     return name;
   }
 
-  CellMesh readZone(int zone) {
+  /// Makes a zone the one that is read.
+  ZoneType_t openZone(int zone, cgsize_t* size) {
     char name[kName] = {};
-    cgsize_t size[9] = {};
     ZoneType_t type = ZoneTypeNull;
     file_.check(cg_zone_read(file_.id(), base_, zone, name, size), "a zone");
     file_.check(cg_zone_type(file_.id(), base_, zone, &type), "a zone");
     zone_ = zone;
     zoneName_ = name;
+    if (type != Structured && type != Unstructured)
+      file_.fail("zone '" + zoneName_ + "' is neither structured nor unstructured", kExport);
+    return type;
+  }
+
+  CellMesh readZone(int zone) {
+    cgsize_t size[9] = {};
+    const ZoneType_t type = openZone(zone, size);
     CellMesh mesh;
     rank_ = 1;
     cellOfValue_.clear();
@@ -193,12 +220,10 @@ private:
     if (type == Structured) {
       rank_ = 3;
       readBlock(size, mesh);
-    } else if (type == Unstructured) {
+    } else {
       size_[0] = size[0];
       readPoints(file_.checked(size[0], 4, "points"), mesh);
       readSections(mesh);
-    } else {
-      file_.fail("zone '" + zoneName_ + "' is neither structured nor unstructured", kExport);
     }
     readSolutions(mesh);
     return mesh;
@@ -273,10 +298,11 @@ private:
 
   // --- elements ---
 
-  void readSections(CellMesh& mesh) {
+  /// The zone's sections in the order of their elements' numbers.
+  std::vector<Section> sections() const {
     int count = 0;
     file_.check(cg_nsections(file_.id(), base_, zone_, &count), "the elements");
-    std::vector<Section> sections;
+    std::vector<Section> all;
     for (int i = 1; i <= count; ++i) {
       Section section;
       section.number = i;
@@ -288,16 +314,21 @@ private:
       if (section.start < 1 || section.end < section.start)
         file_.fail("a section of elements has the range " + std::to_string(section.start) + " to " +
                    std::to_string(section.end));
-      sections.push_back(section);
+      all.push_back(section);
     }
-    std::sort(sections.begin(), sections.end(),
+    std::sort(all.begin(), all.end(),
               [](const Section& a, const Section& b) { return a.start < b.start; });
+    return all;
+  }
+
+  void readSections(CellMesh& mesh) {
+    const std::vector<Section> all = sections();
     faces_.clear();
     faceNodes_.clear();
-    for (const Section& section : sections) // polyhedra name them
+    for (const Section& section : all) // polyhedra name them
       if (section.type == NGON_n)
         readPolygons(section, mesh);
-    for (const Section& section : sections) {
+    for (const Section& section : all) {
       if (section.type == NFACE_n)
         readPolyhedra(section, mesh);
       else if (section.type == MIXED)
@@ -373,7 +404,9 @@ private:
         file_.fail("the offsets of a section do not rise or end beyond it");
   }
 
-  void readMixed(const Section& section, CellMesh& mesh) {
+  /// Calls `use` with each element's kind and nodes, as long as it returns true.
+  template <class UseElement>
+  void forMixed(const Section& section, UseElement use) const {
     std::vector<cgsize_t> nodes, offsets;
     readTable(section, nodes, offsets);
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
@@ -384,8 +417,23 @@ private:
       if (begin == end || kind.nodes == 0 || end - begin - 1 != kind.nodes)
         file_.fail("element " + std::to_string(i + 1) + " of a mixed section has " +
                    std::to_string(end - begin) + " numbers, which its type does not have");
-      addElement(kind, nodes.data() + begin + 1, mesh);
+      if (!use(kind, nodes.data() + begin + 1))
+        return;
     }
+  }
+  void readMixed(const Section& section, CellMesh& mesh) {
+    forMixed(section, [&](const CellKind& kind, const cgsize_t* nodes) {
+      addElement(kind, nodes, mesh);
+      return true;
+    });
+  }
+  bool isMixedSolid(const Section& section) const {
+    bool found = false;
+    forMixed(section, [&](const CellKind& kind, const cgsize_t*) {
+      found = kind.type != CellType::Flat;
+      return !found;
+    });
+    return found;
   }
 
   void readPolygons(const Section& section, const CellMesh& mesh) {
@@ -576,6 +624,15 @@ CellMesh readCgns(const Source& source, const ReadOptions& options, Report& repo
     return CgnsMesh(source, options, childReport, childProgress).read();
   };
   return readIsolated(read, source.path, report, progress);
+}
+
+bool cgnsHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  return answerIsolated(
+      [&](Report& childReport, Progress& childProgress) {
+        const ReadOptions options;
+        return CgnsMesh(source, options, childReport, childProgress).hasSolidCells();
+      },
+      source.path, report, progress);
 }
 
 std::vector<double> cgnsTimes(const Source& source, Report& report, Progress& progress) {

@@ -24,6 +24,9 @@ namespace tetvdb {
 CellMesh readCgns(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
 
+/// Whether a zone has solid cells: of the elements only those of mixed sections are read.
+bool cgnsHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 /// The times of the base's iterations; empty for a file without.
 std::vector<double> cgnsTimes(const Source& source, Report& report, Progress& progress);
 

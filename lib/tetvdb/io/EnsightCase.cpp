@@ -138,7 +138,9 @@ private:
           variable.components = components;
           variable.file = pattern(value, true, &variable.name);
           case_.variables.push_back(std::move(variable));
+          return;
         }
+    case_.otherVariables.push_back(key);
   }
 
   void readTime(const std::string& key, std::string_view value) {

@@ -36,6 +36,7 @@ struct Variable {
 struct Case {
   FilePattern geometry;
   std::vector<Variable> variables;
+  std::vector<std::string> otherVariables; ///< kinds that are not read, "complex scalar per node"
   std::vector<TimeSet> timeSets;
 
   /// The times of the steps: those of all time sets that files belong to, ascending, each once.

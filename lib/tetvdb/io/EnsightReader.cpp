@@ -84,8 +84,15 @@ public:
       source_.release();
       progress_.check();
     }
-    if (mesh.points.empty())
+    if (mesh.points.empty() && !kindsAlone_)
       in_.fail("the geometry has no nodes", kCut);
+  }
+
+  /// Reads up to the first section of solid cells; the mesh is not kept.
+  bool hasSolidCells() {
+    kindsAlone_ = true;
+    read();
+    return isSolid_;
   }
 
   bool isBinary() const { return in_.isBinary(); }
@@ -123,7 +130,7 @@ private:
       readBlock(part, word);
     else
       in_.fail("expected 'coordinates' or 'block', found '" + word + "'", kCut);
-    while (!in_.atEnd()) {
+    while (!isSolid_ && !in_.atEnd()) {
       word = in_.keyword();
       if (word == "part")
         break;
@@ -141,6 +148,8 @@ private:
     readPoints(part);
   }
   void readPoints(Part& part) {
+    if (kindsAlone_)
+      return in_.skipReals(3 * part.points);
     checkPointCount(mesh.points.size() + part.points, source_.path);
     std::vector<float> values(part.points);
     mesh.points.resize(mesh.points.size() + part.points, Vec3d{});
@@ -168,6 +177,10 @@ private:
       in_.fail("a block has more nodes than the file holds", kCut);
     part.points = static_cast<std::size_t>(n[0] * n[1] * n[2]);
     readPoints(part);
+    if (kindsAlone_) {
+      isSolid_ = std::all_of(n.begin(), n.end(), [](std::int64_t one) { return one > 1; });
+      return;
+    }
     const CellKind& kind = *kindOf("hexa8");
     const auto number = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
       return static_cast<std::uint32_t>(part.firstPoint +
@@ -207,6 +220,11 @@ private:
     if (known == nullptr && !polygons && !polyhedra)
       in_.fail("unknown element type '" + type + "'", kCut);
     const std::size_t count = in_.count("elements", known != nullptr ? known->nodes : 1);
+    if (kindsAlone_ && !ghost && count > 0 &&
+        (polyhedra || (known != nullptr && known->type != CellType::Flat))) {
+      isSolid_ = true;
+      return;
+    }
     if (elementIds_)
       in_.integers(count);
     if (polygons)
@@ -292,6 +310,7 @@ private:
   Progress& progress_;
   Input in_;
   bool nodeIds_ = false, elementIds_ = false;
+  bool kindsAlone_ = false, isSolid_ = false;
   std::size_t cells_ = 0;
 };
 
@@ -398,11 +417,14 @@ CellMesh readGeometry(const Source& source, const ReadOptions& options, Progress
 
 } // namespace ensight
 
-CellMesh readEnsight(const Source& source, const ReadOptions& options, Report&,
+CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& report,
                      Progress& progress) {
   using namespace ensight;
   const Case theCase = parseCase(source);
-  const std::vector<double> times = theCase.times();
+  for (const std::string& kind : theCase.otherVariables)
+    if (options.attributes)
+      report.warn("array-left-out", "a variable is left out: '" + kind + "' is not read");
+  std::vector<double> times = theCase.times();
   if (options.timeStep >= 0 && static_cast<std::size_t>(options.timeStep) >= times.size())
     throw Error(Status::Usage, source.path,
                 "has no time step " + std::to_string(options.timeStep + 1),
@@ -426,7 +448,18 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report&,
     geometry.mesh.attributes.push_back(
         VariableFile(values.source(), variable, geometry, progress).read());
   }
+  geometry.mesh.times = std::move(times);
   return std::move(geometry.mesh);
+}
+
+bool ensightHasSolidCells(const Source& source, Report&, Progress& progress) {
+  using namespace ensight;
+  const Case theCase = parseCase(source);
+  const std::size_t steps = theCase.times().size();
+  const MappedFile file(theCase.pathOf(theCase.geometry, steps == 0 ? 0 : steps - 1, source.path));
+  const Source bytes = file.source();
+  const ReadOptions options;
+  return Geometry(bytes, options, progress).hasSolidCells();
 }
 
 std::vector<double> ensightTimes(const Source& source, Report&, Progress&) {

@@ -22,6 +22,10 @@ namespace tetvdb {
 CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& report,
                      Progress& progress);
 
+/// Whether the geometry of the last step has solid cells: it is read up to the first section of
+/// such.
+bool ensightHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 /// The times of the steps, ascending.
 std::vector<double> ensightTimes(const Source& source, Report& report, Progress& progress);
 

@@ -208,6 +208,7 @@ public:
     progress_.update(0.6);
     readNodalVariables();
     readElementVariables();
+    mesh_.times = readTimes();
     return std::move(mesh_);
   }
 

@@ -57,10 +57,6 @@ TriangleMesh readFaces(const Source& source, Report& report, Progress& progress)
   return trianglesOfFaces(read(source, options, report, progress), source.path);
 }
 
-bool hasSolidCellsVtk(const Source& source, Report&, Progress&) {
-  return vtkHasSolidCells(source);
-}
-
 std::vector<double> timesOfXdmf(const Source& source, Report&, Progress&) {
   return xdmfTimes(source);
 }
@@ -112,10 +108,12 @@ Format denseArrays(FileFormat id, std::string_view name, std::string_view ending
 template <ReadCells read>
 Format cellsOrFaces(FileFormat id, std::string_view name, std::string_view endings,
                     std::string_view description, unsigned holds,
-                    bool (*isContent)(const FileStart&)) {
+                    bool (*isContent)(const FileStart&),
+                    bool (*hasSolidCells)(const Source&, Report&, Progress&)) {
   Format format =
       cells(id, name, endings, description, holds | kTets | kTriangles | kArrays, isContent, read);
   format.readTriangles = readFaces<read>;
+  format.hasSolidCells = hasSolidCells;
   return format;
 }
 
@@ -164,18 +162,17 @@ std::vector<Format> makeTable() {
   all.push_back(cells(FileFormat::Ucd, "AVS UCD .inp", ".inp .avs .ucd",
                       "Unstructured cell data, text or binary", kTets | kArrays, isUcd, readUcd));
   all.push_back(cellsOrFaces<readVtk>(FileFormat::Vtk, "VTK .vtk", ".vtk",
-                                      "VTK's legacy grids and polygons, text or binary", 0, isVtk));
-  all.back().hasSolidCells = hasSolidCellsVtk;
+                                      "VTK's legacy grids and polygons, text or binary", 0, isVtk,
+                                      vtkHasSolidCells));
   all.push_back(cellsOrFaces<readVtu>(FileFormat::Vtu, "VTK .vtu", ".vtu",
-                                      "VTK XML unstructured grid", 0, isVtu));
-  all.back().hasSolidCells = vtuHasSolidCells;
+                                      "VTK XML unstructured grid", 0, isVtu, vtuHasSolidCells));
   all.back().writeTets = writeVtu;
   all.push_back(cellsOrFaces<readPvtu>(FileFormat::Pvtu, "VTK .pvtu", ".pvtu",
-                                       "An index of .vtu pieces", 0, isPvtu));
+                                       "An index of .vtu pieces", 0, isPvtu, pvtuHasSolidCells));
   all.push_back(triangles(FileFormat::Vtp, "VTK .vtp", ".vtp", "VTK XML polygons and strips", isVtp,
                           readFaces<readVtu>, nullptr));
   all.push_back(cellsOrFaces<readVtm>(FileFormat::Vtm, "VTK .vtm", ".vtm .vtmb",
-                                      "Blocks, each a file beside it", 0, isVtm));
+                                      "Blocks, each a file beside it", 0, isVtm, vtmHasSolidCells));
   all.push_back(row(FileFormat::Pvd, "ParaView .pvd", ".pvd", "A sequence: the files of every step",
                     kTets | kTriangles | kArrays | kSteps));
   all.back().isContent = isPvd;
@@ -184,20 +181,24 @@ std::vector<Format> makeTable() {
                       kTets | kArrays | kSteps, isXdmf, readXdmf));
   all.back().readTimes = timesOfXdmf;
   all.push_back(cellsOrFaces<readVtkHdf>(FileFormat::VtkHdf, "VTKHDF", ".vtkhdf .hdf",
-                                         "VTK's grids and polygons in HDF5", kSteps, isVtkHdf));
+                                         "VTK's grids and polygons in HDF5", kSteps, isVtkHdf,
+                                         vtkHdfHasSolidCells));
   all.back().readTimes = vtkHdfTimes;
   all.push_back(cellsOrFaces<readCgns>(FileFormat::Cgns, "CGNS", ".cgns",
-                                       "Zones of flow solvers in HDF5 or ADF", kSteps, isCgns));
+                                       "Zones of flow solvers in HDF5 or ADF", kSteps, isCgns,
+                                       cgnsHasSolidCells));
   all.back().readTimes = cgnsTimes;
   all.push_back(cellsOrFaces<readEnsight>(FileFormat::Ensight, "EnSight Gold", ".case .encas",
                                           "A case that names the files of every step", kSteps,
-                                          isEnsight));
+                                          isEnsight, ensightHasSolidCells));
   all.back().readTimes = ensightTimes;
   all.push_back(cellsOrFaces<readFrd>(FileFormat::Frd, "CalculiX .frd", ".frd",
-                                      "Results of CalculiX, text or binary", kSteps, isFrd));
+                                      "Results of CalculiX, text or binary", kSteps, isFrd,
+                                      frdHasSolidCells));
   all.back().readTimes = frdTimes;
   all.push_back(cellsOrFaces<readNeu>(FileFormat::Neu, "Gambit .neu", ".neu",
-                                      "Gambit neutral files, as for Fluent", 0, isNeu));
+                                      "Gambit neutral files, as for Fluent", 0, isNeu,
+                                      neuHasSolidCells));
   all.back().holds &= ~kArrays;
   all.push_back(cells(FileFormat::Exodus, "Exodus", ".exo .e .exo2 .g",
                       "Exodus II in netCDF or HDF5", kTets | kArrays | kSteps, isExodus,

@@ -96,8 +96,9 @@ struct Format {
   CellMesh (*readCells)(const Source&, const ReadOptions&, Report&, Progress&) = nullptr;
   TriangleMesh (*readTriangles)(const Source&, Report&, Progress&) = nullptr;
   Volume (*readVolume)(const std::string& path, Progress&) = nullptr;
-  /// Of formats that hold both: whether a file has solid cells, in less time than readCells()
-  /// takes. Null: readCells() tells.
+  /// Of formats that hold both, and of these only: whether a file has solid cells. Looks at the
+  /// kinds of cells, at the first solid one where they stand in turn, and at no values; throws
+  /// where it cannot tell.
   bool (*hasSolidCells)(const Source&, Report&, Progress&) = nullptr;
   /// The times of a file's steps in their order; empty where it has none. Null where kSteps is not
   /// in `holds`, and for files that name others (.pvd).

@@ -15,6 +15,7 @@
 #include <charconv>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -67,6 +68,12 @@ struct Result {
   Form form = Form::LongText;
 };
 
+/// A block of values, the step that it belongs to and where its numbers begin.
+struct Block {
+  Result result;
+  std::size_t step = 0, at = 0, line = 0;
+};
+
 class FrdFile {
 public:
   FrdFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
@@ -78,9 +85,23 @@ public:
     return times_;
   }
 
+  /// Looks through the file up to the first solid cell.
+  bool hasSolidCells() {
+    kindsAlone_ = true;
+    scan([&](const Result& result) { skipValues(result); });
+    return isSolid_;
+  }
+
   CellMesh read() {
-    // Which steps there are is known at the file's end: the last is looked for first.
-    const std::vector<double> times = FrdFile(source_, options_, report_, progress_).times();
+    // Which steps there are is known at the file's end: values are read after it.
+    std::vector<Block> blocks;
+    keepMesh_ = true;
+    scan([&](const Result& result) {
+      blocks.push_back({result, times_.size() - 1, at_, line_});
+      skipValues(result);
+    });
+    mesh_.times = times_;
+    const std::vector<double>& times = times_;
     if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= times.size())
       throw Error(Status::Usage, source_.path,
                   "has no time step " + std::to_string(options_.timeStep + 1),
@@ -88,13 +109,12 @@ public:
     const std::size_t wanted = options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep)
                                : times.empty()        ? 0
                                                       : times.size() - 1;
-    keepMesh_ = true;
-    scan([&](const Result& result) {
-      if (times_.size() - 1 == wanted && options_.attributes)
-        readValues(result);
-      else
-        skipValues(result);
-    });
+    for (const Block& block : blocks)
+      if (block.step == wanted && options_.attributes) {
+        at_ = block.at;
+        line_ = block.line;
+        readValues(block.result);
+      }
     if (mesh_.points.empty())
       fail("the file has no nodes", kCut);
     if (!anyMaterial_)
@@ -166,7 +186,7 @@ private:
   template <class UseResult>
   void scan(UseResult use) {
     std::string_view line;
-    while (nextLine(line)) {
+    while (!isSolid_ && nextLine(line)) {
       const std::string_view key = field(line, 0, 6);
       if (key.empty() && trimmed(line).empty())
         continue;
@@ -301,6 +321,8 @@ private:
       element.type = loadNumber<std::int32_t>(at + 4, false);
       element.material = loadNumber<std::int32_t>(at + 12, false);
       element.nodes.resize(checkedKind(element).nodes);
+      if (isSolid_)
+        return;
       at = take(4 * element.nodes.size());
       for (std::size_t k = 0; k < element.nodes.size(); ++k)
         element.nodes[k] = loadNumber<std::int32_t>(at + 4 * k, false);
@@ -318,6 +340,18 @@ private:
       report_.warn("duplicate-ids", std::to_string(ids_.duplicates()) +
                                         " nodes have a number that a later one has too");
   }
+  /// A material's number; names, which older files have there, are numbered from 1 as they come.
+  std::int64_t materialOf(std::string_view text) {
+    if (text.empty() || text.find_first_not_of("+-0123456789") == text.npos)
+      return text.empty() ? 0 : integer(text, "a material's number");
+    if (!keepMesh_)
+      return 0;
+    const auto [named, isNew] =
+        materials_.emplace(text, static_cast<std::int32_t>(materials_.size() + 1));
+    if (isNew)
+      mesh_.regionNames[named->second] = named->first;
+    return named->second;
+  }
   void readTextElements(std::uint64_t n, Form form) {
     const std::size_t width = idWidth(form), perLine = form == Form::ShortText ? 15 : 10;
     std::uint64_t seen = 0;
@@ -330,8 +364,10 @@ private:
       element.id = integer(field(line, 3, width), "an element's number");
       element.type = integer(field(line, 3 + width, 5), "an element's type");
       const std::string_view material = field(line, 3 + width + 10, 5);
-      element.material = material.empty() ? 0 : integer(material, "a material's number");
+      element.material = materialOf(material);
       element.nodes.resize(checkedKind(element).nodes);
+      if (isSolid_)
+        return;
       for (std::size_t i = 0; i < element.nodes.size(); ++i) {
         if (i % perLine == 0)
           line = neededLine("an element");
@@ -345,12 +381,13 @@ private:
     }
     warnOfCount("elements", n, seen);
   }
-  const CellKind& checkedKind(const Element& element) const {
+  const CellKind& checkedKind(const Element& element) {
     const CellKind* kind = kindOf(element.type);
     if (kind == nullptr)
       fail("element " + std::to_string(element.id) + " has the type " +
                std::to_string(element.type) + "; types are 1 to 12",
            kExport);
+    isSolid_ = kindsAlone_ && kind->type != CellType::Flat;
     return *kind;
   }
   void addElement(const Element& element) {
@@ -501,9 +538,11 @@ private:
   std::size_t at_ = 0, line_ = 0;
   bool isBinary_ = false; ///< the cursor is in a binary block
   bool keepMesh_ = false;
+  bool kindsAlone_ = false, isSolid_ = false; ///< of hasSolidCells()
   bool seenNodes_ = false, seenElements_ = false, anyMaterial_ = false;
   std::vector<double> times_; ///< of the steps so far
   std::int64_t lastStep_ = 0;
+  std::map<std::string, std::int32_t> materials_; ///< by names that elements have
   std::uint64_t strangers_ = 0; ///< values of an array whose nodes are not in the mesh
   IdMap ids_;
   CellMesh mesh_;
@@ -514,6 +553,10 @@ private:
 CellMesh readFrd(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {
   return FrdFile(source, options, report, progress).read();
+}
+
+bool frdHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  return FrdFile(source, {}, report, progress).hasSolidCells();
 }
 
 std::vector<double> frdTimes(const Source& source, Report& report, Progress& progress) {

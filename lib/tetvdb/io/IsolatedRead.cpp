@@ -92,6 +92,7 @@ public:
       number(id);
       text(name);
     }
+    array(mesh.times);
     findings(report);
   }
   void mesh(const NumberArrays& arrays, const Report& report) {
@@ -292,6 +293,7 @@ public:
       const auto id = number<std::int32_t>();
       mesh.regionNames[id] = text();
     }
+    array(mesh.times);
     findings(report);
     checkMesh(mesh);
   }
@@ -456,6 +458,19 @@ readTimesIsolated(const std::function<std::vector<double>(Report&, Progress&)>& 
     throw Error(Status::Invalid, path, "its times cannot be read",
                 "the file is damaged; export it again");
   return std::move(*times);
+}
+
+bool answerIsolated(const std::function<bool(Report&, Progress&)>& ask, const std::string& path,
+                    Report& report, Progress& progress) {
+  const NumberArrays answer = readArraysIsolated(
+      [&](Report& childReport, Progress& childProgress) {
+        const std::int32_t yes = ask(childReport, childProgress) ? 1 : 0;
+        return NumberArrays{std::vector<std::int32_t>{yes}};
+      },
+      path, {}, report, progress);
+  const auto* yes =
+      answer.empty() ? nullptr : std::get_if<std::vector<std::int32_t>>(&answer.front());
+  return yes != nullptr && yes->size() == 1 && yes->front() == 1;
 }
 
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,

@@ -41,6 +41,10 @@ std::vector<double>
 readTimesIsolated(const std::function<std::vector<double>(Report&, Progress&)>& read,
                   const std::string& path, Report& report, Progress& progress);
 
+/// The same for a question that is answered by yes or no.
+bool answerIsolated(const std::function<bool(Report&, Progress&)>& ask, const std::string& path,
+                    Report& report, Progress& progress);
+
 /// The same for triangles, with limits.
 TriangleMesh readTrianglesIsolated(const std::function<TriangleMesh(Report&, Progress&)>& read,
                                    const std::string& path, const IsolationLimits& limits,

@@ -68,6 +68,19 @@ public:
     return std::move(mesh_);
   }
 
+  /// Looks through the file up to the first solid cell.
+  bool hasSolidCells() {
+    kindsAlone_ = true;
+    readControl();
+    for (std::string_view line; !isSolid_ && nextHeading(line);) {
+      if (contains(line, "ELEMENTS/CELLS"))
+        readElements();
+      else
+        skipSection();
+    }
+    return isSolid_;
+  }
+
 private:
   static bool contains(std::string_view text, std::string_view part) {
     return text.find(part) != text.npos;
@@ -139,7 +152,7 @@ private:
   }
 
   void readElements() {
-    if (mesh_.points.empty())
+    if (mesh_.points.empty() && !kindsAlone_)
       in_.fail("elements stand before the nodes", kExport);
     if (cells_.size() > 0)
       in_.fail("a second section of elements", kExport);
@@ -150,6 +163,14 @@ private:
         in_.fail("element " + std::to_string(id) + " has the type " + std::to_string(type) +
                      " with " + std::to_string(nodes) + " nodes",
                  kExport);
+      if (kindsAlone_) {
+        isSolid_ = known->type != CellType::Flat;
+        if (isSolid_)
+          return;
+        for (std::int64_t k = 0; k < nodes; ++k)
+          in_.integer();
+        continue;
+      }
       CellKind kind = *known;
       // Their other nodes lie between the corners in the file's order.
       if (options_.faces && ((type == 2 && nodes == 4) || (type == 3 && nodes == 3)))
@@ -173,7 +194,8 @@ private:
         source_.release();
       }
     }
-    cells_.finish();
+    if (!kindsAlone_)
+      cells_.finish();
     endSection();
   }
 
@@ -239,6 +261,7 @@ private:
   Progress& progress_;
   NumberParser in_;
   std::size_t pointCount_ = 0, cellCount_ = 0;
+  bool kindsAlone_ = false, isSolid_ = false; ///< of hasSolidCells()
   IdMap points_, cells_;
   CellMesh mesh_;
 };
@@ -248,6 +271,11 @@ private:
 CellMesh readNeu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {
   return NeuFile(source, options, report, progress).read();
+}
+
+bool neuHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  const ReadOptions options;
+  return NeuFile(source, options, report, progress).hasSolidCells();
 }
 
 } // namespace tetvdb

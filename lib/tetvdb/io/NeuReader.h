@@ -18,4 +18,7 @@ namespace tetvdb {
 CellMesh readNeu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
+/// Whether the mesh has solid cells: the file is looked through up to the first one.
+bool neuHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 } // namespace tetvdb

@@ -12,8 +12,11 @@
 
 namespace tetvdb {
 
-CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& report,
-                  Progress& progress) {
+namespace {
+
+/// Calls `use` with each piece's source, in the file's order, as long as it returns true.
+template <class UsePiece>
+void forPieces(const Source& source, Progress& progress, UsePiece use) {
   const vtk::VtuMarkup markup(source);
   const pugi::xml_node grid = markup.root().child("PUnstructuredGrid");
   if (!grid)
@@ -25,7 +28,6 @@ CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& repo
     throw Error(Status::Invalid, source.path, "names no pieces", "export it again");
 
   const std::filesystem::path folder = std::filesystem::path(source.path).parent_path();
-  CellMesh whole;
   std::size_t done = 0;
   for (const pugi::xml_node piece : pieces) {
     const std::string name = piece.attribute("Source").value();
@@ -38,10 +40,31 @@ CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& repo
       throw Error(Status::Invalid, source.path, "the piece '" + path + "' is missing",
                   "put the pieces beside the .pvtu, where their names say");
     const MappedFile file(path);
-    vtk::appendPiece(whole, readVtu(file.source(), options, report, progress), report);
+    if (!use(file.source()))
+      return;
     progress.update(static_cast<double>(++done) / static_cast<double>(count));
   }
+}
+
+} // namespace
+
+CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& report,
+                  Progress& progress) {
+  CellMesh whole;
+  forPieces(source, progress, [&](const Source& piece) {
+    vtk::appendPiece(whole, readVtu(piece, options, report, progress), report);
+    return true;
+  });
   return whole;
+}
+
+bool pvtuHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  bool found = false;
+  forPieces(source, progress, [&](const Source& piece) {
+    found = vtuHasSolidCells(piece, report, progress);
+    return !found;
+  });
+  return found;
 }
 
 } // namespace tetvdb

@@ -17,4 +17,7 @@ namespace tetvdb {
 CellMesh readPvtu(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
 
+/// Whether a piece has solid cells: the types of cells alone are read, up to the first such piece.
+bool pvtuHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 } // namespace tetvdb

@@ -2,7 +2,6 @@
 #include "tetvdb/io/TriangleReader.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/CellFaces.h"
 #include "tetvdb/io/Source.h"
 
 #include <new>
@@ -17,14 +16,8 @@ bool holdsTriangles(const Source& source, Progress& progress) try {
   const Format& format = formatOf(sniffFormat(source.bytes, source.path));
   if (format.readTriangles == nullptr || format.readCells == nullptr)
     return format.readTriangles != nullptr;
-  Report unused;
-  if (format.hasSolidCells != nullptr && format.hasSolidCells(source, unused, progress))
-    return false;
-  ReadOptions options;
-  options.attributes = false;
-  options.faces = true;
-  const CellMesh mesh = format.readCells(source, options, unused, progress);
-  return hasPolygons(mesh) && !hasSolidCells(mesh);
+  Report unused; // the same warnings as of the mesh
+  return !format.hasSolidCells(source, unused, progress);
 } catch (const Error& error) {
   if (error.status() == Status::Cancelled)
     throw;

@@ -45,7 +45,10 @@ public:
       fail("has version " + (version ? std::to_string(*version) : std::string("none")) +
                "; 1 and 2 are read",
            "save it with another version");
-    const std::string type = file_.text(kRoot, "Type").value_or("no type");
+    // The first files of version 1 have no type.
+    const std::string type =
+        file_.text(kRoot, "Type")
+            .value_or(file_.has(kRoot + "/Types") ? "UnstructuredGrid" : "no type");
     isPoly_ = type == "PolyData";
     if (!isPoly_ && type != "UnstructuredGrid")
       fail("holds " + type + ", not an UnstructuredGrid or PolyData",
@@ -65,9 +68,19 @@ public:
     return times;
   }
 
+  bool hasSolidCells() const {
+    if (isPoly_)
+      return false;
+    const std::vector<std::uint64_t> types = numbers("Types");
+    return std::any_of(types.begin(), types.end(), [](std::uint64_t type) {
+      return type < 256 && vtk::cellKind(static_cast<std::uint8_t>(type)).type != CellType::Flat;
+    });
+  }
+
   CellMesh read() {
     chooseStep();
     CellMesh whole;
+    whole.times = times();
     const std::vector<std::uint64_t> points = numbers("NumberOfPoints");
     if (start_.firstPart > points.size() || start_.parts > points.size() - start_.firstPart)
       fail("a step has parts beyond those of the file");
@@ -251,7 +264,8 @@ private:
     if (std::find(cells.types.begin(), cells.types.end(), 42) != cells.types.end())
       fail("holds polyhedra, which are not read from this format", "save it as .vtu");
     // Every part has one offset more than cells.
-    cells.ends = someNumbers(group + "Offsets", firstCell + number, n + 1);
+    cells.ends = someNumbers(group + "Offsets",
+                             firstCell + partsBefore(cellCounts, start_.cell[kind]) + part, n + 1);
     if (cells.ends.front() != 0)
       fail("'" + group + "Offsets' of part " + std::to_string(number) + " do not begin with 0");
     cells.ends.erase(cells.ends.begin());
@@ -259,6 +273,21 @@ private:
       cells.connectivity.push_back(
           static_cast<std::uint32_t>(std::min<std::uint64_t>(node, 0xffffffffu)));
     vtk::appendCells(std::move(cells), mesh, progress_, options_.faces);
+  }
+
+  /// The number of parts whose cells stand before cell `cell` of the file. Steps that share one
+  /// mesh have parts of their own in the list, but the cells of the first step's.
+  std::uint64_t partsBefore(const std::vector<std::uint64_t>& cellCounts,
+                            std::uint64_t cell) const {
+    std::uint64_t cells = 0, found = cellCounts.size() + 1;
+    for (std::uint64_t part = 0; part <= cellCounts.size(); ++part) {
+      if (cells == cell && (part == start_.firstPart || found > cellCounts.size()))
+        found = part;
+      cells += part < cellCounts.size() ? cellCounts[part] : 0;
+    }
+    if (found > cellCounts.size())
+      fail("a step's cells do not begin where a part's do");
+    return found;
   }
 
   // --- arrays ---
@@ -310,6 +339,15 @@ CellMesh readVtkHdf(const Source& source, const ReadOptions& options, Report& re
     return VtkHdfFile(source, options, childReport, childProgress).read();
   };
   return readIsolated(read, source.path, report, progress);
+}
+
+bool vtkHdfHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  return answerIsolated(
+      [&](Report& childReport, Progress& childProgress) {
+        const ReadOptions options;
+        return VtkHdfFile(source, options, childReport, childProgress).hasSolidCells();
+      },
+      source.path, report, progress);
 }
 
 std::vector<double> vtkHdfTimes(const Source& source, Report& report, Progress& progress) {

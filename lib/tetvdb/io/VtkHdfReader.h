@@ -21,6 +21,9 @@ namespace tetvdb {
 CellMesh readVtkHdf(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 
+/// Whether an unstructured grid has solid cells in any step: the types of cells alone are read.
+bool vtkHdfHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 /// The times of the steps; empty for a file without.
 std::vector<double> vtkHdfTimes(const Source& source, Report& report, Progress& progress);
 

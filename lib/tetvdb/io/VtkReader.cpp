@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/ByteReader.h"
+#include "tetvdb/io/CellFaces.h"
 #include "tetvdb/io/NumberParser.h"
 #include "tetvdb/io/VtkArray.h"
 #include "tetvdb/io/VtkCells.h"
@@ -548,28 +549,47 @@ private:
 
 } // namespace
 
-bool vtkHasSolidCells(const Source& source) {
-  // The types stand behind the cells; arrays may follow.
-  const std::size_t at = source.bytes.rfind("CELL_TYPES");
-  if (at == source.bytes.npos)
-    return false;
-  NumberParser in(source, 0, at + 10);
-  std::int64_t type = 0;
-  in.line();
-  NumberParser head(source);
-  head.line();
-  head.line();
-  if (lower(head.word()) != "binary")
-    return in.tryInteger(type) && type >= 0 && type < 256 &&
-           cellKind(static_cast<std::uint8_t>(type)).type != CellType::Flat;
-  return in.remaining() >= 4 &&
-         cellKind(static_cast<std::uint8_t>(source.bytes[in.position() + 3])).type !=
-             CellType::Flat;
-}
-
 CellMesh readVtk(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {
   return VtkFile(source, options, report, progress).read();
+}
+
+bool vtkHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  const auto isSolid = [](std::int64_t type) {
+    return type >= 0 && type < 256 &&
+           cellKind(static_cast<std::uint8_t>(type)).type != CellType::Flat;
+  };
+  NumberParser in(source);
+  in.line();
+  in.line();
+  const bool binary = lower(in.word()) == "binary";
+  // The types stand behind the cells; arrays may follow.
+  const std::size_t at = source.bytes.rfind("CELL_TYPES");
+  if (at == source.bytes.npos) {
+    ReadOptions options;
+    options.attributes = false;
+    options.faces = true;
+    return hasSolidCells(readVtk(source, options, report, progress));
+  }
+  in.seek(at + std::string_view("CELL_TYPES").size());
+  std::int64_t count = 0, type = 0;
+  if (!in.tryInteger(count) || count < 0)
+    throw Error(Status::Invalid, in.where(), "CELL_TYPES has no number of cells", kExport);
+  in.line();
+  if (binary) {
+    ByteReader bytes(source);
+    bytes.skip(in.position());
+    bytes.setSwap(true);
+    const std::size_t n = bytes.checkCount(count, 4, "types of cells");
+    for (std::size_t i = 0; i < n; ++i)
+      if (isSolid(bytes.get<std::int32_t>()))
+        return true;
+    return false;
+  }
+  for (std::int64_t i = 0; i < count; ++i)
+    if (isSolid(type = in.integer()))
+      return true;
+  return false;
 }
 
 } // namespace tetvdb

@@ -20,8 +20,8 @@ namespace tetvdb {
 CellMesh readVtk(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
-/// Whether the first cell of an unstructured grid is solid, by a glance at its type; false also
-/// where that cannot be seen.
-bool vtkHasSolidCells(const Source& source);
+/// Whether an unstructured grid has solid cells, by its cells' types; a file without a list of
+/// types is read whole. Throws Error(Invalid) as readVtk() does.
+bool vtkHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -31,6 +31,12 @@ public:
     return std::move(whole_);
   }
 
+  bool hasSolidCells(const Source& source) {
+    kindsAlone_ = true;
+    readFile(source, "", 0);
+    return isSolid_;
+  }
+
 private:
   void readFile(const Source& source, const std::string& prefix, int depth) {
     if (depth > kDeepest)
@@ -52,6 +58,8 @@ private:
     if (level > 256)
       throw Error(Status::Invalid, path, "blocks are nested more than 256 deep", "export it again");
     for (const pugi::xml_node node : parent.children()) {
+      if (isSolid_)
+        return;
       const std::string_view kind = node.name();
       std::string name = node.attribute("name").value();
       if (!prefix.empty())
@@ -73,6 +81,12 @@ private:
     const FileFormat format = sniffFormat(bytes.bytes(), found);
     if (format == FileFormat::Vtm)
       return readFile(bytes.source(), name, depth + 1);
+    if (kindsAlone_) {
+      const Format& row = formatOf(format);
+      isSolid_ =
+          row.hasSolidCells != nullptr && row.hasSolidCells(bytes.source(), report_, progress_);
+      return;
+    }
     CellMesh mesh;
     if (format == FileFormat::Vtp)
       mesh = readVtu(bytes.source(), options_, report_, progress_);
@@ -102,6 +116,7 @@ private:
   std::vector<std::int32_t> regions_;
   std::int32_t block_ = 0;
   std::size_t files_ = 0;
+  bool kindsAlone_ = false, isSolid_ = false;
 };
 
 } // namespace
@@ -109,6 +124,11 @@ private:
 CellMesh readVtm(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress) {
   return MultiBlock(options, report, progress).read(source);
+}
+
+bool vtmHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  const ReadOptions options;
+  return MultiBlock(options, report, progress).hasSolidCells(source);
 }
 
 } // namespace tetvdb

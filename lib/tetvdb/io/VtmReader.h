@@ -20,4 +20,7 @@ namespace tetvdb {
 CellMesh readVtm(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
+/// Whether a block has solid cells: the types of cells alone are read, up to the first such block.
+bool vtmHasSolidCells(const Source& source, Report& report, Progress& progress);
+
 } // namespace tetvdb

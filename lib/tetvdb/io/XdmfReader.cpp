@@ -497,7 +497,9 @@ private:
 
 CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
-  return XdmfFile(source, options, report, progress).read();
+  CellMesh mesh = XdmfFile(source, options, report, progress).read();
+  mesh.times = xdmfTimes(source);
+  return mesh;
 }
 
 } // namespace tetvdb

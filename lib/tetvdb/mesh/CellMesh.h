@@ -52,6 +52,7 @@ struct CellMesh {
   /// Region (material) number of every cell of `runs`; empty where the file has none.
   std::vector<std::int32_t> regions;
   std::map<std::int32_t, std::string> regionNames;
+  std::vector<double> times; ///< of all steps of the file; empty where it has none
 
   std::size_t cellCount() const {
     std::size_t n = 0;

@@ -27,15 +27,6 @@ void nameFile(const std::string& path, std::size_t first, Report& report) {
       report.warnings[i].text = path + ": " + report.warnings[i].text;
 }
 
-std::vector<double> timesOf(const std::string& path, FileFormat format, Progress& progress) {
-  const auto readTimes = formatOf(format).readTimes;
-  if (readTimes == nullptr)
-    return {};
-  const MappedFile file(path);
-  Report unused; // the same warnings as of the mesh
-  return readTimes(file.source(), unused, progress);
-}
-
 } // namespace
 
 void turnUp(std::vector<Vec3d>& points, UpAxis up) {
@@ -66,7 +57,7 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
     info->vertices = cells.points.size();
     for (const CellRun& run : cells.runs)
       info->cells[run.fileType] += run.count;
-    info->times = timesOf(path, format, progress);
+    info->times = cells.times;
     if (!info->times.empty())
       info->step = options.timeStep < 0 ? info->times.size() - 1
                                         : static_cast<std::size_t>(options.timeStep);

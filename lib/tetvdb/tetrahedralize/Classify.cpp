@@ -19,8 +19,8 @@ constexpr std::size_t kTetsPerCheck = 65536;
 // Tets that are tested together: at first, the divisor after a test that fails, and at last.
 constexpr std::ptrdiff_t kMaxTogether = 256, kFewer = 4, kMinTogether = 16;
 
-/// Calls step(from, localFace, to) for the neighbours of tets that are reached from those in `open`.
-/// It returns whether the flood continues from `to`.
+/// Calls step(from, localFace, to) for the neighbours of tets that are reached from those in
+/// `open`. It returns whether the flood continues from `to`.
 template <typename Step>
 void flood(const TetComplex& complex, std::vector<std::uint32_t>& open, Progress& progress,
            const Step& step) {

@@ -33,8 +33,8 @@ struct LostSurface {
 /// different regions by the winding numbers of the inputs (regionOf()): interior walls, sheets,
 /// doubled shells and walls thinner than half an epsilon are not owed. Nor are points where the
 /// winding number of an open input is within 0.2 of 0.5 on either side, as it is next to a hole
-/// boundary: the surface that closes the hole begins near there, not at the boundary itself. An owed point
-/// farther than epsilon from the tets' surface is lost.
+/// boundary: the surface that closes the hole begins near there, not at the boundary itself. An
+/// owed point farther than epsilon from the tets' surface is lost.
 ///   outToIn is the largest distance of samples of the tets' surface at which all winding numbers
 /// are within 0.2 of whole numbers, that is of all of them where the inputs are closed. Elsewhere
 /// the tets' surface closes a hole, and is far from the input by design.

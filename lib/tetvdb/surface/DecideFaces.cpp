@@ -9,6 +9,7 @@
 #include "tetvdb/surface/WindingField.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -28,7 +29,7 @@ constexpr double kNearer = 0.9, kMuchNearer = 0.5;
 // solid's, neither orientation is sure.
 constexpr double kDiffer = 0.1, kVague = 0.06;
 
-// The mesh without the faces that duplicates make superfluous.
+// The mesh without the faces that duplicates make superfluous, where there are any.
 struct KeptFaces {
   TriangleMesh mesh;
   std::vector<std::uint32_t> was;        ///< by kept face
@@ -39,13 +40,12 @@ KeptFaces keepFaces(const TriangleMesh& mesh, const std::vector<FaceFate>& fates
   KeptFaces kept;
   kept.mesh.points = mesh.points;
   for (std::uint32_t face = 0; face < mesh.triangleCount(); ++face) {
-    if (!fates.empty() && fates[face] == FaceFate::Goes)
+    if (fates[face] == FaceFate::Goes)
       continue;
     kept.was.push_back(face);
     const std::uint32_t* v = &mesh.triangles[3 * std::size_t(face)];
     kept.mesh.triangles.insert(kept.mesh.triangles.end(), v, v + 3);
-    if (!fates.empty())
-      kept.withoutSide.push_back(fates[face] == FaceFate::StaysWithoutSide);
+    kept.withoutSide.push_back(fates[face] == FaceFate::StaysWithoutSide);
   }
   return kept;
 }
@@ -60,15 +60,24 @@ bool isTwoSided(const EdgeTable& edges) {
 class Decision {
 public:
   Decision(const TriangleMesh& mesh, const CleanOptions& options, Progress& progress)
-      : mesh_(mesh), progress_(progress), fileEdges_(mesh) {
+      : mesh_(mesh), progress_(progress), fileEdges_(mesh), keptMesh_(&mesh), edges_(&fileEdges_) {
     std::vector<FaceFate> fates;
     if (options.duplicates) {
       const DuplicateGroups groups = findDuplicates(fileEdges_);
       if (groups.count() > 0)
         fates = resolveDuplicates(mesh.triangles, mesh.points.size(), groups, progress);
     }
-    kept_ = keepFaces(mesh, fates);
-    edges_.emplace(kept_.mesh);
+    if (std::find(fates.begin(), fates.end(), FaceFate::Goes) != fates.end()) {
+      kept_ = keepFaces(mesh, fates);
+      keptEdges_.emplace(kept_.mesh);
+      keptMesh_ = &kept_.mesh;
+      edges_ = &*keptEdges_;
+    } else {
+      kept_.was.resize(mesh.triangleCount());
+      std::iota(kept_.was.begin(), kept_.was.end(), 0u);
+      for (const FaceFate fate : fates)
+        kept_.withoutSide.push_back(fate == FaceFate::StaysWithoutSide);
+    }
     setDropped();
     if (options.orient)
       orient();
@@ -89,7 +98,7 @@ private:
   }
 
   void orient() {
-    FaceSides sides(kept_.mesh, *edges_, progress_);
+    FaceSides sides(*keptMesh_, *edges_, progress_);
     sides.alignPatches(kept_.withoutSide);
     sides.alignByVisibility(progress_);
     sides.turnShells(progress_);
@@ -107,8 +116,9 @@ private:
 
   // Of all faces, as the file has them.
   static SolidField fileField(const TriangleMesh& mesh, const EdgeTable& edges,
-                              const WindingSamples& samples, Progress& progress) {
-    const WindingField winding(mesh, edges);
+                              const TriangleScene& scene, const WindingSamples& samples,
+                              Progress& progress) {
+    const WindingField winding(mesh, edges, scene);
     SolidField field;
     field.values.resize(samples.points.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, field.values.size(), 16),
@@ -142,13 +152,17 @@ private:
     count = std::min(count, kMostValues / std::max(patchCount, 1u));
     if (count < kLeastSamples)
       return; // a tangle, whose field says little
-    const WindingSamples samples = windingSamples(kept_.mesh, patches.patchOf, patchCount, count);
-    const SolidField file = fileField(mesh_, fileEdges_, samples, progress_);
+    const WindingSamples samples = windingSamples(*keptMesh_, patches.patchOf, patchCount, count);
+    std::optional<TriangleScene> keptScene;
+    const TriangleScene fileScene(mesh_);
+    const SolidField file = fileField(mesh_, fileEdges_, fileScene, samples, progress_);
     if (file.isSolid() && !dropsFaces())
       return keepFile(false);
 
-    const TriangleScene scene(kept_.mesh);
-    const GroupWinding groups(kept_.mesh, *edges_, scene, patches.patchOf, patchCount, turned_,
+    if (dropsFaces())
+      keptScene.emplace(*keptMesh_);
+    const TriangleScene& scene = keptScene ? *keptScene : fileScene;
+    const GroupWinding groups(*keptMesh_, *edges_, scene, patches.patchOf, patchCount, turned_,
                               samples.points, progress_);
     SolidField field = sumOf(groups, patchCount);
     dropInnerWalls(patches, groups, field);
@@ -156,7 +170,7 @@ private:
     if (file.isSolid() &&
         2 * file.shareInside(samples.spread) > field.shareInside(samples.spread) &&
         (!field.isSolid() || isLost(file, field, samples)))
-      return keepFile(isHarmedByDropping(file, samples));
+      return keepFile(isHarmedByDropping(file, scene, samples));
     if (!field.isSolid())
       turnPatches(sides, groups, field);
     const double lost = file.shareLostIn(field, samples.spread);
@@ -178,8 +192,9 @@ private:
   }
 
   // Whether dropping duplicates, with all sides as the file has them, loses what was solid.
-  bool isHarmedByDropping(const SolidField& file, const WindingSamples& samples) const {
-    const SolidField kept = fileField(kept_.mesh, *edges_, samples, progress_);
+  bool isHarmedByDropping(const SolidField& file, const TriangleScene& scene,
+                          const WindingSamples& samples) const {
+    const SolidField kept = fileField(*keptMesh_, *edges_, scene, samples, progress_);
     return isLost(file, kept, samples) || !kept.isSolid();
   }
 
@@ -234,7 +249,9 @@ private:
   Progress& progress_;
   EdgeTable fileEdges_;
   KeptFaces kept_;
-  std::optional<EdgeTable> edges_;   ///< of kept_.mesh
+  std::optional<EdgeTable> keptEdges_;
+  const TriangleMesh* keptMesh_;     ///< kept_.mesh, or mesh_ where every face is kept
+  const EdgeTable* edges_;           ///< of *keptMesh_
   std::vector<std::uint8_t> turned_; ///< by kept face
   bool keepsFile_ = false;
   FaceDecision result_;

@@ -141,15 +141,20 @@ GroupWinding::GroupWinding(const TriangleMesh& mesh, const EdgeTable& edges,
                            std::uint32_t groupCount, const std::vector<std::uint8_t>& turned,
                            const std::vector<Vec3d>& samples, Progress& progress)
     : samples_(samples.size()), values_(std::size_t(groupCount) * samples.size(), 0) {
+  // Several groups may be open at an edge, whose angle is worked out once.
   struct GroupEdge {
     CurtainEdge edge;
     std::uint32_t group;
+    bool isNext; ///< the edge is not that of the entry before
   };
   std::vector<GroupEdge> open;
+  std::uint32_t last = EdgeTable::kNone;
   eachOpenEdge(edges, groupOf, turned, [&](std::uint32_t edge, std::uint32_t group, int weight) {
     open.push_back(
         {{mesh.points[edges.lowPoint(edge)], mesh.points[edges.highPoint(edge)], double(weight)},
-         group});
+         group,
+         edge != last});
+    last = edge;
   });
   Box box;
   for (const std::uint32_t v : mesh.triangles)
@@ -167,8 +172,12 @@ GroupWinding::GroupWinding(const TriangleMesh& mesh, const EdgeTable& edges,
                           if (groupOf[hit.triangle] != EdgeTable::kNone)
                             sums[groupOf[hit.triangle]] +=
                                 hit.leaving != (turned[hit.triangle] != 0) ? 1 : -1;
-                        for (const GroupEdge& one : open)
-                          sums[one.group] += curtainWinding(one.edge, samples[i]);
+                        double angle = 0;
+                        for (const GroupEdge& one : open) {
+                          if (one.isNext)
+                            angle = halfCurtainAngle(one.edge, samples[i]);
+                          sums[one.group] += curtainWinding(one.edge.weight, angle);
+                        }
                         for (std::uint32_t group = 0; group < groupCount; ++group)
                           values_[std::size_t(group) * samples_ + i] =
                               static_cast<float>(sums[group]);

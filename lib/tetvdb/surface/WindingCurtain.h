@@ -23,16 +23,25 @@ struct CurtainEdge {
   double weight;
 };
 
-/// To be added to the signed crossings of the ray from p downwards: the solid angle at p of the
-/// triangle from a to b to infinity along kCurtainUp, over 4 pi (van Oosterom and Strackee 1983,
-/// divided by the third corner's distance).
-inline double curtainWinding(const CurtainEdge& edge, const Vec3d& p) {
-  constexpr double kPi = 3.14159265358979323846;
+/// Half the solid angle at p of the triangle from a to b to infinity along kCurtainUp (van Oosterom
+/// and Strackee 1983, divided by the third corner's distance).
+inline double halfCurtainAngle(const CurtainEdge& edge, const Vec3d& p) {
   const Vec3d a = minus(edge.a, p), b = minus(edge.b, p);
   const double la = length(a), lb = length(b);
   const double above = dot(cross(a, b), kCurtainUp);
   const double below = la * lb + dot(a, b) + dot(b, kCurtainUp) * la + dot(a, kCurtainUp) * lb;
-  return edge.weight * std::atan2(above, below) / (2 * kPi);
+  return std::atan2(above, below);
+}
+
+/// The solid angle whose half is `halfAngle`, over 4 pi, `weight` times.
+inline double curtainWinding(double weight, double halfAngle) {
+  constexpr double kPi = 3.14159265358979323846;
+  return weight * halfAngle / (2 * kPi);
+}
+
+/// To be added to the signed crossings of the ray from p downwards.
+inline double curtainWinding(const CurtainEdge& edge, const Vec3d& p) {
+  return curtainWinding(edge.weight, halfCurtainAngle(edge, p));
 }
 
 } // namespace tetvdb

@@ -6,7 +6,18 @@
 
 namespace tetvdb {
 
-WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges) : scene_(mesh) {
+WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges)
+    : ownScene_(std::in_place, mesh), scene_(&*ownScene_) {
+  addBoundary(mesh, edges);
+}
+
+WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges,
+                           const TriangleScene& scene)
+    : scene_(&scene) {
+  addBoundary(mesh, edges);
+}
+
+void WindingField::addBoundary(const TriangleMesh& mesh, const EdgeTable& edges) {
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
     int weight = 0;
     for (const std::uint32_t side : edges.sides(edge))
@@ -24,7 +35,7 @@ WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges) : s
 
 double WindingField::at(const Vec3d& p) const {
   std::vector<TriangleScene::Hit> hits;
-  scene_.crossings(p, times(kCurtainUp, -1), reach_, hits);
+  scene_->crossings(p, times(kCurtainUp, -1), reach_, hits);
   double winding = 0;
   for (const TriangleScene::Hit& hit : hits)
     winding += hit.leaving ? 1 : -1;

@@ -8,6 +8,7 @@
 #include "tetvdb/surface/WindingCurtain.h"
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace tetvdb {
@@ -21,13 +22,18 @@ namespace tetvdb {
 class WindingField {
 public:
   WindingField(const TriangleMesh& mesh, const EdgeTable& edges);
+  /// With a scene of the same mesh, which must outlive it too.
+  WindingField(const TriangleMesh& mesh, const EdgeTable& edges, const TriangleScene& scene);
   explicit WindingField(const TriangleMesh& mesh) : WindingField(mesh, EdgeTable(mesh)) {}
 
   double at(const Vec3d& p) const;
   std::size_t boundaryEdges() const { return boundary_.size(); }
 
 private:
-  TriangleScene scene_;
+  void addBoundary(const TriangleMesh& mesh, const EdgeTable& edges);
+
+  std::optional<TriangleScene> ownScene_;
+  const TriangleScene* scene_;
   std::vector<CurtainEdge> boundary_;
   double reach_ = 0;
 };

@@ -98,7 +98,7 @@ private:
     if (!format_.endings.empty())
       requireWritable(job_.output);
     if (job_.materials && !format_.takesMaterials)
-      throw Error(Status::Usage, "--materials",
+      throw Error(Status::Usage, "`materials`",
                   fmt::format("the format {} has no materials", format_.name),
                   "write a folder of PNG files");
     if (job_.isVolume && job_.inputs.size() > 1)
@@ -106,13 +106,13 @@ private:
                   "give one input at a time");
     const bool offsets = job_.printer.xyOffset != 0 || job_.printer.footOffset != 0;
     if (offsets && (asksCentres() || format_.contours))
-      throw Error(Status::Usage, "--xy-offset, --foot-offset",
-                  "need grey levels: --aa volume or area, and a format of pixels",
+      throw Error(Status::Usage, "`xy_offset`, `foot_offset`",
+                  "need grey levels: `aa=volume` or area, and a format of pixels",
                   "set them to 0 (absolute_correction and elefant_foot_compensation in the "
                   "printer's file)");
     if (asksCentres() && job_.printer.firstHeight() != job_.printer.layerHeight)
-      throw Error(Status::Usage, "--first-layer-height", "layers of whole voxels have one height",
-                  "leave it out, or use --aa volume");
+      throw Error(Status::Usage, "`first_layer_height`", "layers of whole voxels have one height",
+                  "leave it out, or use `aa=volume`");
   }
 
   template <typename Work>
@@ -179,7 +179,7 @@ private:
     if (volume.grids().all.front()->empty())
       throw Error(Status::Invalid, name,
                   fmt::format("has {} open edges and encloses nothing", open),
-                  "give the sheet a thickness with 'tetvdb repair --shell T'");
+                  "give the sheet a thickness with `shell=T` of repair");
     const TriangleScene scene(mesh);
     ExtractOptions extract;
     extract.original = &scene;
@@ -314,7 +314,7 @@ private:
   std::unique_ptr<LayerSource> materialGrid(const Voxelization& made,
                                             const std::vector<std::string>& names) {
     if (names.size() > 255)
-      throw Error(Status::Limit, "--materials",
+      throw Error(Status::Limit, "`materials`",
                   fmt::format("{} materials are more than a palette has, 255", names.size()));
     result_.materials = names;
     info_.materials = {"background"};
@@ -347,7 +347,7 @@ private:
     std::sort(numbers.begin(), numbers.end());
     numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
     if (numbers.empty())
-      throw Error(Status::Usage, "--materials", "the mesh has no regions", "leave it out");
+      throw Error(Status::Usage, "`materials`", "the mesh has no regions", "leave it out");
     std::vector<std::string> names;
     for (const std::int32_t number : numbers) {
       const auto name = mesh.regionNames.find(number);
@@ -375,8 +375,8 @@ private:
       if (auto source = directVoxels(volume))
         return source;
     if (job_.materials)
-      throw Error(Status::Usage, "--materials", "the volume's voxels are not the printer's pixels",
-                  "voxelize with --voxel-size of the pixels and the layer height");
+      throw Error(Status::Usage, "`materials`", "the volume's voxels are not the printer's pixels",
+                  "voxelize with `voxel_size` of the pixels and the layer height");
     TriangleMesh mesh = stage("extract", [&] {
       ExtractOptions options;
       options.grid = job_.grid;

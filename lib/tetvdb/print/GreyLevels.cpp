@@ -11,9 +11,9 @@ GreyLevels::GreyLevels(const GreyOptions& options)
     : options_(options),
       plain_(options.levels == 256 && options.gamma == 1 && !options.table.has_value()) {
   if (options.levels < 2 || options.levels > 256)
-    throw Error(Status::Usage, "--levels", "must be from 2 to 256");
+    throw Error(Status::Usage, "`levels`", "must be from 2 to 256");
   if (!(options.gamma >= 0) || !std::isfinite(options.gamma))
-    throw Error(Status::Usage, "--gamma", "must be a number, zero or more");
+    throw Error(Status::Usage, "`gamma`", "must be a number, zero or more");
 }
 
 std::uint8_t GreyLevels::mapped(std::int64_t share) const {

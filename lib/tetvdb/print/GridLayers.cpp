@@ -186,7 +186,7 @@ std::unique_ptr<LayerSource> gridLayers(openvdb::GridBase::ConstPtr grid, const 
     return source;
   if (auto source = tryGrid<openvdb::FloatGrid>(grid, frame, map, levels))
     return source;
-  throw Error(Status::Usage, "--grid", "'" + grid->getName() + "' is of no type that has layers",
+  throw Error(Status::Usage, "`grid`", "'" + grid->getName() + "' is of no type that has layers",
               "give a mask, a coverage, a material or a level set");
 }
 

@@ -72,11 +72,11 @@ const LayerFormat& layerFormatFor(const std::string& path, const std::string& na
     return layerFormats().front();
   if (name.empty())
     throw Error(Status::Usage, path, "cannot write layers to files that end in '" + ending + "'",
-                "name it " + endings + ", without an ending for a folder, or say --format");
+                "name it " + endings + ", without an ending for a folder, or say `format`");
   std::string list;
   for (const std::string& one : names)
     (list += list.empty() ? "" : ", ") += one;
-  throw Error(Status::Usage, "--format", "'" + name + "' is no format of layers",
+  throw Error(Status::Usage, "`format`", "'" + name + "' is no format of layers",
               suggestName(name, names, "choose from " + list));
 }
 

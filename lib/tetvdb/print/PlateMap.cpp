@@ -24,7 +24,7 @@ PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
   if (!model.finite || !(model.min[0] <= model.max[0]))
     throw Error(Status::Invalid, "", "the model has no box: coordinates that are not finite");
   if (!(options.scale > 0) || !std::isfinite(options.scale))
-    throw Error(Status::Usage, "--scale", "must be a number above zero");
+    throw Error(Status::Usage, "`scale`", "must be a number above zero");
   PlateMap map;
   for (std::size_t k = 0; k < 3; ++k) {
     map.scale[k] = options.scale * printer.stretch[k];
@@ -47,23 +47,23 @@ PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
                   fmt::format("the model is {:.6g} x {:.6g} x {:.6g} mm, the display {:.6g} x "
                               "{:.6g} mm",
                               side(0), side(1), side(2), printer.display[0], printer.display[1]),
-                  "scale it with --scale, or check --units");
+                  "scale it with `scale`, or check `units`");
     if (map.box.min[k] < -slack || map.box.max[k] > printer.display[k] + slack)
-      throw Error(Status::Limit, "--place",
+      throw Error(Status::Limit, "`place`",
                   fmt::format("the model reaches from {:.6g} to {:.6g} mm along {}, the display "
                               "from 0 to {:.6g}",
                               map.box.min[k], map.box.max[k], "xy"[k], printer.display[k]),
                   "place it in the middle, which is the default");
   }
   if (map.box.min[2] < -kRounding * side(2))
-    throw Error(Status::Limit, "--place",
+    throw Error(Status::Limit, "`place`",
                 fmt::format("the model reaches {:.6g} mm below the plate", -map.box.min[2]),
                 "place it in the middle, which is the default");
   if (printer.maxHeight > 0 && map.box.max[2] > printer.maxHeight * (1 + kRounding))
     throw Error(Status::Limit, "",
                 fmt::format("the model is {:.6g} mm high, the printer prints {:.6g} mm",
                             map.box.max[2], printer.maxHeight),
-                "scale it with --scale, or check --units");
+                "scale it with `scale`, or check `units`");
   return map;
 }
 
@@ -80,7 +80,7 @@ LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share)
   const double reached = top * (1 - kRounding);
   double count = std::ceil((reached - frame.firstLayerHeight) / frame.layerHeight) + 1;
   if (count > kMostLayers)
-    throw Error(Status::Limit, "--layer-height",
+    throw Error(Status::Limit, "`layer_height`",
                 fmt::format("{:.6g} mm are {:.0f} layers, more than 2^20", top, count),
                 "give thicker layers");
   count = std::max(count, 1.0);

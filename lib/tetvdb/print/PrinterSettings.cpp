@@ -150,14 +150,14 @@ PrinterSettings readPrinter(const std::string& path) {
 void checkPrinter(const PrinterSettings& printer) {
   for (const int count : printer.pixels)
     if (count < 1 || count > kMostPixels)
-      throw Error(Status::Usage, "--pixels", "the display's pixels are not known",
-                  "give --pixels W,H, or a file with them by --printer");
+      throw Error(Status::Usage, "`pixels`", "the display's pixels are not known",
+                  "give `pixels=W,H`, or a file with them by `printer`");
   for (const double side : printer.display)
     if (!(side > 0) || !std::isfinite(side))
-      throw Error(Status::Usage, "--display", "the display's size is not known",
-                  "give --display W,H in millimetres, or a file with it by --printer");
+      throw Error(Status::Usage, "`display`", "the display's size is not known",
+                  "give `display=W,H` in millimetres, or a file with it by `printer`");
   if (!(printer.layerHeight > 0) || !std::isfinite(printer.layerHeight))
-    throw Error(Status::Usage, "--layer-height", "the height of a layer is not known",
+    throw Error(Status::Usage, "`layer_height`", "the height of a layer is not known",
                 "give it in millimetres");
 }
 

@@ -53,7 +53,7 @@ public:
     bytes += directoryOf(pixels, layer.bytes.size(), resolutions);
     if (pixels + bytes.size() > kMostBytes)
       throw Error(Status::Limit, info_.path, "a .tif file has at most 4 GiB",
-                  "write a folder with --format png");
+                  "write a folder with `format=png`");
     file_.write(bytes.data(), bytes.size());
     const std::string link = littleEndianBytes(directory, 4);
     file_.writeAt(link_, link.data(), link.size());

@@ -154,23 +154,5 @@ TEST(TetParts, WorkOnPartsIsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(TetParts, GonePointsAreDropped) {
-  TetComplex complex = mesh();
-  Progress progress;
-  TetParts(complex, -1).run(disturb, progress);
-  std::vector<Vec3d> stays;
-  for (const auto& point : complex.points)
-    if (point.exists())
-      stays.push_back(point.at);
-  const std::size_t before = complex.points.size();
-  const auto numbers = dropGonePoints(complex);
-  ASSERT_LT(stays.size(), before);
-  ASSERT_EQ(numbers.size(), before);
-  ASSERT_EQ(complex.points.size(), stays.size());
-  for (std::size_t p = 0; p < stays.size(); ++p)
-    EXPECT_EQ(complex.points[p].at, stays[p]);
-  EXPECT_NO_THROW(complex.verify());
-}
-
 } // namespace
 } // namespace tetvdb

@@ -17,7 +17,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMaxPoints = 200000; // whatever the spacing asks for
+constexpr double kMaxPoints = 200000; // at any spacing
 constexpr double kPerturb = 0.1;      // of a cell
 // Grains: cells narrower than this could round two points to one.
 constexpr double kNarrowest = 16;

@@ -78,7 +78,7 @@ bool EdgeCollapser::collapsePoint(std::uint32_t from) {
     final = final && answer == Answer::No;
   }
   if (final)
-    point.changed = static_cast<std::uint8_t>(point.changed & ~kChanged);
+    point.clearChanged(kChanged);
   return false;
 }
 

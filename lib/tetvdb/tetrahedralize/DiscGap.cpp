@@ -11,7 +11,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Faces seen under a sharper angle (its sine) have gaps along the direction that say little.
+// Faces seen under a sharper angle (its sine) have no meaningful gap along the direction.
 constexpr double kMinSine = 0.05;
 
 // Two axes across a direction and one along it, of unit length.
@@ -45,7 +45,7 @@ bool overlap(const std::array<Vec3d, 3>& u, const std::array<Vec3d, 3>& v) {
   return !isApart(u, v) && !isApart(v, u);
 }
 
-// How far p is above or below a triangle; less than 0 where it is beside.
+// How far p is above or below a triangle; less than 0 where it is not over the triangle.
 double heightOver(const Vec3d& p, const std::array<Vec3d, 3>& at) {
   const double u = area(p, at[1], at[2]), v = area(p, at[2], at[0]), w = area(p, at[0], at[1]);
   if (!(u >= 0 && v >= 0 && w >= 0 && u + v + w > 0))

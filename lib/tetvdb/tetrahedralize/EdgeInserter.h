@@ -50,8 +50,7 @@ public:
   using Face = std::array<std::uint32_t, 3>;
 
   /// Lattice units, 2 <= tolerance <= reach. Paths go up to `reach` aside where tets are too flat
-  /// to be cut. insert() and spend() throw InsertStop once more than `maxEffort` tets were looked
-  /// at.
+  /// to be cut. insert() and spend() throw InsertStop once more than `maxEffort` tets were visited.
   EdgeInserter(TetComplex& complex, InsertedPaths& known, double tolerance, double reach,
                std::size_t maxEffort)
       : complex_(complex), known_(known), insert_(complex), tolerance_(tolerance), reach_(reach),
@@ -61,7 +60,7 @@ public:
   void begin();
   /// Until begin(): keeps every face of the mesh.
   void keepFaces() { maySwap_ = false; }
-  /// Counts tets that were looked at.
+  /// Counts tets that were visited.
   void spend(std::size_t tets);
 
   /// Makes a path for edge a-b of the input, where there is none yet. Throws InsertStop.

@@ -153,7 +153,7 @@ void addParts(const ConvexPolygon& polygon, const NearTriangle& triangle, double
       highest = std::max(highest, heights[k]);
     }
     if (lowest > 0)
-      break; // all of it is beside the triangle
+      break; // none of it is over the triangle
     if (highest <= (kCutFrom - kCutAt) * reach * scale)
       continue;
     cut(rest, heights, inner, outer);
@@ -169,7 +169,7 @@ void addParts(const ConvexPolygon& polygon, const NearTriangle& triangle, double
       parts.push_back(half);
 }
 
-// What one or a few triangles say about a polygon.
+// How much of a polygon is near one or a few triangles.
 enum class Nearness { None, Some, All };
 
 // Whether a triangle that is near the first corner is near all of the polygon. None: no triangle is

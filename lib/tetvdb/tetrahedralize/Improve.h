@@ -25,7 +25,7 @@ struct Bounds {
 
 struct ImproveOptions {
   double edgeLength = 0;   ///< target, lattice units
-  double smallestEdge = 0; ///< no edge is asked to be shorter than this, lattice units
+  double smallestEdge = 0; ///< no size is less than this, lattice units
   double stopEnergy = 10;  ///< worst AMIPS energy to reach; 3 is the regular tet
   int maxPasses = 80;
 };
@@ -49,7 +49,7 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
 /// as the target length and the surface's bounds allow; the others, where no more than 30 is asked
 /// for, follow sizes that grow away from its surface (EdgeSizes.h) and make all tets better. They
 /// aim a little lower than `stopEnergy`. Around tets that stay bad sizes are made smaller, down to
-/// `smallestEdge`; ends early where that is in vain. Parallel by TetParts; the same mesh for any
+/// `smallestEdge`; ends early where that fails. Parallel by TetParts; the same mesh for any
 /// number of threads.
 ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
                       Progress& progress);

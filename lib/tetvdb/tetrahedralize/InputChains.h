@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What stands for the inputs in a mesh: of each a chain of triangles.
+// The surfaces of the inputs in a tet mesh: for each a chain of triangles.
 #pragma once
 
 #include "tetvdb/core/Progress.h"

@@ -3,8 +3,28 @@
 
 namespace tetvdb {
 
+void addEdgeHalves(const TetComplex& complex, const std::vector<std::uint32_t>& around,
+                   std::uint32_t a, std::uint32_t b, std::vector<TetComplex::NewTet>& fresh) {
+  for (const std::uint32_t t : around) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
+    for (const unsigned corner : {i, j}) {
+      TetComplex::NewTet half;
+      half.corners = tet.corners;
+      half.corners[corner] = static_cast<std::uint32_t>(complex.points.size());
+      half.weight = tet.weight;
+      for (unsigned k = 0; k < 4; ++k)
+        if (k != i && k != j) {
+          half.chains[k] = tet.chains[k];
+          half.tracked[k] = tet.tracked[k];
+        }
+      fresh.push_back(half);
+    }
+  }
+}
+
 // The child's face opposite `corner` is the parent's; its others have the new point, and the
-// callers say what those stand for that are parts of a face of the parent.
+// callers set the chains of those that are parts of a face of the parent.
 void PointInsertion::addChild(std::uint32_t t, unsigned corner, std::uint32_t point) {
   const TetComplex::Tet& tet = complex_.tets[t];
   TetComplex::NewTet child;
@@ -27,21 +47,8 @@ std::uint32_t PointInsertion::commit(const Vec3d& at) {
 std::uint32_t PointInsertion::intoEdge(std::uint32_t a, std::uint32_t b, const Vec3d& at) {
   if (!complex_.ring(a, b, old_, ring_))
     return TetComplex::kNone;
-  const auto point = static_cast<std::uint32_t>(complex_.points.size());
   fresh_.clear();
-  for (const std::uint32_t t : old_) {
-    const TetComplex::Tet& tet = complex_.tets[t];
-    const unsigned i = tet.cornerOf(a), j = tet.cornerOf(b);
-    for (const unsigned corner : {i, j}) {
-      addChild(t, corner, point);
-      // The two faces through the edge are halved: those opposite the ring's points.
-      for (unsigned k = 0; k < 4; ++k)
-        if (k != i && k != j) {
-          fresh_.back().chains[k] = tet.chains[k];
-          fresh_.back().tracked[k] = tet.tracked[k];
-        }
-    }
-  }
+  addEdgeHalves(complex_, old_, a, b, fresh_);
   return commit(at);
 }
 

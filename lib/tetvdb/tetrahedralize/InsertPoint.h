@@ -11,6 +11,11 @@
 
 namespace tetvdb {
 
+/// Adds to `fresh` the halves of the tets around edge a-b, cut by a new point with the next number.
+/// The halves of a face have its chain and stay tracked.
+void addEdgeHalves(const TetComplex& complex, const std::vector<std::uint32_t>& around,
+                   std::uint32_t a, std::uint32_t b, std::vector<TetComplex::NewTet>& fresh);
+
 /// Serial; keeps scratch memory between calls. Every method returns the new point, or
 /// TetComplex::kNone, with nothing changed, where a tet would not stay positive or where tets of
 /// another part would have to change.

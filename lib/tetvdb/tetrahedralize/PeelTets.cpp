@@ -9,6 +9,20 @@
 #include <utility>
 
 namespace tetvdb {
+namespace {
+
+// Of a tet with two tracked faces: the edge of neither, and the edge of both.
+std::array<std::array<std::uint32_t, 2>, 2> edgesOf(const TetComplex::Tet& tet) {
+  std::array<std::array<std::uint32_t, 2>, 2> edges{};
+  std::size_t counts[2] = {0, 0};
+  for (unsigned localFace = 0; localFace < 4; ++localFace) {
+    const std::size_t edge = tet.tracked[localFace] ? 0 : 1;
+    edges[edge][counts[edge]++] = tet.corners[localFace];
+  }
+  return edges;
+}
+
+} // namespace
 
 std::size_t TetPeeler::sweep() {
   const auto order = takeChangedTets(complex_, kChanged, energy_, 1);
@@ -19,10 +33,8 @@ std::size_t TetPeeler::sweep() {
       complex_.crossOver(t, beyond_);
       ++gone;
     } else if (answer == Answer::NotHere) {
-      for (const std::uint32_t corner : complex_.tets[t].corners) {
-        std::uint8_t& changed = complex_.points[corner].changed;
-        changed = static_cast<std::uint8_t>(changed | kChanged);
-      }
+      for (const std::uint32_t corner : complex_.tets[t].corners)
+        complex_.points[corner].setChanged(kChanged);
     }
   }
   return gone;
@@ -60,10 +72,7 @@ TetPeeler::Answer TetPeeler::mayGo(std::uint32_t t) {
 TetPeeler::Answer TetPeeler::keepsTopology(std::uint32_t t, std::size_t trackedCount) const {
   const TetComplex::Tet& tet = complex_.tets[t];
   if (trackedCount == 2) {
-    std::array<std::uint32_t, 2> lone{}, shared{}; // edges of no tracked face, of both
-    std::size_t lones = 0, shareds = 0;
-    for (unsigned localFace = 0; localFace < 4; ++localFace)
-      (tet.tracked[localFace] ? lone[lones++] : shared[shareds++]) = tet.corners[localFace];
+    const auto [lone, shared] = edgesOf(tet);
     const OnSheet onSheet = edgeOnSheet(complex_, lone[0], lone[1], t);
     if (onSheet != OnSheet::No)
       return onSheet == OnSheet::Yes ? Answer::No : Answer::NotHere;
@@ -107,12 +116,9 @@ bool TetPeeler::keepsBounds(const TetComplex::Tet& tet) {
                     complex_.at(tet.corners[corner[2]])});
   }
   if (before_.size() == 2) {
-    std::array<Vec3d, 2> lone{}, shared{};
-    std::size_t lones = 0, shareds = 0;
-    for (unsigned localFace = 0; localFace < 4; ++localFace)
-      (tet.tracked[localFace] ? lone[lones++] : shared[shareds++]) =
-          complex_.at(tet.corners[localFace]);
-    return guard_.allowsFlip(shared[0], shared[1], lone[0], lone[1]);
+    const auto [lone, shared] = edgesOf(tet);
+    return guard_.allowsFlip(complex_.at(shared[0]), complex_.at(shared[1]), complex_.at(lone[0]),
+                             complex_.at(lone[1]));
   }
   // The apex is farthest from the face opposite.
   const auto& [a, b, c] = before_.size() == 1 ? before_[0] : after_[0];

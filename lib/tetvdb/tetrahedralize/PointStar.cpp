@@ -8,6 +8,15 @@
 
 namespace tetvdb {
 
+PointStar::LinkFace PointStar::linkFace(const TetComplex& complex, const TetComplex::Tet& tet,
+                                        unsigned localFace) {
+  const auto& at = kFaceCorners[localFace];
+  const std::array<std::uint32_t, 3> corners{tet.corners[at[0]], tet.corners[at[1]],
+                                             tet.corners[at[2]]};
+  return {complex.at(corners[0]), complex.at(corners[1]), complex.at(corners[2]), corners,
+          cubedWeight(tet)};
+}
+
 void PointStar::gather(TetComplex& complex, std::uint32_t point) {
   point_ = point;
   faces_.clear();
@@ -25,10 +34,8 @@ void PointStar::gather(TetComplex& complex, std::uint32_t point) {
     const TetComplex::Tet& tet = complex.tets[t];
     const unsigned i = tet.cornerOf(point);
     const auto& around = kFaceCorners[i];
-    const std::array<std::uint32_t, 3> corners{tet.corners[around[0]], tet.corners[around[1]],
-                                               tet.corners[around[2]]};
-    faces_.push_back({complex.at(corners[0]), complex.at(corners[1]), complex.at(corners[2]),
-                      corners, cubedWeight(tet)});
+    faces_.push_back(linkFace(complex, tet, i));
+    const std::array<std::uint32_t, 3> corners = faces_.back().corners;
     for (const std::uint32_t corner : corners) {
       if (seen_[corner] == round_)
         continue;
@@ -39,7 +46,7 @@ void PointStar::gather(TetComplex& complex, std::uint32_t point) {
     }
     for (unsigned k = 0; k < 3; ++k) {
       const unsigned localFace = around[k];
-      // Both tets of the face are here: the lower one tells.
+      // Both tets of the face are in the star: the lower one counts it.
       if (!tet.tracked[localFace] || tet.neighbours[localFace] < t)
         continue;
       const std::uint32_t p = corners[(k + 1) % 3], q = corners[(k + 2) % 3];

@@ -20,6 +20,9 @@ public:
     std::array<std::uint32_t, 3> corners;
     double weight = 1; ///< of the tet, cubed
   };
+  /// The face of a tet opposite one of its corners.
+  static LinkFace linkFace(const TetComplex& complex, const TetComplex::Tet& tet,
+                           unsigned localFace);
   /// A tracked face (point, p, q).
   struct Sheet {
     std::uint32_t p, q;

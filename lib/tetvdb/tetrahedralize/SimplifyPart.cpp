@@ -19,10 +19,10 @@ constexpr std::size_t kMaxFaces = 48; ///< around a point
 constexpr double kSliver = 0.1;
 constexpr double kFlat = 1e-7;
 constexpr double kMinCosine = 0.2;  ///< of the angle that a normal may turn by at a collapse
-constexpr double kHold = 1e-3;      ///< to the midpoint of an edge, beside the planes' 1
+constexpr double kHold = 1e-3;      ///< weight of the edge's midpoint; planes have 1
 constexpr double kCoplanar = 0.996; ///< cosine between faces whose edge may be swapped: 5 degrees
 constexpr double kBetter = 1.1;     ///< what a swap has to gain
-constexpr std::size_t kManyTimes = 64; ///< steps between looks at the clock
+constexpr std::size_t kManyTimes = 64; ///< steps between calls of Progress::check()
 
 Vec3d normalOf(const std::array<Vec3d, 3>& at) {
   return cross(minus(at[1], at[0]), minus(at[2], at[0]));
@@ -172,7 +172,7 @@ bool SimplifyPart::keepsTopology(std::uint32_t keep, std::uint32_t gone) {
     for (const std::uint32_t v : s_.faces[shared_[i]])
       if (v != keep && v != gone)
         wings[i] = v;
-  // A face of the point that goes over both wings would come to lie over one that stays.
+  // A face of the removed point over both wings would come to lie on one that stays.
   const auto hasWings = [&](std::uint32_t face) {
     const auto& f = s_.faces[face];
     return std::find(f.begin(), f.end(), wings[0]) != f.end() &&

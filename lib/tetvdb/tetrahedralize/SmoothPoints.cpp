@@ -31,8 +31,7 @@ std::size_t PointSmoother::sweep() {
 
 bool PointSmoother::smooth(std::uint32_t point) {
   const auto settle = [&] {
-    std::uint8_t& changed = complex_.points[point].changed;
-    changed = static_cast<std::uint8_t>(changed & ~kChanged);
+    complex_.points[point].clearChanged(kChanged);
     return false;
   };
   star_.gather(complex_, point);

@@ -2,6 +2,7 @@
 #include "tetvdb/tetrahedralize/SplitEdges.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/InsertPoint.h"
 #include "tetvdb/tetrahedralize/PlacePoint.h"
 #include "tetvdb/tetrahedralize/TetEnergy.h"
 
@@ -40,9 +41,7 @@ public:
     if (!gather(edge.a, edge.b, isThere ? edge.tet : TetComplex::kNone))
       return false;
     constexpr double kMaxWorse = 1.5;
-    double worst = 0;
-    for (const std::uint32_t around : around_)
-      worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
+    const double worst = worstAround();
     const Vec3d at = midpoint();
     const EnergyLimit limit(std::max(energy, kMaxWorse * worst));
     for (const PointStar::LinkFace& face : faces_)
@@ -64,9 +63,7 @@ public:
         if (!gather(corners[i], corners[j], t))
           continue;
         Vec3d at = midpoint();
-        double worst = 0;
-        for (const std::uint32_t around : around_)
-          worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
+        const double worst = worstAround();
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
         double sum = sumOfCubes(faces_, at, kInfinity);
         if (sheets_ == 0 && sum < kInfinity)
@@ -97,8 +94,7 @@ private:
     if (!complex_.ring(a, b, around_, ring_, first)) {
       if (!around_.empty())
         for (const std::uint32_t point : {a, b})
-          complex_.points[point].changed =
-              static_cast<std::uint8_t>(complex_.points[point].changed | kSplitChanged);
+          complex_.points[point].setChanged(kSplitChanged);
       return false;
     }
     a_ = a;
@@ -107,17 +103,19 @@ private:
     sheets_ = 0;
     for (const std::uint32_t t : around_) {
       const TetComplex::Tet& tet = complex_.tets[t];
-      for (const unsigned localFace : {tet.cornerOf(a), tet.cornerOf(b)}) {
-        const auto& corner = kFaceCorners[localFace];
-        const std::array<std::uint32_t, 3> corners{tet.corners[corner[0]], tet.corners[corner[1]],
-                                                   tet.corners[corner[2]]};
-        faces_.push_back({complex_.at(corners[0]), complex_.at(corners[1]), complex_.at(corners[2]),
-                          corners, cubedWeight(tet)});
-      }
+      for (const unsigned localFace : {tet.cornerOf(a), tet.cornerOf(b)})
+        faces_.push_back(PointStar::linkFace(complex_, tet, localFace));
       for (unsigned k = 0; k < 4; ++k)
         sheets_ += tet.tracked[k] && tet.corners[k] != a && tet.corners[k] != b;
     }
     return true;
+  }
+
+  double worstAround() {
+    double worst = 0;
+    for (const std::uint32_t around : around_)
+      worst = std::max(worst, static_cast<double>(energyOf(complex_, around)));
+    return worst;
   }
 
   Vec3d midpoint() const {
@@ -125,24 +123,8 @@ private:
   }
 
   void put(const Vec3d& at) {
-    const auto newPoint = static_cast<std::uint32_t>(complex_.points.size());
     fresh_.clear();
-    for (const std::uint32_t t : around_) {
-      const TetComplex::Tet& old = complex_.tets[t];
-      const unsigned i = old.cornerOf(a_), j = old.cornerOf(b_);
-      for (const unsigned replaced : {i, j}) {
-        TetComplex::NewTet one;
-        one.corners = old.corners;
-        one.corners[replaced] = newPoint;
-        one.weight = old.weight;
-        for (unsigned k = 0; k < 4; ++k)
-          if (k != i && k != j) {
-            one.chains[k] = old.chains[k];
-            one.tracked[k] = old.tracked[k];
-          }
-        fresh_.push_back(one);
-      }
-    }
+    addEdgeHalves(complex_, around_, a_, b_, fresh_);
     TetComplex::Point point;
     const auto &a = complex_.points[a_], &b = complex_.points[b_];
     point.at = at;

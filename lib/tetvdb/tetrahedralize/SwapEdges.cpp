@@ -42,11 +42,6 @@ bool EdgeSwapper::swapAt(std::uint32_t t) {
   return true;
 }
 
-void EdgeSwapper::tryAgain(std::uint32_t point) {
-  std::uint8_t& changed = complex_.points[point].changed;
-  changed = static_cast<std::uint8_t>(changed | kChanged);
-}
-
 void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
   const TetComplex::Tet& tet = complex_.tets[t];
   ++tried_;
@@ -75,8 +70,8 @@ void EdgeSwapper::tryEdge(std::uint32_t t, unsigned i, unsigned j) {
       return;
     if (next >= TetComplex::kElsewhere) {
       // Perhaps in another part.
-      tryAgain(a_);
-      tryAgain(b_);
+      complex_.points[a_].setChanged(kChanged);
+      complex_.points[b_].setChanged(kChanged);
       return;
     }
     // The worst tet around the edge is the one that tries.
@@ -210,7 +205,7 @@ void EdgeSwapper::tryFace(std::uint32_t t, unsigned localFace) {
     return;
   if (other >= TetComplex::kElsewhere) {
     for (const std::uint8_t k : kFaceCorners[localFace])
-      tryAgain(tet.corners[k]);
+      complex_.points[tet.corners[k]].setChanged(kChanged);
     return;
   }
   ++tried_;

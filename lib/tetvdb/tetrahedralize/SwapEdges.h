@@ -44,7 +44,6 @@ private:
   };
 
   bool swapAt(std::uint32_t t);
-  void tryAgain(std::uint32_t point);
   void tryEdge(std::uint32_t t, unsigned i, unsigned j);
   void tryInside(double limit);
   void tryOnSurface(std::size_t c, std::size_t d, double limit);

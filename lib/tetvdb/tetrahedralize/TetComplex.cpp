@@ -122,8 +122,7 @@ TetComplex::OpenFace& TetComplex::findFace(const Key& key) {
   return faces_[i];
 }
 
-void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
-                         std::vector<std::uint32_t>* made) {
+void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh) {
   std::size_t room = 256;
   while (room < 8 * (old.size() + fresh.size()))
     room *= 2;
@@ -142,8 +141,6 @@ void TetComplex::replace(const std::vector<std::uint32_t>& old, const std::vecto
   std::reverse(free_.end() - static_cast<std::ptrdiff_t>(old.size()), free_.end());
   for (const NewTet& one : fresh) {
     const std::uint32_t t = addTet(one);
-    if (made != nullptr)
-      made->push_back(t);
     for (unsigned localFace = 0; localFace < 4; ++localFace)
       joinFace(t, localFace);
   }

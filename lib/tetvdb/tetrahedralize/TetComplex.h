@@ -84,6 +84,8 @@ public:
     std::uint8_t changed = 0xFF;
     std::uint8_t fineness = 0; ///< how short edges shall be here (EdgeSizes.h)
     bool exists() const { return tet != kNone; }
+    void setChanged(std::uint8_t bits) { changed = static_cast<std::uint8_t>(changed | bits); }
+    void clearChanged(std::uint8_t bits) { changed = static_cast<std::uint8_t>(changed & ~bits); }
   };
 
   std::vector<Point> points;
@@ -103,10 +105,9 @@ public:
   };
 
   /// Replaces `old` by `fresh`, which fill the same space and have the same outer faces. New tets
-  /// take the numbers of old ones first; their numbers are appended to `made`, if given. Points
-  /// that lose all their tets are gone. Costs about 30 ns a face.
-  void replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh,
-               std::vector<std::uint32_t>* made = nullptr);
+  /// take the numbers of old ones first. Points that lose all their tets are gone. Costs about 30
+  /// ns a face.
+  void replace(const std::vector<std::uint32_t>& old, const std::vector<NewTet>& fresh);
 
   /// Removes point `from`; tets around it get `to` for this corner, and tets with both are removed.
   /// `star` is star(from), all of it in this part; `to` is joined to it by an edge; the tets that

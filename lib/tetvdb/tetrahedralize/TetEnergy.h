@@ -110,7 +110,7 @@ takeChangedTets(TetComplex& complex, std::uint8_t bit, double energy, double min
       taken.emplace_back(tet.energy, t);
   }
   for (TetComplex::Point& point : complex.points)
-    point.changed = static_cast<std::uint8_t>(point.changed & ~bit);
+    point.clearChanged(bit);
   std::sort(taken.begin(), taken.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });

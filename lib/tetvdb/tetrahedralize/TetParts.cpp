@@ -125,7 +125,7 @@ TetParts::TetParts(TetComplex& whole, int round, std::size_t tetsPerPart) : whol
                     [&](std::size_t p) { extract(p, tetsOfPart[p]); });
   for (std::size_t p = 0; p < whole.points.size(); ++p)
     if (partOfPoint_[p] == kShared)
-      whole.points[p].changed = 0; // until a part says so
+      whole.points[p].changed = 0; // set again by parts
   whole_.tets.clear();
   whole_.free_.clear();
 }
@@ -266,7 +266,7 @@ void TetParts::join() {
       if (partOfPoint_[part.pointOfWhole[i]] == kShared) {
         TetComplex::Point& point = whole_.points[part.pointOfWhole[i]];
         point.onBoundary = point.onBoundary || part.complex.points[i].onBoundary;
-        point.changed = static_cast<std::uint8_t>(point.changed | part.complex.points[i].changed);
+        point.setChanged(part.complex.points[i].changed);
       }
   parts_.clear();
 }
@@ -330,23 +330,6 @@ void TetParts::joinBorders() {
     whole_.tets[a.tet].neighbours[a.localFace] = b.tet;
     whole_.tets[b.tet].neighbours[b.localFace] = a.tet;
   }
-}
-
-std::vector<std::uint32_t> dropGonePoints(TetComplex& complex) {
-  std::vector<std::uint32_t> numbers(complex.points.size(), TetComplex::kNone);
-  std::uint32_t next = 0;
-  for (std::size_t p = 0; p < complex.points.size(); ++p) {
-    if (!complex.points[p].exists())
-      continue;
-    numbers[p] = next;
-    complex.points[next++] = complex.points[p];
-  }
-  complex.points.resize(next);
-  for (TetComplex::Tet& tet : complex.tets)
-    if (tet.exists())
-      for (std::uint32_t& corner : tet.corners)
-        corner = numbers[corner];
-  return numbers;
 }
 
 } // namespace tetvdb

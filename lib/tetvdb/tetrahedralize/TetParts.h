@@ -65,8 +65,4 @@ private:
   std::size_t borderCount_ = 0;
 };
 
-/// Numbers points 0, 1, ... in their order without those that are gone. Returns the new number of
-/// every old point, TetComplex::kNone for those.
-std::vector<std::uint32_t> dropGonePoints(TetComplex& complex);
-
 } // namespace tetvdb

@@ -53,7 +53,7 @@ enum Variant : int {
 
 // Input points are snapped to this share of epsilon or less (latticeSoup()).
 constexpr double kGrainShare = 1.0 / (1 << 24);
-// Epsilon is at least so many times the distance at which input points are told apart.
+// Epsilon is at least so many times the distance at which input points are distinguished.
 constexpr double kMinEpsilon = 256;
 // Holes are closed along tets of this share of the target length, as long as no more than
 // kMaxHoleTets are added.
@@ -158,12 +158,12 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
     if (work.missing.empty())
       isChained = chainRegions(complex, insideOf(complex, count, work.soup, work.missing, progress),
                                count, options.boolean, options.keepOutside);
-    ImproveOptions wish;
-    wish.edgeLength = edge;
-    wish.smallestEdge = work.radius;
-    wish.stopEnergy = options.stopEnergy;
-    wish.maxPasses = options.maxPasses;
-    counts = improve(complex, bounds, wish, progress);
+    ImproveOptions aims;
+    aims.edgeLength = edge;
+    aims.smallestEdge = work.radius;
+    aims.stopEnergy = options.stopEnergy;
+    aims.maxPasses = options.maxPasses;
+    counts = improve(complex, bounds, aims, progress);
   } else {
     counts = coarsen(complex, bounds, progress);
   }
@@ -328,12 +328,12 @@ InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, 
                                double diagonal, double epsilon, const Envelope& surface,
                                const Envelope& boundary, StageTimer& timer, Progress& progress) {
   const double radius = surface.epsilon();
-  InsertSurfaceOptions wish;
-  wish.spacing = std::min(edge, diagonal / 10);
-  wish.margin = std::max(wish.spacing, 2 * epsilon);
-  wish.clearance = 10 * epsilon;
-  wish.reach = kReachShare * radius;
-  wish.coarsen = [&](TetComplex& complex) {
+  InsertSurfaceOptions options;
+  options.spacing = std::min(edge, diagonal / 10);
+  options.margin = std::max(options.spacing, 2 * epsilon);
+  options.clearance = 10 * epsilon;
+  options.reach = kReachShare * radius;
+  options.coarsen = [&](TetComplex& complex) {
     coarsen(complex, {surface, boundary, kThinShare * radius}, progress);
   };
   LatticeSoup simple;
@@ -349,7 +349,7 @@ InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, 
     simplifySoup(simple, surface, share * radius, progress);
     return simple;
   };
-  return insertSurface(soupOf, kVariants, inputCount, wish, timer, progress);
+  return insertSurface(soupOf, kVariants, inputCount, options, timer, progress);
 }
 
 } // namespace

@@ -8,8 +8,8 @@
 // Clean and simplify the soup within the envelope; a background mesh over its points; insertion
 // triangle by triangle; local improvement; what is inside by winding number. After "Fast
 // Tetrahedral Meshing in the Wild" (Hu, Schneider, Wang, Zorin, Panozzo 2020); docs/algorithms.md
-// says what is done otherwise here. The mesh is valid at every moment: every tet positive by exact
-// arithmetic, every face that stands for input within epsilon of it.
+// describes the differences. The mesh is valid at every moment: every tet positive by exact
+// arithmetic, every face that lies on input within epsilon of it.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -23,7 +23,7 @@
 
 namespace tetvdb {
 
-/// What of several inputs is kept.
+/// The rule that combines several inputs.
 enum class Boolean : std::uint8_t {
   Materials,   ///< what is in any input; where several overlap, the earliest owns it
   Union,       ///< what is in any input, as one solid
@@ -40,7 +40,7 @@ struct TetrahedralizeOptions {
   int maxPasses = 80; ///< of improvement
   Boolean boolean = Boolean::Materials;
   bool keepOutside = false; ///< keep the tets outside too, up to the background's box, as region -1
-  std::size_t maxMemory = 0; ///< bytes for the work beside the inputs; 0: no limit
+  std::size_t maxMemory = 0; ///< bytes for the work without the inputs; 0: no limit
 };
 
 /// How far input and output are from one another, both ways.

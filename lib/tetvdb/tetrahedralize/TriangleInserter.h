@@ -27,7 +27,7 @@ class TriangleInserter {
 public:
   using Result = InsertResult;
 
-  /// As EdgeInserter's. A triangle fails once more than `maxEffort` tets were looked at.
+  /// As EdgeInserter's. A triangle fails once more than `maxEffort` tets were visited.
   TriangleInserter(TetComplex& complex, InsertedPaths& known, double tolerance, double reach,
                    std::size_t maxEffort)
       : complex_(complex), known_(known), edges_(complex, known, tolerance, reach, maxEffort),

@@ -26,7 +26,7 @@ struct alignas(128) NearTriangle {
   double m00, m01, m11;       ///< inverse of the matrix of ab's and ac's dot products; 0 where thin
   double perAb, perAc, perBc; ///< 1 over the edges' squared lengths; 0 for those of no length
   std::uint32_t face;
-  std::uint32_t thin; ///< almost collinear: all of its edges are looked at
+  std::uint32_t thin; ///< almost collinear: all of its edges are tested
 
   NearTriangle() = default;
   NearTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, std::uint32_t face);

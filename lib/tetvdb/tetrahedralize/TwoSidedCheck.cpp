@@ -33,8 +33,8 @@ constexpr double kBoundaryEdges = 1000, kMaxFewer = 4;
 constexpr double kWhole = 0.2;
 // A winding number this far from 0.5 is clearly inside or outside.
 constexpr double kClear = 0.2;
-// Sides of a triangle are looked at from this part of epsilon away from its edges, where other
-// faces begin: beside a box's corner one of them would lie on the next face.
+// Sides of a triangle are sampled at this share of epsilon from its edges, where other
+// faces begin: next to a box's corner one of them would lie on the next face.
 constexpr double kFromEdge = 1.0 / 64;
 // Distances are compared with epsilon up to rounding.
 constexpr double kRounding = 1e-9;

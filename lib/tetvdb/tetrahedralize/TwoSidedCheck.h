@@ -13,7 +13,7 @@
 
 namespace tetvdb {
 
-/// What checkBothSides() found, beside the figures of TwoSidedCheck.
+/// The result of checkBothSides(): TwoSidedCheck and the lost points.
 struct LostSurface {
   TwoSidedCheck figures;
   /// Owed input points that are farther than epsilon from the tets' surface, world, with the

@@ -47,7 +47,7 @@ TEST(CurvedShape, EachFunctionIsOneAtItsNodeAndZeroAtTheOthers) {
   for (const auto& kind : meshes::quadraticKinds()) {
     const CurvedShape shape = shapeOfKind(kind);
     for (std::size_t i = 0; i < kind.nodes(); ++i) {
-      double values[kMostCurvedNodes];
+      double values[kMaxCurvedNodes];
       shapeFunctions(shape, placeOf(shape, i), values);
       for (std::size_t k = 0; k < kind.nodes(); ++k)
         EXPECT_NEAR(values[k], i == k ? 1 : 0, 1e-7) << kind.name << " " << i << " " << k;
@@ -69,7 +69,7 @@ TEST(CurvedShape, QuadraticPolynomialsAreReproduced) {
                c[9] * p[0] * p[2];
       };
       const Vec3d at = inside(shape, random);
-      double values[kMostCurvedNodes], sum = 0;
+      double values[kMaxCurvedNodes], sum = 0;
       shapeFunctions(shape, at, values);
       for (std::size_t i = 0; i < kind.nodes(); ++i)
         sum += values[i] * f(placeOf(shape, i));
@@ -84,15 +84,15 @@ TEST(CurvedShape, GradientsAreThoseOfDifferences) {
     const CurvedShape shape = shapeOfKind(kind);
     for (int round = 0; round < 20; ++round) {
       const Vec3d at = inside(shape, random);
-      double values[kMostCurvedNodes];
-      std::array<double, 3> gradients[kMostCurvedNodes];
+      double values[kMaxCurvedNodes];
+      std::array<double, 3> gradients[kMaxCurvedNodes];
       shapeFunctions(shape, at, values, gradients);
       for (std::size_t k = 0; k < 3; ++k) {
         const double step = 1e-6;
         Vec3d low = at, high = at;
         low[k] -= step;
         high[k] += step;
-        double below[kMostCurvedNodes], above[kMostCurvedNodes];
+        double below[kMaxCurvedNodes], above[kMaxCurvedNodes];
         shapeFunctions(shape, low, below);
         shapeFunctions(shape, high, above);
         for (std::size_t i = 0; i < kind.nodes(); ++i)
@@ -110,7 +110,7 @@ TEST(CurvedShape, LinearFunctionsAreOneAtTheirNodes) {
   for (const CurvedShape shape : kLinearShapes) {
     EXPECT_TRUE(isLinear(shape));
     for (std::size_t i = 0; i < nodeCount(shape); ++i) {
-      double values[kMostCurvedNodes];
+      double values[kMaxCurvedNodes];
       shapeFunctions(shape, placeOf(shape, i), values);
       for (std::size_t k = 0; k < nodeCount(shape); ++k)
         EXPECT_NEAR(values[k], i == k ? 1 : 0, 2e-9) << i << " " << k;
@@ -123,8 +123,8 @@ TEST(CurvedShape, LinearPolynomialsAndGradients) {
   for (const CurvedShape shape : kLinearShapes)
     for (int round = 0; round < 100; ++round) {
       const Vec3d at = inside(shape, random);
-      double values[kMostCurvedNodes];
-      std::array<double, 3> gradients[kMostCurvedNodes];
+      double values[kMaxCurvedNodes];
+      std::array<double, 3> gradients[kMaxCurvedNodes];
       shapeFunctions(shape, at, values, gradients);
       const auto f = [](const Vec3d& p) { return 1 + 2 * p[0] - 3 * p[1] + 5 * p[2]; };
       double sum = 0, by[3] = {0, 0, 0};

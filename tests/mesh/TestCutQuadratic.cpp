@@ -86,7 +86,7 @@ TEST(CutQuadratic, PlacesAreThoseOfTheShapeFunctions) {
     for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
       const CurvedCells::Cell& cell = mesh.curved.cells[mesh.curved.cellOfTet[t]];
       for (std::size_t i = 0; i < 4; ++i) {
-        double weights[kMostCurvedNodes];
+        double weights[kMaxCurvedNodes];
         shapeFunctions(cell.shape, placeOf(cell.shape, mesh.curved.corners[t][i]), weights);
         for (std::size_t k = 0; k < 3; ++k) {
           double at = 0;
@@ -124,11 +124,11 @@ TEST(CutQuadratic, CurvedCellsFollowABall) {
     SCOPED_TRACE(kind.name);
     const auto onBall = [](const Vec3d& p) {
       const Vec3d q{p[0] - 1, p[1] - 1, p[2] - 1};
-      const double most = std::max({std::abs(q[0]), std::abs(q[1]), std::abs(q[2])});
+      const double maxValue = std::max({std::abs(q[0]), std::abs(q[1]), std::abs(q[2])});
       const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
       if (length == 0)
         return q;
-      return Vec3d{q[0] * most / length, q[1] * most / length, q[2] * most / length};
+      return Vec3d{q[0] * maxValue / length, q[1] * maxValue / length, q[2] * maxValue / length};
     };
     const double volume = volumeOf(split(meshes::quadraticBlock(kind, 2).finish(onBall, number)));
     const double ball = 4 * 3.14159265358979 / 3;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files are whole or absent: written under a temporary name beside the target, synced, renamed.
+// Files are whole or absent: written under a temporary name in the target's folder, synced,
+// renamed.
 //
 //   tetvdb::AtomicFile file("out.vdb");
 //   file.write(bytes, size);     // throws Error(Write) at once when the disk is full
 //   file.commit();               // without it the destructor removes the temporary file
 //
-// What is no regular file is never replaced: a pipe, a device, a socket, or a file that is this
+// Only regular files are replaced: a pipe, a device, a socket, or a file that is this
 // process's standard output gets the bytes at commit(), from a temporary file without a name.
 #pragma once
 
@@ -19,7 +20,7 @@ namespace tetvdb {
 /// One writer thread at a time.
 class AtomicFile {
 public:
-  /// Creates the temporary file, beside the file that `path` leads to: a symbolic link stays, and
+  /// Creates the temporary file, next to the file that `path` refers to: a symbolic link stays, and
   /// what it points to is replaced. Permissions are those of the file that is replaced, or of a new
   /// file. Throws Error(Write) where that is not possible: a folder, a file or folder that is
   /// write-protected. Opens no pipe or device yet.

@@ -38,15 +38,15 @@ std::string closestName(std::string_view wanted, const std::vector<std::string>&
   if (wanted.empty() || wanted.size() > kLongest)
     return {};
   const std::string sought = lowerCase(wanted);
-  std::size_t least = kLongest;
+  std::size_t minDistance = kLongest;
   std::string closest, related;
   for (const std::string& name : names) {
     if (name.empty() || name.size() > kLongest)
       continue;
     const std::string known = lowerCase(name);
     const std::size_t distance = editDistance(sought, known);
-    if (distance < least && distance <= std::max(sought.size(), known.size()) / 3) {
-      least = distance;
+    if (distance < minDistance && distance <= std::max(sought.size(), known.size()) / 3) {
+      minDistance = distance;
       closest = name;
     }
     if (related.empty() && std::min(sought.size(), known.size()) >= 3 &&

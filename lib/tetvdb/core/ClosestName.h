@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What was meant by a name that does not exist.
+// Suggestions for misspelled names.
 #pragma once
 
 #include <string>

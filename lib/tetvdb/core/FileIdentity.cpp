@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40; // as the kernel
+constexpr int kMaxLinks = 40; // as the kernel
 
 FileIdentity identityOf(const struct stat& info) {
   FileIdentity identity;
@@ -26,12 +26,12 @@ FileIdentity identityOf(const struct stat& info) {
 
 std::string followLinks(const std::string& path) {
   fs::path at(path);
-  for (int i = 0; i < kMostLinks; ++i) {
+  for (int i = 0; i < kMaxLinks; ++i) {
     char target[PATH_MAX];
     const ssize_t size = ::readlink(at.c_str(), target, sizeof target);
     if (size < 0)
       return at.string();
-    // An absolute target takes the place of all before it.
+    // An absolute target replaces all before it.
     at = at.parent_path() / std::string(target, static_cast<std::size_t>(size));
   }
   errno = ELOOP;

@@ -10,16 +10,16 @@
 namespace tetvdb {
 
 /// The path that opening `path` for writing would create or write to: symbolic links followed, also
-/// one to a file that is not there. Empty, with errno set, where links lead in circles.
+/// one to a file that does not exist. Empty, with errno set, for cycles of links.
 std::string followLinks(const std::string& path);
 
-/// What a path stands for, with an order for look-up: equivalent for hard links, symbolic links and
-/// different spellings of one file, whether it is there or not.
+/// The file that a path refers to, with an order for look-up: equal for hard links, symbolic links
+/// and different spellings of one file, whether it exists or not.
 struct FileIdentity {
-  dev_t device = 0; ///< of the file; of its folder where the file is not there
+  dev_t device = 0; ///< of the file; of its folder where the file does not exist
   ino_t inode = 0;
-  std::string name;      ///< of a file that is not there; with its folder where that is not there
-  bool isDevice = false; ///< a character device, which is not changed by what is written
+  std::string name; ///< of a file that does not exist; with its folder where that does not exist
+  bool isDevice = false; ///< a character device, which writing does not change
 
   friend bool operator<(const FileIdentity& a, const FileIdentity& b) {
     return std::tie(a.device, a.inode, a.name) < std::tie(b.device, b.inode, b.name);

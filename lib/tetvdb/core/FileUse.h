@@ -14,17 +14,17 @@
 
 namespace tetvdb {
 
-/// Not thread-safe. Files are told apart by device and inode where they are there, so that links
-/// and other spellings are the same file, else by folder and name. Cost: a few system calls a path.
+/// Not thread-safe. Files that exist are identified by device and inode, so that links and other
+/// spellings are the same file, others by folder and name. Cost: a few system calls a path.
 class FileUse {
 public:
-  /// An empty path is none. Throws Error(Usage) where the file is written too.
+  /// An empty path is ignored. Throws Error(Usage) where the file is written too.
   void reads(const std::string& path);
   /// Throws Error(Usage) where the file is read, or written by another output. Devices such as
-  /// /dev/null can be written to by several. "-" is standard output; an empty path is none.
+  /// /dev/null can be written to by several. "-" is standard output; an empty path is ignored.
   void writes(const std::string& path);
 
-  /// Whether one of the files that are written is what standard output leads to.
+  /// Whether one of the files that are written is standard output.
   bool writesStandardOutput() const;
 
 private:

@@ -6,9 +6,9 @@
 
 namespace tetvdb {
 
-/// One vector of the elements of many, in the order of `parts`: what threads or parts of a job have
-/// gathered, each in its own. `parts` is any range of vectors of T. The order is as steady as that
-/// of the parts, so that what threads gathered wants sorting. Linear; allocates once.
+/// One vector of the elements of many, in the order of `parts`: the results of
+/// threads or tasks, each in its own. `parts` is any range of vectors of T. The order is that of
+/// the parts, so that results of threads need sorting. Linear; allocates once.
 template <typename T, typename Parts>
 std::vector<T> joinedVectors(const Parts& parts) {
   std::size_t total = 0;

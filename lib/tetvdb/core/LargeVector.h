@@ -33,7 +33,7 @@ struct LargeAllocator {
     if (p == nullptr)
       throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-    ::madvise(p, bytes, MADV_HUGEPAGE); // a wish: small pages do as well
+    ::madvise(p, bytes, MADV_HUGEPAGE); // a hint: small pages work too
 #endif
     return static_cast<T*>(p);
   }

@@ -26,14 +26,14 @@ struct Stage {
   std::vector<StagePart> parts;
 };
 
-/// Something the user should know; `code` is stable and short ("flipped-tets"), `text` one
+/// A warning; `code` is stable and short ("flipped-tets"), `text` one
 /// sentence.
 struct Warning {
   std::string code;
   std::string text;
 };
 
-/// Filled by the functions that a job passes through. Not thread-safe: a job owns its report.
+/// Filled by the functions that a job calls. Not thread-safe: a job owns its report.
 struct Report {
   std::vector<Stage> stages;
   std::vector<Warning> warnings;
@@ -44,10 +44,10 @@ struct Report {
   }
 };
 
-/// Highest resident memory of this process so far, in bytes; 0 where the system does not tell.
+/// Highest resident memory of this process so far, in bytes; 0 where it is not known.
 std::size_t peakResidentBytes();
-/// Memory that this process can still take without swapping, in bytes: the least of what the system
-/// has available, the control group's limit and the address-space limit.
+/// Memory that this process can still take without swapping, in bytes: the minimum of what the
+/// system has available, the control group's limit and the address-space limit.
 std::size_t availableBytes();
 
 /// Times a stage, and the parts within it, from construction to destruction.

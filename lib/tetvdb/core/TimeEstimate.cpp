@@ -7,7 +7,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kLeastSeconds = 2, kLeastDone = 0.03;
+constexpr double kMinSeconds = 2, kMinDone = 0.03;
 
 } // namespace
 
@@ -52,7 +52,7 @@ void TimeEstimate::estimate(double fraction, double now) {
   const double taken = now - began_;
   if (!byPlan_) {
     done_ = fraction;
-    if (taken >= kLeastSeconds && done_ >= kLeastDone)
+    if (taken >= kMinSeconds && done_ >= kMinDone)
       left_ = taken * (1 - done_) / done_;
     return;
   }
@@ -60,11 +60,11 @@ void TimeEstimate::estimate(double fraction, double now) {
     return;
   const double share = stages_[at_].share;
   done_ = std::max(done_, (before_ + share * fraction) / all_);
-  if (taken < kLeastSeconds || done_ < kLeastDone)
+  if (taken < kMinSeconds || done_ < kMinDone)
     return;
   const double ofShare = taken / (done_ * all_); // seconds
   const double inStage = now - stageBegan_;
-  const bool knowsStage = fraction >= kLeastDone && inStage >= kLeastSeconds / 2;
+  const bool knowsStage = fraction >= kMinDone && inStage >= kMinSeconds / 2;
   const double stageLeft =
       knowsStage ? inStage * (1 - fraction) / fraction : share * (1 - fraction) * ofShare;
   left_ = stageLeft + (all_ - before_ - share) * ofShare;

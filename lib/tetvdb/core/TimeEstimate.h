@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How much of a job of several stages is done, and what time is left.
+// The share of a job of several stages that is done, and the time left.
 //
 //   tetvdb::TimeEstimate estimate;
 //   estimate.plan({{"read", 1}, {"voxelize", 5}, {"write", 2}}, 0);
@@ -16,7 +16,7 @@
 
 namespace tetvdb {
 
-/// A stage that a job will go through, and what it takes beside the others, usually.
+/// A stage of a job, and its usual share of the time.
 struct PlannedStage {
   std::string name;
   double share = 1; ///< above zero, in any unit
@@ -26,7 +26,7 @@ struct PlannedStage {
 class TimeEstimate {
 public:
   /// The stages to come, in order, from time `now` on; a name can come several times, and stages
-  /// that do not come after all are passed over.
+  /// that do not occur are skipped.
   void plan(std::vector<PlannedStage> stages, double now);
   /// The job is in `stage`, of which `fraction` is done, at time `now`, in seconds. A stage that is
   /// not among those to come belongs to the one that was planned last.
@@ -34,10 +34,9 @@ public:
 
   /// Share of the job that is done, 0 to 1. With a plan it never falls.
   double done() const { return done_; }
-  /// Seconds left: what the stage has taken so far says what the rest of it takes, and what the job
-  /// has taken for its shares what the stages to come do. Empty while that says little: in the
-  /// first two seconds, the first 3 % of the job and, without a plan, of the stage, and in stages
-  /// that were not planned.
+  /// Seconds left: the rest of the stage from the stage's own speed, the later stages from the
+  /// job's. Empty while that is too uncertain: in the first two seconds, in the first 3 % of the
+  /// job and, without a plan, of the stage, and in stages that were not planned.
   std::optional<double> left() const { return left_; }
 
 private:
@@ -46,7 +45,7 @@ private:
 
   std::vector<PlannedStage> stages_;
   std::size_t at_ = 0;   ///< the stage that the job is in
-  std::size_t next_ = 0; ///< the first that has not come
+  std::size_t next_ = 0; ///< the first that has not begun
   bool entered_ = false;
   bool planned_ = false; ///< whether the current stage is stages_[at_]
   bool byPlan_ = false;

@@ -137,7 +137,7 @@ bool LeafShapes::solve(const CurvedCells::Cell& cell, double size, const Vec3d& 
                        double* weights) const {
   const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
   const std::size_t n = nodeCount(cell.shape);
-  std::array<std::array<double, 3>, kMostCurvedNodes> gradients;
+  std::array<std::array<double, 3>, kMaxCurvedNodes> gradients;
   const Vec3d& base = mesh_->points[nodes[0]];
   const Vec3d wanted = minus(target, base);
   for (int step = 0; step < kMostSteps; ++step) {
@@ -170,11 +170,11 @@ void LeafShapes::find(const LeafSample& sample) {
     slots_[s] = slotOf(sample, s);
   counts_.resize(sample.count());
   beyond_.assign(sample.count(), 0);
-  points_.resize(sample.count() * kMostCurvedNodes);
-  weights_.resize(sample.count() * kMostCurvedNodes);
+  points_.resize(sample.count() * kMaxCurvedNodes);
+  weights_.resize(sample.count() * kMaxCurvedNodes);
   for (std::size_t v = 0; v < sample.count(); ++v) {
-    std::uint32_t* points = points_.data() + v * kMostCurvedNodes;
-    double* weights = weights_.data() + v * kMostCurvedNodes;
+    std::uint32_t* points = points_.data() + v * kMaxCurvedNodes;
+    double* weights = weights_.data() + v * kMaxCurvedNodes;
     const std::size_t slot = sample.slot(v);
     const auto& w = sample.weights(v);
     const double corners[4] = {1 - (w[0] + w[1] + w[2]), w[0], w[1], w[2]};

@@ -37,10 +37,10 @@ public:
 
   std::size_t count(std::size_t voxel) const { return counts_[voxel]; }
   const std::uint32_t* points(std::size_t voxel) const {
-    return points_.data() + voxel * kMostCurvedNodes;
+    return points_.data() + voxel * kMaxCurvedNodes;
   }
   const double* weights(std::size_t voxel) const {
-    return weights_.data() + voxel * kMostCurvedNodes;
+    return weights_.data() + voxel * kMaxCurvedNodes;
   }
 
 private:

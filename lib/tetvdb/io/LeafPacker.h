@@ -43,7 +43,7 @@ public:
     bare->setTransientData(static_cast<openvdb::Index32>(place + 1));
     const Value* values = leaf.buffer().data();
     for (auto i = leaf.getValueMask().beginOn(); i; ++i) {
-      const double size = magnitude(values[i.pos()]);
+      const double size = scalarValue(values[i.pos()]);
       local.least = std::min(local.least, size);
       local.most = std::max(local.most, size);
     }

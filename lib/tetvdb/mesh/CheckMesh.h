@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whether a mesh that was put together in memory keeps what TriangleMesh and TetMesh promise.
-// Readers give none that does not. Functions that take a mesh ask before they look anything up by
-// its indices.
+// Whether a mesh that was made in memory meets the conditions of TriangleMesh and TetMesh. Readers
+// return no other. Functions that take a mesh check it before they use its indices.
 //
-//   tetvdb::checkMesh(mesh);   // before anything is looked up by its indices
+//   tetvdb::checkMesh(mesh);   // before its indices are used
 #pragma once
 
 #include "tetvdb/mesh/TetMesh.h"
@@ -19,8 +18,7 @@ void checkMesh(const TriangleMesh& mesh);
 
 /// The same for tets; and for the cells that they come from: cellOfTet as long as there are tets
 /// (or empty), a region for every cell that a tet names (or none at all), quadratic cells whose
-/// nodes are there. Lengths of attributes are not looked at: only who uses an array asks for its
-/// values.
+/// nodes are there. Lengths of attributes are checked where an array is used.
 void checkMesh(const TetMesh& mesh);
 
 } // namespace tetvdb

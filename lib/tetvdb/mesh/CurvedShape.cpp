@@ -8,7 +8,7 @@ namespace {
 
 using Place = std::array<double, 3>;
 
-constexpr Place middle(const Place& a, const Place& b) {
+constexpr Place midpoint(const Place& a, const Place& b) {
   return {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2};
 }
 
@@ -177,18 +177,18 @@ void pyramid13(const T& x, const T& y, const T& z, T* out) {
   }
 }
 
-// That of the middle of the base, and what it takes from those of the base's other nodes.
+// The function of the base's centre, and its share in those of the base's other nodes.
 template <typename T>
 void pyramid14(const T& x, const T& y, const T& z, T* out) {
   pyramid13(x, y, z, out);
   const T below = T(1) - z;
-  const T middle = (y + z - x - T(1)) * (z - x - y - T(1)) / below * (x - y + z - T(1)) *
-                   (x + y + z - T(1)) / below;
+  const T central = (y + z - x - T(1)) * (z - x - y - T(1)) / below * (x - y + z - T(1)) *
+                    (x + y + z - T(1)) / below;
   for (std::size_t i = 0; i < 4; ++i) {
-    out[i] = out[i] + T(0.25) * middle;
-    out[5 + i] = out[5 + i] - T(0.5) * middle;
+    out[i] = out[i] + T(0.25) * central;
+    out[5 + i] = out[5 + i] - T(0.5) * central;
   }
-  out[13] = middle;
+  out[13] = central;
 }
 
 template <typename T>
@@ -315,7 +315,7 @@ Vec3d placeOf(CurvedShape shape, std::size_t i) {
   switch (shape) {
   case CurvedShape::Tet10:
     place = i < 4 ? kTetCorners[i]
-                  : middle(kTetCorners[kTetEdges[i - 4][0]], kTetCorners[kTetEdges[i - 4][1]]);
+                  : midpoint(kTetCorners[kTetEdges[i - 4][0]], kTetCorners[kTetEdges[i - 4][1]]);
     break;
   case CurvedShape::Hex20:
   case CurvedShape::Hex27:
@@ -332,8 +332,8 @@ Vec3d placeOf(CurvedShape shape, std::size_t i) {
   case CurvedShape::Pyramid5:
     if (i < 13)
       place = i < 5 ? kPyramidCorners[i]
-                    : middle(kPyramidCorners[kPyramidEdges[i - 5][0]],
-                             kPyramidCorners[kPyramidEdges[i - 5][1]]);
+                    : midpoint(kPyramidCorners[kPyramidEdges[i - 5][0]],
+                               kPyramidCorners[kPyramidEdges[i - 5][1]]);
     break;
   }
   return {place[0], place[1], place[2]};
@@ -347,7 +347,7 @@ void shapeFunctions(CurvedShape shape, const Vec3d& where, double* values) {
 void shapeFunctions(CurvedShape shape, const Vec3d& where, double* values,
                     std::array<double, 3>* gradients) {
   const Vec3d at = belowApex(shape, where);
-  std::array<Dual, kMostCurvedNodes> all;
+  std::array<Dual, kMaxCurvedNodes> all;
   evaluate<Dual>(shape, Dual::variable(at[0], 0), Dual::variable(at[1], 1),
                  Dual::variable(at[2], 2), all.data());
   for (std::size_t i = 0; i < nodeCount(shape); ++i) {

@@ -34,7 +34,7 @@ enum class CurvedShape : std::uint8_t {
   Pyramid5
 };
 
-constexpr std::size_t kMostCurvedNodes = 27;
+constexpr std::size_t kMaxCurvedNodes = 27;
 
 /// The shape of a quadratic cell with so many nodes; none where only its corners are used.
 std::optional<CurvedShape> curvedShape(CellType type, std::size_t nodes);
@@ -48,7 +48,7 @@ bool isLinear(CurvedShape shape);
 /// How many nodes a cell has.
 std::size_t nodeCount(CurvedShape shape);
 
-/// Places of a shape: its nodes, and then the middles of faces and cell that it has no nodes at,
+/// Places of a shape: its nodes, and then the centres of faces and cell that it has no nodes at,
 /// where it is cut too (mesh/CutQuadratic.h).
 std::size_t placeCount(CurvedShape shape);
 /// Coordinates of place `i` in the reference cell.

@@ -134,17 +134,17 @@ bool QuadraticCutter::cut(CurvedShape shape, const std::uint32_t* nodes,
     }
     return signsDiffer(points_, tets, before);
   }
-  std::array<std::uint32_t, kMostCurvedNodes> at{};
+  std::array<std::uint32_t, kMaxCurvedNodes> at{};
   std::copy_n(nodes, nodeCount(shape), at.begin());
   if (shape == CurvedShape::Hex20) {
     for (std::size_t f = 0; f < 6; ++f)
-      at[20 + f] = faceMiddle(nodes, kHexahedronFaces[f].corners, kHexahedronFaces[f].mids);
+      at[20 + f] = faceCentre(nodes, kHexahedronFaces[f].corners, kHexahedronFaces[f].mids);
     at[26] = add(nodes, kHexahedronCorners, kHexahedronMids, 8);
   } else if (shape == CurvedShape::Wedge15) {
     for (std::size_t f = 0; f < 3; ++f)
-      at[15 + f] = faceMiddle(nodes, kWedgeFaces[f].corners, kWedgeFaces[f].mids);
+      at[15 + f] = faceCentre(nodes, kWedgeFaces[f].corners, kWedgeFaces[f].mids);
   } else if (shape == CurvedShape::Pyramid13) {
-    at[13] = faceMiddle(nodes, kPyramidBase.corners, kPyramidBase.mids);
+    at[13] = faceCentre(nodes, kPyramidBase.corners, kPyramidBase.mids);
   }
   for (const Part& part : partsOf(shape)) {
     std::array<std::uint32_t, 8> own{};
@@ -185,7 +185,7 @@ std::uint32_t QuadraticCutter::add(const std::uint32_t* nodes, const std::uint8_
   std::sort(to, to + cornerCount, order);
   std::sort(to + cornerCount, to + cornerCount + added.mids(), order);
   if (points_.size() >= 0xfffffffeu)
-    throw Error(Status::Limit, "mesh", "more than 4294967294 points, with the middles of faces",
+    throw Error(Status::Limit, "mesh", "more than 4294967294 points, with the centres of faces",
                 "split it into several files or choose a part with `bbox` or `region`");
   Vec3d point{0, 0, 0};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -201,7 +201,7 @@ std::uint32_t QuadraticCutter::add(const std::uint32_t* nodes, const std::uint8_
   return static_cast<std::uint32_t>(points_.size() - 1);
 }
 
-std::uint32_t QuadraticCutter::faceMiddle(const std::uint32_t* nodes, const std::uint8_t* corners,
+std::uint32_t QuadraticCutter::faceCentre(const std::uint32_t* nodes, const std::uint8_t* corners,
                                           const std::uint8_t* mids) {
   std::array<std::uint32_t, 4> key{};
   for (std::size_t i = 0; i < 4; ++i)
@@ -209,9 +209,9 @@ std::uint32_t QuadraticCutter::faceMiddle(const std::uint32_t* nodes, const std:
   std::sort(key.begin(), key.end());
   const auto known = faces_.find(key);
   if (known != faces_.end()) {
-    const std::uint32_t middle = known->second;
+    const std::uint32_t centre = known->second;
     faces_.erase(known); // a face has two cells
-    return middle;
+    return centre;
   }
   return faces_[key] = add(nodes, corners, mids, 4);
 }

@@ -21,7 +21,7 @@ std::size_t tetsOf(CurvedShape shape);
 /// Cuts the cells of one mesh. Ten-node tets become eight (mesh/CutTet10.h); hexahedra become eight
 /// hexahedra of half the size, wedges eight wedges, pyramids six pyramids and four tets, whose
 /// faces are cut from their smallest vertices (splitCells()). So neighbours agree on every shared
-/// face, whatever their types. Where a cell has no node in the middle of a four-sided face, or of a
+/// face, whatever their types. Where a cell has no node at the centre of a four-sided face, or of a
 /// hexahedron, one is added at the place that the shape functions say, one for both cells of a
 /// face, the same bits whatever the order of cells and nodes.
 class QuadraticCutter {
@@ -51,7 +51,7 @@ private:
 
   std::uint32_t add(const std::uint32_t* nodes, const std::uint8_t* corners,
                     const std::uint8_t* mids, std::size_t cornerCount);
-  std::uint32_t faceMiddle(const std::uint32_t* nodes, const std::uint8_t* corners,
+  std::uint32_t faceCentre(const std::uint32_t* nodes, const std::uint8_t* corners,
                            const std::uint8_t* mids);
 
   std::vector<Vec3d>& points_;

@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// Faces of a cell type by local corner, wound alike as seen from outside.
+/// Faces of a cell type by local corner, oriented alike as seen from outside.
 struct CellShape {
   int corners;
   int tets; ///< how many a cell without repeated corners is cut into

@@ -19,7 +19,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::uint64_t kMostTets = 0xfffffffeU;
+constexpr std::uint64_t kMaxTets = 0xfffffffeU;
 constexpr std::size_t kCellsPerUpdate = std::size_t(1) << 18;
 
 bool isFiltered(const CellFilter& filter) {
@@ -183,7 +183,7 @@ void keepSolidValues(CellMesh& mesh, TetMesh& result) {
   result.regionNames = std::move(mesh.regionNames);
 }
 
-/// What the split met on its way.
+/// Cells that need a warning.
 struct Tally {
   std::map<std::string, std::size_t> skipped; ///< by the file's name of the kind
   std::size_t quadratic = 0;
@@ -256,8 +256,8 @@ bool holdsOnlyTets(const std::vector<CellRun>& runs) {
   });
 }
 
-// Whether all solid cells are quadratic ones that kept their nodes: beside others these would leave
-// slits, where a curved face meets a flat one.
+// Whether all solid cells are quadratic ones that kept their nodes: next to others these would
+// leave gaps, where a curved face meets a flat one.
 bool holdsOnlyCurved(const std::vector<CellRun>& runs) {
   return std::all_of(runs.begin(), runs.end(), [](const CellRun& run) {
     return run.type == CellType::Flat || run.count == 0 ||
@@ -265,9 +265,9 @@ bool holdsOnlyCurved(const std::vector<CellRun>& runs) {
   });
 }
 
-// The tets of a mesh of quadratic cells into `made`.
-void cutCurved(CellMesh& mesh, const Chooser& chooser, TetMesh& result,
-               std::vector<std::uint32_t>& made, Tally& tally, Progress& progress) {
+// The tets of a mesh of quadratic cells.
+void cutCurved(CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& tally,
+               Progress& progress) {
   const std::uint32_t* nodes = mesh.nodes.data();
   std::size_t cell = 0;
   std::uint32_t own = 0;
@@ -291,15 +291,139 @@ void cutCurved(CellMesh& mesh, const Chooser& chooser, TetMesh& result,
       const auto number = static_cast<std::uint32_t>(curved.cells.size());
       curved.cells.push_back({curved.nodes.size(), shape});
       curved.nodes.insert(curved.nodes.end(), nodes, nodes + each);
-      if (cutter.cut(shape, nodes, made, curved.corners))
+      if (cutter.cut(shape, nodes, result.tets, curved.corners))
         ++tally.concave;
-      curved.cellOfTet.resize(made.size() / 4, number);
-      result.cellOfTet.resize(made.size() / 4, own);
+      curved.cellOfTet.resize(result.tetCount(), number);
+      result.cellOfTet.resize(result.tetCount(), own);
     }
   }
   for (Attribute& array : mesh.attributes)
     if (array.on == Attribute::On::Points)
       cutter.addValues(array);
+}
+
+void refuseAbove(std::uint64_t tets) {
+  if (tets > kMaxTets)
+    throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra",
+                "split it into several files or choose a part with `bbox` or `region`");
+}
+
+std::uint64_t solidCells(const std::vector<CellRun>& runs) {
+  std::uint64_t solid = 0;
+  for (const CellRun& run : runs)
+    if (run.type != CellType::Flat)
+      solid += run.count;
+  return solid;
+}
+
+// The tets of all solid cells; of polyhedra one each.
+std::uint64_t expectedTets(const std::vector<CellRun>& runs, bool curved) {
+  std::uint64_t tets = 0;
+  for (const CellRun& run : runs) {
+    if (run.type == CellType::Flat || run.count == 0)
+      continue;
+    const CellShape* shape = shapeOf(run.type);
+    tets += run.count * (curved             ? tetsOf(*curvedShape(run.type, run.nodesPerCell))
+                         : shape != nullptr ? static_cast<std::uint64_t>(shape->tets)
+                                            : 1);
+  }
+  return tets;
+}
+
+// The tets of a mesh of tets alone; those that are kept move down within the mesh's own nodes.
+void keepTets(CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& tally,
+              Progress& progress) {
+  std::vector<std::uint32_t>& nodes = mesh.nodes;
+  std::size_t from = 0, to = 0, cell = 0; // cell: number in the file
+  std::uint32_t own = 0;                  // number among the solid cells
+  for (const CellRun& run : mesh.runs) {
+    const std::size_t each = run.nodesPerCell;
+    if (run.type == CellType::Flat) {
+      from += each * run.count;
+      cell += run.count;
+      continue;
+    }
+    if (run.quadratic)
+      tally.quadratic += run.count;
+    if (!chooser.active() && each == 4 && from == to) {
+      from = to += 4 * run.count;
+      cell += run.count;
+      own += static_cast<std::uint32_t>(run.count);
+      continue;
+    }
+    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, from += each) {
+      if (i % kCellsPerUpdate == 0)
+        progress.update(static_cast<double>(own) / static_cast<double>(result.cellCount));
+      const std::uint32_t* corner = nodes.data() + from;
+      if (!chooser.keeps(cell, corner, 4)) {
+        tally.filtered = true;
+        continue;
+      }
+      std::copy(corner, corner + 4, nodes.data() + to);
+      to += 4;
+      if (chooser.active())
+        result.cellOfTet.push_back(own);
+    }
+  }
+  nodes.resize(to);
+  result.tets = std::move(nodes);
+}
+
+// Adds the tets of a cell. False where the filter leaves it out.
+bool splitCell(const CellMesh& mesh, const CellRun& run, std::size_t cell,
+               const std::uint32_t* corner, const Chooser& chooser, bool shaped, TetMesh& result,
+               Tally& tally) {
+  std::vector<std::uint32_t>& made = result.tets;
+  if (run.type == CellType::Tetra) {
+    if (!chooser.keeps(cell, corner, 4))
+      return false;
+    made.insert(made.end(), corner, corner + 4);
+  } else if (const CellShape* shape = shapeOf(run.type)) {
+    if (!chooser.keeps(cell, corner, static_cast<std::size_t>(shape->corners)))
+      return false;
+    const std::size_t before = made.size();
+    if (splitByShape(*shape, corner, mesh.points, made))
+      ++tally.concave;
+    const std::optional<CurvedShape> kind = shaped ? cornerShape(run.type) : std::nullopt;
+    if (kind && made.size() > before)
+      addLinear(*kind, run.type, corner, before / 4, made, result.curved);
+  } else if (run.type == CellType::Polyhedron) {
+    const auto faces = polyhedronFaces(corner, run.nodesPerCell);
+    if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size()))
+      return false;
+    if (!splitPolyhedron(faces, mesh.points, made))
+      ++tally.skipped[run.fileType];
+  } else {
+    ++tally.skipped[run.fileType];
+  }
+  return true;
+}
+
+// The tets of a mesh of several kinds of cells.
+void splitRuns(const CellMesh& mesh, const Chooser& chooser, TetMesh& result, Tally& tally,
+               Progress& progress) {
+  const bool shaped = hasPointArrays(mesh);
+  const std::uint32_t* corner = mesh.nodes.data();
+  std::size_t cell = 0;
+  std::uint32_t own = 0;
+  for (const CellRun& run : mesh.runs) {
+    const std::size_t each = run.nodesPerCell;
+    if (run.type == CellType::Flat) {
+      corner += each * run.count;
+      cell += run.count;
+      continue;
+    }
+    if (run.quadratic)
+      tally.quadratic += run.count;
+    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, corner += each) {
+      if (i % kCellsPerUpdate == 0)
+        progress.update(static_cast<double>(own) / static_cast<double>(result.cellCount));
+      if (!splitCell(mesh, run, cell, corner, chooser, shaped, result, tally))
+        tally.filtered = true;
+      refuseAbove(result.tetCount());
+      result.cellOfTet.resize(result.tetCount(), own);
+    }
+  }
 }
 
 } // namespace
@@ -327,124 +451,30 @@ std::string describeCells(const CellMesh& mesh) {
 }
 
 TetMesh splitCells(CellMesh&& mesh, const CellFilter& filter, Report& report, Progress& progress) {
-  std::uint64_t solid = 0;
-  std::uint64_t expectedTets = 0;
-  for (const CellRun& run : mesh.runs) {
-    if (run.type == CellType::Flat)
-      continue;
-    solid += run.count;
-    const CellShape* shape = shapeOf(run.type);
-    expectedTets += run.count * static_cast<std::uint64_t>(shape != nullptr ? shape->tets : 1);
-  }
+  const std::uint64_t solid = solidCells(mesh.runs);
   if (solid == 0)
     throw Error(Status::Invalid, "mesh",
                 "no tetrahedra or other solid cells; it holds " + describeCells(mesh));
-  const auto refuseAbove = [](std::uint64_t tets) {
-    if (tets > kMostTets)
-      throw Error(Status::Limit, "mesh", "more than 4294967294 tetrahedra",
-                  "split it into several files or choose a part with `bbox` or `region`");
-  };
   refuseAbove(solid);
-
   const bool curved = holdsOnlyCurved(mesh.runs);
-  if (curved) {
-    expectedTets = 0;
-    for (const CellRun& run : mesh.runs)
-      if (run.type != CellType::Flat && run.count > 0)
-        expectedTets += run.count * tetsOf(*curvedShape(run.type, run.nodesPerCell));
-  }
+  const std::uint64_t expected = expectedTets(mesh.runs, curved);
   const Chooser chooser(mesh, filter, report);
   if (!chooser.active())
-    refuseAbove(expectedTets);
-  const bool onlyTets = !curved && holdsOnlyTets(mesh.runs);
-  const bool shaped = !onlyTets && hasPointArrays(mesh);
-  const bool identity = onlyTets && !chooser.active();
+    refuseAbove(expected);
   TetMesh result;
   result.cellCount = static_cast<std::size_t>(solid);
   Tally tally;
-  std::vector<std::uint32_t>& nodes = mesh.nodes;
-  std::vector<std::uint32_t> made;
-  if (!onlyTets && !chooser.active())
-    made.reserve(static_cast<std::size_t>(expectedTets) * 4);
-
-  std::size_t from = 0;  // next number in `nodes`
-  std::size_t to = 0;    // end of the tets kept, which move down within `nodes`
-  std::size_t cell = 0;  // number in the file
-  std::uint32_t own = 0; // number among the solid cells
-  if (curved) {
-    cutCurved(mesh, chooser, result, made, tally, progress);
-    refuseAbove(made.size() / 4);
-    nodes = {};
-  }
-  for (const CellRun& run : mesh.runs) {
-    if (curved)
-      break;
-    const std::size_t each = run.nodesPerCell;
-    if (run.type == CellType::Flat) {
-      from += each * run.count;
-      cell += run.count;
-      continue;
-    }
-    if (run.quadratic)
-      tally.quadratic += run.count;
-    if (identity && each == 4 && from == to) {
-      from = to += 4 * run.count;
-      cell += run.count;
-      own += static_cast<std::uint32_t>(run.count);
-      continue;
-    }
-    const CellShape* shape = shapeOf(run.type);
-    for (std::size_t i = 0; i < run.count; ++i, ++cell, ++own, from += each) {
-      if (i % kCellsPerUpdate == 0)
-        progress.update(static_cast<double>(own) / static_cast<double>(solid));
-      const std::uint32_t* corner = nodes.data() + from;
-      if (run.type == CellType::Tetra) {
-        if (!chooser.keeps(cell, corner, 4)) {
-          tally.filtered = true;
-          continue;
-        }
-        if (onlyTets) {
-          std::copy(corner, corner + 4, nodes.data() + to);
-          to += 4;
-        } else {
-          made.insert(made.end(), corner, corner + 4);
-        }
-        if (!identity)
-          result.cellOfTet.push_back(own);
-        continue;
-      }
-      const std::size_t before = made.size();
-      if (shape != nullptr) {
-        if (!chooser.keeps(cell, corner, static_cast<std::size_t>(shape->corners))) {
-          tally.filtered = true;
-          continue;
-        }
-        if (splitByShape(*shape, corner, mesh.points, made))
-          ++tally.concave;
-        const std::optional<CurvedShape> kind = shaped ? cornerShape(run.type) : std::nullopt;
-        if (kind && made.size() > before)
-          addLinear(*kind, run.type, corner, before / 4, made, result.curved);
-      } else if (run.type == CellType::Polyhedron) {
-        const auto faces = polyhedronFaces(corner, each);
-        if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size())) {
-          tally.filtered = true;
-          continue;
-        }
-        if (!splitPolyhedron(faces, mesh.points, made))
-          ++tally.skipped[run.fileType];
-      } else {
-        ++tally.skipped[run.fileType];
-      }
-      refuseAbove(made.size() / 4);
-      result.cellOfTet.insert(result.cellOfTet.end(), (made.size() - before) / 4, own);
-    }
-  }
-
-  if (onlyTets) {
-    nodes.resize(to);
-    result.tets = std::move(nodes);
+  if (!curved && holdsOnlyTets(mesh.runs)) {
+    keepTets(mesh, chooser, result, tally, progress);
   } else {
-    result.tets = std::move(made);
+    if (!chooser.active())
+      result.tets.reserve(static_cast<std::size_t>(expected) * 4);
+    if (curved)
+      cutCurved(mesh, chooser, result, tally, progress);
+    else
+      splitRuns(mesh, chooser, result, tally, progress);
+    refuseAbove(result.tetCount());
+    mesh.nodes = {};
   }
   if (!result.curved.empty()) {
     result.curved.cellOfTet.resize(result.tetCount(), CurvedCells::kLinear);

@@ -42,7 +42,7 @@ std::string describeCells(const CellMesh& mesh);
 ///
 /// A mesh whose solid cells are all quadratic and keep their nodes (mesh/CurvedShape.h) is cut at
 /// these (mesh/CutQuadratic.h): it follows curved edges, and TetMesh::curved has what shape
-/// functions need. Points are added, with values, in the middles of faces and hexahedra that have
+/// functions need. Points are added, with values, at the centres of faces and hexahedra that have
 /// no node there. Where other cells are among them, or nodes are not kept, quadratic cells are
 /// taken by their corners.
 ///

@@ -8,8 +8,8 @@
 namespace tetvdb {
 namespace {
 
-// Volume that tets on the wrong side may have, as a part of the cell's: faces of four corners and
-// more are seldom quite plane.
+// Volume that inverted tets may have, as a share of the cell's: faces of four and more corners are
+// seldom exactly planar.
 constexpr double kTolerance = 1e-6;
 
 struct Edge {
@@ -23,7 +23,7 @@ struct Edge {
 };
 
 /// Turns faces so that neighbours run along shared edges in opposite directions. False where an
-/// edge has not two faces, the faces fall into parts, or no such orientation exists.
+/// edge has not two faces, the faces are not connected, or no such orientation exists.
 bool orientAlike(PolyhedronFaces& faces) {
   std::vector<Edge> edges;
   edges.reserve(faces.nodes.size());
@@ -104,7 +104,7 @@ bool splitPolyhedron(PolyhedronFaces faces, const std::vector<Vec3d>& points,
     return false;
   const auto before = [&](std::uint32_t a, std::uint32_t b) { return isBefore(points, a, b); };
   const std::uint32_t apex = *std::min_element(faces.nodes.begin(), faces.nodes.end(), before);
-  const std::size_t start = tets.size();
+  const std::size_t tetsBefore = tets.size();
   std::vector<double> volumes;
   for (std::size_t f = 0; f < faces.count(); ++f) {
     const std::uint32_t* corner = faces.nodes.data() + faces.begin[f];
@@ -125,11 +125,10 @@ bool splitPolyhedron(PolyhedronFaces faces, const std::vector<Vec3d>& points,
   double negative = 0;
   for (const double volume : volumes)
     (volume > 0 ? positive : negative) += volume;
-  const bool turned = positive < -negative;
-  if (turned)
+  if (positive < -negative)
     std::swap(positive, negative);
   if (volumes.empty() || std::abs(negative) > kTolerance * std::abs(positive)) {
-    tets.resize(start);
+    tets.resize(tetsBefore);
     return false;
   }
   return true;

@@ -34,7 +34,7 @@ struct CurvedCells {
   bool empty() const { return cells.empty(); }
 };
 
-/// Tetrahedra in world space. Orientation is free: voxelizing turns negative ones round.
+/// Tetrahedra in world space. Orientation is free: voxelizing reverses negative ones.
 struct TetMesh {
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> tets; ///< four point indices each, all below points.size()

@@ -10,9 +10,9 @@
 
 namespace tetvdb {
 
-/// Triangles in world space, as a file holds them: nothing is promised about them but that indices
-/// are in range and coordinates finite. Duplicates, degenerate faces, holes, flips and vertices
-/// that no face uses are all allowed; cleanTriangles() (surface/CleanTriangles.h) tidies up.
+/// Triangles in world space, as in a file. Indices are in range and coordinates finite; nothing
+/// else is assumed. Duplicates, degenerate faces, holes, flips and vertices that no face uses are
+/// all allowed; cleanTriangles() (surface/CleanTriangles.h) removes them.
 struct TriangleMesh {
   std::vector<Vec3d> points;
   /// Three point indices each. Seen from outside, a face of a solid turns counter-clockwise.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Eight bits of a leaf's mask as eight lanes of all ones or zeros: what lets a loop over a leaf's
-// values be vectorised although the mask has gaps. Internal.
+// Eight bits of a leaf's mask as eight lanes of all ones or zeros, so that loops over a leaf's
+// active values can be vectorised. Internal.
 #pragma once
 
 #include <array>

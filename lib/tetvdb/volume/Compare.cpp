@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Walks two trees side by side. Where one tree has a tile and the other a node, the tile stands for
-// all that lies below it; a voxel outside both trees is an inactive tile of the background.
+// Traverses two trees together. Where one tree has a tile and the other a node, the tile is
+// compared with all values below the node; a voxel outside both trees is an inactive tile of the
+// background.
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 

@@ -17,12 +17,12 @@
 namespace tetvdb {
 namespace {
 
-/// Sums over a part of a tree.
+/// Counts and ranges of some nodes of a tree.
 struct Counts {
   std::uint64_t activeVoxels = 0, activeTiles = 0, leaves = 0, bytes = 0;
   openvdb::CoordBBox box; // empty
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
 
   void add(const Counts& other) {
     activeVoxels += other.activeVoxels;
@@ -30,26 +30,26 @@ struct Counts {
     leaves += other.leaves;
     bytes += other.bytes;
     box.expand(other.box);
-    least = std::min(least, other.least);
-    most = std::max(most, other.most);
+    min = std::min(min, other.min);
+    max = std::max(max, other.max);
   }
-  void range(double value) { // NaN changes nothing
-    if (value < least)
-      least = value;
-    if (value > most)
-      most = value;
+  void range(double value) { // NaN has no effect
+    if (value < min)
+      min = value;
+    if (value > max)
+      max = value;
   }
   template <class T>
   void addTile(const openvdb::Coord& origin, openvdb::Index dim, const T& value) {
     ++activeTiles;
     activeVoxels += std::uint64_t(dim) * dim * dim;
     box.expand(openvdb::CoordBBox::createCube(origin, static_cast<openvdb::Int32>(dim)));
-    range(magnitude(value));
+    range(scalarValue(value));
   }
 };
 
-/// Least and greatest of numbers, in eight lanes, without a branch: inactive lanes are filled with
-/// what changes nothing. NaN changes nothing.
+/// The range of numbers, in eight lanes, without a branch: inactive lanes are filled with a value
+/// that has no effect. NaN has no effect.
 template <class T>
 class Range {
 public:
@@ -79,7 +79,7 @@ public:
   void reduceTo(Counts& counts) const {
     for (int i = 0; i < 8; ++i) {
       if (!(low_[i] <= high_[i]))
-        continue; // nothing but NaN
+        continue; // NaN alone
       counts.range(static_cast<double>(low_[i]));
       counts.range(static_cast<double>(high_[i]));
     }
@@ -142,7 +142,7 @@ void addLeaf(Counts& counts, const Leaf& leaf, bool packed) {
   } else if constexpr (openvdb::VecTraits<T>::IsVec) {
     const T* values = leaf.buffer().data();
     for (auto i = mask.beginOn(); i; ++i)
-      counts.range(magnitude(values[i.pos()]));
+      counts.range(scalarValue(values[i.pos()]));
   } else {
     const T* values = leaf.buffer().data();
     Range<T> range(values[mask.findFirstOn()]);
@@ -222,7 +222,7 @@ double countNegative(const TreeT& tree) {
   return sum;
 }
 
-// The sum of all active values, in one order whatever the threads.
+// The sum of all active values, in an order that does not depend on threads.
 double sumOfActive(const openvdb::FloatTree& tree) {
   using Lists = NodeLists<openvdb::FloatTree>;
   const Lists nodes(tree);
@@ -245,7 +245,7 @@ double sumOfActive(const openvdb::FloatTree& tree) {
   return sum;
 }
 
-// How many voxels' volume is inside what the grid shows.
+// The volume inside, in voxels.
 double voxelsInside(const openvdb::GridBase& grid, std::uint64_t active) {
   if (grid.isType<openvdb::FloatGrid>()) {
     const auto& tree = static_cast<const openvdb::FloatGrid&>(grid).constTree();
@@ -286,9 +286,9 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
   Counts counts;
   const bool known = withKnownGrid(
       grid, [&](const auto& typed) { counts = count(typed.constTree(), packed != nullptr); });
-  if (packed != nullptr && packed->least <= packed->most) {
-    counts.range(packed->least);
-    counts.range(packed->most);
+  if (packed != nullptr && packed->min <= packed->max) {
+    counts.range(packed->min);
+    counts.range(packed->max);
   }
   if (!known) {
     counts.activeVoxels = grid.activeVoxelCount();
@@ -308,9 +308,9 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
     info.boxMin = toArray(counts.box.min());
     info.boxMax = toArray(counts.box.max());
   }
-  if (counts.least <= counts.most) {
-    info.minValue = counts.least;
-    info.maxValue = counts.most;
+  if (counts.min <= counts.max) {
+    info.minValue = counts.min;
+    info.maxValue = counts.max;
   }
   return info;
 }

@@ -19,7 +19,7 @@ namespace tetvdb {
 
 enum class GridKind : std::uint8_t { Density, Mask, Surface, Fog, Coverage, TetId, Material };
 
-/// What finds a grid's values.
+/// The algorithm that makes a grid's values.
 enum class GridMaker : std::uint8_t {
   Occupancy, ///< which voxels are inside (voxelize/Voxelize.h)
   Owner,     ///< which cell owns a voxel (voxelize/Voxelize.h)

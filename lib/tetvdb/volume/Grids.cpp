@@ -57,7 +57,7 @@ openvdb::math::Transform::Ptr makeTransform(const GridTransform& transform) {
     else
       map.reset(new math::ScaleTranslateMap(size, origin));
   }
-  // Transform's constructor takes a map to pieces and builds it again, which rounds the sizes where
+  // Transform's constructor decomposes a map and builds it again, which rounds the sizes where
   // there is an origin. Reading, as from a file, takes the map as it is.
   std::stringstream stream;
   openvdb::io::setCurrentVersion(stream);

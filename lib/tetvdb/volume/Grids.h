@@ -31,7 +31,7 @@ void openFirstTile(openvdb::GridBase& grid);
 
 } // namespace tetvdb
 
-// A grid type costs twelve seconds wherever it is made: these are compiled once, in
+// Instantiating a grid type takes twelve seconds of compile time: these are compiled once, in
 // GridInstances*.cpp.
 namespace openvdb {
 OPENVDB_USE_VERSION_NAMESPACE

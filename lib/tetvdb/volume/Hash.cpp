@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The canonical form of a tree is the list of its leaves and of the tiles that say something (all
-// but inactive ones of the background's value), by coordinates and level. Internal nodes have no
-// part of their own: an empty node and none are the same. Each 128^3 node is hashed by itself, the
-// 4096^3 nodes over the hashes below them, the grid over these, so that any number of threads gives
-// the same result.
+// The canonical form of a tree is the list of its leaves and of its tiles, without inactive tiles
+// of the background's value, by coordinates and level. Internal nodes are not part of it: an empty
+// node and none are the same. Each 128^3 node is hashed by itself, the 4096^3 nodes over the hashes
+// below them, the grid over these, so that any number of threads gives the same result.
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sparse grids that belong together: one file, one transform. OpenVDB stays behind this header; who
-// wants its types includes volume/Grids.h.
+// Sparse grids that belong together: one file, one transform. This header does not include
+// OpenVDB; volume/Grids.h gives its types.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -30,7 +30,7 @@ public:
   GridSet& grids() { return *grids_; }
   const GridSet& grids() const { return *grids_; }
 
-  /// File-level metadata: "creator", "source", "units" and what else is worth keeping.
+  /// File-level metadata: "creator", "source", "units" and others.
   std::map<std::string, std::string> metadata;
 
 private:
@@ -51,7 +51,7 @@ struct GridInfo {
   double volume = 0;       ///< units^3: active voxels; level sets: those below 0; coverage: the sum
   Vec3i boxMin{0, 0, 0};   ///< active voxels, inclusive; boxMin > boxMax when there are none
   Vec3i boxMax{-1, -1, -1};
-  double minValue = 0; ///< over active values; of the magnitude for vectors
+  double minValue = 0; ///< over active values; of the length for vectors
   double maxValue = 0;
   std::map<std::string, std::string> metadata;
 };
@@ -61,7 +61,7 @@ std::vector<GridInfo> describe(const Volume& volume);
 
 /// 32 hexadecimal digits over names, classes, transforms, topology with tiles and values of every
 /// grid, in order of name. Two volumes have equal hashes if and only if (but for chance) these are
-/// equal; metadata and file encoding have no part in it. Parallel, independent of thread count.
+/// equal; metadata and file encoding are not part of it. Parallel, independent of thread count.
 std::string hash(const Volume& volume);
 
 /// Result of compareVolumes() for one pair of grids of the same name.
@@ -80,7 +80,7 @@ struct GridComparison {
 
 struct VolumeComparison {
   std::vector<GridComparison> grids;
-  std::vector<std::string> onlyA, onlyB; ///< names of grids that have no partner
+  std::vector<std::string> onlyA, onlyB; ///< names of grids that the other volume lacks
   std::vector<std::string> incomparable; ///< same name, other value type
   bool sameTransform = true;
   bool sameHash = false;

@@ -150,10 +150,10 @@ TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
       points[i] = {7 + 3 * d[0] / size, 2 * d[1] / size, -2 + d[2] / size};
     }
     const Support support = [&](const Vec3d& d) {
-      double most = -INFINITY;
+      double maxValue = -INFINITY;
       for (const Vec3d& p : points)
-        most = std::max(most, analytic::dotOf(p, d));
-      return most;
+        maxValue = std::max(maxValue, analytic::dotOf(p, d));
+      return maxValue;
     };
     const View view = viewFrom({normal(random), normal(random), normal(random)});
     const int width = 640, height = n % 2 ? 480 : 900;
@@ -191,10 +191,10 @@ TEST(Camera, WhatIsSeenLiesInTheMiddleOfBothSides) {
 TEST(Camera, TheEyeStaysClearOfATip) {
   const std::vector<Vec3d> points = {{0, 0, 10}, {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}};
   const Support support = [&](const Vec3d& d) {
-    double most = -INFINITY;
+    double maxValue = -INFINITY;
     for (const Vec3d& p : points)
-      most = std::max(most, analytic::dotOf(p, d));
-    return most;
+      maxValue = std::max(maxValue, analytic::dotOf(p, d));
+    return maxValue;
   };
   const View view = viewNamed("top");
   const Camera camera(view, {true, 60}, frame(view, {true, 60}, 200, 200, support), 200, 200);

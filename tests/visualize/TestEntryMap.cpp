@@ -18,7 +18,7 @@ namespace tetvdb {
 namespace {
 
 struct ViewBox {
-  Vec3d middle, reach; ///< reach along the view's axes
+  Vec3d centre, reach; ///< reach along the view's axes
 };
 
 double along(const Vec3d& a, const Vec3d& b) {
@@ -28,8 +28,8 @@ double along(const Vec3d& a, const Vec3d& b) {
 /// Where a ray enters a box that is parallel to the view's axes; infinity where it passes.
 double entersBox(const ViewBox& box, const View& view, const Ray& ray) {
   double begin = 0, end = INFINITY;
-  const Vec3d from{ray.origin[0] - box.middle[0], ray.origin[1] - box.middle[1],
-                   ray.origin[2] - box.middle[2]};
+  const Vec3d from{ray.origin[0] - box.centre[0], ray.origin[1] - box.centre[1],
+                   ray.origin[2] - box.centre[2]};
   const std::array<Vec3d, 3> axes = {view.right, view.up, view.toEye};
   for (std::size_t a = 0; a < 3; ++a) {
     const double place = along(from, axes[a]), slope = along(ray.direction, axes[a]);
@@ -52,11 +52,11 @@ TEST(EntryMap, isNoLaterThanAnyBoxOnAnyRay) {
     for (int n = 0; n < 60; ++n) {
       ViewBox box;
       for (std::size_t a = 0; a < 3; ++a)
-        box.middle[a] = Vec3d{3, 1, -2}[a] + 14 * (part(random) - 0.5);
+        box.centre[a] = Vec3d{3, 1, -2}[a] + 14 * (part(random) - 0.5);
       for (double& r : box.reach)
         r = 0.6 * part(random) * part(random);
       boxes.push_back(box);
-      map.add(box.middle, box.reach);
+      map.add(box.centre, box.reach);
     }
     int met = 0, near = 0, nothing = 0;
     for (int y = 0; y < 36; ++y)

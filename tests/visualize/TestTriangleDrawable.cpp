@@ -63,7 +63,7 @@ TEST(TriangleDrawable, HitsAreWhereTheFacesAre) {
   EXPECT_NEAR(hit.normal[2], -1, 1e-6);
 }
 
-// Large meshes have another search tree, and their points are given back piece by piece.
+// Large meshes have another search tree, and their points are freed in blocks.
 TEST(TriangleDrawable, HitsOfALargeSoup) {
   constexpr std::uint32_t kSide = 512; // squares along x and y
   const auto height = [](double x, double y) { return 0.3 * x + 0.2 * y; };
@@ -270,7 +270,7 @@ TEST(TriangleDrawable, SupportIsThatOfTheFaces) {
   EXPECT_EQ(drawable.bounds().high[0], 1);
 }
 
-// A smoothed ball is shaded as the true one, everywhere but at the rim.
+// A smoothed ball is shaded as the true one, everywhere but at the silhouette.
 TEST(TriangleDrawable, SmoothShading) {
   Progress progress;
   TriangleLook look;

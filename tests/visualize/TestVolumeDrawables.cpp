@@ -148,12 +148,12 @@ TEST(DrawSurface, ofPlanesNormalsDoNotRipple) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> anywhere(-12, 12);
   struct Bound {
-    double pixel, mean, most; // voxels, degrees
+    double pixel, mean, maxValue; // voxels, degrees
   };
   // Cells of 2, 4 and 8 voxels. Quadratic splines were at 4.2 and 9.4 for the larger two.
   for (const auto& [pixel, mean, largest] :
        {Bound{3.5, 4.5, 15}, Bound{6, 2.5, 7}, Bound{10, 2.5, 7}}) {
-    double degrees = 0, most = 0;
+    double degrees = 0, maxValue = 0;
     int hits = 0;
     for (int plane = 0; plane < 12; ++plane) {
       const Vec3d n = unit(random);
@@ -179,12 +179,12 @@ TEST(DrawSurface, ofPlanesNormalsDoNotRipple) {
         ASSERT_TRUE(drawn->firstHit(ray, hit));
         const double error = std::acos(std::min(1.0, dotOf(hit.normal, n))) * 180 / 3.14159265;
         degrees += error;
-        most = std::max(most, error);
+        maxValue = std::max(maxValue, error);
         ++hits;
       }
     }
     EXPECT_LT(degrees / hits, mean) << "pixels of " << pixel << " voxels";
-    EXPECT_LT(most, largest) << "pixels of " << pixel << " voxels";
+    EXPECT_LT(maxValue, largest) << "pixels of " << pixel << " voxels";
   }
 }
 

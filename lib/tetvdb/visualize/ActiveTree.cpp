@@ -22,7 +22,7 @@ Vec3i cornerOf(const Vec3i& voxel) {
 }
 
 /// Corners up to which a dense table of them is kept: 8 bytes each.
-constexpr double kMostInTable = 1 << 17;
+constexpr double kMaxInTable = 1 << 17;
 
 /// Which of a leaf's 4^3 cells of 2^3 voxels hold anything.
 std::uint64_t pairsOf(const openvdb::util::NodeMask<3>& mask) {
@@ -43,7 +43,7 @@ bool isSame(const Vec3i& a, const Vec3i& b, int log2Side) {
   return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> log2Side == 0;
 }
 
-/// Lines of leaf nodes up to which single voxels are looked at for support().
+/// Lines of leaf nodes up to which single voxels are visited for support().
 constexpr std::size_t kFewLines = 4096;
 
 Vec3i originOf(const openvdb::Coord& c) {
@@ -142,7 +142,7 @@ void ActiveTree::tabulateRoot() {
     rootCount_[a] = (high_[a] >> 12) - rootLow_[a] + 1;
     cells *= rootCount_[a];
   }
-  if (cells > kMostInTable)
+  if (cells > kMaxInTable)
     return;
   rootTable_.reserve(static_cast<std::size_t>(cells));
   for (std::int32_t i = 0; i < rootCount_[0]; ++i)
@@ -230,15 +230,15 @@ void ActiveTree::findOutermost() const {
 
 double ActiveTree::support(const Vec3d& direction) const {
   std::call_once(once_, [this] { findOutermost(); });
-  double most = -std::numeric_limits<double>::infinity();
+  double reach = -std::numeric_limits<double>::infinity();
   for (const Box& box : outermost_)
-    most = std::max(most, supportOf(box, direction));
+    reach = std::max(reach, supportOf(box, direction));
   Box all;
   if (low_[0] <= high_[0]) {
     all.add(Vec3d{double(low_[0]), double(low_[1]), double(low_[2])});
     all.add(Vec3d{high_[0] + 1.0, high_[1] + 1.0, high_[2] + 1.0});
   }
-  return std::min(most, supportOf(all, direction));
+  return std::min(reach, supportOf(all, direction));
 }
 
 bool ActiveTree::isOn(const Vec3i& voxel) const {

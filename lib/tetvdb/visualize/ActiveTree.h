@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The active states of a tree, whatever its values: rays walk through it from node to node, as far
-// as there is nothing at all, and from voxel to voxel where there is.
+// The active states of a tree of any value type. Rays traverse it: node by node where it is empty,
+// voxel by voxel where it is not.
 #pragma once
 
 #include "tetvdb/visualize/Drawable.h"
@@ -45,7 +45,7 @@ public:
   const Vec3i& high() const { return high_; }
 
   /// The maximum of the dot product of `direction` with points of active voxels, in large trees
-  /// with those of leaf nodes; -infinity where there are none. The first call looks at all nodes.
+  /// with those of leaf nodes; -infinity where there are none. The first call visits all nodes.
   double support(const Vec3d& direction) const;
 
   /// Calls `f(low, side)` for every leaf node and active tile, cubes of 8, 128 or 4096 voxels a
@@ -59,7 +59,7 @@ public:
     int log2Side = 0;
     const openvdb::util::NodeMask<3>* mask = nullptr; ///< of a leaf; null: all active
     double begin = 0, end = 0;                        ///< t
-    int axis = -1;                  ///< along which the ray came in; -1: it began inside
+    int axis = -1;                  ///< along which the ray entered; -1: it began inside
     const Vec3d* inverse = nullptr; ///< of the ray's direction
   };
   /// Calls `stop(span)` for leaves and active tiles along the ray, in order, until it is true.
@@ -70,7 +70,7 @@ public:
   struct Voxel {
     Vec3i at{0, 0, 0};
     double t = 0;
-    int axis = -1; ///< along which the ray came in; -1: it began inside
+    int axis = -1; ///< along which the ray entered; -1: it began inside
   };
   /// The first active voxel along the ray.
   bool first(const IndexRay& ray, Voxel& found) const;
@@ -90,8 +90,7 @@ public:
     std::array<double, 4> filledLeaves(const Vec3i& leaf);
 
     const ActiveTree& tree_;
-    Vec3i inLeaf_{0, 0, 0},
-        inLower_{0, 0, 0}; ///< of which leaf_ and lower_ speak, if they are known
+    Vec3i inLeaf_{0, 0, 0}, inLower_{0, 0, 0}; ///< voxels in leaf_ and lower_, if these are known
     bool isLowerKnown_ = false, isLeafKnown_ = false;
     const Leaf* leaf_ = nullptr;
     const Lower* lower_ = nullptr;
@@ -104,7 +103,7 @@ private:
   using Mask5 = openvdb::util::NodeMask<5>;
 
   /// An internal node: which of its cells have children, which are active tiles. Children are
-  /// numbered through in the order of their bits.
+  /// numbered in the order of their bits.
   template <class Mask>
   struct Inner {
     const Mask* children = nullptr;
@@ -124,12 +123,12 @@ private:
     void findGroups();
   };
   struct Lower : Inner<Mask4> {
-    /// Which of its 4^3 blocks of 4^3 cells hold anything: rays pass the others in one step.
+    /// Which of its 4^3 blocks of 4^3 cells hold anything: rays cross the others in one step.
     std::uint64_t blocks = 0;
     std::array<std::uint64_t, 64> cells{}; ///< by block: which of its cells hold anything
     void findBlocks();
   };
-  /// A leaf node, with what can be known of it without a look at its mask.
+  /// A leaf node, with a summary of its mask.
   struct Leaf {
     const Mask3* mask = nullptr;
     std::uint64_t pairs = 0; ///< which of its 4^3 cells of 2^3 voxels hold anything
@@ -139,8 +138,11 @@ private:
     const Upper* upper = nullptr;
     bool on = false;
   };
-  struct Cells; ///< a walk over cells of one size
+  bool clip(const IndexRay& ray, const Vec3d& inverse, double& begin, double& end,
+            int& enteredBy) const;
+  struct Cells; ///< traversal of cells of one size
   struct Step;
+  bool enter(const IndexRay& ray, Step& step, std::uint32_t& octant) const;
 
   /// The number of the cell of side 2^log2Side around a voxel in a node of 2^kLog2Cells of them.
   template <int kLog2Cells>

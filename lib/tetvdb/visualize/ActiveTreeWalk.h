@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The ray's way through an ActiveTree. Internal.
+// The traversal of an ActiveTree by a ray. Internal.
 //
 // Source: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
-// 1987, once a level of the tree: a cell that holds more is walked through by its own cells.
+// 1987, once for each level of the tree.
 #pragma once
 
 #include "tetvdb/visualize/ActiveTree.h"
@@ -14,8 +14,8 @@
 
 namespace tetvdb {
 
-/// Cells of side 2^log2Side within the cells from `low` to `high`. It ends by leaving these, not by
-/// t: rounding then cannot skip a cell, nor go beyond the parent.
+/// Cells of side 2^log2Side within the cells from `low` to `high`. It ends where it leaves these,
+/// not at a t, so that rounding can neither skip a cell nor leave the parent.
 struct ActiveTree::Cells {
   Vec3i cell; ///< in units of its side
   double t;
@@ -53,19 +53,38 @@ struct ActiveTree::Cells {
     return cell[a] >= low_[a] && cell[a] <= high_[a];
   }
 
+  /// The part of the ray in the cell, up to `last`.
+  Span span(int log2Side, const Mask3* mask, double last, const Vec3d& inverse) const {
+    Span s;
+    s.origin = scaled(cell, log2Side);
+    s.log2Side = log2Side;
+    s.mask = mask;
+    s.begin = t;
+    s.end = std::min(last, leaves());
+    s.axis = axis;
+    s.inverse = &inverse;
+    return s;
+  }
+
+  // Cells of another size: the one around a cell, the first and the last one within it.
+  static Vec3i shifted(const Vec3i& v, int by) { return {v[0] >> by, v[1] >> by, v[2] >> by}; }
+  static Vec3i scaled(const Vec3i& v, int by) {
+    return {v[0] * (1 << by), v[1] * (1 << by), v[2] * (1 << by)};
+  }
+  static Vec3i filled(const Vec3i& v, int by) {
+    const std::int32_t ones = (1 << by) - 1;
+    return {v[0] * (1 << by) + ones, v[1] * (1 << by) + ones, v[2] * (1 << by) + ones};
+  }
+
 private:
   Vec3i low_, high_, step_{};
   Vec3d next_{}, delta_{};
 };
 
-template <class Stop>
-bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
-  // What the active voxels' box leaves of the ray.
-  double begin = ray.tMin, end = ray.tMax;
-  int enteredBy = -1;
-  Vec3d inverse;
-  for (std::size_t a = 0; a < 3; ++a)
-    inverse[a] = 1 / ray.direction[a];
+/// The part of a ray within the active voxels' box, and the axis by which it enters. False where
+/// there is none.
+inline bool ActiveTree::clip(const IndexRay& ray, const Vec3d& inverse, double& begin, double& end,
+                             int& enteredBy) const {
   for (std::size_t a = 0; a < 3; ++a) {
     const double low = low_[a], high = double(high_[a]) + 1, d = ray.direction[a];
     if (d == 0) {
@@ -81,67 +100,61 @@ bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
     }
     end = std::min(end, out);
   }
-  if (!(begin <= end))
+  return begin <= end;
+}
+
+template <class Stop>
+bool ActiveTree::walk(const IndexRay& ray, const Stop& stop) const {
+  double begin = ray.tMin, end = ray.tMax;
+  int enteredBy = -1;
+  Vec3d inverse;
+  for (std::size_t a = 0; a < 3; ++a)
+    inverse[a] = 1 / ray.direction[a];
+  if (!clip(ray, inverse, begin, end, enteredBy))
     return false;
 
-  const auto shifted = [](const Vec3i& v, int by) {
-    return Vec3i{v[0] >> by, v[1] >> by, v[2] >> by};
+  const auto visit = [&](const Cells& cells, int log2Side, const Mask3* mask) {
+    return stop(cells.span(log2Side, mask, end, inverse));
   };
-  const auto filled = [](const Vec3i& v, int by) {
-    const std::int32_t ones = (1 << by) - 1;
-    return Vec3i{v[0] * (1 << by) + ones, v[1] * (1 << by) + ones, v[2] * (1 << by) + ones};
-  };
-  const auto scaled = [](const Vec3i& v, int by) {
-    return Vec3i{v[0] * (1 << by), v[1] * (1 << by), v[2] * (1 << by)};
-  };
-  const auto span = [&](const Cells& cells, int log2Side, const Mask3* mask) {
-    Span s;
-    s.origin = scaled(cells.cell, log2Side);
-    s.log2Side = log2Side;
-    s.mask = mask;
-    s.begin = cells.t;
-    s.end = std::min(end, cells.leaves());
-    s.axis = cells.axis;
-    s.inverse = &inverse;
-    return stop(s);
-  };
-
-  Cells root(ray, inverse, begin, enteredBy, 12, shifted(low_, 12), shifted(high_, 12));
+  Cells root(ray, inverse, begin, enteredBy, 12, Cells::shifted(low_, 12),
+             Cells::shifted(high_, 12));
   do {
     const Corner* at = corner(root.cell);
     if (!at)
       continue;
     if (!at->upper) {
-      if (at->on && span(root, 12, nullptr))
+      if (at->on && visit(root, 12, nullptr))
         return true;
       continue;
     }
     const Upper& upper = *at->upper;
-    Cells upperCells(ray, inverse, root.t, root.axis, 7, scaled(root.cell, 5),
-                     filled(root.cell, 5));
+    Cells upperCells(ray, inverse, root.t, root.axis, 7, Cells::scaled(root.cell, 5),
+                     Cells::filled(root.cell, 5));
     do {
       const Vec3i& u = upperCells.cell;
       const auto bit =
           static_cast<std::uint32_t>((u[0] & 31) << 10 | (u[1] & 31) << 5 | (u[2] & 31));
       if (!upper.children->isOn(bit)) {
-        if (upper.tiles->isOn(bit) && span(upperCells, 7, nullptr))
+        if (upper.tiles->isOn(bit) && visit(upperCells, 7, nullptr))
           return true;
         continue;
       }
       const Lower& lower = lowers_[upper.child(bit)];
-      Cells blocks(ray, inverse, upperCells.t, upperCells.axis, 5, scaled(u, 2), filled(u, 2));
+      Cells blocks(ray, inverse, upperCells.t, upperCells.axis, 5, Cells::scaled(u, 2),
+                   Cells::filled(u, 2));
       do {
         const Vec3i& b = blocks.cell;
         if (!(lower.blocks >> ((b[0] & 3) << 4 | (b[1] & 3) << 2 | (b[2] & 3)) & 1))
           continue;
-        Cells leaves(ray, inverse, blocks.t, blocks.axis, 3, scaled(b, 2), filled(b, 2));
+        Cells leaves(ray, inverse, blocks.t, blocks.axis, 3, Cells::scaled(b, 2),
+                     Cells::filled(b, 2));
         do {
           const Vec3i& l = leaves.cell;
           const std::uint32_t place = ActiveTree::place<4>(l, 0);
           if (lower.children->isOn(place)) {
-            if (span(leaves, 3, leaves_[lower.child(place)].mask))
+            if (visit(leaves, 3, leaves_[lower.child(place)].mask))
               return true;
-          } else if (lower.tiles->isOn(place) && span(leaves, 3, nullptr)) {
+          } else if (lower.tiles->isOn(place) && visit(leaves, 3, nullptr)) {
             return true;
           }
         } while (leaves.step() && leaves.t <= end);

@@ -12,10 +12,10 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMargin = 0.04;   // of the shorter side, all round
-constexpr double kCentred = 1e-6;  // parts of the picture by which its middle may be off
+constexpr double kCentred = 1e-6;  // share of the picture by which the subject may be off centre
 constexpr double kVertical = 1e-6; // sine of the angle to up below which a view counts as vertical
-// How far the eye stays in front of what is nearest, in parts of the larger of the thing's width
-// and height: of what is sharp towards the eye it would stand at the tip.
+// Distance of the eye from the subject's nearest point, as a share of the larger of the subject's
+// width and height: the eye would otherwise be at the tip of a pointed subject.
 constexpr double kClearance = 0.25;
 constexpr double kRadians = 3.14159265358979323846 / 180;
 
@@ -61,25 +61,25 @@ void halves(const Lens& lens, int width, int height, double& across, double& dow
   down = half * height / shorter;
 }
 
-/// Where along `side` the eye must be, at depth z, to see as much on one side of the picture's
-/// middle as on the other: planes through it that lean by a slope t to either side both touch the
-/// thing where reach(side, t) + reach(-side, t) = 2 t z. At slope 0 that is its width, at slope
-/// `most` both lie beyond it. Regula falsi with Illinois' halving.
+/// The place of the eye along `side`, at depth z, from which the subject is centred: the planes
+/// through the eye that lean by a slope t to either side both touch the subject where reach(side,
+/// t) + reach(-side, t) = 2 t z. At slope 0 that is its width; at slope `maxSlope` both planes lie
+/// beyond it. Regula falsi with Illinois' halving.
 template <class Reach>
-double middleSeen(const Reach& reach, const Vec3d& side, double most, double z) {
+double centredEye(const Reach& reach, const Vec3d& side, double maxSlope, double z) {
   double x = 0;
   const auto excess = [&](double t) {
     const double there = reach(side, t), back = reach(times(side, -1), t);
     x = there / 2 - back / 2;
     return there + back - 2 * t * z;
   };
-  double low = 0, high = most;
+  double low = 0, high = maxSlope;
   double above = excess(low), below = above > 0 ? excess(high) : 0;
   int moved = 0;
   for (int round = 0; round < 40 && above > 0 && below < 0; ++round) {
     const double t = low + (high - low) * above / (above - below);
     const double value = excess(t);
-    if (std::abs(value) <= kCentred * most * z)
+    if (std::abs(value) <= kCentred * maxSlope * z)
       break;
     if (value > 0) {
       low = t;
@@ -153,7 +153,7 @@ Framing frame(const View& view, const Lens& lens, int columns, int rows, const S
   const double near = support(view.toEye), far = -support(times(view.toEye, -1));
   if (!std::isfinite(near) || !std::isfinite(far))
     return framing;
-  const double middle = near / 2 + far / 2;
+  const double centreDepth = near / 2 + far / 2;
   double across = 0, down = 0;
   halves(lens, columns, rows, across, down);
   const double inside = 1 - 2 * kMargin;
@@ -169,14 +169,14 @@ Framing frame(const View& view, const Lens& lens, int columns, int rows, const S
   double x = right / 2 - left / 2, y = top / 2 - bottom / 2;
   if (lens.perspective) {
     // The eye (x, y, z): x - right edge = t (z - ...) on either side, so that right + left = 2 t z.
-    // The axis that needs the greater z is filled; along the other the thing is put in the middle.
+    // The axis that needs the greater z is filled; along the other the subject is centred.
     const double width = reach(view.right, 0) + reach(times(view.right, -1), 0);
     const double height = reach(view.up, 0) + reach(times(view.up, -1), 0);
     const double z = std::max({(right + left) / (2 * tx), (top + bottom) / (2 * ty),
                                near + kClearance * std::max(width, height)});
-    framing.span = 2 * (z - middle) * std::min(across, down);
-    const auto centre = [&](const Vec3d& side, double most) {
-      return middleSeen(reach, side, most, z);
+    framing.span = 2 * (z - centreDepth) * std::min(across, down);
+    const auto centre = [&](const Vec3d& side, double maxSlope) {
+      return centredEye(reach, side, maxSlope, z);
     };
     if ((right + left) / (2 * tx) < z)
       x = centre(view.right, tx);
@@ -187,7 +187,8 @@ Framing frame(const View& view, const Lens& lens, int columns, int rows, const S
   }
   if (!(framing.span > 0) || !std::isfinite(framing.span))
     framing.span = 1;
-  framing.target = plus(plus(times(view.right, x), times(view.up, y)), times(view.toEye, middle));
+  framing.target =
+      plus(plus(times(view.right, x), times(view.up, y)), times(view.toEye, centreDepth));
   const double depth = near / 2 - far / 2;
   framing.reach = depth + std::max(framing.span, depth) / 100;
   return framing;
@@ -232,23 +233,24 @@ Camera::Projected Camera::project(const Vec3d& point) const {
           depth};
 }
 
-Camera::Footprint Camera::footprint(const Vec3d& middle, const Vec3d& reach) const {
-  const Vec3d v = minus(middle, origin_);
+Camera::Footprint Camera::footprint(const Vec3d& centre, const Vec3d& reach) const {
+  const Vec3d v = minus(centre, origin_);
   const double depth = -dot(v, view_.toEye);
   const double near = depth - reach[2], far = depth + reach[2];
   Footprint print{0, width_ - 1, 0, height_ - 1, std::max(near, 0.0)};
-  if (lens_.perspective && near <= 0) // around the eye: anywhere
+  if (lens_.perspective && near <= 0) // the eye is inside: anywhere
     return print;
-  // So many pixels a unit at the near and at the far end; what lies off the middle is furthest from
-  // it near the eye.
-  const double most = 1 / pixelAt(near), least = lens_.perspective ? 1 / pixelAt(far) : most;
+  // Pixels a unit at the near and at the far side of the box. In the picture the near side is
+  // farther from the centre.
+  const double atNear = 1 / pixelAt(near);
+  const double atFar = lens_.perspective ? 1 / pixelAt(far) : atNear;
   const auto pixel = [](double p, int count) { // rounded down, and -1 or `count` outside
     return static_cast<int>(std::min(std::max(p + 1, 0.0), count + 1.0)) - 1;
   };
   const auto range = [&](double low, double high, int count, int& first, int& last) {
     const double half = count / 2.0;
-    first = std::max(pixel(half + low * (low < 0 ? most : least), count), 0);
-    last = std::min(pixel(half + high * (high < 0 ? least : most), count), count - 1);
+    first = std::max(pixel(half + low * (low < 0 ? atNear : atFar), count), 0);
+    last = std::min(pixel(half + high * (high < 0 ? atFar : atNear), count), count - 1);
   };
   const double x = dot(v, view_.right), y = -dot(v, view_.up);
   range(x - reach[0], x + reach[0], width_, print.left, print.right);

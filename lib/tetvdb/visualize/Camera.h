@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From where a picture is taken.
+// The camera of a picture: view, framing, rays through pixels.
 //
 //   const tetvdb::View view = tetvdb::viewNamed("iso", tetvdb::UpAxis::Z);
 //   tetvdb::Framing framing = tetvdb::frame(view, {}, width, height, scene.supports());
@@ -34,7 +34,7 @@ View viewFrom(const Vec3d& toEye, const Vec3d& worldUp = {0, 0, 1});
 /// Or a direction "X,Y,Z". Throws Error(Usage) for another name.
 View viewNamed(const std::string& name, const Vec3d& worldUp = {0, 0, 1});
 
-/// The view after the thing in it has turned by an angle (radians) about the world's up axis.
+/// The view after the subject has turned by an angle (radians) about the world's up axis.
 View turned(const View& view, double angle);
 
 struct Lens {
@@ -44,21 +44,21 @@ struct Lens {
 
 /// Which part of the world is in the picture.
 struct Framing {
-  Vec3d target{0, 0, 0}; ///< in the middle of the picture
+  Vec3d target{0, 0, 0}; ///< in the centre of the picture
   double span = 1;       ///< world units along the picture's shorter side, at the target's distance
   /// World units from the target towards the eye, beyond which there is nothing: where parallel
   /// rays start.
   double reach = 1;
 };
 
-/// How far something reaches in a direction: the maximum of its dot product with the thing's
+/// How far a subject reaches in a direction: the maximum of the dot product with the subject's
 /// points; -infinity where there is nothing.
 using Support = std::function<double(const Vec3d& direction)>;
 Support supportOf(const Box& box);
 
 /// The closest framing that shows all of what `support` describes, with a margin of 4 % of each
-/// side, in the middle along both sides; in perspective the eye keeps a quarter of the thing's
-/// width or height, of what is larger, in front of it. Nothing, or a point: a span of 1. Asks
+/// side, centred along both sides; in perspective the eye keeps a distance of a quarter of the
+/// subject's width or height, whichever is larger. Nothing, or a point: a span of 1. Asks
 /// `support` ten times, in perspective some twenty times more.
 Framing frame(const View& view, const Lens& lens, int columns, int rows, const Support& support);
 
@@ -83,9 +83,9 @@ public:
     int left, right, top, bottom;
     double depth;
   };
-  /// Of a box given by its middle and how far it reaches from there along the view's axes (right,
+  /// Of a box given by its centre and how far it reaches from there along the view's axes (right,
   /// up, towards the eye).
-  Footprint footprint(const Vec3d& middle, const Vec3d& reach) const;
+  Footprint footprint(const Vec3d& centre, const Vec3d& reach) const;
 
   /// A pixel's side in world units at that depth.
   double pixelAt(double depth) const { return lens_.perspective ? pixel_ * depth : pixel_; }
@@ -97,7 +97,7 @@ private:
   View view_;
   Lens lens_;
   int width_, height_;
-  Vec3d origin_; ///< the eye, or where the middle one of parallel rays starts
+  Vec3d origin_; ///< the eye, or where the central one of parallel rays starts
   double pixel_; ///< a pixel's side, at depth 1 or everywhere
 };
 

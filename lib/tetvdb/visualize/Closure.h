@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Whether triangles have an inside that a cut can show.
+// Whether triangles have an inside, which a cut can show.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -11,12 +11,14 @@
 namespace tetvdb {
 
 enum class Closure : std::uint8_t {
-  /// There are edges with an odd number of faces: rays may slip out.
+  /// There are edges with an odd number of faces: rays may pass between them.
   Open,
   /// No such edges: points are inside where a ray to infinity meets an odd number of faces.
   Parity,
-  /// Besides, every edge is run along as often one way as the other: inside is where the faces that
-  /// a ray meets do not balance. Solids may overlap, and reversed shells are cavities.
+  /// Besides, every edge has as many faces in one direction as in the other: a point is inside
+  /// where
+  /// the signed count of faces along a ray is not zero. Solids may overlap, and reversed shells are
+  /// cavities.
   Winding
 };
 

@@ -68,7 +68,7 @@ std::vector<PackedNormal> cornerNormals(const TriangleMesh& mesh, double creaseD
                                         Progress& progress) {
   const std::vector<std::uint32_t> welded = weldPoints(mesh.points, 0, progress);
   progress.check();
-  // Sides by the point that they start from.
+  // Directed edges by their first point.
   std::vector<std::uint32_t> first(mesh.points.size() + 1, 0), sides(mesh.triangles.size());
   for (const std::uint32_t v : mesh.triangles)
     ++first[welded[v] + 1];
@@ -82,7 +82,7 @@ std::vector<PackedNormal> cornerNormals(const TriangleMesh& mesh, double creaseD
   progress.check();
 
   std::vector<PackedNormal> normals(mesh.triangles.size());
-  const double least = std::cos(creaseDegrees * kRadians);
+  const double minCosine = std::cos(creaseDegrees * kRadians);
   tbb::parallel_for(std::size_t(0), mesh.triangleCount(), [&](std::size_t face) {
     const Vec3d own = faceNormal(mesh, face);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -90,7 +90,7 @@ std::vector<PackedNormal> cornerNormals(const TriangleMesh& mesh, double creaseD
       Vec3d sum{0, 0, 0};
       for (std::uint32_t i = first[point]; i < first[point + 1]; ++i) {
         const Vec3d other = faceNormal(mesh, sides[i] / 3);
-        if (dot(own, other) >= least)
+        if (dot(own, other) >= minCosine)
           sum = plus(sum, times(other, angleAt(mesh, sides[i])));
       }
       const double size = length(sum);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Normals that make flat faces look like one curved surface.
+// Normals for smooth shading.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -19,9 +19,9 @@ PackedNormal packNormal(const std::array<float, 3>& normal);
 std::array<float, 3> unpackNormal(const PackedNormal& packed);
 
 /// A normal for each corner of each face: the mean, weighted by the angle at the point, of those
-/// faces at the point whose normals are within `creaseDegrees` of the face's own. Points equal in
-/// place count as one; turned faces do not count, nor do those without area. Parallel, the same for
-/// any number of threads; about 0.5 us a face.
+/// faces at the point whose normals are within `creaseDegrees` of the face's own. Points at one
+/// position count as one; flipped faces do not count, nor do those without area. Parallel, the same
+/// for any number of threads; about 0.5 us a face.
 std::vector<PackedNormal> cornerNormals(const TriangleMesh& mesh, double creaseDegrees,
                                         Progress& progress);
 

@@ -5,7 +5,7 @@
 
 namespace tetvdb {
 
-/// What is kept of a thing that is cut open: dot(normal, p) <= offset.
+/// A subject that is cut: the side dot(normal, p) <= offset is kept.
 struct CutPlane {
   Vec3d normal{1, 0, 0}; ///< of length 1
   double offset = 0;     ///< world units

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where a mesh is broken, for pictures: surface/SurfaceDefects.h counts the same.
+// Defects of a mesh, for pictures; surface/SurfaceDefects.h counts the same.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -15,7 +15,7 @@ namespace tetvdb {
 
 struct DefectMarks {
   std::vector<Line> lines;           ///< red: edges of one face; yellow: of three faces or more
-  std::vector<std::uint8_t> flipped; ///< by face: 1 where cleanTriangles() turns it round
+  std::vector<std::uint8_t> flipped; ///< by face: 1 where cleanTriangles() reverses it
   std::size_t openEdges = 0, nonManifoldEdges = 0, flippedFaces = 0;
 };
 

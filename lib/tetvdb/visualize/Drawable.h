@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a picture is made of: things that rays hit, and media that they go through. The renderer
-// knows no more of meshes and volumes than this.
+// The contents of a picture: surfaces that rays hit, and media that they pass through. The renderer
+// knows meshes and volumes by these interfaces alone.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -19,8 +19,8 @@ struct Ray {
   Vec3d direction{0, 0, 1}; ///< of length 1
   double tMin = 0;          ///< world units along the direction
   double tMax = std::numeric_limits<double>::infinity();
-  /// The side of the pixel that the ray stands for, in world units: pixel + spread t. 0 for rays
-  /// that stand for none. What has a width in pixels (lines) or a level of detail asks for it.
+  /// The side of the ray's pixel, in world units: pixel + spread t; 0 for rays without a pixel.
+  /// Used for widths in pixels (lines) and levels of detail.
   double pixel = 0, spread = 0;
 
   double pixelAt(double t) const { return pixel + spread * t; }
@@ -33,7 +33,7 @@ struct Ray {
 struct RayHit {
   double t = std::numeric_limits<double>::infinity();
   Vec3d normal{0, 0, 1}; ///< of length 1, towards the ray's origin
-  Rgb color{1, 1, 1};    ///< of the surface: what it reflects of white light
+  Rgb color{1, 1, 1};    ///< of the surface: its reflectance
   bool lit = true;       ///< false: shown in its colour as it is (lines, legends)
   /// The surface's own normal where `normal` is a smoothed one, of length 1, towards the ray's
   /// origin; zero: `normal` is it.
@@ -53,27 +53,27 @@ inline double supportOf(const Box& box, const Vec3d& direction) {
 
 class EntryMap;
 
-/// An opaque thing. Const member functions are thread-safe.
+/// An opaque subject. Const member functions are thread-safe.
 class Drawable {
 public:
   virtual ~Drawable() = default;
   /// World units; empty where there is nothing to draw.
   virtual Box bounds() const = 0;
-  /// How far the thing reaches in a direction: the maximum of the dot product with its points, or
-  /// more. By it cameras find the closest framing; that of the box wastes half the picture.
+  /// How far it reaches in a direction: the maximum of the dot product with its points, or more.
+  /// Cameras find the closest framing by it; the box's is often twice as large as needed.
   virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
   /// The first point within [tMin, tMax], if there is one.
   virtual bool firstHit(const Ray& ray, RayHit& hit) const = 0;
-  /// Adds boxes that hold all of the thing to the map. False where it has none that would say more
-  /// than its hits do, or where that is no faster: then every ray has to be asked.
+  /// Adds boxes that cover it to the map. False where it has none, or where they would save no
+  /// time: every ray is then tested.
   virtual bool mark(EntryMap& /*map*/) const { return false; }
   /// Whether there is a point within [tMin, tMax]: for shadows and ambient occlusion.
   virtual bool blocks(const Ray& ray) const = 0;
-  /// How far off the surface a ray must start, in world units, so as not to meet where it began.
+  /// How far off the surface a ray must begin, in world units, so as not to hit its own origin.
   virtual double skin() const = 0;
 };
 
-/// A thing that light gets through. Const member functions are thread-safe.
+/// A medium that light passes through. Const member functions are thread-safe.
 class Medium {
 public:
   virtual ~Medium() = default;
@@ -82,8 +82,8 @@ public:
   virtual double support(const Vec3d& direction) const { return supportOf(bounds(), direction); }
   /// As Drawable::mark().
   virtual bool mark(EntryMap& /*map*/) const { return false; }
-  /// Light that reaches the ray's origin from within [tMin, tMax], and what share of light from
-  /// behind gets through. `jitter` in [0, 1) moves the samples by that part of a step.
+  /// Light that reaches the ray's origin from within [tMin, tMax], and the share of light from
+  /// behind that passes. `jitter` in [0, 1) moves the samples by that share of a step.
   virtual void gather(const Ray& ray, double jitter, Rgb& light, float& transmittance) const = 0;
 };
 

@@ -18,8 +18,8 @@ EntryMap::EntryMap(const Camera& camera)
     entry.store(std::numeric_limits<float>::infinity(), std::memory_order_relaxed);
 }
 
-void EntryMap::add(const Vec3d& middle, const Vec3d& reach) {
-  const Camera::Footprint print = camera_.footprint(middle, reach);
+void EntryMap::add(const Vec3d& centre, const Vec3d& reach) {
+  const Camera::Footprint print = camera_.footprint(centre, reach);
   const auto nearest = static_cast<float>(print.depth * kRounding);
   for (int y = print.top; y <= print.bottom; ++y)
     for (int x = print.left; x <= print.right; ++x) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From where on a pixel's rays can meet anything, found by projecting boxes that hold all there is:
-// no ray need look for what is empty, nor be shot where nothing is.
+// The distance from which a pixel's rays can hit anything, found by projecting boxes that cover a
+// drawable: rays skip the empty space in front of it, and pixels without it need no ray.
 //
 //   tetvdb::EntryMap map(camera);
 //   if (drawable.mark(map))
-//     ray.tMin = map.at(x, y);   // infinity: nothing is there
+//     ray.tMin = map.at(x, y);   // infinity: nothing is hit
 #pragma once
 
 #include "tetvdb/visualize/Camera.h"
@@ -16,18 +16,18 @@
 
 namespace tetvdb {
 
-/// 4 bytes a pixel. The result does not depend on the order in which boxes come.
+/// 4 bytes a pixel. The result does not depend on the order of boxes.
 class EntryMap {
 public:
   explicit EntryMap(const Camera& camera);
 
   const View& view() const { return camera_.view(); }
-  /// A box with its middle in the world, and how far it reaches from there (world units) along the
+  /// A box with its centre in the world, and how far it reaches from there (world units) along the
   /// view's axes: right, up, towards the eye. Thread-safe. Costs as many steps as it covers pixels.
-  void add(const Vec3d& middle, const Vec3d& reach);
+  void add(const Vec3d& centre, const Vec3d& reach);
 
-  /// A t that no box's points lie before on rays through any part of the pixel; infinity where no
-  /// box is.
+  /// A lower bound on t of all boxes along all rays through the pixel; infinity where there is no
+  /// box.
   float at(int x, int y) const { return entries_[index(x, y)].load(std::memory_order_relaxed); }
 
 private:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ActiveTree::first(): from one empty cube to the next, each as large as the tree knows it to be.
+// ActiveTree::first(): steps through empty cubes, each as large as the tree shows to be empty.
 //
 // Sources: K. Museth, "Hierarchical Digital Differential Analyzer for Efficient Ray-Marching in
-// OpenVDB" (SIGGRAPH Talks 2014) for steps as long as a node is empty; nodes that say by 64 bits
-// which of their 4 x 4 x 4 cells hold anything are those of sparse 64-trees.
+// OpenVDB" (SIGGRAPH Talks 2014) for steps over empty nodes; nodes with 64 bits for their
+// 4 x 4 x 4 cells are those of sparse 64-trees.
 #include "tetvdb/visualize/ActiveTree.h"
 
 #include <algorithm>
@@ -14,11 +14,11 @@
 namespace tetvdb {
 namespace {
 
-/// Directions flatter than this do not move at all: their inverse would overflow.
+/// Components of a direction below this count as 0: their inverse would overflow.
 constexpr double kFlat = 1e-300;
 
-/// Of 4^3 cells in 64 bits, x slowest: those that a ray through a cell can still come to, itself
-/// among them. By octant of the ray's direction (bit a: towards lower places along axis a) and
+/// Of 4^3 cells in 64 bits, x slowest: those that a ray through a cell can still reach, itself
+/// included. By octant of the ray's direction (bit a: towards lower coordinates along axis a) and
 /// cell.
 class Ahead {
 public:
@@ -41,7 +41,7 @@ private:
 };
 const Ahead kAhead;
 
-// By value: of references the compiler makes jumps, which it foretells badly here.
+// By value: with references the compiler emits jumps, which are predicted badly here.
 double lesser(double a, double b) {
   return a < b ? a : b;
 }
@@ -49,14 +49,14 @@ double greater(double a, double b) {
   return a > b ? a : b;
 }
 
-/// Whether any of the 2^3 cells around one holds something, of 4^3.
+/// Whether any of the 2^3 cells around a cell of 4^3 holds something.
 bool holdsAround(std::uint64_t cells, std::uint32_t cell) {
   return (cells >> (cell & 0b101010) & 0x0000000000330033) != 0;
 }
 
 } // namespace
 
-/// A place on the ray: a voxel, and where the ray came into it.
+/// A place on the ray: a voxel, and where the ray enters it.
 struct ActiveTree::Step {
   Vec3i at;
   double t;
@@ -70,13 +70,13 @@ struct ActiveTree::Step {
       is = is & (at[a] >= low[a]) & (at[a] <= high[a]);
     return is;
   }
-  /// In the same cube of side 2^log2Side.
+  /// Whether both are in the same cube of side 2^log2Side.
   bool isNear(const Vec3i& other, int log2Side) const {
     return ((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) >> log2Side == 0;
   }
-  /// To the first voxel behind the cube of side 2^log2Side around `at`. Along the axis by which the
-  /// ray leaves the new voxel is the cube's neighbour, and on the others it lies within the cube's
-  /// range: rounding can neither skip a voxel nor turn back.
+  /// Moves to the first voxel behind the cube of side 2^log2Side around `at`. Along the axis by
+  /// which the ray leaves, the new voxel is next to the cube; along the others it lies within the
+  /// cube's range. Rounding can therefore neither skip a voxel nor go back.
   [[gnu::always_inline]] void leave(int log2Side) {
     const std::int32_t side = std::int32_t(1) << log2Side, inside = side - 1;
     Vec3i low{};
@@ -100,11 +100,10 @@ struct ActiveTree::Step {
   }
 };
 
-bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
-  // What the active voxels' box leaves of the ray.
+// Where the ray enters the active voxels' box, and the octant of its direction. False where it
+// misses the box.
+bool ActiveTree::enter(const IndexRay& ray, Step& step, std::uint32_t& octant) const {
   double begin = ray.tMin, end = ray.tMax;
-  Step step{{}, 0, -1, ray.origin, ray.direction, {}, {}};
-  std::uint32_t octant = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const double low = low_[a], high = double(high_[a]) + 1, d = ray.direction[a];
     if (std::abs(d) < kFlat) {
@@ -134,8 +133,15 @@ bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
         static_cast<std::int32_t>(std::min(std::max(place, double(low_[a])), double(high_[a])));
   }
   step.t = begin;
+  return true;
+}
 
-  // False where the ray is at its end.
+bool ActiveTree::first(const IndexRay& ray, Voxel& found) const {
+  Step step{{}, 0, -1, ray.origin, ray.direction, {}, {}};
+  std::uint32_t octant = 0;
+  if (!enter(ray, step, octant))
+    return false;
+  // False where the ray ends.
   const auto leave = [&](int log2Side) __attribute__((always_inline)) {
     step.leave(log2Side);
     return step.t <= ray.tMax && step.isWithin(low_, high_);

@@ -51,7 +51,7 @@ public:
     });
     progress.check();
     const auto reach = [&](int i, int j, int k, std::size_t at) {
-      Vec3d p{i + 0.5, j + 0.5, k + 0.5}; // in cells; from the middle, half of its own depth
+      Vec3d p{i + 0.5, j + 0.5, k + 0.5}; // in cells; from the centre, half of its own depth
       double sum = 0.5 * double(depth[at]);
       for (;;) {
         p = plus(p, toLight);
@@ -70,7 +70,7 @@ public:
     forCells([&] { return reach; });
   }
 
-  /// Between the middles of eight cells.
+  /// Between the centres of eight cells.
   float at(const Vec3d& world) const {
     int low[3];
     float part[3];
@@ -152,9 +152,9 @@ public:
     bool onCut = false;
     if (look_.cut && !look_.cut->clip(ray, onCut))
       return;
-    // Samples lie on one comb for the whole ray, whatever nodes it meets.
+    // Samples have equal distances along the whole ray, whatever nodes it meets.
     const std::unique_ptr<GridValues::Reader> near = values_->reader();
-    double before = 0; // a value, and what comes of it: runs of one value are common
+    double before = 0; // a value and its result: equal values in a row are common
     float opacity = 0;
     tree_.walk(space_.toIndex(ray), [&](const ActiveTree::Span& span) {
       const double first = std::ceil(span.begin / step_ - jitter);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What drawables that walk through a grid's tree have in common. Internal.
+// The common base of drawables that traverse a grid's tree. Internal.
 #pragma once
 
 #include "tetvdb/visualize/VolumePaint.h"
@@ -23,13 +23,13 @@ protected:
       : grid_(std::move(grid)), look_(look), paint_(look.paint), space_(grid_->transform()),
         tree_(*grid_) {}
 
-  /// A ray's part that no cut takes away.
+  /// The part of a ray that a cut keeps.
   struct Kept {
     Ray ray;
     IndexRay inside;
     bool onCut = false; ///< it begins on the cut's plane
   };
-  /// False where nothing is left.
+  /// False where nothing is kept.
   bool keep(const Ray& ray, Kept& kept) const {
     kept.ray = ray;
     if (look_.cut && !look_.cut->clip(kept.ray, kept.onCut))

@@ -87,8 +87,8 @@ void GridSpace::mark(const ActiveTree& tree, EntryMap& map) const {
                           toWorld_[2][column] * axes[a][2]) /
                  2;
   tree.forCubes([&](const Vec3i& low, std::int32_t side) {
-    const double toMiddle = side / 2.0;
-    map.add(toWorld({low[0] + toMiddle, low[1] + toMiddle, low[2] + toMiddle}),
+    const double toCentre = side / 2.0;
+    map.add(toWorld({low[0] + toCentre, low[1] + toCentre, low[2] + toCentre}),
             times(half, side + 2.0));
   });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Values of a grid of any type as numbers: of vectors the magnitude.
+// Values of a grid of any type as numbers: of vectors the length.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -18,7 +18,7 @@ public:
   /// there, mostly its background).
   virtual bool at(const Vec3i& voxel, double& value) const = 0;
 
-  /// at() for voxels that lie near one another, by one thread: it remembers the last nodes.
+  /// at() for voxels near one another, by one thread: it caches the last nodes.
   class Reader {
   public:
     virtual ~Reader() = default;

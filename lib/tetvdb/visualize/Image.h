@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A picture in linear light, as it is gathered, and in sRGB bytes, as it is shown.
+// A picture in linear light, and as sRGB bytes.
 #pragma once
 
 #include "tetvdb/visualize/Drawable.h"
@@ -51,7 +51,7 @@ struct Image {
   Pixel& at(int x, int y) { return pixels[index(x, y)]; }
   const Pixel& at(int x, int y) const { return pixels[index(x, y)]; }
   bool has(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
-  /// Puts a pixel before the one at (x, y); outside of the picture nothing happens.
+  /// Puts a pixel before the one at (x, y); no effect outside of the picture.
   void draw(int x, int y, const Pixel& front) {
     if (has(x, y))
       at(x, y) = over(front, at(x, y));

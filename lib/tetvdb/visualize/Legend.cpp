@@ -85,7 +85,7 @@ LegendPlaces drawLegend(Image& image, const ColorScale& scale, const Pixel& ink)
     return places;
   }
 
-  // A row of the bar shows the value at its middle; the first and last rows are high and low.
+  // A row of the bar shows the value at its centre; the first and last rows are high and low.
   const int rows = places.barBottom - places.barTop;
   for (int row = 0; row < rows; ++row) {
     const double t = 1 - static_cast<double>(row) / (rows - 1);
@@ -105,7 +105,7 @@ LegendPlaces drawLegend(Image& image, const ColorScale& scale, const Pixel& ink)
 }
 
 Pixel inkOn(const Pixel& background) {
-  // Luminance of the background over white; the middle of what is perceived is at 0.18.
+  // Luminance of the background over white; mid grey is at 0.18.
   const float rest = 1 - background.alpha;
   const float luminance = 0.2126F * (background.red + rest) + 0.7152F * (background.green + rest) +
                           0.0722F * (background.blue + rest);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the colours in a picture mean.
+// The legend of a picture's colours.
 #pragma once
 
 #include "tetvdb/visualize/ColorMap.h"
@@ -10,7 +10,7 @@
 
 namespace tetvdb {
 
-/// Where things of a legend are, in pixels of the picture.
+/// Places of a legend's elements, in pixels of the picture.
 struct LegendPlaces {
   int barLeft = 0, barRight = 0; ///< columns [barLeft, barRight) are coloured
   int barTop = 0, barBottom = 0; ///< rows [barTop, barBottom): high at the top
@@ -19,14 +19,14 @@ struct LegendPlaces {
 };
 
 /// Draws a bar with numbers, or a list of kinds, at the right edge of a picture, with the title
-/// above. The row of a tick shows the colour of its number. Kinds that find no room are left out,
-/// and a line says how many.
+/// above. The row of a tick shows the colour of its number. Kinds without room are left out,
+/// and a line gives their number.
 LegendPlaces drawLegend(Image& image, const ColorScale& scale, const Pixel& ink);
 
 /// Columns that drawLegend() takes from the right edge of a picture of that height.
 int legendWidth(const ColorScale& scale, int pictureHeight);
 
-/// Black or white, whichever stands out from a background.
+/// Black or white, whichever has more contrast with a background.
 Pixel inkOn(const Pixel& background);
 
 } // namespace tetvdb

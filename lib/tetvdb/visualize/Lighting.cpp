@@ -132,7 +132,7 @@ void Lights::addMedia(const Ray& ray, double jitter, Sample& sample) const {
     Rgb own{0, 0, 0};
     float ownThrough = 1;
     medium->gather(ray, jitter, own, ownThrough);
-    // Media that overlap: each as if the ones before it in the list lay in front.
+    // Media that overlap are composed in their order in the list.
     add(light, own, through);
     through *= ownThrough;
   }

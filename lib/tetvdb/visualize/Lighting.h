@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The light in a picture: one distant lamp that shines over the eye's shoulder, and a sky that is
-// brighter above than below and that things around a point hide (ambient occlusion).
+// The light in a picture: one distant lamp near the eye's direction, and a sky that is brighter
+// above than below, with ambient occlusion.
 #pragma once
 
 #include "tetvdb/visualize/Camera.h"
@@ -20,14 +20,15 @@ struct Lighting {
   float groundLight = 0.18F; ///< that a white surface that looks down reflects
   bool shadows = true;       ///< of the lamp
   bool occlusion = true;
-  /// How far away things still hide the sky, in parts of the diagonal of the scene's box.
+  /// The distance up to which surfaces occlude the sky, as a share of the diagonal of the scene's
+  /// box.
   double occlusionRange = 0.2;
 };
 
-/// What one ray through a pixel sees. The sky's light is kept apart, since its share is known only
-/// by chance.
+/// What one ray through a pixel sees. The sky's light is separate, since its visible share is
+/// a random estimate.
 struct Sample {
-  Rgb fixed{0, 0, 0}; ///< all other light, and what shines in by itself
+  Rgb fixed{0, 0, 0}; ///< all other light, with that of media
   Rgb sky{0, 0, 0};   ///< the sky's light if nothing hid it
   float alpha = 0;    ///< how much of the background is hidden
   float visible = 1;  ///< the share of the sky that was found open
@@ -41,9 +42,9 @@ class Lights {
 public:
   Lights(const Scene& scene, const View& view, const Lighting& lighting);
 
-  /// Follows a ray; `rays` of them look for the sky, at places number first .. first + rays - 1 of
-  /// a (0,2)-sequence that `scramble` moves: the places of one pixel's samples then complement each
-  /// other, and pixels with different scrambles do not share a pattern. `jitter` is that of
+  /// Follows a ray; `rays` of them are traced to the sky, at places number first .. first + rays -
+  /// 1 of a (0,2)-sequence that `scramble` moves: the samples of one pixel are then stratified, and
+  /// pixels with different scrambles have different patterns. `jitter` is that of
   /// Medium::gather().
   Sample sample(const Ray& ray, std::uint64_t scramble, std::uint32_t first, std::uint32_t rays,
                 double jitter) const;
@@ -51,8 +52,8 @@ public:
 private:
   bool firstHit(Ray ray, RayHit& hit) const;
   bool isBlocked(const Ray& ray) const;
-  float openSky(const Vec3d& start, const Vec3d& normal, std::uint64_t scramble,
-                std::uint32_t first, std::uint32_t rays) const;
+  float openSky(const Vec3d& from, const Vec3d& normal, std::uint64_t scramble, std::uint32_t first,
+                std::uint32_t rays) const;
   void light(const RayHit& hit, const Vec3d& at, Sample& sample, std::uint64_t scramble,
              std::uint32_t first, std::uint32_t rays) const;
   void addMedia(const Ray& ray, double jitter, Sample& sample) const;

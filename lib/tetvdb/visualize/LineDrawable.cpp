@@ -72,10 +72,10 @@ bool LineDrawable::firstHit(const Ray& ray, RayHit& hit) const {
         const double squared = dot(across, across);
         const double s = squared > 0 ? std::clamp(-dot(acrossA, across) / squared, 0.0, 1.0) : 0;
         const Vec3d offset = plus(acrossA, times(across, s));
-        const double middle = ta + s * slope;
-        const double reach = pixels_ / 2 * ray.pixelAt(middle);
-        const double t = middle - lead(middle);
-        if (!(dot(offset, offset) <= reach * reach) || middle < ray.tMin || t > nearest)
+        const double onLine = ta + s * slope;
+        const double reach = pixels_ / 2 * ray.pixelAt(onLine);
+        const double t = onLine - lead(onLine);
+        if (!(dot(offset, offset) <= reach * reach) || onLine < ray.tMin || t > nearest)
           return false;
         // Of lines at one place the first in the list, whatever the order of the search.
         if (t < nearest || number < first)

@@ -15,9 +15,9 @@ struct Line {
   Rgb color{1, 0, 0};
 };
 
-/// Shown in their own colours, without light; they cast no shadow. A line lies before a surface
-/// that it is on, and before what covers it by less than twice its width. Rays that stand for no
-/// pixel do not meet it. About 200 bytes a line.
+/// Shown in their own colours, without light; they cast no shadow. A line is drawn in front of
+/// a surface that it is on, and of surfaces less than twice its width before it. Rays without a
+/// pixel do not hit it. About 200 bytes a line.
 class LineDrawable : public Drawable {
 public:
   LineDrawable(std::vector<Line> lines, double pixels);

@@ -21,7 +21,7 @@ namespace {
 constexpr int kTile = 16;
 
 // Where rays go through a pixel, in parts of 1/32 of its side: all sixteen have a row, a column and
-// a cell of 4 x 4 to themselves, the first four likewise in 2 x 2, with their mean in the middle.
+// a cell of 4 x 4 to themselves, the first four likewise in 2 x 2, with their mean in the centre.
 // Found by trying scrambles of a (0,2)-sequence for the largest distances.
 constexpr std::uint32_t kFew = 4, kMany = 16;
 constexpr std::array<std::array<int, 2>, kMany> kPlaces = {{{7, 27},
@@ -42,11 +42,11 @@ constexpr std::array<std::array<int, 2>, kMany> kPlaces = {{{7, 27},
                                                             {19, 25}}};
 
 // Pixels of a block of kBlock x kBlock share one sequence of places in the sky, each with a run of
-// it: together they cover the sky as evenly as one pixel with all of their rays would, and what
-// smoothing averages errs far less than if every pixel threw its own dice.
+// it: together they cover the sky as evenly as one pixel with all of their rays would, and the
+// error after smoothing is far smaller than with independent random rays.
 constexpr int kBlock = 4;
 constexpr std::uint32_t kBlockPixels = kBlock * kBlock;
-// Further samples of a pixel look for the sky where it shares that of fewer pixels than so many.
+// Further samples of a pixel are traced to the sky where fewer pixels than this share its surface.
 constexpr double kCompany = 32;
 
 // The number of a pixel within its block. Bits of x and y alternate, so that also 2 x 2 of them
@@ -57,9 +57,9 @@ std::uint32_t placeInBlock(int x, int y) {
 }
 
 // Contrasts, in parts of 255 of a display's range, below which a pixel is not refined.
-constexpr int kLeastContrast = 8;
+constexpr int kMinContrast = 8;
 
-// Neighbours this far away share their light from the sky.
+// Pixels up to this far apart share their light from the sky.
 constexpr int kSmoothing = 3;
 
 // What has been gathered about a pixel besides its other light, which is in the image.
@@ -72,7 +72,7 @@ struct Gathered {
   std::uint8_t hits = 0;     ///< samples that hit something: normal and depth are their means
 };
 
-// As bright as the eye takes it: near enough to sRGB.
+// Perceived brightness: close to sRGB.
 float perceived(float light) {
   return std::sqrt(std::clamp(light, 0.0F, 1.0F));
 }
@@ -103,7 +103,7 @@ public:
   }
 
 private:
-  // Where the whole scene can tell.
+  // Where all drawables can be marked.
   void markEntries(const Scene& scene) {
     entries_.emplace(camera_);
     const auto mark = [this](const auto& thing) { return thing->mark(*entries_); };
@@ -146,7 +146,7 @@ private:
                          : kBlockPixels * few + place * (skyRaysBefore(kMany) - few) + before - few;
   }
 
-  // Adds samples number `from` to `to` - 1 to those that are there.
+  // Adds samples number `from` to `to` - 1.
   void gather(int x, int y, std::uint32_t from, std::uint32_t to, bool looksForSky) {
     const double entry = entries_ ? static_cast<double>(entries_->at(x, y)) : 0;
     if (std::isinf(entry))
@@ -202,7 +202,7 @@ private:
       pixel.normal[c] /= static_cast<float>(std::max<int>(pixel.hits, 1));
     }
     if (pixel.hits > 0 && pixel.hits < to) // a silhouette, whatever its colour
-      pixel.contrast = std::max(pixel.contrast, std::uint8_t(kLeastContrast));
+      pixel.contrast = std::max(pixel.contrast, std::uint8_t(kMinContrast));
     pixel.visible = skyWeight > 0 ? skyOpen / skyWeight : 1;
     pixel.depth /= static_cast<float>(std::max<int>(pixel.hits, 1));
     gathered_[index(x, y)] = pixel;
@@ -226,17 +226,17 @@ private:
     tbb::parallel_for(0, height, [&](int y) {
       for (int x = 0; x < width; ++x) {
         const std::size_t here = index(x, y);
-        int most = gathered_[here].contrast;
+        int maxContrast = gathered_[here].contrast;
         // Half, since a slope over a whole pixel shows less than a step within one.
         if (x > 0)
-          most = std::max(most, contrast(here, here - 1) / 2);
+          maxContrast = std::max(maxContrast, contrast(here, here - 1) / 2);
         if (x + 1 < width)
-          most = std::max(most, contrast(here, here + 1) / 2);
+          maxContrast = std::max(maxContrast, contrast(here, here + 1) / 2);
         if (y > 0)
-          most = std::max(most, contrast(here, index(x, y - 1)) / 2);
+          maxContrast = std::max(maxContrast, contrast(here, index(x, y - 1)) / 2);
         if (y + 1 < height)
-          most = std::max(most, contrast(here, index(x, y + 1)) / 2);
-        contrasts[here] = static_cast<std::uint8_t>(std::min(most, 255));
+          maxContrast = std::max(maxContrast, contrast(here, index(x, y + 1)) / 2);
+        contrasts[here] = static_cast<std::uint8_t>(std::min(maxContrast, 255));
       }
     });
     std::array<std::size_t, 256> histogram{};
@@ -245,7 +245,7 @@ private:
     const auto allowed =
         static_cast<std::size_t>(options_.refinedShare * static_cast<double>(contrasts.size()));
     int limit = 256;
-    for (std::size_t count = 0; limit > kLeastContrast; --limit) {
+    for (std::size_t count = 0; limit > kMinContrast; --limit) {
       count += histogram[static_cast<std::size_t>(limit) - 1];
       if (count > allowed)
         break;

@@ -23,12 +23,12 @@ namespace tetvdb {
 struct RenderOptions {
   Lighting lighting;
   /// Rays a pixel, sixteen in place of the usual four, go to at most this share of the pixels: to
-  /// those where the four, or pixels side by side, differ most.
+  /// those where the four, or neighbouring pixels, differ most.
   double refinedShare = 0.15;
-  /// Rays that look for the sky from every pixel, spread over its first four samples. Of refined
-  /// pixels that few others share their surface with, further samples have in proportion.
+  /// Rays to the sky from every pixel, distributed over its first four samples. Further samples of
+  /// refined pixels get as many in proportion, where few neighbours show the same surface.
   std::uint32_t skyRays = 4;
-  /// Evens out the sky's light among pixels of one surface; what it hides is random by nature.
+  /// Smooths the sky's light, a random estimate, among pixels of one surface.
   bool smoothSky = true;
 };
 

@@ -29,12 +29,12 @@ struct Scene {
   /// For frame(); the scene must outlive it.
   Support support() const {
     return [this](const Vec3d& direction) {
-      double most = -std::numeric_limits<double>::infinity();
+      double reach = -std::numeric_limits<double>::infinity();
       for (const auto& drawable : drawables)
-        most = std::max(most, drawable->support(direction));
+        reach = std::max(reach, drawable->support(direction));
       for (const auto& medium : media)
-        most = std::max(most, medium->support(direction));
-      return most;
+        reach = std::max(reach, medium->support(direction));
+      return reach;
     };
   }
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A field's zero along a ray: stepped through leaf by leaf, then closed in on. Fields are positive
-// inside; between voxels a level set is trilinear, an occupancy a quadratic B-spline (which is
-// exactly a half on a flat side of voxels, and rounds their corners).
+// A field's zero along a ray: found by steps through leaf nodes, then by regula falsi. Fields are
+// positive inside; between voxels a level set is trilinear, an occupancy a quadratic B-spline
+// (which is exactly a half on a flat side of voxels, and rounds their corners).
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/GridDrawable.h"
 #include "tetvdb/volume/GridTypes.h"
@@ -27,7 +27,7 @@ public:
   explicit LevelSetField(const openvdb::GridBase& grid)
       : tree_(static_cast<const openvdb::Grid<TreeT>&>(grid).constTree()),
         scale_(-1 / grid.voxelSize()[0]) {}
-  /// Distances allow steps this share of what they say, in voxels.
+  /// Steps along the ray, as a share of the distance.
   static constexpr double kStride = 0.9;
   static constexpr double kNarrowest = 1;
   static constexpr double kWidest = 2; ///< normals are no wider than the narrow band
@@ -63,7 +63,7 @@ std::array<double, 3> splineWeights(double p) {
   return {0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)};
 }
 
-/// Four values' shares at f between the middles of the second and the third: a cubic B-spline's.
+/// Four values' shares at f between the centres of the second and the third: a cubic B-spline's.
 std::array<double, 4> cubicWeights(double f) {
   const double g = 1 - f;
   return {g * g * g / 6, (3 * f * f * f - 6 * f * f + 4) / 6, (3 * g * g * g - 6 * g * g + 4) / 6,
@@ -76,7 +76,7 @@ std::array<double, 4> cubicSlopes(double f) {
   return {-g * g / 2, f * (3 * f - 4) / 2, -g * (3 * g - 4) / 2, f * f / 2};
 }
 
-/// One half less than what `value(i, j, k)` amounts to around p.
+/// The weighted sum of `value(i, j, k)` around p, less one half.
 template <class Value>
 double splineSum(const Vec3d& p, const Value& value) {
   const auto wx = splineWeights(p[0]), wy = splineWeights(p[1]), wz = splineWeights(p[2]);
@@ -96,7 +96,7 @@ class OccupancyField {
 public:
   explicit OccupancyField(const ActiveTree& tree) : tree_(tree) {}
   static constexpr double kStride = 0;      // no distance
-  static constexpr double kNarrowest = 2.5; ///< voxels have sides, which are not to be seen
+  static constexpr double kNarrowest = 2.5; ///< wide enough to hide the sides of voxels
   static constexpr double kWidest = 64;
 
   class Sampler {
@@ -140,7 +140,7 @@ private:
   const openvdb::FloatTree& tree_;
 };
 
-/// Active voxels all have one value: states say it all, and are cheaper to ask.
+/// Active voxels all have one value: states suffice, and are cheaper to read.
 bool isUniform(const openvdb::FloatGrid& grid) {
   const auto range = openvdb::tools::minMax(grid.tree());
   return !(range.min() < range.max());
@@ -153,12 +153,12 @@ public:
       : GridDrawable(std::move(grid), look), field_(makeField(*grid_, tree_)) {
     const Box box = bounds();
     for (std::size_t a = 0; a < 3; ++a)
-      middle_[a] = box.low[a] <= box.high[a] ? 0.5 * (box.low[a] + box.high[a]) : 0;
+      centre_[a] = box.low[a] <= box.high[a] ? 0.5 * (box.low[a] + box.high[a]) : 0;
   }
 
   double skin() const override { return 1.5 * space_.voxel(); }
 
-  /// A cut shows what lies within a surface, where voxels need not be active.
+  /// A cut shows the inside of a surface, where voxels need not be active.
   bool mark(EntryMap& map) const override {
     constexpr bool kOfStates = std::is_same<Field, OccupancyField>::value;
     return (kOfStates || !look_.cut) && GridDrawable::mark(map);
@@ -212,11 +212,11 @@ private:
       return Field(grid);
   }
 
-  /// Voxels are smaller than the ray's pixel is at the middle of the volume: the first one is the
+  /// Voxels are smaller than the ray's pixel is at the centre of the volume: the first one is the
   /// surface.
   bool isCoarse(const Ray& ray) const {
-    const double middle = std::max(0.0, dot(minus(middle_, ray.origin), ray.direction));
-    return ray.pixelAt(middle) > 1.5 * space_.voxel();
+    const double central = std::max(0.0, dot(minus(centre_, ray.origin), ray.direction));
+    return ray.pixelAt(central) > 1.5 * space_.voxel();
   }
 
   /// The first t at which the field is not negative; `onCut` says, and is told, whether that is
@@ -278,16 +278,16 @@ private:
                         double in, double inValue) {
     int side = 0;
     for (int round = 0; round < 5 && inValue > 0; ++round) {
-      const double middle = out + (in - out) * outValue / (outValue - inValue);
-      const double value = sample(ray.at(middle));
+      const double between = out + (in - out) * outValue / (outValue - inValue);
+      const double value = sample(ray.at(between));
       if (value >= 0) {
-        in = middle;
+        in = between;
         inValue = value;
         if (side == 1)
           outValue *= 0.5;
         side = 1;
       } else {
-        out = middle;
+        out = between;
         outValue = value;
         if (side == -1)
           inValue *= 0.5;
@@ -310,8 +310,8 @@ private:
       return normal;
     }
     // Of the share of active voxels in cubes about as large as the radius, a cubic B-spline: on a
-    // plane of any slope it errs by 2 degrees in the mean, a quadratic one by 4, which shows as
-    // ripples.
+    // plane of any slope it errs by 2 degrees in the mean, a quadratic one by 4, which is visible
+    // as ripples.
     ActiveTree::Probe probe(tree_);
     const int log2Side = radius < 3 ? 1 : radius < 6 ? 2 : 3;
     const double side = 1 << log2Side;
@@ -340,7 +340,7 @@ private:
   }
 
   Field field_;
-  Vec3d middle_{}; ///< of the bounds
+  Vec3d centre_{}; ///< of the bounds
 };
 
 } // namespace

@@ -24,7 +24,8 @@ int capitalHeight(int scale);
 /// printable ASCII become '?', all bytes of one UTF-8 character together.
 void drawText(Image& image, int x, int y, std::string_view text, const Pixel& color, int scale);
 
-/// `text` with its middle left out ("long..name.stl") where it is wider than so many pixels.
+/// `text` with its central letters left out ("long..name.stl") where it is wider than so many
+/// pixels.
 std::string shortened(std::string_view text, int width, int scale);
 
 } // namespace tetvdb

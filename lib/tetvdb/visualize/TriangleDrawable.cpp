@@ -29,7 +29,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kCompactFrom = 500000;
 // Points that are turned to floats before their doubles are given back.
 constexpr std::size_t kPointsAtOnce = 1 << 17;
-// What a line on a surface keeps of the surface's light.
+// The share of the surface's light that a line on it has.
 constexpr float kWireShade = 0.08F;
 
 using Float3 = std::array<float, 3>;
@@ -45,7 +45,7 @@ Vec3d toDouble(const float* v) {
   return {v[0], v[1], v[2]};
 }
 
-// What a ray meets on all of its way.
+// All faces that a ray meets.
 struct Crossings {
   RTCIntersectContext context; // first, since Embree hands back a pointer to it
   int faces = 0, balance = 0;
@@ -132,14 +132,14 @@ void TriangleDrawable::Impl::fitBox(const TriangleMesh& mesh) {
     scale = 1 / half;
 }
 
-// Points become floats before the tree is built, and the doubles go as they are read: both at once
-// would be the peak.
+// Points become floats before the tree is built, and the doubles are freed as they are read: both
+// together would be the peak of memory.
 void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
   device = rtcNewDevice(nullptr);
   if (device == nullptr)
     fail(rtcGetDeviceError(nullptr));
   scene = rtcNewScene(device);
-  // Watertight, so that no light falls through edges. The three build qualities could not be told
+  // Watertight, so that no ray passes between faces. The three build qualities could not be told
   // apart, neither in building nor by rays.
   unsigned flags = RTC_SCENE_FLAG_ROBUST;
   if (mesh.triangleCount() >= kCompactFrom)
@@ -337,7 +337,7 @@ bool TriangleDrawable::firstHit(const Ray& whole, RayHit& hit) const {
     Vec3d smooth = impl_->smoothNormal(face, local.hit.u, local.hit.v);
     if (fromBehind)
       smooth = times(smooth, -1);
-    // At the rim a smoothed normal may look away from the eye.
+    // At a silhouette a smoothed normal may point away from the eye.
     if (dot(smooth, ray.direction) < 0) {
       hit.normal = smooth;
       hit.faceNormal = n;
@@ -381,12 +381,12 @@ double TriangleDrawable::support(const Vec3d& direction) const {
                     static_cast<float>(direction[2])};
   const auto reach = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, impl_->triangles.size(), 1 << 15), -INFINITY,
-      [&](const tbb::blocked_range<std::size_t>& range, float most) {
+      [&](const tbb::blocked_range<std::size_t>& range, float farthest) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const float* p = impl_->points + 3 * std::size_t(impl_->triangles[i]);
-          most = std::max(most, p[0] * d[0] + p[1] * d[1] + p[2] * d[2]);
+          farthest = std::max(farthest, p[0] * d[0] + p[1] * d[1] + p[2] * d[2]);
         }
-        return most;
+        return farthest;
       },
       [](float a, float b) { return std::max(a, b); });
   return static_cast<double>(reach) / impl_->scale + dot(impl_->centre, direction);

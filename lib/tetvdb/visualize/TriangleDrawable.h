@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A triangle mesh as a thing to draw.
+// A triangle mesh as a drawable.
 //
 //   tetvdb::TriangleLook look;
 //   look.smooth = true;
@@ -42,22 +42,22 @@ struct TriangleLook {
   /// Faces drawn in markColor, by face; empty: none.
   std::vector<std::uint8_t> marked;
   Rgb markColor{0.03F, 0.12F, 0.85F};
-  /// What is beyond it is not there.
+  /// The part beyond it is not drawn.
   std::optional<CutPlane> cut;
-  /// How the cut tells inside from outside, where it is filled in capColor; Open: it is not, and
-  /// one looks into the shell.
+  /// How the cut tells inside from outside, where it is filled in capColor; Open: it is not
+  /// filled.
   Closure closure = Closure::Open;
   Rgb capColor{0.80F, 0.36F, 0.16F};
 };
 
-/// Both sides of faces are drawn. The mesh is taken over and kept in floats, relative to its box:
-/// 1e-7 of its size is as near as it looks.
+/// Both sides of faces are drawn. The mesh is stored in floats relative to its box: rounding
+/// is 1e-7 of its size.
 class TriangleDrawable : public Drawable {
 public:
   /// Memory: up to 130 bytes a face while the search tree is built, 90 afterwards, for a soup
   /// without shared points, of half a million faces and more 110 and 90; smooth shading adds 12
   /// bytes a face. About 0.3 us a face on two cores.
-  /// Throws Error(Limit) where memory does not do.
+  /// Throws Error(Limit) where memory does not suffice.
   TriangleDrawable(TriangleMesh mesh, TriangleLook look, Progress& progress);
   ~TriangleDrawable() override;
   TriangleDrawable(const TriangleDrawable&) = delete;

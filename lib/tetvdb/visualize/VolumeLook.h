@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Grids as things to draw: as voxels, as a smooth surface, as slices, as fog.
+// Grids as drawables: as voxels, as a smooth surface, as slices, as fog.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -16,7 +16,7 @@ namespace tetvdb {
 
 /// Colours by a grid's values.
 struct GridPaint {
-  openvdb::GridBase::ConstPtr grid;   ///< null: `plain` everywhere; vectors count by magnitude
+  openvdb::GridBase::ConstPtr grid;   ///< null: `plain` everywhere; vectors count by their length
   std::function<Rgb(double)> colorOf; ///< of a value; needed with a grid; thread-safe
   Rgb plain{0.8f, 0.8f, 0.8f};
 };
@@ -26,7 +26,7 @@ struct VolumeLook {
   std::optional<CutPlane> cut;
 };
 
-/// Every active voxel as a box, found by walking through the tree: no mesh, no dense copy; edges
+/// Every active voxel as a box, found by traversing the tree, without a mesh or a dense copy; edges
 /// are drawn where voxels are larger than pixels. Memory: that of an ActiveTree. The grid must stay
 /// as it is. Error(Usage) for a type that is unknown, Error(Invalid) for a frustum.
 std::unique_ptr<Drawable> drawVoxels(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
@@ -34,12 +34,12 @@ std::unique_ptr<Drawable> drawVoxels(openvdb::GridBase::ConstPtr grid, const Vol
 /// A smooth surface: of a level set where it is zero, between voxels; of fogs named "density" or
 /// "coverage" where their values, smoothed over three voxels, are a half; of others the same of
 /// their active states. Voxels smaller than a pixel are the surface themselves, and normals are
-/// taken over pixels, so that nothing flickers. Errors and memory as above.
+/// taken over pixels, so that pictures do not alias. Errors and memory as above.
 std::unique_ptr<Drawable> drawSurface(openvdb::GridBase::ConstPtr grid, const VolumeLook& look);
 
 /// The values of the paint's grid (the drawn one's where it has none) on the plane axis = position
 /// (world units) where voxels are active: every voxel in its colour, without light. Index axes, so
-/// transforms that turn are Error(Invalid).
+/// transforms that rotate are Error(Invalid).
 std::unique_ptr<Drawable> drawSlice(openvdb::GridBase::ConstPtr grid, int axis, double position,
                                     const VolumeLook& look);
 
@@ -48,7 +48,7 @@ struct FogLook {
   std::optional<CutPlane> cut;
   Vec3d toLight{0, 0, 1}; ///< of length 1
   float light = 0.8f;     ///< that reaches the fog's outside from there
-  float ambient = 0.35f;  ///< from everywhere
+  float ambient = 0.35f;  ///< from all directions
   /// Optical depth, at value 1, across the longest side of the active voxels' box.
   double depth = 12;
 };

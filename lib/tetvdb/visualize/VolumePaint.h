@@ -17,7 +17,6 @@ public:
   Rgb at(const Vec3d& world) const;
   /// The colour of a value.
   Rgb of(double value) const { return paint_.colorOf(value); }
-  bool isPlain() const { return !values_; }
 
 private:
   GridPaint paint_;

@@ -51,7 +51,7 @@ private:
   Rgb colorOf(const Vec3i& voxel) const {
     return paint_.at(space_.toWorld({voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5}));
   }
-  /// On the face through which the ray came in, or on the cut.
+  /// On the face through which the ray entered, or on the cut.
   bool isEdge(const Vec3d& p, const ActiveTree::Voxel& voxel, double pixel) const {
     if (!(pixel > 0 && space_.voxel() >= kEdgePixels * pixel))
       return false;

@@ -11,15 +11,14 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kLargestSide = 1000000; // libpng's own limit unless it is raised
+constexpr int kMaxSide = 1000000; // libpng's own limit unless it is raised
 
 } // namespace
 
 // libpng's simplified interface: its errors are values, those of the full one leave by longjmp over
 // destructors.
 std::string encodePng(const Image& image) {
-  if (image.width < 1 || image.height < 1 || image.width > kLargestSide ||
-      image.height > kLargestSide)
+  if (image.width < 1 || image.height < 1 || image.width > kMaxSide || image.height > kMaxSide)
     throw Error(Status::Limit, "",
                 "a picture of " + std::to_string(image.width) + " x " +
                     std::to_string(image.height) + " pixels cannot become a PNG file");

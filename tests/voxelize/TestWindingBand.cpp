@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
 #include "tetvdb/voxelize/WindingBand.h"
+#include "voxelize/WindingOracle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,31 +13,6 @@ namespace tetvdb {
 namespace {
 
 constexpr double kVoxel = static_cast<double>(kUnitsPerVoxel);
-
-// The definition, in long double (Van Oosterom and Strackee 1983).
-double windingOf(const std::vector<FillTriangle>& triangles, const Vec3d& voxel) {
-  long double total = 0;
-  for (const FillTriangle& t : triangles) {
-    const LatticePoint* corners[3] = {&t.a, &t.b, &t.c};
-    long double v[3][3], l[3];
-    for (int i = 0; i < 3; ++i) {
-      v[i][0] = corners[i]->x - voxel[0] * kVoxel;
-      v[i][1] = corners[i]->y - voxel[1] * kVoxel;
-      v[i][2] = corners[i]->z - voxel[2] * kVoxel;
-      l[i] = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
-    }
-    const auto dot = [&](int i, int j) {
-      return v[i][0] * v[j][0] + v[i][1] * v[j][1] + v[i][2] * v[j][2];
-    };
-    const long double det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-                            v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-                            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-    total += t.weight * 2 *
-             std::atan2(det, l[0] * l[1] * l[2] + dot(0, 1) * l[2] + dot(1, 2) * l[0] +
-                                 dot(2, 0) * l[1]);
-  }
-  return static_cast<double>(total / (4 * 3.14159265358979323846L));
-}
 
 // Triangles about `size` voxels long within `range` voxels.
 std::vector<FillTriangle> scattered(std::size_t n, double size, double range, std::uint64_t seed) {
@@ -95,7 +71,7 @@ Judged judge(const std::vector<FillTriangle>& triangles, int stride, int range) 
         if (count++ % stride != 0)
           continue;
         const auto voxel = found.find({x, y, z});
-        const double here = windingOf(triangles, {double(x), double(y), double(z)});
+        const double here = test::windingOf(triangles, {double(x), double(y), double(z)});
         if (voxel != found.end()) {
           const double error = std::abs(voxel->second - here);
           judged.largest = std::max(judged.largest, error);
@@ -106,7 +82,7 @@ Judged judge(const std::vector<FillTriangle>& triangles, int stride, int range) 
         // In ten steps, whole numbers aside.
         double before = here;
         for (int step = 1; step <= 10; ++step) {
-          double now = windingOf(triangles, {double(x), double(y), z - step / 10.0});
+          double now = test::windingOf(triangles, {double(x), double(y), z - step / 10.0});
           now -= std::round(now - before);
           EXPECT_EQ(std::floor(now + 0.5), std::floor(here + 0.5)) << x << ' ' << y << ' ' << z;
           before = now;

@@ -61,8 +61,10 @@ GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& option
 /// Voxelizes a soup, cleaned or not (faces of equal points are summed up by their points' indices:
 /// weld first). Grids: density and mask. A closed soup is decided by exact signed crossings. An
 /// open one too, plus the solid angles of triangles over its holes, which are summed only near
-/// where the winding number passes 0.5 off the faces (docs/algorithms.md): voxels are right where
-/// the winding number differs from 0.5 by more than 1e-3 (kWindingBandError). By VoxelRule::Any a
+/// where the winding number passes 0.5 off the faces (docs/algorithms.md). These sums are not
+/// exact: no error above 4e-4 was measured, and 1e-3 (kWindingBandError) is allowed for, but no
+/// bound is proved. Voxels of an open soup whose winding number is nearer to 0.5 than the error may
+/// come out on the other side. By VoxelRule::Any a
 /// voxel whose cube a face passes through is inside, and by All it is not, whatever the winding
 /// number; where a hole is closed off the faces, centres decide. The result depends on
 /// the faces as a set: not on their order, on the order of points or on threads. Throws as

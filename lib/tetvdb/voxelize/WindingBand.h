@@ -27,9 +27,9 @@
 
 namespace tetvdb {
 
-/// Error of the winding numbers that WindingBand gives. A bound holds for every cluster that is
-/// seen from afar; those of all together can be more than this, what was measured is a fifth of it
-/// at most (docs/algorithms.md).
+/// Error of the winding numbers that WindingBand gives: measured, not proved. A bound holds for
+/// each cluster and each triangle that is seen from afar, and their sum can be more than this. The
+/// largest error that was measured is four tenths of it (docs/algorithms.md, section 8a).
 constexpr double kWindingBandError = 1e-3;
 
 /// The whole number nearest to a winding number, of a half (within a tenth of kWindingBandError)

@@ -4,6 +4,7 @@ against clipping, places and turns of images, and PrusaSlicer's own layers of th
 it is installed."""
 
 import hashlib
+import importlib.util
 import math
 import shutil
 import subprocess
@@ -354,7 +355,29 @@ class SliceTest(program.CommandLineTest):
         result = self.succeed("slice", "hole.off", "-o", "a.sl1", *PRINTER)
         self.assertIn("open edges", result.err)
 
-    # --- PrusaSlicer ---
+    # --- other programs ---
+
+    @unittest.skipUnless(importlib.util.find_spec("lib3mf"), "needs lib3mf")
+    def test_slices_are_read_by_lib3mf(self):
+        import lib3mf
+        self.slice("part.3mf")
+        model = lib3mf.get_wrapper().CreateModel()
+        reader = model.QueryReader("3mf")
+        reader.SetStrictModeActive(True)
+        reader.ReadFromFile(str(self.path("part.3mf")))
+        self.assertEqual(reader.GetWarningCount(), 0)
+        expected, *_ = readers.three_mf(self.path("part.3mf"))
+        stacks = model.GetSliceStacks()
+        self.assertTrue(stacks.MoveNext())
+        stack = stacks.GetCurrentSliceStack()
+        self.assertEqual(stack.GetSliceCount(), len(expected))
+        for i, (top, contours) in enumerate(expected):
+            self.assertAlmostEqual(stack.GetSlice(i).GetZTop(), top, 5)
+            self.assertEqual(stack.GetSlice(i).GetPolygonCount(), len(contours))
+        meshes = model.GetMeshObjects()
+        self.assertTrue(meshes.MoveNext())
+        self.assertTrue(meshes.GetCurrentMeshObject().IsManifoldAndOriented())
+
 
     @unittest.skipUnless(shutil.which("prusa-slicer"), "needs prusa-slicer")
     def test_area_is_prusaslicers(self):

@@ -3,7 +3,6 @@
 #include "TriangleMeshes.h"
 #include "tetvdb/print/LayerSource.h"
 #include "tetvdb/print/MeshLayers.h"
-#include "tetvdb/print/PlateMap.h"
 
 #include <algorithm>
 #include <cmath>

@@ -30,7 +30,7 @@ struct Options : JobOptions {
       lightOffDelay;
   double scale = 1, gamma = 1;
   int levels = 256, bottomLayers = 1, fadedLayers = 0;
-  bool materials = false;
+  bool materials = false, dither = false;
 };
 
 const char* const kExamples = R"(Examples:
@@ -185,6 +185,7 @@ SliceJob makeJob(const Options& options, const CLI::App& command) {
   job.grey.gamma = command.count("--gamma") > 0 ? options.gamma : job.printer.gamma;
   if (!options.table.empty())
     job.grey.table = readTable(options.table);
+  job.dither = options.dither;
   job.materials = options.materials;
   setCleaning(options, job.clean);
   job.maxMemory = memoryLimit(options);
@@ -341,6 +342,9 @@ void addPixelOptions(CLI::App& command, Options& options) {
                   "A file of 256 levels that replace the levels 0 to 255, in the end")
       ->type_name("FILE")
       ->check(notEmpty());
+  command.add_flag("--dither", options.dither,
+                   "Spread what rounding to --levels, or to 1 bit, leaves over the grey pixels "
+                   "nearby");
   command.add_flag("--materials", options.materials,
                    "Pixels are numbers of materials: regions of tets, or inputs of triangles");
 }

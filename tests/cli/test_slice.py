@@ -213,6 +213,16 @@ class SliceTest(program.CommandLineTest):
         self.assertEqual(flat(self.layers("--lut", "half.txt")),
                          [bytes(v // 2 for v in layer) for layer in plain])
 
+    def test_errors_are_diffused(self):
+        plain = flat(self.layers())
+        for layer, bits in zip(plain, flat(self.layers("--levels", "2", "--dither"))):
+            self.assertEqual(set(bits), {0, 255})
+            self.assertLessEqual(abs(sum(layer) - sum(bits)), 255)
+        self.slice("dithered.tif", "--dither")
+        layers, _ = readers.tiff(self.path("dithered.tif"))
+        self.assertEqual(flat(layers), flat(self.layers("--levels", "2", "--dither")))
+        self.refuse(2, "slice", "part.off", "-o", "x", *PRINTER, "--dither", "--aa", "none")
+
     # --- the same bytes ---
 
     def test_threads_change_nothing(self):

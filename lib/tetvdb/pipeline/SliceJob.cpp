@@ -6,6 +6,7 @@
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshObjects.h"
+#include "tetvdb/print/ErrorDiffusion.h"
 #include "tetvdb/print/GridLayers.h"
 #include "tetvdb/print/LayerSource.h"
 #include "tetvdb/print/MeshLayers.h"
@@ -66,7 +67,10 @@ class Slicing {
 public:
   Slicing(const SliceJob& job, Report& report, Progress& progress)
       : job_(job), report_(report), progress_(progress),
-        format_(layerFormatFor(job.output, job.format)) {}
+        format_(layerFormatFor(job.output, job.format)), grey_(job.grey) {
+    if (job.dither)
+      grey_.levels = 256;
+  }
 
   SliceResult run() {
     check();
@@ -104,6 +108,11 @@ private:
     if (job_.isVolume && job_.inputs.size() > 1)
       throw Error(Status::Usage, job_.inputs[1], "a volume is cut by itself",
                   "give one input at a time");
+    if (job_.dither && (asksCentres() || format_.contours || job_.grey.table))
+      throw Error(Status::Usage, "--dither",
+                  "spreads the rounding of grey levels: not with --aa none, --materials, --lut or "
+                  "contours",
+                  "leave it out");
     const bool offsets = job_.printer.xyOffset != 0 || job_.printer.footOffset != 0;
     if (offsets && (asksCentres() || format_.contours))
       throw Error(Status::Usage, "`xy_offset`, `foot_offset`",
@@ -256,7 +265,7 @@ private:
       info_.frame = frameOf(job_.printer, map.box.max[2], share);
       return std::make_unique<MeshLayers>(
           framedFaces(std::move(mesh.points), std::move(mesh.triangles), map, job_.printer, share),
-          info_.frame, share, GreyLevels(job_.grey), offset());
+          info_.frame, share, GreyLevels(grey_), offset());
     });
   }
 
@@ -304,7 +313,7 @@ private:
     const Voxelization made =
         voxelize(inImage(std::move(mesh), map), {}, options, report_, progress_);
     return gridLayers(made.volume.grids().all.front(), info_.frame, pixelsOf(made),
-                      GreyLevels(job_.grey));
+                      GreyLevels(grey_));
   }
 
   std::unique_ptr<LayerSource> fromMaterials() {
@@ -321,7 +330,7 @@ private:
     info_.materials.insert(info_.materials.end(), names.begin(), names.end());
     info_.palette = paletteOf(names.size());
     return gridLayers(made.volume.grids().all.front(), info_.frame, pixelsOf(made),
-                      GreyLevels(job_.grey));
+                      GreyLevels(grey_));
   }
 
   std::unique_ptr<LayerSource> materialsOfTriangles() {
@@ -469,7 +478,7 @@ private:
       result_.materials = names;
       info_.palette = paletteOf(names.size());
     }
-    return gridLayers(shared, info_.frame, to, GreyLevels(job_.grey));
+    return gridLayers(shared, info_.frame, to, GreyLevels(grey_));
   }
 
   void write(LayerSource& source) {
@@ -477,9 +486,15 @@ private:
     progress_.stage("layers");
     const std::unique_ptr<LayerWriter> writer = format_.make(info_);
     const LayerFrame& frame = info_.frame;
+    const int ditherLevels = !job_.dither ? 256 : format_.oneBit ? 2 : job_.grey.levels;
     const double pixel = format_.contours ? 1 : frame.pixelWidth * frame.pixelHeight;
     forEachLayer(
-        source, [&](std::int32_t k, Layer&& layer) { return writer->encode(k, layer); },
+        source,
+        [&](std::int32_t k, Layer&& layer) {
+          if (ditherLevels < 256)
+            diffuseErrors(layer, frame.width, ditherLevels);
+          return writer->encode(k, layer);
+        },
         [&](std::int32_t k, EncodedLayer&& layer) {
           writer->add(k, layer);
           result_.volume += layer.filled * pixel * frame.heightOf(k);
@@ -504,6 +519,7 @@ private:
   Report& report_;
   Progress& progress_;
   const LayerFormat& format_;
+  GreyOptions grey_; ///< of the source; diffusion comes after it
   PrintInfo info_;
   TriangleMesh mesh_; ///< on the plate, where the format needs it
   SliceResult result_;

@@ -47,6 +47,7 @@ struct SliceJob {
   std::string units; ///< of the input, as metresOf(); empty: what the file says, else millimetres
   SliceAa aa = SliceAa::Volume;
   GreyOptions grey;
+  bool dither = false;       ///< levels by error diffusion (print/ErrorDiffusion.h)
   bool materials = false;    ///< pixels are materials: regions of tets, or inputs of triangles
   CleanOptions clean;        ///< of triangles
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has

@@ -24,7 +24,7 @@ std::vector<LayerFormat> makeTable() {
   };
   add("png", "", "A folder of 8-bit PNG files and manifest.json", writePngFolder).takesMaterials =
       true;
-  add("bmp", "", "A folder of 1-bit BMP files and manifest.json", writeBmpFolder);
+  add("bmp", "", "A folder of 1-bit BMP files and manifest.json", writeBmpFolder).oneBit = true;
   add("sl1", ".sl1 .sl1s", "Prusa's resin printers", writeSl1);
   add("zip", ".zip", "UVtools' generic ZIP", writeUvtoolsZip);
   add("nanodlp", ".nanodlp", "NanoDLP's plates", writeNanoDlp);
@@ -34,7 +34,7 @@ std::vector<LayerFormat> makeTable() {
   add("svg", ".svg", "A group of paths a layer, as Slic3r", writeSliceSvg).contours = true;
   LayerFormat& threeMf = add("3mf", ".3mf", "3MF with the slice extension", writeThreeMfSlices);
   threeMf.contours = threeMf.needsMesh = true;
-  add("tif", ".tif .tiff", "Pages of 1 bit a pixel", writeTiffStack);
+  add("tif", ".tif .tiff", "Pages of 1 bit a pixel", writeTiffStack).oneBit = true;
   return all;
 }
 

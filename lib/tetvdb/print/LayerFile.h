@@ -66,6 +66,7 @@ struct LayerFormat {
   bool contours = false;        ///< lines in place of pixels
   bool needsMesh = false;       ///< PrintInfo::mesh
   bool takesMaterials = false;  ///< PrintInfo::palette
+  bool oneBit = false;          ///< a pixel is black or white
   std::unique_ptr<LayerWriter> (*make)(const PrintInfo&) = nullptr;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
@@ -95,6 +96,53 @@ TEST(LocalRepair, EqualAsFloatsBecomeOne) {
   const LocalRepair repair = repaired(mesh);
   ASSERT_TRUE(repair.succeeded) << repair.why;
   EXPECT_EQ(mesh.triangleCount(), faces);
+}
+
+TEST(LocalRepair, OfADoubledSurfaceOneStaysBitForBit) {
+  // A ball and its double, moved by less than rounding to floats makes of it, or a little more.
+  const TriangleMesh ball = sphere({3, 4, 5}, 1, 12);
+  for (const double noise : {1e-7, 1e-5}) {
+    Random random(23);
+    TriangleMesh other = ball;
+    for (Vec3d& p : other.points)
+      for (double& c : p)
+        c += noise * (2 * random.unit() - 1);
+    TriangleMesh mesh = joined({ball, other});
+    const LocalRepair repair = repaired(mesh);
+    ASSERT_TRUE(repair.succeeded) << repair.why;
+    EXPECT_EQ(repair.doubleFaces, ball.triangleCount());
+    EXPECT_EQ(mesh.triangleCount(), ball.triangleCount());
+    const std::size_t kept = std::max(meshChanges(ball, mesh).kept, meshChanges(other, mesh).kept);
+    EXPECT_EQ(kept, ball.triangleCount());
+  }
+}
+
+TEST(LocalRepair, FlatFacesInEdgesGo) {
+  // T-junctions closed by faces whose middle corner is off the edge by rounding alone.
+  TriangleMesh mesh = sphere({0.1, 0.2, 0.3}, 1, 8);
+  const std::size_t faces = mesh.triangleCount();
+  const double volume = signedVolume(mesh);
+  for (std::uint32_t face = 0; face < faces; face += 7) {
+    const std::uint32_t a = mesh.triangles[3 * face], b = mesh.triangles[3 * face + 1],
+                        c = mesh.triangles[3 * face + 2];
+    const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+    mesh.points.push_back(times(plus(mesh.points[a], mesh.points[b]), 0.5));
+    mesh.triangles[3 * face + 1] = middle;
+    for (const std::uint32_t v : {middle, b, c, a, b, middle})
+      mesh.triangles.push_back(v);
+  }
+  mesh.faceCount = mesh.triangleCount();
+  const TriangleMesh before = mesh;
+  Progress progress;
+  ASSERT_NE(whatIsBroken(mesh, progress), "");
+  const LocalRepair repair = repairLocally(mesh, progress);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(manifoldDefect(mesh), "");
+  EXPECT_NEAR(signedVolume(mesh), volume, 1e-14);
+  // Of each, the flat face and its neighbour become two others.
+  const std::size_t flat = (faces + 6) / 7;
+  EXPECT_EQ(meshChanges(before, mesh).removed, 2 * flat);
+  EXPECT_EQ(meshChanges(before, mesh).added, 2 * flat);
 }
 
 TEST(LocalRepair, WhatFailsIsLeftAsItWas) {

@@ -168,6 +168,30 @@ TEST(RemoveCrossings, CornersThatTouchFacesBecomeCorners) {
   }
 }
 
+TEST(RemoveCrossings, EdgesThatTouchFacesDivideThem) {
+  // A wedge's edge on the side of a box: within a face, and across it and beyond.
+  for (const auto& [low, high] : {std::pair{0.125, 0.25}, std::pair{-0.5, 1.5}}) {
+    TriangleMesh wedge;
+    wedge.points = {{1, low, 0.625},  {2, low, 0.25},  {2, low, 1},
+                    {1, high, 0.625}, {2, high, 0.25}, {2, high, 1}};
+    wedge.triangles = {0, 1, 2, 3, 5, 4, 0, 3, 1, 3, 4, 1, 1, 4, 2, 4, 5, 2, 2, 5, 0, 5, 3, 0};
+    wedge.faceCount = 8;
+    const double volume = 1 + 0.375 * (high - low);
+    const TriangleMesh given = joined({box({0, 0, 0}, {1, 1, 1}), wedge});
+    ASSERT_NEAR(signedVolume(given), volume, 1e-14);
+    TriangleMesh mesh = given;
+    removed(mesh);
+    EXPECT_NEAR(signedVolume(mesh), volume, 1e-14);
+    mesh = given;
+    Progress progress;
+    const LocalRepair repair = repairLocally(mesh, progress);
+    ASSERT_TRUE(repair.succeeded) << repair.why;
+    EXPECT_EQ(manifoldDefect(mesh), "");
+    EXPECT_NEAR(signedVolume(mesh), volume, 1e-5);
+    EXPECT_GE(repair.separatedPoints, 2u);
+  }
+}
+
 TEST(RemoveCrossings, AsAStepOfRepair) {
   // A face folded into its neighbours: the crossing is mended around it alone.
   TriangleMesh mesh = moved(sphere({0, 0, 0}, 1, 16), [](const Vec3d& p) {

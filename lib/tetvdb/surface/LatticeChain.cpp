@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <set>
 #include <utility>
@@ -105,54 +106,54 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
 }
 
 std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed) {
-  std::set<std::uint32_t> used;
-  for (std::size_t i = 0; i < trimmed.rests.size(); ++i)
-    if (trimmed.isMet[i] != 0 && (!trimmed.rests[i].parts.empty() || stays(trimmed.rests[i])))
-      used.insert(chain.welded.faces[i].corners.begin(), chain.welded.faces[i].corners.end());
-  const std::vector<std::uint32_t> corners(used.begin(), used.end());
+  std::vector<std::uint32_t> met;
   std::vector<Box> boxes;
-  for (const std::uint32_t v : corners)
-    boxes.push_back(Box{chain.welded.points[v], chain.welded.points[v]});
-  const BoxTree tree(std::move(boxes));
-  std::vector<TouchedFace> all;
   for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i) {
-    if (trimmed.isMet[i] == 0 || !trimmed.rests[i].parts.empty() || !stays(trimmed.rests[i]))
+    if (trimmed.isMet[i] == 0 || (trimmed.rests[i].parts.empty() && !stays(trimmed.rests[i])))
       continue;
-    const std::array<Vec3d, 3> c = chain.welded.cornersOf(i);
-    const FacePlanes planes(c);
-    Box box;
-    for (const Vec3d& p : c)
-      box.add(p);
-    TouchedFace touched{i, {}, {}};
-    const auto& own = chain.welded.faces[i].corners;
-    tree.visit([&](const Box& other) { return other.meets(box); },
+    met.push_back(i);
+    boxes.emplace_back();
+    for (const Vec3d& p : chain.welded.cornersOf(i))
+      boxes.back().add(p);
+  }
+  const BoxTree tree(boxes);
+  std::vector<TouchedFace> all;
+  for (std::size_t at = 0; at < met.size(); ++at) {
+    if (!trimmed.rests[met[at]].parts.empty())
+      continue;
+    const FacePlanes face(chain.welded.cornersOf(met[at]));
+    const auto& own = chain.welded.faces[met[at]].corners;
+    std::deque<FacePlanes> cuts; // that the pieces refer to
+    FacePieces pieces(face);
+    std::set<std::uint32_t> corners;
+    std::vector<std::uint32_t> others;
+    tree.visit([&](const Box& box) { return box.meets(boxes[at]); },
                [&](std::uint32_t item) {
-                 const std::uint32_t v = corners[item];
-                 const Vec3d& p = chain.welded.points[v];
-                 if (std::find(own.begin(), own.end(), v) != own.end() || planes.plane.side(p) != 0)
-                   return false;
-                 std::size_t on = 3;
-                 for (std::size_t k = 0; k < 3; ++k) {
-                   const int side = planes.edges[k].side(p);
-                   if (side < 0)
-                     return false;
-                   if (side == 0)
-                     on = k;
-                 }
-                 (on < 3 ? touched.onEdges[on] : touched.within).push_back(v);
+                 others.push_back(item);
                  return false;
                });
-    std::size_t count = touched.within.size();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto along = [&](std::uint32_t v) {
-        return dot(minus(chain.welded.points[v], c[k]), minus(c[(k + 1) % 3], c[k]));
-      };
-      std::sort(touched.onEdges[k].begin(), touched.onEdges[k].end(),
-                [&](std::uint32_t a, std::uint32_t b) { return along(a) < along(b); });
-      count += touched.onEdges[k].size();
+    std::sort(others.begin(), others.end());
+    for (const std::uint32_t item : others) {
+      if (item == at)
+        continue;
+      std::size_t inPlane = 0;
+      for (const std::uint32_t v : chain.welded.faces[met[item]].corners) {
+        const Vec3d& p = chain.welded.points[v];
+        if (face.plane.side(p) != 0)
+          continue;
+        ++inPlane;
+        if (std::find(own.begin(), own.end(), v) == own.end() && face.edges[0].side(p) >= 0 &&
+            face.edges[1].side(p) >= 0 && face.edges[2].side(p) >= 0)
+          corners.insert(v);
+      }
+      if (inPlane == 2)
+        pieces.cut(cuts.emplace_back(chain.welded.cornersOf(met[item])));
     }
-    if (count > 0)
-      all.push_back(std::move(touched));
+    TouchedFace touched{met[at], {corners.begin(), corners.end()}, {}};
+    for (std::size_t i = 0; i < pieces.size() && pieces.size() > 1; ++i)
+      if (pieces.isLeaf(i))
+        touched.parts.push_back(pieces.outline(i));
+    all.push_back(std::move(touched));
   }
   return all;
 }

@@ -30,16 +30,15 @@ struct LatticeChain {
 /// `source` for any order of faces and points.
 LatticeChain latticeChain(const TriangleMesh& mesh);
 
-/// A face that stays whole, and corners of others that lie in it.
+/// A face that stays whole, and what of others that stay lies in it.
 struct TouchedFace {
-  std::uint32_t face; ///< of the chain
-  /// Of the lattice; from corner k to k + 1, in that order.
-  std::array<std::vector<std::uint32_t>, 3> onEdges;
-  std::vector<std::uint32_t> within;
+  std::uint32_t face;                    ///< of the chain
+  std::vector<std::uint32_t> corners;    ///< of the lattice, on the face's edges or within it
+  std::vector<std::vector<Vec3d>> parts; ///< convex ones that edges divide it into; empty: none do
 };
 
-/// Of faces that others meet (TrimmedChain::isMet) and that stay as they are those that corners of
-/// such faces lie in, exactly.
+/// Of faces that others meet (TrimmedChain::isMet) those that stay as they are, with the corners
+/// and edges of such faces that lie in them, exactly.
 std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed);
 
 } // namespace tetvdb

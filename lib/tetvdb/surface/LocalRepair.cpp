@@ -25,6 +25,33 @@ constexpr double kMostChange = 0.01; // of the solid's volume
 constexpr double kNoChange = 0.001;  // beyond which it is told
 constexpr double kLeastSamples = 4;  // points that may differ whatever their share
 
+// Of faces over the same points those go that cancel, and if asked for all but one of the others.
+std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
+  std::vector<char> drops(mesh.triangleCount(), 0);
+  {
+    const EdgeTable edges(mesh);
+    const DuplicateGroups groups = findDuplicates(edges);
+    for (std::size_t i = 0; i < groups.count(); ++i) {
+      std::array<std::vector<std::uint32_t>, 2> sides;
+      for (std::uint32_t k = groups.first[i]; k < groups.first[i + 1]; ++k) {
+        const std::uint32_t face = groups.faces[k];
+        const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
+        const auto least = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
+        const bool inverse = c[(least + 1) % 3] > c[(least + 2) % 3];
+        sides[inverse ? 1 : 0].push_back(face);
+        drops[face] = 1;
+      }
+      const std::size_t more = sides[1].size() > sides[0].size() ? 1 : 0;
+      std::size_t left = sides[more].size() - sides[1 - more].size();
+      if (allButOne)
+        left = std::min<std::size_t>(left, 1);
+      for (std::size_t k = 0; k < left; ++k)
+        drops[sides[more][k]] = 0;
+    }
+  }
+  return dropFaces(mesh, drops);
+}
+
 // Points that are equal as floats become the first of them.
 void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
   const std::vector<std::uint32_t> equal = equalAsFloats(mesh.points);
@@ -56,6 +83,7 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
     drops[face] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
   }
   dropFaces(mesh, drops);
+  dropEqualFaces(mesh, false);
   dropUnusedPoints(mesh);
 }
 
@@ -73,26 +101,7 @@ void dropDoubles(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   repair.stitched.largestMove = std::max(repair.stitched.largestMove, weld.distance);
   for (std::uint32_t& corner : mesh.triangles)
     corner = weld.becomes[corner];
-  // Of faces over the same points those go that cancel, and all but one of those that are left.
-  std::vector<char> drops(mesh.triangleCount(), 0);
-  {
-    const EdgeTable edges(mesh);
-    const DuplicateGroups groups = findDuplicates(edges);
-    for (std::size_t i = 0; i < groups.count(); ++i) {
-      std::array<std::vector<std::uint32_t>, 2> sides;
-      for (std::uint32_t k = groups.first[i]; k < groups.first[i + 1]; ++k) {
-        const std::uint32_t face = groups.faces[k];
-        const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
-        const auto least = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
-        const bool inverse = c[(least + 1) % 3] > c[(least + 2) % 3];
-        sides[inverse ? 1 : 0].push_back(face);
-        drops[face] = 1;
-      }
-      if (sides[0].size() != sides[1].size())
-        drops[sides[sides[1].size() > sides[0].size() ? 1 : 0].front()] = 0;
-    }
-  }
-  repair.doubleFaces = dropFaces(mesh, drops);
+  repair.doubleFaces = dropEqualFaces(mesh, true);
   dropUnusedPoints(mesh);
 }
 

@@ -153,6 +153,7 @@ struct Region {
   bool inverse;
   std::set<Edge> edges;
   std::set<std::uint32_t> inner; ///< corners of other faces that touch it, off its edges
+  bool whole = false;            ///< a face that was not cut
 };
 
 bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
@@ -173,7 +174,7 @@ public:
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
       std::set<std::uint32_t> corners;
-      Region region{face, inverse, {}, {}};
+      Region region{face, inverse, {}, {}, false};
       for (const FacePart& part : parts) {
         if (part.inverse != inverse)
           continue;
@@ -202,14 +203,47 @@ public:
     return true;
   }
 
-  // A whole face that corners of others touch: on its edges, which are in the outline, or within.
-  void addTouched(std::uint32_t face, bool inverse, Loop outline, std::set<std::uint32_t> inner) {
+  // A whole face, which is left alone unless corners of others lie on its edges or within. False
+  // where its own corners are as near to one another as rounding.
+  bool addWhole(std::uint32_t face, bool inverse, const std::array<Vec3d, 3>& corners) {
+    Loop outline;
+    for (const Vec3d& p : corners)
+      outline.push_back(points_.at(p));
+    if (outline[0] == outline[1] || outline[1] == outline[2] || outline[2] == outline[0])
+      return false;
     if (inverse)
       std::reverse(outline.begin(), outline.end());
-    Region region{face, inverse, {}, std::move(inner)};
-    for (std::size_t i = 0; i < outline.size(); ++i)
-      region.edges.insert({outline[i], outline[(i + 1) % outline.size()]});
-    regions_.push_back(std::move(region));
+    regions_.push_back({face, inverse, {}, {}, true});
+    for (std::size_t i = 0; i < 3; ++i)
+      regions_.back().edges.insert({outline[i], outline[(i + 1) % 3]});
+    return true;
+  }
+
+  // Corners of others that lie in a face, of which the regions from `first` on are what is left:
+  // they become corners of the one that they are within; those near edges are for
+  // addCornersOfOthers().
+  void addWithin(std::size_t first, const std::vector<std::uint32_t>& corners) {
+    for (const std::uint32_t v : corners) {
+      others_.insert(v);
+      const Vec3d& p = points_.lattice(v);
+      for (std::size_t i = first; i < regions_.size(); ++i)
+        if (isWithin(regions_[i], p))
+          regions_[i].inner.insert(v);
+    }
+  }
+
+  std::size_t size() const { return regions_.size(); }
+
+  // Takes whole faces back that are as they were; calls left(face) for each.
+  template <typename Left>
+  void takeBackWhole(const Left& left) {
+    const auto isLeft = [&](const Region& region) {
+      if (!region.whole || region.edges.size() != 3 || !region.inner.empty())
+        return false;
+      left(region.face);
+      return true;
+    };
+    regions_.erase(std::remove_if(regions_.begin(), regions_.end(), isLeft), regions_.end());
   }
 
   // Takes out corners that are straight in every region that has them, but for corners of faces.
@@ -262,7 +296,7 @@ public:
 
   // Splits edges at corners of other regions that lie on them.
   void addCornersOfOthers() {
-    std::set<std::uint32_t> all;
+    std::set<std::uint32_t> all = others_;
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
         all.insert(edge.first);
@@ -336,6 +370,20 @@ public:
   }
 
 private:
+  // Of a convex region, farther from each edge than corners are put on it.
+  bool isWithin(const Region& region, const Vec3d& p) const {
+    Vec3d normal{0, 0, 0};
+    const Vec3d& origin = points_.lattice(region.edges.begin()->first);
+    for (const auto& [from, to] : region.edges)
+      normal = plus(
+          normal, cross(minus(points_.lattice(from), origin), minus(points_.lattice(to), origin)));
+    return std::all_of(region.edges.begin(), region.edges.end(), [&](const Edge& edge) {
+      const Vec3d way = minus(points_.lattice(edge.second), points_.lattice(edge.first));
+      const Vec3d to = minus(p, points_.lattice(edge.first));
+      return dot(cross(way, to), normal) > kStraight * length(way) * length(normal);
+    });
+  }
+
   bool runsPast(const Edge& edge, const std::set<std::uint32_t>& corners) const {
     return std::all_of(corners.begin(), corners.end(), [&](std::uint32_t v) {
       double along;
@@ -362,6 +410,7 @@ private:
   const TriangleMesh& mesh_;
   PartPoints& points_;
   std::vector<Region> regions_;
+  std::set<std::uint32_t> others_; ///< corners that are not those of regions
 };
 
 bool areFloats(const std::vector<Vec3d>& points) {
@@ -405,38 +454,59 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
       drops[chain.source[i]] = 0;
     }
   }
-  for (const TouchedFace& face : findTouchedFaces(chain, trimmed)) {
-    const auto& own = chain.welded.faces[face.face].corners;
-    Loop outline;
-    std::set<std::uint32_t> inner;
-    for (std::size_t k = 0; k < 3; ++k) {
-      points.addCorner(own[k]);
-      outline.push_back(points.at(chain.welded.points[own[k]]));
-      for (const std::uint32_t v : face.onEdges[k]) {
-        points.addCorner(v);
-        outline.push_back(points.at(chain.welded.points[v]));
-      }
+  // Faces that are touched: in parts where edges of others lie in them.
+  const std::vector<TouchedFace> touched = findTouchedFaces(chain, trimmed);
+  const auto isInverse = [&](std::uint32_t face) {
+    return trimmed.rests[face].fate == PartFate::StaysInverse;
+  };
+  for (const TouchedFace& face : touched)
+    for (const std::uint32_t corner : face.corners) {
+      points.addCorner(corner);
+      faceCorners.insert(chain.pointOf[corner]);
     }
-    for (const std::uint32_t v : face.within) {
-      points.addCorner(v);
-      inner.insert(points.at(chain.welded.points[v]));
+  for (const TouchedFace& face : touched)
+    for (const std::uint32_t corner : chain.welded.faces[face.face].corners) {
+      points.addCorner(corner);
+      faceCorners.insert(chain.pointOf[corner]);
     }
-    std::vector<std::uint32_t> distinct = outline;
-    distinct.insert(distinct.end(), inner.begin(), inner.end());
-    faceCorners.insert(distinct.begin(), distinct.end());
-    std::sort(distinct.begin(), distinct.end());
-    if (std::adjacent_find(distinct.begin(), distinct.end()) != distinct.end())
-      continue; // as near a corner as rounding
-    regions.addTouched(face.face, trimmed.rests[face.face].fate == PartFate::StaysInverse,
-                       std::move(outline), std::move(inner));
+  const auto cornersIn = [&](const TouchedFace& face) {
+    std::vector<std::uint32_t> corners;
+    for (const std::uint32_t corner : face.corners)
+      corners.push_back(points.at(chain.welded.points[corner]));
+    return corners;
+  };
+  for (const TouchedFace& face : touched) {
+    if (face.parts.empty())
+      continue;
+    const std::size_t first = regions.size();
+    for (const std::vector<Vec3d>& part : face.parts)
+      if (!regions.add(face.face, {{part, isInverse(face.face)}}))
+        return Round::GivenUp;
+    regions.addWithin(first, cornersIn(face));
     drops[chain.source[face.face]] = 1;
     --kept;
     ++cut;
   }
+  regions.dropStraightCorners(faceCorners);
+  for (const TouchedFace& face : touched) {
+    if (!face.parts.empty())
+      continue;
+    const std::size_t first = regions.size();
+    if (!regions.addWhole(face.face, isInverse(face.face), chain.welded.cornersOf(face.face)))
+      continue;
+    regions.addWithin(first, cornersIn(face));
+    drops[chain.source[face.face]] = 1;
+    --kept;
+    ++cut;
+  }
+  regions.addCornersOfOthers();
+  regions.takeBackWhole([&](std::uint32_t face) {
+    drops[chain.source[face]] = 0;
+    ++kept;
+    --cut;
+  });
   if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
     return Round::Done; // faces without area cross nothing
-  regions.dropStraightCorners(faceCorners);
-  regions.addCornersOfOthers();
   std::vector<std::uint32_t> added;
   if (!regions.triangulate(chain, points.round(counts.floats), added))
     return Round::GivenUp;

@@ -110,7 +110,8 @@ public:
   }
 
 private:
-  // Whether `position`, rounded, is free and turns none of the faces, which had those normals.
+  // Whether `position`, rounded, is free and turns none of the faces, which had those normals;
+  // collinear ones may turn.
   bool moveTo(std::uint32_t point, const Vec3d& position, const std::vector<std::uint32_t>& faces,
               const std::vector<Vec3d>& before) {
     const FloatPosition to = rounded(position);
@@ -119,7 +120,7 @@ private:
     const Vec3d from = mesh_.points[point];
     mesh_.points[point] = nearestFloats(position);
     for (std::size_t i = 0; i < faces.size(); ++i)
-      if (!(dot(normal(faces[i]), before[i]) > 0)) {
+      if (dot(before[i], before[i]) > 0 && !(dot(normal(faces[i]), before[i]) > 0)) {
         mesh_.points[point] = from;
         return false;
       }

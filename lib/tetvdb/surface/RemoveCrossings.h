@@ -33,15 +33,15 @@ enum class NewCorners {
 /// Of a closed mesh (every edge is run along as often in one direction as in the other) the
 /// boundary of the places whose winding number is above 0.5: faces of which one side is such a
 /// place and the other is not stay, others go (inner shells, walls, what lies inside out), and
-/// faces that others cross, touch or overlap are cut along the crossings; where the corner of a
-/// face touches another this gets a corner there. What is cut, and on which side of what it lies,
+/// faces that others cross, touch or overlap are cut along the crossings; where the corner or an
+/// edge of a face lies in another this gets it too. What is cut, and on which side of what it lies,
 /// is decided exactly on a lattice of 2^-40 of the mesh's size (TrimChain.h); where crossings meet
-/// is then rounded to the lattice, and to 32-bit floats if all points given are floats. The parts
-/// that stay of a face are put together again and triangulated anew; faces that nothing meets stay
-/// bit for bit, in order, and new ones come last. Rounding may leave new crossings of its own size,
-/// so that all is done again until there are none, up to 6 times. Edges may have more than two
-/// faces afterwards (SplitFans.h). Gives up where trimChain() does and where parts cannot be put
-/// together. About 2 us a face, and 50 us a face that is cut.
+/// is then rounded to the lattice, or further (NewCorners). The parts that stay of a face are put
+/// together again and triangulated anew; faces that nothing meets stay bit for bit, in order, and
+/// new ones come last. Rounding may leave new crossings of its own size, so that all is done again
+/// until there are none, up to 6 times. Edges may have more than two faces afterwards
+/// (SplitFans.h). Gives up where trimChain() does and where parts cannot be put together. About 2
+/// us a face, and 50 us a face that is cut.
 CrossingCounts removeCrossings(TriangleMesh& mesh, NewCorners corners, Progress& progress);
 
 } // namespace tetvdb

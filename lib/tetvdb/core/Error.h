@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The one exception type of the library. A message has three parts: where it happened (a file, a
-// file and line, an option), what is wrong, and what to do about it.
+// file and line, a setting), what is wrong, and what to do about it. Texts of errors, warnings and
+// findings name a setting between backquotes, with a value as `name=value`: a program spells it as
+// its users know it (--name value on the command line).
 //
 //   throw tetvdb::Error(tetvdb::Status::Invalid, "a.msh:12", "vertex 7 is not a finite number",
 //                       "repair the file or export it again");
+//   throw tetvdb::Error(tetvdb::Status::Limit, "", "not enough memory", "raise `max_memory`");
 #pragma once
 
 #include <stdexcept>

@@ -44,7 +44,7 @@ public:
       throw Error(Status::Cancelled, "", "cancelled", "nothing was written");
     if (deadline_ != Clock::time_point::max() && Clock::now() > deadline_)
       throw Error(Status::Cancelled, "", "the time limit was reached",
-                  "nothing was written; raise --max-time or lower the resolution");
+                  "nothing was written; raise `max_time` or lower the resolution");
   }
 
   /// Names what is being done from now on; fraction returns to 0.

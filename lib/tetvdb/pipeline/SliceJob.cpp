@@ -109,8 +109,8 @@ private:
       throw Error(Status::Usage, job_.inputs[1], "a volume is cut by itself",
                   "give one input at a time");
     if (job_.dither && (asksCentres() || format_.contours || job_.grey.table))
-      throw Error(Status::Usage, "--dither",
-                  "spreads the rounding of grey levels: not with --aa none, --materials, --lut or "
+      throw Error(Status::Usage, "`dither`",
+                  "spreads the rounding of grey levels: not with `aa=none`, `materials`, `lut` or "
                   "contours",
                   "leave it out");
     const bool offsets = job_.printer.xyOffset != 0 || job_.printer.footOffset != 0;

@@ -179,8 +179,8 @@ private:
       result_.doubtful = file.differenceFrom(field, samples.spread) > kDiffer;
     } else {
       // What a file holds by a field that is much farther from a solid's is no evidence.
-      result_.doubtful = lost > kDiffer && field.error() > kVague &&
-                         field.error() > kMuchNearer * file.error();
+      result_.doubtful =
+          lost > kDiffer && field.error() > kVague && field.error() > kMuchNearer * file.error();
     }
     if (result_.doubtful) {
       result_.fileVolume = samples.volume * file.shareInside(samples.spread);

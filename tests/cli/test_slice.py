@@ -310,6 +310,13 @@ class SliceTest(program.CommandLineTest):
         self.write("sheet.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0.5)], [[0, 1, 2]]))
         self.refuse(3, "slice", "sheet.off", "-o", "x", *PRINTER)
 
+    def test_limits(self):
+        self.refuse(4, "slice", "part.off", "-o", "x.sl1", *PRINTER, "--max-memory", "60M")
+        self.refuse(5, "slice", "part.off", "-o", "x", *PRINTER, "--max-time", "0.0001")
+        self.refuse(7, "slice", "part.off", "-o", "nowhere/x.sl1", *PRINTER)
+        self.refuse(7, "slice", "part.off", "-o", "nowhere/x", *PRINTER)
+        self.refuse(2, "slice", "part.off", "-o", "part.off", *PRINTER, "--format", "sl1")
+
     # --- folders ---
 
     def test_a_folder_is_replaced_where_it_holds_layers_alone(self):

@@ -247,7 +247,20 @@ private:
     return map;
   }
 
+  // Beside the mesh: faces in order of layers, a slab's pairs, the layers that are being made.
+  void requireRoom(const TriangleMesh& mesh) const {
+    constexpr std::size_t kBytesPerFace = 24, kForLayers = std::size_t(64) << 20;
+    const std::size_t needed = kBytesPerFace * mesh.triangleCount() + kForLayers;
+    const std::size_t left = job_.maxMemory > 0 ? memoryLeft(job_.maxMemory) : availableBytes();
+    if (left > 0 && needed > left)
+      throw Error(
+          Status::Limit, "",
+          fmt::format("cutting needs about {} MB, there are {}", needed / 1000000, left / 1000000),
+          "raise --max-memory, or use a machine with more");
+  }
+
   std::unique_ptr<LayerSource> fromMesh(TriangleMesh mesh) {
+    requireRoom(mesh);
     const PlateMap map = place(boxOfUsed(mesh.points, mesh.triangles), mesh.units);
     return stage("cut", [&]() -> std::unique_ptr<LayerSource> {
       result_.meshVolume = volumeOf(mesh) * map.scale[0] * map.scale[1] * map.scale[2];

@@ -256,7 +256,7 @@ private:
       throw Error(
           Status::Limit, "",
           fmt::format("cutting needs about {} MB, there are {}", needed / 1000000, left / 1000000),
-          "raise --max-memory, or use a machine with more");
+          "raise `max_memory`, or use a machine with more");
   }
 
   std::unique_ptr<LayerSource> fromMesh(TriangleMesh mesh) {

@@ -128,7 +128,7 @@ class Repair(CommandLineTest):
         self.assertEqual(section["cleaned"]["welded_points"], 0)
         self.assertEqual(section["triangles_before"], 11)
         self.assertEqual(section["triangles"], 12)
-        self.assertEqual(section["local"]["holes"], [{"edges": 3, "faces": 1}])
+        self.assertEqual(section["local"]["holes"], [{"edges": 3, "faces": 1, "points": 0}])
         self.assertEqual([section["changes"][k] for k in ("kept", "added", "removed")], [11, 1, 0])
         self.assertAlmostEqual(section["changes"]["distance_from_input"], 0)
         self.assertAlmostEqual(section["volume"], 1)

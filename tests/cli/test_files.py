@@ -214,7 +214,7 @@ class LinksAndPermissions(FilesTest):
                                       for x, y, z in points], tets))
         return subprocess.Popen(
             [PROGRAM, "voxelize", "big.mesh", "-o", "out.vdb", "--grid", "tet_id,density",
-             "--resolution", "1200"], cwd=self.folder, stdout=subprocess.DEVNULL,
+             "--resolution", "400"], cwd=self.folder, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL)
 
     def temporary_of(self, job):

@@ -5,7 +5,7 @@
     scripts/robustness.py --build build/release CORPUS/tri --page report.html > docs/robustness.md
 
 Defects, voxels, seconds and memory are those of `tetvdb report`, whose page with a picture of every file
-is left at --page.
+is left at --page. The page's last section, Repair, is scripts/repair_study.py's, and has to be put back.
 Needs python3-openvdb and python3-numpy; PrusaSlicer's column stays empty where it is not installed.
 The truth is tests/corpus/winding_judge, which sums solid angles face by face and shares no code with
 the library. Files are taken one after another; times depend on what else the machine does.

@@ -179,6 +179,7 @@ TEST_P(CgnsKinds, StepsChooseSolutions) {
   ReadOptions first;
   first.timeStep = 0;
   EXPECT_EQ(arrayNamed(file.read(first), "T").number(0), 7);
+  EXPECT_EQ(file.read(first).times, (std::vector<double>{0.25, 0.75}));
   const std::string bytes = file.bytes();
   Report report;
   Progress progress;

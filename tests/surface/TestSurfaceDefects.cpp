@@ -299,7 +299,7 @@ TEST(SurfaceDefects, EmptyAndFlatMeshes) {
   EXPECT_EQ(defectsOf(point).degenerateFaces, 1u);
   EXPECT_FALSE(defectsOf(point).watertight);
   EXPECT_EQ(verdict(defectsOf(sheet())),
-            "a sheet without inside (16 open edges in 1 hole); give it thickness with --shell");
+            "a sheet without inside (16 open edges in 1 hole); give it thickness with `shell`");
   EXPECT_EQ(verdict(defectsOf(moebius())).substr(0, 24), "open, with one side only");
   Random random(2);
   EXPECT_EQ(verdict(defectsOf(moved(unwelded(sphere()),

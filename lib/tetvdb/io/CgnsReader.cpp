@@ -139,8 +139,8 @@ public:
 
   CellMesh read() {
     CellMesh whole;
-    whole.times = times();
-    const std::size_t steps = whole.times.size();
+    std::vector<double> allTimes = times();
+    const std::size_t steps = allTimes.size();
     if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
       throw Error(Status::Usage, source_.path,
                   "has no time step " + std::to_string(options_.timeStep + 1),
@@ -164,6 +164,7 @@ public:
     }
     whole.regions = std::move(regions);
     whole.regionNames = std::move(names);
+    whole.times = std::move(allTimes);
     return whole;
   }
 

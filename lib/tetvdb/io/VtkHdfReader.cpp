@@ -80,7 +80,6 @@ public:
   CellMesh read() {
     chooseStep();
     CellMesh whole;
-    whole.times = times();
     const std::vector<std::uint64_t> points = numbers("NumberOfPoints");
     if (start_.firstPart > points.size() || start_.parts > points.size() - start_.firstPart)
       fail("a step has parts beyond those of the file");
@@ -101,6 +100,7 @@ public:
       firstCell += cell;
     if (!options_.faces && !(isPoly_ && start_.parts > 1))
       readAttributes("CellData", Attribute::On::Cells, firstCell, whole.cellCount(), whole);
+    whole.times = times();
     return whole;
   }
 

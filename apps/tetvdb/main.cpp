@@ -79,7 +79,7 @@ int printAnswer(CLI::App& program, const CLI::Success& asked) {
 }
 
 int runProgram(const std::vector<std::string>& arguments) {
-  CLI::App program{"TetVDB: tetrahedral meshes into sparse OpenVDB volumes"};
+  CLI::App program{"TetVDB: meshes into sparse OpenVDB volumes"};
   program.name("tetvdb");
   program.set_version_flag("--version", std::string("tetvdb ") + version());
   program.require_subcommand(1);

@@ -4,6 +4,7 @@
 #include "tetvdb/print/PrinterSettings.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/Source.h"
 
 #include <algorithm>
@@ -17,14 +18,6 @@ namespace tetvdb {
 namespace {
 
 constexpr int kMostPixels = 1 << 20;
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && static_cast<unsigned char>(text.front()) <= ' ')
-    text.remove_prefix(1);
-  while (!text.empty() && static_cast<unsigned char>(text.back()) <= ' ')
-    text.remove_suffix(1);
-  return text;
-}
 
 // One value of a file, and where it stands.
 struct Entry {

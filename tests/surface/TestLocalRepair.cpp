@@ -62,6 +62,23 @@ TEST(LocalRepair, SheetsGoAndSolidsStay) {
   EXPECT_EQ(alone.triangleCount(), 32u);
 }
 
+TEST(LocalRepair, FacesWithoutAreaThatCloseNothingGo) {
+  const TriangleMesh whole = box({0, 0, 0}, {1, 1, 1}, 2);
+  TriangleMesh mesh = whole;
+  for (std::size_t face = 0; face < whole.triangleCount(); face += 5) {
+    const std::uint32_t a = whole.triangles[3 * face], b = whole.triangles[3 * face + 1];
+    const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+    mesh.points.push_back(times(plus(whole.points[a], whole.points[b]), 0.5));
+    mesh.triangles.insert(mesh.triangles.end(), {a, middle, b});
+  }
+  mesh.faceCount = mesh.triangleCount();
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  const MeshChanges changes = meshChanges(whole, mesh);
+  EXPECT_EQ(changes.kept, whole.triangleCount());
+  EXPECT_EQ(mesh.triangleCount(), whole.triangleCount());
+}
+
 TEST(LocalRepair, AnOpenBoxIsASolid) {
   TriangleMesh mesh = without(box({0, 0, 0}, {1, 1, 1}, 2), [](std::size_t f) { return f >= 40; });
   const LocalRepair repair = repaired(mesh);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/LocalRepair.h"
 
+#include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/DuplicateFaces.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -85,6 +87,39 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
   dropFaces(mesh, drops);
   dropEqualFaces(mesh, false);
   dropUnusedPoints(mesh);
+}
+
+// Faces without area without which fewer edges are open. Those that close a gap between their
+// neighbours' edges stay.
+void dropLooseFlatFaces(TriangleMesh& mesh) {
+  std::vector<char> drops(mesh.triangleCount(), 0);
+  {
+    const EdgeTable edges(mesh);
+    std::vector<int> excess(edges.edgeCount(), 0); // sides that ascend less those that descend
+    const auto signOf = [&](std::uint32_t side) { return edges.ascends(side) ? 1 : -1; };
+    for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+      for (const std::uint32_t side : edges.sides(edge))
+        excess[edge] += signOf(side);
+    for (std::uint32_t face = 0; face < drops.size(); ++face) {
+      const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
+      if (!edges.hasFace(face) ||
+          !areCollinear(mesh.points[c[0]], mesh.points[c[1]], mesh.points[c[2]]))
+        continue;
+      const std::array<std::uint32_t, 3> sides{3 * face, 3 * face + 1, 3 * face + 2};
+      int open = 0, openWithout = 0;
+      for (const std::uint32_t side : sides) {
+        open += std::abs(excess[edges.edgeOf(side)]);
+        openWithout += std::abs(excess[edges.edgeOf(side)] - signOf(side));
+      }
+      if (openWithout >= open)
+        continue;
+      drops[face] = 1;
+      for (const std::uint32_t side : sides)
+        excess[edges.edgeOf(side)] -= signOf(side);
+    }
+  }
+  if (dropFaces(mesh, drops) > 0)
+    dropUnusedPoints(mesh);
 }
 
 // Where a surface is there twice, nearly in the same place, one of the two goes.
@@ -204,6 +239,7 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   };
   dropDoubles(work, repair, progress);
   joinEqualAsFloats(work, repair);
+  dropLooseFlatFaces(work);
   const StitchCounts stitched = stitchBoundaries(work, progress);
   repair.stitched.joinedPoints += stitched.joinedPoints;
   repair.stitched.largestMove = std::max(repair.stitched.largestMove, stitched.largestMove);

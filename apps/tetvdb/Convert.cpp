@@ -60,11 +60,6 @@ ConvertJob makeJob(const Options& options) {
   return job;
 }
 
-const char* nameOf(SolidSource source) {
-  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
-  return kNames[static_cast<std::size_t>(source)];
-}
-
 std::string summaryOf(const ConvertResult& result) {
   std::string text;
   for (const OutputInfo& output : result.outputs) {

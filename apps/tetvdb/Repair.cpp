@@ -109,11 +109,6 @@ void refuseWhatDoesNotApply(const RepairJob& job, const CLI::App& command) {
       throw Error(Status::Usage, name, "is for meshes; the input is a volume", "leave it out");
 }
 
-const char* nameOf(SolidSource source) {
-  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
-  return kNames[static_cast<std::size_t>(source)];
-}
-
 Json localOf(const LocalRepair& local) {
   Json holes = Json::array();
   for (const FilledHole& hole : local.holes)

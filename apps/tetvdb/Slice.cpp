@@ -193,11 +193,6 @@ SliceJob makeJob(const Options& options, const CLI::App& command) {
   return job;
 }
 
-const char* nameOf(SolidSource source) {
-  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
-  return kNames[static_cast<std::size_t>(source)];
-}
-
 Json inputsOf(const SliceResult& result, const std::vector<std::string>& paths) {
   Json inputs = Json::array();
   for (std::size_t i = 0; i < paths.size(); ++i) {

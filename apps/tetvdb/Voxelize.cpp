@@ -386,11 +386,10 @@ CLI::Validator oneOf(const std::set<std::string>& words) {
 
 void addGridOptions(CLI::App& command, Options& options) {
   command
-      .add_option(
-          "--grid", options.grids,
-          "Grids to make: density (default), mask, surface (a level set), fog (made of it), "
-          "coverage (how much of a voxel is filled), tet_id, material, arrays of the mesh by name, "
-          "or all (arrays); several with commas")
+      .add_option("--grid", options.grids,
+                  "Grids to make: " + listGridKinds() +
+                      " (tetvdb grids describes them; default density), "
+                      "arrays of the mesh by name, or all (arrays); several with commas")
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);

@@ -2,6 +2,7 @@
 """Runs bin/tetvdb as a user would, and makes the meshes that the tests feed it."""
 
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -68,6 +69,27 @@ class CommandLineTest(unittest.TestCase):
 
     def hash_of(self, path):
         return self.report_of("info", path, "--hash")["input"][0]["hash"]
+
+
+def ball(rings, radius, centre, stretch=1.0):
+    """A closed ball of triangles, `stretch` times as long along z: points, faces."""
+    points, faces = [], []
+    for i in range(1, rings):
+        for j in range(2 * rings):
+            a, b = math.pi * i / rings, math.pi * j / rings
+            points.append((math.sin(a) * math.cos(b), math.sin(a) * math.sin(b),
+                           stretch * math.cos(a)))
+    at = lambda i, j: (i - 1) * 2 * rings + j % (2 * rings)
+    for i in range(1, rings - 1):
+        for j in range(2 * rings):
+            faces.append([at(i, j), at(i + 1, j), at(i + 1, j + 1)])
+            faces.append([at(i, j), at(i + 1, j + 1), at(i, j + 1)])
+    top, bottom = len(points), len(points) + 1
+    points += [(0, 0, stretch), (0, 0, -stretch)]
+    for j in range(2 * rings):
+        faces.append([top, at(1, j), at(1, j + 1)])
+        faces.append([bottom, at(rings - 1, j + 1), at(rings - 1, j)])
+    return [tuple(radius * c + o for c, o in zip(p, centre)) for p in points], faces
 
 
 def lattice(cells, origin=(0.0, 0.0, 0.0), side=1.0, inverted=False):

@@ -14,7 +14,7 @@ import sys
 import unittest
 
 import program
-from program import box_faces, lattice, off
+from program import ball, box_faces, lattice, off
 from test_fields import simulation
 
 try:
@@ -42,25 +42,8 @@ ORIGIN = (0.3, -1.25, 7.5)
 GRIDS = "density,surface,mask"
 
 
-def ball(rings=12, radius=1.0, centre=(0.4, 0.2, 8.0)):
-    """A closed ball of triangles, off the axes' origin and longer along z."""
-    points, faces = [], []
-    for i in range(1, rings):
-        for j in range(2 * rings):
-            a, b = math.pi * i / rings, math.pi * j / rings
-            points.append((math.sin(a) * math.cos(b), math.sin(a) * math.sin(b),
-                           1.7 * math.cos(a)))
-    at = lambda i, j: (i - 1) * 2 * rings + j % (2 * rings)
-    for i in range(1, rings - 1):
-        for j in range(2 * rings):
-            faces.append([at(i, j), at(i + 1, j), at(i + 1, j + 1)])
-            faces.append([at(i, j), at(i + 1, j + 1), at(i, j + 1)])
-    top, bottom = len(points), len(points) + 1
-    points += [(0, 0, 1.7), (0, 0, -1.7)]
-    for j in range(2 * rings):
-        faces.append([top, at(1, j), at(1, j + 1)])
-        faces.append([bottom, at(rings - 1, j + 1), at(rings - 1, j)])
-    return [tuple(radius * c + o for c, o in zip(p, centre)) for p in points], faces
+# Off the axes' origin and longer along z.
+BALL = ball(12, 1.0, (0.4, 0.2, 8.0), stretch=1.7)
 
 
 def read_binvox(path):
@@ -87,7 +70,7 @@ class ArraysTest(program.CommandLineTest):
 
     def setUp(self):
         super().setUp()
-        self.write("a.off", off(*ball()))
+        self.write("a.off", off(*BALL))
         self.size = ["--resolution", 37, "--origin", ",".join(map(str, ORIGIN))]
 
     def make(self, name, *more, grids=GRIDS, source="a.off"):
@@ -420,7 +403,7 @@ class ConvertTest(program.CommandLineTest):
         self.assertEqual(report["output"][0]["triangles"], 48)
 
     def test_volumes_to_volumes_and_surfaces(self):
-        self.write("a.off", off(*ball()))
+        self.write("a.off", off(*BALL))
         self.succeed("voxelize", "a.off", "-o", "a.vdb", "--resolution", 24, "--grid",
                      "surface,density,mask")
         self.succeed("convert", "a.vdb", "-o", "a.nvdb")

@@ -12,31 +12,12 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import box_faces, gmsh, lattice, off
+from program import ball, box_faces, gmsh, lattice, off
 
 WIDTH, HEIGHT = 80, 60
 PLATE = (16.0, 12.0)
 LAYER = 0.25
 PRINTER = ["--pixels", "80,60", "--display", "16,12", "--layer-height", "0.25"]
-
-
-def ball(rings, radius, centre):
-    points, faces = [], []
-    for i in range(1, rings):
-        for j in range(2 * rings):
-            a, b = math.pi * i / rings, math.pi * j / rings
-            points.append((math.sin(a) * math.cos(b), math.sin(a) * math.sin(b), math.cos(a)))
-    at = lambda i, j: (i - 1) * 2 * rings + j % (2 * rings)
-    for i in range(1, rings - 1):
-        for j in range(2 * rings):
-            faces.append([at(i, j), at(i + 1, j), at(i + 1, j + 1)])
-            faces.append([at(i, j), at(i + 1, j + 1), at(i, j + 1)])
-    top, bottom = len(points), len(points) + 1
-    points += [(0, 0, 1), (0, 0, -1)]
-    for j in range(2 * rings):
-        faces.append([top, at(1, j), at(1, j + 1)])
-        faces.append([bottom, at(rings - 1, j + 1), at(rings - 1, j)])
-    return [tuple(radius * c + o for c, o in zip(p, centre)) for p in points], faces
 
 
 def joined(*meshes):

@@ -9,8 +9,6 @@
 
 #include <array>
 #include <cmath>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -27,16 +25,6 @@ bool (*insideTest(FillRule rule))(std::int64_t) {
   default:
     return [](std::int64_t winding) { return winding % 2 != 0; };
   }
-}
-
-std::vector<Box> boxesOf(const WeldedFaces& welded) {
-  std::vector<Box> boxes(welded.faces.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (const Vec3d& corner : welded.cornersOf(i))
-        boxes[i].add(corner);
-  });
-  return boxes;
 }
 
 } // namespace

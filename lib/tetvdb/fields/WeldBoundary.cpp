@@ -54,20 +54,6 @@ std::vector<std::uint32_t> weldPoints(const SnappedMesh& mesh, const Boundary& b
   return number;
 }
 
-WeldedFace ascending(const std::vector<Vec3d>& points, std::array<std::uint32_t, 3> c,
-                     std::int32_t weight) {
-  const auto order = [&](std::size_t i, std::size_t k) {
-    if (points[c[k]] < points[c[i]]) {
-      std::swap(c[i], c[k]);
-      weight = -weight;
-    }
-  };
-  order(0, 1);
-  order(1, 2);
-  order(0, 1);
-  return {c, weight};
-}
-
 } // namespace
 
 WeldedFaces weldFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress) {
@@ -81,7 +67,7 @@ WeldedFaces weldFaces(const SnappedMesh& mesh, const Boundary& boundary, Progres
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const BoundaryFace& f = boundary.faces[i];
-      all[i] = ascending(welded.points, {number[f.a], number[f.b], number[f.c]}, f.weight);
+      all[i] = ascendingFace(welded.points, {number[f.a], number[f.b], number[f.c]}, f.weight);
       const std::array<std::uint32_t, 3>& c = all[i].corners;
       if (c[0] == c[1] || c[1] == c[2] ||
           areCollinear(welded.points[c[0]], welded.points[c[1]], welded.points[c[2]]))

@@ -2,6 +2,7 @@
 #include "tetvdb/geometry/RimSums.h"
 
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/AddUnlessNaN.h"
 #include "tetvdb/geometry/ArcTangent.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -131,19 +132,6 @@ void anglesAtPoints(LatticePoint a, LatticePoint b, double weight, const double*
                            weight);
 }
 
-// Adds values to sums; false where one of the values is NaN.
-TETVDB_MULTIVERSION
-bool addTo(double* __restrict sums, const double* __restrict values, std::size_t n) {
-  double check = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    check = values[i] == values[i] ? check : 1.0;
-  if (check != 0)
-    return false;
-  for (std::size_t i = 0; i < n; ++i)
-    sums[i] += values[i];
-  return true;
-}
-
 // Field of a straight current from a to b, seen from 0: a x b (|a| + |b|) / (|a||b| (|a||b| +
 // a.b)), negative.
 TETVDB_MULTIVERSION
@@ -256,7 +244,7 @@ void addAngles(const LatticePoint& a, const LatticePoint& b, double weight, RimP
   const std::size_t n = points.size();
   anglesAtPoints(a, b, weight, points.x.data(), points.y.data(), points.z.data(), n,
                  scratch.data());
-  if (addTo(points.sum.data(), scratch.data(), n))
+  if (addUnlessNaN(points.sum.data(), scratch.data(), n))
     return;
   for (std::size_t i = 0; i < n; ++i) {
     const double x = points.x[i], y = points.y[i], z = points.z[i];

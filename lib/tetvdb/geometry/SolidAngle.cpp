@@ -2,6 +2,7 @@
 #include "tetvdb/geometry/SolidAngle.h"
 
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/AddUnlessNaN.h"
 #include "tetvdb/geometry/ArcTangent.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/RimSums.h"
@@ -109,19 +110,6 @@ void addAnglesOfFloats(const SeenTriangle& t, float weight, double scale, const 
     sum[i] += static_cast<double>(angles[i]);
 }
 
-// Adds values to sums; false where one of the values is NaN.
-TETVDB_MULTIVERSION
-bool addTo(double* __restrict sums, const double* __restrict values, std::size_t n) {
-  double check = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    check = values[i] == values[i] ? check : 1.0;
-  if (check != 0)
-    return false;
-  for (std::size_t i = 0; i < n; ++i)
-    sums[i] += values[i];
-  return true;
-}
-
 } // namespace
 
 std::int32_t crossingBelow(const SeenTriangle& t) {
@@ -143,7 +131,7 @@ double solidAngle(const SeenTriangle& t) {
 void addSolidAngles(const SeenTriangle& t, double weight, const PointSums& points) {
   double angles[kMostPointSums];
   anglesAtPoints(t, weight, points.x, points.y, points.z, points.count, angles);
-  if (addTo(points.sum, angles, points.count))
+  if (addUnlessNaN(points.sum, angles, points.count))
     return;
   for (std::size_t i = 0; i < points.count; ++i) {
     const Vec3d p{points.x[i], points.y[i], points.z[i]};

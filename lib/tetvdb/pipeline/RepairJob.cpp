@@ -445,6 +445,11 @@ private:
 
 } // namespace
 
+const char* nameOf(SolidSource source) {
+  constexpr const char* kNames[] = {"triangles", "tets", "volume"};
+  return kNames[static_cast<std::size_t>(source)];
+}
+
 RepairResult run(const RepairJob& job, Report& report, Progress& progress) {
   if (job.threads <= 0)
     return RepairFiles(job, report, progress).run();

@@ -33,6 +33,9 @@ namespace tetvdb {
 /// What a file holds that a surface can be made of.
 enum class SolidSource : std::uint8_t { Triangles, Tets, Volume };
 
+/// "triangles", "tets" or "volume".
+const char* nameOf(SolidSource source);
+
 struct RepairJob {
   std::string input; ///< a mesh file, of triangles or of tets, or a volume file
   /// Further files of triangles, as `input` is then.

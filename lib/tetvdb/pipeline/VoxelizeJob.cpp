@@ -195,7 +195,6 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
   Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
   result.transform = made.transform;
-  result.path = made.path;
   describeOrigin(job, made.volume);
   fitVolume(made.volume, made.transform, job.voxelize.fit, report);
   for (const auto& grid : made.volume.grids().all)

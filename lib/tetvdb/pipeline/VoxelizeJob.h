@@ -90,7 +90,6 @@ struct VoxelizeResult {
   GridTransform transform;
   DeviceUsed device;       ///< of the grids that are no fields; where there are none, of those
   DeviceUsed fieldsDevice; ///< of the fields
-  OccupancyPath path = OccupancyPath::Auto;
   std::vector<GridInfo> grids;
   std::vector<OutputInfo> outputs;
   std::optional<PreviewInfo> preview;

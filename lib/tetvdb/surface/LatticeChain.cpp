@@ -75,17 +75,7 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
       ++chain.welded.flat;
       continue;
     }
-    std::int32_t weight = 1;
-    const auto order = [&](std::size_t i, std::size_t k) {
-      if (points[c[k]] < points[c[i]]) {
-        std::swap(c[i], c[k]);
-        weight = -weight;
-      }
-    };
-    order(0, 1);
-    order(1, 2);
-    order(0, 1);
-    all.push_back({{c, weight}, face});
+    all.push_back({ascendingFace(points, c, 1), face});
   }
   std::sort(all.begin(), all.end(), [](const Weighed& a, const Weighed& b) {
     return a.face.corners != b.face.corners ? a.face.corners < b.face.corners : a.source < b.source;

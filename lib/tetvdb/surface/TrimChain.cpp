@@ -24,16 +24,6 @@ constexpr std::size_t kMostCuts = std::size_t(1) << 26;  // looks at pieces
 constexpr std::size_t kMostLooks = std::size_t(1) << 29; // at faces of columns
 constexpr unsigned kMostAttempts = 32;                   // to find a point that decides
 
-std::vector<Box> boxesOf(const WeldedFaces& welded) {
-  std::vector<Box> boxes(welded.faces.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (const Vec3d& corner : welded.cornersOf(i))
-        boxes[i].add(corner);
-  });
-  return boxes;
-}
-
 class Trimmer {
 public:
   Trimmer(const WeldedFaces& welded, bool (*isInside)(std::int64_t), Progress& progress)

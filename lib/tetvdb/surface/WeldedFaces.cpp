@@ -1,11 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/WeldedFaces.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tuple>
 #include <utility>
 
 namespace tetvdb {
+
+WeldedFace ascendingFace(const std::vector<Vec3d>& points, std::array<std::uint32_t, 3> c,
+                         std::int32_t weight) {
+  const auto order = [&](std::size_t i, std::size_t k) {
+    if (points[c[k]] < points[c[i]]) {
+      std::swap(c[i], c[k]);
+      weight = -weight;
+    }
+  };
+  order(0, 1);
+  order(1, 2);
+  order(0, 1);
+  return {c, weight};
+}
+
+std::vector<Box> boxesOf(const WeldedFaces& welded) {
+  std::vector<Box> boxes(welded.faces.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      for (const Vec3d& corner : welded.cornersOf(i))
+        boxes[i].add(corner);
+  });
+  return boxes;
+}
 
 void mergeEqualFaces(WeldedFaces& welded) {
   std::vector<WeldedFace> all = std::move(welded.faces);

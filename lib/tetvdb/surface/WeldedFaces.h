@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Lattice.h"
 
 #include <array>
@@ -19,6 +20,10 @@ struct WeldedFace {
   std::int32_t weight; ///< not 0; > 0 where the front is outside, as often as that
 };
 
+/// The face of those corners and that weight, its corners brought into order.
+WeldedFace ascendingFace(const std::vector<Vec3d>& points, std::array<std::uint32_t, 3> corners,
+                         std::int32_t weight);
+
 /// The same but for numbering for any order of the faces and points that it is made from.
 struct WeldedFaces {
   std::vector<Vec3d> points; ///< none twice; lattice units from `first`
@@ -33,6 +38,9 @@ struct WeldedFaces {
     return {points[c[0]], points[c[1]], points[c[2]]};
   }
 };
+
+/// The box of every face. Parallel.
+std::vector<Box> boxesOf(const WeldedFaces& welded);
 
 /// Makes faces over the same places one, with the sum of their weights, or none.
 void mergeEqualFaces(WeldedFaces& welded);

@@ -8,7 +8,7 @@
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
-#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <filesystem>
@@ -60,7 +60,7 @@ void compare(const std::string& path, const Setup& setup, Tables& tables) {
   const double all = static_cast<double>(winding + parity) - common;
   Row row;
   row.what = fmt::format("{}, {} open edges", std::filesystem::path(path).filename().string(),
-                         soupRim(mesh.triangles, progress).edges.size());
+                         soupBoundary(mesh.triangles, progress).edges.size());
   row.peerName = "centroid covering";
   row.ours = times[0];
   row.peer = times[1];

@@ -3,6 +3,7 @@
 
 #include "Measure.h"
 #include "tetvdb/fields/SampleOnDevice.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <fmt/format.h>

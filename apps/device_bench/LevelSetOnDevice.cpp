@@ -6,6 +6,7 @@
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/SoupChain.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 // Options of commands that write arrays.
 #pragma once
 
-#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/io/ArrayFile.h"
 
 #include <CLI/CLI.hpp>
 #include <string>

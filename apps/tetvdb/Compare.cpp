@@ -4,10 +4,10 @@
 #include "JsonReport.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
 #include "tetvdb/io/VolumeFile.h"
-#include "tetvdb/pipeline/ComparePicture.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/visualize/ComparePicture.h"
 
 #include <algorithm>
 #include <cmath>

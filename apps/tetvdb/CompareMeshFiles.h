@@ -2,7 +2,7 @@
 #pragma once
 
 #include "Session.h"
-#include "tetvdb/pipeline/ComparePicture.h"
+#include "tetvdb/visualize/ComparePicture.h"
 
 #include <string>
 

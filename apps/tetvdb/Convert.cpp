@@ -4,9 +4,9 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "VolumeSignature.h"
+#include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/Formats.h"
-#include "tetvdb/io/Source.h"
-#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/ConvertJob.h"
 
 #include <cmath>

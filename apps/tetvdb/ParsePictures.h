@@ -3,7 +3,7 @@
 // Option values of pictures. Every function throws Error(Usage) that names the option.
 #pragma once
 
-#include "tetvdb/pipeline/PictureMaker.h"
+#include "tetvdb/visualize/PictureMaker.h"
 
 #include <array>
 #include <string>

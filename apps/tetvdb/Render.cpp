@@ -6,7 +6,7 @@
 #include "ProgressDisplay.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/RenderJob.h"
 

@@ -7,7 +7,7 @@
 #include "ParseQuantities.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/RepairJob.h"
 

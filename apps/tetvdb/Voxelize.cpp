@@ -10,7 +10,7 @@
 #include "ParseQuantities.h"
 #include "ProgressDisplay.h"
 #include "VoxelizeSequence.h"
-#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"

@@ -2,9 +2,8 @@
 //
 // The library example of the README, on a mesh of one tet.
 #include <cstdio>
-#include <tetvdb/pipeline/VoxelizeJob.h>
+#include <tetvdb/tetvdb.h>
 #include <tetvdb/volume/Grids.h>
-#include <tetvdb/voxelize/Voxelize.h>
 
 int main() {
   tetvdb::TetMesh mesh;

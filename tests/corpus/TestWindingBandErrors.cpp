@@ -5,8 +5,8 @@
 // tri/ is named by the environment variable TETVDB_CORPUS.
 #include "tetvdb/io/TriangleReader.h"
 #include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/SoupChain.h"
-#include "tetvdb/voxelize/SoupRim.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 #include "tetvdb/voxelize/WindingBand.h"
 #include "voxelize/WindingOracle.h"
@@ -64,8 +64,8 @@ TEST_P(WindingBandErrors, AgainstTheDefinition) {
   VoxelizeOptions options;
   options.resolution = 256;
   const SnappedMesh snapped = snapPoints(mesh.points, chooseTransform(mesh, options), progress);
-  const SoupRim rim = soupRim(mesh.triangles, progress);
-  const std::vector<FillTriangle> holes = fillHoles(boundaryEdges(rim.edges, snapped));
+  const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
+  const std::vector<FillTriangle> holes = fillHoles(boundaryEdges(boundary.edges, snapped));
   const std::vector<EvaluatedVoxel> voxels = evaluated(TriangleClusters(holes));
   ASSERT_FALSE(voxels.empty());
   std::vector<double> errors;
@@ -73,7 +73,7 @@ TEST_P(WindingBandErrors, AgainstTheDefinition) {
   for (std::size_t i = 0; i < voxels.size(); i += stride)
     errors.push_back(std::abs(voxels[i].winding - test::windingOf(holes, voxels[i].place)));
   std::sort(errors.begin(), errors.end());
-  std::printf("| %s | %zu | %zu | %zu | %.1e | %.1e | %.1e |\n", GetParam(), rim.edges.size(),
+  std::printf("| %s | %zu | %zu | %zu | %.1e | %.1e | %.1e |\n", GetParam(), boundary.edges.size(),
               holes.size(), voxels.size(), errors[errors.size() / 2],
               errors[errors.size() * 99 / 100], errors.back());
   EXPECT_LT(errors.back(), kWindingBandError);

@@ -4,12 +4,12 @@
 // format's name in the enumeration FileFormat. The reader is that of the table of formats; the
 // bytes are all that it gets, since a file of that name does not exist.
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/EnsightReader.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/Source.h"
-#include "tetvdb/io/TetGenReader.h"
-#include "tetvdb/io/ThreeMfModel.h"
+#include "tetvdb/io/formats/ensight/EnsightReader.h"
+#include "tetvdb/io/formats/tetgen/TetGenReader.h"
+#include "tetvdb/io/formats/threemf/ThreeMfModel.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 

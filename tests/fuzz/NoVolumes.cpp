@@ -3,8 +3,8 @@
 // The fuzz targets read meshes: the readers and writers of volumes, which the table of formats
 // names, are left out with OpenVDB.
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/VolumeFormats.h"
-#include "tetvdb/io/arrays/ArrayFormats.h"
+#include "tetvdb/io/volume/VolumeFormats.h"
+#include "tetvdb/io/volume/arrays/ArrayFormats.h"
 
 namespace tetvdb {
 namespace {

@@ -34,9 +34,9 @@ EdgeSums withoutZeros(EdgeSums sums) {
   return sums;
 }
 
-EdgeSums sumsOf(const std::vector<RimEdge>& edges) {
+EdgeSums sumsOf(const std::vector<BoundaryEdge>& edges) {
   EdgeSums sums;
-  for (const RimEdge& e : edges)
+  for (const BoundaryEdge& e : edges)
     addEdge(sums, e.a, e.b, e.weight);
   return withoutZeros(std::move(sums));
 }
@@ -52,8 +52,8 @@ EdgeSums sumsOf(const std::vector<FillTriangle>& triangles) {
   return withoutZeros(std::move(sums));
 }
 
-std::vector<RimEdge> loop(int n, double size, double shift, std::int32_t weight) {
-  std::vector<RimEdge> edges;
+std::vector<BoundaryEdge> loop(int n, double size, double shift, std::int32_t weight) {
+  std::vector<BoundaryEdge> edges;
   const auto at = [&](int i) {
     const double t = 6.283185307179586 * (i % n) / n;
     return LatticePoint{std::round(size * std::cos(t)) + shift, std::round(size * std::sin(t)),
@@ -65,9 +65,9 @@ std::vector<RimEdge> loop(int n, double size, double shift, std::int32_t weight)
 }
 
 // Boundary edges of triangles between random points of a small lattice: a net.
-std::vector<RimEdge> net(std::uint64_t seed, int faces) {
+std::vector<BoundaryEdge> net(std::uint64_t seed, int faces) {
   meshes::Random random(seed);
-  std::vector<RimEdge> edges;
+  std::vector<BoundaryEdge> edges;
   for (int i = 0; i < faces; ++i) {
     LatticePoint p[3];
     for (LatticePoint& q : p)
@@ -83,15 +83,15 @@ std::vector<RimEdge> net(std::uint64_t seed, int faces) {
 TEST(FillHoles, NothingToFill) {
   EXPECT_TRUE(fillHoles({}).empty());
   // Two faces, back to back, that share no point by name.
-  std::vector<RimEdge> edges = loop(7, 1000, 0, 1);
-  for (RimEdge e : loop(7, 1000, 0, 1))
+  std::vector<BoundaryEdge> edges = loop(7, 1000, 0, 1);
+  for (BoundaryEdge e : loop(7, 1000, 0, 1))
     edges.push_back({e.b, e.a, 1});
   EXPECT_TRUE(fillHoles(edges).empty());
 }
 
 TEST(FillHoles, LoopsOfAnyLength) {
   for (const int n : {3, 4, 5, 8, 100, 2047, 2048, 5000}) {
-    const std::vector<RimEdge> edges = loop(n, 1e7, 0, 2);
+    const std::vector<BoundaryEdge> edges = loop(n, 1e7, 0, 2);
     const auto triangles = fillHoles(edges);
     EXPECT_EQ(triangles.size(), std::size_t(n) - 2);
     EXPECT_EQ(sumsOf(triangles), sumsOf(edges));
@@ -102,8 +102,8 @@ TEST(FillHoles, LoopsOfAnyLength) {
 
 // The holes of two loops with a point in common are filled one by one.
 TEST(FillHoles, LoopsThatTouch) {
-  std::vector<RimEdge> edges = loop(40, 1000, 0, 1);
-  for (const RimEdge& e : loop(60, 1000, 2000, 1))
+  std::vector<BoundaryEdge> edges = loop(40, 1000, 0, 1);
+  for (const BoundaryEdge& e : loop(60, 1000, 2000, 1))
     edges.push_back(e);
   const auto triangles = fillHoles(edges);
   EXPECT_EQ(triangles.size(), 38u + 58u);
@@ -114,13 +114,13 @@ TEST(FillHoles, LoopsThatTouch) {
 
 TEST(FillHoles, NetsSumUp) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const std::vector<RimEdge> edges = net(seed, 3 + static_cast<int>(seed) * 12);
+    const std::vector<BoundaryEdge> edges = net(seed, 3 + static_cast<int>(seed) * 12);
     EXPECT_EQ(sumsOf(fillHoles(edges)), sumsOf(edges));
   }
 }
 
 TEST(FillHoles, OrderOfEdgesHasNoPart) {
-  std::vector<RimEdge> edges = net(99, 300);
+  std::vector<BoundaryEdge> edges = net(99, 300);
   const auto list = [&] {
     std::vector<std::tuple<Place, Place, Place, int>> all;
     for (const FillTriangle& t : fillHoles(edges))
@@ -135,7 +135,7 @@ TEST(FillHoles, OrderOfEdgesHasNoPart) {
 }
 
 TEST(FillHoles, NoTriangleIsLongerThanARasterTakes) {
-  const std::vector<RimEdge> edges = loop(64, 0x1p43, 0, 1);
+  const std::vector<BoundaryEdge> edges = loop(64, 0x1p43, 0, 1);
   const auto triangles = fillHoles(edges);
   EXPECT_GT(triangles.size(), 62u);
   EXPECT_EQ(sumsOf(triangles), sumsOf(edges));

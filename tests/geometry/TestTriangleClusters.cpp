@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
-#include "tetvdb/geometry/RimSums.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/TriangleClusters.h"
 #include "tetvdb/geometry/VectorMath.h"
 

@@ -5,7 +5,7 @@
 
 #include "io/MeshSamples.h"
 #include "tetvdb/core/Progress.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 
 namespace tetvdb::test {
 

@@ -3,9 +3,9 @@
 // Small meshes as text and bytes in many formats, and what the tests of readers need around them.
 #pragma once
 
-#include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
 

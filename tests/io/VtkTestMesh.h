@@ -5,7 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
 #include <chrono>

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "io/VtkTestMesh.h"
-#include "tetvdb/io/XdmfReader.h"
+#include "tetvdb/io/formats/xdmf/XdmfReader.h"
 
 #include <string>
 #include <vector>

@@ -7,8 +7,8 @@
 #include "nanovdb_kernels/AnySoup.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/NanoVdb.h"
-#include "tetvdb/io/NanoFile.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/NanoFile.h"
 
 #include <cstdio>
 #include <cstdlib>

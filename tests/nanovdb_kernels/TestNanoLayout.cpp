@@ -4,7 +4,7 @@
 #include "Meshes.h"
 #include "nanovdb_kernels/Crc32.h"
 #include "nanovdb_kernels/DeviceVoxelizer.h"
-#include "tetvdb/io/NvdbLayout.h"
+#include "tetvdb/io/volume/NvdbLayout.h"
 
 #include TETVDB_NANOVDB_TOOL(GridStats)
 #include TETVDB_NANOVDB_TOOL(GridValidator)

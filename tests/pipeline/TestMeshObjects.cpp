@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/ThreeMfWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 
 #include <filesystem>

@@ -11,18 +11,19 @@
 namespace tetvdb {
 namespace {
 
-std::vector<PictureMaker::Sitter> sittersOf(std::vector<std::unique_ptr<Subject>> subjects) {
-  std::vector<PictureMaker::Sitter> sitters;
+std::vector<PictureMaker::CaptionedSubject>
+subjectsOf(std::vector<std::unique_ptr<Subject>> subjects) {
+  std::vector<PictureMaker::CaptionedSubject> subjects;
   for (auto& subject : subjects)
-    sitters.push_back({std::move(subject), "name"});
-  return sitters;
+    subjects.push_back({std::move(subject), "name"});
+  return subjects;
 }
 
 template <typename... Subjects>
-std::vector<PictureMaker::Sitter> sitting(Subjects... subjects) {
+std::vector<PictureMaker::CaptionedSubject> sitting(Subjects... subjects) {
   std::vector<std::unique_ptr<Subject>> list;
   (list.push_back(std::move(subjects)), ...);
-  return sittersOf(std::move(list));
+  return subjectsOf(std::move(list));
 }
 
 PictureOptions transparent() {
@@ -66,7 +67,7 @@ TEST(PictureMaker, ManySubjectsInRows) {
   PictureOptions options = transparent();
   options.width = 300;
   options.height = 200;
-  const PictureMaker maker(sittersOf(std::move(subjects)), options, progress);
+  const PictureMaker maker(subjectsOf(std::move(subjects)), options, progress);
   const Image image = maker.take(0, progress);
   EXPECT_EQ(image.width, 300);
   EXPECT_GT(image.at(50, 50).alpha, 0.99);

@@ -86,14 +86,14 @@ TEST(SurfaceDefects, HolesAreLoopsOfOpenEdges) {
   EXPECT_EQ(defectsOf(moebius()).holes, 1u);
 }
 
-// Around the point where they touch each fan of faces leads from one hole's rim to the other's.
+// Around the point where they touch each fan of faces leads from one hole boundary to the other.
 TEST(SurfaceDefects, HolesThatTouchInAPointAreOneLoop) {
   const TriangleMesh mesh = sheet(8);
   const auto square = [&](std::size_t i, std::size_t j) { return 2 * (8 * i + j); };
   const SurfaceDefects defects = defectsOf(without(
       mesh, [&](std::size_t f) { return f / 2 * 2 == square(3, 3) || f / 2 * 2 == square(4, 4); }));
   EXPECT_EQ(defects.nonManifoldVertices, 1u);
-  EXPECT_EQ(defects.holes, 2u); // with the sheet's rim
+  EXPECT_EQ(defects.holes, 2u); // with the sheet's boundary
 }
 
 TEST(SurfaceDefects, NonManifoldEdgesAndVertices) {

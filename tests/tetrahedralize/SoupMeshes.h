@@ -8,9 +8,9 @@
 #include "tetrahedralize/TetMeshes.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/tetrahedralize/BackgroundMesh.h"
-#include "tetvdb/tetrahedralize/LatticeSoup.h"
-#include "tetvdb/tetrahedralize/TetComplex.h"
+#include "tetvdb/tetrahedralize/complex/BackgroundMesh.h"
+#include "tetvdb/tetrahedralize/complex/TetComplex.h"
+#include "tetvdb/tetrahedralize/soup/LatticeSoup.h"
 
 #include <algorithm>
 #include <array>

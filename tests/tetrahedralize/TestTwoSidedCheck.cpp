@@ -238,7 +238,7 @@ TEST(TwoSidedCheck, HolesAreClosedFarFromTheInput) {
   EXPECT_NEAR(check(unitCube(), {meshes::box({0, 0, 0}, {1, 1, 0.5})}).figures.outToIn, 0.5, 1e-2);
 }
 
-TEST(TwoSidedCheck, WhatIsBesideARimIsNotOwed) {
+TEST(TwoSidedCheck, WhatIsBesideABoundaryEdgeIsNotOwed) {
   // An open box without its upper part: lost are the walls there, as far as it is clear that they
   // part inside from outside.
   const TriangleMesh cube = meshes::box({0, 0, 0}, {1, 1, 1}, 8);

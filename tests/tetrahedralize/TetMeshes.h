@@ -4,7 +4,7 @@
 #pragma once
 
 #include "tetvdb/geometry/Exact.h"
-#include "tetvdb/tetrahedralize/TetComplex.h"
+#include "tetvdb/tetrahedralize/complex/TetComplex.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
 
@@ -83,7 +83,7 @@ void expectFirstOwner(const std::vector<TriangleMesh>& meshes, int resolution) {
         bool decided = true;
         for (std::size_t i = 0; i < meshes.size() && owner < 0 && decided; ++i) {
           const double w = meshes::windingNumberAt(meshes[i], {x * h, y * h, z * h});
-          decided = std::abs(w - 0.5) > kRimWindingError;
+          decided = std::abs(w - 0.5) > kBoundaryWindingError;
           if (w > 0.5)
             owner = int(i + 1);
         }

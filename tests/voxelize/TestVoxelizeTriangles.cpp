@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
@@ -80,8 +80,8 @@ void expectByWinding(const TriangleMesh& mesh, const SolidOptions& solid, int re
       for (int z = low[2]; z <= high[2]; ++z) {
         const double w = meshes::windingNumberAt(mesh, {x * h, y * h, z * h});
         // Vertices move by up to 2^-21 voxel when they are snapped.
-        if (std::abs(std::abs(w) - 0.5) < kRimWindingError ||
-            std::abs(std::abs(w) - 1.5) < kRimWindingError) {
+        if (std::abs(std::abs(w) - 0.5) < kBoundaryWindingError ||
+            std::abs(std::abs(w) - 1.5) < kBoundaryWindingError) {
           ++undecided;
           continue;
         }
@@ -212,7 +212,7 @@ TEST(VoxelizeTriangles, OpenSolidsAcrossManyNodes) {
                                int(random.between(-200, 200)));
     const double w =
         meshes::windingNumberAt(generic(open), {voxel.x() * h, voxel.y() * h, voxel.z() * h});
-    if (std::abs(w - 0.5) < kRimWindingError)
+    if (std::abs(w - 0.5) < kBoundaryWindingError)
       continue;
     inside += w > 0.5;
     ASSERT_EQ(accessor.isValueOn(voxel), w > 0.5) << voxel << " winding " << w;

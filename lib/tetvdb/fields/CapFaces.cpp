@@ -54,11 +54,11 @@ LatticePoint centreOf(const Vec3i& voxel) {
   return {voxel[0] * unit, voxel[1] * unit, voxel[2] * unit};
 }
 
-// How far along the pair the winding number passes a half. Whole numbers apart it is the rim's, and
-// between the two it changes by less than a half.
-double crossingOf(const CentrePair& pair, const RimWinding& rim) {
-  const double from = rim.at(centreOf(pair.first));
-  double to = rim.at(centreOf(stepped(pair.first, pair.axis, 1)));
+// How far along the pair the winding number passes a half. Whole numbers apart it is the
+// boundary's, and between the two it changes by less than a half.
+double crossingOf(const CentrePair& pair, const BoundaryWinding& boundary) {
+  const double from = boundary.at(centreOf(pair.first));
+  double to = boundary.at(centreOf(stepped(pair.first, pair.axis, 1)));
   to += std::round(from - to);
   const double half = std::round((from + to) / 2 - 0.5) + 0.5;
   return from == to ? 0.5 : std::clamp((half - from) / (to - from), 0.0, 1.0);
@@ -84,8 +84,8 @@ Vec3i cellAround(const CentrePair& pair, int k) {
 } // namespace
 
 std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolGrid::Ptr& inside,
-                        const GridTransform& transform, const RimWinding& rim, SnappedMesh& mesh,
-                        Boundary& faces, Progress& progress) {
+                        const GridTransform& transform, const BoundaryWinding& boundary,
+                        SnappedMesh& mesh, Boundary& faces, Progress& progress) {
   auto grids = std::make_shared<GridSet>();
   grids->all = {inside};
   const Volume volume(grids);
@@ -108,7 +108,7 @@ std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolG
     progress.check();
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       Vec3d at{double(pairs[i].first[0]), double(pairs[i].first[1]), double(pairs[i].first[2])};
-      at[static_cast<std::size_t>(pairs[i].axis)] += crossingOf(pairs[i], rim);
+      at[static_cast<std::size_t>(pairs[i].axis)] += crossingOf(pairs[i], boundary);
       for (int k = 0; k < 4; ++k)
         crossings[4 * i + static_cast<std::size_t>(k)] = {cellAround(pairs[i], k), i, at};
     }

@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/core/LargeVector.h"
-#include "tetvdb/fields/ClippedFace.h"
+#include "tetvdb/geometry/ClippedFace.h"
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/TreeAssembly.h"

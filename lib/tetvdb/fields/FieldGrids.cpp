@@ -5,7 +5,7 @@
 #include "tetvdb/fields/LeafSample.h"
 #include "tetvdb/fields/LeafShapes.h"
 #include "tetvdb/geometry/TetWeights.h"
-#include "tetvdb/io/LeafPacker.h"
+#include "tetvdb/io/volume/LeafPacker.h"
 #include "tetvdb/voxelize/LeafRows.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "tetvdb/fields/Field.h"
-#include "tetvdb/io/PackedGrid.h"
+#include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"

@@ -10,7 +10,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/Field.h"
-#include "tetvdb/io/PackedGrid.h"
+#include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/Voxelize.h"
@@ -62,7 +62,8 @@ struct PackOptions {
 
 /// sampleFields() for a .vdb file: leaves are compressed as they are made, so that their values are
 /// never in memory together. The grids are those of sampleFields(); they come into `packed`, which
-/// writeVdb() (io/PackedGrid.h) writes. Throws Error(Write) too, where the folder's disk is full.
+/// writeVdb() (io/volume/PackedGrid.h) writes. Throws Error(Write) too, where the folder's disk is
+/// full.
 SnapCounts packFields(const TetMesh& mesh, const GridTransform& transform,
                       const std::vector<Field>& fields, const SampleOptions& options,
                       const PackOptions& pack, std::vector<std::unique_ptr<PackedGrid>>& packed,

@@ -6,6 +6,7 @@
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <atomic>

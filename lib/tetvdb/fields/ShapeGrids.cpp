@@ -8,7 +8,6 @@
 #include "tetvdb/fields/DistanceOnDevice.h"
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/fields/ShellSurface.h"
-#include "tetvdb/fields/TrimFaces.h"
 #include "tetvdb/fields/WholeBoxLevelSet.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/Grids.h"
@@ -16,10 +15,12 @@
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/SoupChain.h"
-#include "tetvdb/voxelize/SoupRim.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/TrimFaces.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,11 +50,11 @@ struct Solid {
   const std::vector<Vec3d>& points;
   SnappedMesh mesh; // the same points, snapped
   Boundary faces;
-  std::optional<RimWinding> rim; // of an open soup
-  double shell = 0;              // half its thickness, voxels
-  std::optional<FillRule> rule;  // where faces close and windings say what is inside
-  openvdb::BoolGrid::Ptr filled; // of a shell on one side of the faces: what they enclose
-  double thickness = 0;          // of that shell, voxels
+  std::optional<BoundaryWinding> boundary; // of an open soup
+  double shell = 0;                        // half its thickness, voxels
+  std::optional<FillRule> rule;            // where faces close and windings say what is inside
+  openvdb::BoolGrid::Ptr filled;           // of a shell on one side of the faces: what they enclose
+  double thickness = 0;                    // of that shell, voxels
   bool outward = false;
 };
 
@@ -166,18 +167,18 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
                       rasterize, progress);
     };
     if (options.halfWidth == kWholeBox) {
-      if (solid.rim)
-        addCapFaces(*once(), inside, transform, *solid.rim, solid.mesh, solid.faces, progress);
+      if (solid.boundary)
+        addCapFaces(*once(), inside, transform, *solid.boundary, solid.mesh, solid.faces, progress);
       const VoxelBox box = wholeBox(solid, *inside, options);
       requireBoxMemory(solid, box, options);
       return wholeBoxLevelSet(solid.mesh, solid.faces, *inside, transform, box, solid.shell,
                               progress);
     }
     openvdb::FloatGrid::Ptr grid = once();
-    if (!solid.rim || capped)
+    if (!solid.boundary || capped)
       return grid;
-    capped =
-        addCapFaces(*grid, inside, transform, *solid.rim, solid.mesh, solid.faces, progress) > 0;
+    capped = addCapFaces(*grid, inside, transform, *solid.boundary, solid.mesh, solid.faces,
+                         progress) > 0;
     return capped ? once() : grid;
   };
   DeviceQuestion question;
@@ -258,15 +259,16 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
   return sums;
 }
 
-void requireCoverable(const SolidOptions& how, const SoupRim& rim) {
+void requireCoverable(const SolidOptions& how, const SoupBoundary& boundary) {
   if (how.shell > 0 || how.inside != InsideRule::Winding)
     throw Error(Status::Usage, "`grid=coverage`",
                 "is found from the winding number alone: not with `shell` or `inside`",
                 "leave them out");
-  if (!rim.edges.empty())
-    throw Error(Status::Invalid, "`grid=coverage`",
-                fmt::format("needs faces that close; the mesh has {} open edges", rim.edges.size()),
-                "use `mesher=envelope`, which closes holes by tets, or repair the mesh first");
+  if (!boundary.edges.empty())
+    throw Error(
+        Status::Invalid, "`grid=coverage`",
+        fmt::format("needs faces that close; the mesh has {} open edges", boundary.edges.size()),
+        "use `mesher=envelope`, which closes holes by tets, or repair the mesh first");
 }
 
 } // namespace
@@ -310,12 +312,12 @@ namespace {
 // Of a closed mesh: what it encloses.
 void fillForShell(Solid& solid, const TriangleMesh& mesh, const SolidOptions& how,
                   const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
-  const SoupRim rim = soupRim(mesh.triangles, progress);
-  if (!rim.edges.empty())
+  const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
+  if (!boundary.edges.empty())
     throw Error(Status::Invalid, "`grid=surface`",
                 fmt::format("of a shell on one side needs faces that close; the mesh has {} open "
                             "edges",
-                            rim.edges.size()),
+                            boundary.edges.size()),
                 "ask for density or mask, or leave `shell_side` out");
   const double wide = options.halfWidth + how.shell / transform.voxelSize[0];
   if (wide > kMaxHalfWidth)
@@ -361,11 +363,11 @@ ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
   const bool covers = contains(options.grids, GridKind::Coverage);
   solid.rule = fillRuleOf(how);
   if (byWinding || covers) {
-    const SoupRim rim = soupRim(mesh.triangles, progress);
+    const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
     if (covers)
-      requireCoverable(how, rim);
-    if (!rim.edges.empty()) {
-      solid.rim.emplace(windingOfRim(rim.edges, solid.mesh));
+      requireCoverable(how, boundary);
+    if (!boundary.edges.empty()) {
+      solid.boundary.emplace(boundaryWinding(boundary.edges, solid.mesh));
       solid.rule.reset();
     }
   }

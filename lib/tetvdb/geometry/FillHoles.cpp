@@ -25,9 +25,9 @@ bool less(const LatticePoint& p, const LatticePoint& q) {
 // Directed edges with weights, by the places of their ends.
 class BoundaryGraph {
 public:
-  explicit BoundaryGraph(const std::vector<RimEdge>& edges) {
+  explicit BoundaryGraph(const std::vector<BoundaryEdge>& edges) {
     points_.reserve(2 * edges.size());
-    for (const RimEdge& e : edges) {
+    for (const BoundaryEdge& e : edges) {
       points_.push_back(e.a);
       points_.push_back(e.b);
     }
@@ -55,14 +55,14 @@ public:
   }
 
 private:
-  void sumEdges(const std::vector<RimEdge>& edges) {
+  void sumEdges(const std::vector<BoundaryEdge>& edges) {
     struct Sum {
       std::uint32_t a, b;
       std::int64_t weight;
     };
     std::vector<Sum> sums;
     sums.reserve(edges.size());
-    for (const RimEdge& e : edges) {
+    for (const BoundaryEdge& e : edges) {
       const std::uint32_t a = indexOf(e.a), b = indexOf(e.b);
       if (a != b)
         sums.push_back(a < b ? Sum{a, b, e.weight} : Sum{b, a, -std::int64_t(e.weight)});
@@ -235,7 +235,7 @@ private:
 
 } // namespace
 
-std::vector<FillTriangle> fillHoles(const std::vector<RimEdge>& edges) {
+std::vector<FillTriangle> fillHoles(const std::vector<BoundaryEdge>& edges) {
   std::vector<FillTriangle> triangles;
   BoundaryGraph graph(edges);
   Fill fill(graph, triangles);

@@ -3,8 +3,8 @@
 // Triangles over the holes of an open surface: surface and reversed triangles together close.
 #pragma once
 
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/Lattice.h"
-#include "tetvdb/geometry/RimWinding.h"
 
 #include <cstdint>
 #include <vector>
@@ -23,6 +23,6 @@ struct FillTriangle {
 /// edges is cut into n - 2 triangles by halving it; chords longer than kMaxTetExtent are cut at
 /// points in between. The edges must close: every point is as often an end as a start, by weight.
 /// Points are told apart by place; the order of the edges has no part in the result. O(n log n).
-std::vector<FillTriangle> fillHoles(const std::vector<RimEdge>& edges);
+std::vector<FillTriangle> fillHoles(const std::vector<BoundaryEdge>& edges);
 
 } // namespace tetvdb

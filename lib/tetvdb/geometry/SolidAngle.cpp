@@ -4,8 +4,8 @@
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/AddUnlessNaN.h"
 #include "tetvdb/geometry/ArcTangent.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/Orientation.h"
-#include "tetvdb/geometry/RimSums.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "tetvdb/geometry/TriangleClusters.h"
 
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/geometry/RimSums.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>

@@ -2,11 +2,11 @@
 #include "tetvdb/io/FormatSignatures.h"
 
 #include "tetvdb/core/Letters.h"
-#include "tetvdb/io/ByteReader.h"
 #include "tetvdb/io/Formats.h"
-#include "tetvdb/io/NumberParser.h"
-#include "tetvdb/io/OffReader.h"
-#include "tetvdb/io/StlReader.h"
+#include "tetvdb/io/formats/off/OffReader.h"
+#include "tetvdb/io/formats/stl/StlReader.h"
+#include "tetvdb/io/text/ByteReader.h"
+#include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
 #include <iterator>

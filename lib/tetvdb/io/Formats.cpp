@@ -2,42 +2,42 @@
 #include "tetvdb/io/Formats.h"
 
 #include "tetvdb/core/Letters.h"
-#include "tetvdb/io/AbaqusReader.h"
-#include "tetvdb/io/AssimpReader.h"
-#include "tetvdb/io/CellFaces.h"
-#include "tetvdb/io/CgnsReader.h"
-#include "tetvdb/io/EnsightReader.h"
-#include "tetvdb/io/ExodusReader.h"
 #include "tetvdb/io/FormatSignatures.h"
-#include "tetvdb/io/FrdReader.h"
-#include "tetvdb/io/GmshReader.h"
-#include "tetvdb/io/GmshWriter.h"
-#include "tetvdb/io/MeditReader.h"
-#include "tetvdb/io/MeditWriter.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/NetgenReader.h"
-#include "tetvdb/io/NeuReader.h"
-#include "tetvdb/io/ObjReader.h"
-#include "tetvdb/io/ObjWriter.h"
-#include "tetvdb/io/OffReader.h"
-#include "tetvdb/io/OffWriter.h"
-#include "tetvdb/io/PlyReader.h"
-#include "tetvdb/io/PlyWriter.h"
-#include "tetvdb/io/PvtuReader.h"
-#include "tetvdb/io/StlReader.h"
-#include "tetvdb/io/StlWriter.h"
-#include "tetvdb/io/TetGenReader.h"
-#include "tetvdb/io/ThreeMfReader.h"
-#include "tetvdb/io/ThreeMfWriter.h"
-#include "tetvdb/io/UcdReader.h"
-#include "tetvdb/io/VolumeFormats.h"
-#include "tetvdb/io/VtkHdfReader.h"
-#include "tetvdb/io/VtkReader.h"
 #include "tetvdb/io/VtmReader.h"
-#include "tetvdb/io/VtuReader.h"
-#include "tetvdb/io/VtuWriter.h"
-#include "tetvdb/io/XdmfReader.h"
-#include "tetvdb/io/arrays/ArrayFormats.h"
+#include "tetvdb/io/cells/CellFaces.h"
+#include "tetvdb/io/formats/abaqus/AbaqusReader.h"
+#include "tetvdb/io/formats/assimp/AssimpReader.h"
+#include "tetvdb/io/formats/avs/UcdReader.h"
+#include "tetvdb/io/formats/calculix/FrdReader.h"
+#include "tetvdb/io/formats/cgns/CgnsReader.h"
+#include "tetvdb/io/formats/ensight/EnsightReader.h"
+#include "tetvdb/io/formats/exodus/ExodusReader.h"
+#include "tetvdb/io/formats/gambit/NeuReader.h"
+#include "tetvdb/io/formats/gmsh/GmshReader.h"
+#include "tetvdb/io/formats/gmsh/GmshWriter.h"
+#include "tetvdb/io/formats/medit/MeditReader.h"
+#include "tetvdb/io/formats/medit/MeditWriter.h"
+#include "tetvdb/io/formats/netgen/NetgenReader.h"
+#include "tetvdb/io/formats/obj/ObjReader.h"
+#include "tetvdb/io/formats/obj/ObjWriter.h"
+#include "tetvdb/io/formats/off/OffReader.h"
+#include "tetvdb/io/formats/off/OffWriter.h"
+#include "tetvdb/io/formats/ply/PlyReader.h"
+#include "tetvdb/io/formats/ply/PlyWriter.h"
+#include "tetvdb/io/formats/stl/StlReader.h"
+#include "tetvdb/io/formats/stl/StlWriter.h"
+#include "tetvdb/io/formats/tetgen/TetGenReader.h"
+#include "tetvdb/io/formats/threemf/ThreeMfReader.h"
+#include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
+#include "tetvdb/io/formats/vtk/PvtuReader.h"
+#include "tetvdb/io/formats/vtk/VtkHdfReader.h"
+#include "tetvdb/io/formats/vtk/VtkReader.h"
+#include "tetvdb/io/formats/vtk/VtuReader.h"
+#include "tetvdb/io/formats/vtk/VtuWriter.h"
+#include "tetvdb/io/formats/xdmf/XdmfReader.h"
+#include "tetvdb/io/volume/VolumeFormats.h"
+#include "tetvdb/io/volume/arrays/ArrayFormats.h"
 
 #include <algorithm>
 
@@ -133,11 +133,11 @@ std::vector<Format> makeTable() {
                           "Objects to be printed, placed, with units", isThreeMf, readThreeMf,
                           writeThreeMf));
   all.push_back(triangles(FileFormat::Gltf, "glTF", ".gltf .glb",
-                          "Scenes, where the build has assimp", isGltf, readScene, nullptr));
+                          "Scenes, where the build has assimp", isGltf, readGltf, nullptr));
   all.push_back(triangles(FileFormat::Fbx, "FBX", ".fbx", "Scenes, where the build has assimp",
-                          isFbx, readScene, nullptr));
+                          isFbx, readFbx, nullptr));
   all.push_back(triangles(FileFormat::Collada, "COLLADA .dae", ".dae",
-                          "Scenes, where the build has assimp", isCollada, readScene, nullptr));
+                          "Scenes, where the build has assimp", isCollada, readCollada, nullptr));
 
   // --- solid cells ---
   all.push_back(cells(FileFormat::Gmsh, "Gmsh .msh", ".msh", "Versions 1, 2, 4.0 and 4.1",

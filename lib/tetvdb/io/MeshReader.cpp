@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/SplitCells.h"
 
 #include <algorithm>
@@ -109,17 +109,6 @@ void leaveOutUnwanted(CellMesh& mesh, const ReadOptions& options) {
 }
 
 } // namespace
-
-bool ReadOptions::wants(std::string_view name) const {
-  if (!attributes)
-    return false;
-  constexpr std::size_t longestEnding = 3; // "_xx"
-  return arrays.empty() ||
-         std::any_of(arrays.begin(), arrays.end(), [&](const std::string& wanted) {
-           return name.size() <= wanted.size() + longestEnding &&
-                  name.substr(0, wanted.size()) == wanted;
-         });
-}
 
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
                    Progress& progress, FileFormat* format) {

@@ -2,7 +2,7 @@
 #include "tetvdb/io/TriangleReader.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 
 #include <new>
 

@@ -3,10 +3,10 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
-#include "tetvdb/io/PathWithin.h"
-#include "tetvdb/io/VtkCells.h"
-#include "tetvdb/io/VtuMarkup.h"
-#include "tetvdb/io/VtuReader.h"
+#include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/formats/vtk/VtuMarkup.h"
+#include "tetvdb/io/formats/vtk/VtuReader.h"
+#include "tetvdb/io/source/PathWithin.h"
 
 #include <cstdint>
 #include <string>

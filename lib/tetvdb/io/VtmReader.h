@@ -6,7 +6,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/CellMesh.h"
 
 namespace tetvdb {

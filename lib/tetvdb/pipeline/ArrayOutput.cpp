@@ -2,7 +2,7 @@
 #include "tetvdb/pipeline/ArrayOutput.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/arrays/ArrayFile.h"
+#include "tetvdb/io/ArrayFile.h"
 
 #include <algorithm>
 #include <cmath>

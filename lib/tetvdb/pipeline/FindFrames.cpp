@@ -3,8 +3,8 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
-#include "tetvdb/io/Source.h"
-#include "tetvdb/io/VtuMarkup.h"
+#include "tetvdb/io/formats/vtk/VtuMarkup.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/NumberedPath.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshReader.h"
-#include "tetvdb/io/Source.h"
-#include "tetvdb/io/XdmfReader.h"
+#include "tetvdb/io/formats/xdmf/XdmfReader.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <filesystem>

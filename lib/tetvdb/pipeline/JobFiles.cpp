@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/ReferredFiles.h"
+#include "tetvdb/io/source/ReferredFiles.h"
 #include "tetvdb/pipeline/FindFrames.h"
 
 #include <algorithm>

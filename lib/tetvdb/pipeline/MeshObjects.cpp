@@ -4,8 +4,8 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/Formats.h"
-#include "tetvdb/io/Source.h"
-#include "tetvdb/io/ThreeMfReader.h"
+#include "tetvdb/io/formats/threemf/ThreeMfReader.h"
+#include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,7 +2,7 @@
 #include "tetvdb/pipeline/Preview.h"
 
 #include "tetvdb/pipeline/JobFiles.h"
-#include "tetvdb/pipeline/PictureMaker.h"
+#include "tetvdb/visualize/PictureMaker.h"
 #include "tetvdb/visualize/WritePng.h"
 #include "tetvdb/volume/GridKinds.h"
 #include "tetvdb/volume/Grids.h"
@@ -39,9 +39,9 @@ Image pictureOf(std::unique_ptr<Subject> subject, const std::string& caption,
                 const PictureOptions& options, Report& report, Progress& progress) {
   StageTimer timer(report, "preview");
   progress.stage("preview");
-  std::vector<PictureMaker::Sitter> sitters;
-  sitters.push_back({std::move(subject), caption});
-  return PictureMaker(std::move(sitters), options, progress).take(0, progress);
+  std::vector<PictureMaker::CaptionedSubject> subjects;
+  subjects.push_back({std::move(subject), caption});
+  return PictureMaker(std::move(subjects), options, progress).take(0, progress);
 }
 
 } // namespace

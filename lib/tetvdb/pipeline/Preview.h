@@ -13,9 +13,10 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
-#include "tetvdb/pipeline/PictureMaker.h"
-#include "tetvdb/pipeline/VolumeSubject.h"
+#include "tetvdb/pipeline/PreviewInfo.h"
 #include "tetvdb/visualize/Image.h"
+#include "tetvdb/visualize/PictureMaker.h"
+#include "tetvdb/visualize/VolumeSubject.h"
 #include "tetvdb/volume/Volume.h"
 
 #include <optional>
@@ -23,12 +24,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-/// What is in a preview.
-struct PreviewInfo {
-  std::vector<std::string> panels; ///< from left to right: "input", "tets", ...
-  int width = 0, height = 0;       ///< pixels
-};
 
 /// Throws what is wrong with a preview's path before any work, as for other outputs; an empty one
 /// is in order.

@@ -2,8 +2,8 @@
 #include "tetvdb/pipeline/ReadInput.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/Source.h"
 #include "tetvdb/io/TriangleReader.h"
+#include "tetvdb/io/source/Source.h"
 
 #include <filesystem>
 

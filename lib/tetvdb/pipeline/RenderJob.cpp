@@ -35,12 +35,12 @@ public:
 
   RenderResult run() {
     checkFiles();
-    std::vector<PictureMaker::Sitter> sitters;
+    std::vector<PictureMaker::CaptionedSubject> subjects;
     {
       StageTimer timer(report_, "read");
       progress_.stage("read");
       for (const RenderInput& input : job_.inputs)
-        sitters.push_back({open(input), std::filesystem::path(input.path).filename().string()});
+        subjects.push_back({open(input), std::filesystem::path(input.path).filename().string()});
     }
     std::unique_ptr<PictureMaker> maker;
     {
@@ -48,7 +48,7 @@ public:
       progress_.stage("scene");
       PictureOptions options = job_.picture;
       options.turntable = std::max<std::size_t>(job_.turntable, 1);
-      maker = std::make_unique<PictureMaker>(std::move(sitters), options, progress_);
+      maker = std::make_unique<PictureMaker>(std::move(subjects), options, progress_);
       requireRoom(kBytesPerPixel * static_cast<std::size_t>(maker->width()) *
                       static_cast<std::size_t>(maker->height()),
                   job_.maxMemory, "give a smaller `size`, or raise `max_memory`");

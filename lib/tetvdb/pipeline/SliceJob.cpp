@@ -10,12 +10,13 @@
 #include "tetvdb/print/GridLayers.h"
 #include "tetvdb/print/LayerSource.h"
 #include "tetvdb/print/MeshLayers.h"
+#include "tetvdb/print/PlateMap.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/TetSurface.h"
 #include "tetvdb/surface/TriangleScene.h"
 #include "tetvdb/volume/Grids.h"
-#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
@@ -162,7 +163,7 @@ private:
     result_.cleaned = cleanInput(mesh, name, job_.clean, report_, progress_);
     if (asksCentres())
       return;
-    const std::size_t open = soupRim(mesh.triangles, progress_).edges.size();
+    const std::size_t open = soupBoundary(mesh.triangles, progress_).edges.size();
     if (open == 0)
       return;
     const LocalRepair repair = repairLocally(mesh, progress_);

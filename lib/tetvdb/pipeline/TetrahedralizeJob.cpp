@@ -5,6 +5,7 @@
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
+#include "tetvdb/pipeline/Preview.h"
 
 #include <algorithm>
 #include <tbb/task_arena.h>

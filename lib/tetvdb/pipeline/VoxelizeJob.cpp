@@ -8,20 +8,22 @@
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
-#include "tetvdb/io/NanoFile.h"
-#include "tetvdb/io/PackedGrid.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/NanoFile.h"
+#include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
+#include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
-#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -491,7 +493,7 @@ private:
       for (const std::string& name : uniqueStems(job_.inputs))
         tets_.regionNames[static_cast<std::int32_t>(tets_.regionNames.size()) + 1] = name;
     for (const TriangleMesh& mesh : meshes_)
-      result_.openEdges += soupRim(mesh.triangles, progress_).edges.size();
+      result_.openEdges += soupBoundary(mesh.triangles, progress_).edges.size();
     if (job_.meshOutput.empty() || !writesTriangles(job_.meshOutput))
       meshes_ = {}; // their memory serves the grids
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/print/CutLayer.h"
 
-#include "tetvdb/fields/ClippedFace.h"
+#include "tetvdb/geometry/ClippedFace.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,6 +5,7 @@
 
 #include "tetvdb/print/Layer.h"
 #include "tetvdb/print/MeshLayers.h"
+#include "tetvdb/print/PlaceOptions.h"
 #include "tetvdb/print/PrinterSettings.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 
@@ -12,14 +13,6 @@
 #include <optional>
 
 namespace tetvdb {
-
-/// Where the model goes; by default the middle of its box to the middle of the display, its lowest
-/// point onto the plate.
-struct PlaceOptions {
-  bool keep = false; ///< coordinates are those of the plate, in millimetres, from its corner
-  std::optional<std::array<double, 2>> centre; ///< of the box, millimetres on the plate
-  double scale = 1;                            ///< millimetres in a unit of the model
-};
 
 /// From the model to the plate: point * scale + offset, in millimetres. The plate's x and y run
 /// from 0 to the display's width and height, seen from above.

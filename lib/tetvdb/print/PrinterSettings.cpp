@@ -5,7 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
-#include "tetvdb/io/Source.h"
+#include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
 #include <charconv>

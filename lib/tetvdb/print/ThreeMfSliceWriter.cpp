@@ -3,7 +3,7 @@
 // Format: 3MF Consortium, "3D Manufacturing Format Core Specification" and "Slice Extension" 1.0.2.
 // The object has its mesh at full resolution, so that readers without the extension have it all.
 #include "tetvdb/core/AtomicFile.h"
-#include "tetvdb/io/ZipWriter.h"
+#include "tetvdb/io/text/ZipWriter.h"
 #include "tetvdb/print/LayerFile.h"
 
 #include <algorithm>

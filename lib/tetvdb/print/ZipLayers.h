@@ -4,7 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
-#include "tetvdb/io/ZipWriter.h"
+#include "tetvdb/io/text/ZipWriter.h"
 #include "tetvdb/print/LayerFile.h"
 
 #include <string>

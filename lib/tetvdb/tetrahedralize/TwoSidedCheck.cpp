@@ -3,12 +3,12 @@
 
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/TriangleScene.h"
-#include "tetvdb/tetrahedralize/ChainWinding.h"
-#include "tetvdb/tetrahedralize/RegionSurface.h"
-#include "tetvdb/tetrahedralize/Regions.h"
-#include "tetvdb/tetrahedralize/SurfaceSamples.h"
-#include "tetvdb/tetrahedralize/WorkingLattice.h"
-#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/tetrahedralize/inside/ChainWinding.h"
+#include "tetvdb/tetrahedralize/inside/RegionSurface.h"
+#include "tetvdb/tetrahedralize/inside/Regions.h"
+#include "tetvdb/tetrahedralize/soup/SurfaceSamples.h"
+#include "tetvdb/tetrahedralize/soup/WorkingLattice.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,8 +84,8 @@ InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const Work
                              Progress& progress)
     : lattice_(lattice) {
   for (const TriangleMesh& mesh : inputs) {
-    std::vector<RimEdge> boundary;
-    for (const IndexedRimEdge& edge : soupRim(mesh.triangles, progress).edges)
+    std::vector<BoundaryEdge> boundary;
+    for (const IndexedBoundaryEdge& edge : soupBoundary(mesh.triangles, progress).edges)
       boundary.push_back({latticePoint(lattice, mesh.points[edge.a]),
                           latticePoint(lattice, mesh.points[edge.b]), edge.weight});
     isOpen_.push_back(!boundary.empty());

@@ -5,7 +5,7 @@
 #include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/SortedTetFaces.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/tetrahedralize/TetEnergy.h"
+#include "tetvdb/tetrahedralize/complex/TetEnergy.h"
 
 #include <algorithm>
 #include <array>

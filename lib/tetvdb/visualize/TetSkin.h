@@ -40,8 +40,8 @@ struct TetSkin {
 TetSkin tetSkin(const TetMesh& mesh, const std::optional<CutPlane>& cut, double shrink,
                 Progress& progress);
 
-/// The AMIPS energy of every tet (tetrahedralize/TetEnergy.h): 3 for the regular one, growing
-/// without bound; infinity for a flat one. Of inverted tets that of the reversed one.
+/// The AMIPS energy of every tet (tetrahedralize/complex/TetEnergy.h): 3 for the regular one,
+/// growing without bound; infinity for a flat one. Of inverted tets that of the reversed one.
 std::vector<float> tetEnergies(const TetMesh& mesh);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Describes grids whose leaves have masks but no values (io/PackedGrid.h). Internal.
+// Describes grids whose leaves have masks but no values (io/volume/PackedGrid.h). Internal.
 #pragma once
 
 #include "tetvdb/volume/Volume.h"

@@ -10,6 +10,7 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/TriangleClusters.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/FillRule.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 
@@ -19,9 +20,6 @@ namespace tetvdb {
 
 /// Upper estimate of the leaf nodes that the boundary passes through.
 std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& boundary);
-
-/// Which winding numbers are inside.
-enum class FillRule : std::uint8_t { Positive, NonZero, Odd };
 
 struct FillOptions {
   FillRule rule = FillRule::Positive;

@@ -259,7 +259,7 @@ std::uint64_t estimateShellLeaves(const SnappedMesh& mesh, const Boundary& faces
   const Shell shell(mesh, faces, voxelSize, radius);
   double leaves = 0;
   for (std::size_t i = 0; i < faces.faces.size(); ++i) {
-    // The two sides of the grown triangle, and its rim.
+    // The two sides of the grown triangle, and its edges.
     const VoxelRange box = shell.range(i);
     double side[3];
     for (int k = 0; k < 3; ++k)

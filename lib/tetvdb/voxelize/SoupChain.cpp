@@ -36,17 +36,18 @@ Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped) {
   return chain;
 }
 
-std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,
-                                   const SnappedMesh& snapped) {
-  std::vector<RimEdge> edges;
-  edges.reserve(rim.size());
-  for (const IndexedRimEdge& e : rim)
-    edges.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
-  return edges;
+std::vector<BoundaryEdge> boundaryEdges(const std::vector<IndexedBoundaryEdge>& edges,
+                                        const SnappedMesh& snapped) {
+  std::vector<BoundaryEdge> placed;
+  placed.reserve(edges.size());
+  for (const IndexedBoundaryEdge& e : edges)
+    placed.push_back({snapped.points[e.a], snapped.points[e.b], e.weight});
+  return placed;
 }
 
-RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped) {
-  return RimWinding(boundaryEdges(rim, snapped));
+BoundaryWinding boundaryWinding(const std::vector<IndexedBoundaryEdge>& edges,
+                                const SnappedMesh& snapped) {
+  return BoundaryWinding(boundaryEdges(edges, snapped));
 }
 
 } // namespace tetvdb

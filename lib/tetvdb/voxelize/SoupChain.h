@@ -3,11 +3,11 @@
 // The faces of a triangle soup as a chain: what the rasterisers of faces take.
 #pragma once
 
-#include "tetvdb/geometry/RimWinding.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
-#include "tetvdb/voxelize/SoupRim.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 
 #include <vector>
 
@@ -18,10 +18,11 @@ namespace tetvdb {
 Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped);
 
 /// The boundary edges of a soup, in place.
-std::vector<RimEdge> boundaryEdges(const std::vector<IndexedRimEdge>& rim,
-                                   const SnappedMesh& snapped);
+std::vector<BoundaryEdge> boundaryEdges(const std::vector<IndexedBoundaryEdge>& edges,
+                                        const SnappedMesh& snapped);
 
-/// The winding number of a soup's rim.
-RimWinding windingOfRim(const std::vector<IndexedRimEdge>& rim, const SnappedMesh& snapped);
+/// The winding number of the places around a soup, from its boundary edges.
+BoundaryWinding boundaryWinding(const std::vector<IndexedBoundaryEdge>& edges,
+                                const SnappedMesh& snapped);
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/volume/NanoBytes.h"
+#include "tetvdb/voxelize/DeviceChoice.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <cstdint>
@@ -11,24 +12,6 @@
 #include <vector>
 
 namespace tetvdb {
-
-enum class DeviceKind : std::uint8_t {
-  Auto, ///< the GPU where there is one and it is expected to be faster
-  Cpu,
-  Cuda
-};
-
-struct DeviceChoice {
-  DeviceKind kind = DeviceKind::Auto;
-  /// In CUDA's order; several share a job by columns of root tiles, each named once.
-  std::vector<int> numbers = {0};
-};
-
-/// Where a job's tets were voxelized.
-struct DeviceUsed {
-  std::string name = "cpu"; ///< or "cuda:0 NVIDIA H200", several with commas
-  std::string why;          ///< of DeviceKind::Auto: why this one
-};
 
 /// Seconds that a job is expected to take; from making the device ready to OpenVDB's trees.
 struct DeviceCost {

@@ -15,8 +15,8 @@
 #include "tetvdb/voxelize/ShellRaster.h"
 #include "tetvdb/voxelize/ShellSide.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/SoupChain.h"
-#include "tetvdb/voxelize/SoupRim.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
 
@@ -49,16 +49,16 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
     throw Error(Status::Invalid, "", "the mesh has no triangles");
 }
 
-std::string whyEmpty(const SoupRim& rim, const SolidOptions& solid) {
+std::string whyEmpty(const SoupBoundary& boundary, const SolidOptions& solid) {
   if (solid.shell > 0)
     return "no voxel centre lies in the shell";
-  if (rim.edges.empty())
+  if (boundary.edges.empty())
     return "no voxel centre lies inside the mesh";
   if (solid.inside == InsideRule::Flood)
     return "the outside reaches every voxel: the mesh leaks at this voxel size";
   return fmt::format("the mesh is open ({} open edges) and holds no inside: its winding number is "
                      "above 0.5 at no voxel centre",
-                     rim.edges.size());
+                     boundary.edges.size());
 }
 
 // An open mesh whose inside is next to nothing beside its faces is rather a sheet.
@@ -70,8 +70,8 @@ void warnIfThin(std::uint64_t inside, double surface, Report& report) {
                             inside, surface));
 }
 
-std::string emptyAdvice(const SoupRim& rim, const SolidOptions& solid) {
-  if (solid.shell > 0 || rim.edges.empty())
+std::string emptyAdvice(const SoupBoundary& boundary, const SolidOptions& solid) {
+  if (solid.shell > 0 || boundary.edges.empty())
     return "use smaller voxels, or `allow_empty` to write an empty grid";
   if (solid.inside == InsideRule::Flood)
     return "use `inside=winding`, which closes holes, or larger voxels";
@@ -89,7 +89,7 @@ double reachOf(const TriangleMesh& mesh, const SolidOptions& solid) {
   if (solid.side == ShellSide::Outward)
     return solid.shell;
   Progress progress;
-  const bool closed = soupRim(mesh.triangles, progress).edges.empty();
+  const bool closed = soupBoundary(mesh.triangles, progress).edges.empty();
   return closed ? 0 : solid.shell * (1 + 1e-5); // so that both ends lie within the box
 }
 
@@ -103,13 +103,13 @@ openvdb::BoolGrid::Ptr maskOf(const GridTransform& transform,
 // The voxels of a shell that lies on one side of the faces.
 openvdb::BoolGrid::Ptr shellOnSide(const TriangleMesh& mesh, const SolidOptions& solid,
                                    const SnappedMesh& snapped, const Boundary& chain,
-                                   const SoupRim& rim, const GridTransform& transform,
+                                   const SoupBoundary& boundary, const GridTransform& transform,
                                    Progress& progress) {
   const openvdb::BoolGrid::Ptr shell = maskOf(transform, [&](NodeSink& sink) {
     rasterizeShell(snapped, chain, transform.voxelSize, solid.shell, sink, progress);
   });
   const bool outward = solid.side == ShellSide::Outward;
-  if (!rim.edges.empty()) {
+  if (!boundary.edges.empty()) {
     keepSide(shell->tree(), mesh, snapped, transform.voxelSize, solid.shell, outward, progress);
     return shell;
   }
@@ -181,23 +181,23 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   result.counts.boundaryFaces = chain.faces.size();
 
   const bool onSide = solid.shell > 0 && solid.side != ShellSide::Both;
-  SoupRim rim;
+  SoupBoundary boundary;
   if (solid.shell == 0 || onSide) {
-    timer.part("rim");
-    rim = soupRim(mesh.triangles, progress);
-    result.counts.openEdges = rim.edges.size();
+    timer.part("boundary");
+    boundary = soupBoundary(mesh.triangles, progress);
+    result.counts.openEdges = boundary.edges.size();
   }
   const bool flood = solid.inside == InsideRule::Flood;
   const FillRule rule = fillRuleOf(solid).value_or(FillRule::Positive);
   std::optional<TriangleClusters> holes;
   const bool fills = solid.shell == 0;
-  if (fills && rule == FillRule::Odd && rim.oddEdges > 0)
+  if (fills && rule == FillRule::Odd && boundary.oddEdges > 0)
     throw Error(Status::Invalid, "",
                 fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
-                            rim.oddEdges),
+                            boundary.oddEdges),
                 "use `inside=winding`, which closes holes");
-  else if (fills && !flood && rule != FillRule::Odd && !rim.edges.empty())
-    holes.emplace(fillHoles(boundaryEdges(rim.edges, snapped)));
+  else if (fills && !flood && rule != FillRule::Odd && !boundary.edges.empty())
+    holes.emplace(fillHoles(boundaryEdges(boundary.edges, snapped)));
 
   timer.part("estimate");
   double working = 24.0 * static_cast<double>(snapped.pointCount) +
@@ -219,7 +219,7 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   timer.part("rasterize");
   TreeBuilder builder(options.grids, TetMesh());
   if (onSide) {
-    rasterizeMasks({shellOnSide(mesh, solid, snapped, chain, rim, result.transform, progress)},
+    rasterizeMasks({shellOnSide(mesh, solid, snapped, chain, boundary, result.transform, progress)},
                    builder, progress);
   } else if (solid.shell > 0) {
     rasterizeShell(snapped, chain, result.transform.voxelSize, solid.shell / 2, builder, progress);
@@ -243,8 +243,8 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   result.volume = Volume(std::move(grids));
 
   if (!options.allowEmpty && result.volume.grids().all.front()->empty())
-    throw Error(Status::Invalid, "", whyEmpty(rim, solid), emptyAdvice(rim, solid));
-  if (solid.shell == 0 && !rim.edges.empty())
+    throw Error(Status::Invalid, "", whyEmpty(boundary, solid), emptyAdvice(boundary, solid));
+  if (solid.shell == 0 && !boundary.edges.empty())
     warnIfThin(result.volume.grids().all.front()->activeVoxelCount(), surfaceVoxels, report);
   return result;
 }

@@ -2,8 +2,8 @@
 #include "tetvdb/voxelize/WindingBand.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/ClosestPoint.h"
-#include "tetvdb/geometry/RimSums.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+namespace tetvdb {
+
+/// The file formats; io/Formats.h has a row for each. Values are not stored anywhere; their order
+/// has no meaning.
+enum class FileFormat : std::uint8_t {
+  Unknown,
+  Stl,
+  Obj,
+  Off, ///< OFF, COFF, NOFF, ...
+  Ply,
+  ThreeMf,
+  Gltf,
+  Fbx,
+  Collada,
+  Gmsh,
+  Medit,
+  MeditBinary,
+  TetGen,
+  Netgen,
+  Abaqus,
+  Ucd,
+  Vtk,
+  Vtu,
+  Pvtu,
+  Vtp,
+  Vtm,
+  Pvd,
+  VtkHdf,
+  Xdmf,
+  Cgns,
+  Exodus,
+  Ensight,
+  Frd,
+  Neu,
+  Vdb,
+  Nvdb,
+  Npy,
+  Npz,
+  Vti,
+  Nrrd,
+  Hdf5,
+  Tiff,
+  Raw,
+  Binvox
+};
+
+} // namespace tetvdb

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// What is in a preview.
+struct PreviewInfo {
+  std::vector<std::string> panels; ///< from left to right: "input", "tets", ...
+  int width = 0, height = 0;       ///< pixels
+};
+
+} // namespace tetvdb

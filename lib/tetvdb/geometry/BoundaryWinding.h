@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The winding number of an open surface, from its boundary edges.
+//
+// Let S be an oriented surface with boundary curve g, and let a curtain stand on g
+// straight up to infinity. Surface and curtain together are closed, so that their winding number at
+// a point p is a whole number, and since the curtain is vertical it is the number N(p) of faces of
+// S that a ray down from p crosses, signed: +1 for one that looks down. Hence
+//
+//     winding number of S at p  =  N(p) + s(p),   s(p) = - winding number of the curtain at p,
+//
+// and s needs g alone: of every boundary edge the solid angle of a triangle with one corner at
+// infinity. N is exact (signed crossings); s is smooth but for whole numbers where p passes through
+// the curtain (docs/algorithms.md).
+#pragma once
+
+#include "tetvdb/geometry/BoundaryEdgeMoments.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
+#include "tetvdb/geometry/DipoleMoments.h"
+#include "tetvdb/geometry/Lattice.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace tetvdb {
+
+/// An edge that faces run along `weight` times oftener from a to b than from b to a.
+struct BoundaryEdge {
+  LatticePoint a, b;
+  std::int32_t weight;
+};
+
+/// Error of BoundaryWinding::at(), as a winding number, for up to kManyBoundaryEdges edges. Soups
+/// with more boundary edges are not open solids but tangles; of these clusters are looked at from
+/// nearer by, as the fast winding number does (Barill et al. 2018), and the error is about
+/// kRoughWindingError without being bounded.
+constexpr double kBoundaryWindingError = 1e-3;
+constexpr double kRoughWindingError = 0.02;
+constexpr std::size_t kManyBoundaryEdges = 4096;
+
+/// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
+/// part in any result.
+class BoundaryWinding {
+public:
+  /// The edges must close: every point is as often an end as a start, by weight. O(n log n).
+  explicit BoundaryWinding(std::vector<BoundaryEdge> edges);
+
+  bool empty() const { return edges_.size() == 0; }
+  /// Whether there are more than kManyBoundaryEdges edges.
+  bool rough() const { return edges_.size() > kManyBoundaryEdges; }
+
+  /// s at `p` moved by (e, e^2, e^3), e -> 0+: the perturbed centre of the ownership rule. Within
+  /// kBoundaryWindingError. Exact in which side of the curtain p is on.
+  double at(const LatticePoint& p) const;
+
+  /// at() of `points`, which lie within `reach` of `centre`, into their sums (whose old values are
+  /// lost). Faster than one by one: the tree is walked once.
+  void at(const LatticePoint& centre, double reach, BoundaryPoints& points) const;
+
+  /// N + s around a point, off the faces, per lattice unit: the gradient at the point (by Biot and
+  /// Savart: minus the magnetic field of a current along the boundary, over 4 pi), its error, and
+  /// an upper bound on the second derivative in any direction within `reach`. `bend` is infinite
+  /// where the boundary is within reach, and the rest is not computed then.
+  struct Slope {
+    std::array<double, 3> gradient{0, 0, 0};
+    double error = 0;
+    double bend = 0;
+  };
+  Slope slope(const LatticePoint& centre, double reach) const;
+
+  /// Edges whose curtain may stand in the upright square prism of points up to `reach` from
+  /// `centre` along every axis: s may jump by whole numbers across them. False, with only some of
+  /// them in `edges`, where they are more than `most`.
+  bool curtains(const LatticePoint& centre, double reach, std::size_t most,
+                std::vector<std::uint32_t>& edges) const;
+  /// What s jumps by from `centre` to `p` across the curtains of `edges`, exactly; both within such
+  /// a prism, into which the boundary itself does not reach.
+  std::int32_t jump(const LatticePoint& centre, const LatticePoint& p,
+                    const std::vector<std::uint32_t>& edges) const;
+
+  /// Outside this ball N + s is within 0.45 of a whole number.
+  struct Ball {
+    LatticePoint centre;
+    double radius;
+  };
+  Ball reach() const;
+
+private:
+  // A cluster of edges about `centre`.
+  struct Node {
+    LatticePoint boxMin, boxMax, centre;
+    double radius;            // of the ends about the centre
+    double area;              // of the cone's triangles, all positive
+    double length;            // of the edges, by weight
+    std::uint32_t begin, end; // edges
+    std::uint32_t skip;       // the node after the whole cluster, depth first
+    bool leaf;
+    std::uint32_t looseBegin, looseEnd;
+    std::array<double, 3> way;     // sum of the edges as vectors
+    std::array<double, 9> current; // of edge vector times middle: xx xy xz yx ...
+    DipoleMoments cone;
+    EndMoments ends;
+  };
+  struct LooseEnd {
+    LatticePoint point;
+    std::int32_t weight;
+  };
+
+  struct Item;
+  void build(Item* begin, Item* end, const std::vector<BoundaryEdge>& edges);
+  void fillMoments(Node& node) const;
+  void fillLooseEnds(Node& node);
+  // By its edges, by the cone's moments and every loose end, or all by moments.
+  enum class View { Edges, LooseEnds, Moments };
+  View viewOf(const Node& node, const Vec3d& r, double reach) const;
+  template <typename Moments>
+  static void addMoments(const LatticePoint& centre, const Moments& moments,
+                         BoundaryPoints& points);
+  static void addCone(const Node& node, BoundaryPoints& points);
+  static void addEnds(const Node& node, BoundaryPoints& points);
+  std::int64_t turnsAround(const Node& cluster, const LatticePoint& p) const;
+  static Vec3d fieldFromAfar(const Node& node, const Vec3d& r);
+  double bend(const LatticePoint& centre, double reach) const;
+  template <typename Far, typename Near>
+  void walk(const Far& far, const Near& near) const;
+
+  BoundaryEdgeArrays edges_;
+  std::vector<Node> nodes_;
+  std::vector<LooseEnd> looseEnds_;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/formats/assimp/AssimpReader.h"
+
+#include "tetvdb/core/Error.h"
+
+#ifdef TETVDB_ASSIMP
+
+#include "tetvdb/core/Letters.h"
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/cells/PlacedFaces.h"
+#include "tetvdb/io/source/FileFormat.h"
+#include "tetvdb/io/source/IsolatedRead.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
+#include <assimp/config.h>
+#include <assimp/importerdesc.h>
+#include <assimp/scene.h>
+#include <cmath>
+#include <string_view>
+#include <strings.h>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMaxNodes = std::size_t(1) << 22;
+constexpr std::size_t kMaxDepth = 1024;
+// assimp was seen to take 13 bytes a byte of binary, and text packs numbers less densely; buffers
+// may lie in files of their own.
+constexpr std::uint64_t kMemoryPerByte = 100, kMemory = std::uint64_t(4) << 30;
+constexpr std::uint64_t kBytesPerSecond = std::uint64_t(1) << 18;
+constexpr unsigned kSeconds = 60;
+
+Placement toPlacement(const aiMatrix4x4& m) {
+  Placement placement;
+  for (unsigned i = 0; i < 3; ++i)
+    for (unsigned j = 0; j < 4; ++j)
+      placement.rows[i][j] = static_cast<double>(m[i][j]);
+  return placement;
+}
+
+/// assimp's other importers crash on damaged files, and signatures are for us to tell.
+void keepImporters(Assimp::Importer& importer, std::string_view part) {
+  std::vector<Assimp::BaseImporter*> others;
+  for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
+    const aiImporterDesc* description = importer.GetImporterInfo(i);
+    if (description == nullptr ||
+        std::string_view(description->mName).find(part) == std::string_view::npos)
+      others.push_back(importer.GetImporter(i));
+  }
+  for (Assimp::BaseImporter* other : others)
+    importer.UnregisterLoader(other);
+}
+
+/// Hears of what assimp leaves out: it says so to its log alone. What is said of materials and the
+/// like means nothing here.
+class Listener : public Assimp::LogStream {
+public:
+  void write(const char* message) override {
+    const std::string text = lowerCase(message);
+    const auto has = [&](const char* word) { return text.find(word) != text.npos; };
+    if (has("material") || has("texture") || has("anim") || has("light") || has("camera"))
+      return;
+    if (!has("drop") && !has("ignor") && !has("skip") && !has("fail") && !has("invalid") &&
+        !has("range"))
+      return;
+    const std::size_t kind = std::string_view(message).find(": "); // "Warn,  T0: "
+    if (count_++ == 0)
+      first_ = readable(kind == std::string_view::npos ? message : message + kind + 2);
+  }
+  /// What was left out first; empty where nothing was.
+  const std::string& first() const { return first_; }
+  void report(Report& report) const {
+    if (count_ == 0)
+      return;
+    report.warn("scene-faults", "assimp left something out, with " + std::to_string(count_) +
+                                    " messages of which the first is: " + first_);
+    report.partial = true;
+  }
+
+  /// One line of readable characters, at most 200.
+  static std::string readable(const char* text) {
+    std::string line;
+    for (const char* c = text; *c != '\0' && line.size() < 200; ++c)
+      line += *c < ' ' || *c > '~' ? ' ' : *c;
+    while (!line.empty() && line.back() == ' ')
+      line.pop_back();
+    return line;
+  }
+
+private:
+  std::size_t count_ = 0;
+  std::string first_;
+};
+
+/// Runs in a process of its own: the logger is global.
+class Scene {
+public:
+  Scene(const Source& source, FileFormat format)
+      : source_(source), format_(format), faces_(source.path) {}
+
+  TriangleMesh read(Report& report) {
+    auto* listener = new Listener; // the logger's from now on
+    Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
+    Assimp::DefaultLogger::get()->attachStream(listener,
+                                               Assimp::Logger::Err | Assimp::Logger::Warn);
+    Assimp::Importer importer;
+    keepImporters(importer, format_ == FileFormat::Gltf  ? "glTF"
+                            : format_ == FileFormat::Fbx ? "FBX"
+                                                         : "Collada");
+    // Axes and points of rotation are what they are in the file; nothing but meshes is wanted.
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
+    importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
+    scene_ = readBytes(importer);
+    if (scene_ == nullptr)
+      throw Error(Status::Invalid, source_.path,
+                  "cannot be read: " + Listener::readable(importer.GetErrorString()),
+                  "the file is damaged; export it again");
+    if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
+      throw Error(Status::Invalid, source_.path,
+                  listener->first().empty() ? "it holds no meshes"
+                                            : "it holds no whole meshes: " + listener->first(),
+                  "export it again");
+
+    Placement world;
+    if (format_ == FileFormat::Fbx) {
+      const double scale = fbxScale();
+      for (std::size_t i = 0; i < 3; ++i)
+        world.rows[i][i] = scale;
+    }
+    addNode(*scene_->mRootNode, world, 0);
+    listener->report(report);
+    TriangleMesh mesh = faces_.finish(report);
+    // assimp brings COLLADA's unit to metres by itself.
+    mesh.units = format_ == FileFormat::Fbx ? "centimetre" : "metre";
+    return mesh;
+  }
+
+private:
+  /// By the path, so that files beside it are found; assimp wants the usual name of a format.
+  const aiScene* readBytes(Assimp::Importer& importer) const {
+    const std::size_t dot = source_.path.find_last_of('.');
+    const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
+    const bool binary = source_.bytes.substr(0, 4) == "glTF";
+    const char* usual = format_ == FileFormat::Gltf  ? binary ? "glb" : "gltf"
+                        : format_ == FileFormat::Fbx ? "fbx"
+                                                     : "dae";
+    if (::strcasecmp(ending.c_str(), usual) == 0)
+      return importer.ReadFile(source_.path, 0);
+    return importer.ReadFileFromMemory(source_.bytes.data(), source_.bytes.size(), 0, usual);
+  }
+  void addNode(const aiNode& node, const Placement& parent, std::size_t depth) {
+    if (++nodes_ > kMaxNodes || depth > kMaxDepth)
+      throw Error(Status::Limit, source_.path, "its nodes are too many or nested too deeply",
+                  "merge the parts and export it again");
+    const Placement placement = parent * toPlacement(node.mTransformation);
+    for (unsigned i = 0; i < node.mNumMeshes; ++i)
+      if (node.mMeshes[i] < scene_->mNumMeshes)
+        addMesh(*scene_->mMeshes[node.mMeshes[i]], placement);
+    for (unsigned i = 0; i < node.mNumChildren; ++i)
+      addNode(*node.mChildren[i], placement, depth + 1);
+  }
+
+  void addMesh(const aiMesh& mesh, const Placement& placement) {
+    faces_.beginMesh(placement, mesh.mNumVertices);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+      const aiVector3D& v = mesh.mVertices[i];
+      faces_.addPoint(
+          {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)});
+    }
+    for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
+      const aiFace& face = mesh.mFaces[i];
+      if (face.mNumIndices > 2) // lines and points are no faces
+        faces_.addPolygon(face.mIndices, face.mNumIndices);
+    }
+  }
+
+  /// Centimetres in a unit of the file.
+  double fbxScale() const {
+    double scale = 1;
+    float single = 1;
+    if (scene_->mMetaData == nullptr)
+      return 1;
+    if (!scene_->mMetaData->Get("UnitScaleFactor", scale) &&
+        scene_->mMetaData->Get("UnitScaleFactor", single))
+      scale = static_cast<double>(single);
+    return std::isfinite(scale) && scale > 0 ? scale : 1;
+  }
+
+  const Source& source_;
+  FileFormat format_;
+  PlacedFaces faces_;
+  const aiScene* scene_ = nullptr;
+  std::size_t nodes_ = 0;
+};
+
+TriangleMesh readScene(const Source& source, FileFormat format, Report& report,
+                       Progress& progress) {
+  const std::uint64_t bytes = source.bytes.size();
+  const IsolationLimits limits{kMemory + kMemoryPerByte * bytes,
+                               kSeconds + static_cast<unsigned>(bytes / kBytesPerSecond)};
+  return readTrianglesIsolated(
+      [&](Report& found, Progress&) { return Scene(source, format).read(found); }, source.path,
+      limits, report, progress);
+}
+
+} // namespace
+} // namespace tetvdb
+
+#else
+
+namespace tetvdb {
+
+namespace {
+
+TriangleMesh readScene(const Source& source, FileFormat, Report&, Progress&) {
+  throw Error(
+      Status::Invalid, source.path,
+      "glTF, FBX and COLLADA files are read by assimp, which this program was built without",
+      "install libassimp-dev and build it again, or export the mesh as STL or OBJ");
+}
+
+} // namespace
+
+} // namespace tetvdb
+
+#endif
+
+namespace tetvdb {
+
+TriangleMesh readGltf(const Source& source, Report& report, Progress& progress) {
+  return readScene(source, FileFormat::Gltf, report, progress);
+}
+
+TriangleMesh readFbx(const Source& source, Report& report, Progress& progress) {
+  return readScene(source, FileFormat::Fbx, report, progress);
+}
+
+TriangleMesh readCollada(const Source& source, Report& report, Progress& progress) {
+  return readScene(source, FileFormat::Collada, report, progress);
+}
+
+} // namespace tetvdb

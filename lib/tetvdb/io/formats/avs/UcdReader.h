@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// AVS unstructured cell data (.inp, .avs), text and binary.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// Nodes and cells in file order; the material number is the region. Node and cell data become
+/// attributes of floats in binary and doubles in text files. Throws Error(Invalid) with line or
+/// byte for whatever is not a whole, consistent mesh.
+CellMesh readUcd(const Source& source, const ReadOptions& options, Report& report,
+                 Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/formats/cgns/CgnsFile.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Hdf5File.h"
+
+#include <cgns_io.h>
+#include <cgnslib.h>
+#include <cstdlib>
+#include <filesystem>
+#include <unistd.h>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr const char* kCut = "the file is damaged or cut off; export it again";
+
+bool isHdf5(const Source& source) {
+  return source.bytes.substr(0, 4) == "\x89HDF";
+}
+
+/// Whether the tree below a node has links, which the children of an ADF file say of themselves.
+bool hasLinks(int file, double node, int depth, std::size_t& nodesLeft) {
+  constexpr int deepest = 24;
+  int count = 0, found = 0;
+  if (depth > deepest || cgio_number_children(file, node, &count) != CGIO_ERR_NONE || count < 0 ||
+      static_cast<std::size_t>(count) > nodesLeft)
+    return true;
+  nodesLeft -= static_cast<std::size_t>(count);
+  std::vector<double> children(static_cast<std::size_t>(count));
+  if (count > 0 &&
+      (cgio_children_ids(file, node, 1, count, &found, children.data()) != CGIO_ERR_NONE ||
+       found != count))
+    return true;
+  for (const double child : children) {
+    int length = 0;
+    if (cgio_is_link(file, child, &length) != CGIO_ERR_NONE || length > 0 ||
+        hasLinks(file, child, depth + 1, nodesLeft))
+      return true;
+  }
+  return false;
+}
+
+/// The bytes of a source that is no file, in one.
+class TemporaryFile {
+public:
+  explicit TemporaryFile(const Source& source) {
+    if (source.isMapped)
+      return;
+    path_ = (std::filesystem::temp_directory_path() / "tetvdb-XXXXXX").string();
+    const int file = ::mkstemp(path_.data());
+    const bool whole = file >= 0 && ::write(file, source.bytes.data(), source.bytes.size()) ==
+                                        static_cast<ssize_t>(source.bytes.size());
+    if (file >= 0)
+      ::close(file);
+    if (!whole)
+      throw Error(Status::Limit, source.path, "its bytes do not fit into the temporary folder",
+                  "name a file in place of a pipe");
+  }
+  ~TemporaryFile() {
+    if (!path_.empty())
+      ::unlink(path_.c_str());
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+private:
+  std::string path_;
+};
+
+} // namespace
+
+CgnsFile::CgnsFile(const Source& source) : source_(source) {
+  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
+  const TemporaryFile copy(source); // stays readable once it is open
+  const std::string& path = source.isMapped ? source.path : copy.path();
+  refuseLinks(path);
+  check(cg_open(path.c_str(), CG_MODE_READ, &id_), "the file");
+}
+
+CgnsFile::~CgnsFile() {
+  if (id_ >= 0)
+    cg_close(id_);
+}
+
+void CgnsFile::refuseLinks(const std::string& path) const {
+  if (isHdf5(source_)) {
+    const std::string name = Hdf5File(source_).firstOutside();
+    if (!name.empty())
+      fail("'" + name + "' lies in another file, which is not read");
+    return;
+  }
+  int file = 0;
+  double root = 0;
+  if (cgio_open_file(path.c_str(), CGIO_MODE_READ, CGIO_FILE_NONE, &file) != CGIO_ERR_NONE)
+    fail("is not a whole CGNS file");
+  std::size_t nodesLeft = source_.bytes.size() / 64; // an ADF node takes more bytes
+  const bool linked =
+      cgio_get_root_id(file, &root) != CGIO_ERR_NONE || hasLinks(file, root, 0, nodesLeft);
+  cgio_close_file(file);
+  if (linked)
+    fail("has links to other files, which are not read, or is damaged", "export it as one file");
+}
+
+void CgnsFile::check(int status, const char* what) const {
+  if (status != CG_OK)
+    fail(std::string(what) + " cannot be read: " + cg_get_error());
+}
+
+void CgnsFile::fail(const std::string& what, const char* advice) const {
+  throw Error(Status::Invalid, source_.path, what, advice == nullptr ? kCut : advice);
+}
+
+std::size_t CgnsFile::checked(double n, std::size_t bytesEach, const char* things) const {
+  const double room = static_cast<double>(source_.bytes.size()) * (isHdf5(source_) ? 1100.0 : 1.0);
+  if (!(n >= 0) || n * static_cast<double>(bytesEach) > room)
+    fail("declares more " + std::string(things) + " than it holds");
+  return static_cast<std::size_t>(n);
+}
+
+} // namespace tetvdb

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One file of an EnSight Gold mesh, text or C binary, as lines and numbers.
+#pragma once
+
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/text/ByteReader.h"
+#include "tetvdb/io/text/NumberParser.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb::ensight {
+
+/// A cursor. Throws Error(Invalid) with the place where the file ends early or a number is none.
+class Input {
+public:
+  /// A geometry file: reads the record "C Binary" where it begins with that. Throws for Fortran's
+  /// binary files.
+  explicit Input(const Source& source);
+  /// A variable's file, which is binary where the geometry is, without saying so.
+  Input(const Source& source, bool isBinary);
+
+  bool isBinary() const { return binary_; }
+  /// Whether nothing but white space is left.
+  bool atEnd();
+  /// The next line or record of 80 characters, trimmed; of a text also an empty one.
+  std::string line();
+  /// The next line that is not empty: a keyword.
+  std::string keyword();
+  /// A whole number, and the rest of its line, which is passed over.
+  std::int64_t integer();
+  /// A number of things, each of which takes at least one number of the file.
+  std::size_t count(const char* things, std::size_t numbersEach = 1);
+  std::vector<std::int64_t> integers(std::size_t n);
+  /// NaN and infinities are values too.
+  void reals(float* to, std::size_t n);
+  void skipReals(std::size_t n);
+
+  /// The number before a file's first part tells the byte order.
+  std::int64_t partNumber();
+
+  [[noreturn]] void fail(const std::string& what, const char* advice) const;
+
+private:
+  bool binary_ = false;
+  bool orderKnown_ = false;
+  NumberParser text_;
+  ByteReader bytes_;
+};
+
+} // namespace tetvdb::ensight

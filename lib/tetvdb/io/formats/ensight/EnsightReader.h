@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// EnSight Gold (.case): parts of unstructured elements or curvilinear blocks, text or C binary,
+// with variables at nodes and elements, in one or several steps.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+#include <vector>
+
+namespace tetvdb {
+
+/// The mesh of the step options.timeStep (the last where that is -1), parts as regions with their
+/// names. Variables that a part has not are NaN there. Ghost elements are passed over. Files are
+/// looked for in the case's folder and nowhere else. Throws Error(Invalid) for whatever is not a
+/// whole mesh, for EnSight 5 and 6 and Fortran's binary files, Error(Usage) for a step that the
+/// case does not have.
+CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& report,
+                     Progress& progress);
+
+/// Whether the geometry of the last step has solid cells: it is read up to the first section of
+/// such.
+bool ensightHasSolidCells(const Source& source, Report& report, Progress& progress);
+
+/// The times of the steps, ascending.
+std::vector<double> ensightTimes(const Source& source, Report& report, Progress& progress);
+
+namespace ensight {
+
+/// The mesh of a geometry file alone.
+CellMesh readGeometry(const Source& source, const ReadOptions& options, Progress& progress);
+
+} // namespace ensight
+} // namespace tetvdb

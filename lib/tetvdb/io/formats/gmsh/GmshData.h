@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/cells/IdMap.h"
+#include "tetvdb/io/formats/gmsh/GmshCursor.h"
+#include "tetvdb/mesh/Attribute.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// The $NodeData and $ElementData sections of one .msh file.
+class GmshData {
+public:
+  GmshData(GmshCursor& in, std::size_t fileBytes, Report& report)
+      : in_(in), fileBytes_(fileBytes), report_(report) {}
+
+  /// Reads a section, past its first line, into a new array of `attributes` or into that of another
+  /// time step. `ids` numbers the `things` nodes or elements; those without a value get NaN.
+  void read(Attribute::On on, const IdMap& ids, std::size_t things,
+            std::vector<Attribute>& attributes);
+
+private:
+  /// The array to fill: a new one, or that of an equal or earlier time step; empty for a time step
+  /// that is earlier than what is there.
+  std::vector<double>& array(std::vector<Attribute>& attributes, const std::string& name,
+                             Attribute::On on, std::size_t components, std::size_t things,
+                             std::int64_t step);
+
+  GmshCursor& in_;
+  std::size_t fileBytes_;
+  Report& report_;
+  std::size_t size_ = 0;            ///< numbers in all arrays
+  std::vector<std::int64_t> steps_; ///< time step of each array
+  std::vector<double> ignored_;
+};
+
+} // namespace tetvdb

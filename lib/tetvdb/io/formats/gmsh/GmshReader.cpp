@@ -1,0 +1,571 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Format: Gmsh reference manual, "MSH file format" and "Legacy formats".
+#include "tetvdb/io/formats/gmsh/GmshReader.h"
+
+#include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/cells/IdMap.h"
+#include "tetvdb/io/formats/gmsh/GmshCursor.h"
+#include "tetvdb/io/formats/gmsh/GmshData.h"
+#include "tetvdb/io/formats/gmsh/GmshElements.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kPerUpdate = std::size_t(1) << 20;
+constexpr const char* kExport = "export it again, for instance with gmsh -save";
+
+/// Consecutive elements with the same tags.
+struct TagRun {
+  std::size_t count;
+  std::int32_t physical, geometrical;
+  bool solid;
+};
+
+/// Tags of an entity of dimension 3 ($Entities, $PartitionedEntities).
+struct VolumeTags {
+  std::int32_t physical, geometrical;
+};
+
+class Reader {
+public:
+  Reader(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
+      : source_(source), options_(options), report_(report), progress_(progress), in_(source),
+        data_(in_, source.bytes.size(), report) {}
+
+  CellMesh read() {
+    while (!in_.text.atEnd())
+      readSection();
+    if (!haveNodes_)
+      in_.fail("has no $Nodes section", kExport);
+    if (!haveElements_)
+      in_.fail("has no $Elements section", kExport);
+    setRegions();
+    return std::move(mesh_);
+  }
+
+private:
+  // --- Sections ---------------------------------------------------------------------------------
+
+  void readSection() {
+    const std::string_view mark = in_.text.word();
+    if (mark.empty() || mark[0] != '$')
+      in_.fail("expected a section such as $Nodes", kExport);
+    const std::string name(mark.substr(1, 60));
+    const std::size_t start = in_.text.position();
+    in_.text.line();
+    if (name == "MeshFormat")
+      readFormat();
+    else if (name == "PhysicalNames")
+      readNames();
+    else if (name == "Entities")
+      readEntities(false);
+    else if (name == "PartitionedEntities" && version_ > 4.05)
+      readEntities(true);
+    else if (name == "Nodes")
+      version_ < 4 ? readNodes2() : readNodes4();
+    else if (name == "NOD")
+      readNodes2();
+    else if (name == "Elements")
+      version_ < 4 ? readElements2() : readElements4();
+    else if (name == "ELM")
+      readElements1();
+    else if ((name == "NodeData" || name == "ElementData") && wantsData())
+      readData(name == "NodeData");
+    else {
+      in_.text.seek(start);
+      skipSection(name);
+    }
+    in_.leaveBinary();
+    const bool version1 = name == "NOD" || name == "ELM";
+    if (in_.text.word() != (version1 ? "$END" : "$End") + name)
+      in_.fail("$" + name + " does not end with its $End" + name +
+                   " where its declared numbers say",
+               kExport);
+  }
+
+  bool wantsData() const { return options_.attributes || !options_.regionArray.empty(); }
+
+  void readData(bool ofNodes) {
+    if (!(ofNodes ? haveNodes_ : haveElements_))
+      in_.fail("data come before the mesh", kExport);
+    data_.read(ofNodes ? Attribute::On::Points : Attribute::On::Cells,
+               ofNodes ? nodeIds_ : elementIds_, ofNodes ? mesh_.points.size() : elements_,
+               mesh_.attributes);
+  }
+
+  void skipSection(const std::string& name) {
+    const std::size_t at = in_.text.position();
+    const std::size_t end = source_.bytes.find("$End" + name, at);
+    if (end == std::string_view::npos)
+      in_.fail("section $" + name + " has no end", "the file is cut off; export it again");
+    in_.text.seek(end);
+  }
+
+  void readFormat() {
+    version_ = in_.text.real();
+    const std::int64_t kind = in_.text.integer();
+    in_.sizeBytes = static_cast<std::size_t>(in_.text.integer());
+    in_.text.line();
+    if (version_ < 2 || version_ >= 5)
+      in_.fail("unknown version of the .msh format", "save it as version 4.1 or 2.2");
+    in_.binary = kind == 1;
+    if (!in_.binary)
+      return;
+    if (in_.sizeBytes != 8 && in_.sizeBytes != 4)
+      in_.fail("unknown data size", kExport);
+    if (version_ < 4.05)
+      in_.sizeBytes = 8;
+    in_.enterBinary();
+    const auto one = in_.bytes.get<std::int32_t>();
+    if (one != 1 && byteSwapped(one) != 1)
+      in_.fail("the byte order is not told (neither 1 nor its reverse)", kExport);
+    in_.bytes.setSwap(one != 1);
+  }
+
+  void readNames() {
+    const std::size_t n = in_.text.count("physical names", 6);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t dimension = in_.text.integer();
+      const std::int64_t number = in_.text.integer();
+      std::string_view name = in_.text.line();
+      const std::size_t first = name.find('"');
+      const std::size_t last = name.rfind('"');
+      if (first != name.npos && last > first)
+        name = name.substr(first + 1, last - first - 1);
+      if (dimension == 3)
+        mesh_.regionNames[tag(number)] = name;
+    }
+  }
+
+  std::int32_t tag(std::int64_t number) const {
+    // Physical tags of entities are negative where their orientation is reversed.
+    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
+    if (number < -most || number > most)
+      in_.fail("a tag is out of range");
+    return static_cast<std::int32_t>(std::abs(number));
+  }
+
+  void readEntities(bool partitioned) {
+    in_.enterBinary();
+    const bool old = version_ < 4.05;
+    if (partitioned) {
+      in_.size();
+      const std::size_t ghosts = in_.count("ghost entities", 4, 8);
+      for (std::size_t i = 0; i < 2 * ghosts; ++i)
+        in_.integer();
+    }
+    std::size_t counts[4];
+    for (std::size_t& n : counts)
+      n = in_.count("entities", 8, 4 + 3 * 8);
+    for (int dimension = 0; dimension < 4; ++dimension)
+      for (std::size_t i = 0; i < counts[dimension]; ++i) {
+        const std::int64_t number = in_.integer();
+        VolumeTags tags{0, tag(number)};
+        if (partitioned) {
+          const std::int64_t parentDimension = in_.integer();
+          const std::int64_t parent = in_.integer();
+          if (parentDimension == 3)
+            tags.geometrical = tag(parent);
+          const std::size_t partitions = in_.count("partitions", 2, 4);
+          for (std::size_t k = 0; k < partitions; ++k)
+            in_.integer();
+        }
+        for (int k = dimension == 0 && !old ? 3 : 6; k > 0; --k)
+          in_.real();
+        const std::size_t groups = in_.count("physical groups", 2, 4);
+        for (std::size_t k = 0; k < groups; ++k) {
+          const std::int64_t group = in_.integer();
+          if (k == 0)
+            tags.physical = tag(group);
+        }
+        if (dimension > 0) {
+          const std::size_t bounds = in_.count("bounding entities", 2, 4);
+          for (std::size_t k = 0; k < bounds; ++k)
+            in_.integer();
+        }
+        if (dimension == 3)
+          volumes_[number] = tags;
+      }
+  }
+
+  // --- Nodes ------------------------------------------------------------------------------------
+
+  void beginNodes() {
+    if (haveNodes_)
+      in_.fail("has two $Nodes sections", "keep one mesh in a file");
+    haveNodes_ = true;
+  }
+
+  void addPoint(std::int64_t id, const Vec3d& point) {
+    if (!isFinite(point))
+      in_.fail("node " + std::to_string(id) + " has a coordinate that is not a finite number",
+               "repair the mesh");
+    nodeIds_.add(id);
+    mesh_.points.push_back(point);
+    if (mesh_.points.size() % kPerUpdate == 0)
+      update();
+  }
+
+  void endNodes() {
+    nodeIds_.finish();
+    if (nodeIds_.duplicates() > 0)
+      report_.warn("duplicate-ids", std::to_string(nodeIds_.duplicates()) +
+                                        " node numbers are used twice; the last one counts");
+  }
+
+  void readNodes2() {
+    beginNodes();
+    const std::int64_t declared = in_.text.integer();
+    in_.text.line();
+    in_.enterBinary();
+    const std::size_t n = in_.checkCount(declared, "nodes", 8, 4 + 3 * 8);
+    checkPointCount(n, source_.path);
+    mesh_.points.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t id = in_.integer();
+      const double x = in_.real(), y = in_.real(), z = in_.real();
+      addPoint(id, {x, y, z});
+    }
+    endNodes();
+  }
+
+  void readNodes4() {
+    beginNodes();
+    in_.enterBinary();
+    const bool old = version_ < 4.05;
+    const std::size_t blocks = in_.count("node blocks", 8, 12 + in_.sizeBytes);
+    const std::size_t total = in_.count("nodes", 6, (old ? 4 : in_.sizeBytes) + 3 * 8);
+    checkPointCount(total, source_.path);
+    mesh_.points.reserve(total);
+    if (!old)
+      in_.size(), in_.size(); // least and greatest tag
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::int64_t first = in_.integer();
+      const std::int64_t second = in_.integer();
+      const std::int64_t dimension = old ? second : first;
+      const bool parametric = in_.integer() != 0;
+      const int parameters =
+          parametric ? static_cast<int>(std::clamp<std::int64_t>(dimension, 0, 3)) : 0;
+      const std::size_t n = in_.count("nodes", 6, (old ? 4 : in_.sizeBytes) + 3 * 8);
+      if (mesh_.points.size() + n > total)
+        in_.fail("node blocks hold more than the " + std::to_string(total) + " nodes declared",
+                 kExport);
+      if (old)
+        readNodeBlock40(n, parameters);
+      else
+        readNodeBlock41(n, parameters);
+    }
+    if (mesh_.points.size() != total)
+      in_.fail(std::to_string(total) + " nodes are declared, " +
+                   std::to_string(mesh_.points.size()) + " are there",
+               kExport);
+    endNodes();
+  }
+
+  void readNodeBlock40(std::size_t n, int parameters) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t id = in_.integer();
+      const double x = in_.real(), y = in_.real(), z = in_.real();
+      for (int k = 0; k < parameters; ++k)
+        in_.real();
+      addPoint(id, {x, y, z});
+    }
+  }
+
+  void readNodeBlock41(std::size_t n, int parameters) {
+    const std::size_t before = mesh_.points.size();
+    if (in_.binary && parameters == 0) {
+      for (std::size_t i = 0; i < n; ++i)
+        nodeIds_.add(in_.size());
+      in_.bytes.checkCount(n, sizeof(Vec3d), "nodes");
+      mesh_.points.resize(before + n);
+      if (n == 0)
+        return;
+      in_.bytes.read<double>(mesh_.points[before].data(), 3 * n);
+      const auto bad = std::find_if_not(mesh_.points.begin() + static_cast<std::ptrdiff_t>(before),
+                                        mesh_.points.end(), isFinite);
+      if (bad != mesh_.points.end())
+        in_.fail("node " + std::to_string(bad - mesh_.points.begin() + 1) +
+                     " of the file has a coordinate that is not a finite number",
+                 "repair the mesh");
+      update();
+      return;
+    }
+    std::vector<std::int64_t> ids(n);
+    for (std::int64_t& id : ids)
+      id = in_.size();
+    for (const std::int64_t id : ids) {
+      const double x = in_.real(), y = in_.real(), z = in_.real();
+      for (int k = 0; k < parameters; ++k)
+        in_.real();
+      addPoint(id, {x, y, z});
+    }
+  }
+
+  // --- Elements ---------------------------------------------------------------------------------
+
+  void beginElements() {
+    if (!haveNodes_)
+      in_.fail("elements come before the nodes", kExport);
+    if (haveElements_)
+      in_.fail("has two $Elements sections", "keep one mesh in a file");
+    haveElements_ = true;
+  }
+
+  const CellKind& kindOf(std::int64_t type) const {
+    const CellKind* kind = gmshElement(type);
+    if (kind == nullptr)
+      in_.fail("element type " + std::to_string(type) + " is not known",
+               "save the mesh without polyhedra and sub-elements");
+    return *kind;
+  }
+
+  void addElements(const CellKind& kind, std::size_t count, std::int32_t physical,
+                   std::int32_t geometrical) {
+    if (count == 0)
+      return;
+    appendCells(mesh_, kind, count);
+    const bool solid = kind.type != CellType::Flat;
+    if (!tags_.empty() && tags_.back().physical == physical &&
+        tags_.back().geometrical == geometrical && tags_.back().solid == solid)
+      tags_.back().count += count;
+    else
+      tags_.push_back({count, physical, geometrical, solid});
+    elements_ += count;
+    if (elements_ >= IdMap::kNone)
+      throw Error(Status::Limit, source_.path, "more than 4294967294 elements",
+                  "split it into several files");
+    if (elements_ / kPerUpdate != (elements_ - count) / kPerUpdate)
+      update();
+  }
+
+  void addNode(std::int64_t id) {
+    const std::uint32_t index = nodeIds_.find(id);
+    if (index == IdMap::kNone)
+      in_.fail("element " + std::to_string(elements_ + 1) + " of the file uses node " +
+                   std::to_string(id) + ", which does not exist",
+               "the file is damaged; export it again");
+    mesh_.nodes.push_back(index);
+  }
+
+  void numberElement(std::int64_t id) {
+    if (wantsData())
+      elementIds_.add(id);
+  }
+
+  void readElements1() {
+    beginElements();
+    const std::size_t n = in_.text.count("elements", 12);
+    for (std::size_t i = 0; i < n; ++i) {
+      numberElement(in_.text.integer());
+      const CellKind& kind = kindOf(in_.text.integer());
+      const std::int32_t physical = tag(in_.text.integer());
+      const std::int32_t geometrical = tag(in_.text.integer());
+      if (in_.text.integer() != kind.nodes)
+        in_.fail("wrong number of nodes for the type", kExport);
+      readNodesOf(kind);
+      addElements(kind, 1, physical, geometrical);
+    }
+    elementIds_.finish();
+  }
+
+  void readNodesOf(const CellKind& kind) {
+    for (std::uint32_t k = 0; k < kind.nodes; ++k) {
+      const std::int64_t id = in_.text.integer();
+      if (k < kind.stored())
+        addNode(id);
+    }
+    orderLast(mesh_, kind);
+  }
+
+  void readElements2() {
+    beginElements();
+    const std::int64_t declared = in_.text.integer();
+    in_.text.line();
+    in_.enterBinary();
+    const std::size_t n = in_.checkCount(declared, "elements", 8, 8);
+    for (std::size_t i = 0; i < n;)
+      i += in_.binary ? readElementBlock2(n - i) : readElement2();
+    elementIds_.finish();
+  }
+
+  std::size_t readElement2() {
+    numberElement(in_.text.integer());
+    const CellKind& kind = kindOf(in_.text.integer());
+    const std::int64_t tags = in_.text.integer();
+    std::int32_t values[2] = {0, 0};
+    for (std::int64_t k = 0; k < tags; ++k) {
+      const std::int64_t value = in_.text.integer();
+      if (k < 2)
+        values[k] = tag(value);
+    }
+    readNodesOf(kind);
+    addElements(kind, 1, values[0], values[1]);
+    return 1;
+  }
+
+  std::size_t readElementBlock2(std::size_t most) {
+    const CellKind& kind = kindOf(in_.integer());
+    const std::int64_t follow = in_.integer();
+    const std::int64_t tags = in_.integer();
+    if (follow < 1 || static_cast<std::uint64_t>(follow) > most || tags < 0 || tags > 1000000)
+      in_.fail("an element block of impossible size", kExport);
+    const auto skipped = static_cast<std::size_t>(tags);
+    const std::size_t stride = 4 * (1 + skipped + kind.nodes);
+    const std::size_t n = in_.bytes.checkCount(follow, stride, "elements");
+    mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.stored()) * (n > 1 ? n : 0));
+    std::int32_t physical = 0, geometrical = 0;
+    std::size_t alike = 0; // elements not yet counted, all with these tags
+    for (std::size_t i = 0; i < n; ++i) {
+      const char* at = in_.bytes.take(stride).data();
+      const auto number = [&](std::size_t k) {
+        return loadNumber<std::int32_t>(at + 4 * k, in_.bytes.swap());
+      };
+      const std::int32_t first = skipped > 0 ? tag(number(1)) : 0;
+      const std::int32_t second = skipped > 1 ? tag(number(2)) : 0;
+      if (first != physical || second != geometrical || alike == kPerUpdate) {
+        addElements(kind, alike, physical, geometrical);
+        physical = first;
+        geometrical = second;
+        alike = 0;
+      }
+      numberElement(number(0));
+      for (std::uint32_t k = 0; k < kind.stored(); ++k)
+        addNode(number(1 + skipped + k));
+      orderLast(mesh_, kind);
+      ++alike;
+    }
+    addElements(kind, alike, physical, geometrical);
+    return n;
+  }
+
+  void readElements4() {
+    beginElements();
+    in_.enterBinary();
+    const bool old = version_ < 4.05;
+    const std::size_t width = old ? 4 : in_.sizeBytes; // of a tag and a node number
+    const std::size_t blocks = in_.count("element blocks", 8, 12 + in_.sizeBytes);
+    const std::size_t total = in_.count("elements", 4, 2 * width);
+    if (!old)
+      in_.size(), in_.size(); // least and greatest tag
+    std::size_t found = 0;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::int64_t first = in_.integer();
+      const std::int64_t second = in_.integer();
+      const std::int64_t entity = old ? first : second;
+      const CellKind& kind = kindOf(in_.integer());
+      const std::size_t n =
+          in_.count("elements", 2 * (1 + kind.nodes) - 1, width * (1 + kind.nodes));
+      VolumeTags tags{0, tag(entity)};
+      if ((old ? second : first) == 3)
+        if (const auto known = volumes_.find(entity); known != volumes_.end())
+          tags = known->second;
+      if (in_.binary)
+        readElementBlock4(kind, n, width);
+      else
+        for (std::size_t i = 0; i < n; ++i) {
+          numberElement(in_.text.integer());
+          readNodesOf(kind);
+        }
+      addElements(kind, n, tags.physical, tags.geometrical);
+      found += n;
+    }
+    if (found != total)
+      in_.fail(std::to_string(total) + " elements are declared, " + std::to_string(found) +
+                   " are there",
+               kExport);
+    elementIds_.finish();
+  }
+
+  void readElementBlock4(const CellKind& kind, std::size_t n, std::size_t width) {
+    const std::string_view data = in_.bytes.take(n * width * (1 + kind.nodes));
+    if (width == 8)
+      copyElements<std::int64_t>(kind, n, data.data());
+    else
+      copyElements<std::int32_t>(kind, n, data.data());
+  }
+
+  template <class T>
+  void copyElements(const CellKind& kind, std::size_t n, const char* from) {
+    const bool swap = in_.bytes.swap();
+    const std::size_t stride = sizeof(T) * (1 + kind.nodes);
+    if (wantsData())
+      for (std::size_t i = 0; i < n; ++i)
+        elementIds_.add(loadNumber<T>(from + i * stride, swap));
+    const std::size_t stored = kind.stored();
+    const std::size_t before = mesh_.nodes.size();
+    mesh_.nodes.resize(before + stored * n);
+    std::uint32_t* to = mesh_.nodes.data() + before;
+    for (std::size_t i = 0; i < n; ++i, from += stride) {
+      if (i % kPerUpdate == kPerUpdate - 1)
+        update();
+      for (std::size_t k = 0; k < stored; ++k) {
+        const std::size_t place = 1 + (kind.order != nullptr ? kind.order[k] : k);
+        const auto id = static_cast<std::int64_t>(loadNumber<T>(from + sizeof(T) * place, swap));
+        const std::uint32_t index = nodeIds_.find(id);
+        if (index == IdMap::kNone) {
+          elements_ += i;
+          addNode(id); // fails
+        }
+        *to++ = index;
+      }
+    }
+  }
+
+  void setRegions() {
+    bool physical = false;
+    bool geometrical = false;
+    for (const TagRun& run : tags_) {
+      physical = physical || (run.solid && run.physical != 0);
+      geometrical = geometrical || (run.solid && run.geometrical != 0);
+    }
+    if (!physical)
+      mesh_.regionNames.clear();
+    if (!physical && !geometrical)
+      return;
+    mesh_.regions.reserve(elements_);
+    for (const TagRun& run : tags_)
+      mesh_.regions.insert(mesh_.regions.end(), run.count,
+                           physical ? run.physical : run.geometrical);
+  }
+
+  void update() {
+    source_.release();
+    const std::size_t at = std::max(in_.text.position(), in_.bytes.position());
+    progress_.update(static_cast<double>(at) / static_cast<double>(source_.bytes.size()));
+  }
+
+  const Source& source_;
+  const ReadOptions& options_;
+  Report& report_;
+  Progress& progress_;
+  GmshCursor in_;
+  double version_ = 1;
+  CellMesh mesh_;
+  IdMap nodeIds_;
+  IdMap elementIds_;
+  std::size_t elements_ = 0;
+  bool haveNodes_ = false;
+  bool haveElements_ = false;
+  std::vector<TagRun> tags_;
+  std::map<std::int64_t, VolumeTags> volumes_;
+  GmshData data_;
+};
+
+} // namespace
+
+CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
+                  Progress& progress) {
+  return Reader(source, options, report, progress).read();
+}
+
+} // namespace tetvdb

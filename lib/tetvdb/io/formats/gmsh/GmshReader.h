@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Gmsh meshes (.msh), file versions 1, 2.x, 4.0 and 4.1, ASCII and binary in either byte order.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// Nodes and elements in file order. A solid cell's region is its physical group where any solid
+/// cell has one, named by $PhysicalNames, and its geometrical entity otherwise. $NodeData and
+/// $ElementData become attributes of doubles under their own names, the last time step of each; NaN
+/// where the file gives a node or element no value. $ElementNodeData and all other sections are
+/// left out. Elements of higher order keep their corners; elements without volume keep no nodes.
+/// Throws Error(Invalid) with line (ASCII) or byte (binary) for whatever is not a whole, consistent
+/// mesh.
+CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
+                  Progress& progress);
+
+} // namespace tetvdb

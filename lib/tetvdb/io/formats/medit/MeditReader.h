@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Medit (GMF) meshes: .mesh, text, and .meshb, binary, file versions 1 to 4 in either byte order.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// Vertices and cells in file order; a cell's reference is its region, where any solid cell has one
+/// that is not 0. Cells of higher order keep their corners, which are taken to come first. Other
+/// keywords are left out, vertex references too. Throws Error(Invalid) with line or byte for
+/// whatever is not a whole, consistent mesh.
+CellMesh readMedit(const Source& source, const ReadOptions& options, Report& report,
+                   Progress& progress);
+CellMesh readMeditBinary(const Source& source, const ReadOptions& options, Report& report,
+                         Progress& progress);
+
+} // namespace tetvdb

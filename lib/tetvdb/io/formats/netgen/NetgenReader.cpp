@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Format: Netgen's "Neutral" successor .vol, as its mesh class writes it.
+#include "tetvdb/io/formats/netgen/NetgenReader.h"
+
+#include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/cells/NodeOrder.h"
+#include "tetvdb/io/text/NumberParser.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
+constexpr CellKind kTriangle{"triangle", CellType::Flat, 0, 0};
+constexpr CellKind kSegment{"segment", CellType::Flat, 0, 0};
+
+/// Netgen numbers the corners of tetrahedra, pyramids and prisms in reverse of VTK's sense, which
+/// does not matter here: a cell's orientation is free.
+const CellKind* volumeElement(std::int64_t nodes) {
+  static const CellKind kinds[] = {{"tetra", CellType::Tetra, 4, 4},
+                                   {"pyramid", CellType::Pyramid, 5, 5},
+                                   {"wedge", CellType::Wedge, 6, 6},
+                                   {"hexahedron", CellType::Hexahedron, 8, 8},
+                                   {"tetra10", CellType::Tetra, 4, 10, 10},
+                                   {"wedge12", CellType::Wedge, 6, 12},
+                                   {"pyramid13", CellType::Pyramid, 5, 13},
+                                   {"wedge15", CellType::Wedge, 6, 15},
+                                   {"hexahedron20", CellType::Hexahedron, 8, 20}};
+  for (const CellKind& kind : kinds)
+    if (kind.nodes == nodes)
+      return &kind;
+  return nullptr;
+}
+
+bool isLetter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+class Reader {
+public:
+  Reader(const Source& source, Report& report, Progress& progress)
+      : source_(source), report_(report), progress_(progress), in_(source, '#') {}
+
+  CellMesh read() {
+    bool havePoints = false;
+    while (!in_.atEnd()) {
+      const std::string_view word = in_.word();
+      if (word == "dimension") {
+        if (in_.integer() != 3)
+          in_.fail("the mesh is not three-dimensional",
+                   "only three-dimensional meshes have a volume");
+      } else if (word == "endmesh") {
+        break;
+      } else if (word == "points" || word == "pointsgi") {
+        if (havePoints)
+          in_.fail("has points twice", "keep one mesh in a file");
+        havePoints = true;
+        readPoints();
+      } else if (word == "volumeelements" || word == "volumeelementsgi") {
+        readVolumeElements();
+      } else if (word == "surfaceelements" || word == "surfaceelementsgi" ||
+                 word == "surfaceelementsuv") {
+        skipLines(kTriangle, in_.count("surface elements", 8));
+      } else if (word == "edgesegments" || word == "edgesegmentsgi" || word == "edgesegmentsgi2") {
+        skipLines(kSegment, in_.count("edge segments", 8));
+      } else if (word == "bcnames" || word == "cd2names" || word == "cd3names") {
+        // Names that could read as sections.
+        for (std::size_t n = in_.count("names", 2); n > 0; --n) {
+          in_.skipSpace();
+          in_.line();
+        }
+      } else if (word == "materials") {
+        readMaterials();
+      } else if (!isLetter(word[0]) && !skipping_) {
+        in_.fail("expected a section such as points or volumeelements",
+                 "a count before it is too small, or the file is damaged");
+      } else {
+        // A section that is not needed: its numbers and names pass by as words.
+        skipping_ = true;
+        continue;
+      }
+      skipping_ = false;
+    }
+    if (!havePoints)
+      in_.fail("has no points", "the file is damaged or cut off; export it again");
+    for (const std::uint32_t node : mesh_.nodes)
+      if (node >= mesh_.points.size())
+        in_.fail("an element uses point " + std::to_string(std::uint64_t(node) + 1) + " of " +
+                     std::to_string(mesh_.points.size()),
+                 "the file is damaged; export it again");
+    orderMids(mesh_);
+    return std::move(mesh_);
+  }
+
+private:
+  void readPoints() {
+    const std::size_t n = in_.count("points", 6);
+    checkPointCount(n, source_.path);
+    mesh_.points.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double x = in_.real(), y = in_.real(), z = in_.real();
+      mesh_.points.push_back({x, y, z});
+      if (i % kPerUpdate == 0)
+        update();
+    }
+  }
+
+  void readVolumeElements() {
+    const std::size_t n = in_.count("volume elements", 12);
+    mesh_.regions.reserve(mesh_.regions.size() + n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t material = in_.integer();
+      if (material < std::numeric_limits<std::int32_t>::min() ||
+          material > std::numeric_limits<std::int32_t>::max())
+        in_.fail("a material number is out of range");
+      const std::int64_t nodes = in_.integer();
+      const CellKind* kind = volumeElement(nodes);
+      if (kind == nullptr)
+        in_.fail("a volume element of " + std::to_string(nodes) + " nodes",
+                 "known are 4, 5, 6, 8, 10, 12, 13, 15 and 20");
+      for (std::uint32_t k = 0; k < kind->nodes; ++k) {
+        const std::int64_t number = in_.integer();
+        if (number < 1 || number >= std::int64_t(IdMap::kNone))
+          in_.fail("an element uses point " + std::to_string(number) + ", which does not exist");
+        if (k < kind->stored())
+          mesh_.nodes.push_back(static_cast<std::uint32_t>(number - 1));
+      }
+      mesh_.regions.push_back(static_cast<std::int32_t>(material));
+      appendCells(mesh_, *kind);
+      if (i % kPerUpdate == 0)
+        update();
+    }
+  }
+
+  void skipLines(const CellKind& kind, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (in_.atEnd() || isLetter(in_.peekWord()[0]))
+        in_.fail("fewer elements than declared", "the file is damaged or cut off; export it again");
+      in_.line();
+    }
+    mesh_.regions.insert(mesh_.regions.end(), n, 0);
+    appendCells(mesh_, kind, n);
+  }
+
+  void readMaterials() {
+    const std::size_t n = in_.count("materials", 4);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int64_t number = in_.integer();
+      std::string_view name = in_.line();
+      while (!name.empty() && static_cast<unsigned char>(name.front()) <= ' ')
+        name.remove_prefix(1);
+      while (!name.empty() && static_cast<unsigned char>(name.back()) <= ' ')
+        name.remove_suffix(1);
+      if (number >= 0 && number <= std::numeric_limits<std::int32_t>::max())
+        mesh_.regionNames[static_cast<std::int32_t>(number)] = name;
+    }
+  }
+
+  void update() {
+    progress_.update(static_cast<double>(in_.position()) /
+                     static_cast<double>(source_.bytes.size()));
+  }
+
+  const Source& source_;
+  Report& report_;
+  Progress& progress_;
+  NumberParser in_;
+  CellMesh mesh_;
+  bool skipping_ = true; ///< words that are not sections pass, as those before the first
+};
+
+} // namespace
+
+CellMesh readNetgen(const Source& source, const ReadOptions&, Report& report, Progress& progress) {
+  return Reader(source, report, progress).read();
+}
+
+} // namespace tetvdb

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Format: 3MF Consortium, "3D Manufacturing Format Core Specification"; the archive is one of the
+// Open Packaging Conventions. lib3mf is not used: it refuses files with a face that names a point
+// twice or a coordinate beyond 1e9, rounds to floats, and takes for ever over nested components.
+#include "tetvdb/io/formats/threemf/ThreeMfReader.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
+#include "tetvdb/io/formats/threemf/ThreeMfModel.h"
+#include "tetvdb/io/text/XmlScanner.h"
+#include "tetvdb/io/text/ZipDirectory.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kMaxPlacements = std::size_t(1) << 20; // of objects, nested ones counted anew
+constexpr std::size_t kMaxDepth = 256;
+constexpr std::uint64_t kMaxCorners = std::uint64_t(1) << 28; // points and corners, if repeated
+
+/// Names in archives: without the first slash, any case.
+std::string normalized(std::string_view name) {
+  return lowerCase(name.substr(name.substr(0, 1) == "/" ? 1 : 0));
+}
+
+class Package {
+public:
+  Package(const Source& source, Progress& progress)
+      : source_(source), progress_(progress), faces_(source.path) {
+    const std::vector<ZipEntry> entries = readZipDirectory(source);
+    checkZipSizes(entries, source);
+    for (const ZipEntry& entry : entries)
+      entries_.emplace(normalized(entry.name), entry);
+  }
+
+  TriangleMesh read(Report& report, std::vector<MeshPart>& parts) {
+    const std::string root = rootPath();
+    const ThreeMfModel* start = model(root);
+    if (start == nullptr)
+      throw Error(Status::Invalid, source_.path, "there is no 3MF model in the archive",
+                  "export it again");
+    if (start->items.empty())
+      throw Error(Status::Invalid, source_.path, "its build is empty: it places no object",
+                  "place the parts on the build plate and export it again");
+    for (const ThreeMfReference& item : start->items) {
+      item_ = static_cast<std::size_t>(&item - start->items.data());
+      place(item, root, Placement{}, 0);
+    }
+    if (missing_ > 0) {
+      report.warn("missing-objects", std::to_string(missing_) +
+                                         " placed objects were left out: they do not exist or "
+                                         "hold neither a mesh nor components");
+      report.partial = true;
+    }
+    std::uint64_t beams = 0;
+    for (const auto& [path, part] : models_)
+      beams += part.beams;
+    if (beams > 0) {
+      report.warn("beams",
+                  std::to_string(beams) + " beams of lattices were left out: they have no faces");
+      report.partial = true;
+    }
+    TriangleMesh mesh = faces_.finish(report);
+    mesh.units = start->units;
+    parts = std::move(parts_);
+    return mesh;
+  }
+
+private:
+  /// The relations of the package name its model.
+  std::string rootPath() {
+    const auto relations = entries_.find("_rels/.rels");
+    if (relations != entries_.end()) {
+      const std::string text = unpackZipEntry(relations->second, source_, progress_);
+      XmlScanner in(text, source_.path + ", _rels/.rels");
+      while (in.next()) {
+        const std::string_view type = in.attribute("Type");
+        constexpr std::string_view ending = "/3dmodel";
+        if (in.begins() && in.name() == "Relationship" && type.size() > ending.size() &&
+            type.substr(type.size() - ending.size()) == ending)
+          return normalized(in.attribute("Target"));
+      }
+    }
+    return "3d/3dmodel.model"; // the usual place
+  }
+
+  const ThreeMfModel* model(const std::string& path) {
+    if (const auto known = models_.find(path); known != models_.end())
+      return &known->second;
+    const auto entry = entries_.find(path);
+    if (entry == entries_.end())
+      return nullptr;
+    const std::string text = unpackZipEntry(entry->second, source_, progress_);
+    ThreeMfModel parsed =
+        parseThreeMfModel(text, source_.path + ", " + entry->second.name, progress_);
+    return &models_.emplace(path, std::move(parsed)).first->second;
+  }
+
+  void place(const ThreeMfReference& reference, const std::string& path, const Placement& outer,
+             std::size_t depth) {
+    if (++placements_ > kMaxPlacements || depth > kMaxDepth)
+      failRepeated();
+    const std::string inside = reference.path.empty() ? path : normalized(reference.path);
+    const ThreeMfModel* part = model(inside);
+    const ThreeMfObject* object = nullptr;
+    if (part != nullptr)
+      if (const auto found = part->objects.find(reference.object); found != part->objects.end())
+        object = &found->second;
+    if (object == nullptr || !object->known) {
+      ++missing_;
+      return;
+    }
+    const Placement placement = outer * reference.placement;
+    if (depth == 0)
+      itemName_ = object->name;
+    if (!object->triangles.empty())
+      parts_.push_back({object->name, faces_.pointCount(), item_, itemName_});
+    addMesh(*object, placement);
+    for (const ThreeMfReference& component : object->components)
+      place(component, inside, placement, depth + 1);
+  }
+
+  void addMesh(const ThreeMfObject& object, const Placement& placement) {
+    const std::uint64_t corners = object.points.size() + object.triangles.size();
+    // A mesh may be as large as it is: repeating it is what needs a measure.
+    if (corners_ > 0 && corners_ + corners > std::max(kMaxCorners, source_.bytes.size()))
+      failRepeated();
+    corners_ += corners;
+    faces_.beginMesh(placement, object.points.size());
+    for (const Vec3d& p : object.points)
+      faces_.addPoint(p);
+    for (std::size_t i = 0; i < object.triangles.size(); i += 3)
+      faces_.addPolygon(object.triangles.data() + i, 3);
+    progress_.check();
+  }
+
+  [[noreturn]] void failRepeated() const {
+    throw Error(Status::Limit, source_.path,
+                "its components contain one another too often or too deeply",
+                "merge the parts and export it again");
+  }
+
+  const Source& source_;
+  Progress& progress_;
+  PlacedFaces faces_;
+  std::map<std::string, ZipEntry, std::less<>> entries_; ///< by normalized name
+  std::map<std::string, ThreeMfModel, std::less<>> models_;
+  std::vector<MeshPart> parts_;
+  std::size_t item_ = 0; ///< of the build: the one that is being placed
+  std::string itemName_;
+  std::size_t placements_ = 0;
+  std::size_t missing_ = 0;
+  std::uint64_t corners_ = 0;
+};
+
+} // namespace
+
+TriangleMesh readThreeMf(const Source& source, Report& report, Progress& progress) {
+  std::vector<MeshPart> parts;
+  return readThreeMfParts(source, parts, report, progress);
+}
+
+TriangleMesh readThreeMfParts(const Source& source, std::vector<MeshPart>& parts, Report& report,
+                              Progress& progress) {
+  return Package(source, progress).read(report, parts);
+}
+
+} // namespace tetvdb

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// VTK's XML unstructured grids (.vtu): ascii, inline base64 and appended data (raw or base64),
+// plain or compressed by zlib, lz4 or lzma; header_type UInt32 or UInt64; either byte order.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/ReadOptions.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/mesh/CellMesh.h"
+
+namespace tetvdb {
+
+/// The mesh of an UnstructuredGrid or PolyData: points, cells in file order (the Pieces one after
+/// the other, points not merged), and the point and cell arrays that every Piece has. Field data is
+/// left out. With `options.attributes` false only integer cell arrays are decoded besides the mesh.
+/// Throws Error(Invalid) with file and byte for whatever is not a whole, consistent mesh.
+/// Compressed blocks are decoded in parallel.
+CellMesh readVtu(const Source& source, const ReadOptions& options, Report& report,
+                 Progress& progress);
+
+/// Whether an unstructured grid has solid cells: its cells' types alone are read.
+bool vtuHasSolidCells(const Source& source, Report& report, Progress& progress);
+
+} // namespace tetvdb

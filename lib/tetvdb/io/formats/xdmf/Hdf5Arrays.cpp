@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
+
+#include "tetvdb/core/Error.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <utility>
+#include <variant>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCut = "the file is damaged or cut off; export it again";
+
+} // namespace
+
+NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::string& path,
+                      Report& report, Progress& progress) {
+  if (datasets.empty())
+    return {};
+  double bytes = 0;
+  std::map<std::string, bool> seen;
+  for (const Hdf5Dataset& dataset : datasets) {
+    std::error_code error;
+    if (!fs::is_regular_file(dataset.file, error))
+      throw Error(Status::Invalid, path, "the file '" + dataset.file + "' is missing",
+                  "put it beside the .xdmf file, under the name that this one gives");
+    if (seen.emplace(dataset.file, true).second)
+      bytes += static_cast<double>(fs::file_size(dataset.file, error));
+  }
+  IsolationLimits limits;
+  limits.memory = (std::uint64_t(2) << 30) + static_cast<std::uint64_t>(40 * bytes);
+  limits.seconds = 60 + static_cast<unsigned>(std::min(bytes / 5e6, 1e6));
+  const auto read = [&](Report&, Progress& childProgress) {
+    std::map<std::string, Hdf5File> files;
+    NumberArrays arrays;
+    for (const Hdf5Dataset& dataset : datasets) {
+      auto file = files.find(dataset.file);
+      if (file == files.end())
+        file = files.emplace(dataset.file, Hdf5File(dataset.file)).first;
+      arrays.push_back(file->second.read(dataset.path, dataset.sliced ? &dataset.slab : nullptr));
+      const std::size_t n =
+          std::visit([](const auto& values) { return values.size(); }, arrays.back());
+      if (n < dataset.least)
+        throw Error(Status::Invalid, dataset.file + ":" + dataset.path,
+                    "has " + std::to_string(n) + " numbers in place of " +
+                        std::to_string(dataset.least),
+                    kCut);
+      childProgress.check();
+    }
+    return arrays;
+  };
+  NumberArrays arrays = readArraysIsolated(read, path, limits, report, progress);
+  if (arrays.size() != datasets.size())
+    throw Error(Status::Invalid, path, "its HDF5 file cannot be read", kCut);
+  for (std::size_t i = 0; i < arrays.size(); ++i)
+    if (std::visit([](const auto& v) { return v.size(); }, arrays[i]) < datasets[i].least)
+      throw Error(Status::Invalid, path, "its HDF5 file cannot be read", kCut);
+  return arrays;
+}
+
+} // namespace tetvdb

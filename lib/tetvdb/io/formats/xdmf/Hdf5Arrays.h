@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Datasets of HDF5 files as arrays of numbers.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/source/Hdf5File.h"
+#include "tetvdb/io/source/IsolatedRead.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+struct Hdf5Dataset {
+  std::string file;
+  std::string path;      ///< within the file: "/Mesh/geometry"
+  bool sliced = false;   ///< take `slab` alone
+  Slab slab;             ///< as many dimensions as the dataset
+  std::size_t least = 0; ///< numbers that are needed; fewer are an error
+};
+
+/// Reads the datasets, in their order, each of numbers of at most 64 bits (8- and 16-bit integers
+/// and unsigned ones widen as mesh/Attribute.h says). In a child process with limits on memory and
+/// time, since the HDF5 library crashes on damaged files; links to other files and plugins are not
+/// followed, and no dataset may claim more than its file can hold after decompression. `path` is
+/// for messages. Throws Error(Invalid), Error(Limit), Error(Cancelled).
+NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::string& path,
+                      Report& report, Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The grids of an XDMF document: collections in space and time, and the uniform grids in them.
+#pragma once
+
+#include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tetvdb {
+
+/// Refers to the markup. What throws throws Error(Invalid).
+class XdmfGrids {
+public:
+  explicit XdmfGrids(const XdmfMarkup& markup) : markup_(markup) {}
+
+  static bool isTemporal(pugi::xml_node grid);
+  std::vector<pugi::xml_node> children(pugi::xml_node grid) const {
+    return markup_.children(grid, "Grid");
+  }
+  /// The first temporal collection in or below `grid`; null where there is none.
+  pugi::xml_node temporal(pugi::xml_node grid, std::size_t depth = 0) const;
+  /// Adds the uniform grids of `grid` at a step. Throws for other grids, and for too many.
+  void uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,
+               std::size_t depth = 0) const;
+
+private:
+  static std::string_view typeOf(pugi::xml_node grid) { return grid.attribute("GridType").value(); }
+  static bool isCollection(pugi::xml_node grid);
+  [[noreturn]] void fail(pugi::xml_node grid, const std::string& what) const;
+
+  const XdmfMarkup& markup_;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,505 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/formats/xdmf/XdmfReader.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
+#include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/formats/xdmf/XdmfData.h"
+#include "tetvdb/io/formats/xdmf/XdmfFunction.h"
+#include "tetvdb/io/formats/xdmf/XdmfGrids.h"
+#include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
+#include "tetvdb/io/text/NumberParser.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+/// A topology type: its cells are VTK's, nodes in VTK's order.
+struct Shape {
+  std::string_view name;   ///< in lower case without underscores
+  std::uint8_t vtk = 0;    ///< cell type
+  std::uint32_t nodes = 0; ///< of each cell; 0: NodesPerElement says, or 1 and 2
+  std::int64_t mixed = -1; ///< its number in a Mixed topology
+};
+
+// The numbers are those of the XDMF model and format.
+constexpr std::array<Shape, 24> kShapes{
+    {{"polyvertex", 2, 0, 1},       {"polyline", 4, 0, 2},         {"polygon", 7, 0, 3},
+     {"triangle", 5, 3, 4},         {"quadrilateral", 9, 4, 5},    {"tetrahedron", 10, 4, 6},
+     {"pyramid", 14, 5, 7},         {"wedge", 13, 6, 8},           {"hexahedron", 12, 8, 9},
+     {"edge3", 21, 3, 34},          {"quadrilateral9", 28, 9, 35}, {"triangle6", 22, 6, 36},
+     {"quadrilateral8", 23, 8, 37}, {"tetrahedron10", 24, 10, 38}, {"pyramid13", 27, 13, 39},
+     {"wedge15", 26, 15, 40},       {"wedge18", 32, 18, 41},       {"hexahedron20", 25, 20, 48},
+     {"hexahedron24", 33, 24, 49},  {"hexahedron27", 29, 27, 50},  {"tet10", 24, 10, -1},
+     {"tri6", 22, 6, -1},           {"hex20", 25, 20, -1},         {"hex27", 29, 27, -1}}};
+
+std::string plainName(std::string_view name) {
+  std::string text = lowerCase(name);
+  text.erase(std::remove(text.begin(), text.end(), '_'), text.end());
+  return text;
+}
+
+/// Number `i` of an array of integers or floats as an index; kNone where it is none.
+constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+template <typename T>
+std::uint64_t indexOf(T value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return value >= 0 && value <= T(4294967294.0) && value == std::floor(value)
+               ? static_cast<std::uint64_t>(value)
+               : kNone;
+  else
+    return value >= 0 ? static_cast<std::uint64_t>(value) : kNone;
+}
+
+/// A mesh: its topology and geometry, and the grids whose attributes lie on it.
+struct Piece {
+  pugi::xml_node grid, topology, geometry;
+  std::vector<pugi::xml_node> attributes;
+  pugi::xml_node function; ///< the domain's collection over time that the grid is of, if any
+};
+
+// --- Meshes -------------------------------------------------------------------------------------
+
+class XdmfFile {
+public:
+  XdmfFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
+      : source_(source), options_(options), report_(report), progress_(progress), markup_(source),
+        grids_(markup_), data_(markup_, source, report, progress) {}
+
+  CellMesh read() {
+    findPieces();
+    for (const Piece& piece : pieces_)
+      need(piece);
+    data_.load();
+    progress_.update(0.4);
+    std::vector<FunctionMesh> meshes;
+    std::size_t done = 0;
+    for (const Piece& piece : pieces_) {
+      addMesh({piece.function, make(piece)}, meshes);
+      progress_.update(0.4 +
+                       0.6 * static_cast<double>(++done) / static_cast<double>(pieces_.size()));
+    }
+    CellMesh whole = std::move(meshes.front().mesh);
+    for (std::size_t i = 1; i < meshes.size(); ++i)
+      vtk::appendPiece(whole, std::exchange(meshes[i].mesh, {}), report_);
+    return whole;
+  }
+
+private:
+  [[noreturn]] void fail(pugi::xml_node node, const std::string& what,
+                         const char* advice = "repair the file or export it again") const {
+    throw Error(Status::Invalid, markup_.where(node), what, advice);
+  }
+
+  struct FunctionMesh {
+    pugi::xml_node function; ///< Piece::function
+    CellMesh mesh;
+  };
+
+  // A mesh that is there already, written once more for another function, gives its arrays alone.
+  static void addMesh(FunctionMesh&& added, std::vector<FunctionMesh>& meshes) {
+    CellMesh& mesh = added.mesh;
+    const auto sameRun = [](const CellRun& a, const CellRun& b) {
+      return a.type == b.type && a.nodesPerCell == b.nodesPerCell && a.count == b.count;
+    };
+    for (auto& [function, known] : meshes) {
+      if (function == added.function || known.points != mesh.points || known.nodes != mesh.nodes ||
+          !std::equal(known.runs.begin(), known.runs.end(), mesh.runs.begin(), mesh.runs.end(),
+                      sameRun))
+        continue;
+      for (Attribute& attribute : mesh.attributes)
+        if (!hasAttribute(known, attribute.name, attribute.on))
+          known.attributes.push_back(std::move(attribute));
+      known.unread.insert(known.unread.end(), mesh.unread.begin(), mesh.unread.end());
+      return;
+    }
+    meshes.push_back(std::move(added));
+  }
+  static bool hasAttribute(const CellMesh& mesh, const std::string& name, Attribute::On on) {
+    return std::any_of(mesh.attributes.begin(), mesh.attributes.end(), [&](const Attribute& other) {
+      return other.on == on && other.name == name;
+    });
+  }
+
+  void findPieces() {
+    const std::vector<pugi::xml_node> all = grids_.children(markup_.domain());
+    if (all.empty())
+      throw Error(Status::Invalid, source_.path, "has no <Grid>", "export it again");
+    const pugi::xml_node temporal = grids_.temporal(markup_.domain());
+    const std::size_t steps = temporal ? grids_.children(temporal).size() : 0;
+    if (temporal && steps == 0)
+      fail(temporal, "the temporal collection is empty", "export it again");
+    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
+      throw Error(Status::Usage, source_.path,
+                  "has no time step " + std::to_string(options_.timeStep + 1),
+                  "it has " + std::to_string(steps));
+    const std::size_t step =
+        options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep) : steps - (steps > 0);
+    for (const pugi::xml_node grid : all) {
+      // Beside collections over time stands the mesh that these refer to.
+      if (temporal && !grids_.temporal(grid))
+        continue;
+      if (grids_.isTemporal(grid) && grids_.children(grid).size() != steps)
+        leaveOut(grid, "has another number of steps");
+      else
+        addGrids(grid, step, temporal ? grid : pugi::xml_node());
+    }
+    if (pieces_.empty())
+      throw Error(Status::Invalid, source_.path, "has no grid with a topology and a geometry",
+                  "export it again");
+  }
+
+  void leaveOut(pugi::xml_node grid, const std::string& why) {
+    report_.warn("grid-left-out", std::string("the grid '") + grid.attribute("Name").value() +
+                                      "' is left out: it " + why);
+  }
+
+  void addGrids(pugi::xml_node top, std::size_t step, pugi::xml_node function) {
+    std::vector<pugi::xml_node> uniform;
+    grids_.uniform(top, step, uniform);
+    for (const pugi::xml_node grid : uniform)
+      addGrid(grid, function);
+  }
+
+  void addGrid(pugi::xml_node grid, pugi::xml_node function) {
+    Piece piece{grid, markup_.child(grid, "Topology"), markup_.child(grid, "Geometry"),
+                markup_.children(grid, "Attribute"), function};
+    if (!piece.topology || !piece.geometry)
+      fail(grid, piece.topology ? "has no <Geometry>" : "has no <Topology>", "export it again");
+    for (Piece& known : pieces_) {
+      if (known.geometry != piece.geometry)
+        continue;
+      // In a collection these are parts of one mesh; beside it they repeat some of its cells.
+      if (known.topology != piece.topology && grid.parent() != markup_.domain())
+        continue;
+      if (known.topology != piece.topology)
+        return leaveOut(grid, "has cells of its own on the points of '" +
+                                  std::string(known.grid.attribute("Name").value()) + "'");
+      known.attributes.insert(known.attributes.end(), piece.attributes.begin(),
+                              piece.attributes.end());
+      return;
+    }
+    pieces_.push_back(std::move(piece));
+  }
+
+  static bool onPoints(pugi::xml_node attribute) {
+    const std::string_view centre = attribute.attribute("Center").value();
+    return centre.empty() || sameWord(centre, "Node");
+  }
+  // Those on nodes and cells that are asked for, or that could tell regions.
+  bool isWanted(pugi::xml_node attribute) const {
+    const std::string_view name = attribute.attribute("Name").value();
+    if (isFunction(attribute))
+      return options_.wants(name);
+    if (!onPoints(attribute) && !sameWord(attribute.attribute("Center").value(), "Cell"))
+      return false;
+    return options_.wants(name) ||
+           (!onPoints(attribute) && (name == options_.regionArray || holdsIntegers(attribute)));
+  }
+  bool holdsIntegers(pugi::xml_node attribute) const {
+    const pugi::xml_node item = markup_.child(attribute, "DataItem");
+    std::string_view type = item.attribute("NumberType").value();
+    if (type.empty())
+      type = item.attribute("DataType").value();
+    return !type.empty() && !sameWord(type, "Float");
+  }
+  static bool isFunction(pugi::xml_node attribute) {
+    const std::string_view kind = attribute.attribute("ItemType").value();
+    return !kind.empty() && !sameWord(kind, "Uniform");
+  }
+
+  void need(const Piece& piece) {
+    for (const pugi::xml_node item : geometryItems(piece))
+      data_.need(item);
+    shapeOf(piece.topology);
+    data_.need(itemOf(piece.topology));
+    for (const pugi::xml_node attribute : piece.attributes)
+      if (isWanted(attribute))
+        for (const pugi::xml_node item : itemsOf(attribute))
+          data_.need(item);
+  }
+
+  pugi::xml_node itemOf(pugi::xml_node parent) const {
+    const pugi::xml_node item = markup_.child(parent, "DataItem");
+    if (!item)
+      fail(parent, "has no <DataItem>", "export it again");
+    return item;
+  }
+
+  // That are to be read of an attribute: a function's are its cells' and its numbers.
+  std::vector<pugi::xml_node> itemsOf(pugi::xml_node attribute) const {
+    if (!isFunction(attribute))
+      return {itemOf(attribute)};
+    if (!xdmfFunction(attribute))
+      return {};
+    std::vector<pugi::xml_node> items = markup_.children(attribute, "DataItem");
+    if (items.size() < 2)
+      fail(attribute, "has too few data items for a function", "export it again");
+    items.resize(2);
+    return items;
+  }
+
+  std::vector<pugi::xml_node> geometryItems(const Piece& piece) const {
+    std::string_view type = piece.geometry.attribute("GeometryType").value();
+    if (type.empty())
+      type = piece.geometry.attribute("Type").value();
+    const bool together = type.empty() || sameWord(type, "XYZ") || sameWord(type, "XY");
+    const std::size_t apart = sameWord(type, "X_Y_Z") ? 3 : sameWord(type, "X_Y") ? 2 : 0;
+    if (!together && apart == 0)
+      fail(piece.geometry,
+           "the points are given as " + std::string(type) + ", as those of structured grids are",
+           "export an unstructured grid, with points XYZ or X_Y_Z");
+    std::vector<pugi::xml_node> items = markup_.children(piece.geometry, "DataItem");
+    if (items.size() < std::max<std::size_t>(1, apart))
+      fail(piece.geometry, "has too few data items", "export it again");
+    items.resize(std::max<std::size_t>(1, apart));
+    return items;
+  }
+
+  CellMesh make(const Piece& piece) {
+    CellMesh mesh;
+    readPoints(piece, mesh);
+    readCells(piece.topology, mesh);
+    for (const pugi::xml_node attribute : piece.attributes)
+      readAttribute(attribute, mesh);
+    return mesh;
+  }
+
+  void readPoints(const Piece& piece, CellMesh& mesh) {
+    const std::vector<pugi::xml_node> items = geometryItems(piece);
+    const std::string_view type = piece.geometry.attribute("GeometryType").value();
+    const std::size_t width = sameWord(type, "XY") ? 2 : 3;
+    for (std::size_t axis = 0; axis < items.size(); ++axis) {
+      const Attribute::Values values = data_.take(items[axis]);
+      std::visit(
+          [&](const auto& numbers) {
+            const std::size_t each = items.size() == 1 ? width : 1;
+            const std::size_t points = numbers.size() / each;
+            if (numbers.size() % each != 0 || (axis > 0 && points != mesh.points.size()))
+              fail(piece.geometry,
+                   std::to_string(numbers.size()) + " coordinates do not make points");
+            checkPointCount(points, source_.path);
+            mesh.points.resize(points, Vec3d{0, 0, 0});
+            for (std::size_t i = 0; i < points; ++i)
+              for (std::size_t k = 0; k < each; ++k)
+                mesh.points[i][items.size() == 1 ? k : axis] =
+                    static_cast<double>(numbers[i * each + k]);
+          },
+          values);
+    }
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+      if (!isFinite(mesh.points[i]))
+        fail(piece.geometry, "point " + std::to_string(i) + " has a coordinate that is not finite");
+  }
+
+  // The shape of all cells; null for a mixed topology.
+  const Shape* shapeOf(pugi::xml_node topology) const {
+    std::string_view type = topology.attribute("TopologyType").value();
+    if (type.empty())
+      type = topology.attribute("Type").value();
+    const std::string name = plainName(type);
+    if (name == "mixed")
+      return nullptr;
+    for (const Shape& shape : kShapes)
+      if (shape.name == name)
+        return &shape;
+    const bool structured = name.find("mesh") != std::string::npos;
+    fail(topology,
+         structured ? "is a structured grid (" + std::string(type) + ")"
+                    : "cells of type '" + std::string(type) + "' are not read",
+         structured ? "export an unstructured grid" : "export the mesh with other cells");
+  }
+
+  std::uint64_t attributeNumber(pugi::xml_node node, const char* name,
+                                std::uint64_t missing) const {
+    const std::string_view text = node.attribute(name).value();
+    if (text.empty())
+      return missing;
+    NumberParser in(text, markup_.where(node));
+    std::uint64_t all = 1;
+    while (!in.atEnd()) { // "4 5" is 20
+      const std::int64_t number = in.integer();
+      if (number < 0 || (number > 0 && all > (std::uint64_t(1) << 40) / std::uint64_t(number)))
+        fail(node, std::string(name) + " is no number of things");
+      all *= static_cast<std::uint64_t>(number);
+    }
+    return all;
+  }
+
+  void readCells(pugi::xml_node topology, CellMesh& mesh) {
+    const Shape* shape = shapeOf(topology);
+    const std::uint64_t offset = attributeNumber(topology, "BaseOffset", 0);
+    const Attribute::Values values = data_.take(itemOf(topology));
+    vtk::Cells cells;
+    cells.where = markup_.where(topology);
+    std::visit(
+        [&](const auto& numbers) {
+          if (shape != nullptr)
+            uniformCells(topology, *shape, numbers, offset, cells);
+          else
+            mixedCells(topology, numbers, offset, cells);
+        },
+        values);
+    std::uint64_t declared = attributeNumber(topology, "NumberOfElements", kNone);
+    if (declared == kNone)
+      declared = attributeNumber(topology, "NumberOfCells", kNone);
+    if (declared != kNone && declared != cells.types.size())
+      fail(topology, std::to_string(declared) + " cells are declared, but there are " +
+                         std::to_string(cells.types.size()));
+    vtk::appendCells(std::move(cells), mesh, progress_);
+  }
+
+  static std::uint32_t nodeOf(std::uint64_t index, std::uint64_t offset) {
+    const bool fits = index != kNone && index >= offset && index - offset < 0xffffffffu;
+    return fits ? static_cast<std::uint32_t>(index - offset) : 0xffffffffu; // which no mesh has
+  }
+
+  template <class Numbers>
+  void uniformCells(pugi::xml_node topology, const Shape& shape, const Numbers& numbers,
+                    std::uint64_t offset, vtk::Cells& cells) const {
+    std::uint64_t each = shape.nodes;
+    if (each == 0)
+      each = attributeNumber(topology, "NodesPerElement", shape.mixed == 2 ? 2 : 1);
+    if (each == 0 || numbers.size() % each != 0)
+      fail(topology, std::to_string(numbers.size()) + " numbers do not make cells of " +
+                         std::to_string(each) + " nodes");
+    const std::size_t n = numbers.size() / each;
+    cells.types.assign(n, shape.vtk);
+    cells.ends.resize(n);
+    for (std::size_t i = 0; i < n; ++i)
+      cells.ends[i] = (i + 1) * each;
+    cells.connectivity.resize(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      cells.connectivity[i] = nodeOf(indexOf(numbers[i]), offset);
+  }
+
+  // Each cell's number of its shape, the number of its nodes where that can differ, its nodes.
+  template <class Numbers>
+  void mixedCells(pugi::xml_node topology, const Numbers& numbers, std::uint64_t offset,
+                  vtk::Cells& cells) const {
+    for (std::size_t at = 0; at < numbers.size();) {
+      const std::uint64_t number = indexOf(numbers[at++]);
+      const auto* shape = std::find_if(kShapes.begin(), kShapes.end(), [&](const Shape& known) {
+        return known.mixed >= 0 && static_cast<std::uint64_t>(known.mixed) == number;
+      });
+      const auto cell = "cell " + std::to_string(cells.types.size());
+      if (shape == kShapes.end())
+        fail(topology,
+             number == 16 ? cell + " is a polyhedron, which is not read"
+                          : cell + " has an unknown type",
+             "export the mesh with other cells");
+      std::uint64_t nodes = shape->nodes;
+      if (nodes == 0 && at < numbers.size())
+        nodes = indexOf(numbers[at++]);
+      if (nodes > numbers.size() - at)
+        fail(topology, cell + " ends beyond the topology's numbers");
+      for (const std::size_t end = at + nodes; at < end; ++at)
+        cells.connectivity.push_back(nodeOf(indexOf(numbers[at]), offset));
+      cells.types.push_back(shape->vtk);
+      cells.ends.push_back(cells.connectivity.size());
+    }
+  }
+
+  void readAttribute(pugi::xml_node node, CellMesh& mesh) {
+    std::string name = node.attribute("Name").value();
+    if (name.empty())
+      name = "unnamed";
+    const auto on = onPoints(node) ? Attribute::On::Points : Attribute::On::Cells;
+    if (!isWanted(node)) {
+      if (const std::optional<XdmfFunction> function = xdmfFunction(node)) {
+        mesh.unread.push_back({std::move(name), function->on, 1});
+        return;
+      }
+      const bool elsewhere =
+          on == Attribute::On::Cells && !sameWord(node.attribute("Center").value(), "Cell");
+      if (options_.attributes && !elsewhere)
+        mesh.unread.push_back({std::move(name), on, 1});
+      return;
+    }
+    if (const std::optional<XdmfFunction> function = xdmfFunction(node))
+      return readFunction(node, *function, std::move(name), mesh);
+    if (isFunction(node)) {
+      report_.warn("array-left-out", "the array '" + name + "' is a '" +
+                                         node.attribute("ItemType").value() +
+                                         "', which is not read, and is left out");
+      return;
+    }
+    Attribute attribute;
+    attribute.values = data_.take(itemOf(node));
+    if (hasAttribute(mesh, name, on))
+      return;
+    const std::size_t elements =
+        on == Attribute::On::Points ? mesh.points.size() : mesh.cellCount();
+    const std::size_t numbers =
+        std::visit([](const auto& values) { return values.size(); }, attribute.values);
+    constexpr std::size_t mostComponents = 1u << 16;
+    if (elements == 0)
+      return;
+    if (numbers % elements != 0 || numbers == 0 || numbers / elements > mostComponents)
+      fail(node, std::to_string(numbers) + " numbers for " + std::to_string(elements) +
+                     (on == Attribute::On::Points ? " points" : " cells"));
+    attribute.name = std::move(name);
+    attribute.on = on;
+    attribute.components = static_cast<std::uint32_t>(numbers / elements);
+    if (attribute.components == 6 && sameWord(node.attribute("AttributeType").value(), "Tensor6"))
+      std::visit([](auto& values) { orderTensor(values); }, attribute.values);
+    mesh.attributes.push_back(std::move(attribute));
+  }
+
+  void readFunction(pugi::xml_node node, const XdmfFunction& function, std::string&& name,
+                    CellMesh& mesh) {
+    const std::vector<pugi::xml_node> items = itemsOf(node);
+    const Attribute::Values dofs = data_.take(items[0]), numbers = data_.take(items[1]);
+    if (hasAttribute(mesh, name, function.on))
+      return;
+    if (function.degree > 1)
+      report_.warn("linear-array", "the array '" + name + "' is a function of degree " +
+                                       std::to_string(function.degree) +
+                                       "; its values at the corners of cells are taken, between "
+                                       "them it becomes linear");
+    Attribute attribute = arrayOf(function, dofs, numbers, mesh, markup_.where(node));
+    attribute.name = std::move(name);
+    mesh.attributes.push_back(std::move(attribute));
+  }
+
+  // From xx, xy, xz, yy, yz, zz to VTK's order, xx, yy, zz, xy, yz, xz.
+  template <class Numbers>
+  static void orderTensor(Numbers& numbers) {
+    constexpr std::array<std::size_t, 6> from{0, 3, 5, 1, 4, 2};
+    for (std::size_t at = 0; at + 6 <= numbers.size(); at += 6) {
+      typename Numbers::value_type one[6];
+      std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(at), 6, one);
+      for (std::size_t k = 0; k < 6; ++k)
+        numbers[at + k] = one[from[k]];
+    }
+  }
+
+  const Source& source_;
+  const ReadOptions& options_;
+  Report& report_;
+  Progress& progress_;
+  XdmfMarkup markup_;
+  XdmfGrids grids_;
+  XdmfData data_;
+  std::vector<Piece> pieces_;
+};
+
+} // namespace
+
+CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& report,
+                  Progress& progress) {
+  CellMesh mesh = XdmfFile(source, options, report, progress).read();
+  mesh.times = xdmfTimes(source);
+  return mesh;
+}
+
+} // namespace tetvdb

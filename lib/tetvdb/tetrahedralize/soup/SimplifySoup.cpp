@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/tetrahedralize/soup/SimplifySoup.h"
+
+#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/tetrahedralize/soup/SimplifyPart.h"
+#include "tetvdb/tetrahedralize/soup/SoupSurface.h"
+
+#include <algorithm>
+#include <array>
+#include <tbb/parallel_for.h>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+using Points = std::vector<std::uint32_t>;
+
+constexpr std::size_t kPartPoints = 3000; ///< at most; most of them away from the part's border
+constexpr int kMaxRounds = 10;
+constexpr double kWorthwhile = 0.02; ///< the share of points that a round has to remove
+// Where parts are cut, round by round: borders never lie where the last ones did.
+constexpr std::array<double, 4> kCuts{0.5, 0.36, 0.64, 0.43};
+
+// Halves the points, or nearly so, along the longest side of their box until parts are small.
+void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::iterator last,
+         double share, std::vector<Points>& parts) {
+  const auto count = static_cast<std::size_t>(last - first);
+  if (count <= kPartPoints) {
+    parts.emplace_back(first, last);
+    return;
+  }
+  Box box;
+  for (auto v = first; v != last; ++v)
+    box.add(points[*v]);
+  std::size_t axis = 0;
+  for (std::size_t other = 1; other < 3; ++other)
+    if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
+      axis = other;
+  const auto median = first + static_cast<std::ptrdiff_t>(static_cast<double>(count) * share);
+  std::nth_element(first, median, last, [&](std::uint32_t a, std::uint32_t b) {
+    return points[a][axis] != points[b][axis] ? points[a][axis] < points[b][axis] : a < b;
+  });
+  cut(points, first, median, share, parts);
+  cut(points, median, last, share, parts);
+}
+
+} // namespace
+
+SimplifyCounts simplifySoup(LatticeSoup& soup, const Envelope& envelope, double radius,
+                            Progress& progress) {
+  SimplifyCounts counts;
+  SoupSurface surface(soup, radius);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    progress.update(double(round) / kMaxRounds);
+    Points left;
+    for (std::uint32_t v = 0; v < surface.points.size(); ++v)
+      if (surface.firstCorner[v] != SoupSurface::kNone)
+        left.push_back(v);
+    std::vector<Points> parts;
+    const double share = kCuts[static_cast<std::size_t>(round) % kCuts.size()];
+    cut(surface.points, left.begin(), left.end(), share, parts);
+    std::vector<SimplifyCounts> done(parts.size());
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+      std::sort(parts[i].begin(), parts[i].end());
+      for (const std::uint32_t v : parts[i])
+        surface.part[v] = static_cast<std::uint32_t>(i);
+    });
+    tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
+      SimplifyPart part(surface, envelope, radius, progress);
+      part.run(parts[i]);
+      done[i] = part.counts();
+    });
+    std::size_t collapses = 0;
+    for (const SimplifyCounts& ofPart : done) {
+      collapses += ofPart.collapses;
+      counts.swaps += ofPart.swaps;
+    }
+    counts.collapses += collapses;
+    if (static_cast<double>(collapses) <= kWorthwhile * static_cast<double>(left.size()))
+      break;
+  }
+  soup = surface.rest();
+  tidySoup(soup, progress);
+  return counts;
+}
+
+} // namespace tetvdb

@@ -243,9 +243,9 @@ public:
           const bool alone = jobOffset[leaf + 1] - jobOffset[leaf] == 1;
           for (int r = team.rank(); r < kRowsInLeaf; r += team.size()) {
             const int x = r / kLeafSize, y = r % kLeafSize;
-            float least[kLeafSize];
+            float min[kLeafSize];
             for (int z = 0; z < kLeafSize; ++z)
-              least[z] = 0x1p127f;
+              min[z] = 0x1p127f;
             for (int k = 0; k < faces; ++k) {
               const LeafFace& face = s.faces[k];
               FaceRow row;
@@ -256,15 +256,15 @@ public:
 #pragma unroll
 #endif
               for (int z = 0; z < kLeafSize; ++z)
-                least[z] =
-                    smallerOf(least[z], squaredDistance(face, row, static_cast<float>(z) - 3.5f));
+                min[z] =
+                    smallerOf(min[z], squaredDistance(face, row, static_cast<float>(z) - 3.5f));
             }
             float* const place = out + (leaf * kRowsInLeaf + static_cast<u64>(r)) * kLeafSize;
             for (int z = 0; z < kLeafSize; ++z) {
               if (alone)
-                place[z] = least[z];
+                place[z] = min[z];
               else
-                minInto(reinterpret_cast<u32*>(place + z), bitsOf(least[z]));
+                minInto(reinterpret_cast<u32*>(place + z), bitsOf(min[z]));
             }
           }
           team.sync();
@@ -292,10 +292,10 @@ private:
   // Into batches of whole nodes that fit; and room for the longest list of faces.
   void cut(u64 nodes) {
     cuts_.clear();
-    u64 begin = 0, most = 0;
+    u64 begin = 0, max = 0;
     const auto close = [&](u64 end) {
       cuts_.push_back({begin, end});
-      most = std::max(most, bounds_[end].face - bounds_[begin].face);
+      max = std::max(max, bounds_[end].face - bounds_[begin].face);
       begin = end;
     };
     for (u64 node = 0; node < nodes; ++node)
@@ -304,8 +304,8 @@ private:
         close(node);
     if (nodes > begin)
       close(nodes);
-    b_.require(most * sizeof(u32));
-    list_ = b_.template temp<u32>(most);
+    b_.require(max * sizeof(u32));
+    list_ = b_.template temp<u32>(max);
   }
 
   void hand(u64 firstNode, std::size_t half, DistanceReceiver& receiver) {

@@ -70,7 +70,7 @@ public:
       return p;
     }
     // A quarter of what there is, so that blocks stay few, but no more than a gigabyte to spare.
-    u64 size = bytes > kLeast ? bytes : kLeast;
+    u64 size = bytes > kMin ? bytes : kMin;
     const u64 quarter = held_ / 4 < kSpare ? held_ / 4 : kSpare;
     if (size < quarter)
       size = quarter;
@@ -124,7 +124,7 @@ public:
   }
 
 private:
-  static constexpr u64 kAlign = 256, kLeast = u64(128) << 20, kSpare = u64(1) << 30;
+  static constexpr u64 kAlign = 256, kMin = u64(128) << 20, kSpare = u64(1) << 30;
   struct Block {
     unsigned char* base;
     u64 size, used;
@@ -412,18 +412,19 @@ public:
   void forTeams(u64 n, int size, const F& f) {
     if (n == 0)
       return;
-    constexpr u64 kMost = 0x7FFFFFFF;
+    constexpr u64 kMax = 0x7FFFFFFF;
     // What is too large for four of them shares nothing between warps.
     if constexpr (kWarpTeams * sizeof(Shared) <= 48 * 1024)
       if (size == 32) {
         const u64 blocks = (n + kWarpTeams - 1) / kWarpTeams;
-        forWarpsKernel<Shared, F><<<static_cast<unsigned>(blocks < kMost ? blocks : kMost),
-                                    32 * kWarpTeams, 0, stream_>>>(n, f);
+        forWarpsKernel<Shared, F>
+            <<<static_cast<unsigned>(blocks < kMax ? blocks : kMax), 32 * kWarpTeams, 0, stream_>>>(
+                n, f);
         check(cudaGetLastError(), "launch");
         return;
       }
     forTeamsKernel<Shared, F>
-        <<<static_cast<unsigned>(n < kMost ? n : kMost), static_cast<unsigned>(size), 0, stream_>>>(
+        <<<static_cast<unsigned>(n < kMax ? n : kMax), static_cast<unsigned>(size), 0, stream_>>>(
             n, f);
     check(cudaGetLastError(), "launch");
   }

@@ -11,7 +11,7 @@ namespace tetvdb::nano {
 
 /// Lower nodes first .. first + size - 1 of the key space and the masks of their leaves.
 struct DenseBox {
-  static constexpr u64 kMostNodes = 16; ///< along an axis: units of the lattice fit 32 bits
+  static constexpr u64 kMaxNodes = 16; ///< along an axis: units of the lattice fit 32 bits
   u64 first[3], size[3];
   i64 voxel[3]; ///< the first
   u64* mask;    ///< eight words a leaf; leaves of a node as in its table, nodes x, y, z

@@ -11,7 +11,7 @@
 namespace tetvdb::nano {
 
 /// A box of at most 16 lower nodes along an axis meets at most two upper nodes along each.
-constexpr int kMostDenseUppers = 8;
+constexpr int kMaxDenseUppers = 8;
 
 /// The lower nodes of a DenseBox in tree order: upper node by upper node.
 struct DenseOrder {
@@ -57,7 +57,7 @@ struct ClassifyShared {
 struct NumberShared {
   static constexpr int kThreads = 256, kOccupancy = 8;
   u32 leaves[256], nodes[256], spare[256];
-  u32 child[kMostDenseUppers], tile[kMostDenseUppers], firstOf[kMostDenseUppers];
+  u32 child[kMaxDenseUppers], tile[kMaxDenseUppers], firstOf[kMaxDenseUppers];
 };
 
 /// What is found, to be read by the host.
@@ -69,7 +69,7 @@ struct DenseCounts {
 
 /// The tree's nodes above leaves, device arrays in tree order.
 struct DenseNodes {
-  u64 most = 0;       ///< lower nodes there may be
+  u64 max = 0;        ///< lower nodes there may be
   NodeMasks<4> lower; ///< by place in tree order
   NodeMasks<5> upper; ///< by upper node of the box that is not empty
   u64* leafFirst;     ///< by place: mixed leaves before it
@@ -88,7 +88,7 @@ public:
   /// Finds and numbers the lower and upper nodes.
   DenseNodes number(const u64* tallies, const u32* errors) {
     DenseNodes n;
-    n.most = box_.nodes();
+    n.max = box_.nodes();
     classify(n);
     numberNodes(n, tallies, errors);
     return n;
@@ -106,7 +106,7 @@ public:
     const DenseOrder order = order_;
     const KeySpace space = space_;
     b_.template forTeams<ListShared>(
-        n.most, 256, TETVDB_KERNEL(const Team& team, u64 number, ListShared& s) {
+        n.max, 256, TETVDB_KERNEL(const Team& team, u64 number, ListShared& s) {
           if (leafFirst[number] == leafFirst[number + 1])
             return;
           for (int w = team.rank(); w < 64; w += team.size())
@@ -144,10 +144,10 @@ public:
 
   // Which leaves of a node are mixed, which full.
   void classify(DenseNodes& n) {
-    n.lower.child = b_.template alloc<u64>(n.most * 64);
-    n.lower.tile = b_.template alloc<u64>(n.most * 64);
-    leafCount_ = b_.template temp<u32>(n.most);
-    state_ = b_.template temp<u8>(n.most);
+    n.lower.child = b_.template alloc<u64>(n.max * 64);
+    n.lower.tile = b_.template alloc<u64>(n.max * 64);
+    leafCount_ = b_.template temp<u32>(n.max);
+    state_ = b_.template temp<u8>(n.max);
     u32* leafCount = leafCount_;
     u8* state = state_;
     auto *child = reinterpret_cast<u32*>(n.lower.child),
@@ -157,7 +157,7 @@ public:
     const KeySpace space = space_;
     const RootShare share = share_;
     b_.template forTeams<ClassifyShared>(
-        n.most, ClassifyShared::kThreads,
+        n.max, ClassifyShared::kThreads,
         TETVDB_KERNEL(const Team& team, u64 number, ClassifyShared& s) {
           for (int w = team.rank(); w < 128; w += team.size())
             s.child[w] = s.tile[w] = 0;
@@ -204,23 +204,23 @@ public:
 
   // Numbers the lower nodes and their leaves, makes the upper nodes' masks and root entries.
   void numberNodes(DenseNodes& n, const u64* tallies, const u32* errors) {
-    const u64 most = n.most;
-    n.leafFirst = b_.template alloc<u64>(most + 1);
-    u32* nodeSlot = b_.template alloc<u32>(most);
-    u64* nodeKey = b_.template alloc<u64>(most);
-    n.lowers = {nullptr, nodeSlot, nodeKey, b_.template alloc<u64>(most), nullptr};
+    const u64 max = n.max;
+    n.leafFirst = b_.template alloc<u64>(max + 1);
+    u32* nodeSlot = b_.template alloc<u32>(max);
+    u64* nodeKey = b_.template alloc<u64>(max);
+    n.lowers = {nullptr, nodeSlot, nodeKey, b_.template alloc<u64>(max), nullptr};
     constexpr u64 kWords = NodeMasks<5>::kWords;
-    n.upper.child = b_.template alloc<u64>(2 * kMostDenseUppers * kWords);
-    n.upper.tile = n.upper.child + kMostDenseUppers * kWords;
-    b_.zero(n.upper.child, 2 * kMostDenseUppers * kWords * sizeof(u64));
-    n.upper.begin = b_.template alloc<u64>(kMostDenseUppers + 1);
-    u64* upperKeys = b_.template alloc<u64>(2 * kMostDenseUppers);
-    u32* slots = b_.template alloc<u32>(kMostDenseUppers);
-    n.roots = b_.template alloc<RootEntry>(kMostDenseUppers);
+    n.upper.child = b_.template alloc<u64>(2 * kMaxDenseUppers * kWords);
+    n.upper.tile = n.upper.child + kMaxDenseUppers * kWords;
+    b_.zero(n.upper.child, 2 * kMaxDenseUppers * kWords * sizeof(u64));
+    n.upper.begin = b_.template alloc<u64>(kMaxDenseUppers + 1);
+    u64* upperKeys = b_.template alloc<u64>(2 * kMaxDenseUppers);
+    u32* slots = b_.template alloc<u32>(kMaxDenseUppers);
+    n.roots = b_.template alloc<RootEntry>(kMaxDenseUppers);
     n.lower.begin = n.leafFirst;
-    n.lower.made = most;
-    n.upper.made = kMostDenseUppers;
-    n.uppers = {nullptr, slots, upperKeys, upperKeys + kMostDenseUppers, nullptr};
+    n.lower.made = max;
+    n.upper.made = kMaxDenseUppers;
+    n.uppers = {nullptr, slots, upperKeys, upperKeys + kMaxDenseUppers, nullptr};
     RootEntry* roots = n.roots;
     n.counts = b_.template alloc<DenseCounts>(1);
     u64 *leafFirst = n.leafFirst, *upperBegin = n.upper.begin;
@@ -234,14 +234,14 @@ public:
     b_.template forTeams<NumberShared>(
         1, 256, TETVDB_KERNEL(const Team& team, u64, NumberShared& s) {
           constexpr int kPieces = 256;
-          const u64 chunk = (most + kPieces - 1) / kPieces;
-          for (int u = team.rank(); u < kMostDenseUppers; u += team.size())
+          const u64 chunk = (max + kPieces - 1) / kPieces;
+          for (int u = team.rank(); u < kMaxDenseUppers; u += team.size())
             s.child[u] = s.tile[u] = 0;
           team.sync();
           for (int p = team.rank(); p < kPieces; p += team.size()) {
             s.leaves[p] = s.nodes[p] = 0;
             for (u64 i = static_cast<u64>(p) * chunk;
-                 i < most && i < static_cast<u64>(p + 1) * chunk; ++i) {
+                 i < max && i < static_cast<u64>(p + 1) * chunk; ++i) {
               s.leaves[p] += leafCount[i];
               s.nodes[p] += state[i] == kNode;
               if (state[i] == kEmpty)
@@ -256,7 +256,7 @@ public:
           const u32 nodes = sumsBefore(team, s.nodes, s.spare, kPieces);
           if (team.rank() == 0) {
             u32 uppers = 0, before = 0;
-            for (int u = 0; u < kMostDenseUppers; ++u) {
+            for (int u = 0; u < kMaxDenseUppers; ++u) {
               s.firstOf[u] = uppers;
               if ((s.child[u] | s.tile[u]) == 0)
                 continue;
@@ -268,7 +268,7 @@ public:
               ++uppers;
             }
             upperBegin[uppers] = before;
-            leafFirst[most] = leaves;
+            leafFirst[max] = leaves;
             counts->leaves = leaves;
             counts->lowers = nodes;
             counts->uppers = uppers;
@@ -285,7 +285,7 @@ public:
           for (int p = team.rank(); p < kPieces; p += team.size()) {
             u64 leaf = s.leaves[p], node = s.nodes[p];
             for (u64 i = static_cast<u64>(p) * chunk;
-                 i < most && i < static_cast<u64>(p + 1) * chunk; ++i) {
+                 i < max && i < static_cast<u64>(p + 1) * chunk; ++i) {
               leafFirst[i] = leaf;
               leaf += leafCount[i];
               if (state[i] == kEmpty)

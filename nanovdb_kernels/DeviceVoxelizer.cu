@@ -52,8 +52,8 @@ public:
   GridMemory& operator=(const GridMemory&) = delete;
 
   unsigned char* atLeast(u64 bytes) {
-    constexpr u64 kMostPinned = u64(256) << 20, kPage = u64(2) << 20;
-    if (bytes <= kMostPinned)
+    constexpr u64 kMaxPinned = u64(256) << 20, kPage = u64(2) << 20;
+    if (bytes <= kMaxPinned)
       return pinned_.atLeast(bytes);
     if (bytes > size_) {
       std::free(base_);

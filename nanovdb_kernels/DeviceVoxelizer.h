@@ -45,7 +45,7 @@ enum class GridType : std::uint8_t {
 };
 
 /// How occupancy is found; the grid is the same.
-enum class Road : std::uint8_t {
+enum class Method : std::uint8_t {
   Auto,     ///< whichever a cost estimate finds faster
   Boundary, ///< signed crossings of the boundary faces
   Tets      ///< every tet rasterised into a dense array of leaf masks; for small grids
@@ -53,7 +53,7 @@ enum class Road : std::uint8_t {
 
 struct Job {
   GridType type = GridType::Fog;
-  Road road = Road::Auto;
+  Method method = Method::Auto;
   double voxelSize[3] = {1, 1, 1}; ///< world units
   double origin[3] = {0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
   std::string name = "density";    ///< at most 255 bytes
@@ -67,7 +67,7 @@ struct Counts {
   std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
   std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;
   std::uint64_t bufferBytes = 0;
-  Road road = Road::Tets; ///< the one taken
+  Method method = Method::Tets; ///< the one taken
 };
 
 /// Valid until the voxelizer that made it runs again or is destroyed.

@@ -14,19 +14,19 @@ namespace tetvdb::nano {
 
 constexpr double kUnits = static_cast<double>(kUnitsPerVoxel);
 
-TETVDB_HD inline double least(double a, double b) {
+TETVDB_HD inline double minOf(double a, double b) {
   return a < b ? a : b;
 }
-TETVDB_HD inline double most(double a, double b) {
+TETVDB_HD inline double maxOf(double a, double b) {
   return a > b ? a : b;
 }
-TETVDB_HD inline double least(double a, double b, double c) {
-  return least(least(a, b), c);
+TETVDB_HD inline double minOf(double a, double b, double c) {
+  return minOf(minOf(a, b), c);
 }
-TETVDB_HD inline double most(double a, double b, double c) {
-  return most(most(a, b), c);
+TETVDB_HD inline double maxOf(double a, double b, double c) {
+  return maxOf(maxOf(a, b), c);
 }
-TETVDB_HD inline double magnitude(double a) {
+TETVDB_HD inline double absolute(double a) {
   return a < 0 ? -a : a;
 }
 
@@ -40,7 +40,7 @@ TETVDB_HD inline bool crossesColumn(const CrossedFace& f, i64 x, i64 y) {
     const double left = b * ey, right = d * ex;
     const double value = left - right;
     // The differences are exact; two products and their difference round once each.
-    const double bound = (magnitude(left) + magnitude(right)) * 0x1p-51;
+    const double bound = (absolute(left) + absolute(right)) * 0x1p-51;
     if (value > bound)
       continue;
     if (value < -bound)
@@ -69,7 +69,7 @@ TETVDB_HD inline i64 crossingFrom(const CrossedFace& f, i64 x, i64 y, i64 z0, in
   if (!(crossing > -2 && crossing < span + 2))
     return -1;
   const double nearest = rint(crossing);
-  if (magnitude(crossing - nearest) <= f.tolerance)
+  if (absolute(crossing - nearest) <= f.tolerance)
     return f.exactCrossing(x, y, z0 + static_cast<i64>(nearest)) - z0;
   return static_cast<i64>(nearest) + (crossing > nearest ? 1 : 0);
 }

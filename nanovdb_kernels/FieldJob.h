@@ -34,7 +34,7 @@ struct FieldView {
   };
   FieldRule rule;
   bool onCells = false;
-  Source sources[FieldRule::kMostNumbers];
+  Source sources[FieldRule::kMaxNumbers];
 };
 
 struct FieldJob {

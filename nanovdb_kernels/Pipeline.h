@@ -64,12 +64,12 @@ public:
     writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind_, valuesOf(job_.type));
     const bool owners = job_.type == GridType::Owner;
     const bool dense =
-        !owners &&
-        (job_.road == Road::Tets ? denseFits() : job_.road == Road::Auto && denseIsFaster());
-    if (!owners && job_.road == Road::Tets && !dense)
+        !owners && (job_.method == Method::Tets ? denseFits()
+                                                : job_.method == Method::Auto && denseIsFaster());
+    if (!owners && job_.method == Method::Tets && !dense)
       throw Error(Status::Limit, "", "the grid is too large for the road by tets on the device",
                   "take the road by the boundary");
-    counts_.road = owners || dense ? Road::Tets : Road::Boundary;
+    counts_.method = owners || dense ? Method::Tets : Method::Boundary;
     const NodeCounts nodes = dense ? buildDense() : buildSparse(owners);
     checkCount(nodes.leaves);
     return nodes;
@@ -168,9 +168,9 @@ public:
           for (u64 i = part * perTeam + static_cast<u64>(team.rank()); i < end;
                i += static_cast<u64>(team.size())) {
             const double p[3] = {world[3 * i], world[3 * i + 1], world[3 * i + 2]};
-            const bool inside = magnitude((p[0] - ox) / hx) < kMaxVoxel &&
-                                magnitude((p[1] - oy) / hy) < kMaxVoxel &&
-                                magnitude((p[2] - oz) / hz) < kMaxVoxel;
+            const bool inside = absolute((p[0] - ox) / hx) < kMaxVoxel &&
+                                absolute((p[1] - oy) / hy) < kMaxVoxel &&
+                                absolute((p[2] - oz) / hz) < kMaxVoxel;
             if (!inside) { // or not a number
               orInto(errors, u32(kBadPoint));
               points[i] = {0, 0, 0};
@@ -318,7 +318,7 @@ public:
 
   bool denseFits() const {
     for (int k = 0; k < 3; ++k)
-      if (nodeMax_[k] - nodeMin_[k] >= DenseBox::kMostNodes)
+      if (nodeMax_[k] - nodeMin_[k] >= DenseBox::kMaxNodes)
         return false;
     return true;
   }
@@ -367,10 +367,10 @@ public:
         faceCount, TETVDB_KERNEL(u64 i, i64(&low)[3], i64(&high)[3]) {
           const Face f = faces[i];
           const LatticePoint &a = points[f.a], &b = points[f.b], &c = points[f.c];
-          low[0] = ceilVoxel(least(a.x, b.x, c.x)) >> 3;
-          low[1] = ceilVoxel(least(a.y, b.y, c.y)) >> 3;
-          high[0] = floorVoxel(most(a.x, b.x, c.x)) >> 3;
-          high[1] = floorVoxel(most(a.y, b.y, c.y)) >> 3;
+          low[0] = ceilVoxel(minOf(a.x, b.x, c.x)) >> 3;
+          low[1] = ceilVoxel(minOf(a.y, b.y, c.y)) >> 3;
+          high[0] = floorVoxel(maxOf(a.x, b.x, c.x)) >> 3;
+          high[1] = floorVoxel(maxOf(a.y, b.y, c.y)) >> 3;
           low[2] = high[2] = 0;
         });
   }
@@ -396,9 +396,9 @@ public:
   RootShare shareByWork(u64 items, const BoxOf& boxOf) {
     if (shareOf_.of == 1)
       return {};
-    constexpr int kMostBits = 20;
+    constexpr int kMaxBits = 20;
     const int columnBits = space_.bits[0] + space_.bits[1] - 18;
-    if (columnBits > kMostBits)
+    if (columnBits > kMaxBits)
       return evenShare();
     const u64 columns = u64(1) << columnBits;
     u64* work = b_.template temp<u64>(columns);

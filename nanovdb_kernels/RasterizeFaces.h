@@ -300,7 +300,7 @@ public:
       const double x = static_cast<double>(origin[0] + (d > 0 ? 7 : 0)) * kUnits - p.x,
                    y = static_cast<double>(origin[1] + (b > 0 ? 0 : 7)) * kUnits - p.y;
       const double left = b * y, right = d * x;
-      if (!(left - right > (magnitude(left) + magnitude(right)) * 0x1p-51))
+      if (!(left - right > (absolute(left) + absolute(right)) * 0x1p-51))
         return false;
     }
     return true;

@@ -36,7 +36,7 @@ struct SourceArray {
 struct SourceField {
   FieldRule rule;
   bool onCells;
-  SourceArray sources[FieldRule::kMostNumbers];
+  SourceArray sources[FieldRule::kMaxNumbers];
   u64 place; ///< of its values: after so many bytes a leaf of the batch
 };
 
@@ -113,12 +113,12 @@ public:
     b_.download(keys_.data(), owners_.leaves().treeKey, count);
     cutBatches();
     const std::size_t batches = cuts_.size() - 1;
-    u64 most = 0;
+    u64 max = 0;
     for (std::size_t i = 0; i < batches; ++i)
-      most = std::max(most, cuts_[i + 1] - cuts_[i]);
+      max = std::max(max, cuts_[i + 1] - cuts_[i]);
     for (int half = 0; half < 2; ++half)
       halves_[half] =
-          half < static_cast<int>(batches) ? b_.template alloc<u8>(most * bytesOfLeaf()) : nullptr;
+          half < static_cast<int>(batches) ? b_.template alloc<u8>(max * bytesOfLeaf()) : nullptr;
     for (std::size_t i = 0; i <= batches; ++i) {
       if (i < batches)
         launch(i);
@@ -133,7 +133,7 @@ public:
   TETVDB_HD static void evaluate(const SourceField& field, const u32* cellOfTet, u32 tet,
                                  const u32* vertices, const std::array<u8, 4>& places,
                                  const std::array<double, 3>& w, u32* out) {
-    double read[FieldRule::kMostNumbers];
+    double read[FieldRule::kMaxNumbers];
     const FieldRule& rule = field.rule;
     if (field.onCells) {
       const u64 cell = cellOfTet == nullptr ? tet : cellOfTet[tet];

@@ -84,7 +84,7 @@ TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const 
       t.slopeX[i] = nx;
       t.slopeY[i] = ny;
       t.base[i] = nx * fromX + ny * fromY;
-      t.tolerance[i] = (magnitude(nx) * columnsX + magnitude(ny) * columnsY) * kError;
+      t.tolerance[i] = (absolute(nx) * columnsX + absolute(ny) * columnsY) * kError;
       continue;
     }
     t.side[i] = nz > 0 ? Side::Lower : Side::Upper;
@@ -93,7 +93,7 @@ TETVDB_HD inline void preparePlanes(const LatticePoint (&v)[4], int sign, const 
     t.slopeY[i] = ny * inverse;
     t.base[i] = (a.z * kVoxelsPerUnit - first[2]) + t.slopeX[i] * fromX + t.slopeY[i] * fromY;
     const double error =
-        (magnitude(t.slopeX[i]) * columnsX + magnitude(t.slopeY[i]) * columnsY + height) * kError;
+        (absolute(t.slopeX[i]) * columnsX + absolute(t.slopeY[i]) * columnsY + height) * kError;
     t.tolerance[i] = error < kSteep ? error : kNever;
   }
 }
@@ -153,16 +153,16 @@ TETVDB_HD inline bool ownedRun(const TetPlanes& t, const TetSource& source, cons
     const double value = rows[i] + t.slopeY[i] * column;
     if (t.side[i] == Side::Vertical) {
       bool inside = value > 0;
-      if (magnitude(value) <= t.tolerance[i])
+      if (absolute(value) <= t.tolerance[i])
         inside = exactInside(source, t.sign, i, i64(t.min[0]) + dx, i64(t.min[1]) + dy);
       if (!inside)
         return false;
       continue;
     }
     double nearest;
-    const double crossing = least(most(value + shift, low), high);
+    const double crossing = minOf(maxOf(value + shift, low), high);
     i32 z = nearestOf(crossing, nearest);
-    if (magnitude(crossing - nearest) <= t.tolerance[i]) {
+    if (absolute(crossing - nearest) <= t.tolerance[i]) {
       const bool steep = t.tolerance[i] == kNever;
       const i64 exact = exactBound(source, t.sign, i, steep, i64(t.min[0]) + dx, i64(t.min[1]) + dy,
                                    steep ? i64(z0) : i64(z0) + z) -
@@ -195,10 +195,10 @@ TETVDB_HD inline bool outsideBox(const TetPlanes& t, const i64 (&min)[3], const 
     const double ax = t.slopeX[i] * x0, bx = t.slopeX[i] * x1, ay = t.slopeY[i] * y0,
                  by = t.slopeY[i] * y1;
     if (t.side[i] == Side::Lower) {
-      if (t.base[i] + least(ax, bx) + least(ay, by) - t.tolerance[i] > z1)
+      if (t.base[i] + minOf(ax, bx) + minOf(ay, by) - t.tolerance[i] > z1)
         return true;
     } else {
-      const double top = t.base[i] + most(ax, bx) + most(ay, by) + t.tolerance[i];
+      const double top = t.base[i] + maxOf(ax, bx) + maxOf(ay, by) + t.tolerance[i];
       if (top < (t.side[i] == Side::Upper ? z0 : 0))
         return true;
     }

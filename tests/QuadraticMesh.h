@@ -69,11 +69,11 @@ public:
     for (const Vec3d& p : at)
       mesh_.nodes.push_back(point(p));
     for (const std::vector<int>& set : kind.middles) {
-      Vec3d middle{0, 0, 0};
+      Vec3d midpoint{0, 0, 0};
       for (const int c : set)
         for (std::size_t k = 0; k < 3; ++k)
-          middle[k] += at[static_cast<std::size_t>(c)][k] / static_cast<double>(set.size());
-      mesh_.nodes.push_back(point(middle));
+          midpoint[k] += at[static_cast<std::size_t>(c)][k] / static_cast<double>(set.size());
+      mesh_.nodes.push_back(point(midpoint));
     }
     auto& runs = mesh_.runs;
     if (runs.empty() || runs.back().fileType != kind.name)

@@ -51,11 +51,11 @@ void runFields(const Setup& setup, Tables& tables) {
     Progress progress;
     writeTetMesh(path, mesh, progress);
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto [least, most] =
+      const auto [min, max] =
           std::minmax_element(mesh.points.begin(), mesh.points.end(),
                               [k](const Vec3d& a, const Vec3d& b) { return a[k] < b[k]; });
-      low[k] = (*least)[k];
-      high[k] = (*most)[k];
+      low[k] = (*min)[k];
+      high[k] = (*max)[k];
     }
   }
   VtkPeer vtk(path, "vel", setup.threads);

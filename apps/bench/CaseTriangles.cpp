@@ -34,13 +34,13 @@ TriangleMesh sphereWithHoles(double faces) {
   const std::array<double, 6> cosines = {std::cos(0.05), std::cos(0.1), std::cos(0.15),
                                          std::cos(0.2),  std::cos(0.3), std::cos(0.4)};
   return meshes::without(whole, [&](std::size_t face) {
-    Vec3d middle = {0, 0, 0};
+    Vec3d midpoint = {0, 0, 0};
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t axis = 0; axis < 3; ++axis)
-        middle[axis] += whole.points[whole.triangles[3 * face + k]][axis];
-    const double length = std::hypot(middle[0], middle[1], middle[2]);
+        midpoint[axis] += whole.points[whole.triangles[3 * face + k]][axis];
+    const double length = std::hypot(midpoint[0], midpoint[1], midpoint[2]);
     for (std::size_t hole = 0; hole < cosines.size(); ++hole)
-      if ((hole % 2 == 0 ? 1 : -1) * middle[hole / 2] > cosines[hole] * length)
+      if ((hole % 2 == 0 ? 1 : -1) * midpoint[hole / 2] > cosines[hole] * length)
         return true;
     return false;
   });

@@ -24,8 +24,8 @@ struct Setup {
   std::vector<std::string> meshes;
   Launcher* launcher = nullptr;
 
-  /// At most `most` rounds, for what takes long.
-  int rounds(int most) const { return repeat < most ? repeat : most; }
+  /// At most `max` rounds, for what takes long.
+  int rounds(int max) const { return repeat < max ? repeat : max; }
 };
 
 /// A named comparison.

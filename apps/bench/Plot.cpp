@@ -163,12 +163,12 @@ std::string bars(const Json& rows) {
     const double top = y + kName;
     for (std::size_t i = 0; i < group.bars.size(); ++i) {
       const Bar& bar = group.bars[i];
-      const double at = top + static_cast<double>(i) * kBar, middle = at + kBar / 2.0;
+      const double at = top + static_cast<double>(i) * kBar, midpoint = at + kBar / 2.0;
       const double x = axis.at(bar.times.median());
-      drawing.words(kLeft - 8, middle + 4, bar.name, "end", "#555");
+      drawing.words(kLeft - 8, midpoint + 4, bar.name, "end", "#555");
       drawing.box(kLeft, at + 1.5, x - kLeft, kBar - 3, bar.color);
-      drawing.line(axis.at(bar.times.min()), middle, axis.at(bar.times.max()), middle, "#222");
-      drawing.words(axis.at(bar.times.max()) + 6, middle + 4, duration(bar.times.median()));
+      drawing.line(axis.at(bar.times.min()), midpoint, axis.at(bar.times.max()), midpoint, "#222");
+      drawing.words(axis.at(bar.times.max()) + 6, midpoint + 4, duration(bar.times.median()));
     }
     const double bottom = top + kBar * static_cast<double>(group.bars.size());
     if (group.floor > 0)

@@ -32,18 +32,18 @@ std::string bytesOf(const Json& row, const char* name) {
 
 std::vector<Target> targetsOf(const Json& row) {
   const Times ours = timesOf(row, "ours_seconds"), peer = timesOf(row, "peer_seconds");
-  const double ratio = row.at("ratio"), peak = row.at("peak_bytes"), most = row.at("target_bytes"),
-               least = row.at("target_ratio"), seconds = row.at("target_seconds"),
+  const double ratio = row.at("ratio"), peak = row.at("peak_bytes"), max = row.at("target_bytes"),
+               min = row.at("target_ratio"), seconds = row.at("target_seconds"),
                theirs = row.at("peer_peak_bytes"), less = row.at("target_less_bytes");
   std::vector<Target> targets;
-  if (least > 0 && !peer.seconds.empty())
-    targets.push_back({fmt::format("{:g}x", least), duration(ours.median()),
-                       duration(peer.median()), fmt::format("{:.2f}", ratio), ratio >= least});
+  if (min > 0 && !peer.seconds.empty())
+    targets.push_back({fmt::format("{:g}x", min), duration(ours.median()), duration(peer.median()),
+                       fmt::format("{:.2f}", ratio), ratio >= min});
   if (seconds > 0)
     targets.push_back(
         {duration(seconds), duration(ours.median()), "", "", ours.median() <= seconds});
-  if (most > 0)
-    targets.push_back({size(most), size(peak), "", "", peak <= most});
+  if (max > 0)
+    targets.push_back({size(max), size(peak), "", "", peak <= max});
   if (less > 0 && theirs > 0)
     targets.push_back({fmt::format("memory / {:g}", less), size(peak), size(theirs),
                        fmt::format("{:.2f}", theirs / peak), theirs >= less * peak});

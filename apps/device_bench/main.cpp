@@ -31,7 +31,7 @@ using namespace tetvdb;
 using bench::median;
 using bench::now;
 using nano::GridType;
-using nano::Road;
+using nano::Method;
 
 int repeats = 20;
 
@@ -55,10 +55,10 @@ struct Pinned {
   nano::MeshView view;
 };
 
-nano::Job jobAt(int resolution, GridType type, Road road = Road::Auto) {
+nano::Job jobAt(int resolution, GridType type, Method method = Method::Auto) {
   nano::Job job;
   job.type = type;
-  job.road = road;
+  job.method = method;
   // Balls have radius 1.
   const GridTransform transform = bench::transformAt(resolution);
   std::copy(transform.voxelSize.begin(), transform.voxelSize.end(), job.voxelSize);
@@ -85,7 +85,7 @@ void print(const std::string& name, const GridMeasured& m, double floorSeconds) 
                fmt::format("leaves {} lower {} MB {:.1f} faces {} {}", m.counts.leaves,
                            m.counts.lowerNodes, double(m.counts.bufferBytes) * 1e-6,
                            m.counts.boundaryFaces,
-                           m.counts.road == Road::Boundary ? "boundary" : "tets"));
+                           m.counts.method == Method::Boundary ? "boundary" : "tets"));
 }
 
 VoxelizeOptions optionsAt(int resolution, GridKind kind) {
@@ -106,9 +106,9 @@ double deviceFloor(double bytes) {
 
 void paperTable(nano::DeviceVoxelizer& device, const std::string& name, const Pinned& mesh) {
   const nano::MeshView resident = device.keep(mesh.view);
-  for (Road road : {Road::Tets, Road::Boundary}) {
-    nano::Job job = jobAt(256, GridType::Mask, road);
-    const char* by = road == Road::Tets ? ", by tets" : ", by boundary";
+  for (Method method : {Method::Tets, Method::Boundary}) {
+    nano::Job job = jobAt(256, GridType::Mask, method);
+    const char* by = method == Method::Tets ? ", by tets" : ", by boundary";
     job.download = false;
     const GridMeasured up = measure(device, mesh.view, job, repeats);
     const double within = deviceFloor(mesh.bytes() + double(up.counts.bufferBytes));
@@ -253,7 +253,7 @@ void dataSet(int models, int workers) {
     d->run(pinned[0]->view, job);
     before += d->allocations();
   }
-  const auto [mean, middle] = run(models);
+  const auto [mean, midpoint] = run(models);
   for (const auto& d : devices)
     after += d->allocations();
   const double floorSeconds =
@@ -261,7 +261,7 @@ void dataSet(int models, int workers) {
   std::printf(
       "%d models of %zu tets, %d at a time: %.3f ms a model, %.3f ms latency (median), floor "
       "%.3f ms (%.1f %%), %.2f MB down each, allocations after the first %llu\n",
-      models, ball.tetCount(), workers, mean * 1e3, middle * 1e3, floorSeconds * 1e3,
+      models, ball.tetCount(), workers, mean * 1e3, midpoint * 1e3, floorSeconds * 1e3,
       100 * floorSeconds / mean, double(bytes) / models * 1e-6,
       static_cast<unsigned long long>(after - before));
   std::fflush(stdout);

@@ -32,7 +32,7 @@ const char* const kExamples = R"(Examples:
   tetvdb info *.vtu --json - | jq .    the same for programs)";
 
 struct Range {
-  double least = 0, most = 0;
+  double min = 0, max = 0;
   std::size_t notFinite = 0;
   bool empty = true;
 };
@@ -48,8 +48,8 @@ Range rangeOf(const Attribute& attribute) {
             ++range.notFinite;
             continue;
           }
-          range.least = range.empty ? number : std::min(range.least, number);
-          range.most = range.empty ? number : std::max(range.most, number);
+          range.min = range.empty ? number : std::min(range.min, number);
+          range.max = range.empty ? number : std::max(range.max, number);
           range.empty = false;
         }
       },
@@ -88,8 +88,8 @@ Json meshSection(const InputInfo& info, const TetMesh& mesh) {
                           {"on", attribute.on == Attribute::On::Points ? "points" : "cells"},
                           {"type", typeName(attribute)},
                           {"components", attribute.components},
-                          {"min", range.empty ? Json() : Json(range.least)},
-                          {"max", range.empty ? Json() : Json(range.most)},
+                          {"min", range.empty ? Json() : Json(range.min)},
+                          {"max", range.empty ? Json() : Json(range.max)},
                           {"not_finite", range.notFinite}});
   }
   const TetStatistics& statistics = info.statistics;
@@ -130,7 +130,7 @@ std::string meshText(const InputInfo& info, const TetMesh& mesh) {
     const Range range = rangeOf(attribute);
     text += fmt::format("  attribute   {} ({}, {} x {}): {:.6g} to {:.6g}", oneLine(attribute.name),
                         attribute.on == Attribute::On::Points ? "points" : "cells",
-                        attribute.components, typeName(attribute), range.least, range.most);
+                        attribute.components, typeName(attribute), range.min, range.max);
     text += range.notFinite == 0 ? "\n" : fmt::format(", {} not finite\n", range.notFinite);
   }
   return text;

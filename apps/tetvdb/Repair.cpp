@@ -198,11 +198,11 @@ std::string changesText(const RepairResult& result) {
     return text;
   const LocalRepair& local = *result.local;
   if (!local.holes.empty()) {
-    constexpr std::size_t kMostNamed = 8;
+    constexpr std::size_t kMaxNamed = 8;
     text += fmt::format("  holes filled: {}, of", local.holes.size());
-    for (std::size_t i = 0; i < local.holes.size() && i < kMostNamed; ++i)
+    for (std::size_t i = 0; i < local.holes.size() && i < kMaxNamed; ++i)
       text += fmt::format("{} {}", i > 0 ? "," : "", local.holes[i].edges);
-    text += local.holes.size() > kMostNamed ? ", ... edges\n" : " edges\n";
+    text += local.holes.size() > kMaxNamed ? ", ... edges\n" : " edges\n";
   }
   if (local.doubleFaces > 0)
     text += fmt::format("  faces that were there twice, dropped: {}\n", local.doubleFaces);

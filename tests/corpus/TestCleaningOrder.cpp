@@ -20,7 +20,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostFaces = 60000;
+constexpr std::size_t kMaxFaces = 60000;
 constexpr int kResolution = 24;
 
 // Points and faces in another order, faces from another corner.
@@ -70,7 +70,7 @@ TEST(CleaningOrder, ShufflingTheCorpusChangesNoSolid) {
     } catch (const Error&) {
       continue;
     }
-    if (mesh.triangleCount() > kMostFaces)
+    if (mesh.triangleCount() > kMaxFaces)
       continue;
     EXPECT_EQ(solidOf(shuffled(mesh)), solidOf(mesh));
     ++compared;

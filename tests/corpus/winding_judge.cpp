@@ -106,8 +106,8 @@ double squaredToSegment(const Point& p, const Point& a, const Point& b) {
 }
 
 double squaredToTriangle(const Point& p, const std::array<Point, 3>& t) {
-  double least = std::min({squaredToSegment(p, t[0], t[1]), squaredToSegment(p, t[1], t[2]),
-                           squaredToSegment(p, t[2], t[0])});
+  double min = std::min({squaredToSegment(p, t[0], t[1]), squaredToSegment(p, t[1], t[2]),
+                         squaredToSegment(p, t[2], t[0])});
   const Point u = minus(t[1], t[0]), v = minus(t[2], t[0]), w = minus(p, t[0]);
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), wu = dot(w, u), wv = dot(w, v);
   const double area = uu * vv - uv * uv;
@@ -116,16 +116,16 @@ double squaredToTriangle(const Point& p, const std::array<Point, 3>& t) {
     const Point normal = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
                           u[0] * v[1] - u[1] * v[0]};
     const double height = dot(w, normal);
-    least = std::min(least, height * height / dot(normal, normal));
+    min = std::min(min, height * height / dot(normal, normal));
   }
-  return least;
+  return min;
 }
 
 double distance(const Input& input, const Point& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const auto& triangle : input.triangles)
-    least = std::min(least, squaredToTriangle(p, triangle));
-  return std::sqrt(least);
+    min = std::min(min, squaredToTriangle(p, triangle));
+  return std::sqrt(min);
 }
 
 // Results of the points from `first` on, kLanes at most.

@@ -27,15 +27,15 @@ openvdb::FloatGrid::Ptr sample(CellMesh cells) {
 
 // The largest difference from f, and how many voxels there are.
 template <typename F>
-double worst(const openvdb::FloatGrid& grid, const F& f, std::size_t least) {
+double worst(const openvdb::FloatGrid& grid, const F& f, std::size_t min) {
   std::size_t count = 0;
-  double most = 0;
+  double max = 0;
   for (auto it = grid.cbeginValueOn(); it; ++it, ++count) {
     const openvdb::Vec3d p = grid.indexToWorld(it.getCoord());
-    most = std::max(most, std::abs(*it - f(Vec3d{p[0], p[1], p[2]})));
+    max = std::max(max, std::abs(*it - f(Vec3d{p[0], p[1], p[2]})));
   }
-  EXPECT_GE(count, least);
-  return most;
+  EXPECT_GE(count, min);
+  return max;
 }
 
 double quadratic(const Vec3d& p) {

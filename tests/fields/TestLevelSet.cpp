@@ -296,11 +296,12 @@ TEST(LevelSet, OpenBoxIsClosedOverItsHole) {
   expectValid(*made.surface, 8);
   expectClosed(made, voxel);
   // Across the hole's middle, against the winding number by solid angles.
-  const Vec3d middle = turned({0, 0.5, 0.5}), further = turned({1, 0.5, 0.5});
+  const Vec3d midpoint = turned({0, 0.5, 0.5}), further = turned({1, 0.5, 0.5});
   double low = -0.9, high = 0.9; // outside, inside
   const auto along = [&](double t) {
-    return Vec3d{middle[0] + t * (further[0] - middle[0]), middle[1] + t * (further[1] - middle[1]),
-                 middle[2] + t * (further[2] - middle[2])};
+    return Vec3d{midpoint[0] + t * (further[0] - midpoint[0]),
+                 midpoint[1] + t * (further[1] - midpoint[1]),
+                 midpoint[2] + t * (further[2] - midpoint[2])};
   };
   while (high - low > 1e-6)
     (meshes::windingNumberAt(open, along((low + high) / 2)) > 0.5 ? high : low) = (low + high) / 2;
@@ -310,8 +311,8 @@ TEST(LevelSet, OpenBoxIsClosedOverItsHole) {
     const Vec3d centre{c.x() * voxel, c.y() * voxel, c.z() * voxel};
     const Vec3d way{centre[0] - along(low)[0], centre[1] - along(low)[1],
                     centre[2] - along(low)[2]};
-    const double ahead = way[0] * (further[0] - middle[0]) + way[1] * (further[1] - middle[1]) +
-                         way[2] * (further[2] - middle[2]);
+    const double ahead = way[0] * (further[0] - midpoint[0]) + way[1] * (further[1] - midpoint[1]) +
+                         way[2] * (further[2] - midpoint[2]);
     EXPECT_NEAR(made.surface->tree().getValue(c), -ahead, voxel) << offset;
   }
 }

@@ -40,7 +40,7 @@ protected:
   static TetMesh mesh(std::uint64_t seed) {
     TetMesh mesh = meshes::scaled(meshes::jittered(meshes::kuhnGrid(5, 4, 6), 0.2, 3), 11.3);
     meshes::Random random(seed + 1);
-    const auto value = [&](double most) { return seed == 0 ? most : random.between(-most, most); };
+    const auto value = [&](double max) { return seed == 0 ? max : random.between(-max, max); };
     std::vector<double> temperature;
     std::vector<float> velocity;
     std::vector<std::int32_t> kind;

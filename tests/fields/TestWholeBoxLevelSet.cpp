@@ -72,9 +72,9 @@ TEST(WholeBoxLevelSet, EveryVoxelOfTheBoxIsRight) {
   const Made made = make(mesh, kVoxel, wholeBox());
   const openvdb::CoordBBox box = made.surface->evalActiveVoxelBoundingBox();
   EXPECT_EQ(made.surface->activeVoxelCount(), box.volume());
-  openvdb::CoordBBox least = made.mask->evalActiveVoxelBoundingBox();
-  least.expand(3);
-  EXPECT_TRUE(box.isInside(least));
+  openvdb::CoordBBox min = made.mask->evalActiveVoxelBoundingBox();
+  min.expand(3);
+  EXPECT_TRUE(box.isInside(min));
   EXPECT_EQ(made.surface->getGridClass(), openvdb::GRID_LEVEL_SET);
 
   const auto surface = made.surface->getConstAccessor();

@@ -100,24 +100,24 @@ public:
       for (std::size_t i = 2; i < polygon.size(); ++i) {
         Triangle t{polygon[0], polygon[i - 1], polygon[i], {}, 0};
         for (std::size_t k = 0; k < 3; ++k)
-          t.middle[k] = (t.a[k] + t.b[k] + t.c[k]) / 3;
+          t.midpoint[k] = (t.a[k] + t.b[k] + t.c[k]) / 3;
         for (const Point& corner : {t.a, t.b, t.c})
-          t.radius = std::max(t.radius, length(from(t.middle, corner)) * (1 + 1e-15L));
+          t.radius = std::max(t.radius, length(from(t.midpoint, corner)) * (1 + 1e-15L));
         triangles_.push_back(t);
       }
   }
-  /// Up to `most`.
-  long double operator()(const Point& p, long double most) const {
-    long double nearest = most;
+  /// Up to `max`.
+  long double operator()(const Point& p, long double max) const {
+    long double nearest = max;
     for (const Triangle& t : triangles_)
-      if (length(from(t.middle, p)) - t.radius < nearest)
+      if (length(from(t.midpoint, p)) - t.radius < nearest)
         nearest = std::min(nearest, distanceToTriangle(p, t.a, t.b, t.c));
     return nearest;
   }
 
 private:
   struct Triangle {
-    Point a, b, c, middle;
+    Point a, b, c, midpoint;
     long double radius;
   };
   static long double length(const Point& v) { return std::sqrt(product(v, v)); }

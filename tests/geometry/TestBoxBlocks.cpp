@@ -11,12 +11,12 @@ namespace {
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
 // Whole numbers below 2^20 are floats: nothing is rounded, and boxes often just touch.
-std::vector<Box> randomBoxes(std::size_t count, unsigned seed, int most, int size) {
+std::vector<Box> randomBoxes(std::size_t count, unsigned seed, int max, int size) {
   std::mt19937 random(seed);
   std::vector<Box> boxes(count);
   for (Box& box : boxes) {
-    const Vec3d p{double(random() % unsigned(most)), double(random() % unsigned(most)),
-                  double(random() % unsigned(most))};
+    const Vec3d p{double(random() % unsigned(max)), double(random() % unsigned(max)),
+                  double(random() % unsigned(max))};
     box.add(p);
     box.add(Vec3d{p[0] + double(random() % unsigned(size)),
                   p[1] + double(random() % unsigned(size)),

@@ -9,8 +9,8 @@
 namespace tetvdb {
 namespace {
 
-Vec3d randomPoint(std::mt19937_64& random, std::uint64_t most) {
-  return {double(random() % most), double(random() % most), double(random() % most)};
+Vec3d randomPoint(std::mt19937_64& random, std::uint64_t max) {
+  return {double(random() % max), double(random() % max), double(random() % max)};
 }
 
 // By construction: all planes pass through one lattice point, which the corner is.
@@ -18,10 +18,10 @@ TEST(LatticePlane, CornersLieWhereTheyWereMade) {
   std::mt19937_64 random(3);
   int zero = 0;
   for (int i = 0; i < 3000; ++i) {
-    const std::uint64_t most = std::uint64_t(1) << (3 + i % 38); // up to 2^40
-    const Vec3d p = randomPoint(random, most);
+    const std::uint64_t max = std::uint64_t(1) << (3 + i % 38); // up to 2^40
+    const Vec3d p = randomPoint(random, max);
     const auto through = [&] {
-      return LatticePlane::through(p, randomPoint(random, most), randomPoint(random, most));
+      return LatticePlane::through(p, randomPoint(random, max), randomPoint(random, max));
     };
     const LatticePlane a = through(), b = through(), c = through(), d = through();
     const double det =
@@ -41,7 +41,7 @@ TEST(LatticePlane, CornersLieWhereTheyWereMade) {
       EXPECT_NEAR(found[k], p[k], 0x1p-6);
     // A plane that misses p: the lattice point's own side.
     const LatticePlane other = LatticePlane::through(
-        randomPoint(random, most), randomPoint(random, most), randomPoint(random, most));
+        randomPoint(random, max), randomPoint(random, max), randomPoint(random, max));
     EXPECT_EQ(corner.side(other), PlaneCorner(p).side(other));
     EXPECT_EQ(corner.side(other), other.side(p));
   }
@@ -51,9 +51,9 @@ TEST(LatticePlane, CornersLieWhereTheyWereMade) {
 TEST(LatticePlane, SidesAreDeterminants) {
   std::mt19937_64 random(4);
   for (int i = 0; i < 3000; ++i) {
-    const std::uint64_t most = 2 + i % 7; // many in the plane
-    const Vec3d a = randomPoint(random, most), b = randomPoint(random, most),
-                c = randomPoint(random, most), p = randomPoint(random, most);
+    const std::uint64_t max = 2 + i % 7; // many in the plane
+    const Vec3d a = randomPoint(random, max), b = randomPoint(random, max),
+                c = randomPoint(random, max), p = randomPoint(random, max);
     const auto term = [&](std::size_t x, std::size_t y, std::size_t z) {
       return (b[x] - a[x]) * (c[y] - a[y]) * (p[z] - a[z]);
     };
@@ -65,16 +65,16 @@ TEST(LatticePlane, SidesAreDeterminants) {
 
 TEST(LatticePlane, LiftedPointsLieInTheirPlane) {
   std::mt19937_64 random(5);
-  constexpr std::uint64_t kMost = std::uint64_t(1) << 34;
+  constexpr std::uint64_t kMax = std::uint64_t(1) << 34;
   for (int i = 0; i < 2000; ++i) {
-    const Vec3d a = randomPoint(random, kMost), b = randomPoint(random, kMost),
-                c = randomPoint(random, kMost);
+    const Vec3d a = randomPoint(random, kMax), b = randomPoint(random, kMax),
+                c = randomPoint(random, kMax);
     const LatticePlane plane = LatticePlane::through(a, b, c);
     const LatticePlane turned = LatticePlane::through(b, a, c);
     EXPECT_TRUE(plane.coincides(turned));
     EXPECT_FALSE(plane.coincides(LatticePlane::through(a, b, {c[0] + 1, c[1], c[2] + 2})));
-    const auto u = static_cast<std::int64_t>(random() % (kMost << kFineBits));
-    const auto v = static_cast<std::int64_t>(random() % (kMost << kFineBits));
+    const auto u = static_cast<std::int64_t>(random() % (kMax << kFineBits));
+    const auto v = static_cast<std::int64_t>(random() % (kMax << kFineBits));
     const LiftedPoint point(plane, plane.steepestAxis(), u, v);
     EXPECT_EQ(point.side(plane), 0);
     EXPECT_EQ(point.side(turned), 0);

@@ -84,18 +84,18 @@ TEST(LocalExpansion, RangeBoundsTheExpansion) {
     }
     for (const double share : {0.5, 0.95, 1.0}) {
       const ExpansionRange range = rangeOf(expansionOf(f), share);
-      EXPECT_NEAR(range.middle, f({0, 0, 0}), 1e-12);
-      double most = 0;
+      EXPECT_NEAR(range.midpoint, f({0, 0, 0}), 1e-12);
+      double max = 0;
       for (int k = 0; k < 200; ++k) {
         Vec3d x{random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)};
         const double size = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         for (double& c : x)
           c *= share / size;
-        most = std::max(most, std::abs(f(x) - range.middle));
+        max = std::max(max, std::abs(f(x) - range.midpoint));
       }
-      EXPECT_LE(most, range.change + 1e-12);
+      EXPECT_LE(max, range.change + 1e-12);
       if (range.change > 0)
-        sharpest = std::max(sharpest, most / range.change);
+        sharpest = std::max(sharpest, max / range.change);
     }
   }
   EXPECT_GT(sharpest, 0.9);

@@ -33,11 +33,11 @@ TEST(CurvedShape, FurtherNodesAreInTheMiddlesOfTheirCorners) {
     ASSERT_EQ(nodeCount(shape), kind.nodes()) << kind.name;
     for (std::size_t m = 0; m < kind.middles.size(); ++m)
       for (std::size_t k = 0; k < 3; ++k) {
-        double middle = 0;
+        double midpoint = 0;
         for (const int c : kind.middles[m])
-          middle += placeOf(shape, static_cast<std::size_t>(c))[k];
+          midpoint += placeOf(shape, static_cast<std::size_t>(c))[k];
         EXPECT_NEAR(placeOf(shape, kind.corners.size() + m)[k],
-                    middle / static_cast<double>(kind.middles[m].size()), 1e-15)
+                    midpoint / static_cast<double>(kind.middles[m].size()), 1e-15)
             << kind.name << " " << m;
       }
   }

@@ -178,12 +178,12 @@ struct Lattice {
           } else if (kind == 1) {
             cells.push_back({CellType::Voxel, {c[0], c[1], c[3], c[2], c[4], c[5], c[7], c[6]}});
           } else if (kind == 2) {
-            Vec3d middle{0, 0, 0};
+            Vec3d midpoint{0, 0, 0};
             for (const std::uint32_t corner : c)
               for (std::size_t k = 0; k < 3; ++k)
-                middle[k] += points[corner][k] / 8;
+                midpoint[k] += points[corner][k] / 8;
             const auto apex = static_cast<std::uint32_t>(points.size());
-            points.push_back(middle);
+            points.push_back(midpoint);
             const Nodes p = polyhedronCube(c);
             for (std::size_t f = 0; f < 6; ++f)
               cells.push_back({CellType::Pyramid,

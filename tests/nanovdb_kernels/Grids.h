@@ -22,10 +22,10 @@ inline nano::MeshView viewOf(const TetMesh& mesh) {
           mesh.tets.data(), mesh.tetCount(), mesh.cellOfTet.empty() ? nullptr : values};
 }
 
-inline nano::Job jobFor(nano::GridType type, nano::Road road, const GridTransform& transform) {
+inline nano::Job jobFor(nano::GridType type, nano::Method method, const GridTransform& transform) {
   nano::Job job;
   job.type = type;
-  job.road = road;
+  job.method = method;
   for (std::size_t k = 0; k < 3; ++k) {
     job.voxelSize[k] = transform.voxelSize[k];
     job.origin[k] = transform.origin[k];

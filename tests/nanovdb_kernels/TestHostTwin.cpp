@@ -24,7 +24,7 @@ namespace {
 using namespace tetvdb;
 using meshes::kuhnGrid;
 using nano::GridType;
-using nano::Road;
+using nano::Method;
 
 std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
   nano::HostTwin twin;
@@ -34,14 +34,14 @@ std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
 // All kinds of grid and all roads that take the mesh.
 void expectSame(const TetMesh& mesh, const GridTransform& transform = {}, bool dense = true) {
   const std::string mask = cpuHash(mesh, GridKind::Mask, transform);
-  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Boundary, transform)), mask);
-  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Bool, Road::Boundary, transform)), mask);
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Method::Boundary, transform)), mask);
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Bool, Method::Boundary, transform)), mask);
   if (dense) {
-    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Tets, transform)), mask);
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Method::Tets, transform)), mask);
   }
-  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Road::Boundary, transform)),
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Method::Boundary, transform)),
             cpuHash(mesh, GridKind::Density, transform));
-  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Owner, Road::Auto, transform)),
+  EXPECT_EQ(twinHash(mesh, jobFor(GridType::Owner, Method::Auto, transform)),
             cpuHash(mesh, GridKind::TetId, transform));
 }
 
@@ -81,7 +81,7 @@ TEST(HostTwin, TinyAndLargeTetsInOneMesh) {
 // Tiles of every level, and gaps whose columns differ: a box that ends at leaf and node borders.
 TEST(HostTwin, TilesAtEveryLevel) {
   const auto occupancy = [](const TetMesh& mesh) {
-    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Road::Boundary, {})),
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Fog, Method::Boundary, {})),
               cpuHash(mesh, GridKind::Density, {}));
   };
   occupancy(meshes::scaled(kuhnGrid(1, 1, 1), 256));
@@ -101,7 +101,7 @@ TEST(HostTwin, TilesAtEveryLevel) {
 // Dense masks over several upper nodes, and faces that floats say nothing of.
 TEST(HostTwin, DenseMasks) {
   const auto check = [](const TetMesh& mesh) {
-    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Road::Tets, {})),
+    EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Method::Tets, {})),
               cpuHash(mesh, GridKind::Mask, {}));
   };
   check(meshes::ball(6, 200, {0, 0, 0}));
@@ -132,9 +132,9 @@ RC_GTEST_PROP(HostTwinProperties, Soups, ()) {
 
 // Several devices share a grid by columns of root tiles: these meshes lie in four or more.
 TEST(HostTwin, SharesMakeTheSameBuffer) {
-  const auto check = [](const TetMesh& mesh, std::initializer_list<GridType> types, Road road) {
+  const auto check = [](const TetMesh& mesh, std::initializer_list<GridType> types, Method method) {
     for (GridType type : types) {
-      const nano::Job job = jobFor(type, road, {});
+      const nano::Job job = jobFor(type, method, {});
       nano::HostTwin one, several;
       const nano::Result whole = one.run(viewOf(mesh), job);
       for (int shares : {2, 3, 7}) {
@@ -149,22 +149,23 @@ TEST(HostTwin, SharesMakeTheSameBuffer) {
   const TetMesh origin = meshes::mapped(around, [](const Vec3d& p) {
     return Vec3d{p[0] - 60, p[1] - 60, p[2] - 60};
   });
-  check(origin, {GridType::Mask, GridType::Bool, GridType::Fog}, Road::Boundary);
-  check(origin, {GridType::Mask, GridType::Fog}, Road::Tets);
-  check(origin, {GridType::Owner}, Road::Auto);
+  check(origin, {GridType::Mask, GridType::Bool, GridType::Fog}, Method::Boundary);
+  check(origin, {GridType::Mask, GridType::Fog}, Method::Tets);
+  check(origin, {GridType::Owner}, Method::Auto);
   // Root tiles, and columns of them without any leaf.
   const TetMesh box = meshes::mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
     return Vec3d{p[0] * 12300 - 4100, p[1] * 40 - 20, p[2] * 8200 - 4098};
   });
-  check(box, {GridType::Mask}, Road::Boundary);
-  check(TetMesh(), {GridType::Mask}, Road::Auto);
+  check(box, {GridType::Mask}, Method::Boundary);
+  check(TetMesh(), {GridType::Mask}, Method::Auto);
 }
 
 TEST(HostTwin, EmptyGrids) {
   const TetMesh speck = meshes::scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5});
   expectSame(speck);
   nano::HostTwin twin;
-  EXPECT_EQ(twin.run(viewOf(TetMesh()), jobFor(GridType::Mask, Road::Auto, {})).counts.leaves, 0u);
+  EXPECT_EQ(twin.run(viewOf(TetMesh()), jobFor(GridType::Mask, Method::Auto, {})).counts.leaves,
+            0u);
 }
 
 TEST(HostTwin, ValuesOfTets) {
@@ -176,7 +177,7 @@ TEST(HostTwin, ValuesOfTets) {
   nano::HostTwin twin;
   nano::MeshView view = viewOf(mesh);
   view.values = cells.regions.data();
-  nano::Job job = jobFor(GridType::Owner, Road::Auto, {});
+  nano::Job job = jobFor(GridType::Owner, Method::Auto, {});
   job.name = "material";
   EXPECT_EQ(hashOf(twin.run(view, job)), cpuHash(cells, GridKind::Material, {}));
 }
@@ -186,7 +187,7 @@ TEST(HostTwin, FilesFromBuffersReadBack) {
   const TetMesh mesh = meshes::ball(5, 90, {10, 20, 30});
   nano::HostTwin twin;
   const nano::Result result =
-      twin.run(viewOf(mesh), jobFor(GridType::Owner, Road::Auto, GridTransform{}));
+      twin.run(viewOf(mesh), jobFor(GridType::Owner, Method::Auto, GridTransform{}));
   const auto release = [](unsigned char* p) { std::free(p); };
   std::vector<NanoBytes> grids;
   grids.push_back({{static_cast<unsigned char*>(
@@ -212,7 +213,7 @@ TEST(HostTwin, CountsFlipsAndDrops) {
   options.voxelSize = {1, 1, 1};
   const SnapCounts expected = voxelize(mesh, options, report, progress).counts;
   const nano::Counts counts =
-      twin.run(viewOf(mesh), jobFor(GridType::Mask, Road::Boundary, {})).counts;
+      twin.run(viewOf(mesh), jobFor(GridType::Mask, Method::Boundary, {})).counts;
   EXPECT_EQ(counts.flipped, expected.flipped);
   EXPECT_EQ(counts.dropped, expected.dropped);
 }
@@ -222,7 +223,7 @@ TEST(HostTwin, RefusesWhatItCannotDo) {
     nano::HostTwin twin;
     try {
       twin.run(viewOf(mesh),
-               jobFor(GridType::Mask, Road::Boundary, {{voxel, voxel, voxel}, {0, 0, 0}}));
+               jobFor(GridType::Mask, Method::Boundary, {{voxel, voxel, voxel}, {0, 0, 0}}));
     } catch (const Error& e) {
       return e.status();
     }
@@ -234,7 +235,7 @@ TEST(HostTwin, RefusesWhatItCannotDo) {
   {
     nano::HostTwin twin;
     const TetMesh wide = meshes::scaled(mesh, 2200); // for masks of all leaves at once
-    EXPECT_THROW(twin.run(viewOf(wide), jobFor(GridType::Mask, Road::Tets, {})), Error);
+    EXPECT_THROW(twin.run(viewOf(wide), jobFor(GridType::Mask, Method::Tets, {})), Error);
   }
   EXPECT_EQ(statusOf(mesh, -1), Status::Usage);
   mesh.points[3][1] = std::numeric_limits<double>::quiet_NaN();

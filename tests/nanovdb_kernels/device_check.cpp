@@ -27,7 +27,7 @@ namespace {
 
 using namespace tetvdb;
 using nano::GridType;
-using nano::Road;
+using nano::Method;
 
 int checks = 0, failures = 0;
 
@@ -44,15 +44,15 @@ void compare(nano::DeviceVoxelizer& device, const std::string& name, const TetMe
   struct Case {
     const char* name;
     GridType type;
-    Road road;
+    Method method;
     GridKind kind;
   };
-  for (const Case& c : {Case{"mask by boundary", GridType::Mask, Road::Boundary, GridKind::Mask},
-                        Case{"mask by tets", GridType::Mask, Road::Tets, GridKind::Mask},
-                        Case{"bool", GridType::Bool, Road::Auto, GridKind::Mask},
-                        Case{"fog", GridType::Fog, Road::Boundary, GridKind::Density},
-                        Case{"owner", GridType::Owner, Road::Auto, GridKind::TetId}}) {
-    const nano::Job job = jobFor(c.type, c.road, transform);
+  for (const Case& c : {Case{"mask by boundary", GridType::Mask, Method::Boundary, GridKind::Mask},
+                        Case{"mask by tets", GridType::Mask, Method::Tets, GridKind::Mask},
+                        Case{"bool", GridType::Bool, Method::Auto, GridKind::Mask},
+                        Case{"fog", GridType::Fog, Method::Boundary, GridKind::Density},
+                        Case{"owner", GridType::Owner, Method::Auto, GridKind::TetId}}) {
+    const nano::Job job = jobFor(c.type, c.method, transform);
     const std::string what = name + ", " + c.name;
     try {
       const nano::Result result = device.run(viewOf(mesh), job);
@@ -258,7 +258,7 @@ void refusals(nano::DeviceVoxelizer& device) {
 // A job that takes some tenths of a second and its end by the clock; and one beyond all memory.
 void stopping(nano::DeviceVoxelizer& device) {
   const TetMesh ball = meshes::ball(20, 1, {0, 0, 0});
-  nano::Job job = jobFor(GridType::Mask, Road::Auto, {});
+  nano::Job job = jobFor(GridType::Mask, Method::Auto, {});
   job.download = false;
   const auto at = [&](double resolution) {
     for (double& size : job.voxelSize)
@@ -319,8 +319,8 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          std::initializer_list<GridType> types) {
     for (GridType type : types)
-      for (Road road : {Road::Auto, Road::Boundary}) {
-        const nano::Job job = jobFor(type, road, {});
+      for (Method method : {Method::Auto, Method::Boundary}) {
+        const nano::Job job = jobFor(type, method, {});
         try {
           expect(sameBytes(shared.run(viewOf(mesh), job), device.run(viewOf(mesh), job)),
                  name + " by all devices");
@@ -349,7 +349,7 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
   check("large ball", large, {GridType::Mask, GridType::Fog});
   check("ball of values", meshes::ball(12, 150, {0.3, 10.7, -30}), {GridType::Owner});
   std::printf("%d devices, leaves:", count);
-  shared.run(viewOf(large), jobFor(GridType::Mask, Road::Auto, {}));
+  shared.run(viewOf(large), jobFor(GridType::Mask, Method::Auto, {}));
   for (std::uint64_t leaves : shared.leaves())
     std::printf(" %llu", static_cast<unsigned long long>(leaves));
   std::printf("\n");

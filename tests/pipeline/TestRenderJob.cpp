@@ -145,7 +145,7 @@ TEST(PictureMaker, Turntable) {
     options.lens.perspective = perspective;
     const PictureMaker maker(sitting(subjectOf(meshes::box({5, 0, 0}, {9, 1, 0.5}), {})), options,
                              progress);
-    double least = 1e9, most = 0;
+    double min = 1e9, max = 0;
     for (int i = 0; i < 8; ++i) {
       const Image image = maker.take(i / 8.0, progress);
       for (int k = 0; k < 120; ++k) {
@@ -154,10 +154,10 @@ TEST(PictureMaker, Turntable) {
       }
       EXPECT_GT(image.at(60, 60).alpha, 0.99);
       const double all = cover(image, 0, 120);
-      least = std::min(least, all);
-      most = std::max(most, all);
+      min = std::min(min, all);
+      max = std::max(max, all);
     }
-    EXPECT_GT(most / least, 2); // seen from its end it is small
+    EXPECT_GT(max / min, 2); // seen from its end it is small
   }
 }
 

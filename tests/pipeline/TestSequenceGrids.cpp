@@ -7,12 +7,12 @@ namespace {
 
 using namespace tetvdb;
 
-GridInfo grid(const std::string& name, std::uint64_t voxels, double least, double most, int at) {
+GridInfo grid(const std::string& name, std::uint64_t voxels, double min, double max, int at) {
   GridInfo info;
   info.name = name;
   info.activeVoxels = voxels;
-  info.minValue = least;
-  info.maxValue = most;
+  info.minValue = min;
+  info.maxValue = max;
   if (voxels > 0)
     info.boxMin = info.boxMax = Vec3i{at, -at, 0};
   return info;

@@ -168,9 +168,10 @@ TEST(MeshLayers, AreasAreThoseOfRationalClipping) {
     for (int k = 0; k < 6; ++k)
       for (int y = 0; y < 10; ++y)
         for (int x = 0; x < 12; ++x) {
-          const oracle::Number middle = oracle::Number(2 * k + 1) / 2;
+          const oracle::Number midpoint = oracle::Number(2 * k + 1) / 2;
           const oracle::Number share =
-              volumeWithin(tet, {x, y, middle - thin}, {x + 1, y + 1, middle + thin}) / thin / 2;
+              volumeWithin(tet, {x, y, midpoint - thin}, {x + 1, y + 1, midpoint + thin}) / thin /
+              2;
           const auto pixel = found.pixels.find({k, y, x});
           const int grey = pixel == found.pixels.end() ? 0 : pixel->second;
           const double exact = 255 * share.convert_to<double>();

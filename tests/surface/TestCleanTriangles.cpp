@@ -237,7 +237,7 @@ TEST(CleanTriangles, LargeWallBetweenTwoDoubledBoxesDisappears) {
         if (a[0] != x || b[0] != x || c[0] != x)
           continue;
         // Sums of the same three numbers, whatever their order.
-        const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+        const auto midpoint = static_cast<std::uint32_t>(mesh.points.size());
         Vec3d sum;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           std::array<double, 3> sorted{a[axis], b[axis], c[axis]};
@@ -245,9 +245,9 @@ TEST(CleanTriangles, LargeWallBetweenTwoDoubledBoxesDisappears) {
           sum[axis] = axis == 0 ? x : (sorted[0] + sorted[1] + sorted[2]) / 3;
         }
         mesh.points.push_back(sum);
-        mesh.triangles[3 * face + 2] = middle;
-        addTriangle(mesh, v[1], v[2], middle);
-        addTriangle(mesh, v[2], v[0], middle);
+        mesh.triangles[3 * face + 2] = midpoint;
+        addTriangle(mesh, v[1], v[2], midpoint);
+        addTriangle(mesh, v[2], v[0], midpoint);
       }
     return mesh;
   };

@@ -89,7 +89,7 @@ std::string messageOf(const std::function<void()>& call) {
 
 TEST(CubeTable, ChordsNeverLieInAFaceOfTheCube) {
   // Corners of the cube that an edge joins, as coordinates doubled.
-  const auto middle = [](int edge) {
+  const auto midpoint = [](int edge) {
     Vec3i p = cubeEdgeStart(edge);
     for (int& c : p)
       c *= 2;
@@ -107,7 +107,7 @@ TEST(CubeTable, ChordsNeverLieInAFaceOfTheCube) {
     }
     for (const auto& [side, count] : sides) {
       const bool onBorder = sides.count({side.second, side.first}) == 0;
-      const Vec3i p = middle(side.first), q = middle(side.second);
+      const Vec3i p = midpoint(side.first), q = midpoint(side.second);
       bool shareFace = false;
       for (std::size_t axis = 0; axis < 3; ++axis)
         shareFace = shareFace || (p[axis] == q[axis] && p[axis] != 1);
@@ -269,11 +269,11 @@ TEST(ExtractSurface, FacesThroughVoxelCentresAreMet) {
   const Volume volume = volumeOf(
       maskOf({-2, -2, -2}, {7, 7, 7}, [](int, int, int) { return true; }), {{h, h, h}, {0, 0, 0}});
   for (const Vec3d& p : extract(volume, 0, &scene).points) {
-    double least = 1;
+    double min = 1;
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const double side : {-2 * h, 7 * h})
-        least = std::min(least, std::abs(p[axis] - side));
-    EXPECT_LT(least, 0.051 * h);
+        min = std::min(min, std::abs(p[axis] - side));
+    EXPECT_LT(min, 0.051 * h);
   }
 }
 

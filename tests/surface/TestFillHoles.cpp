@@ -71,10 +71,10 @@ TEST(FillHoles, LargeCurvedHolesAreSmooth) {
   const Vec3d way{0.36, 0.48, 0.8};
   for (const double cosine : {0.95, 0.85, 0.7}) {
     TriangleMesh mesh = without(ball, [&](std::size_t f) {
-      Vec3d middle{0, 0, 0};
+      Vec3d midpoint{0, 0, 0};
       for (std::size_t k = 0; k < 3; ++k)
-        middle = plus(middle, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
-      return dot(middle, way) > cosine;
+        midpoint = plus(midpoint, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
+      return dot(midpoint, way) > cosine;
     });
     dropUnusedPoints(mesh);
     const std::size_t first = mesh.points.size();
@@ -90,9 +90,8 @@ TEST(FillHoles, LargeCurvedHolesAreSmooth) {
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       const double size = length(minus(mesh.points[mesh.triangles[i]],
                                        mesh.points[mesh.triangles[i % 3 == 2 ? i - 2 : i + 1]]));
-      double& most =
-          i / 3 < mesh.triangleCount() - filling.holes[0].faces ? longestBefore : longest;
-      most = std::max(most, size);
+      double& max = i / 3 < mesh.triangleCount() - filling.holes[0].faces ? longestBefore : longest;
+      max = std::max(max, size);
     }
     EXPECT_LT(longest, 2 * longestBefore);
   }
@@ -102,10 +101,10 @@ TEST(FillHoles, APatchThatWouldCrossIsPlain) {
   // A spike just below the ball's surface stands where the smooth patch would be.
   const TriangleMesh ball = sphere({0, 0, 0}, 1, 24);
   const TriangleMesh holed = without(ball, [&](std::size_t f) {
-    Vec3d middle{0, 0, 0};
+    Vec3d midpoint{0, 0, 0};
     for (std::size_t k = 0; k < 3; ++k)
-      middle = plus(middle, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
-    return dot(middle, Vec3d{0.36, 0.48, 0.8}) > 0.8;
+      midpoint = plus(midpoint, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
+    return dot(midpoint, Vec3d{0.36, 0.48, 0.8}) > 0.8;
   });
   TriangleMesh mesh = joined({holed, box({0.33, 0.45, 0.77}, {0.38, 0.5, 1.2})});
   dropUnusedPoints(mesh);

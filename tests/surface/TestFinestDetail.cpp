@@ -15,9 +15,9 @@ double thicknessOf(const TriangleMesh& mesh) {
   return finestThickness(mesh, progress);
 }
 
-double voxelOf(const TriangleMesh& mesh, std::size_t mostFaces) {
+double voxelOf(const TriangleMesh& mesh, std::size_t maxFaces) {
   Progress progress;
-  return voxelForDetail(mesh, mostFaces, progress);
+  return voxelForDetail(mesh, maxFaces, progress);
 }
 
 TEST(FinestDetail, ThicknessOfPlatesAndShells) {

@@ -67,9 +67,9 @@ TEST(LocalRepair, FacesWithoutAreaThatCloseNothingGo) {
   TriangleMesh mesh = whole;
   for (std::size_t face = 0; face < whole.triangleCount(); face += 5) {
     const std::uint32_t a = whole.triangles[3 * face], b = whole.triangles[3 * face + 1];
-    const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+    const auto midpoint = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.push_back(times(plus(whole.points[a], whole.points[b]), 0.5));
-    mesh.triangles.insert(mesh.triangles.end(), {a, middle, b});
+    mesh.triangles.insert(mesh.triangles.end(), {a, midpoint, b});
   }
   mesh.faceCount = mesh.triangleCount();
   const LocalRepair repair = repaired(mesh);
@@ -142,10 +142,10 @@ TEST(LocalRepair, FlatFacesInEdgesGo) {
   for (std::uint32_t face = 0; face < faces; face += 7) {
     const std::uint32_t a = mesh.triangles[3 * face], b = mesh.triangles[3 * face + 1],
                         c = mesh.triangles[3 * face + 2];
-    const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+    const auto midpoint = static_cast<std::uint32_t>(mesh.points.size());
     mesh.points.push_back(times(plus(mesh.points[a], mesh.points[b]), 0.5));
-    mesh.triangles[3 * face + 1] = middle;
-    for (const std::uint32_t v : {middle, b, c, a, b, middle})
+    mesh.triangles[3 * face + 1] = midpoint;
+    for (const std::uint32_t v : {midpoint, b, c, a, b, midpoint})
       mesh.triangles.push_back(v);
   }
   mesh.faceCount = mesh.triangleCount();

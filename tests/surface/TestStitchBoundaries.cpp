@@ -56,14 +56,14 @@ TEST(StitchBoundaries, CollinearFacesAreFlipped) {
   TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1}, 2);
   // A point in the middle of an edge, for one of its faces alone: between them a face without area.
   const std::uint32_t a = mesh.triangles[0], b = mesh.triangles[1], c = mesh.triangles[2];
-  const auto middle = static_cast<std::uint32_t>(mesh.points.size());
+  const auto midpoint = static_cast<std::uint32_t>(mesh.points.size());
   Vec3d p;
   for (std::size_t k = 0; k < 3; ++k)
     p[k] = (mesh.points[a][k] + mesh.points[b][k]) / 2;
   mesh.points.push_back(p);
-  mesh.triangles[1] = middle;
-  addTriangle(mesh, middle, b, c);
-  addTriangle(mesh, a, b, middle);
+  mesh.triangles[1] = midpoint;
+  addTriangle(mesh, midpoint, b, c);
+  addTriangle(mesh, a, b, midpoint);
   ASSERT_EQ(manifoldDefect(mesh), "");
   const StitchCounts counts = stitched(mesh);
   EXPECT_EQ(counts.flippedFaces, 1u);

@@ -49,7 +49,7 @@ double bendOf(const std::vector<Vec3d>& points, const Loop& corners) {
     const double size = std::hypot(n[0], n[1], n[2]);
     return Vec3d{n[0] / size, n[1] / size, n[2] / size};
   };
-  double most = 0;
+  double max = 0;
   for (std::size_t i = 0; i < corners.size(); i += 3)
     for (std::size_t j = 0; j < i; j += 3) {
       std::size_t common = 0;
@@ -58,9 +58,9 @@ double bendOf(const std::vector<Vec3d>& points, const Loop& corners) {
       if (common < 2)
         continue;
       const Vec3d a = normal(i), b = normal(j);
-      most = std::max(most, 1 - (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+      max = std::max(max, 1 - (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
     }
-  return most;
+  return max;
 }
 
 // Of larger loops parts are chosen before what they border on is known.

@@ -159,12 +159,12 @@ TEST(Tetrahedralize, InnerWallsOfFiveSheets) {
 }
 
 TEST(Tetrahedralize, NestedShells) {
-  const TriangleMesh large = sphere({0, 0, 0}, 1, 8), middle = sphere({0, 0, 0}, 0.6, 6),
+  const TriangleMesh large = sphere({0, 0, 0}, 1, 8), midpoint = sphere({0, 0, 0}, 0.6, 6),
                      small = sphere({0, 0, 0}, 0.3, 4);
-  const double v = signedVolume(large), w = signedVolume(middle), u = signedVolume(small);
-  expectSolid(joined({large, meshes::flipped(middle)}), v - w);
-  expectSolid(joined({large, middle}), v);
-  expectSolid(joined({large, meshes::flipped(middle), small}), v - w + u);
+  const double v = signedVolume(large), w = signedVolume(midpoint), u = signedVolume(small);
+  expectSolid(joined({large, meshes::flipped(midpoint)}), v - w);
+  expectSolid(joined({large, midpoint}), v);
+  expectSolid(joined({large, meshes::flipped(midpoint), small}), v - w + u);
 }
 
 TEST(Tetrahedralize, DegenerateFaces) {

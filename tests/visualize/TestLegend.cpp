@@ -16,12 +16,12 @@ TEST(Legend, TicksShowTheColoursOfTheirNumbers) {
     Image image(640, 480, kPaper);
     const LegendPlaces places = drawLegend(image, scale, kInk);
     ASSERT_GE(places.ticks.size(), 3U);
-    const int middle = (places.barLeft + places.barRight) / 2;
+    const int midpoint = (places.barLeft + places.barRight) / 2;
     for (std::size_t i = 0; i < places.ticks.size(); ++i) {
       const int row = places.tickRows[i];
       ASSERT_TRUE(row >= places.barTop && row < places.barBottom);
       const Rgb wanted = scale(places.ticks[i]);
-      const Pixel found = image.at(middle, row);
+      const Pixel found = image.at(midpoint, row);
       // Half a row is the most that a tick is off.
       const double step = 0.5 / (places.barBottom - places.barTop - 1);
       const Rgb low = (*scale.map)(scale.position(places.ticks[i]) - step);
@@ -33,8 +33,8 @@ TEST(Legend, TicksShowTheColoursOfTheirNumbers) {
       EXPECT_NEAR(found.blue, wanted[2], allowed);
       EXPECT_EQ(image.at(places.barRight, row), kInk);
     }
-    EXPECT_EQ(image.at(middle, places.barTop), opaque((*scale.map)(1)));
-    EXPECT_EQ(image.at(middle, places.barBottom - 1), opaque((*scale.map)(0)));
+    EXPECT_EQ(image.at(midpoint, places.barTop), opaque((*scale.map)(1)));
+    EXPECT_EQ(image.at(midpoint, places.barBottom - 1), opaque((*scale.map)(0)));
   }
 }
 

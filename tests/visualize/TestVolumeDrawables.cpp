@@ -55,13 +55,13 @@ typename GridT::Ptr ballMask(double voxel) {
   auto grid = GridT::create();
   grid->setTransform(makeTransform({{voxel, voxel, voxel}, {0.03, 0.02, 0.01}}));
   const int reach = static_cast<int>(kRadius / voxel) + 2;
-  const openvdb::Coord middle = grid->transform().worldToIndexNodeCentered(
+  const openvdb::Coord midpoint = grid->transform().worldToIndexNodeCentered(
       openvdb::Vec3d(kCentre[0], kCentre[1], kCentre[2]));
   auto accessor = grid->getAccessor();
   for (int i = -reach; i <= reach; ++i)
     for (int j = -reach; j <= reach; ++j)
       for (int k = -reach; k <= reach; ++k) {
-        const openvdb::Coord at = middle.offsetBy(i, j, k);
+        const openvdb::Coord at = midpoint.offsetBy(i, j, k);
         const openvdb::Vec3d p = grid->indexToWorld(at);
         if ((p - openvdb::Vec3d(kCentre[0], kCentre[1], kCentre[2])).length() <= kRadius)
           accessor.setValueOn(at, typename GridT::ValueType(1));
@@ -105,7 +105,7 @@ TEST(DrawSurface, ofALevelSetIsTheBall) {
 }
 
 /// Within a voxel of the ball; normals that differ by what voxels do to them.
-void expectBall(const Drawable& drawn, double voxel, double leastCosine, double pixel = 0) {
+void expectBall(const Drawable& drawn, double voxel, double minCosine, double pixel = 0) {
   std::mt19937 random(2);
   double cosines = 0;
   int hits = 0;
@@ -127,7 +127,7 @@ void expectBall(const Drawable& drawn, double voxel, double leastCosine, double 
     cosines += dotOf(hit.normal, normal) / away;
     ++hits;
   }
-  EXPECT_GT(cosines / hits, leastCosine);
+  EXPECT_GT(cosines / hits, minCosine);
 }
 
 TEST(DrawSurface, ofAMaskIsNearTheBallAndSmooth) {

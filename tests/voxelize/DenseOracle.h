@@ -68,10 +68,10 @@ inline std::map<Voxel, Owner> voxels(const TetMesh& mesh, const GridTransform& t
     const auto& d = points[mesh.tets[4 * t + 3]];
     long long low[3], high[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      const long long least = std::min({a[k], b[k], c[k], d[k]});
-      const long long most = std::max({a[k], b[k], c[k], d[k]});
-      low[k] = (least - (((least % unit) + unit) % unit)) / unit; // one too low at times
-      high[k] = (most - (((most % unit) + unit) % unit)) / unit;
+      const long long min = std::min({a[k], b[k], c[k], d[k]});
+      const long long max = std::max({a[k], b[k], c[k], d[k]});
+      low[k] = (min - (((min % unit) + unit) % unit)) / unit; // one too low at times
+      high[k] = (max - (((max % unit) + unit) % unit)) / unit;
     }
     for (long long x = low[0]; x <= high[0]; ++x)
       for (long long y = low[1]; y <= high[1]; ++y)

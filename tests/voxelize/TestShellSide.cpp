@@ -52,12 +52,12 @@ double toTriangle(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c
 }
 
 double distanceTo(const TriangleMesh& mesh, const Vec3d& p) {
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (std::size_t f = 0; f < mesh.triangleCount(); ++f)
-    least = std::min(least, toTriangle(p, mesh.points[mesh.triangles[3 * f]],
-                                       mesh.points[mesh.triangles[3 * f + 1]],
-                                       mesh.points[mesh.triangles[3 * f + 2]]));
-  return least;
+    min = std::min(min, toTriangle(p, mesh.points[mesh.triangles[3 * f]],
+                                   mesh.points[mesh.triangles[3 * f + 1]],
+                                   mesh.points[mesh.triangles[3 * f + 2]]));
+  return min;
 }
 
 // Whether a point is outside, where `known`.

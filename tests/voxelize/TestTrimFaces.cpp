@@ -67,8 +67,8 @@ constexpr double kTolerance = kDistanceError + 1e-6; // and the floats' own roun
 // Distance to the boundary of bodies' union, up to the second argument.
 std::function<double(const Vec3d&, double)> toUnion(const std::vector<oracle::Body>& bodies) {
   return [faces = oracle::PolygonDistance(oracle::boundaryOfUnion(bodies))](const Vec3d& p,
-                                                                            double most) {
-    return static_cast<double>(faces({p[0], p[1], p[2]}, most));
+                                                                            double max) {
+    return static_cast<double>(faces({p[0], p[1], p[2]}, max));
   };
 }
 
@@ -242,11 +242,11 @@ public:
   /// No point of the boundary is farther from a sample.
   double spacing() const { return spacing_; }
   double distance(const Vec3d& p) const {
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (const Vec3d& q : samples_)
-      least = std::min(least, (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
-                                  (p[2] - q[2]) * (p[2] - q[2]));
-    return std::sqrt(least);
+      min = std::min(min, (p[0] - q[0]) * (p[0] - q[0]) + (p[1] - q[1]) * (p[1] - q[1]) +
+                              (p[2] - q[2]) * (p[2] - q[2]));
+    return std::sqrt(min);
   }
 
 private:

@@ -31,7 +31,7 @@ void findPairs(const SolidSamples& solid, const openvdb::FloatGrid& levelSet, do
                const Vec3i& block, std::vector<CentrePair>& pairs) {
   const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> distances(
       levelSet.constTree());
-  const auto magnitude = [&](const Vec3i& v) {
+  const auto absolute = [&](const Vec3i& v) {
     return std::abs(static_cast<double>(distances.getValue({v[0], v[1], v[2]})));
   };
   BlockSamples samples;
@@ -44,7 +44,7 @@ void findPairs(const SolidSamples& solid, const openvdb::FloatGrid& levelSet, do
           if (here == samples.isInside(x + (axis == 0), y + (axis == 1), z + (axis == 2)))
             continue;
           const Vec3i first{block[0] + x, block[1] + y, block[2] + z};
-          if (magnitude(first) + magnitude(stepped(first, axis, 1)) > voxel * (1 + 1e-4))
+          if (absolute(first) + absolute(stepped(first, axis, 1)) > voxel * (1 + 1e-4))
             pairs.push_back({first, axis});
         }
 }

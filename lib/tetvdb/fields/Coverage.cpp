@@ -96,13 +96,13 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
             for (auto y = nodeOf(low(1)); y <= nodeOf(high(1)); ++y) {
               const double dx = static_cast<double>(x) * kLeafSize + 4 - a[0];
               const double dy = static_cast<double>(y) * kNodeSize + 64 - a[1];
-              const double middle = a[2] + slopeX * dx + slopeY * dy;
+              const double midpoint = a[2] + slopeX * dx + slopeY * dy;
               const double reach = 4 * std::abs(slopeX) + 64 * std::abs(slopeY) + 1;
               // Steep planes, and slivers whose slopes say little, keep the whole range.
               auto from = zLow, to = zHigh;
               if (reach < 4096) {
-                from = std::max(from, static_cast<std::int64_t>(std::floor(middle - reach)));
-                to = std::min(to, static_cast<std::int64_t>(std::ceil(middle + reach)));
+                from = std::max(from, static_cast<std::int64_t>(std::floor(midpoint - reach)));
+                to = std::min(to, static_cast<std::int64_t>(std::ceil(midpoint + reach)));
               }
               for (auto z = nodeOf(from); z <= nodeOf(std::max(from, to)); ++z)
                 out.push_back({static_cast<std::int32_t>(x), y, z, static_cast<std::uint32_t>(i)});

@@ -29,8 +29,8 @@ TETVDB_INLINE void addFace(const LeafFace& face, float reach, float* squared) {
   for (int x = face.x0; x <= face.x1; ++x)
     for (int y = face.y0; y <= face.y1; ++y)
       if (rowOf(face, x, y, reach, row)) {
-        Floats* least = reinterpret_cast<Floats*>(squared + (x * kLeafSize + y) * kLeafSize);
-        *least = smallerOf(*least, squaredDistance(face, row, z));
+        Floats* min = reinterpret_cast<Floats*>(squared + (x * kLeafSize + y) * kLeafSize);
+        *min = smallerOf(*min, squaredDistance(face, row, z));
       }
 }
 
@@ -101,10 +101,10 @@ DistanceBand::DistanceBand(const SnappedMesh& mesh, const Boundary& faces, doubl
           for (std::int32_t x = low[0]; x <= high[0]; ++x)
             for (std::int32_t y = low[1]; y <= high[1]; ++y)
               for (std::int32_t z = low[2]; z <= high[2]; ++z) {
-                const auto middle = [&](std::int32_t node, std::int32_t first) {
+                const auto midpoint = [&](std::int32_t node, std::int32_t first) {
                   return (static_cast<double>(node) - first) * kNodeSize + kHalfNode;
                 };
-                if (mayReach(frame, {middle(x, low[0]), middle(y, low[1]), middle(z, low[2])},
+                if (mayReach(frame, {midpoint(x, low[0]), midpoint(y, low[1]), midpoint(z, low[2])},
                              kHalfNode, radius))
                   out.push_back({{x, y, z}, face});
               }

@@ -56,9 +56,9 @@ TETVDB_INLINE Doubles edgeSquares(Doubles q, Doubles along, double length) {
 // block's first voxel as the frames see it.
 TETVDB_MULTIVERSION
 void leastSquares(const FaceFrame* frames, const std::uint32_t* list, std::size_t count,
-                  const double* first, double* least) {
+                  const double* first, double* min) {
   const Doubles zero = {0, 0, 0, 0};
-  Doubles* out = reinterpret_cast<Doubles*>(least);
+  Doubles* out = reinterpret_cast<Doubles*>(min);
   for (int i = 0; i < kBlockVoxels / kSmallest; ++i)
     out[i] = zero + std::numeric_limits<double>::max();
   for (std::size_t n = 0; n < count; ++n) {
@@ -164,27 +164,27 @@ private:
   std::vector<std::uint32_t> narrowed(const VoxelBox& voxels,
                                       const std::vector<std::uint32_t>& list, const FaceOf& face,
                                       std::uint32_t& best) const {
-    Vec3d low, high, middle;
+    Vec3d low, high, midpoint;
     for (std::size_t k = 0; k < 3; ++k) {
       low[k] = voxels.low[k];
       high[k] = voxels.high[k];
-      middle[k] = (low[k] + high[k]) / 2;
+      midpoint[k] = (low[k] + high[k]) / 2;
     }
-    NearestOffset least = nearest(best, middle);
+    NearestOffset min = nearest(best, midpoint);
     for (const std::uint32_t i : list) {
       const std::uint32_t f = face(i);
       const FaceBox& box = all_.boxes_[f];
-      if (boxSquare(middle, box.low, box.high) >= least.squared)
+      if (boxSquare(midpoint, box.low, box.high) >= min.squared)
         continue;
-      const NearestOffset other = nearest(f, middle);
-      if (other.squared < least.squared) {
-        least = other;
+      const NearestOffset other = nearest(f, midpoint);
+      if (other.squared < min.squared) {
+        min = other;
         best = f;
       }
     }
-    const Vec3d p = plus(middle, least.offset);
+    const Vec3d p = plus(midpoint, min.offset);
     // The largest difference of squares along one axis, over the box and at one end of the voxels.
-    const auto most = [](double v, double at, double boxLow, double boxHigh) {
+    const auto max = [](double v, double at, double boxLow, double boxHigh) {
       const double to = std::max({boxLow - v, v - boxHigh, 0.0});
       return (v - at) * (v - at) - to * to;
     };
@@ -193,8 +193,8 @@ private:
       const FaceBox& box = all_.boxes_[face(i)];
       double sum = 0;
       for (std::size_t k = 0; k < 3; ++k)
-        sum += std::max(most(low[k], p[k], box.low[k], box.high[k]),
-                        most(high[k], p[k], box.low[k], box.high[k]));
+        sum += std::max(max(low[k], p[k], box.low[k], box.high[k]),
+                        max(high[k], p[k], box.low[k], box.high[k]));
       if (sum > -kSlack || face(i) == best)
         kept.push_back(i);
     }
@@ -265,19 +265,19 @@ private:
 
   void evaluate(const Block& leaf, const Block& block, const Framed& framed,
                 const std::vector<std::uint32_t>& list, float* squared) const {
-    alignas(64) double least[kBlockVoxels];
+    alignas(64) double min[kBlockVoxels];
     double first[3];
     std::int32_t at[3];
     for (std::size_t k = 0; k < 3; ++k) {
       first[k] = block.first[k] - framed.origin[k];
       at[k] = block.first[k] - leaf.first[k];
     }
-    leastSquares(framed.frames.data(), list.data(), list.size(), first, least);
+    leastSquares(framed.frames.data(), list.data(), list.size(), first, min);
     for (std::int32_t x = 0; x < kSmallest; ++x)
       for (std::int32_t y = 0; y < kSmallest; ++y)
         for (std::int32_t z = 0; z < kSmallest; ++z)
           squared[((at[0] + x) * kLeafSize + at[1] + y) * kLeafSize + at[2] + z] =
-              static_cast<float>(least[(x * kSmallest + y) * kSmallest + z]);
+              static_cast<float>(min[(x * kSmallest + y) * kSmallest + z]);
   }
 
   const DistanceBlocks& all_;

@@ -19,7 +19,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::uint32_t kMostComponents = 9;
+constexpr std::uint32_t kMaxComponents = 9;
 
 using Names = std::vector<std::string_view>;
 
@@ -239,7 +239,7 @@ private:
         report_.warn("array-left-out",
                      fmt::format("the array '{}' {} and is left out", array.name, why));
       };
-      if (array.components > kMostComponents) {
+      if (array.components > kMaxComponents) {
         leaveOut(fmt::format("has {} components", array.components));
         continue;
       }
@@ -294,7 +294,7 @@ private:
         useTensor(tuple, field);
       else
         field.sources = tuple.parts;
-      if (tuple.count() > kMostComponents)
+      if (tuple.count() > kMaxComponents)
         refusePart(tuple, "magnitude", "it has too many components");
       break;
     default:
@@ -315,7 +315,7 @@ private:
                                       : FieldKind::Float;
       return finish(std::move(field));
     }
-    if (tuple.count() > kMostComponents)
+    if (tuple.count() > kMaxComponents)
       refusePart(tuple, "a grid", fmt::format("it has {} components", tuple.count()));
     const std::string name = field.name;
     for (std::uint32_t i = 0; i < tuple.count(); ++i) {

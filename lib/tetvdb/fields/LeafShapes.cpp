@@ -11,9 +11,9 @@ namespace {
 constexpr double kAffineError = 1e-12;
 constexpr double kNewtonError = 1e-13;
 constexpr double kAcceptedError = 1e-9;
-constexpr int kMostSteps = 12;
+constexpr int kMaxSteps = 12;
 // Beyond the reference cell: chords lie outside of arcs, by no more than this in sane cells.
-constexpr double kMostOutside = 0.3;
+constexpr double kMaxOutside = 0.3;
 
 bool isWithin(CurvedShape shape, const Vec3d& at, double margin) {
   const double low = -margin, high = 1 + margin;
@@ -140,7 +140,7 @@ bool LeafShapes::solve(const CurvedCells::Cell& cell, double size, const Vec3d& 
   std::array<std::array<double, 3>, kMaxCurvedNodes> gradients;
   const Vec3d& base = mesh_->points[nodes[0]];
   const Vec3d wanted = minus(target, base);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     shapeFunctions(cell.shape, at, weights, gradients.data());
     Vec3d rest = wanted, by[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     for (std::size_t i = 1; i < n; ++i) {
@@ -152,13 +152,13 @@ bool LeafShapes::solve(const CurvedCells::Cell& cell, double size, const Vec3d& 
       }
     }
     const double error = largest(rest);
-    if (error <= kNewtonError * size || (step == kMostSteps - 1 && error <= kAcceptedError * size))
+    if (error <= kNewtonError * size || (step == kMaxSteps - 1 && error <= kAcceptedError * size))
       return true;
     const double determinant = dot(by[0], cross(by[1], by[2]));
     at[0] += dot(rest, cross(by[1], by[2])) / determinant;
     at[1] += dot(rest, cross(by[2], by[0])) / determinant;
     at[2] += dot(rest, cross(by[0], by[1])) / determinant;
-    if (!isWithin(cell.shape, at, kMostOutside)) // not a number, too
+    if (!isWithin(cell.shape, at, kMaxOutside)) // not a number, too
       break;
   }
   return false;

@@ -37,7 +37,7 @@ bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, f
               float voxel, float background, SignedLeaf& leaf) {
   std::uint64_t any = 0;
   for (int x = 0; x < kLeafSize; ++x) {
-    float magnitudes[kLeafSize * kLeafSize];
+    float absolutes[kLeafSize * kLeafSize];
     std::uint8_t near[kLeafSize * kLeafSize];
     const float* row = squared + x * kLeafSize * kLeafSize;
     for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
@@ -45,13 +45,13 @@ bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, f
       near[i] = distance < radius;
       // A zero would be neither inside nor outside.
       const float value = std::max(distance * voxel, std::numeric_limits<float>::min());
-      magnitudes[i] = distance < radius ? std::min(value, background) : background;
+      absolutes[i] = distance < radius ? std::min(value, background) : background;
     }
     std::uint64_t active = 0;
     for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
       active |= static_cast<std::uint64_t>(near[i]) << i;
       leaf.values[x * kLeafSize * kLeafSize + i] =
-          (inside[x] >> i & 1) != 0 ? -magnitudes[i] : magnitudes[i];
+          (inside[x] >> i & 1) != 0 ? -absolutes[i] : absolutes[i];
     }
     leaf.active[x] = active;
     any |= active;

@@ -20,8 +20,8 @@ openvdb::FloatGrid::Ptr shellSurface(const openvdb::FloatGrid& distance,
   const auto background = static_cast<float>(halfWidth);
   const auto signedBy = [&](bool inside, double s) {
     const double f = outward ? std::max(-s, s - thickness) : std::max(s, -thickness - s);
-    const double least = std::numeric_limits<float>::min();
-    return static_cast<float>(inside ? std::min(f, -least) : std::max(f, 0.0));
+    const double min = std::numeric_limits<float>::min();
+    return static_cast<float>(inside ? std::min(f, -min) : std::max(f, 0.0));
   };
   std::vector<std::unique_ptr<Leaf>> made(leaves.size());
   tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {

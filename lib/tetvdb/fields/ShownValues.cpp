@@ -10,11 +10,11 @@ std::string whyHidden(const GridInfo& grid) {
       grid.gridClass == "level set")
     return {};
   const std::string range = fmt::format("{:.6g} to {:.6g}", grid.minValue, grid.maxValue);
-  if (grid.maxValue < kLeastShown)
-    return fmt::format("ranges from {}: Blender shows nothing below {}", range, kLeastShown);
+  if (grid.maxValue < kMinShown)
+    return fmt::format("ranges from {}: Blender shows nothing below {}", range, kMinShown);
   if (grid.minValue < 0)
     return fmt::format("ranges from {}: renderers take negative densities for nothing", range);
-  if (grid.maxValue > kMostShown)
+  if (grid.maxValue > kMaxShown)
     return fmt::format("ranges from {}: renderers show such densities as a solid block", range);
   return {};
 }

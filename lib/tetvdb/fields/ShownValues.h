@@ -10,9 +10,9 @@
 namespace tetvdb {
 
 /// Blender's Cycles takes what is below for nothing (volume.render.clipping, its default).
-constexpr double kLeastShown = 0.001;
+constexpr double kMinShown = 0.001;
 /// Densities above are a solid block in any scene of ordinary size.
-constexpr double kMostShown = 1000;
+constexpr double kMaxShown = 1000;
 /// Largest number that 16 bits hold.
 constexpr double kLargestHalf = 65504;
 

@@ -48,7 +48,7 @@ public:
   explicit LooseAngles(const LatticePoint& p) : p_(p) {}
 
   void add(const LatticePoint& centre, const LatticePoint& end, double weight) {
-    if (count_ == kMost)
+    if (count_ == kMax)
       flush();
     ends_.set(count_++, centre, end, weight);
   }
@@ -58,13 +58,13 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
   void flush() {
     sum_ += sumAngles(ends_.view(), 0, count_, p_);
     count_ = 0;
   }
   LatticePoint p_;
-  BoundaryEdgeBlock<kMost> ends_;
+  BoundaryEdgeBlock<kMax> ends_;
   std::size_t count_ = 0;
   double sum_ = 0;
 };
@@ -100,7 +100,7 @@ std::vector<std::uint32_t> connectedParts(const std::vector<BoundaryEdge>& edges
 // What the tree's build moves about: an edge, or a small component of edges as a whole.
 struct BoundaryWinding::Item {
   std::vector<std::uint32_t> edges;
-  Vec3d middle;
+  Vec3d midpoint;
 };
 
 BoundaryWinding::BoundaryWinding(std::vector<BoundaryEdge> edges) {
@@ -140,22 +140,22 @@ void BoundaryWinding::build(Item* begin, Item* end, const std::vector<BoundaryEd
       for (const std::uint32_t e : item->edges)
         edges_.push(edges[e].a, edges[e].b, edges[e].weight);
   } else {
-    Vec3d low = begin->middle, high = begin->middle;
+    Vec3d low = begin->midpoint, high = begin->midpoint;
     for (const Item* item = begin; item != end; ++item)
       for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], item->middle[k]);
-        high[k] = std::max(high[k], item->middle[k]);
+        low[k] = std::min(low[k], item->midpoint[k]);
+        high[k] = std::max(high[k], item->midpoint[k]);
       }
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
       if (high[k] - low[k] > high[axis] - low[axis])
         axis = k;
-    Item* const middle = begin + (end - begin) / 2;
-    std::nth_element(begin, middle, end, [axis](const Item& i, const Item& j) {
-      return std::tie(i.middle[axis], i.edges[0]) < std::tie(j.middle[axis], j.edges[0]);
+    Item* const midpoint = begin + (end - begin) / 2;
+    std::nth_element(begin, midpoint, end, [axis](const Item& i, const Item& j) {
+      return std::tie(i.midpoint[axis], i.edges[0]) < std::tie(j.midpoint[axis], j.edges[0]);
     });
-    build(begin, middle, edges);
-    build(middle, end, edges);
+    build(begin, midpoint, edges);
+    build(midpoint, end, edges);
   }
   node.end = static_cast<std::uint32_t>(edges_.size());
   fillMoments(node);
@@ -457,23 +457,23 @@ BoundaryWinding::Slope BoundaryWinding::slope(const LatticePoint& centre, double
   return slope;
 }
 
-bool BoundaryWinding::curtains(const LatticePoint& centre, double reach, std::size_t most,
+bool BoundaryWinding::curtains(const LatticePoint& centre, double reach, std::size_t max,
                                std::vector<std::uint32_t>& edges) const {
   edges.clear();
   const auto over = [&](const LatticePoint& low, const LatticePoint& high) {
     return low.x <= centre.x + reach && high.x >= centre.x - reach && low.y <= centre.y + reach &&
            high.y >= centre.y - reach && low.z <= centre.z + reach;
   };
-  walk([&](const Node& node) { return edges.size() > most || !over(node.boxMin, node.boxMax); },
+  walk([&](const Node& node) { return edges.size() > max || !over(node.boxMin, node.boxMax); },
        [&](std::uint32_t begin, std::uint32_t end) {
-         for (std::uint32_t i = begin; i != end && edges.size() <= most; ++i) {
+         for (std::uint32_t i = begin; i != end && edges.size() <= max; ++i) {
            const LatticePoint a = edges_.a(i), b = edges_.b(i);
            if (over({std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)},
                     {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}))
              edges.push_back(i);
          }
        });
-  return edges.size() <= most;
+  return edges.size() <= max;
 }
 
 // Straight above an edge the angle of its triangle passes from -2 pi to 2 pi as turn() passes zero,

@@ -72,8 +72,8 @@ public:
 
   /// Edges whose curtain may stand in the upright square prism of points up to `reach` from
   /// `centre` along every axis: s may jump by whole numbers across them. False, with only some of
-  /// them in `edges`, where they are more than `most`.
-  bool curtains(const LatticePoint& centre, double reach, std::size_t most,
+  /// them in `edges`, where they are more than `max`.
+  bool curtains(const LatticePoint& centre, double reach, std::size_t max,
                 std::vector<std::uint32_t>& edges) const;
   /// What s jumps by from `centre` to `p` across the curtains of `edges`, exactly; both within such
   /// a prism, into which the boundary itself does not reach.

@@ -40,15 +40,15 @@ void radixSort(std::vector<std::uint64_t>& keys) {
 } // namespace
 
 BoxBlocks::FloatBox BoxBlocks::outward(const Box& box) {
-  constexpr float kMost = std::numeric_limits<float>::max();
+  constexpr float kMax = std::numeric_limits<float>::max();
   FloatBox result;
   for (std::size_t k = 0; k < 3; ++k) {
     result.low[k] = static_cast<float>(box.low[k]);
     if (static_cast<double>(result.low[k]) > box.low[k])
-      result.low[k] = std::nextafter(result.low[k], -kMost);
+      result.low[k] = std::nextafter(result.low[k], -kMax);
     result.high[k] = static_cast<float>(box.high[k]);
     if (static_cast<double>(result.high[k]) < box.high[k])
-      result.high[k] = std::nextafter(result.high[k], kMost);
+      result.high[k] = std::nextafter(result.high[k], kMax);
   }
   return result;
 }
@@ -63,7 +63,7 @@ BoxBlocks::FloatBox BoxBlocks::boxOf(const Block& block) {
 }
 
 TETVDB_MULTIVERSION
-void BoxBlocks::pairs(std::size_t block, std::size_t most,
+void BoxBlocks::pairs(std::size_t block, std::size_t max,
                       std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const {
   const Block& own = levels_.front()[block];
   descend(bounds_[block], block, [&](std::size_t other) {
@@ -78,7 +78,7 @@ void BoxBlocks::pairs(std::size_t block, std::size_t most,
         found.push_back({order_[kWidth * block + i],
                          order_[kWidth * other + static_cast<std::size_t>(__builtin_ctz(bits))]});
     }
-    return found.size() > most;
+    return found.size() > max;
   });
 }
 

@@ -30,9 +30,9 @@ public:
   std::size_t blocks() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
   /// Adds to `found` the pairs of which the first is in block `block` and the second in it or a
-  /// later one; ends when there are more than `most` in it. All blocks together give every pair
+  /// later one; ends when there are more than `max` in it. All blocks together give every pair
   /// that meets once.
-  void pairs(std::size_t block, std::size_t most,
+  void pairs(std::size_t block, std::size_t max,
              std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
 
   /// Calls found(item) for the boxes that a line along `axis` passes through at the place `at`

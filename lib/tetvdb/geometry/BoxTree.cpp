@@ -53,15 +53,15 @@ void BoxTree::build(std::size_t node, std::uint32_t first, std::uint32_t last) {
   for (std::size_t other = 1; other < 3; ++other)
     if (here.box.high[other] - here.box.low[other] > here.box.high[axis] - here.box.low[axis])
       axis = other;
-  const std::uint32_t middle = first + (last - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+  const std::uint32_t midpoint = first + (last - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + midpoint, order_.begin() + last,
                    [&](std::uint32_t a, std::uint32_t b) {
                      const double at = boxes_[a].low[axis] + boxes_[a].high[axis];
                      const double bt = boxes_[b].low[axis] + boxes_[b].high[axis];
                      return at != bt ? at < bt : a < b;
                    });
-  const auto left = [&] { build(2 * node + 1, first, middle); };
-  const auto right = [&] { build(2 * node + 2, middle, last); };
+  const auto left = [&] { build(2 * node + 1, first, midpoint); };
+  const auto right = [&] { build(2 * node + 2, midpoint, last); };
   if (last - first > kBoxesPerTask) {
     tbb::parallel_invoke(left, right);
   } else {

@@ -13,21 +13,21 @@ namespace tetvdb {
 
 /// A convex polygon in space, with at most the corners that a triangle has after six cuts.
 struct Polygon {
-  static constexpr int kMost = 10;
+  static constexpr int kMax = 10;
   int count = 0;
-  double at[kMost][3];
+  double at[kMax][3];
 
   double low(int axis) const {
-    double least = at[0][axis];
+    double min = at[0][axis];
     for (int i = 1; i < count; ++i)
-      least = std::min(least, at[i][axis]);
-    return least;
+      min = std::min(min, at[i][axis]);
+    return min;
   }
   double high(int axis) const {
-    double most = at[0][axis];
+    double max = at[0][axis];
     for (int i = 1; i < count; ++i)
-      most = std::max(most, at[i][axis]);
-    return most;
+      max = std::max(max, at[i][axis]);
+    return max;
   }
   void add(const double* p) {
     at[count][0] = p[0];

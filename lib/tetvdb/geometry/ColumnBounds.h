@@ -85,10 +85,10 @@ struct CrossedFace {
 TETVDB_HD inline CrossedFace::CrossedFace(const LatticePoint& a, const LatticePoint& b,
                                           const LatticePoint& c, std::int32_t weightOfFace)
     : p{a, b, c} {
-  const auto least = [](double u, double v, double w) { return std::min(std::min(u, v), w); };
-  const auto most = [](double u, double v, double w) { return std::max(std::max(u, v), w); };
-  const LatticePoint low{least(a.x, b.x, c.x), least(a.y, b.y, c.y), least(a.z, b.z, c.z)};
-  const LatticePoint high{most(a.x, b.x, c.x), most(a.y, b.y, c.y), most(a.z, b.z, c.z)};
+  const auto min = [](double u, double v, double w) { return std::min(std::min(u, v), w); };
+  const auto max = [](double u, double v, double w) { return std::max(std::max(u, v), w); };
+  const LatticePoint low{min(a.x, b.x, c.x), min(a.y, b.y, c.y), min(a.z, b.z, c.z)};
+  const LatticePoint high{max(a.x, b.x, c.x), max(a.y, b.y, c.y), max(a.z, b.z, c.z)};
   xMin = static_cast<std::int32_t>(ceilVoxel(low.x));
   xMax = static_cast<std::int32_t>(floorVoxel(high.x));
   yMin = static_cast<std::int32_t>(ceilVoxel(low.y));

@@ -59,12 +59,12 @@ TETVDB_HD inline void frameSegment(const Vec3d& from, const Vec3d& to, FaceFrame
   const Vec3d edge = minus(to, from);
   const double length = std::sqrt(dot(edge, edge));
   const Vec3d direction = length > 0 ? times(edge, 1 / length) : Vec3d{1, 0, 0};
-  std::size_t least = 0;
+  std::size_t min = 0;
   for (std::size_t k = 1; k < 3; ++k)
-    if (std::abs(direction[k]) < std::abs(direction[least]))
-      least = k;
+    if (std::abs(direction[k]) < std::abs(direction[min]))
+      min = k;
   Vec3d other{0, 0, 0};
-  other[least] = 1;
+  other[min] = 1;
   Vec3d side = cross(direction, other);
   side = times(side, 1 / std::sqrt(dot(side, side)));
   frame.height = formThrough(cross(direction, side), from);

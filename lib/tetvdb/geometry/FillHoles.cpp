@@ -185,7 +185,7 @@ private:
 };
 
 // The same point for both directions of an edge.
-LatticePoint middleOf(const LatticePoint& a, const LatticePoint& b) {
+LatticePoint midpointOf(const LatticePoint& a, const LatticePoint& b) {
   return {std::floor((a.x + b.x) / 2), std::floor((a.y + b.y) / 2), std::floor((a.z + b.z) / 2)};
 }
 double extentOf(const LatticePoint& a, const LatticePoint& b) {
@@ -201,10 +201,10 @@ public:
              std::int32_t weight) {
     if (end - begin < 2)
       return;
-    const std::size_t middle = (begin + end) / 2;
-    add(graph_.point(loop[begin]), graph_.point(loop[middle]), graph_.point(loop[end]), weight);
-    halve(loop, begin, middle, weight);
-    halve(loop, middle, end, weight);
+    const std::size_t midpoint = (begin + end) / 2;
+    add(graph_.point(loop[begin]), graph_.point(loop[midpoint]), graph_.point(loop[end]), weight);
+    halve(loop, begin, midpoint, weight);
+    halve(loop, midpoint, end, weight);
   }
 
 private:
@@ -217,7 +217,7 @@ private:
       return;
     }
     const auto cut = [&](const LatticePoint& p, const LatticePoint& q, const LatticePoint& r) {
-      const LatticePoint m = middleOf(p, q);
+      const LatticePoint m = midpointOf(p, q);
       add(p, m, r, weight);
       add(m, q, r, weight);
     };

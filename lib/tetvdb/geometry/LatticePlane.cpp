@@ -18,12 +18,12 @@ using WideLift = WideInteger<4>;
 // Every value here is a sum of products that passes through fewer than 16 roundings.
 constexpr double kRoundings = 0x1p-48;
 
-Vec3d magnitudes(const Vec3d& a) {
+Vec3d absolutes(const Vec3d& a) {
   return {std::abs(a[0]), std::abs(a[1]), std::abs(a[2])};
 }
 
 // cross() with every product counted as positive, of magnitudes.
-Vec3d crossMost(const Vec3d& a, const Vec3d& b) {
+Vec3d crossMax(const Vec3d& a, const Vec3d& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
 }
 
@@ -92,27 +92,27 @@ LatticePlane LatticePlane::alongAxis(const Vec3d& a, const Vec3d& b, std::size_t
 }
 
 std::size_t LatticePlane::steepestAxis() const {
-  const auto magnitude = [&](std::size_t k) { return n[k] < 0 ? -n[k] : n[k]; };
+  const auto absolute = [&](std::size_t k) { return n[k] < 0 ? -n[k] : n[k]; };
   std::size_t axis = 0;
   for (std::size_t k = 1; k < 3; ++k)
-    if (magnitude(k) > magnitude(axis))
+    if (absolute(k) > absolute(axis))
       axis = k;
   return axis;
 }
 
 int LatticePlane::side(const Vec3d& p) const {
   const double value = dot(roundedN, p) + roundedD;
-  const double most = dot(magnitudes(roundedN), p) + std::abs(roundedD);
-  if (std::abs(value) > kRoundings * most)
+  const double max = dot(absolutes(roundedN), p) + std::abs(roundedD);
+  if (std::abs(value) > kRoundings * max)
     return signOf(value);
   return signOf(n[0] * integer(p[0]) + n[1] * integer(p[1]) + n[2] * integer(p[2]) + d);
 }
 
 bool LatticePlane::coincides(const LatticePlane& other) const {
   const Vec3d rough = tetvdb::cross(roundedN, other.roundedN);
-  const Vec3d most = crossMost(magnitudes(roundedN), magnitudes(other.roundedN));
+  const Vec3d max = crossMax(absolutes(roundedN), absolutes(other.roundedN));
   for (std::size_t k = 0; k < 3; ++k)
-    if (std::abs(rough[k]) > kRoundings * most[k])
+    if (std::abs(rough[k]) > kRoundings * max[k])
       return false;
   for (const Wide& w : wideCross(*this, other))
     if (w.sign() != 0)
@@ -121,22 +121,22 @@ bool LatticePlane::coincides(const LatticePlane& other) const {
   return (Wide(n[axis]) * Wide(other.d) - Wide(other.n[axis]) * Wide(d)).sign() == 0;
 }
 
-PlaneCorner::PlaneCorner(const Vec3d& latticePoint) : x_(latticePoint), mostX_(latticePoint) {}
+PlaneCorner::PlaneCorner(const Vec3d& latticePoint) : x_(latticePoint), maxX_(latticePoint) {}
 
 PlaneCorner::PlaneCorner(const LatticePlane& a, const LatticePlane& b, const LatticePlane& c)
     : planes_{&a, &b, &c} {
   const Vec3d bc = cross(b.roundedN, c.roundedN), ca = cross(c.roundedN, a.roundedN),
               ab = cross(a.roundedN, b.roundedN);
-  const Vec3d na = magnitudes(a.roundedN), nb = magnitudes(b.roundedN), nc = magnitudes(c.roundedN);
-  const Vec3d mostBc = crossMost(nb, nc), mostCa = crossMost(nc, na), mostAb = crossMost(na, nb);
+  const Vec3d na = absolutes(a.roundedN), nb = absolutes(b.roundedN), nc = absolutes(c.roundedN);
+  const Vec3d maxBc = crossMax(nb, nc), maxCa = crossMax(nc, na), maxAb = crossMax(na, nb);
   w_ = dot(a.roundedN, bc);
-  mostW_ = dot(na, mostBc);
+  maxW_ = dot(na, maxBc);
   for (std::size_t k = 0; k < 3; ++k) {
     x_[k] = -(a.roundedD * bc[k] + b.roundedD * ca[k] + c.roundedD * ab[k]);
-    mostX_[k] = std::abs(a.roundedD) * mostBc[k] + std::abs(b.roundedD) * mostCa[k] +
-                std::abs(c.roundedD) * mostAb[k];
+    maxX_[k] = std::abs(a.roundedD) * maxBc[k] + std::abs(b.roundedD) * maxCa[k] +
+               std::abs(c.roundedD) * maxAb[k];
   }
-  signW_ = std::abs(w_) > kRoundings * mostW_ ? signOf(w_) : wideCorner(planes_).w.sign();
+  signW_ = std::abs(w_) > kRoundings * maxW_ ? signOf(w_) : wideCorner(planes_).w.sign();
 }
 
 int PlaneCorner::side(const LatticePlane& plane) const {
@@ -146,8 +146,8 @@ int PlaneCorner::side(const LatticePlane& plane) const {
     if (own == &plane)
       return 0;
   const double value = dot(plane.roundedN, x_) + plane.roundedD * w_;
-  const double most = dot(magnitudes(plane.roundedN), mostX_) + std::abs(plane.roundedD) * mostW_;
-  if (std::abs(value) > kRoundings * most)
+  const double max = dot(absolutes(plane.roundedN), maxX_) + std::abs(plane.roundedD) * maxW_;
+  if (std::abs(value) > kRoundings * max)
     return signOf(value) * signW_;
   const WideCorner exact = wideCorner(planes_);
   return (Wide(plane.n[0]) * exact.x[0] + Wide(plane.n[1]) * exact.x[1] +
@@ -162,7 +162,7 @@ Vec3d PlaneCorner::position() const {
   const double size = std::abs(w_);
   bool precise = true;
   for (std::size_t k = 0; k < 3; ++k)
-    precise = precise && kRoundings * (mostX_[k] + mostW_ * std::abs(x_[k] / w_)) < 0x1p-7 * size;
+    precise = precise && kRoundings * (maxX_[k] + maxW_ * std::abs(x_[k] / w_)) < 0x1p-7 * size;
   if (precise)
     return times(x_, 1 / w_);
   const WideCorner exact = wideCorner(planes_);
@@ -185,10 +185,10 @@ LiftedPoint::LiftedPoint(const LatticePlane& plane, std::size_t axis, std::int64
 }
 
 int LiftedPoint::side(const LatticePlane& plane) const {
-  const Vec3d most = magnitudes(plane.roundedN);
+  const Vec3d max = absolutes(plane.roundedN);
   const double value = dot(plane.roundedN, at_) + plane.roundedD;
   const double bound =
-      kRoundings * (dot(most, magnitudes(at_)) + std::abs(plane.roundedD)) + most[axis_] * error_;
+      kRoundings * (dot(max, absolutes(at_)) + std::abs(plane.roundedD)) + max[axis_] * error_;
   if (std::abs(value) > bound)
     return signOf(value);
   const std::size_t p = (axis_ + 1) % 3, q = (axis_ + 2) % 3;

@@ -57,9 +57,9 @@ public:
   Vec3d position() const;
 
 private:
-  // Homogeneous: position x / w. `most` bound the sums of the magnitudes that x and w are made of.
-  Vec3d x_{}, mostX_{};
-  double w_ = 1, mostW_ = 1;
+  // Homogeneous: position x / w. `max` bound the sums of the magnitudes that x and w are made of.
+  Vec3d x_{}, maxX_{};
+  double w_ = 1, maxW_ = 1;
   int signW_ = 1;
   std::array<const LatticePlane*, 3> planes_{};
 };

@@ -43,12 +43,12 @@ TETVDB_HD inline Vec3d firstVoxelOf(const NodeIndex& node) {
 
 /// Whether the middle of a cube, half a side away from its outermost centres, leaves some of them
 /// within the radius.
-TETVDB_HD inline bool mayReach(const FaceFrame& face, const Vec3d& middle, double half,
+TETVDB_HD inline bool mayReach(const FaceFrame& face, const Vec3d& midpoint, double half,
                                double radius) {
-  if (std::abs(face.height(middle)) > radius + face.height.swing(half) + kBoundSlack)
+  if (std::abs(face.height(midpoint)) > radius + face.height.swing(half) + kBoundSlack)
     return false;
   for (std::size_t k = 0; k < 3; ++k)
-    if (face.beyond[k](middle) > radius + face.beyond[k].swing(half) + kBoundSlack)
+    if (face.beyond[k](midpoint) > radius + face.beyond[k].swing(half) + kBoundSlack)
       return false;
   return true;
 }
@@ -67,22 +67,24 @@ TETVDB_HD inline void forLeavesNear(const FaceFrame& face, double radius, const 
   for (int x = low[0]; x <= high[0]; ++x)
     for (int y = low[1]; y <= high[1]; ++y)
       for (int z = low[2]; z <= high[2]; ++z) {
-        const Vec3d middle{x * kLeafSize + kHalfLeaf, y * kLeafSize + kHalfLeaf,
-                           z * kLeafSize + kHalfLeaf};
-        if (mayReach(face, middle, kHalfLeaf, radius))
+        const Vec3d midpoint{x * kLeafSize + kHalfLeaf, y * kLeafSize + kHalfLeaf,
+                             z * kLeafSize + kHalfLeaf};
+        if (mayReach(face, midpoint, kHalfLeaf, radius))
           visit((x * kLeavesAlong + y) * kLeavesAlong + z);
       }
 }
 
 /// A form in single precision, from the middle of a leaf.
 struct LeafForm {
-  float x, y, z, middle;
+  float x, y, z, midpoint;
 
   LeafForm() = default;
   TETVDB_HD LeafForm(const LinearForm& form, const Vec3d& at)
       : x(static_cast<float>(form.slope[0])), y(static_cast<float>(form.slope[1])),
-        z(static_cast<float>(form.slope[2])), middle(static_cast<float>(form(at))) {}
-  TETVDB_HD TETVDB_INLINE float row(float dx, float dy) const { return middle + (x * dx + y * dy); }
+        z(static_cast<float>(form.slope[2])), midpoint(static_cast<float>(form(at))) {}
+  TETVDB_HD TETVDB_INLINE float row(float dx, float dy) const {
+    return midpoint + (x * dx + y * dy);
+  }
   TETVDB_HD TETVDB_INLINE float swingZ() const {
     return static_cast<float>(kHalfLeaf) * (z < 0 ? -z : z);
   }
@@ -100,14 +102,14 @@ struct LeafFace {
 TETVDB_HD inline LeafFace seenFrom(const FaceFrame& face, int leaf, double radius) {
   const int position[3] = {leaf / (kLeavesAlong * kLeavesAlong), leaf / kLeavesAlong % kLeavesAlong,
                            leaf % kLeavesAlong};
-  const Vec3d middle{position[0] * kLeafSize + kHalfLeaf, position[1] * kLeafSize + kHalfLeaf,
-                     position[2] * kLeafSize + kHalfLeaf};
+  const Vec3d midpoint{position[0] * kLeafSize + kHalfLeaf, position[1] * kLeafSize + kHalfLeaf,
+                       position[2] * kLeafSize + kHalfLeaf};
   LeafFace seen;
-  seen.height = LeafForm(face.height, middle);
+  seen.height = LeafForm(face.height, midpoint);
   for (std::size_t k = 0; k < 3; ++k) {
-    seen.beyond[k] = LeafForm(face.beyond[k], middle);
-    seen.along[k] = LeafForm(face.along[k], middle);
-    seen.past[k] = static_cast<float>(face.along[k](middle) - face.length[k]);
+    seen.beyond[k] = LeafForm(face.beyond[k], midpoint);
+    seen.along[k] = LeafForm(face.along[k], midpoint);
+    seen.past[k] = static_cast<float>(face.along[k](midpoint) - face.length[k]);
   }
   const auto first = [&](std::size_t axis) {
     const double low = std::ceil(face.low[axis] - radius - position[axis] * kLeafSize);
@@ -162,7 +164,7 @@ TETVDB_HD TETVDB_INLINE Number squaredDistance(const LeafFace& face, const FaceR
   const Number zero = z - z;
   const auto edge = [&](int k, Number q) {
     const Number uz = row.along[k] + face.along[k].z * z;
-    const Number e = largerOf(largerOf(uz + face.past[k], -(uz + face.along[k].middle)), zero);
+    const Number e = largerOf(largerOf(uz + face.past[k], -(uz + face.along[k].midpoint)), zero);
     return q * q + e * e;
   };
   const Number b0 = row.beyond[0] + face.beyond[0].z * z, b1 = row.beyond[1] + face.beyond[1].z * z,

@@ -145,18 +145,18 @@ void expandAtVoxels(const Expansion& cube, VoxelValues& values) {
 constexpr double kRest = 3.75;
 ExpansionRange rangeOf(const Expansion& cube, double share) {
   const Rule& r = rule();
-  double middle = 0;
+  double midpoint = 0;
   Vec3d slope{0, 0, 0};
   for (std::size_t i = 0; i < kExpansionPoints; ++i) {
     const double value = r.weights[i] * cube.values[i];
-    middle += value;
+    midpoint += value;
     for (std::size_t k = 0; k < 3; ++k)
       slope[k] += 3 * value * r.directions[i][k];
   }
   double rest = 0;
   for (std::size_t i = 0; i < kExpansionPoints; ++i)
-    rest = std::max(rest, std::abs(cube.values[i] - middle - dot(slope, r.directions[i])));
-  return {middle, share * (length(slope) + share * kRest * rest)};
+    rest = std::max(rest, std::abs(cube.values[i] - midpoint - dot(slope, r.directions[i])));
+  return {midpoint, share * (length(slope) + share * kRest * rest)};
 }
 
 double expansionError(double distance, double area) {

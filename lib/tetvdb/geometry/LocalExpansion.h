@@ -42,7 +42,7 @@ void expandAtVoxels(const Expansion& cube, VoxelValues& values);
 /// The value at the centre, and a bound on how far the expansion gets from it within `share` of the
 /// ball's radius.
 struct ExpansionRange {
-  double middle, change;
+  double midpoint, change;
 };
 ExpansionRange rangeOf(const Expansion& cube, double share);
 

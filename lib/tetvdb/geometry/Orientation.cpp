@@ -17,7 +17,7 @@ namespace {
 // products; twice that for its own rounding.
 constexpr double kError2 = 8 * 0x1p-53;
 // Below this sum, products may have lost bits to underflow.
-constexpr double kLeastSum = 0x1p-900;
+constexpr double kMinSum = 0x1p-900;
 
 struct Pair {
   double high, low; // high is the rounded result, low what is missing
@@ -131,14 +131,14 @@ int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) 
   const RoundedDeterminant rounded(b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1],
                                    c[2] - a[2], d[0] - a[0], d[1] - a[1], d[2] - a[2]);
   const int sign = rounded.sign(RoundedDeterminant::kOfRounded);
-  return sign != 0 && rounded.size > kLeastSum ? sign : exactOrientation(a, b, c, d);
+  return sign != 0 && rounded.size > kMinSum ? sign : exactOrientation(a, b, c, d);
 }
 
 int orientation(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
   const double left = (b[0] - a[0]) * (c[1] - a[1]);
   const double right = (b[1] - a[1]) * (c[0] - a[0]);
   const double determinant = left - right, sum = std::abs(left) + std::abs(right);
-  if (sum > kLeastSum && std::abs(determinant) > kError2 * sum)
+  if (sum > kMinSum && std::abs(determinant) > kError2 * sum)
     return signOf(determinant);
   return minor2(difference(b[0], a[0]), difference(b[1], a[1]), difference(c[0], a[0]),
                 difference(c[1], a[1]))

@@ -82,7 +82,7 @@ TETVDB_INLINE float arcTangentOfFloats(float sine, float cosine) {
 TETVDB_MULTIVERSION
 void addAnglesOfFloats(const SeenTriangle& t, float weight, double scale, const double* x,
                        const double* y, const double* z, std::size_t n, double* __restrict sum) {
-  float px[kMostPointSums], py[kMostPointSums], pz[kMostPointSums], angles[kMostPointSums];
+  float px[kMaxPointSums], py[kMaxPointSums], pz[kMaxPointSums], angles[kMaxPointSums];
   for (std::size_t i = 0; i < n; ++i) {
     px[i] = static_cast<float>((t.a[0] - x[i]) * scale);
     py[i] = static_cast<float>((t.a[1] - y[i]) * scale);
@@ -129,7 +129,7 @@ double solidAngle(const SeenTriangle& t) {
 }
 
 void addSolidAngles(const SeenTriangle& t, double weight, const PointSums& points) {
-  double angles[kMostPointSums];
+  double angles[kMaxPointSums];
   anglesAtPoints(t, weight, points.x, points.y, points.z, points.count, angles);
   if (addUnlessNaN(points.sum, angles, points.count))
     return;

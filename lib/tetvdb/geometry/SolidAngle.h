@@ -28,9 +28,9 @@ double solidAngle(const SeenTriangle& t);
 struct PointSums {
   const double *x, *y, *z;
   double* sum;
-  std::size_t count; ///< kMostPointSums at most
+  std::size_t count; ///< kMaxPointSums at most
 };
-constexpr std::size_t kMostPointSums = 64;
+constexpr std::size_t kMaxPointSums = 64;
 
 /// Adds weight * solidAngle() as seen from each of the points, within 1e-9. Points and triangle are
 /// relative to the same point, in whole numbers below 2^52. The same bits for every instruction

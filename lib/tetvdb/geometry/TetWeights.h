@@ -45,7 +45,7 @@ private:
   static constexpr double kUnits = static_cast<double>(kUnitsPerVoxel);
   // Cross products and the determinant round by at most 2^-48 size^3 in doubles: above this share
   // of size^3 a weight is good to 2^-30.
-  static constexpr double kLeastDeterminant = 0x1p-18;
+  static constexpr double kMinDeterminant = 0x1p-18;
 
   TETVDB_HD static double sizeOf(double v) { return v < 0 ? -v : v; }
   TETVDB_HD static bool isBefore(const LatticePoint& a, const LatticePoint& b) {
@@ -101,7 +101,7 @@ TETVDB_HD inline TetWeights::TetWeights(const LatticePoint* points, const std::u
   }
   const double determinant =
       e[0][0] * gradients_[0][0] + e[0][1] * gradients_[0][1] + e[0][2] * gradients_[0][2];
-  exact_ = !(sizeOf(determinant) > kLeastDeterminant * size * size * size);
+  exact_ = !(sizeOf(determinant) > kMinDeterminant * size * size * size);
   for (auto& gradient : gradients_)
     for (double& g : gradient)
       g /= determinant;
@@ -126,10 +126,10 @@ TETVDB_HD inline double interpolate(const std::array<double, 4>& corners,
 /// The corner by position that has the largest weight, the first of several.
 TETVDB_HD inline std::size_t nearestCorner(const std::array<double, 3>& w) {
   std::size_t nearest = 0;
-  double most = 1 - (w[0] + w[1] + w[2]);
+  double max = 1 - (w[0] + w[1] + w[2]);
   for (std::size_t i = 0; i < 3; ++i)
-    if (w[i] > most) {
-      most = w[i];
+    if (w[i] > max) {
+      max = w[i];
       nearest = i + 1;
     }
   return nearest;

@@ -46,7 +46,7 @@ double areaOf(const FillTriangle& t) {
 }
 
 // A multiple of the middle.
-Vec3d middleOf(const FillTriangle& t) {
+Vec3d midpointOf(const FillTriangle& t) {
   return {t.a.x + t.b.x + t.c.x, t.a.y + t.b.y + t.c.y, t.a.z + t.b.z + t.c.z};
 }
 
@@ -94,12 +94,12 @@ void TriangleClusters::build(std::uint32_t index, std::uint32_t begin, std::uint
   if (end - begin > kLeafTriangles) {
     FillTriangle* const first = triangles_.data() + begin;
     FillTriangle* const last = triangles_.data() + end;
-    Vec3d low = middleOf(*first), high = low;
+    Vec3d low = midpointOf(*first), high = low;
     for (const FillTriangle* t = first; t != last; ++t) {
-      const Vec3d middle = middleOf(*t);
+      const Vec3d midpoint = midpointOf(*t);
       for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], middle[k]);
-        high[k] = std::max(high[k], middle[k]);
+        low[k] = std::min(low[k], midpoint[k]);
+        high[k] = std::max(high[k], midpoint[k]);
       }
     }
     std::size_t axis = 0;
@@ -109,8 +109,8 @@ void TriangleClusters::build(std::uint32_t index, std::uint32_t begin, std::uint
     const std::uint32_t half = (end - begin) / 2;
     std::nth_element(first, first + half, last, [axis](const auto& s, const auto& t) {
       const auto key = [axis](const FillTriangle& u) {
-        return std::tuple(middleOf(u)[axis], u.a.x, u.a.y, u.a.z, u.b.x, u.b.y, u.b.z, u.c.x, u.c.y,
-                          u.c.z, u.weight);
+        return std::tuple(midpointOf(u)[axis], u.a.x, u.a.y, u.a.z, u.b.x, u.b.y, u.b.z, u.c.x,
+                          u.c.y, u.c.z, u.weight);
       };
       return key(s) < key(t);
     });
@@ -146,8 +146,8 @@ void TriangleClusters::summarize(Cluster& cluster) const {
     }
     const double area = areaOf(t);
     cluster.area += area;
-    const Vec3d middle = plus(plus(from(origin, t.a), from(origin, t.b)), from(origin, t.c));
-    sum = plus(sum, times(middle, area / 3));
+    const Vec3d midpoint = plus(plus(from(origin, t.a), from(origin, t.b)), from(origin, t.c));
+    sum = plus(sum, times(midpoint, area / 3));
   }
   if (cluster.area > 0)
     cluster.centre = {origin.x + std::floor(sum[0] / cluster.area),

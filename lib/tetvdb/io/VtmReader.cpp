@@ -17,7 +17,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostBlocks = 100000;
+constexpr std::size_t kMaxBlocks = 100000;
 constexpr int kDeepest = 16; ///< multi-block files that name others
 
 class MultiBlock {
@@ -73,7 +73,7 @@ private:
 
   void readDataSet(const std::string& path, const std::string& file, const std::string& name,
                    int depth) {
-    if (++files_ > kMostBlocks)
+    if (++files_ > kMaxBlocks)
       throw Error(Status::Invalid, path, "names more than 100000 files",
                   "save the mesh as one unstructured grid");
     const std::string found = pathWithin(path, file);

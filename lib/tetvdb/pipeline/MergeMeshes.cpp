@@ -11,7 +11,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostElements = std::numeric_limits<std::uint32_t>::max() - 1;
+constexpr std::size_t kMaxElements = std::numeric_limits<std::uint32_t>::max() - 1;
 
 bool sameKind(const Attribute& a, const Attribute& b) {
   return a.name == b.name && a.on == b.on && a.components == b.components &&
@@ -80,8 +80,8 @@ void appendCurved(TetMesh& to, const TetMesh& from) {
 }
 
 void append(TetMesh& to, TetMesh&& from, Report& report) {
-  if (to.points.size() + from.points.size() > kMostElements ||
-      to.cellCount + from.cellCount > kMostElements)
+  if (to.points.size() + from.points.size() > kMaxElements ||
+      to.cellCount + from.cellCount > kMaxElements)
     throw Error(Status::Limit, "", "the inputs together have more than 2^32 - 2 points or cells",
                 "voxelize them one by one");
   const auto firstPoint = static_cast<std::uint32_t>(to.points.size());
@@ -129,7 +129,7 @@ TriangleMesh mergeMeshes(std::vector<TriangleMesh>&& meshes, Report& report) {
   TriangleMesh all = std::move(meshes.front());
   for (std::size_t i = 1; i < meshes.size(); ++i) {
     const TriangleMesh& mesh = meshes[i];
-    if (mesh.points.size() > kMostElements - all.points.size())
+    if (mesh.points.size() > kMaxElements - all.points.size())
       throw Error(Status::Limit, "", "the inputs together have more than 2^32 - 2 points",
                   "voxelize them one by one");
     const auto first = static_cast<std::uint32_t>(all.points.size());

@@ -21,7 +21,7 @@ namespace {
 constexpr int kWidth = 256, kHeight = 192; ///< of a panel
 constexpr double kRefinedShare = 0.06;
 constexpr std::uint32_t kSkyRays = 2;
-constexpr int kMostArrays = 6; ///< that have a panel
+constexpr int kMaxArrays = 6; ///< that have a panel
 
 PictureOptions optionsFor(bool yUp) {
   PictureOptions options;
@@ -100,9 +100,9 @@ void Preview::arrays(const Volume& volume, VolumeShow show, const PictureOptions
        ++i) { // without a shape 0 is the main one
     if (isShape(grids[i]) || grids[i]->empty())
       continue;
-    if (++shown > kMostArrays) {
+    if (++shown > kMaxArrays) {
       report.warn("preview-arrays",
-                  fmt::format("the preview shows the first {} arrays", kMostArrays));
+                  fmt::format("the preview shows the first {} arrays", kMaxArrays));
       return;
     }
     show.grid = show.color = grids[i]->getName();

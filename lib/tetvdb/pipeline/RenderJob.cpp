@@ -15,7 +15,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostPictures = 9999;
+constexpr std::size_t kMaxPictures = 9999;
 // What drawing takes at its peak, on top of the mesh (TriangleDrawable.h, Renderer.h).
 constexpr std::size_t kBytesPerFace = 60, kBytesPerPixel = 100;
 
@@ -68,7 +68,7 @@ public:
 private:
   void checkFiles() {
     requireExtension(job_.output, {".png"}, "name it .png");
-    if (job_.turntable > kMostPictures)
+    if (job_.turntable > kMaxPictures)
       throw Error(Status::Usage, "turntable", "more than 9999 pictures are too many");
     std::vector<std::string> inputs;
     for (const RenderInput& input : job_.inputs)

@@ -28,7 +28,7 @@ namespace {
 
 constexpr double kVolumeTolerance = 0.01; // of the solid's volume
 // Of a surface made anew, before simplification: it takes some tens of seconds on one core.
-constexpr std::size_t kMostFaces = 4000000;
+constexpr std::size_t kMaxFaces = 4000000;
 constexpr std::size_t kBytesPerFace = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
 constexpr std::size_t kFewestFaces = 4;     // of a closed surface
@@ -179,7 +179,7 @@ private:
     if (job_.resolution == 0 && job_.voxelSize == Vec3d{0, 0, 0}) {
       const std::size_t memory = options.maxMemory > 0 ? options.maxMemory : availableBytes();
       options.voxelSize.fill(
-          voxelForDetail(mesh, std::min(kMostFaces, memory / kBytesPerFace), progress_));
+          voxelForDetail(mesh, std::min(kMaxFaces, memory / kBytesPerFace), progress_));
     }
     options.origin = originOffFaces(mesh, options);
     Voxelization made = voxelize(mesh, job_.solid, options, report_, progress_);

@@ -340,7 +340,7 @@ private:
     }
     for (const SequenceGrid& grid : gridsOfSequence(grids)) {
       const std::string why = whyHidden(grid.all);
-      if (why.empty() || (grid.all.maxValue < kLeastShown && !allKnown))
+      if (why.empty() || (grid.all.maxValue < kMinShown && !allKnown))
         continue;
       const std::size_t at = grid.all.minValue < 0 ? grid.minFrame : grid.maxFrame;
       report_.warn(kHiddenValues,

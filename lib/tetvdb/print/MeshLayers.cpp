@@ -18,7 +18,7 @@
 namespace tetvdb {
 namespace {
 
-double middleOf(const LayerFrame& frame, std::int32_t k) {
+double midpointOf(const LayerFrame& frame, std::int32_t k) {
   return frame.bottomOf(k) + frame.heightOf(k) / 2;
 }
 
@@ -83,9 +83,9 @@ private:
                    1;
     } else {
       range.first = countLayers(frame_, guess(low),
-                                [&](std::int32_t k) { return middleOf(frame_, k) <= low; });
+                                [&](std::int32_t k) { return midpointOf(frame_, k) <= low; });
       range.last = countLayers(frame_, guess(high),
-                               [&](std::int32_t k) { return middleOf(frame_, k) <= high; }) -
+                               [&](std::int32_t k) { return midpointOf(frame_, k) <= high; }) -
                    1;
     }
     return range;
@@ -135,7 +135,7 @@ private:
 
   void addAreas(std::int32_t k, const std::uint32_t* begin, const std::uint32_t* end,
                 PixelSums& sums) const {
-    const double z = middleOf(frame_, k);
+    const double z = midpointOf(frame_, k);
     const int weight = faces_.mirrored ? -1 : 1;
     const std::vector<Vec3d>& p = faces_.points;
     forEachLine(
@@ -164,7 +164,7 @@ private:
   void makeContours(std::int32_t k, const std::uint32_t* begin, const std::uint32_t* end,
                     Layer& layer) const {
     layer.clear();
-    const double z = middleOf(frame_, k);
+    const double z = midpointOf(frame_, k);
     const std::vector<Vec3d>& p = faces_.points;
     std::vector<ContourLine> lines;
     lines.reserve(static_cast<std::size_t>(end - begin));

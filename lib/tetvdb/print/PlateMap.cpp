@@ -15,7 +15,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kRounding = 1e-9; // of a length: how far a model may leave the plate
-constexpr double kMostLayers = 1 << 20;
+constexpr double kMaxLayers = 1 << 20;
 
 } // namespace
 
@@ -79,7 +79,7 @@ LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share)
   // What is above the last whole layer by rounding is no layer.
   const double reached = top * (1 - kRounding);
   double count = std::ceil((reached - frame.firstLayerHeight) / frame.layerHeight) + 1;
-  if (count > kMostLayers)
+  if (count > kMaxLayers)
     throw Error(Status::Limit, "`layer_height`",
                 fmt::format("{:.6g} mm are {:.0f} layers, more than 2^20", top, count),
                 "give thicker layers");

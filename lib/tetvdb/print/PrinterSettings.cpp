@@ -17,7 +17,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kMostPixels = 1 << 20;
+constexpr int kMaxPixels = 1 << 20;
 
 // One value of a file, and where it stands.
 struct Entry {
@@ -48,7 +48,7 @@ struct Entry {
   }
   int count() const {
     const double result = notNegative();
-    if (result != std::floor(result) || result > kMostPixels)
+    if (result != std::floor(result) || result > kMaxPixels)
       fail("not a whole number that can be used");
     return static_cast<int>(result);
   }
@@ -142,7 +142,7 @@ PrinterSettings readPrinter(const std::string& path) {
 
 void checkPrinter(const PrinterSettings& printer) {
   for (const int count : printer.pixels)
-    if (count < 1 || count > kMostPixels)
+    if (count < 1 || count > kMaxPixels)
       throw Error(Status::Usage, "`pixels`", "the display's pixels are not known",
                   "give `pixels=W,H`, or a file with them by `printer`");
   for (const double side : printer.display)

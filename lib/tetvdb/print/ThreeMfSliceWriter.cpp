@@ -25,14 +25,14 @@ constexpr std::string_view kRelations =
     "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"
     "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
-constexpr std::size_t kMostOfXml = std::size_t(1) << 40; // with fields of 64 bits where it is long
+constexpr std::size_t kMaxOfXml = std::size_t(1) << 40; // with fields of 64 bits where it is long
 
 class ThreeMfSliceWriter : public LayerWriter {
 public:
   explicit ThreeMfSliceWriter(const PrintInfo& info) : info_(info), file_(info.path), zip_(file_) {
     put("[Content_Types].xml", kTypes);
     put("_rels/.rels", kRelations);
-    zip_.begin("3D/3dmodel.model", ZipMethod::Deflated, kMostOfXml);
+    zip_.begin("3D/3dmodel.model", ZipMethod::Deflated, kMaxOfXml);
     zip_.write("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
                "<model unit=\"millimeter\" xml:lang=\"en-US\" "
                "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "

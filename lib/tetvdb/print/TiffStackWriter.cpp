@@ -15,7 +15,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 0xffffffff;
+constexpr std::uint64_t kMaxBytes = 0xffffffff;
 
 class TiffStackWriter : public LayerWriter {
 public:
@@ -51,7 +51,7 @@ public:
     bytes += perCentimetre(info_.frame.pixelWidth) + perCentimetre(info_.frame.pixelHeight);
     const std::uint64_t directory = pixels + bytes.size();
     bytes += directoryOf(pixels, layer.bytes.size(), resolutions);
-    if (pixels + bytes.size() > kMostBytes)
+    if (pixels + bytes.size() > kMaxBytes)
       throw Error(Status::Limit, info_.path, "a .tif file has at most 4 GiB",
                   "write a folder with `format=png`");
     file_.write(bytes.data(), bytes.size());

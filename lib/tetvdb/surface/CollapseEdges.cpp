@@ -20,9 +20,9 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = SimplifyState::kNone;
-constexpr double kLeastCosine = 0.5;    ///< of the angle by which a face may turn in one step
-constexpr double kLeastAgreement = 0.3; ///< cosine between a point's normal and its face's
-constexpr double kLeastShape = 0.02;    ///< height over longest side of a new face, unless it grows
+constexpr double kMinCosine = 0.5;    ///< of the angle by which a face may turn in one step
+constexpr double kMinAgreement = 0.3; ///< cosine between a point's normal and its face's
+constexpr double kMinShape = 0.02;    ///< height over longest side of a new face, unless it grows
 constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex stand for
 constexpr double kOnFace = 0.01;      ///< square of the distance of a point that lies on its face
 constexpr std::size_t kMaxFaces = 32; ///< around a vertex
@@ -195,9 +195,8 @@ private:
       const Vec3d& b = patch_->point(vb);
       const Vec3d before = cross(minus(a, old), minus(b, old));
       const Vec3d after = cross(minus(a, moved), minus(b, moved));
-      if (!(dot(before, after) > kLeastCosine * length(before) * length(after) &&
-            shape(after, moved, a, b) >
-                std::min(kLeastShape, shape(before, old, a, b) * (1 - 1e-9))))
+      if (!(dot(before, after) > kMinCosine * length(before) * length(after) &&
+            shape(after, moved, a, b) > std::min(kMinShape, shape(before, old, a, b) * (1 - 1e-9))))
         return false;
       faces_.push_back({around_.back(), {moved, a, b}, times(after, 1 / length(after))});
       added_.push_back({vertexOf(c.v1), vertexOf(va), vertexOf(vb)});
@@ -226,8 +225,7 @@ private:
     std::uint32_t owner = kNone;
     const std::array<float, 3>& n = patch_->surface.normals[v];
     for (const Face& face : faces_) {
-      if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] >
-            kLeastAgreement))
+      if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] > kMinAgreement))
         continue;
       const double squared = nearestOnTriangle(minus(face.corners[0], p), minus(face.corners[1], p),
                                                minus(face.corners[2], p))
@@ -289,11 +287,11 @@ public:
   }
 
   /// At most that many collapses; returns their number.
-  std::size_t decimate(std::size_t most) {
+  std::size_t decimate(std::size_t max) {
     for (const Vertex v : patch_.mesh.vertices())
       enqueue(v);
     std::size_t collapses = 0;
-    for (std::size_t steps = 0; !queue_.empty() && collapses < most; ++steps) {
+    for (std::size_t steps = 0; !queue_.empty() && collapses < max; ++steps) {
       if (steps % 1024 == 0)
         progress_.check();
       const Entry entry = queue_.top();
@@ -330,12 +328,12 @@ private:
 
   void enqueue(Vertex v) {
     choose(v);
-    float least = std::numeric_limits<float>::infinity();
+    float min = std::numeric_limits<float>::infinity();
     for (const Choice& choice : choices_)
-      least = std::min(least, choice.cost);
+      min = std::min(min, choice.cost);
     ++stamp_[at(v)];
     if (!choices_.empty())
-      queue_.push({least, static_cast<std::uint32_t>(v.idx()), stamp_[at(v)]});
+      queue_.push({min, static_cast<std::uint32_t>(v.idx()), stamp_[at(v)]});
   }
 
   bool tryToRemove(Vertex v) {
@@ -439,14 +437,14 @@ void build(Patch& patch, const CollapseRegion& region, const std::vector<std::ui
 } // namespace
 
 std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
-                          const std::vector<std::uint32_t>& regionOf, bool guarded,
-                          std::size_t most, Progress& progress) {
+                          const std::vector<std::uint32_t>& regionOf, bool guarded, std::size_t max,
+                          Progress& progress) {
   if (region.faces.empty())
     return 0;
   Patch patch(state);
   build(patch, region, regionOf, guarded);
   LazyDecimater decimater(patch, progress);
-  const std::size_t collapses = decimater.decimate(most);
+  const std::size_t collapses = decimater.decimate(max);
   HalfEdgeMesh& mesh = patch.mesh;
   for (const auto face : mesh.all_faces()) {
     const std::uint32_t number = patch.faceOf[at(face)];

@@ -18,13 +18,13 @@ struct CollapseRegion {
   std::vector<VertexPair> features;  ///< with an end in the region
 };
 
-/// Collapses edges by OpenMesh's half-edge mesh, cheapest first, `most` at most, and returns how
+/// Collapses edges by OpenMesh's half-edge mesh, cheapest first, `max` at most, and returns how
 /// many. Vertices move whose neighbours are all of the region (`regionOf`, by vertex): nothing is
 /// written that another region looks at. `features` becomes those with both ends in the region.
 /// `guarded`: no face crosses another that did not before (CrossingGuard.h). Throws Error(Invalid)
 /// where faces form more than one fan around a vertex.
 std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
-                          const std::vector<std::uint32_t>& regionOf, bool guarded,
-                          std::size_t most, Progress& progress);
+                          const std::vector<std::uint32_t>& regionOf, bool guarded, std::size_t max,
+                          Progress& progress);
 
 } // namespace tetvdb

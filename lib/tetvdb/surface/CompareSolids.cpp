@@ -14,8 +14,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kFirstSamples = 1 << 13, kMostSamples = 1 << 17, kEnoughInside = 8000;
-constexpr std::size_t kMostWork = 100000000; // solid angles of boundary edges
+constexpr std::size_t kFirstSamples = 1 << 13, kMaxSamples = 1 << 17, kEnoughInside = 8000;
+constexpr std::size_t kMaxWork = 100000000; // solid angles of boundary edges
 
 enum Bits : std::uint8_t { kBefore = 1, kAfter = 2, kSureInside = 4, kSureOutside = 8 };
 
@@ -33,11 +33,11 @@ SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& af
       box.add(mesh->points[corner]);
   const std::size_t edges =
       std::max<std::size_t>(1, first.boundaryEdges() + second.boundaryEdges());
-  const std::size_t most = std::clamp(kMostWork / edges, kFirstSamples / 16, kMostSamples);
+  const std::size_t max = std::clamp(kMaxWork / edges, kFirstSamples / 16, kMaxSamples);
 
   std::vector<std::uint8_t> bits;
   std::size_t lost = 0, gained = 0, doubtful = 0, insideFirst = 0, insideSecond = 0;
-  for (std::size_t end = std::min(kFirstSamples, most);;) {
+  for (std::size_t end = std::min(kFirstSamples, max);;) {
     const std::size_t begin = bits.size();
     bits.resize(end);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, 16), [&](const auto& range) {
@@ -59,7 +59,7 @@ SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& af
       gained += (b & kSureOutside) != 0 && (b & kAfter) != 0;
       doubtful += (b & (kSureInside | kSureOutside)) == 0;
     }
-    if (result.inside >= kEnoughInside || 2 * end > most)
+    if (result.inside >= kEnoughInside || 2 * end > max)
       break;
     end *= 2;
   }

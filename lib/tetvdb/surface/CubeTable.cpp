@@ -99,7 +99,7 @@ class LoopTriangulation {
 public:
   explicit LoopTriangulation(const Loop& loop) : loop_(loop), n_(loop.size()) {
     cost_.assign(n_ * n_, 0);
-    middle_.assign(n_ * n_, 0);
+    midpoint_.assign(n_ * n_, 0);
     for (std::size_t span = 2; span < n_; ++span)
       for (std::size_t i = 0; i + span < n_; ++i)
         solve(i, i + span);
@@ -121,7 +121,7 @@ private:
       const double sum = cost_[i * n_ + k] + cost_[k * n_ + j] + chord(i, k) + chord(k, j);
       if (sum < best) {
         best = sum;
-        middle_[i * n_ + j] = k;
+        midpoint_[i * n_ + j] = k;
       }
     }
     cost_[i * n_ + j] = best;
@@ -129,7 +129,7 @@ private:
   void append(std::size_t i, std::size_t j, std::vector<std::uint8_t>& triangles) const {
     if (j < i + 2)
       return;
-    const std::size_t k = middle_[i * n_ + j];
+    const std::size_t k = midpoint_[i * n_ + j];
     triangles.insert(triangles.end(), {loop_[i], loop_[k], loop_[j]});
     append(i, k, triangles);
     append(k, j, triangles);
@@ -138,7 +138,7 @@ private:
   const Loop& loop_;
   std::size_t n_;
   std::vector<double> cost_;
-  std::vector<std::size_t> middle_;
+  std::vector<std::size_t> midpoint_;
 };
 
 CubeTriangles makeCase(unsigned inside) {

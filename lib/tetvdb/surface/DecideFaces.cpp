@@ -18,9 +18,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostSamples = 2048, kLeastSamples = 128;
-constexpr std::size_t kMostWork = 4000000;   ///< solid angles, for each field
-constexpr std::size_t kMostValues = 8000000; ///< samples times patches
+constexpr std::size_t kMaxSamples = 2048, kMinSamples = 128;
+constexpr std::size_t kMaxWork = 4000000;   ///< solid angles, for each field
+constexpr std::size_t kMaxValues = 8000000; ///< samples times patches
 // Of the samples that are inside with confidence.
 constexpr double kLost = 0.01;
 // A field whose error falls to this share of another's is nearer, or much nearer, to a solid's.
@@ -148,9 +148,9 @@ private:
     const std::vector<std::uint32_t> one(mesh_.triangleCount(), 0);
     const std::size_t open = std::max(GroupWinding::openEdges(fileEdges_, one, none),
                                       GroupWinding::openEdges(*edges_, patches.patchOf, turned_));
-    std::size_t count = std::min(kMostSamples, kMostWork / std::max<std::size_t>(open, 1));
-    count = std::min(count, kMostValues / std::max(patchCount, 1u));
-    if (count < kLeastSamples)
+    std::size_t count = std::min(kMaxSamples, kMaxWork / std::max<std::size_t>(open, 1));
+    count = std::min(count, kMaxValues / std::max(patchCount, 1u));
+    if (count < kMinSamples)
       return; // a tangle, whose field says little
     const WindingSamples samples = windingSamples(*keptMesh_, patches.patchOf, patchCount, count);
     std::optional<TriangleScene> keptScene;

@@ -17,10 +17,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostSamples = 64, kLeastSamples = 8; // faces of a part
-constexpr double kMostWork = 2e8;                           // solid angles of boundary edges
-constexpr double kInside = 0.6;                             // of a winding number, to be sure
-constexpr double kOffset = 1e-5;                            // from a face, of the diagonal
+constexpr std::size_t kMaxSamples = 64, kMinSamples = 8; // faces of a part
+constexpr double kMaxWork = 2e8;                         // solid angles of boundary edges
+constexpr double kInside = 0.6;                          // of a winding number, to be sure
+constexpr double kOffset = 1e-5;                         // from a face, of the diagonal
 
 struct Part {
   std::vector<std::uint32_t> faces;
@@ -97,11 +97,11 @@ private:
 
   double innerWinding(std::uint32_t face) const {
     const std::uint32_t* c = &mesh_.triangles[3 * std::size_t(face)];
-    const Vec3d middle =
+    const Vec3d midpoint =
         times(plus(plus(mesh_.points[c[0]], mesh_.points[c[1]]), mesh_.points[c[2]]), 1.0 / 3);
     const Vec3d n = normal(face);
     const double size = length(n);
-    return size > 0 ? field_.at(minus(middle, times(n, offset_ / size))) : 0;
+    return size > 0 ? field_.at(minus(midpoint, times(n, offset_ / size))) : 0;
   }
 
   const TriangleMesh& mesh_;
@@ -122,12 +122,12 @@ SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress) {
     return counts;
   const SheetSearch search(mesh);
   const double each = double(parts.size()) * double(search.boundaryEdges());
-  if (each * kLeastSamples > kMostWork) {
+  if (each * kMinSamples > kMaxWork) {
     counts.complete = false;
     return counts;
   }
   const std::size_t samples = static_cast<std::size_t>(
-      std::clamp(kMostWork / each, double(kLeastSamples), double(kMostSamples)));
+      std::clamp(kMaxWork / each, double(kMinSamples), double(kMaxSamples)));
   std::vector<char> isSheet(parts.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts.size(), 1), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {

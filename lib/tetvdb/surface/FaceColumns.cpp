@@ -31,19 +31,19 @@ int turn(const Vec3d& a, const Vec3d& b, const LiftedPoint& point) {
 // The side of a face's plane that the point is on, by doubles; 0 where these cannot tell.
 int roughSide(const std::array<Vec3d, 3>& c, const LiftedPoint& point) {
   const Vec3d u = minus(c[1], c[0]), v = minus(c[2], c[0]), w = minus(point.position(), c[0]);
-  double value = 0, most = 0, alongAxis = 0;
+  double value = 0, max = 0, alongAxis = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t p = (k + 1) % 3, q = (k + 2) % 3;
     const double left = u[p] * v[q], right = u[q] * v[p];
     const double size = std::abs(left) + std::abs(right);
     value += (left - right) * w[k];
-    most += size * std::abs(w[k]);
+    max += size * std::abs(w[k]);
     if (k == point.axis())
       alongAxis = size;
   }
   // The point's own coordinate is rounded, and so is its difference.
   const double error = 2 * point.error() + 0x1p-50 * std::abs(point.position()[point.axis()]);
-  return std::abs(value) > kRoundings * most + alongAxis * error ? signOf(value) : 0;
+  return std::abs(value) > kRoundings * max + alongAxis * error ? signOf(value) : 0;
 }
 
 } // namespace
@@ -61,13 +61,13 @@ std::optional<SideWindings> FaceColumns::at(const FacePlanes& face, const Lifted
     const std::array<Vec3d, 3> c = welded_.cornersOf(other);
     const int first = turn(c[0], c[1], point), second = turn(c[1], c[2], point),
               third = turn(c[2], c[0], point);
-    const int least = std::min({first, second, third}), most = std::max({first, second, third});
-    if (least < 0 && most > 0)
+    const int min = std::min({first, second, third}), max = std::max({first, second, third});
+    if (min < 0 && max > 0)
       return false;
-    tie = least == 0 || most == 0;
+    tie = min == 0 || max == 0;
     if (tie)
       return true;
-    const std::int64_t crossing = least * std::int64_t(welded_.faces[other].weight);
+    const std::int64_t crossing = min * std::int64_t(welded_.faces[other].weight);
     int side = roughSide(c, point);
     if (side == 0) {
       const LatticePlane plane = LatticePlane::through(c[0], c[1], c[2]);
@@ -80,7 +80,7 @@ std::optional<SideWindings> FaceColumns::at(const FacePlanes& face, const Lifted
       }
     }
     // Below its plane: the normal's part along the axis has the sign of the turns.
-    if (side * least < 0)
+    if (side * min < 0)
       above += crossing;
     return false;
   });

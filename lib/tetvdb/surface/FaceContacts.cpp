@@ -18,8 +18,8 @@ namespace {
 
 using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-constexpr std::size_t kMostPairs = std::size_t(1) << 25;
-constexpr std::size_t kMostPairsOfFace = 64;
+constexpr std::size_t kMaxPairs = std::size_t(1) << 25;
+constexpr std::size_t kMaxPairsOfFace = 64;
 
 // Bit k: corner k of `face` is one of `other`'s.
 unsigned sharedCorners(const WeldedFace& face, const WeldedFace& other) {
@@ -37,11 +37,11 @@ bool surelyOnOneSide(const std::vector<Vec3d>& points, const WeldedFace& face, u
                      const WeldedFace& plane) {
   const Vec3d& a = points[plane.corners[0]];
   const Vec3d u = minus(points[plane.corners[1]], a), v = minus(points[plane.corners[2]], a);
-  Vec3d n, most;
+  Vec3d n, max;
   for (std::size_t k = 0; k < 3; ++k) {
     const double left = u[(k + 1) % 3] * v[(k + 2) % 3], right = u[(k + 2) % 3] * v[(k + 1) % 3];
     n[k] = left - right;
-    most[k] = std::abs(left) + std::abs(right);
+    max[k] = std::abs(left) + std::abs(right);
   }
   int side = 0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -51,7 +51,7 @@ bool surelyOnOneSide(const std::vector<Vec3d>& points, const WeldedFace& face, u
     const double value = dot(n, w);
     // Fewer than 8 roundings; differences are exact.
     const double bound =
-        0x1p-49 * (most[0] * std::abs(w[0]) + most[1] * std::abs(w[1]) + most[2] * std::abs(w[2]));
+        0x1p-49 * (max[0] * std::abs(w[0]) + max[1] * std::abs(w[1]) + max[2] * std::abs(w[2]));
     if (!(std::abs(value) > bound))
       return false;
     const int here = value > 0 ? 1 : -1;
@@ -76,7 +76,7 @@ struct Found {
 
 FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Progress& progress) {
   const std::size_t count = welded.faces.size();
-  const std::size_t most = kMostPairs + kMostPairsOfFace * count;
+  const std::size_t max = kMaxPairs + kMaxPairsOfFace * count;
   tbb::enumerable_thread_specific<Found> locals;
   // Other faces at the edge opposite to a corner: 0, 1 or more.
   std::vector<std::uint8_t> atEdge(3 * count, 0);
@@ -105,10 +105,10 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
     Found& found = locals.local();
     std::vector<Pair> pairs;
     for (std::size_t block = range.begin(); block != range.end(); ++block) {
-      if (looked > most || equal)
+      if (looked > max || equal)
         return;
       pairs.clear();
-      boxes.pairs(block, most, pairs);
+      boxes.pairs(block, max, pairs);
       for (const auto& [first, second] : pairs)
         look(first, second, found);
       looked += pairs.size();
@@ -116,8 +116,8 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   });
   FaceContacts contacts;
   contacts.equal = equal;
-  contacts.complete = equal || looked <= most;
-  if (equal || looked > most)
+  contacts.complete = equal || looked <= max;
+  if (equal || looked > max)
     return contacts;
 
   contacts.starts.assign(count + 1, 0);

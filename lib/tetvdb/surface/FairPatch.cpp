@@ -14,16 +14,16 @@ namespace {
 
 using Corners = HolePatch::Corners;
 
-constexpr int kMostRounds = 24; // of splitting
-constexpr int kMostFlips = 12;  // rounds of flipping after each
-constexpr int kFairings = 3;    // with cotangents of the surface before
-constexpr double kLeastCot = 0.02, kMostCot = 50;
+constexpr int kMaxRounds = 24; // of splitting
+constexpr int kMaxFlips = 12;  // rounds of flipping after each
+constexpr int kFairings = 3;   // with cotangents of the surface before
+constexpr double kMinCot = 0.02, kMaxCot = 50;
 constexpr double kSolved = 1e-9; // of the first residual
 
 double cotangent(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const Vec3d u = minus(a, apex), v = minus(b, apex);
   const double size = length(cross(u, v));
-  return size > 0 ? dot(u, v) / size : (dot(u, v) > 0 ? kMostCot : -kMostCot);
+  return size > 0 ? dot(u, v) / size : (dot(u, v) > 0 ? kMaxCot : -kMaxCot);
 }
 
 // --- Finer.
@@ -51,12 +51,12 @@ public:
 
   // False where there would be too many points.
   bool run(Progress& progress) {
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       progress.check();
       const std::size_t before = faces_.size();
       for (std::size_t face = 0; face < before; ++face)
         split(face);
-      if (points_.size() - loopEnd_ > kMostFairPoints)
+      if (points_.size() - loopEnd_ > kMaxFairPoints)
         return false;
       flip();
       if (faces_.size() == before)
@@ -68,7 +68,7 @@ public:
   const std::vector<Corners>& faces() const { return faces_; }
 
   void flip() {
-    for (int round = 0; round < kMostFlips; ++round)
+    for (int round = 0; round < kMaxFlips; ++round)
       if (!flipOnce())
         return;
   }
@@ -76,19 +76,19 @@ public:
 private:
   void split(std::size_t face) {
     const Corners c = faces_[face];
-    Vec3d middle{0, 0, 0};
+    Vec3d midpoint{0, 0, 0};
     double scale = 0;
     for (const std::uint32_t v : c) {
-      middle = plus(middle, times(points_[v], 1.0 / 3));
+      midpoint = plus(midpoint, times(points_[v], 1.0 / 3));
       scale += scale_[v] / 3;
     }
     for (const std::uint32_t v : c) {
-      const double away = std::sqrt(2.0) * length(minus(middle, points_[v]));
+      const double away = std::sqrt(2.0) * length(minus(midpoint, points_[v]));
       if (!(away > scale) || !(away > scale_[v]))
         return;
     }
     const auto added = static_cast<std::uint32_t>(points_.size());
-    points_.push_back(middle);
+    points_.push_back(midpoint);
     scale_[added] = scale;
     faces_[face] = {c[0], c[1], added};
     faces_.push_back({c[1], c[2], added});
@@ -170,7 +170,7 @@ public:
         for (std::size_t k = 0; k < 3; ++k) {
           const std::uint32_t a = c[(k + 1) % 3], b = c[(k + 2) % 3];
           const double weight =
-              std::clamp(cotangent(points[c[k]], points[a], points[b]), kLeastCot, kMostCot);
+              std::clamp(cotangent(points[c[k]], points[a], points[b]), kMinCot, kMaxCot);
           if (const auto at = row.find(a); at != row.end())
             weights[at->second][b] += weight;
           if (const auto at = row.find(b); at != row.end())
@@ -302,7 +302,7 @@ std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTa
         low[axis] = std::min(low[axis], points[v][axis]);
         high[axis] = std::max(high[axis], points[v][axis]);
       }
-  const double most = length(minus(high, low)); // of a new point from its place in the plain patch
+  const double max = length(minus(high, low)); // of a new point from its place in the plain patch
   const std::vector<Vec3d> before(points.begin() + static_cast<std::ptrdiff_t>(first),
                                   points.end());
   for (int i = 0; i < kFairings; ++i) {
@@ -310,7 +310,7 @@ std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTa
     refinement.flip();
   }
   for (std::size_t i = 0; i < before.size(); ++i)
-    if (!(length(minus(points[first + i], before[i])) <= most)) {
+    if (!(length(minus(points[first + i], before[i])) <= max)) {
       points.resize(first);
       return 0;
     }

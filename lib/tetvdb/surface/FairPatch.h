@@ -27,11 +27,11 @@ struct HolePatch {
 /// (cotangents, by area) of the patch and of its boundary, faces around it included, is least: the
 /// surface goes on with the same tangent and bends evenly. New points are appended to `points`.
 /// Edges that are taken are not made. Returns how many points there are; 0: nothing was changed, as
-/// the patch is fine enough, or larger than kMostFairPoints, or no such surface was found. About 1
+/// the patch is fine enough, or larger than kMaxFairPoints, or no such surface was found. About 1
 /// ms for a hundred points.
 std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTaken& isTaken,
                       Progress& progress);
 
-constexpr std::size_t kMostFairPoints = 20000;
+constexpr std::size_t kMaxFairPoints = 20000;
 
 } // namespace tetvdb

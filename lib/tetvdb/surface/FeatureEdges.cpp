@@ -18,7 +18,7 @@ Vec3d normalOf(const TriangleMesh& mesh, std::uint32_t face) {
 } // namespace
 
 std::vector<VertexPair> featureEdges(const TriangleMesh& mesh, double degrees) {
-  const double least = std::cos(degrees * 3.14159265358979323846 / 180);
+  const double min = std::cos(degrees * 3.14159265358979323846 / 180);
   const EdgeTable edges(mesh);
   std::vector<VertexPair> found;
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
@@ -28,7 +28,7 @@ std::vector<VertexPair> featureEdges(const TriangleMesh& mesh, double degrees) {
     if (!isSharp) {
       const Vec3d a = normalOf(mesh, EdgeTable::faceOf(sides[0]));
       const Vec3d b = normalOf(mesh, EdgeTable::faceOf(sides[1]));
-      isSharp = dot(a, b) < least * length(a) * length(b);
+      isSharp = dot(a, b) < min * length(a) * length(b);
     }
     if (isSharp)
       found.push_back(ends);

@@ -25,7 +25,7 @@ namespace {
 // How far from a plane, relative to its size, a plane loop's points lie at most.
 constexpr double kFlat = 1e-4;
 // Loops longer than that are not tried in the plane, where time grows with the square.
-constexpr std::size_t kMostPlanePoints = 4096;
+constexpr std::size_t kMaxPlanePoints = 4096;
 // Curved holes of fewer edges are filled by the points that are there.
 constexpr std::size_t kFewestFairEdges = 7;
 
@@ -57,7 +57,7 @@ Plane planeOf(const std::vector<Vec3d>& points, const BoundaryLoop& loop) {
     low = std::min(low, height);
     high = std::max(high, height);
   }
-  plane.flat = high - low <= kFlat * plane.size && loop.points.size() <= kMostPlanePoints;
+  plane.flat = high - low <= kFlat * plane.size && loop.points.size() <= kMaxPlanePoints;
   return plane;
 }
 

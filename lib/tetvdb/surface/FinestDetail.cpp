@@ -83,14 +83,14 @@ double finestThickness(const TriangleMesh& mesh, Progress& progress) {
   return thickness[kThinnest];
 }
 
-double voxelForDetail(const TriangleMesh& mesh, std::size_t mostFaces, Progress& progress) {
+double voxelForDetail(const TriangleMesh& mesh, std::size_t maxFaces, Progress& progress) {
   const Box box = boxOf(mesh);
   const Vec3d size = minus(box.high, box.low);
   const double longest = std::max({size[0], size[1], size[2]});
   if (!(longest > 0))
     throw Error(Status::Invalid, "", "the mesh has no extent");
   const double smallest = std::sqrt(kFacesPerVoxel * areaOf(mesh) /
-                                    static_cast<double>(std::max<std::size_t>(mostFaces, 1)));
+                                    static_cast<double>(std::max<std::size_t>(maxFaces, 1)));
   return std::min(longest / kCoarsest,
                   std::max(finestThickness(mesh, progress) / kPerThickness, smallest));
 }

@@ -16,6 +16,6 @@ double finestThickness(const TriangleMesh& mesh, Progress& progress);
 /// A voxel that a model is remeshed with: a third of its finest thickness, between a 256th of the
 /// box's longest side and what makes about `mostFaces` faces. Throws Error(Invalid) for a mesh
 /// without extent.
-double voxelForDetail(const TriangleMesh& mesh, std::size_t mostFaces, Progress& progress);
+double voxelForDetail(const TriangleMesh& mesh, std::size_t maxFaces, Progress& progress);
 
 } // namespace tetvdb

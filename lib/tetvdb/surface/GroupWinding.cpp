@@ -20,7 +20,7 @@ constexpr double kMargin = 0.05;
 constexpr double kNearest = 0.002, kFarthest = 0.5;
 // Of the box's diagonal: groups smaller than this have no samples of their own, and no sample is
 // nearer to its face than this, since rays are told in floats.
-constexpr double kSmallestGroup = 1e-3, kLeastDistance = 1e-5;
+constexpr double kSmallestGroup = 1e-3, kMinDistance = 1e-5;
 constexpr std::size_t kSamplesPerGroup = 16; ///< at least, half on each side
 
 // Fractions of the i-th multiple of powers of 1 / g, g^4 = g + 1: evenly spread in three dimensions
@@ -101,12 +101,12 @@ WindingSamples windingSamples(const TriangleMesh& mesh, const std::vector<std::u
   }
   const double diagonal = length(minus(box.high, box.low));
   const std::size_t beside = count - samples.spread;
-  const std::size_t least = std::min(kSamplesPerGroup, beside / (2 * std::size_t(groupCount)));
+  const std::size_t min = std::min(kSamplesPerGroup, beside / (2 * std::size_t(groupCount)));
   for (std::uint32_t group = 0; group < groupCount; ++group) {
     if (!(std::sqrt(area[group]) > kSmallestGroup * diagonal))
       continue;
     const auto share = static_cast<std::size_t>(double(beside / 2) * area[group] / total);
-    const std::size_t pairs = (least + share) / 2;
+    const std::size_t pairs = (min + share) / 2;
     const double size = std::sqrt(area[group]);
     // Faces by area: the next is the one in which the running sum passes (i + 1/2) / pairs.
     std::size_t at = 0;
@@ -126,8 +126,8 @@ WindingSamples windingSamples(const TriangleMesh& mesh, const std::vector<std::u
       const Vec3d p =
           plus(corner(face, 0), plus(times(minus(corner(face, 1), corner(face, 0)), r[0]),
                                      times(minus(corner(face, 2), corner(face, 0)), r[1])));
-      const double distance = std::max(size * kNearest * std::pow(kFarthest / kNearest, r[2]),
-                                       kLeastDistance * diagonal);
+      const double distance =
+          std::max(size * kNearest * std::pow(kFarthest / kNearest, r[2]), kMinDistance * diagonal);
       const Vec3d step = times(normal(face), distance / (2 * faceArea[face]));
       samples.points.push_back(plus(p, step));
       samples.points.push_back(minus(p, step));

@@ -23,9 +23,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMostChange = 0.01; // of the solid's volume
-constexpr double kNoChange = 0.001;  // beyond which it is told
-constexpr double kLeastSamples = 4;  // points that may differ whatever their share
+constexpr double kMaxChange = 0.01; // of the solid's volume
+constexpr double kNoChange = 0.001; // beyond which it is told
+constexpr double kMinSamples = 4;   // points that may differ whatever their share
 
 // Of faces over the same points those go that cancel, and if asked for all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
@@ -38,8 +38,8 @@ std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
       for (std::uint32_t k = groups.first[i]; k < groups.first[i + 1]; ++k) {
         const std::uint32_t face = groups.faces[k];
         const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
-        const auto least = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
-        const bool inverse = c[(least + 1) % 3] > c[(least + 2) % 3];
+        const auto min = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
+        const bool inverse = c[(min + 1) % 3] > c[(min + 2) % 3];
         sides[inverse ? 1 : 0].push_back(face);
         drops[face] = 1;
       }
@@ -264,9 +264,9 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   repair.solids = compareSolids(mesh, work, progress);
   const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
   const double changed = std::max(repair.solids.lost, repair.solids.gained);
-  if (changed > std::max(kMostChange * repair.solids.before, kLeastSamples * each))
+  if (changed > std::max(kMaxChange * repair.solids.before, kMinSamples * each))
     return failed("closing it would change its volume");
-  repair.changesVolume = changed > std::max(kNoChange * repair.solids.before, kLeastSamples * each);
+  repair.changesVolume = changed > std::max(kNoChange * repair.solids.before, kMinSamples * each);
   repair.succeeded = true;
   mesh = std::move(work);
   return repair;

@@ -203,10 +203,11 @@ private:
   double passage(const Position& position, bool startInside) const {
     double low = 0, high = 1;
     for (int step = 0; step < 12; ++step) {
-      const double middle = (low + high) / 2;
-      const bool inside = original_.scene->closest(position(middle), original_.distance).distance <
-                          original_.distance;
-      (inside == startInside ? low : high) = middle;
+      const double midpoint = (low + high) / 2;
+      const bool inside =
+          original_.scene->closest(position(midpoint), original_.distance).distance <
+          original_.distance;
+      (inside == startInside ? low : high) = midpoint;
     }
     return (low + high) / 2;
   }

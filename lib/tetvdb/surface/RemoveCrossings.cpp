@@ -24,9 +24,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostRounds = 6;
-constexpr std::size_t kMostPartCorners = 4096; // of one face, which are compared with one another
-constexpr double kSame = 8;                    // lattice units, within which corners are one
+constexpr std::size_t kMaxRounds = 6;
+constexpr std::size_t kMaxPartCorners = 4096; // of one face, which are compared with one another
+constexpr double kSame = 8;                   // lattice units, within which corners are one
 constexpr double kStraight = 16; // lattice units, by which a corner may be off a straight line
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
@@ -88,10 +88,10 @@ private:
             static_cast<std::int64_t>(std::floor(p[2] / (2 * kSame)))};
   }
   std::uint32_t find(const Vec3d& p) const {
-    const Cell middle = cellOf(p);
+    const Cell midpoint = cellOf(p);
     for (int n = 0; n < 27; ++n) {
-      const auto entry =
-          cells_.find({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
+      const auto entry = cells_.find(
+          {midpoint[0] + n % 3 - 1, midpoint[1] + n / 3 % 3 - 1, midpoint[2] + n / 9 - 1});
       if (entry == cells_.end())
         continue;
       for (const auto& [at, point] : entry->second)
@@ -191,7 +191,7 @@ public:
         corners.insert(loop.begin(), loop.end());
         outlines.push_back(std::move(loop));
       }
-      if (corners.size() > kMostPartCorners)
+      if (corners.size() > kMaxPartCorners)
         return false;
       EdgeSum edges;
       for (const Loop& loop : outlines)
@@ -528,7 +528,7 @@ CrossingCounts removeCrossings(TriangleMesh& mesh, NewCorners corners, Progress&
   const TriangleMesh before = mesh;
   counts.floats = corners == NewCorners::FloatsAsGiven && areFloats(mesh.points);
   Round round = Round::Again;
-  for (; round == Round::Again && counts.rounds < kMostRounds; ++counts.rounds)
+  for (; round == Round::Again && counts.rounds < kMaxRounds; ++counts.rounds)
     round = cutOnce(mesh, counts, progress);
   if (round == Round::GivenUp) {
     counts.complete = false;

@@ -21,7 +21,7 @@ namespace tetvdb {
 namespace {
 
 constexpr int kFirstStep = -22, kLastStep = -12; // powers of two of the largest coordinate
-constexpr int kMostRounds = 8;
+constexpr int kMaxRounds = 8;
 
 using FloatPosition = std::array<float, 3>;
 
@@ -56,7 +56,7 @@ public:
       before.push_back(normal(face));
       if (const double size = length(before.back()); size > 0)
         ways[0] = minus(ways[0], times(before.back(), 1 / size));
-      ways.push_back(minus(middle(face), from));
+      ways.push_back(minus(midpoint(face), from));
       ways[1] = plus(ways[1], ways.back());
     }
     for (int step = kFirstStep; step <= kLastStep; ++step)
@@ -131,7 +131,7 @@ private:
   Vec3d normal(std::size_t face) const {
     return cross(minus(at(3 * face + 1), at(3 * face)), minus(at(3 * face + 2), at(3 * face)));
   }
-  Vec3d middle(std::size_t face) const {
+  Vec3d midpoint(std::size_t face) const {
     return times(plus(plus(at(3 * face), at(3 * face + 1)), at(3 * face + 2)), 1.0 / 3);
   }
 
@@ -173,7 +173,7 @@ SeparatedPoints separateEqualPoints(TriangleMesh& mesh, std::size_t firstAdded,
     else
       counts.complete = false;
   }
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     bool again = false;
     for (const std::uint32_t point : moved) {
       progress.check();

@@ -127,18 +127,18 @@ private:
     if (corners.size() != triangles + 2) // more than one disk
       return;
     std::vector<const ShapeContact*> planes;
-    double least = 1;
+    double min = 1;
     for (const std::uint32_t v : corners) {
       const ShapeContact& contact = contacts_[v];
       const auto& n = contact.normal;
       if (n[0] == 0 && n[1] == 0 && n[2] == 0)
         return;
       for (const ShapeContact* other : planes)
-        least = std::min(least, double(n[0]) * other->normal[0] + double(n[1]) * other->normal[1] +
-                                    double(n[2]) * other->normal[2]);
+        min = std::min(min, double(n[0]) * other->normal[0] + double(n[1]) * other->normal[1] +
+                                double(n[2]) * other->normal[2]);
       planes.push_back(&contact);
     }
-    if (least > kSharpCosine)
+    if (min > kSharpCosine)
       return;
     apex_[i] = nearestToPlanes(planes);
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -37,11 +37,11 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   Box box;
   for (const Vec3d& p : points)
     box.add(p);
-  middle_ = times(plus(box.low, box.high), 0.5);
+  midpoint_ = times(plus(box.low, box.high), 0.5);
   unit_ = options.tolerance > 0 ? options.tolerance
                                 : kUnitOfDiagonal * length(minus(box.high, box.low));
   for (Vec3d& p : points)
-    p = times(minus(p, middle_), 1 / unit_);
+    p = times(minus(p, midpoint_), 1 / unit_);
   std::vector<Vec3d> sums(points.size(), Vec3d{0, 0, 0}), ofFaces(mesh.triangleCount());
   double lengths = 0;
   for (std::size_t face = 0; face < mesh.triangleCount(); ++face) {
@@ -75,7 +75,7 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
 }
 
 bool SimplifyState::isNear(const Vec3d& p) const {
-  return original->isWithin(plus(middle_, times(p, unit_)), kHeldTolerance * unit_);
+  return original->isWithin(plus(midpoint_, times(p, unit_)), kHeldTolerance * unit_);
 }
 
 std::size_t SimplifyState::liveFaces() const {

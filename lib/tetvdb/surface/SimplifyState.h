@@ -70,8 +70,8 @@ struct SimplifyState {
   std::size_t liveFaces() const;
 
 private:
-  Vec3d middle_{0, 0, 0}; ///< of the box
-  double unit_ = 1;       ///< in world units
+  Vec3d midpoint_{0, 0, 0}; ///< of the box
+  double unit_ = 1;         ///< in world units
 };
 
 } // namespace tetvdb

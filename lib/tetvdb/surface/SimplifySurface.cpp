@@ -37,9 +37,9 @@ public:
   std::size_t regions() const { return regions_.size(); }
 
   template <class Done>
-  void run(bool guarded, std::size_t most, Progress& progress, const Done& done) {
+  void run(bool guarded, std::size_t max, Progress& progress, const Done& done) {
     tbb::parallel_for(std::size_t(0), regions_.size(), [&](std::size_t i) {
-      collapseEdges(s_, regions_[i], regionOf_, guarded, most, progress);
+      collapseEdges(s_, regions_[i], regionOf_, guarded, max, progress);
       done();
     });
     s_.features = std::move(mixedFeatures_);
@@ -126,21 +126,19 @@ private:
 
 // Cubes first, then cubes that have the first ones' borders inside, then everything. A number of
 // faces is reached in one pass: which collapses are the cheapest is known of the whole alone.
-void collapse(SimplifyState& surface, std::size_t mostFaces, bool guarded, Progress& progress) {
+void collapse(SimplifyState& surface, std::size_t maxFaces, bool guarded, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
-  if (mostFaces == 0 && surface.quadrics.size() > kSerial) {
+  if (maxFaces == 0 && surface.quadrics.size() > kSerial) {
     const double side = kRegionEdges * surface.meanEdge;
     passes = {{side, 0.0}, {side, 0.5}};
   }
   passes.push_back({kInfinity, 0.0});
   const std::size_t live = surface.liveFaces();
-  const std::size_t most = mostFaces == 0     ? live
-                           : live > mostFaces ? (live - mostFaces + 1) / 2
-                                              : 0;
+  const std::size_t max = maxFaces == 0 ? live : live > maxFaces ? (live - maxFaces + 1) / 2 : 0;
   for (std::size_t i = 0; i < passes.size(); ++i) {
     Pass pass(surface, passes[i].first, passes[i].second);
     std::atomic<std::size_t> done{0};
-    pass.run(guarded, most, progress, [&] {
+    pass.run(guarded, max, progress, [&] {
       progress.update((static_cast<double>(i) +
                        static_cast<double>(++done) / static_cast<double>(pass.regions())) /
                       static_cast<double>(passes.size()));

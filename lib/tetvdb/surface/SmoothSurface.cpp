@@ -19,8 +19,8 @@ namespace {
 constexpr int kRounds = 20;        ///< of a step in and a step out
 constexpr double kStepIn = 0.5;    ///< share of the way to the neighbours' mean
 constexpr double kStepOut = -0.53; ///< Taubin: 1 / kStepIn + 1 / kStepOut is the pass band, above 0
-constexpr double kLeastCosine = 0.2; ///< of the angle by which a face may turn
-constexpr int kHalvings = 4;         ///< of a vertex's way, before it stays in its place
+constexpr double kMinCosine = 0.2; ///< of the angle by which a face may turn
+constexpr int kHalvings = 4;       ///< of a vertex's way, before it stays in its place
 constexpr int kBisections = 40;
 constexpr int kVolumeHalvings = 8;
 
@@ -151,9 +151,9 @@ private:
       return;
     double low = 0, high = 1;
     for (int i = 0; i < kBisections; ++i) {
-      const double middle = (low + high) / 2;
-      place(middle);
-      (hasVolume() ? low : high) = middle;
+      const double midpoint = (low + high) / 2;
+      place(midpoint);
+      (hasVolume() ? low : high) = midpoint;
     }
     place(low);
     target_ = mesh_.points;
@@ -183,7 +183,7 @@ private:
     std::vector<std::uint32_t> bad;
     for (std::uint32_t face = 0; face < mesh_.triangleCount(); ++face) {
       const Vec3d before = normalOf(first_, face), now = normalOf(mesh_.points, face);
-      if (!(dot(before, now) > kLeastCosine * length(before) * length(now)))
+      if (!(dot(before, now) > kMinCosine * length(before) * length(now)))
         bad.push_back(face);
     }
     if (!bad.empty()) // collinear ones perhaps

@@ -19,7 +19,7 @@ constexpr float kEnclosed = 0.85f;
 constexpr std::size_t kStrayShare = 10; ///< one in so many may lie elsewhere
 constexpr int kSweeps = 12;
 // A turn has to better the field by this share of what the groups add to it.
-constexpr double kLeastGain = 0.05;
+constexpr double kMinGain = 0.05;
 
 } // namespace
 
@@ -102,7 +102,7 @@ std::vector<std::uint8_t> innerGroups(const GroupWinding& groups, std::uint32_t 
       weight += std::abs(adds[i]);
     }
     if (enclosed > kStray || beside == 0 || besideOutside * kStrayShare > beside || lost > 0 ||
-        gain <= kLeastGain * weight)
+        gain <= kMinGain * weight)
       continue;
     inner[group] = 1;
     for (std::size_t i = 0; i < field.values.size(); ++i)
@@ -127,7 +127,7 @@ std::vector<std::uint8_t> turnTowardsSolid(const GroupWinding& groups, std::uint
       gain += distanceFromSolid(now) - distanceFromSolid(now - 2 * adds[i]);
       weight += std::abs(adds[i]);
     }
-    if (gain <= kLeastGain * weight)
+    if (gain <= kMinGain * weight)
       return false;
     for (std::size_t i = 0; i < adds.size(); ++i)
       field.values[i] -= 2 * adds[i];

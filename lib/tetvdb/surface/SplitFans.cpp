@@ -149,7 +149,7 @@ void Splitting::cutSharedEdges() {
 // Of face (a, b, c) with side a - b there remains (a, m, c), and (m, b, c) is new.
 void Splitting::cut(std::uint32_t side) {
   const std::uint32_t other = partner_[side];
-  const auto middle = static_cast<std::uint32_t>(mesh_.points.size());
+  const auto midpoint = static_cast<std::uint32_t>(mesh_.points.size());
   mesh_.points.push_back(times(plus(corner(side), corner(next(side))), 0.5));
   std::array<std::uint32_t, 2> added{};
   for (int k = 0; k < 2; ++k) {
@@ -157,8 +157,8 @@ void Splitting::cut(std::uint32_t side) {
     const std::uint32_t b = mesh_.triangles[after], c = mesh_.triangles[next(after)];
     const auto first = static_cast<std::uint32_t>(mesh_.triangles.size());
     added[static_cast<std::size_t>(k)] = first;
-    mesh_.triangles.insert(mesh_.triangles.end(), {middle, b, c});
-    mesh_.triangles[after] = middle;
+    mesh_.triangles.insert(mesh_.triangles.end(), {midpoint, b, c});
+    mesh_.triangles[after] = midpoint;
     partner_.resize(first + 3);
     toCut_.resize(first + 3, 0);
     std::swap(toCut_[first + 1], toCut_[after]);

@@ -22,7 +22,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kMostRounds = 6;
+constexpr int kMaxRounds = 6;
 constexpr double kJoinShare = 0.1;     // of the shortest boundary edge at a vertex
 constexpr double kJoinDiagonal = 1e-3; // of the box's diagonal
 constexpr double kSplitShare = 0.02;   // of the shortest boundary edge at a vertex
@@ -40,7 +40,7 @@ public:
     for (const Vec3d& p : {box.low, box.high})
       for (const double c : p)
         rounding_ = std::max(rounding_, kRounding * std::abs(c));
-    mostJoin_ = kJoinDiagonal * length(minus(box.high, box.low));
+    maxJoin_ = kJoinDiagonal * length(minus(box.high, box.low));
     for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
       if (edges.sides(edge).size() == 1)
         sides_.push_back(edges.sides(edge)[0]);
@@ -74,7 +74,7 @@ public:
 
   double joinDistance(std::uint32_t v) const {
     const double size = shortest_.at(v);
-    return std::min(0.4 * size, std::max(std::min(kJoinShare * size, mostJoin_), rounding_));
+    return std::min(0.4 * size, std::max(std::min(kJoinShare * size, maxJoin_), rounding_));
   }
   double splitDistance(std::uint32_t v) const {
     const double size = shortest_.at(v);
@@ -100,7 +100,7 @@ public:
 
 private:
   const TriangleMesh& mesh_;
-  double rounding_ = 0, mostJoin_ = 0;
+  double rounding_ = 0, maxJoin_ = 0;
   std::vector<std::uint32_t> sides_, vertices_; ///< ascending
   std::map<std::uint32_t, double> shortest_;    ///< boundary edge at a vertex
   std::map<std::uint32_t, std::vector<std::uint32_t>> atVertex_;
@@ -234,12 +234,12 @@ std::map<std::uint32_t, std::vector<Split>> findSplits(const Boundary& boundary,
   for (const std::uint32_t side : boundary.sides()) {
     progress.check();
     const std::uint32_t a = boundary.start(side), b = boundary.end(side);
-    const double most = std::min(boundary.splitDistance(a), boundary.splitDistance(b));
+    const double max = std::min(boundary.splitDistance(a), boundary.splitDistance(b));
     Box box;
     box.add(boundary.at(a));
     box.add(boundary.at(b));
-    boundary.eachVertexIn(box, most, [&](std::uint32_t v) {
-      const double near = std::min(most, boundary.splitDistance(v));
+    boundary.eachVertexIn(box, max, [&](std::uint32_t v) {
+      const double near = std::min(max, boundary.splitDistance(v));
       double along;
       if (v == a || v == b ||
           distanceToSegment(boundary.at(v), boundary.at(a), boundary.at(b), along) > near ||
@@ -301,18 +301,18 @@ double flatHeight(const TriangleMesh& mesh) {
 // `height` of, between its ends; 3 where they are a face with area.
 std::uint32_t flatSide(const std::array<Vec3d, 3>& p, double height) {
   std::uint32_t longest = 0;
-  double most = -1;
+  double max = -1;
   for (std::uint32_t k = 0; k < 3; ++k) {
     const double size = length(minus(p[(k + 1) % 3], p[k]));
-    if (size > most) {
-      most = size;
+    if (size > max) {
+      max = size;
       longest = k;
     }
   }
   if (areCollinear(p[0], p[1], p[2]))
     return longest;
   const double twice = length(cross(minus(p[1], p[0]), minus(p[2], p[0])));
-  return twice <= height * most ? longest : 3;
+  return twice <= height * max ? longest : 3;
 }
 
 std::uint32_t longSide(const TriangleMesh& mesh, std::uint32_t face, double height) {
@@ -336,12 +336,12 @@ std::size_t flipFlat(TriangleMesh& mesh, const EdgeTable& edges) {
     const auto low = std::min(a, b), high = std::max(a, b);
     std::uint32_t first = 0, last = edges.edgeCount();
     while (first < last) {
-      const std::uint32_t middle = first + (last - first) / 2;
-      if (std::make_pair(edges.lowPoint(middle), edges.highPoint(middle)) <
+      const std::uint32_t midpoint = first + (last - first) / 2;
+      if (std::make_pair(edges.lowPoint(midpoint), edges.highPoint(midpoint)) <
           std::make_pair(low, high))
-        first = middle + 1;
+        first = midpoint + 1;
       else
-        last = middle;
+        last = midpoint;
     }
     return (first < edges.edgeCount() && edges.lowPoint(first) == low &&
             edges.highPoint(first) == high) ||
@@ -380,7 +380,7 @@ std::size_t flipFlat(TriangleMesh& mesh, const EdgeTable& edges) {
 
 StitchCounts stitchBoundaries(TriangleMesh& mesh, Progress& progress) {
   StitchCounts counts;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const StitchCounts before = counts;
     {
       const EdgeTable edges(mesh);

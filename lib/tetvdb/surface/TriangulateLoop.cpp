@@ -37,7 +37,7 @@ class LoopCosts {
 public:
   LoopCosts(const std::vector<Vec3d>& points, const SpaceLoop& loop, const EdgeTaken& isTaken)
       : points_(points), loop_(loop), isTaken_(isTaken), n_(loop.points.size()), costs_(n_ * n_),
-        middle_(n_ * n_, 0) {}
+        midpoint_(n_ * n_, 0) {}
 
   bool run(std::vector<std::uint32_t>& corners, Progress& progress) {
     for (std::size_t span = 2; span < n_; ++span) {
@@ -53,7 +53,7 @@ public:
       open.pop_back();
       if (k - i < 2)
         continue;
-      const std::size_t j = middle_[i * n_ + k];
+      const std::size_t j = midpoint_[i * n_ + k];
       for (const std::size_t corner : {i, j, k})
         corners.push_back(loop_.points[corner]);
       open.emplace_back(j, k);
@@ -69,7 +69,7 @@ private:
   bool normalBeyond(std::size_t i, std::size_t k, Vec3d& normal) const {
     double area;
     if (k - i > 1) {
-      normal = unitNormal(at(i), at(middle_[i * n_ + k]), at(k), area);
+      normal = unitNormal(at(i), at(midpoint_[i * n_ + k]), at(k), area);
       return true;
     }
     const std::uint32_t beyond = loop_.beyond[i];
@@ -83,7 +83,7 @@ private:
     Cost best;
     best.possible = false;
     const bool closing = i == 0 && k == n_ - 1; // its chord is the loop's last edge
-    std::size_t middle = i + 1;
+    std::size_t midpoint = i + 1;
     if (closing || !isTaken_(loop_.points[i], loop_.points[k])) {
       for (std::size_t j = i + 1; j < k; ++j) {
         const Cost &left = costs_[i * n_ + j], &right = costs_[j * n_ + k];
@@ -107,12 +107,12 @@ private:
         cost.area += left.area + right.area;
         if (cost < best) {
           best = cost;
-          middle = j;
+          midpoint = j;
         }
       }
     }
     costs_[i * n_ + k] = best;
-    middle_[i * n_ + k] = static_cast<std::uint32_t>(middle);
+    midpoint_[i * n_ + k] = static_cast<std::uint32_t>(midpoint);
   }
 
   const std::vector<Vec3d>& points_;
@@ -120,17 +120,17 @@ private:
   const EdgeTaken& isTaken_;
   const std::size_t n_;
   std::vector<Cost> costs_; ///< of the part from i to k: [n i + k]
-  std::vector<std::uint32_t> middle_;
+  std::vector<std::uint32_t> midpoint_;
 };
 
 // The two parts of a loop on either side of its shortest free chord between places far apart.
 std::pair<SpaceLoop, SpaceLoop> cutAlongChord(const std::vector<Vec3d>& points,
                                               const SpaceLoop& loop, const EdgeTaken& isTaken) {
-  const std::size_t n = loop.points.size(), least = n / 4;
+  const std::size_t n = loop.points.size(), min = n / 4;
   std::size_t first = 0, second = n / 2;
   double shortest = -1;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + least; j < n && j <= i + n - least; ++j) {
+    for (std::size_t j = i + min; j < n && j <= i + n - min; ++j) {
       const double chord = length(minus(points[loop.points[i]], points[loop.points[j]]));
       if ((shortest < 0 || chord < shortest) && !isTaken(loop.points[i], loop.points[j])) {
         shortest = chord;
@@ -161,7 +161,7 @@ bool triangulateLoop(const std::vector<Vec3d>& points, const SpaceLoop& loop,
   while (!open.empty()) {
     const SpaceLoop part = std::move(open.back());
     open.pop_back();
-    if (part.points.size() > kMostLoopPoints) {
+    if (part.points.size() > kMaxLoopPoints) {
       auto halves = cutAlongChord(points, part, isTaken);
       open.push_back(std::move(halves.second));
       open.push_back(std::move(halves.first));

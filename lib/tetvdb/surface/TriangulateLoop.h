@@ -23,13 +23,13 @@ struct SpaceLoop {
 /// have a small area: of every part of the loop those whose largest angle between neighbours'
 /// normals, faces beyond the loop included, is least, and of equal ones those of least area (G.
 /// Barequet and M. Sharir, Filling gaps in the boundary of a polyhedron, 1995; P. Liepa, Filling
-/// holes in meshes, 2003). Loops of more than kMostLoopPoints are cut along short chords into such.
+/// holes in meshes, 2003). Loops of more than kMaxLoopPoints are cut along short chords into such.
 /// Edges that are taken are avoided. Every triangle runs along the loop in its direction. Returns
 /// false, and appends nothing, where all ways use edges that are taken. O(n^3), 0.1 us each.
 bool triangulateLoop(const std::vector<Vec3d>& points, const SpaceLoop& loop,
                      const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners,
                      Progress& progress);
 
-constexpr std::size_t kMostLoopPoints = 200;
+constexpr std::size_t kMaxLoopPoints = 200;
 
 } // namespace tetvdb

@@ -247,8 +247,8 @@ private:
 // better.
 void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
                std::vector<std::uint32_t>& corners) {
-  constexpr int kMostRounds = 64;
-  for (int round = 0; round < kMostRounds; ++round) {
+  constexpr int kMaxRounds = 64;
+  for (int round = 0; round < kMaxRounds; ++round) {
     std::map<PolygonEdge, std::size_t> sides; // directed
     for (std::size_t s = 0; s < corners.size(); ++s)
       sides[{corners[s], corners[s % 3 == 2 ? s - 2 : s + 1]}] = s;

@@ -19,10 +19,10 @@ namespace tetvdb {
 namespace {
 
 // Of all faces together, beyond which trimming is given up: pieces of memory and of time.
-constexpr std::size_t kMostPieces = std::size_t(1) << 22;
-constexpr std::size_t kMostCuts = std::size_t(1) << 26;  // looks at pieces
-constexpr std::size_t kMostLooks = std::size_t(1) << 29; // at faces of columns
-constexpr unsigned kMostAttempts = 32;                   // to find a point that decides
+constexpr std::size_t kMaxPieces = std::size_t(1) << 22;
+constexpr std::size_t kMaxCuts = std::size_t(1) << 26;  // looks at pieces
+constexpr std::size_t kMaxLooks = std::size_t(1) << 29; // at faces of columns
+constexpr unsigned kMaxAttempts = 32;                   // to find a point that decides
 
 class Trimmer {
 public:
@@ -49,7 +49,7 @@ private:
                   std::uint32_t number) {
     std::size_t looked = 0;
     PartFate fate = PartFate::Undecided;
-    for (unsigned attempt = 0; attempt < kMostAttempts; ++attempt) {
+    for (unsigned attempt = 0; attempt < kMaxAttempts; ++attempt) {
       std::int64_t u, v;
       if (!pieces.innerPoint(piece, attempt, u, v))
         continue;
@@ -62,7 +62,7 @@ private:
                                                      : PartFate::StaysInverse;
       break;
     }
-    if ((looks_ += looked) > kMostLooks)
+    if ((looks_ += looked) > kMaxLooks)
       gaveUp_ = true;
     return fate;
   }
@@ -169,7 +169,7 @@ private:
     FacePieces pieces(face);
     for (const FacePlanes* other : others) {
       const std::size_t before = pieces.size(), looked = pieces.cut(*other);
-      if ((cuts_ += looked) > kMostCuts || (pieces_ += pieces.size() - before) > kMostPieces)
+      if ((cuts_ += looked) > kMaxCuts || (pieces_ += pieces.size() - before) > kMaxPieces)
         gaveUp_ = true;
       if (gaveUp_)
         return;

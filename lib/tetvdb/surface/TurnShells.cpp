@@ -14,13 +14,13 @@ namespace {
 
 // |volume| over area^1.5 from which a shell has an inside. A ball has 0.094, a cube 0.068, a cube
 // without lid 0.072 about its own centroid.
-constexpr double kLeastVolumeOpen = 0.02;
+constexpr double kMinVolumeOpen = 0.02;
 // From here on the faces of an open shell are asked.
-constexpr double kLeastVolumeAsked = 0.001;
+constexpr double kMinVolumeAsked = 0.001;
 constexpr std::size_t kShellsAsked = 5000;
-constexpr double kLeastVolumeClosed = 1e-12;
+constexpr double kMinVolumeClosed = 1e-12;
 // Of closed shells, from where on rounding has no part in which way they look.
-constexpr double kLeastVolumeSure = 1e-8;
+constexpr double kMinVolumeSure = 1e-8;
 constexpr std::size_t kSamplesPerShell = 5;
 
 } // namespace
@@ -87,14 +87,14 @@ std::vector<FaceSides::Shell> FaceSides::measureShells() const {
   }
   for (Shell& shell : shells)
     shell.hasSide =
-        shell.orientable && shell.bulk() > (shell.closed ? kLeastVolumeClosed : kLeastVolumeOpen);
+        shell.orientable && shell.bulk() > (shell.closed ? kMinVolumeClosed : kMinVolumeOpen);
   return shells;
 }
 
 bool FaceSides::allShellsLookOutward() const {
   const std::vector<Shell> shells = measureShells();
   return std::all_of(shells.begin(), shells.end(), [](const Shell& shell) {
-    return shell.closed && shell.volume > 0 && shell.bulk() > kLeastVolumeSure;
+    return shell.closed && shell.volume > 0 && shell.bulk() > kMinVolumeSure;
   });
 }
 
@@ -103,7 +103,7 @@ bool FaceSides::allShellsLookOutward() const {
 void FaceSides::askOpenShells(std::vector<Shell>& shells, Progress& progress) {
   std::vector<std::uint32_t> asked;
   for (const Shell& shell : shells)
-    if (!shell.hasSide && !shell.closed && shell.orientable && shell.bulk() > kLeastVolumeAsked)
+    if (!shell.hasSide && !shell.closed && shell.orientable && shell.bulk() > kMinVolumeAsked)
       asked.push_back(shell.number);
   std::stable_sort(asked.begin(), asked.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::abs(shells[a].volume) > std::abs(shells[b].volume);

@@ -11,7 +11,7 @@ namespace {
 
 // What an open surface has to surround to be more than a sheet, over area^1.5: as in
 // cleanTriangles().
-constexpr double kLeastVolume = 0.02;
+constexpr double kMinVolume = 0.02;
 
 std::string count(std::size_t n, const char* one, const char* several) {
   return fmt::format("{} {}", n, n == 1 ? one : several);
@@ -32,7 +32,7 @@ std::string joined(const std::vector<std::string>& parts) {
 // Without sample points (`windingSamples` 0) the volume alone has to tell.
 bool isSheet(const SurfaceDefects& defects) {
   return defects.windingShares[0] + defects.windingShares[2] + defects.windingShares[3] == 0 &&
-         std::abs(defects.volume) <= kLeastVolume * std::pow(defects.area, 1.5);
+         std::abs(defects.volume) <= kMinVolume * std::pow(defects.area, 1.5);
 }
 
 bool isDoubled(const SurfaceDefects& defects) {
@@ -82,7 +82,7 @@ std::string verdictOnOpen(const SurfaceDefects& defects) {
   if (isSheet(defects))
     return "a sheet without inside (" + open + "); give it thickness with `shell`";
   std::vector<std::string> issues{open};
-  if (defects.volume < -kLeastVolume * std::pow(defects.area, 1.5))
+  if (defects.volume < -kMinVolume * std::pow(defects.area, 1.5))
     issues.emplace_back("inside out");
   addEdgesAndCrossings(defects, issues);
   return "not watertight: " + joined(issues) + "; the solid is closed by winding number";

@@ -18,7 +18,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kOfShortestEdge = 0.25;
-constexpr double kOfSize = 1e-4, kOfCoordinate = 2e-6, kMostOfSize = 1e-3;
+constexpr double kOfSize = 1e-4, kOfCoordinate = 2e-6, kMaxOfSize = 1e-3;
 constexpr double kOfTypicalGap = 4, kTypical = 0.9;
 
 // Points that may be welded, and how far each may be from another.
@@ -46,13 +46,13 @@ Candidates findCandidates(const TriangleMesh& mesh, const EdgeTable& edges, Weld
     size = std::max(size, box.high[axis] - box.low[axis]);
     coordinate = std::max({coordinate, std::abs(box.low[axis]), std::abs(box.high[axis])});
   }
-  const double most =
-      std::min(std::max(kOfSize * size, kOfCoordinate * coordinate), kMostOfSize * size);
+  const double max =
+      std::min(std::max(kOfSize * size, kOfCoordinate * coordinate), kMaxOfSize * size);
   Candidates candidates;
   for (std::uint32_t point = 0; point < mesh.points.size(); ++point)
     if (wantedPoint[point] && std::isfinite(shortest[point])) {
       candidates.points.push_back(point);
-      candidates.reach.push_back(std::min(kOfShortestEdge * shortest[point], most));
+      candidates.reach.push_back(std::min(kOfShortestEdge * shortest[point], max));
     }
   return candidates;
 }
@@ -162,10 +162,10 @@ BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, Weld
   std::vector<Near> pairs = nearPairs(mesh, candidates, progress);
   if (pairs.empty())
     return weld;
-  const double most = kOfTypicalGap * typicalGap(pairs, mesh.points.size());
+  const double max = kOfTypicalGap * typicalGap(pairs, mesh.points.size());
   DisjointSets sets(mesh.points.size());
   for (const Near& pair : pairs)
-    if (pair.distance <= most)
+    if (pair.distance <= max)
       sets.join(pair.a, pair.b);
   // Sets that would take two corners of a face together are left as they are.
   std::vector<std::uint8_t> collapses(mesh.points.size(), 0);
@@ -206,7 +206,7 @@ BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, Weld
   if (!accepted)
     return weld;
   for (const Near& pair : pairs)
-    if (pair.distance <= most && becomes[pair.a] == becomes[pair.b])
+    if (pair.distance <= max && becomes[pair.a] == becomes[pair.b])
       weld.distance = std::max(weld.distance, pair.distance);
   weld.becomes = std::move(becomes);
   return weld;

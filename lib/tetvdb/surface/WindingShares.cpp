@@ -14,7 +14,7 @@ namespace {
 
 // Solid angles in all.
 constexpr std::size_t kMaxWork = 40000000;
-constexpr std::size_t kLeastSamples = 64;
+constexpr std::size_t kMinSamples = 64;
 // Of a winding number: on a sheet it is one half.
 constexpr double kRounding = 1e-6;
 
@@ -31,7 +31,7 @@ std::array<double, 4> windingShares(const TriangleMesh& mesh,
     return {0, 0, 0, 0};
   const WindingField field(mesh, edges);
   samples = std::min(
-      samples, std::max(kLeastSamples, kMaxWork / std::max<std::size_t>(field.boundaryEdges(), 1)));
+      samples, std::max(kMinSamples, kMaxWork / std::max<std::size_t>(field.boundaryEdges(), 1)));
 
   std::vector<std::uint8_t> bin(samples);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, 16),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kCellWidth = 640, kCellHeight = 480, kSmallestCell = 16;
-constexpr std::size_t kMostPixels = std::size_t(1) << 28;
+constexpr std::size_t kMaxPixels = std::size_t(1) << 28;
 
 CutPlane planeOf(const Cut& cut, const Box& box, const View& view) {
   CutPlane plane;
@@ -104,7 +104,7 @@ void PictureMaker::chooseScale(const std::vector<CaptionedSubject>& subjects) {
 void PictureMaker::arrange() {
   width_ = options_.width > 0 ? options_.width : kCellWidth * columns_;
   height_ = options_.height > 0 ? options_.height : kCellHeight * rows_;
-  if (static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) > kMostPixels)
+  if (static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) > kMaxPixels)
     throw Error(Status::Limit, "",
                 "a picture of " + std::to_string(width_) + " x " + std::to_string(height_) +
                     " pixels is too large");

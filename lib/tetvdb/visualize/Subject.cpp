@@ -196,7 +196,7 @@ private:
     const bool onPoints = field.on == Attribute::On::Points;
     values_.on = onPoints ? SurfaceValues::On::Points : SurfaceValues::On::Faces;
     values_.values.resize(onPoints ? mesh_.points.size() : mesh_.tetCount());
-    double read[FieldRule::kMostNumbers], value[3];
+    double read[FieldRule::kMaxNumbers], value[3];
     for (std::size_t i = 0; i < values_.values.size(); ++i) {
       for (std::size_t k = 0; k < field.sources.size(); ++k)
         read[k] = field.sources[k].array->number(onPoints ? i : mesh_.cell(i),

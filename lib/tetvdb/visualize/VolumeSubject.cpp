@@ -19,20 +19,20 @@ namespace tetvdb {
 namespace {
 
 constexpr std::array<const char*, 4> kShapes = {"surface", "density", "coverage", "mask"};
-constexpr int kMostVoxelsAsVoxels = 128; ///< along the longest side
-constexpr std::size_t kMostMaterials = 256;
+constexpr int kMaxVoxelsAsVoxels = 128; ///< along the longest side
+constexpr std::size_t kMaxMaterials = 256;
 
 // The numbers of the active voxels, ascending; none where they are too many to be told apart.
 std::vector<std::int32_t> materialsOf(const openvdb::Int32Tree& tree) {
   std::set<std::int32_t> found;
   std::int32_t last = 0;
-  for (auto value = tree.cbeginValueOn(); value && found.size() <= kMostMaterials; ++value) {
+  for (auto value = tree.cbeginValueOn(); value && found.size() <= kMaxMaterials; ++value) {
     if (!found.empty() && *value == last)
       continue;
     last = *value;
     found.insert(last);
   }
-  if (found.size() > kMostMaterials)
+  if (found.size() > kMaxMaterials)
     return {};
   return {found.begin(), found.end()};
 }
@@ -121,8 +121,8 @@ public:
       FogLook look;
       look.paint = paint;
       look.cut = cut;
-      const double most = infos_[shape_].maxValue;
-      look.depth /= most > 0 && std::isfinite(most) ? most : 1; // so much at the greatest value
+      const double max = infos_[shape_].maxValue;
+      look.depth /= max > 0 && std::isfinite(max) ? max : 1; // so much at the greatest value
       if (!color_)
         look.paint.plain = {0.9F, 0.9F, 0.9F};
       drawn.media.push_back(drawFog(shape, look, progress));
@@ -178,7 +178,7 @@ private:
     std::int64_t longest = 0;
     for (std::size_t a = 0; a < 3; ++a)
       longest = std::max(longest, std::int64_t(info.boxMax[a]) - info.boxMin[a] + 1);
-    return longest <= kMostVoxelsAsVoxels ? VolumeStyle::Voxels : VolumeStyle::Surface;
+    return longest <= kMaxVoxelsAsVoxels ? VolumeStyle::Voxels : VolumeStyle::Surface;
   }
 
   Volume volume_;

@@ -151,7 +151,7 @@ TETVDB_MULTIVERSION std::uint64_t sumFaces(const SnappedMesh& mesh, std::size_t 
   const LatticePoint* points = mesh.points.data();
   const QuadMask clearSign = {0x7FFFFFFFFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0x7FFFFFFFFFFFFFFF, 0};
   const QuadMask rotate = {1, 2, 0, 3}, rotateTwice = {2, 0, 1, 3};
-  const auto magnitude = [&](const Quad& q) __attribute__((always_inline)) {
+  const auto absolute = [&](const Quad& q) __attribute__((always_inline)) {
     return reinterpret_cast<Quad>(reinterpret_cast<QuadMask>(q) & clearSign);
   };
   std::uint64_t doubtful = 0;
@@ -170,7 +170,7 @@ TETVDB_MULTIVERSION std::uint64_t sumFaces(const SnappedMesh& mesh, std::size_t 
     const Quad one = v * __builtin_shuffle(w, rotate), two = __builtin_shuffle(v, rotate) * w;
     const Quad turned = __builtin_shuffle(u, rotateTwice);
     const Quad terms = turned * (one - two);
-    const Quad sizes = magnitude(turned) * (magnitude(one) + magnitude(two));
+    const Quad sizes = absolute(turned) * (absolute(one) + absolute(two));
     const double det = terms[0] + terms[1] + terms[2];
     const double permanent = sizes[0] + sizes[1] + sizes[2];
     const double error = RoundedDeterminant::kOfExact * permanent;

@@ -13,16 +13,16 @@ double tooFine(const Voxelization& made, const VoxelizeOptions& options) {
     return 1;
   double factor = 1;
   for (int k = 0; k < 3; ++k) {
-    double have = 0, most = options.resolution;
+    double have = 0, max = options.resolution;
     if (options.fit.voxels > 0) {
       // Voxels from the cube's middle to the farther side.
-      const double middle = (static_cast<double>(options.fit.voxels) - 1) / 2;
-      have = std::max(middle - box.min()[k], box.max()[k] - middle) + 0.5;
-      most = static_cast<double>(options.fit.voxels) / 2 - options.fit.padding;
+      const double midpoint = (static_cast<double>(options.fit.voxels) - 1) / 2;
+      have = std::max(midpoint - box.min()[k], box.max()[k] - midpoint) + 0.5;
+      max = static_cast<double>(options.fit.voxels) / 2 - options.fit.padding;
     } else {
       have = static_cast<double>(box.max()[k]) - box.min()[k] + 1;
     }
-    factor = std::max(factor, have / most);
+    factor = std::max(factor, have / max);
   }
   return factor;
 }

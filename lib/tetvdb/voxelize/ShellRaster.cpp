@@ -168,10 +168,10 @@ public:
     if (!(length > 0))
       return true;
     const double half = 0.5 * (kNodeSize - 1) * static_cast<double>(kUnitsPerVoxel);
-    const auto middle = [&](std::size_t k) {
+    const auto midpoint = [&](std::size_t k) {
       return static_cast<double>(node[k]) * kNodeSize * static_cast<double>(kUnitsPerVoxel) + half;
     };
-    const Vec3d centre = world(a, {middle(0), middle(1), middle(2)});
+    const Vec3d centre = world(a, {midpoint(0), midpoint(1), midpoint(2)});
     double reach = radius_ * length * (1 + 1e-9);
     for (std::size_t k = 0; k < 3; ++k)
       reach += std::abs(n[k]) * half * kVoxelsPerUnit * voxelSize_[k];

@@ -27,7 +27,7 @@ typedef std::int64_t Longs __attribute__((vector_size(kLanes * sizeof(std::int64
 typedef std::int32_t Ints __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
 // All bits of a double but its sign.
-constexpr std::int64_t kMagnitude = 0x7FFFFFFFFFFFFFFF;
+constexpr std::int64_t kAbsolute = 0x7FFFFFFFFFFFFFFF;
 
 // A face plane as a bound on z in each column: below it the voxels are out (a lower bound), or from
 // it on (an upper one).
@@ -171,7 +171,7 @@ TETVDB_INLINE void bound(const Plane& p, double rowBase, const Doubles& y, Doubl
   const Doubles crossing = rowBase + p.slopeY * (y - p.y);
   const Doubles nearest = (crossing + kRound) - kRound;
   const Doubles off = crossing - nearest;
-  const Doubles size = reinterpret_cast<Doubles>(reinterpret_cast<Longs>(off) & kMagnitude);
+  const Doubles size = reinterpret_cast<Doubles>(reinterpret_cast<Longs>(off) & kAbsolute);
   // A comparison that holds has all bits set.
   doubt |= size <= p.tolerance;
   const Doubles one = {1, 1, 1, 1};
@@ -335,20 +335,20 @@ Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const TetBox& box) {
     const double normal[3] = {static_cast<double>(n.x), static_cast<double>(n.y),
                               static_cast<double>(n.z)};
     const double origin[3] = {o.x, o.y, o.z};
-    double least = 0, most = 0, size = 0;
+    double min = 0, max = 0, size = 0;
     for (int k = 0; k < 3; ++k) {
       const double low =
           static_cast<double>(box.min[k]) * static_cast<double>(kUnitsPerVoxel) - origin[k];
       const double high =
           static_cast<double>(box.max[k]) * static_cast<double>(kUnitsPerVoxel) - origin[k];
-      least += normal[k] * (normal[k] > 0 ? low : high);
-      most += normal[k] * (normal[k] > 0 ? high : low);
+      min += normal[k] * (normal[k] > 0 ? low : high);
+      max += normal[k] * (normal[k] > 0 ? high : low);
       size += std::abs(normal[k]) * (std::abs(low) + std::abs(high));
     }
     const double error = 1e-14 * size;
-    if (most < -error)
+    if (max < -error)
       return Cover::Outside;
-    if (!(least > error))
+    if (!(min > error))
       cover = Cover::Partial;
   }
   return cover;

@@ -13,7 +13,7 @@ constexpr std::int64_t kHalf = kUnitsPerVoxel / 2;
 // Up to this extent values of lines, for cubes that the triangle's box meets, fit 64 bits.
 constexpr std::int64_t kNarrow = std::int64_t(1) << 30;
 
-Int128 magnitude(Int128 v) {
+Int128 absolute(Int128 v) {
   return v < 0 ? -v : v;
 }
 
@@ -51,7 +51,7 @@ TouchedFace::TouchedFace(const LatticePoint& a, const LatticePoint& b, const Lat
   double approximateSum = 0;
   for (int k = 0; k < 3; ++k) {
     normal_[k] = normal[k];
-    sum += magnitude(normal[k]);
+    sum += absolute(normal[k]);
     approximate_[k] = static_cast<double>(normal[k]);
     approximateSum += std::abs(approximate_[k]);
   }
@@ -76,7 +76,7 @@ TouchedFace::TouchedFace(const LatticePoint& a, const LatticePoint& b, const Lat
         return Int128(line.u) * (q[u] - corner_[u]) + Int128(line.v) * (q[v] - corner_[v]);
       };
       const Int128 edge = value(from), opposite = value(other);
-      const Int128 reach = (magnitude(line.u) + magnitude(line.v)) * kHalf;
+      const Int128 reach = (absolute(line.u) + absolute(line.v)) * kHalf;
       line.low = std::min(edge, opposite) - reach;
       line.high = std::max(edge, opposite) + reach;
     }
@@ -99,16 +99,16 @@ bool TouchedFace::planeMeets(std::int64_t x, std::int64_t y, std::int64_t z) con
     return true;
   if (value > approximateReach_ + error_)
     return false;
-  return magnitude(normal_[0] * x + normal_[1] * y + normal_[2] * z) < reach_;
+  return absolute(normal_[0] * x + normal_[1] * y + normal_[2] * z) < reach_;
 }
 
 bool TouchedFace::mayMeet(const NodeIndex& node) const {
   double value = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double middle = (static_cast<double>(node[k]) * kNodeSize + 0.5 * (kNodeSize - 1)) *
-                              static_cast<double>(kUnitsPerVoxel) -
-                          static_cast<double>(corner_[k]);
-    value += approximate_[k] * middle;
+    const double midpoint = (static_cast<double>(node[k]) * kNodeSize + 0.5 * (kNodeSize - 1)) *
+                                static_cast<double>(kUnitsPerVoxel) -
+                            static_cast<double>(corner_[k]);
+    value += approximate_[k] * midpoint;
   }
   // A node's half is 64 voxels.
   return std::abs(value) <= approximateReach_ * (kNodeSize + 1);
@@ -141,15 +141,15 @@ void TouchedFace::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z
       std::int64_t from = zBegin, to = zLast;
       if (approximate_[2] != 0) {
         const double unit = static_cast<double>(kUnitsPerVoxel);
-        const double middle =
+        const double midpoint =
             (static_cast<double>(corner_[2]) - (approximate_[0] * static_cast<double>(cx) +
                                                 approximate_[1] * static_cast<double>(cy)) /
                                                    approximate_[2]) /
             unit;
         const double reach = (approximateReach_ + error_) / std::abs(approximate_[2]) / unit + 1;
         if (reach < kNodeSize) {
-          from = std::max(from, static_cast<std::int64_t>(std::floor(middle - reach)));
-          to = std::min(to, static_cast<std::int64_t>(std::ceil(middle + reach)));
+          from = std::max(from, static_cast<std::int64_t>(std::floor(midpoint - reach)));
+          to = std::min(to, static_cast<std::int64_t>(std::ceil(midpoint + reach)));
         }
       }
       std::uint64_t* row = bits.rows[(x - x0) * kNodeSize + (y - y0)];

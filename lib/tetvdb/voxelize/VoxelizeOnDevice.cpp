@@ -182,7 +182,8 @@ Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeO
   result.counts.flipped = counts.flipped;
   result.counts.dropped = counts.dropped;
   result.counts.boundaryFaces = counts.boundaryFaces;
-  result.path = counts.road == nano::Road::Boundary ? OccupancyPath::Boundary : OccupancyPath::Tets;
+  result.path =
+      counts.method == nano::Method::Boundary ? OccupancyPath::Boundary : OccupancyPath::Tets;
   return result;
 }
 

@@ -45,7 +45,7 @@ double distanceToBox(const LatticePoint& p, const LatticePoint& low, const Latti
 }
 
 struct Offsets {
-  std::array<double, kMostPointSums> x{}, y{}, z{};
+  std::array<double, kMaxPointSums> x{}, y{}, z{};
 };
 
 // Of the smallest cubes' voxels from the middle.
@@ -233,32 +233,32 @@ bool WindingBand::mayPassHalf(const Cube& cube) const {
   const double steps = static_cast<double>(cube.size - 1) / 2;
   const double reach = kVoxel * std::sqrt(2 * steps * steps + (steps + 1) * (steps + 1));
   const ExpansionRange range = rangeOf(cube.far, reach / radiusOf(cube.size));
-  const double most = 2 * kPi - 4 * kPi * kMargin;
+  const double max = 2 * kPi - 4 * kPi * kMargin;
   double change = range.change;
-  for (std::size_t i = 0; i < cube.triangles.size() && change < most; ++i) {
+  for (std::size_t i = 0; i < cube.triangles.size() && change < max; ++i) {
     const std::uint32_t t = cube.triangles[i];
     change += changeOf(seenFrom(cube.centre, fill_.triangle(t)), fill_.area(t),
                        fill_.triangle(t).weight, reach);
   }
-  for (std::size_t i = 0; i < cube.clusters.size() && change < most; ++i) {
+  for (std::size_t i = 0; i < cube.clusters.size() && change < max; ++i) {
     const TriangleClusters::Cluster& c = fill_.clusters()[cube.clusters[i]];
     const double left = std::max(length(from(cube.centre, c.centre)) - c.radius,
                                  distanceToBox(cube.centre, c.low, c.high)) -
                         reach;
     change += left > 0 ? c.area * reach * (2 * left + reach) /
                              (left * left * (left + reach) * (left + reach))
-                       : most;
+                       : max;
   }
-  if (!(change < most))
+  if (!(change < max))
     return true;
   const double zero = 0;
-  double middle = range.middle;
-  const AddAtPoints add{fill_, cube.centre, {&zero, &zero, &zero, &middle, 1}};
+  double midpoint = range.midpoint;
+  const AddAtPoints add{fill_, cube.centre, {&zero, &zero, &zero, &midpoint, 1}};
   for (const std::uint32_t t : cube.triangles)
     add.triangle(t);
   for (const std::uint32_t c : cube.clusters)
     addCluster(c, cube, add);
-  return toHalf(middle / (4 * kPi)) <= change / (4 * kPi) + kMargin;
+  return toHalf(midpoint / (4 * kPi)) <= change / (4 * kPi) + kMargin;
 }
 
 // The parts of cubes down to `size` that may pass a half.

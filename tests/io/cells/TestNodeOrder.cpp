@@ -36,11 +36,11 @@ std::vector<Vec3d> cellPoints(const meshes::QuadraticKind& kind, const Sets& set
   for (const Vec3d& c : kind.corners)
     points.push_back({c[0] + 0.3 * c[1], c[1] + 0.2 * c[2], c[2] - 0.1 * c[0]});
   for (const std::vector<int>& set : sets) {
-    Vec3d middle{0, 0, 0};
+    Vec3d midpoint{0, 0, 0};
     for (const int c : set)
       for (std::size_t k = 0; k < 3; ++k)
-        middle[k] += points[static_cast<std::size_t>(c)][k] / static_cast<double>(set.size());
-    points.push_back(middle);
+        midpoint[k] += points[static_cast<std::size_t>(c)][k] / static_cast<double>(set.size());
+    points.push_back(midpoint);
   }
   return points;
 }

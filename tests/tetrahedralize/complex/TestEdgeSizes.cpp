@@ -138,8 +138,8 @@ TEST(SplitEdges, NotWhereTetsGetMuchWorse) {
       point.at[2] /= 16;
       point.fineness = 0;
     }
-    const std::uint32_t middle = (2 * 5 + 2) * 5 + 2; // and the one above
-    complex.points[middle].fineness = complex.points[middle + 25].fineness = 255;
+    const std::uint32_t midpoint = (2 * 5 + 2) * 5 + 2; // and the one above
+    complex.points[midpoint].fineness = complex.points[midpoint + 25].fineness = 255;
     return complex;
   };
   const EdgeSizes sizes(1000 * kStep);

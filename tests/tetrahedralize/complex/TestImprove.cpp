@@ -100,8 +100,8 @@ double farthest(const TrackedFaces& from, const TrackedFaces& to, int samples) {
 }
 
 TetComplex ball(int cells) {
-  const double middle = cells * kStep / 2;
-  return cubeMesh(cells, kStep, 0.1, ballAt({middle, middle, middle}, 0.33 * cells * kStep));
+  const double midpoint = cells * kStep / 2;
+  return cubeMesh(cells, kStep, 0.1, ballAt({midpoint, midpoint, midpoint}, 0.33 * cells * kStep));
 }
 
 // A ball's tets and what must be kept of them.

@@ -201,10 +201,10 @@ TEST(Classify, OpenAndClosedInputsTogether) {
 
 TEST(Classify, SlotsOfTetsThatAreGoneAreOutside) {
   TetComplex complex = cubeMesh(6, kStep, 0, ballAt({3 * kStep, 3 * kStep, 3 * kStep}, 2 * kStep));
-  const auto middle = static_cast<std::size_t>(6 * (6 * (6 * 3 + 3) + 3));
-  complex.tets.push_back(complex.tets[middle]);
+  const auto midpoint = static_cast<std::size_t>(6 * (6 * (6 * 3 + 3) + 3));
+  complex.tets.push_back(complex.tets[midpoint]);
   complex.tets.back().corners[0] = TetComplex::kNone;
-  ASSERT_EQ(classify(complex, 1)[middle], 1);
+  ASSERT_EQ(classify(complex, 1)[midpoint], 1);
   EXPECT_EQ(classify(complex, 1).back(), 0);
 }
 

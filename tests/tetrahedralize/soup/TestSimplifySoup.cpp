@@ -244,13 +244,13 @@ TEST(SimplifySoup, FinsAndContactsOfInputsStay) {
 TEST(SimplifySoup, DegenerateFacesAndSmallSolids) {
   // A point on an edge: a collinear face fills the slit.
   TriangleMesh slit = meshes::sheet(6);
-  const auto middle = static_cast<std::uint32_t>(slit.points.size());
+  const auto midpoint = static_cast<std::uint32_t>(slit.points.size());
   const std::uint32_t a = slit.triangles[3 * 30], b = slit.triangles[3 * 30 + 1];
   slit.points.push_back(times(plus(slit.points[a], slit.points[b]), 0.5));
   const std::uint32_t c = slit.triangles[3 * 30 + 2];
-  slit.triangles[3 * 30 + 1] = middle;
-  meshes::addTriangle(slit, middle, b, c);
-  meshes::addTriangle(slit, a, b, middle);
+  slit.triangles[3 * 30 + 1] = midpoint;
+  meshes::addTriangle(slit, midpoint, b, c);
+  meshes::addTriangle(slit, a, b, midpoint);
   simplified(soupOf(slit), 0.01);
   // Solids smaller than the radius keep four points at least.
   const TriangleMesh small = meshes::sphere({0, 0, 0}, 1e-3, 5);

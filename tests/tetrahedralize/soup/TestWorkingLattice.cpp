@@ -38,8 +38,8 @@ Vec3d within(const Box& box, std::mt19937_64& random, double margin) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     side = std::max(side, box.high[axis] - box.low[axis]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double middle = box.low[axis] / 2 + box.high[axis] / 2;
-    p[axis] = middle + (along(random) - 0.5) * side;
+    const double midpoint = box.low[axis] / 2 + box.high[axis] / 2;
+    p[axis] = midpoint + (along(random) - 0.5) * side;
   }
   return p;
 }

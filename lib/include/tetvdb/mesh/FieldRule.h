@@ -28,7 +28,7 @@ enum class FieldPart : std::uint8_t {
 enum class FieldKind : std::uint8_t { Float, Vector, Integer };
 
 struct FieldRule {
-  static constexpr int kMostNumbers = 9; ///< that are read, of a tensor
+  static constexpr int kMaxNumbers = 9; ///< that are read, of a tensor
 
   FieldKind kind = FieldKind::Float;
   FieldPart part = FieldPart::Whole;

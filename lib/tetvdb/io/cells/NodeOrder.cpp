@@ -21,7 +21,7 @@ std::optional<Order> orderIn(const std::uint32_t* nodes, const std::vector<Vec3d
   for (std::uint8_t m = 0; m < 6; ++m) {
     const Vec3d& mid = points[nodes[4 + m]];
     std::size_t nearest = 0;
-    double least = 0;
+    double min = 0;
     for (std::size_t e = 0; e < 6; ++e) {
       const Vec3d& a = points[nodes[kEdges[e][0]]];
       const Vec3d& b = points[nodes[kEdges[e][1]]];
@@ -30,9 +30,9 @@ std::optional<Order> orderIn(const std::uint32_t* nodes, const std::vector<Vec3d
         const double d = mid[k] - (a[k] + b[k]) / 2;
         distance += d * d;
       }
-      if (e == 0 || distance < least) {
+      if (e == 0 || distance < min) {
         nearest = e;
-        least = distance;
+        min = distance;
       }
     }
     if (order[nearest] != 6)

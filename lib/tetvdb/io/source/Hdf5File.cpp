@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 /// How many bytes one byte of a file can become at most: zlib's limit.
-constexpr double kMostExpansion = 1100;
+constexpr double kMaxExpansion = 1100;
 
 /// Identifiers of the library's objects.
 class Handle {
@@ -62,7 +62,7 @@ void beCareful() {
 
 struct Hdf5File::State {
   State(std::string name, hid_t opened, double bytes)
-      : path(std::move(name)), file(opened, H5Fclose), room(bytes * kMostExpansion),
+      : path(std::move(name)), file(opened, H5Fclose), room(bytes * kMaxExpansion),
         datasets(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose),
         links(H5Pcreate(H5P_LINK_ACCESS), H5Pclose) {
     H5Pset_elink_cb(datasets.get(), refuseLink, nullptr);
@@ -197,14 +197,14 @@ bool Hdf5File::has(const std::string& path) const {
 }
 
 std::vector<std::string> Hdf5File::members(const std::string& group) const {
-  constexpr hsize_t most = 100000;
+  constexpr hsize_t max = 100000;
   std::vector<std::string> names;
   if (!has(group))
     return names;
   H5G_info_t info;
   if (H5Gget_info_by_name(state_->file.get(), group.c_str(), &info, state_->links.get()) < 0)
     return names; // a dataset
-  if (info.nlinks > most)
+  if (info.nlinks > max)
     state_->fail(group, "has " + std::to_string(info.nlinks) + " members");
   for (hsize_t i = 0; i < info.nlinks; ++i) {
     char name[1024] = {};

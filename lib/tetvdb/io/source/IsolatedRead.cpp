@@ -159,9 +159,9 @@ void setLimits(const IsolationLimits& limits, const std::string& path, int pipe)
     std::uint64_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    const std::uint64_t most =
+    const std::uint64_t max =
         now + std::min<std::uint64_t>(limits.memory, availableBytes() / 4 * 3);
-    const rlimit memory{most, most};
+    const rlimit memory{max, max};
     ::setrlimit(RLIMIT_AS, &memory);
   }
   if (limits.seconds > 0) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = std::size_t(16) << 20;
+constexpr std::size_t kMaxBytes = std::size_t(16) << 20;
 constexpr int kDeepest = 4; // .pvd names .pvtu names .vtu
 
 // Files that are lists of other files.
@@ -31,7 +31,7 @@ std::string firstBytes(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file || error)
     return {};
-  std::string text(std::min<std::size_t>(static_cast<std::size_t>(size), kMostBytes), '\0');
+  std::string text(std::min<std::size_t>(static_cast<std::size_t>(size), kMaxBytes), '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   return text;

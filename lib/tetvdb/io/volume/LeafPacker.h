@@ -44,8 +44,8 @@ public:
     const Value* values = leaf.buffer().data();
     for (auto i = leaf.getValueMask().beginOn(); i; ++i) {
       const double size = scalarValue(values[i.pos()]);
-      local.least = std::min(local.least, size);
-      local.most = std::max(local.most, size);
+      local.min = std::min(local.min, size);
+      local.max = std::max(local.max, size);
     }
     return bare;
   }
@@ -53,8 +53,8 @@ public:
   /// The range of what was packed goes to the grid; call once, after the last leaf.
   void finish() {
     for (const auto& local : locals_) {
-      packed_.least = std::min(packed_.least, local->least);
-      packed_.most = std::max(packed_.most, local->most);
+      packed_.min = std::min(packed_.min, local->min);
+      packed_.max = std::max(packed_.max, local->max);
     }
   }
 
@@ -62,8 +62,8 @@ private:
   struct Local {
     explicit Local(const Value& background) : stream(vdbCompression(), &background) {}
     NodeStream stream;
-    double least = std::numeric_limits<double>::infinity();
-    double most = -std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
   };
 
   Value background_;

@@ -40,8 +40,8 @@ struct PackedGrid {
   std::shared_ptr<TailStore> store; ///< several grids can share one
   /// Over the active values of packed leaves, of the magnitude for vectors; least > most where
   /// there are none.
-  double least = std::numeric_limits<double>::infinity();
-  double most = -std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
 };
 
 /// What describe() says of a grid (volume/Volume.h), `bytes` being those of a tree with its values.

@@ -12,7 +12,7 @@
 namespace tetvdb {
 
 TailStore::TailStore(std::string folder, std::size_t inMemory)
-    : folder_(folder.empty() ? "." : std::move(folder)), mostChunks_(inMemory / kChunk) {}
+    : folder_(folder.empty() ? "." : std::move(folder)), maxChunks_(inMemory / kChunk) {}
 
 TailStore::~TailStore() {
   if (descriptor_ >= 0)
@@ -58,7 +58,7 @@ void TailStore::open() {
 
 // The last chunk is full: it stays while few do.
 void TailStore::spill() {
-  if (kept_ < mostChunks_) {
+  if (kept_ < maxChunks_) {
     ++kept_;
     return;
   }

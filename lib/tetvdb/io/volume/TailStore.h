@@ -40,7 +40,7 @@ private:
   [[noreturn]] void fail(const char* what, int error) const;
 
   std::string folder_;
-  std::size_t mostChunks_;
+  std::size_t maxChunks_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<char[]>> chunks_; ///< null: in the file, at its place
   std::size_t used_ = kChunk;                   ///< of the last chunk

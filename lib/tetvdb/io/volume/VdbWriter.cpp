@@ -298,7 +298,7 @@ private:
 } // namespace
 
 GridInfo describe(const PackedGrid& packed) {
-  return describePacked(*packed.grid, {packed.least, packed.most});
+  return describePacked(*packed.grid, {packed.min, packed.max});
 }
 
 void writeVdb(const std::string& path, const Volume& volume, Progress& progress) {

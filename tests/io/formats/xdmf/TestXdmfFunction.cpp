@@ -39,11 +39,11 @@ TEST(XdmfFunction, FenicsCheckpoint) {
       EXPECT_NEAR(vel[3 * i + 2], 3 * p[2] + t, 1e-14);
     }
     for (std::size_t cell = 0; cell < 6; ++cell) {
-      Vec3d middle{0, 0, 0};
+      Vec3d midpoint{0, 0, 0};
       for (std::size_t k = 0; k < 4; ++k)
         for (std::size_t axis = 0; axis < 3; ++axis)
-          middle[axis] += mesh.points[mesh.nodes[4 * cell + k]][axis] / 4;
-      EXPECT_NEAR(q[cell], middle[0] + 10 * middle[1] + 100 * middle[2] + t, 1e-12);
+          midpoint[axis] += mesh.points[mesh.nodes[4 * cell + k]][axis] / 4;
+      EXPECT_NEAR(q[cell], midpoint[0] + 10 * midpoint[1] + 100 * midpoint[2] + t, 1e-12);
     }
   }
   const std::string path = dataFile("fenics_checkpoint.xdmf");

@@ -18,7 +18,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::int64_t kMostId = 0xfffffffe;
+constexpr std::int64_t kMaxId = 0xfffffffe;
 
 /// Elements named in a set: ranges of numbers, and other sets.
 struct ElementSet {
@@ -161,7 +161,7 @@ private:
   }
 
   std::int64_t checkId(std::int64_t id) const {
-    if (id < 0 || id > kMostId)
+    if (id < 0 || id > kMaxId)
       deck_.fail("number " + std::to_string(id) + " is out of range");
     return id;
   }
@@ -193,8 +193,8 @@ private:
             continue;
           part.mesh.nodes.push_back(static_cast<std::uint32_t>(checkId(deck_.integer(field))));
         }
-        const std::uint32_t least = kind.nodes == 27 ? 21 : kind.nodes; // nodes inside may lack
-        const bool more = got < least || (deck_.continues() && got != kind.nodes);
+        const std::uint32_t min = kind.nodes == 27 ? 21 : kind.nodes; // nodes inside may lack
+        const bool more = got < min || (deck_.continues() && got != kind.nodes);
         if (!more)
           break;
         if (!deck_.nextLine())

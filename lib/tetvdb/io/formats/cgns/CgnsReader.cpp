@@ -453,7 +453,7 @@ private:
     std::vector<cgsize_t> elements, offsets;
     readTable(section, elements, offsets);
     // A face belongs to two cells at most; far more would be an attempt to fill the memory.
-    const std::size_t most = mesh.nodes.size() + 8 * (faceNodes_.size() + elements.size() + 16);
+    const std::size_t max = mesh.nodes.size() + 8 * (faceNodes_.size() + elements.size() + 16);
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
       const std::size_t before = mesh.nodes.size();
       mesh.nodes.push_back(static_cast<std::uint32_t>(offsets[i + 1] - offsets[i]));
@@ -466,7 +466,7 @@ private:
                          ", which does not exist or has fewer than three points",
                      kExport);
         const auto [begin, end] = face->second;
-        if (mesh.nodes.size() + (end - begin) > most)
+        if (mesh.nodes.size() + (end - begin) > max)
           file_.fail("a face belongs to too many polyhedra");
         mesh.nodes.push_back(static_cast<std::uint32_t>(end - begin));
         mesh.nodes.insert(mesh.nodes.end(), faceNodes_.begin() + static_cast<std::ptrdiff_t>(begin),

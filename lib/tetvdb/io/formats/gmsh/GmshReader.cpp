@@ -148,8 +148,8 @@ private:
 
   std::int32_t tag(std::int64_t number) const {
     // Physical tags of entities are negative where their orientation is reversed.
-    constexpr std::int64_t most = std::numeric_limits<std::int32_t>::max();
-    if (number < -most || number > most)
+    constexpr std::int64_t max = std::numeric_limits<std::int32_t>::max();
+    if (number < -max || number > max)
       in_.fail("a tag is out of range");
     return static_cast<std::int32_t>(std::abs(number));
   }
@@ -413,11 +413,11 @@ private:
     return 1;
   }
 
-  std::size_t readElementBlock2(std::size_t most) {
+  std::size_t readElementBlock2(std::size_t max) {
     const CellKind& kind = kindOf(in_.integer());
     const std::int64_t follow = in_.integer();
     const std::int64_t tags = in_.integer();
-    if (follow < 1 || static_cast<std::uint64_t>(follow) > most || tags < 0 || tags > 1000000)
+    if (follow < 1 || static_cast<std::uint64_t>(follow) > max || tags < 0 || tags > 1000000)
       in_.fail("an element block of impossible size", kExport);
     const auto skipped = static_cast<std::size_t>(tags);
     const std::size_t stride = 4 * (1 + skipped + kind.nodes);

@@ -18,11 +18,11 @@ constexpr CellKind kTetra10{"tetra10", CellType::Tetra, 4, 10, 10};
 
 /// One of the counts in the head line of a file; absent ones are 0.
 std::int64_t headNumber(NumberParser& head, NumberParser& in, const char* things,
-                        std::int64_t most) {
+                        std::int64_t max) {
   std::int64_t n = 0;
   if (head.atEnd())
     return 0;
-  if (!head.tryInteger(n) || n < 0 || n > most)
+  if (!head.tryInteger(n) || n < 0 || n > max)
     in.fail(std::string("wrong number of ") + things + " in the head line");
   return n;
 }

@@ -19,7 +19,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kPerUpdate = std::size_t(1) << 14;
-constexpr std::size_t kMostOfAKind = std::size_t(INT32_MAX); // readers count with int
+constexpr std::size_t kMaxOfAKind = std::size_t(INT32_MAX); // readers count with int
 
 constexpr std::string_view kTypes =
     R"(<?xml version="1.0" encoding="UTF-8"?>
@@ -181,7 +181,7 @@ void writeObjects(const std::string& path, const std::vector<const TriangleMesh*
       throw Error(Status::Invalid, path, "no face has three different points",
                   "3MF holds no others; write .ply or .obj instead");
   }
-  if (points > kMostOfAKind || faces > kMostOfAKind)
+  if (points > kMaxOfAKind || faces > kMaxOfAKind)
     throw Error(Status::Limit, path, "more points or faces than a .3mf file can count",
                 "write .ply or .obj, or several files");
   AtomicFile file(path);

@@ -45,13 +45,13 @@ public:
   Base64(const Excerpt& text, const std::string& path) : text_(text), path_(path) {}
 
   /// More bytes than that cannot follow.
-  std::uint64_t most() const { return carried_ + (text_.bytes.size() - at_) / 4 * 3; }
+  std::uint64_t max() const { return carried_ + (text_.bytes.size() - at_) / 4 * 3; }
   std::size_t position() const { return text_.begin + at_; }
 
   void read(char* out, std::size_t n) {
-    if (n > most())
+    if (n > max())
       fail(path_, text_.begin + text_.bytes.size(),
-           "the base64 text ends " + std::to_string(n - most()) + " bytes early");
+           "the base64 text ends " + std::to_string(n - max()) + " bytes early");
     while (n > 0 && carried_ > 0)
       *out++ = next(), --n;
     const std::size_t quads = n / 3;
@@ -141,7 +141,7 @@ public:
   Stream(const Excerpt& from, bool base64, const std::string& path)
       : base64_(base64), text_(from, path), raw_(from), path_(path) {}
 
-  std::uint64_t most() const { return base64_ ? text_.most() : raw_.bytes.size() - at_; }
+  std::uint64_t max() const { return base64_ ? text_.max() : raw_.bytes.size() - at_; }
   std::size_t position() const { return base64_ ? text_.position() : raw_.begin + at_; }
 
   std::uint64_t header(const Encoding& encoding) {
@@ -151,9 +151,9 @@ public:
 
   /// The next `n` bytes; a view where they are raw.
   Decoded take(std::uint64_t n) {
-    if (n > most())
+    if (n > max())
       fail(path_, position(),
-           "an array of " + std::to_string(n) + " bytes, but only " + std::to_string(most()) +
+           "an array of " + std::to_string(n) + " bytes, but only " + std::to_string(max()) +
                " are left");
     Decoded out;
     out.size = n;
@@ -177,7 +177,7 @@ private:
 };
 
 /// How many bytes `n` compressed ones can become at most.
-double mostExpansion(Compressor compressor) {
+double maxExpansion(Compressor compressor) {
   switch (compressor) {
   case Compressor::Zlib:
     return 1040;
@@ -217,37 +217,37 @@ bool decompress(Compressor compressor, const char* from, std::size_t size, char*
 
 // Blocks: their number, the size of each and of the last (0: as the others) before compression,
 // the size of each after it; then the blocks.
-Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t least,
+Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t min,
                      const std::string& path, Progress& progress) {
   const std::size_t start = stream.position();
   const std::uint64_t count = stream.header(encoding);
   const std::uint64_t blockSize = stream.header(encoding);
   const std::uint64_t lastSize = stream.header(encoding);
-  if (count > stream.most() / (encoding.wideHeader ? 8 : 4))
+  if (count > stream.max() / (encoding.wideHeader ? 8 : 4))
     fail(path, start, std::to_string(count) + " compressed blocks, more than the file holds");
   const Decoded sizes = stream.take(count * (encoding.wideHeader ? 8 : 4));
   std::vector<std::uint64_t> begins(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) {
     begins[i + 1] = begins[i] + headerWord(sizes.data, i, encoding);
-    if (begins[i + 1] < begins[i] || begins[i + 1] > stream.most())
+    if (begins[i + 1] < begins[i] || begins[i + 1] > stream.max())
       fail(path, start, "compressed blocks that do not fit the file");
   }
   Decoded out;
   if (count == 0) {
-    if (least > 0)
+    if (min > 0)
       fail(path, start, "an array without data");
     return out;
   }
   const std::uint64_t last = lastSize == 0 ? blockSize : lastSize;
   const double total =
       static_cast<double>(count - 1) * static_cast<double>(blockSize) + static_cast<double>(last);
-  const double room = mostExpansion(encoding.compressor) * static_cast<double>(begins[count] + 64);
+  const double room = maxExpansion(encoding.compressor) * static_cast<double>(begins[count] + 64);
   if (total > 9e18 || last > blockSize || total > room)
     fail(path, start, "compressed blocks that claim more bytes than they can hold");
   out.size = (count - 1) * blockSize + last;
-  if (out.size < least)
+  if (out.size < min)
     fail(path, start,
-         "an array of " + std::to_string(out.size) + " bytes in place of " + std::to_string(least));
+         "an array of " + std::to_string(out.size) + " bytes in place of " + std::to_string(min));
 
   const Decoded packed = stream.take(begins[count]);
   out.owned.reset(new char[out.size]); // not cleared: only what is decompressed takes memory
@@ -267,18 +267,18 @@ Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t lea
 
 } // namespace
 
-Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::uint64_t least,
+Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::uint64_t min,
                const std::string& path, Progress& progress) {
   Stream stream(from, base64, path);
-  if (least == 0 && from.bytes.empty())
+  if (min == 0 && from.bytes.empty())
     return {};
   if (encoding.compressor != Compressor::None)
-    return decodeBlocks(stream, encoding, least, path, progress);
+    return decodeBlocks(stream, encoding, min, path, progress);
   const std::size_t start = stream.position();
   const std::uint64_t size = stream.header(encoding);
-  if (size < least)
+  if (size < min)
     fail(path, start,
-         "an array of " + std::to_string(size) + " bytes in place of " + std::to_string(least));
+         "an array of " + std::to_string(size) + " bytes in place of " + std::to_string(min));
   return stream.take(size);
 }
 

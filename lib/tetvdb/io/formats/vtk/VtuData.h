@@ -29,10 +29,10 @@ struct Decoded {
   std::unique_ptr<char[]> owned;
 };
 
-/// Decodes the array that `from` begins with. Throws Error(Invalid) where it has fewer than `least`
+/// Decodes the array that `from` begins with. Throws Error(Invalid) where it has fewer than `min`
 /// bytes, is cut off or damaged; `path` is for messages. Compressed blocks and long base64 are
 /// decoded in parallel. Allocates no more than the file's bytes can hold after decompression.
-Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::uint64_t least,
+Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::uint64_t min,
                const std::string& path, Progress& progress);
 
 } // namespace tetvdb::vtk

@@ -12,7 +12,7 @@ namespace tetvdb::vtk {
 namespace {
 
 // Markup of more than this is refused: it would need some gigabytes as a document.
-constexpr std::size_t kMostMarkup = std::size_t(1) << 27;
+constexpr std::size_t kMaxMarkup = std::size_t(1) << 27;
 
 bool isSpace(char c) {
   return static_cast<unsigned char>(c) <= ' ';
@@ -97,7 +97,7 @@ private:
     if (end == bytes_.size())
       fail(at_, "a tag does not end: the file is cut off");
     const std::string_view found = bytes_.substr(at_, end + 1 - at_);
-    if (markup.size() + found.size() > kMostMarkup)
+    if (markup.size() + found.size() > kMaxMarkup)
       fail(at_, "more markup than a mesh can need");
     markup += found;
     at_ = end + 1;

@@ -157,9 +157,9 @@ private:
              "the array '" + name + "' has the unknown format '" + std::string(format) + "'");
     }
     const bool base64 = format != "appended" || !markup_.appendedIsRaw();
-    const std::uint64_t least = bytesFor(*type, numbers);
-    Decoded decoded = decode(from, base64, encoding_, least, source_.path, progress_);
-    if (decoded.size > least)
+    const std::uint64_t min = bytesFor(*type, numbers);
+    Decoded decoded = decode(from, base64, encoding_, min, source_.path, progress_);
+    if (decoded.size > min)
       warnExtra(name);
     Array out;
     out.type = *type;
@@ -300,7 +300,7 @@ private:
     const auto nodes =
         toIndices(array(needed(node, "face_connectivity"), product(faceEnds.back(), 1)));
     // A face belongs to two cells at most; far more would be an attempt to fill the memory.
-    const std::size_t most = 8 * (nodes.size() + faceOfCell.size() + n);
+    const std::size_t max = 8 * (nodes.size() + faceOfCell.size() + n);
     cells.faceEnds.resize(n);
     for (std::size_t cell = 0; cell < n; ++cell) {
       const std::uint64_t first = cell == 0 ? 0 : cellEnds[cell - 1], last = cellEnds[cell];
@@ -311,7 +311,7 @@ private:
       for (std::uint64_t i = first; i < last; ++i) {
         const std::uint32_t face = faceOfCell[i];
         const std::uint64_t from = face == 0 ? 0 : faceEnds[face - 1], to = faceEnds[face];
-        if (from > to || to > nodes.size() || cells.faces.size() + (to - from) > most)
+        if (from > to || to > nodes.size() || cells.faces.size() + (to - from) > max)
           fail(cells.where, "face_offsets do not fit the faces of cell " + std::to_string(cell));
         cells.faces.push_back(static_cast<std::uint32_t>(to - from));
         cells.faces.insert(cells.faces.end(), nodes.data() + from, nodes.data() + to);

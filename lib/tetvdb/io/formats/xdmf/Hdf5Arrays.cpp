@@ -45,10 +45,10 @@ NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::strin
       arrays.push_back(file->second.read(dataset.path, dataset.sliced ? &dataset.slab : nullptr));
       const std::size_t n =
           std::visit([](const auto& values) { return values.size(); }, arrays.back());
-      if (n < dataset.least)
+      if (n < dataset.min)
         throw Error(Status::Invalid, dataset.file + ":" + dataset.path,
                     "has " + std::to_string(n) + " numbers in place of " +
-                        std::to_string(dataset.least),
+                        std::to_string(dataset.min),
                     kCut);
       childProgress.check();
     }
@@ -58,7 +58,7 @@ NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::strin
   if (arrays.size() != datasets.size())
     throw Error(Status::Invalid, path, "its HDF5 file cannot be read", kCut);
   for (std::size_t i = 0; i < arrays.size(); ++i)
-    if (std::visit([](const auto& v) { return v.size(); }, arrays[i]) < datasets[i].least)
+    if (std::visit([](const auto& v) { return v.size(); }, arrays[i]) < datasets[i].min)
       throw Error(Status::Invalid, path, "its HDF5 file cannot be read", kCut);
   return arrays;
 }

@@ -17,10 +17,10 @@ namespace tetvdb {
 
 struct Hdf5Dataset {
   std::string file;
-  std::string path;      ///< within the file: "/Mesh/geometry"
-  bool sliced = false;   ///< take `slab` alone
-  Slab slab;             ///< as many dimensions as the dataset
-  std::size_t least = 0; ///< numbers that are needed; fewer are an error
+  std::string path;    ///< within the file: "/Mesh/geometry"
+  bool sliced = false; ///< take `slab` alone
+  Slab slab;           ///< as many dimensions as the dataset
+  std::size_t min = 0; ///< numbers that are needed; fewer are an error
 };
 
 /// Reads the datasets, in their order, each of numbers of at most 64 bits (8- and 16-bit integers

@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostDimensions = 8;
+constexpr std::size_t kMaxDimensions = 8;
 
 bool machineIsBigEndian() {
   const std::uint32_t mark = 0x01020304u;
@@ -70,7 +70,7 @@ std::vector<std::uint64_t> XdmfData::wholeNumbers(pugi::xml_node item,
   std::vector<std::uint64_t> numbers;
   while (!in.atEnd()) {
     const std::int64_t number = in.integer();
-    if (number < 0 || numbers.size() > 3 * kMostDimensions)
+    if (number < 0 || numbers.size() > 3 * kMaxDimensions)
       fail(item, "'" + text.substr(0, 40) + "' are no dimensions");
     numbers.push_back(static_cast<std::uint64_t>(number));
   }
@@ -122,7 +122,7 @@ XdmfData::Item XdmfData::resolve(pugi::xml_node asked) const {
     if (!inner.empty() && !sameWord(inner, "Uniform"))
       fail(whole, "a hyperslab of an item of type '" + std::string(inner) + "' is not read");
     result.extent = dimensions(whole);
-    if (result.extent.empty() || result.extent.size() > kMostDimensions)
+    if (result.extent.empty() || result.extent.size() > kMaxDimensions)
       fail(whole, "a hyperslab's source needs dimensions, at most eight");
     result.slab = slabOf(parts[0], result.extent.size());
     result.sliced = true;
@@ -177,7 +177,7 @@ void XdmfData::need(pugi::xml_node asked) {
       dataset.path.insert(dataset.path.begin(), '/');
     dataset.sliced = item.sliced;
     dataset.slab = item.slab;
-    dataset.least = item.declared ? item.numbers : 0;
+    dataset.min = item.declared ? item.numbers : 0;
     datasets_.push_back(std::move(dataset));
     item.dataset = datasets_.size();
   } else if (!format.empty() && !sameWord(format, "XML") && !sameWord(format, "Binary")) {

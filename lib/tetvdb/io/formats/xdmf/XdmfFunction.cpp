@@ -14,7 +14,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kCorners = 4;
-constexpr long kMostDegree = 32;
+constexpr long kMaxDegree = 32;
 
 bool isOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
   for (const std::string_view known : words)
@@ -55,7 +55,7 @@ std::optional<XdmfFunction> xdmfFunction(pugi::xml_node attribute) {
   const char* text = attribute.attribute("ElementDegree").value();
   char* end = nullptr;
   const long degree = std::strtol(text, &end, 10);
-  if (end == text || *end != 0 || degree < 0 || degree > kMostDegree)
+  if (end == text || *end != 0 || degree < 0 || degree > kMaxDegree)
     return {};
   if (isOneOf(family, {"DG", "DP", "Discontinuous Lagrange"}) && degree == 0)
     return XdmfFunction{Attribute::On::Cells, 0, 1};

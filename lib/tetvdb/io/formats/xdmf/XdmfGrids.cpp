@@ -11,7 +11,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kDeepestGrid = 32, kMostGrids = 1 << 16;
+constexpr std::size_t kDeepestGrid = 32, kMaxGrids = 1 << 16;
 
 std::vector<double> numbersIn(std::string_view text, const std::string& where) {
   NumberParser in(text, where);
@@ -88,7 +88,7 @@ pugi::xml_node XdmfGrids::temporal(pugi::xml_node grid, std::size_t depth) const
 
 void XdmfGrids::uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,
                         std::size_t depth) const {
-  if (depth > kDeepestGrid || found.size() > kMostGrids)
+  if (depth > kDeepestGrid || found.size() > kMaxGrids)
     fail(grid, "has too many grids in it");
   if (!isCollection(grid)) {
     const std::string_view type = typeOf(grid);

@@ -9,10 +9,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMostReferences = 16; // one after the other
+constexpr std::size_t kMaxReferences = 16; // one after the other
 // Longer paths, or ones with more predicates, could take as long as they like.
 constexpr std::size_t kLongestPath = 400;
-constexpr auto kMostPredicates = 8;
+constexpr auto kMaxPredicates = 8;
 
 } // namespace
 
@@ -56,7 +56,7 @@ void XdmfMarkup::fail(pugi::xml_node element, const std::string& what) const {
 }
 
 std::vector<pugi::xml_node> XdmfMarkup::select(pugi::xml_node from, std::string_view path) const {
-  if (path.size() > kLongestPath || std::count(path.begin(), path.end(), '[') > kMostPredicates)
+  if (path.size() > kLongestPath || std::count(path.begin(), path.end(), '[') > kMaxPredicates)
     fail(from, "refers to something by a path that is too long");
   std::vector<pugi::xml_node> nodes;
   try {
@@ -70,7 +70,7 @@ std::vector<pugi::xml_node> XdmfMarkup::select(pugi::xml_node from, std::string_
 }
 
 pugi::xml_node XdmfMarkup::resolved(pugi::xml_node element) const {
-  for (std::size_t step = 0; step < kMostReferences; ++step) {
+  for (std::size_t step = 0; step < kMaxReferences; ++step) {
     std::string_view reference = element.attribute("Reference").value();
     if (reference.empty())
       return element;

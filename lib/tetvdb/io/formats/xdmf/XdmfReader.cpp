@@ -441,10 +441,10 @@ private:
         on == Attribute::On::Points ? mesh.points.size() : mesh.cellCount();
     const std::size_t numbers =
         std::visit([](const auto& values) { return values.size(); }, attribute.values);
-    constexpr std::size_t mostComponents = 1u << 16;
+    constexpr std::size_t maxComponents = 1u << 16;
     if (elements == 0)
       return;
-    if (numbers % elements != 0 || numbers == 0 || numbers / elements > mostComponents)
+    if (numbers % elements != 0 || numbers == 0 || numbers / elements > maxComponents)
       fail(node, std::to_string(numbers) + " numbers for " + std::to_string(elements) +
                      (on == Attribute::On::Points ? " points" : " cells"));
     attribute.name = std::move(name);

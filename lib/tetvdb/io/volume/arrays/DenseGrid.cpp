@@ -182,11 +182,11 @@ private:
 
   // The voxels of leaf nodes in one row of them along order[2], for all of the slab's order[0].
   void fillRow(const Slab& slab, std::int32_t row, Accessor& accessor) const {
-    const auto [slow, middle, fast] = slab.order;
+    const auto [slow, midpoint, fast] = slab.order;
     VoxelBox part = slab.box;
-    const std::int32_t start = leafOrigin(slab.box.low[middle]) + row * kLeaf;
-    part.low[middle] = std::max(start, slab.box.low[middle]);
-    part.high[middle] = std::min(start + kLeaf - 1, slab.box.high[middle]);
+    const std::int32_t start = leafOrigin(slab.box.low[midpoint]) + row * kLeaf;
+    part.low[midpoint] = std::max(start, slab.box.low[midpoint]);
+    part.high[midpoint] = std::min(start + kLeaf - 1, slab.box.high[midpoint]);
     const std::size_t along = leavesAlong(slab.box.low[fast], slab.box.high[fast]);
     const std::size_t across = leavesAlong(slab.box.low[slow], slab.box.high[slow]);
     for (std::size_t i = 0; i < across; ++i) {
@@ -206,7 +206,7 @@ private:
   // `part` is of one leaf node.
   void fillPart(const Slab& slab, const VoxelBox& part, Accessor& accessor) const {
     const openvdb::Coord first(part.low.data());
-    const auto [slow, middle, fast] = slab.order;
+    const auto [slow, midpoint, fast] = slab.order;
     const std::size_t run = static_cast<std::size_t>(part.size(fast));
     char* corner = slab.out;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -216,15 +216,15 @@ private:
     const openvdb::Index start = leaf == nullptr ? 0 : Leaf::coordToOffset(first);
     const Value tile = leaf == nullptr ? accessor.getValue(first) : Value();
     for (std::uint64_t s = 0; s < part.size(slow); ++s)
-      for (std::uint64_t m = 0; m < part.size(middle); ++m) {
-        char* out = corner + s * slab.step[slow] + m * slab.step[middle];
+      for (std::uint64_t m = 0; m < part.size(midpoint); ++m) {
+        char* out = corner + s * slab.step[slow] + m * slab.step[midpoint];
         if (leaf == nullptr) {
           for (std::size_t i = 0; i < run; ++i)
             put(tile, out + i * kBytes);
           continue;
         }
         const openvdb::Index from = start + static_cast<openvdb::Index>(s) * kSteps[slow] +
-                                    static_cast<openvdb::Index>(m) * kSteps[middle];
+                                    static_cast<openvdb::Index>(m) * kSteps[midpoint];
         for (std::size_t i = 0; i < run; ++i)
           put(valueOf(*leaf, from + static_cast<openvdb::Index>(i) * kSteps[fast]),
               out + i * kBytes);

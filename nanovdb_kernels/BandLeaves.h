@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Distances to faces in a band around them: (face, node) pairs from the host -> (face, leaf) pairs
-// by count, scan and fill -> a team for every 64 faces of a leaf. A distance is the least of
+// by count, scan and fill -> a team for every 64 faces of a leaf. A distance is the minimum of
 // numbers that are not negative, so that order does not matter.
 #pragma once
 

@@ -204,8 +204,8 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
 }
 
 /// Of a tet that is kPlain: the first and the end of column (dx, dy), counted from the tet's first
-/// voxel, by the greatest of the lower and the least of the upper bounds; false where floats do not
-/// decide.
+/// voxel, by the greatest of the lower and the minimum of the upper bounds; false where floats do
+/// not decide.
 TETVDB_HD inline bool plainRun(const DenseTet& t, float dx, float dy, int span, int& first,
                                int& end) {
   // Half a voxel beyond what counts, and as far from every integer as can be.

@@ -62,7 +62,7 @@ struct Job {
 };
 
 struct Counts {
-  std::uint64_t flipped = 0;       ///< tets of negative volume, taken as turned round
+  std::uint64_t flipped = 0;       ///< tets of negative volume, taken as reversed
   std::uint64_t dropped = 0;       ///< tets without volume on the lattice
   std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
   std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;

@@ -29,7 +29,7 @@ struct DistanceBatch {
   const std::uint64_t* starts = nullptr; ///< of each node's leaves in the batch, and their number
   const std::uint16_t* leaves = nullptr; ///< their positions, (x * 16 + y) * 16 + z, ascending
   /// 512 a leaf, [64 x + 8 y + z]: squared distances, voxels; a number above the square of the
-  /// radius stands for all that are farther.
+  /// radius represents all that are farther.
   const float* squared = nullptr;
 };
 

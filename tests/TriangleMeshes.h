@@ -220,14 +220,14 @@ inline void flipFace(TriangleMesh& mesh, std::size_t face) {
   std::swap(mesh.triangles[3 * face + 1], mesh.triangles[3 * face + 2]);
 }
 
-/// Every face turned round.
+/// Every face reversed.
 inline TriangleMesh flipped(TriangleMesh mesh) {
   for (std::size_t face = 0; face < mesh.triangleCount(); ++face)
     flipFace(mesh, face);
   return mesh;
 }
 
-/// About that share of the faces turned round, by chance.
+/// About that share of the faces reversed, by chance.
 inline TriangleMesh withFacesFlipped(TriangleMesh mesh, double share, std::uint64_t seed = 1) {
   Random random(seed);
   for (std::size_t face = 0; face < mesh.triangleCount(); ++face)

@@ -8,7 +8,7 @@
 
 namespace tetvdb::bench {
 
-/// Times on a logarithmic axis: bars with their least and greatest time and the floor as a mark,
+/// Times on a logarithmic axis: bars with their min and max time and the floor as a mark,
 /// or, where the case says along what (Tables::begin), curves. Empty for a case without rows.
 std::string plot(const nlohmann::ordered_json& entry);
 

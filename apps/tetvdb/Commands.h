@@ -14,7 +14,7 @@
 namespace tetvdb::cli {
 
 /// The files of a command, as its options name them: patterns and lists of files count for what
-/// they stand for. Empty names are none.
+/// they represent. Empty names are none.
 struct FileNames {
   std::vector<std::string> read, written;
 };

@@ -35,7 +35,7 @@ A model that fails, crashes or takes too long is a row that says so; the report'
 the same. The page is one file, needs no network, and sorts and filters in the browser.)";
 
 // What a folder is searched for; files that are named are taken whatever they are called. Of
-// TetGen's two files the one with the cells stands for both.
+// TetGen's two files the one with the cells represents both.
 bool isMeshName(const fs::path& path) {
   if (formatForEnding(path.string(), FormatUse::ReadTriangles) != nullptr)
     return true;

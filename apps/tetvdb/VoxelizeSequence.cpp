@@ -88,7 +88,7 @@ void addSequenceOptions(CLI::App& command, SequenceTexts& texts) {
   command.add_flag(
       "--union", texts.unite,
       "Lay numbered files, or a pattern's, together into one volume: they are no frames");
-  command.add_flag("--again", texts.again, "Make frames that an earlier run has finished anew");
+  command.add_flag("--again", texts.again, "Make frames that an earlier run has finished again");
 }
 
 std::vector<std::string> frameNames(const std::vector<std::string>& inputs,

@@ -25,7 +25,7 @@ std::vector<std::string> frameNames(const std::vector<std::string>& inputs,
 
 /// Runs `job` frame by frame where its inputs are a sequence, and fills the session's sections and
 /// text; false where they are not, or are to be one volume: its inputs are then the files that any
-/// pattern among them stands for.
+/// pattern among them represents.
 bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& session);
 
 } // namespace tetvdb::cli

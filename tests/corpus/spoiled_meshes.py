@@ -162,7 +162,7 @@ def loop_of(model, patch):
     return loop if len(loop) == len(ahead) else None
 
 
-CAVITY = "a shell within a shell that looks the same way is a body in a body as well as a cavity turned round"
+CAVITY = "a shell within a shell that looks the same way is a body in a body as well as a cavity reversed"
 
 
 def turned_cavity(model, which):

@@ -94,7 +94,7 @@ TEST(Tetrahedralize, SoupsOfTheSameSolid) {
   const TriangleMesh mesh = sphere({0, 0, 0}, 1, 8);
   const double volume = signedVolume(mesh);
   TriangleMesh wall = joined({box(), meshes::flipped(box())});
-  wall.triangles.resize(3 * 13); // one face once more, turned round
+  wall.triangles.resize(3 * 13); // one face once more, reversed
   for (const TriangleMesh& same :
        {meshes::unwelded(mesh), meshes::flipped(mesh), meshes::shuffledFaces(mesh),
         meshes::withFacesFlipped(mesh, 0.05), meshes::withFacesFlipped(mesh, 0.3),

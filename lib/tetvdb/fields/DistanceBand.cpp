@@ -22,7 +22,7 @@ namespace {
 
 typedef float Floats __attribute__((vector_size(kLeafSize * sizeof(float))));
 
-// Takes the least of the squared distances so far and those to `face`.
+// Takes the minimum of the squared distances so far and those to `face`.
 TETVDB_INLINE void addFace(const LeafFace& face, float reach, float* squared) {
   const Floats z = {-3.5f, -2.5f, -1.5f, -0.5f, 0.5f, 1.5f, 2.5f, 3.5f};
   FaceRow row;

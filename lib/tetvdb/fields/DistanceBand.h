@@ -40,13 +40,13 @@ public:
 
   /// Receives a leaf: its position in the node, (x * 16 + y) * 16 + z in leaves, and the squared
   /// distance of every voxel, voxels, [(x * 8 + y) * 8 + z]; a number above the square of the
-  /// radius stands for all that are farther.
+  /// radius represents all that are farther.
   using LeafSink = std::function<void(int leaf, const float* squared)>;
 
   /// Hands the leaves of nodes()[node] that may hold voxels within the radius to `sink`, each once,
-  /// from several threads. A distance depends on the faces as a set: it is the least over faces of
-  /// numbers that each face gives alone, from its corners in order of position. Thread-safe. Cost:
-  /// about 5 ns for each row of eight voxels that comes near to a face.
+  /// from several threads. A distance depends on the faces as a set: it is the minimum over faces
+  /// of numbers that each face gives alone, from its corners in order of position. Thread-safe.
+  /// Cost: about 5 ns for each row of eight voxels that comes near to a face.
   void rasterize(std::size_t node, const LeafSink& sink) const;
 
 private:

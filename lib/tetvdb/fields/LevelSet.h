@@ -29,16 +29,16 @@ using BandRasterizer = std::function<void(const DistanceBand&, const NodeTaker& 
 void rasterizeBand(const DistanceBand& band, const NodeTaker& take, Progress& progress);
 
 /// A float level set "surface": negative inside. The sign is `inside`'s (active: inside), exactly;
-/// the magnitude is the distance to the nearest of `faces` in world units, within kDistanceError
-/// voxels, for voxels nearer than `halfWidth` voxels, which are active. All others, and tiles, are
-/// inactive with plus or minus the background, halfWidth * voxelSize. A voxel inside is below zero
-/// also where its centre lies on a face.
-/// `inside` must have `transform`, whose voxels must be cubes, and `faces` be snapped by it. The
-/// result depends on the faces as a set and on `inside` alone. Parallel by nodes and leaves.
+/// the absolute value is the distance to the nearest of `faces` in world units, within
+/// kDistanceError voxels, for voxels nearer than `halfWidth` voxels, which are active. All others,
+/// and tiles, are inactive with plus or minus the background, halfWidth * voxelSize. A voxel inside
+/// is below zero also where its centre lies on a face. `inside` must have `transform`, whose voxels
+/// must be cubes, and `faces` be snapped by it. The result depends on the faces as a set and on
+/// `inside` alone. Parallel by nodes and leaves.
 ///
-/// `shell`, voxels: the solid is all that is within it of a face, and the magnitude is what the
-/// distance to the faces differs from it by. That is the distance to the shell's surface outside of
-/// the shell, and at most that within.
+/// `shell`, voxels: the solid is all that is within it of a face, and the absolute value is what
+/// the distance to the faces differs from it by. That is the distance to the shell's surface
+/// outside of the shell, and at most that within.
 ///
 /// `rasterize` finds the distances: rasterizeBand(), or a GPU (fields/DistanceOnDevice.h).
 openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,

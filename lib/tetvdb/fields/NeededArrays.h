@@ -12,7 +12,7 @@
 namespace tetvdb {
 
 /// For ReadOptions::arrays: the names in all requests, with and without "points:", "cells:" and
-/// what follows the last colon, since names of arrays may have colons too. Empty, which stands for
+/// what follows the last colon, since names of arrays may have colons too. Empty, which represents
 /// all, where every array is asked for.
 std::vector<std::string> neededArrays(const FieldOptions& fields, const Warp& warp);
 

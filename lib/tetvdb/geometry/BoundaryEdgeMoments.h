@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clusters of boundary edges as they look from afar. With the cluster's centre c, the spherical
+// Clusters of boundary edges as they look from far away. With the cluster's centre c, the spherical
 // triangle (a, b, up) of an edge is the sum of (a, b, c), (c, b, up) and (a, c, up). The first make
 // up a cone, which DipoleMoments sums up; the others cancel but at ends where the cluster cuts a
 // boundary loop, and are expanded here, in places relative to c.

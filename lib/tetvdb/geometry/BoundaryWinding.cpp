@@ -16,17 +16,18 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeafEdges = 8;
 // Components of boundary edges with no more edges than this are never cut apart, so that they have
-// no loose ends: the edges of a single triangle.
+// no open ends: the edges of a single triangle.
 constexpr std::size_t kWholePart = 8;
-// A cluster with more loose ends than this is opened instead of looked at from afar.
-constexpr std::size_t kMaxLooseEnds = 16;
+// A cluster with more open ends than this is opened instead of approximated by its moments.
+constexpr std::size_t kMaxOpenEnds = 16;
 // What one cluster seen from afar may be wrong by, as a winding number.
 constexpr double kClusterError = 1e-5;
-// Of a tangle, clusters this many radii outside their ball are looked at from afar; all their loose
-// ends are where the ray up from the centre is this many radii away, elsewhere up to a few.
+// Of many boundary edges (kManyBoundaryEdges), clusters this many radii outside their ball are
+// approximated by moments; all their open ends are where the ray up from the centre is this many
+// radii away, elsewhere up to a few.
 constexpr double kRoughDistance = 1.5;
 constexpr double kRoughRayDistance = 3;
-constexpr std::size_t kMaxRoughLooseEnds = 8;
+constexpr std::size_t kMaxRoughOpenEnds = 8;
 
 bool less(const LatticePoint& a, const LatticePoint& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -42,7 +43,7 @@ double distanceToBox(const LatticePoint& p, const LatticePoint& low, const Latti
       {outside(p.x, low.x, high.x), outside(p.y, low.y, high.y), outside(p.z, low.z, high.z)});
 }
 
-// Angles (centre, loose end, up) of clusters, collected for sumAngles().
+// Angles (centre, open end, up) of clusters, collected for sumAngles().
 class LooseAngles {
 public:
   explicit LooseAngles(const LatticePoint& p) : p_(p) {}
@@ -159,7 +160,7 @@ void BoundaryWinding::build(Item* begin, Item* end, const std::vector<BoundaryEd
   }
   node.end = static_cast<std::uint32_t>(edges_.size());
   fillMoments(node);
-  fillLooseEnds(node);
+  fillOpenEnds(node);
   node.skip = static_cast<std::uint32_t>(nodes_.size());
   nodes_[index] = node;
 }
@@ -195,29 +196,29 @@ void BoundaryWinding::fillMoments(Node& node) const {
   }
 }
 
-void BoundaryWinding::fillLooseEnds(Node& node) {
-  node.looseBegin = static_cast<std::uint32_t>(looseEnds_.size());
-  std::vector<LooseEnd> ends;
+void BoundaryWinding::fillOpenEnds(Node& node) {
+  node.looseBegin = static_cast<std::uint32_t>(openEnds_.size());
+  std::vector<OpenEnd> ends;
   for (std::uint32_t i = node.begin; i != node.end; ++i) {
     const auto weight = static_cast<std::int32_t>(edges_.weight[i]);
     ends.push_back({edges_.b(i), weight});
     ends.push_back({edges_.a(i), -weight});
   }
   std::sort(ends.begin(), ends.end(),
-            [](const LooseEnd& e, const LooseEnd& f) { return less(e.point, f.point); });
+            [](const OpenEnd& e, const OpenEnd& f) { return less(e.point, f.point); });
   for (std::size_t i = 0; i < ends.size();) {
-    LooseEnd sum{ends[i].point, 0};
+    OpenEnd sum{ends[i].point, 0};
     for (; i < ends.size() && !less(sum.point, ends[i].point); ++i)
       sum.weight += ends[i].weight;
     if (sum.weight == 0)
       continue;
-    looseEnds_.push_back(sum);
+    openEnds_.push_back(sum);
     node.ends.add(from(node.centre, sum.point), sum.weight);
   }
-  node.looseEnd = static_cast<std::uint32_t>(looseEnds_.size());
+  node.openEnd = static_cast<std::uint32_t>(openEnds_.size());
 }
 
-// Walks the tree: clusters for which far(node) holds are done with, the edges of the others are
+// Traverses the tree: clusters for which far(node) holds are done with, the edges of the others are
 // handed to near(begin, end), in as few pieces as they lie together.
 template <typename Far, typename Near>
 void BoundaryWinding::walk(const Far& far, const Near& near) const {
@@ -243,8 +244,8 @@ void BoundaryWinding::walk(const Far& far, const Near& near) const {
     near(begin, end);
 }
 
-// How often the cluster's edges, with its loose ends joined to its centre, go around p seen along
-// z: signed crossings of a ray from p in direction x. p stands for (p.x + e, p.y + e^2).
+// How often the cluster's edges, with its open ends joined to its centre, go around p seen along
+// z: signed crossings of a ray from p in direction x. p represents (p.x + e, p.y + e^2).
 std::int64_t BoundaryWinding::turnsAround(const Node& cluster, const LatticePoint& p) const {
   double turns = 0;
   const auto isAbove = [&](const LatticePoint& q) { return q.y > p.y; };
@@ -256,18 +257,18 @@ std::int64_t BoundaryWinding::turnsAround(const Node& cluster, const LatticePoin
       turns += isAbove(b) ? weight : -weight;
   };
   const auto loose = [&](const Node& node, const auto& visit) {
-    for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-      visit(looseEnds_[i]);
+    for (std::uint32_t i = node.looseBegin; i != node.openEnd; ++i)
+      visit(openEnds_[i]);
   };
-  loose(cluster, [&](const LooseEnd& end) { cross(end.point, cluster.centre, end.weight); });
+  loose(cluster, [&](const OpenEnd& end) { cross(end.point, cluster.centre, end.weight); });
   const auto first = static_cast<std::uint32_t>(&cluster - nodes_.data());
   for (std::uint32_t index = first; index < cluster.skip;) {
     const Node& node = nodes_[index];
     if (node.boxMax.y <= p.y || node.boxMin.y > p.y || node.boxMax.x < p.x) {
       index = node.skip;
     } else if (node.boxMin.x > p.x) {
-      // Every crossing counts, so that all but the loose ends cancel.
-      loose(node, [&](const LooseEnd& end) { turns += isAbove(end.point) ? end.weight : 0; });
+      // Every crossing counts, so that all but the open ends cancel.
+      loose(node, [&](const OpenEnd& end) { turns += isAbove(end.point) ? end.weight : 0; });
       index = node.skip;
     } else if (node.leaf) {
       for (std::uint32_t i = node.begin; i != node.end; ++i)
@@ -286,19 +287,19 @@ BoundaryWinding::View BoundaryWinding::viewOf(const Node& node, const Vec3d& r,
   const double away = length(r), distance = away - node.radius - reach;
   if (!(distance > 0))
     return View::Edges;
-  const std::size_t loose = node.looseEnd - node.looseBegin;
+  const std::size_t loose = node.openEnd - node.looseBegin;
   if (rough()) {
     if (!(distance > kRoughDistance * node.radius))
       return View::Edges;
     const double ray = (r[2] < 0 ? length({r[0], r[1], 0}) : away) - reach;
     if (loose == 0 || ray > kRoughRayDistance * node.radius)
       return View::Moments;
-    return loose <= kMaxRoughLooseEnds ? View::LooseEnds : View::Edges;
+    return loose <= kMaxRoughOpenEnds ? View::OpenEnds : View::Edges;
   }
   // The remainder: third derivatives of r / |r|^3 are at most 24 / |r|^5; over 3! and 4 pi.
   const double cube = node.radius * node.radius * node.radius, square = distance * distance;
   const bool small = node.area * cube < kClusterError * kPi * square * square * distance;
-  return small && loose <= kMaxLooseEnds ? View::LooseEnds : View::Edges;
+  return small && loose <= kMaxOpenEnds ? View::OpenEnds : View::Edges;
 }
 
 // A cluster's angles fall short of 4 pi where its cone passes straight below the point.
@@ -319,8 +320,8 @@ double BoundaryWinding::at(const LatticePoint& p) const {
         if (view == View::Moments)
           angle += node.ends.angle(r);
         else
-          for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-            loose.add(node.centre, looseEnds_[i].point, looseEnds_[i].weight);
+          for (std::uint32_t i = node.looseBegin; i != node.openEnd; ++i)
+            loose.add(node.centre, openEnds_[i].point, openEnds_[i].weight);
         return true;
       },
       [&](std::uint32_t begin, std::uint32_t end) {
@@ -375,8 +376,8 @@ void BoundaryWinding::at(const LatticePoint& centre, double reach, BoundaryPoint
         if (view == View::Moments)
           addEnds(node, points);
         else
-          for (std::uint32_t i = node.looseBegin; i != node.looseEnd; ++i)
-            addAngles(node.centre, looseEnds_[i].point, looseEnds_[i].weight, points, scratch);
+          for (std::uint32_t i = node.looseBegin; i != node.openEnd; ++i)
+            addAngles(node.centre, openEnds_[i].point, openEnds_[i].weight, points, scratch);
         return true;
       },
       [&](std::uint32_t begin, std::uint32_t end) {
@@ -406,7 +407,7 @@ Vec3d BoundaryWinding::fieldFromAfar(const Node& node, const Vec3d& r) {
   return field;
 }
 
-// The edges of a tangle run every way: their shares add up like errors, not like sizes.
+// The edges of such a soup run in all directions: their shares add up like errors, not like sizes.
 double BoundaryWinding::bend(const LatticePoint& centre, double reach) const {
   double sum = 0, squares = 0;
   const auto add = [&](double share) {

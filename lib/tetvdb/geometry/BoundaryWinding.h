@@ -26,15 +26,15 @@
 
 namespace tetvdb {
 
-/// An edge that faces run along `weight` times oftener from a to b than from b to a.
+/// An edge that faces run along `weight` times more often from a to b than from b to a.
 struct BoundaryEdge {
   LatticePoint a, b;
   std::int32_t weight;
 };
 
 /// Error of BoundaryWinding::at(), as a winding number, for up to kManyBoundaryEdges edges. Soups
-/// with more boundary edges are not open solids but tangles; of these clusters are looked at from
-/// nearer by, as the fast winding number does (Barill et al. 2018), and the error is about
+/// with more boundary edges are soups whose faces look any way; of these clusters are looked at
+/// from nearer by, as the fast winding number does (Barill et al. 2018), and the error is about
 /// kRoughWindingError without being bounded.
 constexpr double kBoundaryWindingError = 1e-3;
 constexpr double kRoughWindingError = 0.02;
@@ -56,7 +56,7 @@ public:
   double at(const LatticePoint& p) const;
 
   /// at() of `points`, which lie within `reach` of `centre`, into their sums (whose old values are
-  /// lost). Faster than one by one: the tree is walked once.
+  /// lost). Faster than one by one: the tree is traversed once.
   void at(const LatticePoint& centre, double reach, BoundaryPoints& points) const;
 
   /// N + s around a point, off the faces, per lattice unit: the gradient at the point (by Biot and
@@ -97,13 +97,13 @@ private:
     std::uint32_t begin, end; // edges
     std::uint32_t skip;       // the node after the whole cluster, depth first
     bool leaf;
-    std::uint32_t looseBegin, looseEnd;
+    std::uint32_t looseBegin, openEnd;
     std::array<double, 3> way;     // sum of the edges as vectors
     std::array<double, 9> current; // of edge vector times middle: xx xy xz yx ...
     DipoleMoments cone;
     EndMoments ends;
   };
-  struct LooseEnd {
+  struct OpenEnd {
     LatticePoint point;
     std::int32_t weight;
   };
@@ -111,9 +111,9 @@ private:
   struct Item;
   void build(Item* begin, Item* end, const std::vector<BoundaryEdge>& edges);
   void fillMoments(Node& node) const;
-  void fillLooseEnds(Node& node);
-  // By its edges, by the cone's moments and every loose end, or all by moments.
-  enum class View { Edges, LooseEnds, Moments };
+  void fillOpenEnds(Node& node);
+  // By its edges, by the cone's moments and every open end, or all by moments.
+  enum class View { Edges, OpenEnds, Moments };
   View viewOf(const Node& node, const Vec3d& r, double reach) const;
   template <typename Moments>
   static void addMoments(const LatticePoint& centre, const Moments& moments,
@@ -128,7 +128,7 @@ private:
 
   BoundaryEdgeArrays edges_;
   std::vector<Node> nodes_;
-  std::vector<LooseEnd> looseEnds_;
+  std::vector<OpenEnd> openEnds_;
 };
 
 } // namespace tetvdb

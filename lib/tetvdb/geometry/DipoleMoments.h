@@ -9,8 +9,8 @@
 
 namespace tetvdb {
 
-/// The solid angle of triangles as it looks from afar. A triangle with area vector n that is seen
-/// at q has the integral of n . q / |q|^3: a layer of dipoles. With q = r + y, y from the
+/// The solid angle of triangles as it looks from far away. A triangle with area vector n that is
+/// seen at q has the integral of n . q / |q|^3: a layer of dipoles. With q = r + y, y from the
 /// triangles' centre, that is expanded to second order in y.
 class DipoleMoments {
 public:

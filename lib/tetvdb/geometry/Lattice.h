@@ -18,8 +18,8 @@ constexpr double kVoxelsPerUnit = 1.0 / static_cast<double>(kUnitsPerVoxel);
 /// Longest extent of a tet along an axis, in lattice units (2^20 voxels).
 constexpr double kMaxTetExtent = static_cast<double>(std::int64_t(1) << 40);
 
-/// A lattice point. The coordinates are integers below 2^52 in magnitude, so a double holds each
-/// exactly, and so do the differences.
+/// A lattice point. The coordinates are integers below 2^52 in absolute value, so a double holds
+/// each exactly, and so do the differences.
 struct LatticePoint {
   double x, y, z;
 };

@@ -22,7 +22,7 @@ Vec3d absolutes(const Vec3d& a) {
   return {std::abs(a[0]), std::abs(a[1]), std::abs(a[2])};
 }
 
-// cross() with every product counted as positive, of magnitudes.
+// cross() with every product counted as positive, of absolute values.
 Vec3d crossMax(const Vec3d& a, const Vec3d& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
 }

@@ -57,7 +57,8 @@ public:
   Vec3d position() const;
 
 private:
-  // Homogeneous: position x / w. `max` bound the sums of the magnitudes that x and w are made of.
+  // Homogeneous: position x / w. `max` bound the sums of the absolute values that x and w are made
+  // of.
   Vec3d x_{}, maxX_{};
   double w_ = 1, maxW_ = 1;
   int signW_ = 1;

@@ -45,7 +45,7 @@ Pair productOf(double a, double b) { // Dekker
   return {high, x.low * y.low - error};
 }
 
-// The exact sum of terms that do not overlap, ascending in magnitude, none of them 0. A 3 x 3
+// The exact sum of terms that do not overlap, ascending in absolute value, none of them 0. A 3 x 3
 // determinant of differences has at most 192.
 struct Expansion {
   std::array<double, 192> term;

@@ -35,7 +35,7 @@ VoxelBox grown(const WorldBox& box, const GridTransform& transform, double margi
 }
 
 std::size_t gridsOf(const VoxelizeJob& job) {
-  // The arrays that `all` stands for are known once the mesh is read: one at least.
+  // The arrays that `all` represents are known once the mesh is read: one at least.
   return job.grids.size() + job.fields.requests.size() + (job.fields.all ? 1 : 0);
 }
 

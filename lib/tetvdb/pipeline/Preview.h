@@ -29,7 +29,7 @@ namespace tetvdb {
 /// is in order.
 void checkPreviewPath(const std::string& path);
 
-/// Panels are drawn as soon as what they show is there, since jobs let go of it; every one takes a
+/// Panels are drawn as soon as what they show is there, since jobs release it; every one takes a
 /// copy of its mesh while it is drawn, and adds to stage "preview". All look from the front, right
 /// and above, at z up, or y up where the output is.
 class Preview {

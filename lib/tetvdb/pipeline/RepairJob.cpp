@@ -27,7 +27,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kVolumeTolerance = 0.01; // of the solid's volume
-// Of a surface made anew, before simplification: it takes some tens of seconds on one core.
+// Of a surface remade, before simplification: it takes some tens of seconds on one core.
 constexpr std::size_t kMaxFaces = 4000000;
 constexpr std::size_t kBytesPerFace = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
@@ -122,7 +122,7 @@ private:
     surface.units = mesh.units;
     if (!result_.why.empty())
       report_.warn("remeshed",
-                   fmt::format("the surface was made anew from voxels of {:.6g}, since repair in "
+                   fmt::format("the surface was remade from voxels of {:.6g}, since repair in "
                                "place left {}; details finer than that are lost",
                                result_.transform.voxelSize[0], result_.why));
     return surface;

@@ -17,7 +17,7 @@ struct BoundaryLoop {
   std::vector<std::uint32_t> sides;
 };
 
-/// All edges that faces run along oftener in one direction than in the other, as loops: with one
+/// All edges that faces run along more often in one direction than in the other, as loops: with one
 /// face on each of their edges, they close the mesh. Edges follow one another around the fan of
 /// faces that they bound; a loop that comes to a point again is cut in two there, so that holes
 /// that touch at a point are several. Loops of two edges are left out: they close one another. The

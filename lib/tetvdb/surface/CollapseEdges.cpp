@@ -23,7 +23,7 @@ constexpr std::uint32_t kNone = SimplifyState::kNone;
 constexpr double kMinCosine = 0.5;    ///< of the angle by which a face may turn in one step
 constexpr double kMinAgreement = 0.3; ///< cosine between a point's normal and its face's
 constexpr double kMinShape = 0.02;    ///< height over longest side of a new face, unless it grows
-constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex stand for
+constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex represent
 constexpr double kOnFace = 0.01;      ///< square of the distance of a point that lies on its face
 constexpr std::size_t kMaxFaces = 32; ///< around a vertex
 constexpr int kTries = 4;             ///< neighbours that a vertex is tried to move onto
@@ -143,7 +143,7 @@ private:
   }
 
   // Leaves the new faces in faces_ and added_, those around v0 in around_, and in gone_ the points
-  // that the new faces stand for.
+  // that the new faces represent.
   bool isAllowed(const CollapseInfo& c) {
     looked_.invalidate();
     if (!isManifold(c) || !isUpright(c))

@@ -151,7 +151,7 @@ private:
     std::size_t count = std::min(kMaxSamples, kMaxWork / std::max<std::size_t>(open, 1));
     count = std::min(count, kMaxValues / std::max(patchCount, 1u));
     if (count < kMinSamples)
-      return; // a tangle, whose field says little
+      return; // too many: the field decides nothing
     const WindingSamples samples = windingSamples(*keptMesh_, patches.patchOf, patchCount, count);
     std::optional<TriangleScene> keptScene;
     const TriangleScene fileScene(mesh_);

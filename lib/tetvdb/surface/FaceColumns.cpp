@@ -11,7 +11,7 @@
 namespace tetvdb {
 namespace {
 
-// Of values with fewer than 16 roundings, relative to the sum of their terms' magnitudes.
+// Of values with fewer than 16 roundings, relative to the sum of their terms' absolute values.
 constexpr double kRoundings = 0x1p-48;
 
 // The turn of a, b and the point, seen along its axis. Differences are exact: 40 bits and 8 more.

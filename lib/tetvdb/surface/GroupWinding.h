@@ -32,7 +32,7 @@ WindingSamples windingSamples(const TriangleMesh& mesh, const std::vector<std::u
 class GroupWinding {
 public:
   /// `groupOf`: by face, below `groupCount`; EdgeTable::kNone: left out. `turned`: by face, 1 where
-  /// it counts as turned round. Costs a ray a sample, and 20 ns a sample and edge at which a group
+  /// it counts as reversed. Costs a ray a sample, and 20 ns a sample and edge at which a group
   /// does not close.
   GroupWinding(const TriangleMesh& mesh, const EdgeTable& edges, const TriangleScene& scene,
                const std::vector<std::uint32_t>& groupOf, std::uint32_t groupCount,

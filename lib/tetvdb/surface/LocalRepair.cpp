@@ -163,7 +163,7 @@ std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& p
 }
 
 // Says what is broken then. Rounding corners to floats, or joining those that are equal as floats,
-// may make faces cross anew where details are as fine as that: done without, then.
+// may make faces cross again where details are as fine as that: done without, then.
 std::string cutCrossings(const TriangleMesh& closed, TriangleMesh& mesh, LocalRepair& repair,
                          Progress& progress) {
   std::string broken;

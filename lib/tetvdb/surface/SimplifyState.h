@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A surface on its way to fewer triangles, and what its vertices and faces stand for.
+// A surface on its way to fewer triangles, and what its vertices and faces represent.
 #pragma once
 
 #include "tetvdb/mesh/TriangleMesh.h"

@@ -44,7 +44,7 @@ public:
   }
 
 private:
-  // Of faces that lie on one another the first stands for all.
+  // Of faces that lie on one another the first represents all.
   PartFate fateOf(const FacePieces& pieces, std::size_t piece, const FacePlanes& face,
                   std::uint32_t number) {
     std::size_t looked = 0;
@@ -67,7 +67,7 @@ private:
     return fate;
   }
 
-  // Faces that hang together by edges that belong to no others, and that no face meets, have the
+  // Faces that are connected by edges that belong to no others, and that no face meets, have the
   // same on their either side: one point tells of all of them.
   void judgePatches() {
     DisjointSets patches(welded_.faces.size());

@@ -44,7 +44,7 @@ struct TrimmedChain {
 /// into pieces along the crossings, and pieces stay or go; of pieces that lie on one another in a
 /// plane those of the face of lowest number stay. All is decided exactly on the lattice;
 /// in pieces thinner than about 2^-8 lattice units nothing can be. Gives up where the faces or
-/// their pieces are too many to look at (kMost... in the source: a tangle of some thousand large
+/// their pieces are too many to look at (kMax... in the source: some thousand large
 /// faces that all cross), or the chain is longer than 2^40 lattice units. Parallel; the same for
 /// any number of threads. About 1 us a face where none is met, and 10 us for every piece of one
 /// that is.

@@ -17,7 +17,7 @@ inline const Vec3d kCurtainUp = [] {
   return times(way, 1 / length(way));
 }();
 
-/// An edge that faces run along `weight` times oftener from a to b than from b to a.
+/// An edge that faces run along `weight` times more often from a to b than from b to a.
 struct CurtainEdge {
   Vec3d a, b;
   double weight;

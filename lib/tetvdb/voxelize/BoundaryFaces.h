@@ -21,7 +21,7 @@ struct BoundaryFace {
 
 struct Boundary {
   std::vector<BoundaryFace> faces;
-  std::uint64_t flipped = 0; ///< tets of negative orientation, counted as turned round
+  std::uint64_t flipped = 0; ///< tets of negative orientation, counted as reversed
   std::uint64_t dropped = 0; ///< flat tets, left out
 };
 

@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// An edge by its points' indices, along which faces run `weight` times oftener from a to b than
+/// An edge by its points' indices, along which faces run `weight` times more often from a to b than
 /// from b to a.
 struct IndexedBoundaryEdge {
   std::uint32_t a, b;

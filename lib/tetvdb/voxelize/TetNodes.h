@@ -12,7 +12,7 @@ namespace tetvdb {
 
 /// Bins the tets to slabs, nodes that a tet fills apart, and hands every node that is not empty to
 /// `sink`: with owners (lowest tet index wins) or bits alone. One task a node, its slabs apart
-/// where nodes are few. Returns how many tets were turned round or dropped.
+/// where nodes are few. Returns how many tets were reversed or dropped.
 OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink& sink,
                                  Progress& progress);
 

@@ -17,7 +17,7 @@ struct SlabOrigin {
   std::int64_t x, y, z;
 };
 
-/// Tets of negative orientation, taken as turned round, and flat ones, left out.
+/// Tets of negative orientation, taken as reversed, and flat ones, left out.
 struct OrientationCounts {
   std::uint64_t flipped = 0, dropped = 0;
 

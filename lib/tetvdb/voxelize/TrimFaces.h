@@ -34,8 +34,8 @@ struct TrimmedFaces {
 /// corners of pieces are rounded to it at the end, by which no point of them moves farther than
 /// 2^-20 voxel, and pieces thinner than about 2^-28 voxel go.
 ///
-/// Gives up where the faces or their pieces are too many to look at (kMost... in the source: a
-/// tangle of some thousand large faces that all cross), or the mesh is longer than 2^20 voxels. The
+/// Gives up where the faces or their pieces are too many to look at (kMax... in the source:
+/// some thousand large faces that all cross), or the mesh is longer than 2^20 voxels. The
 /// result is the same for any order of faces, of points, and any number of threads. Parallel; about
 /// 1 us a face where none is met, and 10 us for every piece of one that is.
 TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRule rule,

@@ -54,9 +54,8 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
 
 void reportTets(const SnapCounts& counts, std::size_t tets, Report& report) {
   if (counts.flipped > 0)
-    report.warn("flipped-tets",
-                fmt::format("{} of {} tets had negative volume and were turned round",
-                            counts.flipped, tets));
+    report.warn("flipped-tets", fmt::format("{} of {} tets had negative volume and were reversed",
+                                            counts.flipped, tets));
   if (counts.dropped > 0)
     report.warn("flat-tets", fmt::format("{} of {} tets have no volume on the lattice of 2^-20 "
                                          "voxel and were left out",

@@ -40,7 +40,7 @@ GridTransform transformOf(const std::vector<TriangleMesh>& meshes, const SolidOp
 
 openvdb::GridPtrVec makeGrids(const std::vector<GridKind>& kinds, const Masks& masks,
                               const GridTransform& transform, Progress& progress) {
-  TetMesh numbered; // the owner i stands for a cell of region i + 1
+  TetMesh numbered; // the owner i represents a cell of region i + 1
   for (std::size_t i = 0; i < masks.size(); ++i)
     numbered.regions.push_back(static_cast<std::int32_t>(i + 1));
   TreeBuilder builder(kinds, numbered);

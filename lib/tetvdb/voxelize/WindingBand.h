@@ -36,7 +36,7 @@ constexpr double kWindingBandError = 1e-3;
 /// the one nearer to zero: what lies at most half around counts as outside.
 std::int32_t nearestWinding(double winding);
 
-/// A cube of voxels stands for the columns through their centres, from the centre below the lowest
+/// A cube of voxels represents the columns through their centres, from the centre below the lowest
 /// to the highest: what a sum carried up through the cube passes. It is passed over if the winding
 /// number, faces aside, stays clear of every half in it.
 class WindingBand {

@@ -224,7 +224,7 @@ TEST(SimplifySoup, FinsAndContactsOfInputsStay) {
   const auto tip = static_cast<std::uint32_t>(soup.points.size() - 1);
   soup.faces.push_back({ends[0], ends[1], tip});
   soup.inputs.push_back(0);
-  // Another input over two of the box's faces, turned round: these and their points are shared.
+  // Another input over two of the box's faces, reversed: these and their points are shared.
   for (const std::size_t f : {std::size_t(40), std::size_t(41)}) {
     const auto face = soup.faces[f];
     soup.faces.push_back({face[0], face[2], face[1]});

@@ -16,7 +16,7 @@
 
 namespace tetvdb {
 
-/// Least and greatest of the numbers that are finite; low > high where there are none.
+/// Min and max of the numbers that are finite; low > high where there are none.
 struct ValueRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -45,7 +45,7 @@ struct Field {
   Attribute::On on = Attribute::On::Points;
   FieldKind kind = FieldKind::Float;
   FieldPart part = FieldPart::Whole;
-  /// What is read: 1 number, 2 or more of a tuple whose magnitude is asked for, 3 of a vector, 9 of
+  /// What is read: 1 number, 2 or more of a tuple whose length is asked for, 3 of a vector, 9 of
   /// a tensor, rows first.
   std::vector<Source> sources;
 

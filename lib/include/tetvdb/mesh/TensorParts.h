@@ -69,7 +69,7 @@ TETVDB_HD inline void orderDown(double& a, double& b) {
 } // namespace tensor_internal
 
 /// Eigenvalues of the symmetric part, the largest first, by Jacobi's rotations; good to a few units
-/// in the last place of the largest magnitude. NaN where an entry is not finite.
+/// in the last place of the largest absolute value. NaN where an entry is not finite.
 TETVDB_HD inline std::array<double, 3> principalsOf(const Tensor& t) {
   const SymmetricTensor s = symmetricPart(t);
   const double sum = s.xx + s.yy + s.zz + s.xy + s.yz + s.xz;

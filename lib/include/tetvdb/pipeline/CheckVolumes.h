@@ -22,7 +22,7 @@ struct CheckOptions {
   double denseBytes = 2e9; ///< a warning where a grid takes more when it is uploaded densely
 };
 
-/// One thing that was found.
+/// One finding.
 struct Finding {
   enum class Weight : std::uint8_t {
     Note,    ///< worth knowing; nothing is wrong

@@ -30,7 +30,7 @@ struct FrameRange {
 /// extension, whose names differ in their last number alone ("run_08.vtu", "run_10.vtu").
 bool isNumbered(const std::vector<std::string>& paths);
 
-/// Finds the frames that `inputs` stand for, in order of time:
+/// Finds the frames that `inputs` represent, in order of time:
 /// - one .pvd file: a frame for each of its times, its parts together;
 /// - one name with '*' or '?' that is no file itself: a frame for each file that matches, by the
 ///   last number in its name. Numbers that leave out a step are an error unless `allowGaps`;

@@ -59,7 +59,7 @@ struct SliceResult {
   std::vector<InputInfo> inputs;
   CleanCounts cleaned;   ///< of triangles, of all inputs
   bool repaired = false; ///< triangles that did not close and were mended where they did not
-  bool remeshed = false; ///< triangles whose surface was made anew from voxels
+  bool remeshed = false; ///< triangles whose surface was remade from voxels
   std::string format;    ///< that was written
   LayerFrame frame;
   WorldBox box;          ///< of the model on the plate, millimetres
@@ -73,7 +73,7 @@ struct SliceResult {
 
 /// Reads, cleans (triangles), places and cuts the model, and writes layers as they are made.
 /// Triangles that do not close once cleaned are mended by repairLocally(), with the warning
-/// "repaired"; where that fails their surface is made anew from voxels as large as the largest side
+/// "repaired"; where that fails their surface is remade from voxels as large as the largest side
 /// of a printer's voxel, by the winding number, with the warning "remeshed"; by SliceAa::None, and
 /// for materials, the winding number decides at each centre without either. Sheets that enclose
 /// nothing are Error(Invalid). Tets are their surface. A volume whose

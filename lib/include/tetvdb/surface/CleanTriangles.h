@@ -25,7 +25,7 @@ struct CleanCounts {
   std::size_t degenerateFaces = 0;    ///< faces with a repeated point, dropped
   std::size_t duplicateFaces = 0;     ///< dropped
   std::size_t innerFaces = 0;         ///< walls within the solid that others close, dropped
-  std::size_t flippedFaces = 0;       ///< turned round, whole shells included
+  std::size_t flippedFaces = 0;       ///< reversed, whole shells included
   std::size_t flippedParts = 0;       ///< shells turned as a whole
   bool insideOut = false;             ///< the whole mesh was inside out and was turned
   /// World units: as asked for, or the largest between two points that became one.

@@ -37,7 +37,7 @@ enum class NewCorners {
 /// edge of a face lies in another this gets it too. What is cut, and on which side of what it lies,
 /// is decided exactly on a lattice of 2^-40 of the mesh's size (TrimChain.h); where crossings meet
 /// is then rounded to the lattice, or further (NewCorners). The parts that stay of a face are put
-/// together again and triangulated anew; faces that nothing meets stay bit for bit, in order, and
+/// together again and triangulated again; faces that nothing meets stay bit for bit, in order, and
 /// new ones come last. Rounding may leave new crossings of its own size, so that all is done again
 /// until there are none, up to 6 times. Edges may have more than two faces afterwards
 /// (SplitFans.h). Gives up where trimChain() does and where parts cannot be put together. About 2

@@ -21,7 +21,7 @@
 
 namespace tetvdb {
 
-/// Where a thing is cut open: the part on the eye's side of the plane goes away.
+/// Where a subject is cut open: the part on the eye's side of the plane goes away.
 struct Cut {
   std::size_t axis = 0;
   double at = 0.5;
@@ -55,7 +55,7 @@ public:
   PictureMaker(std::vector<CaptionedSubject> subjects, const PictureOptions& options,
                Progress& progress);
 
-  /// The things turned by so many parts of a full turn about the axis that points up.
+  /// The subjects turned by so many parts of a full turn about the axis that points up.
   Image take(double turn, Progress& progress) const;
 
   int width() const { return width_; }

@@ -35,7 +35,7 @@ struct Drawn {
   std::size_t openEdges = 0, nonManifoldEdges = 0, flippedFaces = 0;
 };
 
-/// One thing to be drawn, in memory. Called by one thread at a time.
+/// One drawable subject, in memory. Called by one thread at a time.
 class Subject {
 public:
   virtual ~Subject() = default;

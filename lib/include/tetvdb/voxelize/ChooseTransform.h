@@ -54,7 +54,7 @@ bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitB
 /// Warns ("origin-moved") where `transform` has another origin than was asked for.
 void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report);
 
-/// Warns of tets that were turned round ("flipped-tets") or left out ("flat-tets").
+/// Warns of tets that were reversed ("flipped-tets") or left out ("flat-tets").
 void reportTets(const SnapCounts& counts, std::size_t tets, Report& report);
 
 /// Throws Error(Invalid) where no voxel is active and options.allowEmpty is not set.

@@ -58,7 +58,7 @@ struct VoxelizeOptions {
 
 /// What snapping and looking at the mesh found.
 struct SnapCounts {
-  std::uint64_t flipped = 0;       ///< tets turned round, their volume was negative
+  std::uint64_t flipped = 0;       ///< tets reversed, their volume was negative
   std::uint64_t dropped = 0;       ///< tets without volume after snapping
   std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
   std::uint64_t openEdges = 0;     ///< of triangles: edges at which the faces do not close

@@ -3,9 +3,9 @@
 // Files number their nodes and elements as they like; meshes here count from 0.
 //
 //   tetvdb::IdMap ids;
-//   for (...) ids.add(number);              // thing 0, thing 1, ...
+//   for (...) ids.add(number);              // element 0, element 1, ...
 //   ids.finish();
-//   const std::uint32_t index = ids.find(7);   // IdMap::kNone: no such thing
+//   const std::uint32_t index = ids.find(7);   // IdMap::kNone: no such element
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,13 @@
 
 namespace tetvdb {
 
-/// Index of a thing by its number. Consecutive numbers, the usual case, take no memory; numbers
+/// Index of an element by its number. Consecutive numbers, the usual case, take no memory; numbers
 /// with gaps a table, and scattered ones a sorted list.
 class IdMap {
 public:
   static constexpr std::uint32_t kNone = 0xffffffffU;
 
-  /// Numbers the next thing. At most kNone things.
+  /// Numbers the next element. At most kNone elements.
   void add(std::int64_t id) {
     if (listed_.empty()) {
       if (count_ == 0)
@@ -35,7 +35,7 @@ public:
     listed_.push_back(id);
     ++count_;
   }
-  /// Numbers the next `count` things from `first` on.
+  /// Numbers the next `count` elements from `first` on.
   void addRange(std::int64_t first, std::size_t count);
   /// Between the last add() and the first find().
   void finish();

@@ -37,7 +37,7 @@ std::string firstBytes(const fs::path& path) {
   return text;
 }
 
-// Numbers are by far the most of what stands in such files.
+// Numbers are most of the content of such files.
 bool canBeName(std::string_view text) {
   return text.size() < 4096 && text.find('.') != text.npos &&
          std::any_of(text.begin(), text.end(), [](char c) {

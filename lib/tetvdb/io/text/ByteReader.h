@@ -109,7 +109,7 @@ public:
         out[i] = static_cast<U>(loadNumber<T>(from + i * sizeof(T), false));
   }
 
-  /// `n`, after a check that as many things of `bytesEach` bytes are left. Safe to reserve for.
+  /// `n`, after a check that as many elements of `bytesEach` bytes are left. Safe to reserve for.
   /// Takes signed numbers too, and refuses negative ones.
   template <class Count>
   std::size_t checkCount(Count n, std::size_t bytesEach, std::string_view things) const {

@@ -135,14 +135,15 @@ public:
     }
     return static_cast<std::int64_t>(number);
   }
-  /// A number of things, each of which takes at least `bytesEach` bytes of the text that is left:
+  /// A count of elements, each of which takes at least `bytesEach` bytes of the text that is left:
   /// throws where it is negative or more than the text can hold. Safe to reserve for.
   std::size_t count(std::string_view things, std::size_t bytesEach = 2) {
     const std::int64_t n = integer();
     checkCount(n, things, bytesEach);
     return static_cast<std::size_t>(n);
   }
-  /// The check of count() for a number from elsewhere. The last thing needs no separator after it.
+  /// The check of count() for a number from elsewhere. The last element needs no separator after
+  /// it.
   void checkCount(std::int64_t n, std::string_view things, std::size_t bytesEach = 2) const {
     if (n < 0)
       fail("negative number of " + std::string(things));

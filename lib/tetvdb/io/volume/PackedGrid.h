@@ -38,7 +38,7 @@ struct PackedGrid {
   openvdb::GridBase::Ptr grid;
   tbb::concurrent_vector<LeafTail> tails;
   std::shared_ptr<TailStore> store; ///< several grids can share one
-  /// Over the active values of packed leaves, of the magnitude for vectors; least > most where
+  /// Over the active values of packed leaves, of the length for vectors; min > max where
   /// there are none.
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // OpenVDB's reader trusts sizes that it reads: a damaged file can overflow a buffer, and one that
-// is cut within raw data reads as zeros. This walks the whole structure of a .vdb file beforehand,
-// header by header, without decompressing anything. Internal to the .vdb reader.
+// is cut within raw data reads as zeros. This traverses the whole structure of a .vdb file
+// beforehand, header by header, without decompressing anything. Internal to the .vdb reader.
 #pragma once
 
 #include <string>

@@ -309,7 +309,7 @@ void TetComplex::verify() const {
         fail("neighbours do not share the face's points", t);
       if (tet.chains[localFace] != -other.chains[otherFace] ||
           tet.tracked[localFace] != other.tracked[otherFace])
-        fail("neighbours do not agree on what a face stands for", t);
+        fail("neighbours do not agree on what a face represents", t);
       if (tet.chains[localFace] != 0 && !tet.tracked[localFace])
         fail("a face has a chain but is not tracked", t);
     }

@@ -26,7 +26,7 @@ struct InputChain {
   };
   std::vector<Face> faces;
   std::size_t missingBegin = 0; ///< faces from here on are missing ones
-  /// An edge that faces run along `weight` times oftener from a to b than from b to a.
+  /// An edge that faces run along `weight` times more often from a to b than from b to a.
   struct Edge {
     std::uint32_t a, b;
     std::int32_t weight; ///< > 0

@@ -11,7 +11,7 @@
 namespace tetvdb {
 
 /// All meshes of the scene as its nodes place them, with transforms in double; faces of mirrored
-/// ones are turned round, n-gons become fans. Coordinates are metres for glTF and COLLADA,
+/// ones are reversed, n-gons become fans. Coordinates are metres for glTF and COLLADA,
 /// centimetres for FBX, whatever the file's unit, and `units` says so; axes stay as they are in the
 /// file. Lines and points are passed over; what assimp drops is the warning `scene-faults`, with
 /// report.partial. assimp runs in a child process of limited memory. Throws

@@ -251,7 +251,7 @@ private:
   }
 
   /// Labels and units, 1024 bytes each; the number of arrays and the components of each of at most
-  /// as many as there are columns; least and greatest values; columns of values.
+  /// as many as there are columns; min and max values; columns of values.
   void readData(std::size_t columns, Attribute::On on, std::size_t n) {
     if (columns == 0)
       return;

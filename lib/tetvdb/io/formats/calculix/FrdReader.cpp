@@ -223,9 +223,9 @@ private:
     return static_cast<Form>(form);
   }
   std::uint64_t count(std::string_view text, std::size_t bytesEach) const {
-    const std::int64_t n = integer(text, "a number of things");
+    const std::int64_t n = integer(text, "a count");
     if (n < 0 || static_cast<std::uint64_t>(n) > (source_.bytes.size() - at_) / bytesEach)
-      fail(std::to_string(n) + " things are declared, more than the file holds", kCut);
+      fail(std::to_string(n) + " elements are declared, more than the file holds", kCut);
     return static_cast<std::uint64_t>(n);
   }
   /// The next `bytes` bytes of a binary block.

@@ -32,7 +32,7 @@ public:
   std::string keyword();
   /// A whole number, and the rest of its line, which is passed over.
   std::int64_t integer();
-  /// A number of things, each of which takes at least one number of the file.
+  /// A count of elements, each of which takes at least one number of the file.
   std::size_t count(const char* things, std::size_t numbersEach = 1);
   std::vector<std::int64_t> integers(std::size_t n);
   /// NaN and infinities are values too.

@@ -45,7 +45,7 @@ public:
                           : static_cast<std::int64_t>(bytes.get<std::uint64_t>());
   }
   double real() { return inBinary_ ? bytes.get<double>() : text.real(); }
-  /// size() of things that take at least so many bytes each in ASCII and in binary files.
+  /// size() of elements that take at least so many bytes each in ASCII and in binary files.
   std::size_t count(std::string_view things, std::size_t textBytes, std::size_t binaryBytes) {
     return checkCount(size(), things, textBytes, binaryBytes);
   }

@@ -247,7 +247,7 @@ private:
     checkPointCount(total, source_.path);
     mesh_.points.reserve(total);
     if (!old)
-      in_.size(), in_.size(); // least and greatest tag
+      in_.size(), in_.size(); // min and max tag
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::int64_t first = in_.integer();
       const std::int64_t second = in_.integer();
@@ -456,7 +456,7 @@ private:
     const std::size_t blocks = in_.count("element blocks", 8, 12 + in_.sizeBytes);
     const std::size_t total = in_.count("elements", 4, 2 * width);
     if (!old)
-      in_.size(), in_.size(); // least and greatest tag
+      in_.size(), in_.size(); // min and max tag
     std::size_t found = 0;
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::int64_t first = in_.integer();

@@ -13,7 +13,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kBlock = 8192; // things gathered before they go to the file
+constexpr std::size_t kBlock = 8192; // elements gathered before they go to the file
 constexpr std::int32_t kTetrahedron = 4;
 
 void writeText(AtomicFile& file, std::string_view text) {
@@ -119,7 +119,7 @@ private:
     const std::uint64_t n = mesh_.points.size();
     writeText(file_, "$Nodes\n");
     for (const std::uint64_t number : {std::uint64_t(1), n, std::uint64_t(1), n})
-      writeNumber(file_, number); // blocks, nodes, least and greatest tag
+      writeNumber(file_, number); // blocks, nodes, min and max tag
     writeNumber(file_, std::int32_t(3));
     writeNumber(file_, volumes_.begin()->second.tag);
     writeNumber(file_, std::int32_t(0));

@@ -240,7 +240,7 @@ private:
     }
   }
 
-  /// Every three successive corners are a triangle, every other one turned round; -1 begins anew.
+  /// Every three successive corners are a triangle, every other one reversed; -1 begins again.
   void addStrips() {
     std::size_t length = 0;
     for (std::size_t i = 0; i < corners_.size(); ++i) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
 
-/// Text of an attribute, whose five named entities stand for characters.
+/// Text of an attribute, whose five named entities represent characters.
 std::string unescaped(std::string_view text) {
   constexpr std::pair<std::string_view, char> entities[] = {
       {"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};

@@ -18,7 +18,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMaxPlacements = std::size_t(1) << 20; // of objects, nested ones counted anew
+constexpr std::size_t kMaxPlacements = std::size_t(1)
+                                       << 20; // of objects, nested ones counted again
 constexpr std::size_t kMaxDepth = 256;
 constexpr std::uint64_t kMaxCorners = std::uint64_t(1) << 28; // points and corners, if repeated
 

@@ -14,7 +14,7 @@
 namespace tetvdb {
 
 /// Everything that the build places, with the transforms of items and components in double; faces
-/// of mirrored objects are turned round. `units` is the model's. Faces that have no meaning: see
+/// of mirrored objects are reversed. `units` is the model's. Faces that have no meaning: see
 /// FaceCollector. Beams have no faces: warning `beams`; objects that do not exist or hold something
 /// else than a mesh: warning `missing-objects`; both set report.partial. Sizes are checked before
 /// anything is unpacked. Throws Error(Invalid) for damaged archives and XML and where nothing is

@@ -123,7 +123,7 @@ private:
   std::size_t count() {
     std::int64_t n = 0;
     if (!in_.tryInteger(n) || n < 0)
-      fail("expected a number of things, found '" + readable(in_.peekWord()) + "'", kCut);
+      fail("expected a count, found '" + readable(in_.peekWord()) + "'", kCut);
     return static_cast<std::size_t>(n);
   }
   std::size_t product(std::size_t a, std::size_t b) const {

@@ -106,7 +106,7 @@ private:
     NumberParser in(text, where());
     std::int64_t n = -1;
     if (!in.tryInteger(n) || n < 0 || !in.atEnd())
-      fail(where(), std::string(name) + " is not a number of things");
+      fail(where(), std::string(name) + " is not a count");
     return static_cast<std::size_t>(n);
   }
 

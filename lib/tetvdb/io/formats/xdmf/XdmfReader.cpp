@@ -329,7 +329,7 @@ private:
     while (!in.atEnd()) { // "4 5" is 20
       const std::int64_t number = in.integer();
       if (number < 0 || (number > 0 && all > (std::uint64_t(1) << 40) / std::uint64_t(number)))
-        fail(node, std::string(name) + " is no number of things");
+        fail(node, std::string(name) + " is no count");
       all *= static_cast<std::uint64_t>(number);
     }
     return all;

@@ -12,18 +12,18 @@ namespace tetvdb {
 namespace {
 
 std::vector<PictureMaker::CaptionedSubject>
-subjectsOf(std::vector<std::unique_ptr<Subject>> subjects) {
-  std::vector<PictureMaker::CaptionedSubject> subjects;
+captioned(std::vector<std::unique_ptr<Subject>> subjects) {
+  std::vector<PictureMaker::CaptionedSubject> list;
   for (auto& subject : subjects)
-    subjects.push_back({std::move(subject), "name"});
-  return subjects;
+    list.push_back({std::move(subject), "name"});
+  return list;
 }
 
 template <typename... Subjects>
-std::vector<PictureMaker::CaptionedSubject> sitting(Subjects... subjects) {
+std::vector<PictureMaker::CaptionedSubject> captioned(Subjects... subjects) {
   std::vector<std::unique_ptr<Subject>> list;
   (list.push_back(std::move(subjects)), ...);
-  return subjectsOf(std::move(list));
+  return captioned(std::move(list));
 }
 
 PictureOptions transparent() {
@@ -44,8 +44,8 @@ double cover(const Image& image, int left, int right) {
 // Balls of radius 1 and 2 side by side: areas as 1 to 4, each in the middle of its own cell.
 TEST(PictureMaker, OneScaleForAll) {
   Progress progress;
-  PictureMaker maker(sitting(subjectOf(meshes::sphere({5, 5, 5}, 1, 40), {}),
-                             subjectOf(meshes::sphere({-9, 0, 0}, 2, 40), {})),
+  PictureMaker maker(captioned(subjectOf(meshes::sphere({5, 5, 5}, 1, 40), {}),
+                               subjectOf(meshes::sphere({-9, 0, 0}, 2, 40), {})),
                      transparent(), progress);
   const Image image = maker.take(0, progress);
   EXPECT_EQ(image.width, 1280);
@@ -67,7 +67,7 @@ TEST(PictureMaker, ManySubjectsInRows) {
   PictureOptions options = transparent();
   options.width = 300;
   options.height = 200;
-  const PictureMaker maker(subjectsOf(std::move(subjects)), options, progress);
+  const PictureMaker maker(captioned(std::move(subjects)), options, progress);
   const Image image = maker.take(0, progress);
   EXPECT_EQ(image.width, 300);
   EXPECT_GT(image.at(50, 50).alpha, 0.99);
@@ -95,7 +95,7 @@ TEST(PictureMaker, ValuesHaveTheColoursOfTheLegend) {
   options.render.lighting.occlusion = false;
   options.render.lighting.skyLight = options.render.lighting.groundLight = 1;
   options.cut = Cut{0, 0.75, false};
-  PictureMaker maker(sitting(subjectOf(block, look)), options, progress);
+  PictureMaker maker(captioned(subjectOf(block, look)), options, progress);
   ASSERT_TRUE(maker.scale());
   EXPECT_EQ(maker.scale()->low, 10);
   EXPECT_EQ(maker.scale()->high, 14);
@@ -123,7 +123,7 @@ TEST(PictureMaker, TheEyesSideIsCutAway) {
     options.view = view;
     options.cut = Cut{0, 1.25, true};
     TetMesh block = meshes::kuhnGrid(4, 1, 1);
-    const PictureMaker maker(sitting(subjectOf(block, {})), options, progress);
+    const PictureMaker maker(captioned(subjectOf(block, {})), options, progress);
     const Box box = maker.drawn()[0].drawables[0]->bounds();
     EXPECT_LT(box.high[0] - box.low[0], 3.1);
     EXPECT_EQ(maker.drawn()[0].cutTets, 6U);
@@ -143,7 +143,7 @@ TEST(PictureMaker, Turntable) {
     options.turntable = 8;
     options.width = options.height = 120;
     options.lens.perspective = perspective;
-    const PictureMaker maker(sitting(subjectOf(meshes::box({5, 0, 0}, {9, 1, 0.5}), {})), options,
+    const PictureMaker maker(captioned(subjectOf(meshes::box({5, 0, 0}, {9, 1, 0.5}), {})), options,
                              progress);
     double min = 1e9, max = 0;
     for (int i = 0; i < 8; ++i) {
@@ -173,7 +173,7 @@ TEST(PictureMaker, RegionsByTheirNames) {
   options.render.lighting.lampLight = 0;
   options.render.lighting.occlusion = false;
   options.render.lighting.skyLight = options.render.lighting.groundLight = 1;
-  const PictureMaker maker(sitting(subjectOf(block, look)), options, progress);
+  const PictureMaker maker(captioned(subjectOf(block, look)), options, progress);
   EXPECT_EQ(maker.scale()->kinds, (std::vector<std::string>{"3", "steel"}));
   const Image image = maker.take(0, progress);
   const int strip = 640 - 60; // about; the thing is left of the legend
@@ -196,19 +196,19 @@ TEST(PictureMaker, WhatDoesNotFit) {
   PictureOptions options;
   EXPECT_THROW(PictureMaker({}, options, progress), Error);
   options.range = std::array<double, 2>{0, 1};
-  EXPECT_THROW(PictureMaker(sitting(subjectOf(meshes::box(), {})), options, progress), Error);
+  EXPECT_THROW(PictureMaker(captioned(subjectOf(meshes::box(), {})), options, progress), Error);
   options.range.reset();
   options.width = 10;
-  EXPECT_THROW(PictureMaker(sitting(subjectOf(meshes::box(), {})), options, progress), Error);
+  EXPECT_THROW(PictureMaker(captioned(subjectOf(meshes::box(), {})), options, progress), Error);
   options.width = options.height = 60000;
-  EXPECT_THROW(PictureMaker(sitting(subjectOf(meshes::box(), {})), options, progress), Error);
+  EXPECT_THROW(PictureMaker(captioned(subjectOf(meshes::box(), {})), options, progress), Error);
   options = {};
   options.cut = Cut{2, -50, true};
-  EXPECT_THROW(PictureMaker(sitting(subjectOf(meshes::kuhnGrid(1, 1, 1), {})), options, progress),
+  EXPECT_THROW(PictureMaker(captioned(subjectOf(meshes::kuhnGrid(1, 1, 1), {})), options, progress),
                Error);
   options = {};
   options.colorMap = "jet";
-  EXPECT_THROW(PictureMaker(sitting(subjectOf(meshes::box(), {})), options, progress), Error);
+  EXPECT_THROW(PictureMaker(captioned(subjectOf(meshes::box(), {})), options, progress), Error);
 }
 
 } // namespace

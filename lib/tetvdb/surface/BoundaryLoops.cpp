@@ -16,9 +16,7 @@ std::vector<char> findOpenSides(const EdgeTable& edges, std::size_t sideCount) {
   std::vector<char> isOpen(sideCount, 0);
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
     const EdgeTable::Sides sides = edges.sides(edge);
-    int excess = 0;
-    for (const std::uint32_t side : sides)
-      excess += edges.ascends(side) ? 1 : -1;
+    int excess = edges.imbalance(edge);
     for (const std::uint32_t side : sides) {
       if (excess == 0)
         break;
@@ -39,9 +37,9 @@ std::uint32_t aroundFan(const EdgeTable& edges, const std::vector<char>& isOpen,
     const std::uint32_t last = EdgeTable::previous(at); // ends at the point
     if (isOpen[last] != 0)
       return last;
-    const EdgeTable::Sides sides = edges.sides(edges.edgeOf(last));
-    if (sides.size() != 2 || edges.ascends(sides[0]) == edges.ascends(sides[1]))
+    if (!edges.isManifold(edges.edgeOf(last)))
       return kNone;
+    const EdgeTable::Sides sides = edges.sides(edges.edgeOf(last));
     at = sides[0] == last ? sides[1] : sides[0];
     if (at == side)
       return kNone;

@@ -91,11 +91,9 @@ bool weldNearPoints(TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates c
 // Every edge has two faces that run along it in opposite directions, and what they enclose lies
 // behind them.
 bool isPlainSolid(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress) {
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    const EdgeTable::Sides sides = edges.sides(edge);
-    if (sides.size() != 2 || edges.ascends(sides[0]) == edges.ascends(sides[1]))
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (!edges.isManifold(edge))
       return false;
-  }
   FaceSides sides(mesh, edges, progress);
   sides.alignPatches({});
   return sides.allShellsLookOutward();

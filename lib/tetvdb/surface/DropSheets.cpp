@@ -45,13 +45,9 @@ std::vector<Part> findParts(const TriangleMesh& mesh, const EdgeTable& edges) {
     number[face] = number[first];
     parts[number[face]].faces.push_back(face);
   }
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    int excess = 0;
-    for (const std::uint32_t side : edges.sides(edge))
-      excess += edges.ascends(side) ? 1 : -1;
-    if (excess != 0)
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (edges.imbalance(edge) != 0)
       parts[number[EdgeTable::faceOf(edges.sides(edge)[0])]].open = true;
-  }
   return parts;
 }
 

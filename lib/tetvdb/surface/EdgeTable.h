@@ -58,6 +58,17 @@ public:
   static std::uint32_t previous(std::uint32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
   /// Whether a side runs from its edge's low point to the high one.
   bool ascends(std::uint32_t side) const { return corners_[side] < corners_[next(side)]; }
+  /// The sides that ascend less those that descend: 0 where the faces of the edge cancel.
+  int imbalance(std::uint32_t edge) const {
+    int sum = 0;
+    for (const std::uint32_t side : sides(edge))
+      sum += ascends(side) ? 1 : -1;
+    return sum;
+  }
+  /// Whether two faces of the same orientation meet at the edge, and no others.
+  bool isManifold(std::uint32_t edge) const {
+    return sides(edge).size() == 2 && imbalance(edge) == 0;
+  }
   /// The corner of the side's face that is not on the side.
   std::uint32_t opposite(std::uint32_t side) const { return corners_[previous(side)]; }
 

@@ -98,8 +98,7 @@ void dropLooseFlatFaces(TriangleMesh& mesh) {
     std::vector<int> excess(edges.edgeCount(), 0); // sides that ascend less those that descend
     const auto signOf = [&](std::uint32_t side) { return edges.ascends(side) ? 1 : -1; };
     for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
-      for (const std::uint32_t side : edges.sides(edge))
-        excess[edge] += signOf(side);
+      excess[edge] = edges.imbalance(edge);
     for (std::uint32_t face = 0; face < drops.size(); ++face) {
       const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
       if (!edges.hasFace(face) ||
@@ -142,13 +141,9 @@ void dropDoubles(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
 
 bool isBalanced(const TriangleMesh& mesh) {
   const EdgeTable edges(mesh);
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    int excess = 0;
-    for (const std::uint32_t side : edges.sides(edge))
-      excess += edges.ascends(side) ? 1 : -1;
-    if (excess != 0)
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (edges.imbalance(edge) != 0)
       return false;
-  }
   return edges.edgeCount() > 0;
 }
 

@@ -27,11 +27,9 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
       normals(before.points.size()), quadrics(before.points.size()),
       firstGone(before.triangleCount(), kNone), nextGone(before.points.size(), kNone) {
   const EdgeTable edges(mesh);
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    const EdgeTable::Sides sides = edges.sides(edge);
-    if (sides.size() != 2 || edges.ascends(sides[0]) == edges.ascends(sides[1]))
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (!edges.isManifold(edge))
       throw Error(Status::Invalid, "", "the surface is no closed manifold");
-  }
   if (options.featureDegrees < 180)
     features = featureEdges(mesh, options.featureDegrees);
   Box box;

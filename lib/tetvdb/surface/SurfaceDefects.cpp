@@ -113,9 +113,7 @@ void countEdges(const EdgeTable& edges, SurfaceDefects& defects) {
   defects.watertight = edges.edgeCount() > 0;
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
     const EdgeTable::Sides sides = edges.sides(edge);
-    int imbalance = 0;
-    for (const std::uint32_t side : sides)
-      imbalance += edges.ascends(side) ? 1 : -1;
+    const int imbalance = edges.imbalance(edge);
     defects.watertight = defects.watertight && imbalance == 0;
     defects.boundaryEdges += sides.size() == 1;
     defects.nonManifoldEdges += sides.size() > 2;

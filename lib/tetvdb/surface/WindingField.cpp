@@ -18,14 +18,10 @@ WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges,
 }
 
 void WindingField::addBoundary(const TriangleMesh& mesh, const EdgeTable& edges) {
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    int weight = 0;
-    for (const std::uint32_t side : edges.sides(edge))
-      weight += edges.ascends(side) ? 1 : -1;
-    if (weight != 0)
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (const int weight = edges.imbalance(edge); weight != 0)
       boundary_.push_back(
           {mesh.points[edges.lowPoint(edge)], mesh.points[edges.highPoint(edge)], double(weight)});
-  }
   Box box;
   for (const std::uint32_t corner : mesh.triangles)
     box.add(mesh.points[corner]);

@@ -12,9 +12,7 @@ Closure closureOf(const TriangleMesh& mesh, Progress& progress) {
   progress.check();
   Closure closure = edges.edgeCount() > 0 ? Closure::Winding : Closure::Open;
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    std::int64_t balance = 0;
-    for (const std::uint32_t side : edges.sides(edge))
-      balance += edges.ascends(side) ? 1 : -1;
+    const int balance = edges.imbalance(edge);
     if (balance % 2 != 0)
       return Closure::Open;
     if (balance != 0)

@@ -10,7 +10,7 @@ namespace tetvdb {
 namespace {
 
 bool asksForGrid(const VoxelizeJob& job, GridKind kind) {
-  return !job.output.empty() && contains(job.grids, kind);
+  return job.makesVolume() && contains(job.grids, kind);
 }
 
 bool asksForTetFile(const VoxelizeJob& job) {

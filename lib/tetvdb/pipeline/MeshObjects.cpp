@@ -76,8 +76,9 @@ std::vector<NamedMesh> readParts(const Source& source, std::size_t firstAssembly
 } // namespace
 
 std::vector<NamedMesh> readObjects(const std::string& path, std::size_t firstAssembly,
-                                   InputInfo* info, Report& report, Progress& progress) {
-  {
+                                   InputInfo* info, Report& report, Progress& progress,
+                                   const MemoryInputs& memory) {
+  if (inMemory(path, memory) == nullptr) {
     const MappedFile file(path);
     const Source source = file.source();
     if (sniffFormat(source.bytes, path) == FileFormat::ThreeMf)
@@ -86,7 +87,7 @@ std::vector<NamedMesh> readObjects(const std::string& path, std::size_t firstAss
   NamedMesh object;
   object.name = std::filesystem::path(path).stem().string();
   object.assembly = firstAssembly;
-  object.mesh = readSoup(path, info, report, progress);
+  object.mesh = readSoup(path, info, report, progress, memory);
   return {std::move(object)};
 }
 

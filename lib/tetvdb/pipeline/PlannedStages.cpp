@@ -44,7 +44,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job) {
     return {};
   bool triangles = false;
   try {
-    triangles = holdsTriangles(job.inputs.front());
+    triangles = holdsTriangles(job.inputs.front(), job.memory);
   } catch (const Error&) { // the job says it
     return {};
   }
@@ -56,7 +56,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job) {
     plan.add("clean", 5);
   if (triangles && tets)
     plan.tetrahedralize();
-  if (!job.output.empty()) {
+  if (job.makesVolume()) {
     plan.add("voxelize", 45);
     if (!madeBy(job.grids, {GridMaker::Distance, GridMaker::Share}).empty() || !job.fields.empty())
       plan.add("fields", triangles ? 40 : 150);

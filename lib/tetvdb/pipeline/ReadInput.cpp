@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/TriangleReader.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 
 #include <filesystem>
@@ -27,7 +28,49 @@ void nameFile(const std::string& path, std::size_t first, Report& report) {
       report.warnings[i].text = path + ": " + report.warnings[i].text;
 }
 
+[[noreturn]] void refuseKind(const std::string& name, const char* what) {
+  throw Error(Status::Usage, name, std::string("holds no ") + what);
+}
+
+CellMesh cellsOf(const std::string& path, const ReadOptions& options, Report& report,
+                 Progress& progress, FileFormat& format, const MemoryInputs& memory) {
+  const MemoryInput* input = inMemory(path, memory);
+  if (input == nullptr)
+    return readCells(path, options, report, progress, &format);
+  if (!input->cells)
+    refuseKind(path, "solid cells");
+  return input->cells();
+}
+
+TriangleMesh trianglesOf(const std::string& path, Report& report, Progress& progress,
+                         FileFormat& format, const MemoryInputs& memory) {
+  const MemoryInput* input = inMemory(path, memory);
+  if (input == nullptr)
+    return readTriangles(path, report, progress, &format);
+  if (!input->triangles)
+    refuseKind(path, "triangles");
+  return input->triangles();
+}
+
 } // namespace
+
+Volume readVolumeInput(const std::string& path, Progress& progress, const MemoryInputs& memory) {
+  const MemoryInput* input = inMemory(path, memory);
+  if (input == nullptr)
+    return readVolume(path, progress);
+  if (!input->volume)
+    refuseKind(path, "grids");
+  return *input->volume;
+}
+
+std::vector<std::string> filesAmong(const std::vector<std::string>& inputs,
+                                    const MemoryInputs& memory) {
+  std::vector<std::string> files;
+  for (const std::string& input : inputs)
+    if (inMemory(input, memory) == nullptr)
+      files.push_back(input);
+  return files;
+}
 
 void turnUp(std::vector<Vec3d>& points, UpAxis up) {
   if (up == UpAxis::Z)
@@ -36,7 +79,9 @@ void turnUp(std::vector<Vec3d>& points, UpAxis up) {
     p = {p[0], p[2], -p[1]};
 }
 
-bool holdsTriangles(const std::string& path) {
+bool holdsTriangles(const std::string& path, const MemoryInputs& memory) {
+  if (const MemoryInput* input = inMemory(path, memory))
+    return static_cast<bool>(input->triangles);
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
       !std::filesystem::is_directory(path, ignored))
@@ -47,10 +92,11 @@ bool holdsTriangles(const std::string& path) {
 }
 
 TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
-                 InputInfo* info, Report& report, Progress& progress) try {
+                 InputInfo* info, Report& report, Progress& progress,
+                 const MemoryInputs& memory) try {
   const std::size_t warningsBefore = report.warnings.size();
   FileFormat format = FileFormat::Unknown;
-  CellMesh cells = readCells(path, options, report, progress, &format);
+  CellMesh cells = cellsOf(path, options, report, progress, format, memory);
   if (info != nullptr) {
     info->path = path;
     info->format = format;
@@ -76,11 +122,11 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
   throw withPath(error, path);
 }
 
-TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report,
-                      Progress& progress) try {
+TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress,
+                      const MemoryInputs& memory) try {
   const std::size_t warningsBefore = report.warnings.size();
   FileFormat format = FileFormat::Unknown;
-  TriangleMesh mesh = readTriangles(path, report, progress, &format);
+  TriangleMesh mesh = trianglesOf(path, report, progress, format, memory);
   nameFile(path, warningsBefore, report);
   if (info != nullptr) {
     info->path = path;

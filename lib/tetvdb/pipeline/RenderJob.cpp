@@ -67,14 +67,17 @@ public:
 
 private:
   void checkFiles() {
-    requireExtension(job_.output, {".png"}, "name it .png");
+    if (!job_.output.empty() || !job_.keep)
+      requireExtension(job_.output, {".png"}, "name it .png");
     if (job_.turntable > kMaxPictures)
       throw Error(Status::Usage, "turntable", "more than 9999 pictures are too many");
     std::vector<std::string> inputs;
     for (const RenderInput& input : job_.inputs)
       inputs.push_back(input.path);
     const std::vector<std::string> outputs = pictureNames(job_.output, job_.turntable);
-    requireSeparateFiles(inputs, outputs);
+    if (job_.output.empty())
+      return;
+    requireSeparateFiles(filesAmong(inputs, job_.memory), outputs);
     requireWritable(outputs.front());
   }
 
@@ -85,17 +88,18 @@ private:
     if (input.isVolume) {
       VolumeShow show = job_.volume;
       show.color = job_.look.color;
-      return subjectOf(readVolume(input.path, progress_), show);
+      return subjectOf(readVolumeInput(input.path, progress_, job_.memory), show);
     }
-    if (holdsTriangles(input.path)) {
-      TriangleMesh mesh = readSoup(input.path, &info, report_, progress_);
+    if (holdsTriangles(input.path, job_.memory)) {
+      TriangleMesh mesh = readSoup(input.path, &info, report_, progress_, job_.memory);
       requireRoom(kBytesPerFace * mesh.triangleCount(), job_.maxMemory,
                   "raise `max_memory`, or use a machine with more");
       return subjectOf(std::move(mesh), job_.look);
     }
     ReadOptions options;
     options.attributes = !job_.look.color.empty() && job_.look.color != "quality";
-    return subjectOf(readTets(input.path, options, {}, &info, report_, progress_), job_.look);
+    return subjectOf(readTets(input.path, options, {}, &info, report_, progress_, job_.memory),
+                     job_.look);
   } catch (const Error& error) {
     const std::string text = error.what();
     if (error.status() == Status::Cancelled || text.find(input.path) != std::string::npos)
@@ -110,7 +114,11 @@ private:
     std::vector<std::string> files;
     for (std::size_t i = 0; i < count; ++i) {
       const double turn = static_cast<double>(i) / static_cast<double>(count);
-      files.push_back(encodePng(maker.take(turn, progress_)));
+      Image image = maker.take(turn, progress_);
+      if (!job_.output.empty())
+        files.push_back(encodePng(image));
+      if (job_.keep)
+        result_.kept.push_back(std::move(image));
     }
     return files;
   }

@@ -248,10 +248,12 @@ public:
     if (job_.solid.side != ShellSide::Both)
       throw Error(Status::Usage, "", "a repaired shell lies on both sides of the faces",
                   "voxelize it with `shell_side`, and repair the volume");
-    requireFormat(job_.output, {FormatUse::WriteTriangles});
-    requireWritable(job_.output);
+    if (!job_.output.empty() || !job_.keep) {
+      requireFormat(job_.output, {FormatUse::WriteTriangles});
+      requireWritable(job_.output);
+    }
     checkPreviewPath(job_.preview);
-    requireSeparateFiles(inputs_, {job_.output, job_.preview});
+    requireSeparateFiles(filesAmong(inputs_, job_.memory), {job_.output, job_.preview});
     std::string unit = job_.units;
     if (!unit.empty() && !(metresOf(job_.units, &unit) > 0))
       throw Error(Status::Usage, "units", "'" + job_.units + "' is no unit known here",
@@ -274,7 +276,7 @@ private:
     {
       StageTimer timer(report_, "read");
       progress_.stage("read");
-      volume = readVolume(job_.input, progress_);
+      volume = readVolumeInput(job_.input, progress_, job_.memory);
     }
     if (!job_.preview.empty())
       preview_.volume(volume, report_, progress_);
@@ -352,7 +354,7 @@ private:
     progress_.stage("read");
     std::vector<NamedMesh> objects;
     for (const std::string& path : inputs_) {
-      if (!holdsTriangles(path)) {
+      if (!holdsTriangles(path, job_.memory)) {
         if (inputs_.size() > 1)
           throw Error(Status::Usage, path, "holds no triangles; of several inputs all have to",
                       "repair it by itself");
@@ -360,7 +362,7 @@ private:
       }
       InputInfo info;
       const std::size_t first = objects.empty() ? 0 : objects.back().assembly + 1;
-      for (NamedMesh& object : readObjects(path, first, &info, report_, progress_))
+      for (NamedMesh& object : readObjects(path, first, &info, report_, progress_, job_.memory))
         objects.push_back(std::move(object));
       if (result_.input.path.empty()) {
         result_.input = info;
@@ -377,7 +379,8 @@ private:
     result_.source = SolidSource::Tets;
     ReadOptions options;
     options.attributes = false;
-    const TetMesh tets = readTets(path, options, {}, &result_.input, report_, progress_);
+    const TetMesh tets =
+        readTets(path, options, {}, &result_.input, report_, progress_, job_.memory);
     timer.part("surface");
     NamedMesh object;
     object.mesh = tetSurface(tets, progress_);
@@ -418,6 +421,12 @@ private:
     StageTimer timer(report_, "write");
     progress_.stage("write");
     result_.units = objects.front().mesh.units;
+    if (job_.keep)
+      result_.kept = objects.size() == 1 ? objects.front().mesh : joinObjects(objects);
+    if (job_.output.empty()) {
+      result_.preview = preview_.writeBeside(job_.output, job_.preview);
+      return;
+    }
     if (keepsObjects(job_.output)) {
       if (result_.units.empty()) {
         const std::string likely = result_.before ? result_.before->likelyUnit : std::string();

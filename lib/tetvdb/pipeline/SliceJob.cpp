@@ -9,6 +9,7 @@
 #include "tetvdb/print/ErrorDiffusion.h"
 #include "tetvdb/print/GridLayers.h"
 #include "tetvdb/print/LayerSource.h"
+#include "tetvdb/print/LayerStack.h"
 #include "tetvdb/print/MeshLayers.h"
 #include "tetvdb/print/PlateMap.h"
 #include "tetvdb/surface/ExtractSurface.h"
@@ -86,7 +87,7 @@ public:
       source = fromMaterials();
     } else {
       TriangleMesh mesh =
-          holdsTriangles(job_.inputs.front()) ? readTriangleInputs() : readTetInput();
+          holdsTriangles(job_.inputs.front(), job_.memory) ? readTriangleInputs() : readTetInput();
       source = fromMesh(std::move(mesh));
     }
     write(*source);
@@ -99,8 +100,11 @@ private:
     GreyLevels{job_.grey};
     if (job_.inputs.empty())
       throw Error(Status::Usage, "", "no input was given");
-    requireSeparateFiles(job_.inputs, {job_.output});
-    if (!format_.endings.empty())
+    requireSeparateFiles(filesAmong(job_.inputs, job_.memory), {job_.output});
+    if (job_.keep && (!job_.output.empty() || format_.contours))
+      throw Error(Status::Usage, "", "layers are handed out as pixels, in place of a file",
+                  "name an output alone, or none");
+    if (!format_.endings.empty() && !job_.keep)
       requireWritable(job_.output);
     if (job_.materials && !format_.takesMaterials)
       throw Error(Status::Usage, "`materials`",
@@ -143,10 +147,11 @@ private:
     std::vector<TriangleMesh> meshes = stage("read", [&] {
       std::vector<TriangleMesh> all;
       for (const std::string& input : job_.inputs) {
-        if (!holdsTriangles(input))
+        if (!holdsTriangles(input, job_.memory))
           throw Error(Status::Usage, input, "holds no triangles, the input before it does",
                       "slice them one by one");
-        all.push_back(readSoup(input, &result_.inputs.emplace_back(), report_, progress_));
+        all.push_back(
+            readSoup(input, &result_.inputs.emplace_back(), report_, progress_, job_.memory));
       }
       return all;
     });
@@ -224,7 +229,7 @@ private:
     options.attributes = false;
     return stage("read", [&] {
       return readTets(job_.inputs.front(), options, {}, &result_.inputs.emplace_back(), report_,
-                      progress_);
+                      progress_, job_.memory);
     });
   }
 
@@ -331,7 +336,8 @@ private:
   }
 
   std::unique_ptr<LayerSource> fromMaterials() {
-    return holdsTriangles(job_.inputs.front()) ? materialsOfTriangles() : materialsOfTets();
+    return holdsTriangles(job_.inputs.front(), job_.memory) ? materialsOfTriangles()
+                                                            : materialsOfTets();
   }
 
   std::unique_ptr<LayerSource> materialGrid(const Voxelization& made,
@@ -393,7 +399,7 @@ private:
   std::unique_ptr<LayerSource> fromVolume() {
     result_.source = SolidSource::Volume;
     const std::string& path = job_.inputs.front();
-    Volume volume = stage("read", [&] { return readVolume(path, progress_); });
+    Volume volume = stage("read", [&] { return readVolumeInput(path, progress_, job_.memory); });
     if (!format_.contours)
       if (auto source = directVoxels(volume))
         return source;
@@ -498,7 +504,8 @@ private:
   void write(LayerSource& source) {
     StageTimer timer(report_, "layers");
     progress_.stage("layers");
-    const std::unique_ptr<LayerWriter> writer = format_.make(info_);
+    const std::unique_ptr<LayerWriter> writer =
+        job_.keep ? layerStack(info_.frame, job_.maxMemory, result_.kept) : format_.make(info_);
     const LayerFrame& frame = info_.frame;
     const int ditherLevels = !job_.dither ? 256 : format_.oneBit ? 2 : job_.grey.levels;
     const double pixel = format_.contours ? 1 : frame.pixelWidth * frame.pixelHeight;
@@ -519,7 +526,8 @@ private:
     writer->finish();
     result_.frame = frame;
     result_.format = format_.name;
-    result_.output = {job_.output, writer->bytes()};
+    if (!job_.keep)
+      result_.output = {job_.output, writer->bytes()};
     if (result_.emptyLayers > 0)
       report_.warn("empty-layers",
                    fmt::format("{} of {} layers are empty", result_.emptyLayers, frame.layers));

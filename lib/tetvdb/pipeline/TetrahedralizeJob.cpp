@@ -17,12 +17,14 @@ namespace {
 void checkJob(const TetrahedralizeJob& job) {
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
-  if (job.output.empty())
+  if (job.output.empty() && !job.keep)
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.msh");
-  requireFormat(job.output, {FormatUse::WriteTets});
-  requireWritable(job.output);
+  if (!job.output.empty()) {
+    requireFormat(job.output, {FormatUse::WriteTets});
+    requireWritable(job.output);
+  }
   checkPreviewPath(job.preview);
-  requireSeparateFiles(job.inputs, {job.output, job.preview});
+  requireSeparateFiles(filesAmong(job.inputs, job.memory), {job.output, job.preview});
   for (const RelativeLength& length : {job.epsilon, job.edgeLength})
     if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
       throw Error(Status::Usage, "`epsilon`, `edge_length`",
@@ -35,7 +37,7 @@ std::vector<TriangleMesh> readAll(const TetrahedralizeJob& job, TetrahedralizeRe
   StageTimer timer(report, "read");
   progress.stage("read");
   for (const std::string& input : job.inputs)
-    if (!holdsTriangles(input))
+    if (!holdsTriangles(input, job.memory))
       throw Error(Status::Usage, input, "holds no triangles",
                   "give " + endingList(FormatUse::ReadTriangles) +
                       " files; 'tetvdb repair' makes one of the surface of tetrahedra");
@@ -43,7 +45,7 @@ std::vector<TriangleMesh> readAll(const TetrahedralizeJob& job, TetrahedralizeRe
   for (const std::string& input : job.inputs) {
     InputInfo info;
     timer.part(input);
-    meshes.push_back(readSoup(input, &info, report, progress));
+    meshes.push_back(readSoup(input, &info, report, progress, job.memory));
     result.inputs.push_back(std::move(info));
   }
   haveOneUnit(meshes, report);
@@ -109,9 +111,13 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
   result.mesh = summarize(std::move(made), mesh);
   result.regionNames = regionNames(job);
   mesh.regionNames = result.regionNames;
-  writeTetMesh(job.output, mesh, progress);
+  if (!job.output.empty())
+    writeTetMesh(job.output, mesh, progress);
   result.preview = preview.writeBeside(job.output, job.preview);
-  result.output = written(job.output);
+  if (!job.output.empty())
+    result.output = written(job.output);
+  if (job.keep)
+    result.kept = std::move(mesh);
   return result;
 }
 

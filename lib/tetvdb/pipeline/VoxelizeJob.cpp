@@ -60,7 +60,7 @@ void checkOutputs(const VoxelizeJob& job) {
                 "make them without it");
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
-  if (job.output.empty() && job.meshOutput.empty())
+  if (!job.makesVolume() && job.meshOutput.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
   std::vector<std::string> outputs;
   if (!job.output.empty()) {
@@ -76,7 +76,7 @@ void checkOutputs(const VoxelizeJob& job) {
     requireWritable(job.meshOutput);
   }
   outputs.insert(outputs.end(), {job.meshOutput, job.preview});
-  requireSeparateFiles(job.inputs, outputs);
+  requireSeparateFiles(filesAmong(job.inputs, job.memory), outputs);
 }
 
 // Of triangles, which have no arrays.
@@ -94,9 +94,9 @@ void refuseArrays(const VoxelizeJob& job) {
 
 // Whether the inputs hold triangles; one job takes one kind.
 bool inputsHoldTriangles(const VoxelizeJob& job) {
-  const bool first = holdsTriangles(job.inputs.front());
+  const bool first = holdsTriangles(job.inputs.front(), job.memory);
   for (const std::string& input : job.inputs)
-    if (holdsTriangles(input) != first)
+    if (holdsTriangles(input, job.memory) != first)
       throw Error(Status::Usage, input,
                   fmt::format("holds {}, but {} holds {}", first ? "tetrahedra" : "triangles",
                               job.inputs.front(), first ? "triangles" : "tetrahedra"),
@@ -296,6 +296,8 @@ void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& vo
     result.outputs.push_back(written(job.meshOutput));
   if (!preview.isEmpty())
     result.outputs.push_back(written(job.preview));
+  if (job.keep)
+    result.kept = std::move(volume);
 }
 
 // The grids that are named, those of the shape, then those of arrays, one transform. The last are
@@ -336,7 +338,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   PackOptions pack;
   pack.folder = fs::path(job.output).parent_path().string();
   pack.half = job.half;
-  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty();
+  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty() && !job.keep;
   const SnapCounts counts =
       sampleFields(mesh, made.transform, fields, sampling, packs ? &pack : nullptr, job.device,
                    result.fieldsDevice, packed, made.volume, report, progress);
@@ -353,7 +355,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   if (wanted.arrays.empty() && job.meshOutput.empty())
     wanted.arrays = neededArrays(job.fields, job.warp);
   const auto read = [&](const std::string& path, InputInfo& info) {
-    TetMesh one = readTets(path, wanted, job.filter, &info, report, progress);
+    TetMesh one = readTets(path, wanted, job.filter, &info, report, progress, job.memory);
     warnOfOtherSteps(info, wanted, report);
     warpPoints(one, job.warp);
     return one;
@@ -366,7 +368,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   Volume volume;
   std::vector<NanoBytes> nano;
   PackedGrids packed;
-  if (!job.output.empty()) {
+  if (job.makesVolume()) {
     volume = makeVolume(job, packed, result, report, [&](const VoxelizeOptions& options) {
       return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed, result, report,
                           progress);
@@ -412,17 +414,17 @@ public:
       preview_.input(mergeMeshes(std::vector<TriangleMesh>(meshes_), told), report_, progress_);
     }
     clean();
-    if (!job_.output.empty() || needsTets(job_))
+    if (job_.makesVolume() || needsTets(job_))
       chooseMethod();
     Volume volume;
-    if (!job_.output.empty()) {
+    if (job_.makesVolume()) {
       volume = makeVolume(job_, {}, result_, report_,
                           [&](const VoxelizeOptions& options) { return makeGrids(options); });
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
     dropStale(volume, nano_);
-    if (!job_.preview.empty() && !job_.output.empty())
+    if (!job_.preview.empty() && job_.makesVolume())
       preview_.volume(volume, report_, progress_);
     progress_.check();
     writeOutputs(
@@ -433,7 +435,7 @@ private:
   void read() {
     meshes_ = readAll<TriangleMesh>(job_, result_, report_, progress_,
                                     [&](const std::string& path, InputInfo& info) {
-                                      return readSoup(path, &info, report_, progress_);
+                                      return readSoup(path, &info, report_, progress_, job_.memory);
                                     });
     if (!asMaterials()) {
       TriangleMesh all = mergeMeshes(std::move(meshes_), report_);
@@ -500,7 +502,7 @@ private:
 
   // Each input is then cleaned for itself.
   bool asMaterials() const {
-    return !job_.output.empty() && contains(job_.grids, GridKind::Material);
+    return job_.makesVolume() && contains(job_.grids, GridKind::Material);
   }
 
   bool byTets() const { return result_.mesher->method == Mesher::Envelope; }

@@ -21,7 +21,7 @@
 namespace tetvdb {
 
 /// Shared between the thread that waits and the threads that work: every method is thread-safe,
-/// apart from onReport() and setDeadline(), which are called while no work is under way.
+/// apart from onReport(), onCheck() and setDeadline(), which are called while no work is under way.
 class Progress {
 public:
   using Clock = std::chrono::steady_clock;
@@ -29,6 +29,9 @@ public:
 
   /// Calls `callback` at most about ten times a second, from any thread, one call at a time.
   void onReport(Callback callback) { callback_ = std::move(callback); }
+  /// Calls `poll` whenever check() is called, from any thread, several at a time: a few ns is what
+  /// it should take nearly always. It may call cancel(). Empty: nothing is called.
+  void onCheck(std::function<void()> poll) { poll_ = std::move(poll); }
   /// From `deadline` on, check() throws.
   void setDeadline(Clock::time_point deadline) { deadline_ = deadline; }
   Clock::time_point deadline() const { return deadline_; } ///< max() where there is none
@@ -40,6 +43,8 @@ public:
   /// Throws Error(Cancelled) once cancelled or past the deadline. Cheap enough for every task of a
   /// millisecond or more.
   void check() const {
+    if (poll_)
+      poll_();
     if (cancelled())
       throw Error(Status::Cancelled, "", "cancelled", "nothing was written");
     if (deadline_ != Clock::time_point::max() && Clock::now() > deadline_)
@@ -79,6 +84,7 @@ private:
   }
 
   Callback callback_;
+  std::function<void()> poll_;
   Clock::time_point deadline_ = Clock::time_point::max();
   std::atomic<bool> cancelled_{false};
   std::atomic<Clock::rep> lastReport_{0};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One mesh file into memory, and what it held.
+// One input of a job, a mesh file or a mesh in memory, and what it held.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,6 +10,7 @@
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TetStatistics.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/MemoryInput.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -43,15 +44,26 @@ enum class UpAxis : std::uint8_t {
 /// Points of the input into the axes of the output.
 void turnUp(std::vector<Vec3d>& points, UpAxis up);
 
-/// Whether a mesh file holds triangles; false for tets, for what cannot be told and for pipes.
-/// Throws Error(Invalid) for a file that cannot be opened.
-bool holdsTriangles(const std::string& path);
+/// Whether an input, a file or a mesh in `memory`, holds triangles; false for tets, for what cannot
+/// be told and for pipes. Throws Error(Invalid) for a file that cannot be opened.
+bool holdsTriangles(const std::string& path, const MemoryInputs& memory = {});
 
-/// Reads one mesh file into tets. `info` may be null. Warnings and errors name the file.
+/// Reads one mesh file, or a mesh in `memory`, into tets. `info` may be null. Warnings and errors
+/// name the input.
 TetMesh readTets(const std::string& path, const ReadOptions& options, const CellFilter& filter,
-                 InputInfo* info, Report& report, Progress& progress);
+                 InputInfo* info, Report& report, Progress& progress,
+                 const MemoryInputs& memory = {});
 
-/// Reads one file of triangles as it stands. `info` may be null. Warnings and errors name the file.
-TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress);
+/// Reads one file of triangles, or a mesh in `memory`, as it stands. `info` may be null. Warnings
+/// and errors name the input.
+TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress,
+                      const MemoryInputs& memory = {});
+
+/// Reads a volume file, or hands out a volume in `memory`. Throws as readVolume().
+Volume readVolumeInput(const std::string& path, Progress& progress, const MemoryInputs& memory);
+
+/// Those of `inputs` that are files.
+std::vector<std::string> filesAmong(const std::vector<std::string>& inputs,
+                                    const MemoryInputs& memory);
 
 } // namespace tetvdb

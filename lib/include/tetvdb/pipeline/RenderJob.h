@@ -13,6 +13,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/visualize/Image.h"
 #include "tetvdb/visualize/PictureMaker.h"
 #include "tetvdb/visualize/VolumeSubject.h"
 
@@ -24,13 +25,15 @@
 namespace tetvdb {
 
 struct RenderInput {
-  std::string path;      ///< a mesh of triangles or of tets, or a volume
-  bool isVolume = false; ///< a .vdb or .nvdb file
+  std::string path;      ///< a mesh of triangles or of tets, or a volume; or its name in `memory`
+  bool isVolume = false; ///< a .vdb or .nvdb file, or a volume
 };
 
 struct RenderJob {
   std::vector<RenderInput> inputs;
-  std::string output; ///< .png; of a turntable OUT.0001.png and so on
+  MemoryInputs memory;
+  std::string output; ///< .png, of a turntable OUT.0001.png and so on; empty, with `keep`: none
+  bool keep = false;  ///< the pictures are handed out, written or not
   MeshLook look;      ///< of meshes
   VolumeShow volume;  ///< of volumes; `look.color` is its colour too
   PictureOptions picture;
@@ -45,6 +48,7 @@ struct RenderResult {
   int width = 0, height = 0;
   std::optional<ColorScale> scale;
   std::vector<OutputInfo> outputs;
+  std::vector<Image> kept; ///< where RenderJob::keep asks for them
 };
 
 /// The files that a picture or a turntable of so many pictures is written to: OUT.png, or

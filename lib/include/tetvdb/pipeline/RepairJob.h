@@ -37,12 +37,14 @@ enum class SolidSource : std::uint8_t { Triangles, Tets, Volume };
 const char* nameOf(SolidSource source);
 
 struct RepairJob {
-  std::string input; ///< a mesh file, of triangles or of tets, or a volume file
-  /// Further files of triangles, as `input` is then.
+  std::string input; ///< a mesh, of triangles or of tets, or a volume: a file or in `memory`
+  /// Further inputs of triangles, as `input` is then.
   std::vector<std::string> more;
-  bool isVolume = false;    ///< the input is a .vdb or .nvdb file
+  MemoryInputs memory;
+  bool isVolume = false;    ///< the input is a .vdb or .nvdb file, or a volume
   std::string grid;         ///< of a volume, as ExtractOptions::grid
-  std::string output;       ///< .stl, .obj, .ply, .off or .3mf
+  std::string output;       ///< .stl, .obj, .ply, .off or .3mf; empty, with `keep` alone: none
+  bool keep = false;        ///< the surface is handed out, written or not
   std::string preview;      ///< .png of before and after (Preview.h); empty: none
   CleanOptions clean;       ///< of triangles
   SolidOptions solid;       ///< of meshes
@@ -80,8 +82,9 @@ struct RepairResult {
   std::size_t vertices = 0, triangles = 0; ///< written
   double volumeBefore = 0;                 ///< of meshes, cleaned; world units cubed
   double volumeAfter = 0;
-  OutputInfo output;
+  OutputInfo output; ///< empty where nothing was to be written
   std::optional<PreviewInfo> preview;
+  std::optional<TriangleMesh> kept; ///< where RepairJob::keep asks for it, of all objects
 };
 
 /// Reads and cleans. Objects of a .3mf file, and those of several files, are repaired each by

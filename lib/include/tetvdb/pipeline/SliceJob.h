@@ -35,12 +35,14 @@ enum class SliceAa : std::uint8_t {
 };
 
 struct SliceJob {
-  /// Mesh files of triangles or of tets, or a volume; several, of triangles, are put together as
-  /// they stand to each other.
+  /// Meshes of triangles or of tets, or a volume, files or in `memory`; several, of triangles, are
+  /// put together as they stand to each other.
   std::vector<std::string> inputs;
-  bool isVolume = false;   ///< the input is a .vdb or .nvdb file
+  MemoryInputs memory;
+  bool isVolume = false;   ///< the input is a .vdb or .nvdb file, or a volume
   std::string grid;        ///< of a volume, by name; empty: the first that is a solid
-  std::string output;      ///< a file, or a folder
+  std::string output;      ///< a file, or a folder; empty, with `keep`: none
+  bool keep = false;       ///< the layers are handed out in place of being written
   std::string format;      ///< as LayerFormat::name; empty: by the output's ending
   PrinterSettings printer; ///< checked by checkPrinter()
   PlaceOptions place;
@@ -69,6 +71,8 @@ struct SliceResult {
   std::size_t emptyLayers = 0;
   std::vector<std::string> materials; ///< names, from material 1 on
   OutputInfo output;
+  /// Where SliceJob::keep asks for it: the levels of all pixels, layer by layer, row by row.
+  std::vector<std::uint8_t> kept;
 };
 
 /// Reads, cleans (triangles), places and cuts the model, and writes layers as they are made.

@@ -28,12 +28,15 @@
 namespace tetvdb {
 
 struct TetrahedralizeJob {
-  std::vector<std::string> inputs; ///< files of triangles, one material each
+  /// Files of triangles, or triangles in `memory`, one material each.
+  std::vector<std::string> inputs;
+  MemoryInputs memory;
   CleanOptions clean;
   RelativeLength epsilon;       ///< 0: as TetrahedralizeOptions::epsilon; not in voxels
   RelativeLength edgeLength;    ///< 0: as TetrahedralizeOptions::edgeLength; not in voxels
   TetrahedralizeOptions mesher; ///< its lengths and its maxMemory are overruled by the job's
-  std::string output;           ///< .msh, .mesh or .vtu
+  std::string output;           ///< .msh, .mesh or .vtu; empty, with `keep` alone: none
+  bool keep = false;            ///< the tets are handed out, written or not
   std::string preview;          ///< .png of the input and the tets (Preview.h); empty: none
   int threads = 0;              ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0;    ///< bytes for the whole process; 0: what the machine has available
@@ -45,8 +48,9 @@ struct TetrahedralizeResult {
   std::vector<std::size_t> cleanedFaces; ///< of each input, that are left
   MeshSummary mesh;
   std::map<std::int32_t, std::string> regionNames; ///< as written
-  OutputInfo output;
+  OutputInfo output;                               ///< empty where nothing was to be written
   std::optional<PreviewInfo> preview;
+  std::optional<TetMesh> kept; ///< where TetrahedralizeJob::keep asks for it
 };
 
 /// Reads, cleans every input for itself, tetrahedralizes and writes. Region 1, 2, ... of the file

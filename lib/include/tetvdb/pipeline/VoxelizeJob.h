@@ -41,8 +41,9 @@
 namespace tetvdb {
 
 struct VoxelizeJob {
-  /// Mesh files, of tets or of triangles; several become one volume (mergeMeshes()).
+  /// Mesh files or meshes in `memory`, of tets or of triangles; several become one volume.
   std::vector<std::string> inputs;
+  MemoryInputs memory;
   ReadOptions read;
   CellFilter filter;  ///< of tets; in the inputs' own axes, before `up`
   CleanOptions clean; ///< of triangles
@@ -57,7 +58,8 @@ struct VoxelizeJob {
   ShapeOptions shapes;      ///< its grids, maxMemory and device are the job's
   FieldOptions fields;      ///< of tets: arrays that become grids, after all others
   Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
-  std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is made
+  std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is written
+  bool keep = false;        ///< a volume is made and handed out, written or not
   ArrayOptions arrays;      ///< of an output that is an array file
   /// .msh, .mesh or .vtu that receives the tets, the mesher's where the inputs are triangles; .stl,
   /// .obj, .ply, .off or .3mf for the cleaned triangles; empty: none.
@@ -73,6 +75,8 @@ struct VoxelizeJob {
   bool half = false;         ///< float grids are stored with 16 bits a value
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
+
+  bool makesVolume() const { return keep || !output.empty(); }
 };
 
 struct VoxelizeResult {
@@ -93,6 +97,7 @@ struct VoxelizeResult {
   std::vector<GridInfo> grids;
   std::vector<OutputInfo> outputs;
   std::optional<PreviewInfo> preview;
+  std::optional<Volume> kept; ///< where VoxelizeJob::keep asks for it
 };
 
 /// Reads, splits and filters (tets) or cleans (triangles), merges, voxelizes and writes. Triangles

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "InfoReport.h"
 #include "InfoTriangles.h"
 #include "JsonReport.h"
 #include "NumberText.h"
@@ -31,82 +32,6 @@ const char* const kExamples = R"(Examples:
   tetvdb info part.vdb --hash          grids, and a hash that is equal for equal volumes
   tetvdb info *.vtu --json - | jq .    the same for programs)";
 
-struct Range {
-  double min = 0, max = 0;
-  std::size_t notFinite = 0;
-  bool empty = true;
-};
-
-// Over all components.
-Range rangeOf(const Attribute& attribute) {
-  Range range;
-  std::visit(
-      [&](const auto& values) {
-        for (const auto value : values) {
-          const auto number = static_cast<double>(value);
-          if (!std::isfinite(number)) {
-            ++range.notFinite;
-            continue;
-          }
-          range.min = range.empty ? number : std::min(range.min, number);
-          range.max = range.empty ? number : std::max(range.max, number);
-          range.empty = false;
-        }
-      },
-      attribute.values);
-  return range;
-}
-
-const char* typeName(const Attribute& attribute) {
-  constexpr const char* kNames[] = {"float", "double", "int32", "int64"};
-  return kNames[attribute.values.index()];
-}
-
-std::map<std::int32_t, std::size_t> countRegions(const TetMesh& mesh) {
-  std::map<std::int32_t, std::size_t> counts;
-  for (const std::int32_t region : mesh.regions)
-    ++counts[region];
-  return counts;
-}
-
-std::string regionName(const TetMesh& mesh, std::int32_t number) {
-  const auto known = mesh.regionNames.find(number);
-  return known == mesh.regionNames.end() ? std::string() : known->second;
-}
-
-Json meshSection(const InputInfo& info, const TetMesh& mesh) {
-  Json cells = Json::object();
-  for (const auto& [type, count] : info.cells)
-    cells[type] = count;
-  Json regions = Json::array();
-  for (const auto& [number, count] : countRegions(mesh))
-    regions.push_back({{"number", number}, {"name", regionName(mesh, number)}, {"cells", count}});
-  Json attributes = Json::array();
-  for (const Attribute& attribute : mesh.attributes) {
-    const Range range = rangeOf(attribute);
-    attributes.push_back({{"name", attribute.name},
-                          {"on", attribute.on == Attribute::On::Points ? "points" : "cells"},
-                          {"type", typeName(attribute)},
-                          {"components", attribute.components},
-                          {"min", range.empty ? Json() : Json(range.min)},
-                          {"max", range.empty ? Json() : Json(range.max)},
-                          {"not_finite", range.notFinite}});
-  }
-  const TetStatistics& statistics = info.statistics;
-  return {{"path", info.path},
-          {"format", formatName(info.format)},
-          {"kind", "tets"},
-          {"vertices", info.vertices},
-          {"tets", info.tets},
-          {"cells", std::move(cells)},
-          {"defects", {{"inverted", statistics.inverted}, {"flat", statistics.flat}}},
-          {"box", {{"min", statistics.boxMin}, {"max", statistics.boxMax}}},
-          {"volume", statistics.volume},
-          {"steps", {{"count", info.times.size()}, {"times", info.times}}},
-          {"regions", std::move(regions)},
-          {"attributes", std::move(attributes)}};
-}
-
 std::string meshText(const InputInfo& info, const TetMesh& mesh) {
   const TetStatistics& statistics = info.statistics;
   std::string text = fmt::format("{}: {}\n  vertices    {}\n", oneLine(info.path),
@@ -127,25 +52,13 @@ std::string meshText(const InputInfo& info, const TetMesh& mesh) {
     text += fmt::format("  region      {} {}: {} cells\n", number,
                         oneLine(regionName(mesh, number)), count);
   for (const Attribute& attribute : mesh.attributes) {
-    const Range range = rangeOf(attribute);
+    const ValueSpan range = rangeOf(attribute);
     text += fmt::format("  attribute   {} ({}, {} x {}): {:.6g} to {:.6g}", oneLine(attribute.name),
                         attribute.on == Attribute::On::Points ? "points" : "cells",
                         attribute.components, typeName(attribute), range.min, range.max);
     text += range.notFinite == 0 ? "\n" : fmt::format(", {} not finite\n", range.notFinite);
   }
   return text;
-}
-
-Json gridSection(const GridInfo& grid) {
-  Json section = toJson(grid);
-  section["linear"] = grid.linear;
-  section["min"] = grid.minValue;
-  section["max"] = grid.maxValue;
-  Json metadata = Json::object();
-  for (const auto& [key, value] : grid.metadata)
-    metadata[key] = value;
-  section["metadata"] = std::move(metadata);
-  return section;
 }
 
 std::string gridText(const GridInfo& grid) {
@@ -180,7 +93,7 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
   section["metadata"] = std::move(metadata);
   Json grids = Json::array();
   for (const GridInfo& grid : describe(volume)) {
-    grids.push_back(gridSection(grid));
+    grids.push_back(sectionOf(grid));
     session.text += gridText(grid);
   }
   section["grids"] = std::move(grids);
@@ -206,7 +119,7 @@ void describeFile(const std::string& path, const Options& options, Json& section
   ReadOptions read;
   read.regionArray = options.regionArray;
   const TetMesh mesh = readTets(path, read, {}, &info, session.report, session.progress);
-  section = meshSection(info, mesh);
+  section = sectionOf(info, mesh);
   session.text += meshText(info, mesh);
 }
 

@@ -13,14 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json windingJson(const SurfaceDefects& defects) {
-  const auto& shares = defects.windingShares;
-  return {{"inside_out", shares[0]},
-          {"outside", shares[1]},
-          {"inside", shares[2]},
-          {"inside_more_than_once", shares[3]}};
-}
-
 std::string defectsText(const SurfaceDefects& defects, bool intersections) {
   std::string text =
       fmt::format("  vertices    {} ({} distinct, {} without faces)\n", defects.vertices,
@@ -64,27 +56,6 @@ std::string measuresText(const SurfaceDefects& defects, const std::string& units
 
 } // namespace
 
-Json toJson(const SurfaceDefects& defects, bool intersections) {
-  return {
-      {"duplicate_vertices", defects.duplicateVertices},
-      {"unreferenced_vertices", defects.unreferencedVertices},
-      {"degenerate_faces", defects.degenerateFaces},
-      {"sliver_faces", defects.sliverFaces},
-      {"duplicate_faces", defects.duplicateFaces},
-      {"boundary_edges", defects.boundaryEdges},
-      {"nonmanifold_edges", defects.nonManifoldEdges},
-      {"misoriented_edges", defects.misorientedEdges},
-      {"nonmanifold_vertices", defects.nonManifoldVertices},
-      {"holes", defects.holes},
-      {"components", defects.components},
-      {"orientable", defects.orientable},
-      {"watertight", defects.watertight},
-      {"genus", defects.genus ? Json(*defects.genus) : Json()},
-      {"self_intersections", intersections ? Json(defects.selfIntersections) : Json()},
-      {"self_intersections_complete", intersections && defects.selfIntersectionsComplete},
-  };
-}
-
 void describeTriangles(const std::string& path, const DefectOptions& options,
                        nlohmann::ordered_json& section, Session& session) {
   session.progress.stage("read");
@@ -93,19 +64,7 @@ void describeTriangles(const std::string& path, const DefectOptions& options,
   session.progress.stage("look");
   const SurfaceDefects defects = surfaceDefects(mesh, options, session.progress);
   const bool intersections = options.maxIntersections > 0;
-  section = {{"path", info.path},
-             {"format", formatName(info.format)},
-             {"kind", "triangles"},
-             {"vertices", defects.vertices},
-             {"triangles", defects.triangles},
-             {"defects", toJson(defects, intersections)},
-             {"box", {{"min", defects.boxMin}, {"max", defects.boxMax}}},
-             {"area", defects.area},
-             {"volume", defects.volume},
-             {"winding", windingJson(defects)},
-             {"units", mesh.units},
-             {"likely_units", defects.likelyUnit},
-             {"verdict", withOptionNames(verdict(defects))}};
+  section = sectionOf(info, mesh, defects, intersections, withOptionNames);
   session.text += fmt::format("{}: {}\n", oneLine(path), formatName(info.format)) +
                   defectsText(defects, intersections) + measuresText(defects, mesh.units);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "DefectReport.h"
 #include "Session.h"
 #include "tetvdb/surface/SurfaceDefects.h"
 
@@ -12,8 +13,5 @@ namespace tetvdb::cli {
 /// What `info` says about a file of triangles: fills its section and adds to session.text.
 void describeTriangles(const std::string& path, const DefectOptions& options,
                        nlohmann::ordered_json& section, Session& session);
-
-/// The "defects" of a report. Self-intersections are null where they were not counted.
-nlohmann::ordered_json toJson(const SurfaceDefects& defects, bool intersections);
 
 } // namespace tetvdb::cli

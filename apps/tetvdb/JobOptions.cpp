@@ -129,27 +129,4 @@ AllowThreads::AllowThreads(int threads)
                         tbb::global_control::active_value(
                             tbb::global_control::max_allowed_parallelism))) {}
 
-nlohmann::ordered_json toJson(const CleanCounts& cleaned) {
-  return {{"weld_distance", cleaned.weldDistance},
-          {"welded_points", cleaned.weldedPoints},
-          {"unreferenced_points", cleaned.unreferencedPoints},
-          {"degenerate_faces", cleaned.degenerateFaces},
-          {"duplicate_faces", cleaned.duplicateFaces},
-          {"inner_faces", cleaned.innerFaces},
-          {"flipped_faces", cleaned.flippedFaces},
-          {"flipped_parts", cleaned.flippedParts},
-          {"inside_out", cleaned.insideOut},
-          {"doubtful_orientation", cleaned.doubtful}};
-}
-
-void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
-                   nlohmann::ordered_json& sections) {
-  if (!preview)
-    return;
-  sections["preview"] = {{"path", path},
-                         {"panels", preview->panels},
-                         {"width", preview->width},
-                         {"height", preview->height}};
-}
-
 } // namespace tetvdb::cli

@@ -64,11 +64,4 @@ private:
   tbb::global_control control_;
 };
 
-/// What a preview shows, as section "preview"; nothing where there is none.
-void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
-                   nlohmann::ordered_json& sections);
-
-/// What cleaning did, for the report.
-nlohmann::ordered_json toJson(const CleanCounts& cleaned);
-
 } // namespace tetvdb::cli

@@ -121,48 +121,6 @@ RenderJob makeJob(const Options& options) {
   return job;
 }
 
-// null where there is none: JSON has no infinity.
-Json numberOf(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
-Json inputOf(const InputInfo& info, bool isVolume) {
-  if (isVolume)
-    return {{"path", info.path}, {"kind", "volume"}};
-  const bool hasTets = info.tets > 0;
-  return {{"path", info.path},
-          {"format", formatName(info.format)},
-          {"kind", hasTets ? "tets" : "triangles"},
-          {"vertices", info.vertices},
-          {hasTets ? "tets" : "triangles", hasTets ? info.tets : info.triangles}};
-}
-
-Json pictureOf(const RenderResult& result, const std::string& view, bool defects) {
-  Json subjects = Json::array();
-  for (const Drawn& drawn : result.drawn) {
-    Json subject = {{"triangles", drawn.triangles}, {"cut_tets", drawn.cutTets}};
-    if (defects)
-      subject["defects"] = {{"open_edges", drawn.openEdges},
-                            {"nonmanifold_edges", drawn.nonManifoldEdges},
-                            {"flipped_faces", drawn.flippedFaces}};
-    subjects.push_back(subject);
-  }
-  Json colors;
-  if (result.scale) {
-    colors = {{"title", result.scale->title}};
-    if (result.scale->kinds.empty()) {
-      colors["low"] = numberOf(result.scale->low);
-      colors["high"] = numberOf(result.scale->high);
-      colors["logarithmic"] = result.scale->logarithmic;
-    } else {
-      colors["kinds"] = result.scale->kinds;
-    }
-  }
-  return {{"width", result.width}, {"height", result.height},
-          {"view", view},          {"pictures", result.outputs.size()},
-          {"colors", colors},      {"subjects", subjects}};
-}
-
 std::string summaryOf(const RenderResult& result, const Options& options) {
   const OutputInfo& first = result.outputs.front();
   std::string text = fmt::format(
@@ -194,12 +152,7 @@ void runRender(const Options& options, Session& session) {
   const AllowThreads allowed(job.threads);
   session.estimate.plan(plannedStages(job), secondsNow());
   const RenderResult result = run(job, session.report, session.progress);
-  session.sections["input"] = Json::array();
-  for (std::size_t i = 0; i < result.inputs.size(); ++i)
-    session.sections["input"].push_back(inputOf(result.inputs[i], job.inputs[i].isVolume));
-  session.sections["picture"] = pictureOf(result, job.picture.view, options.defects);
-  for (const OutputInfo& output : result.outputs)
-    session.sections["output"].push_back({{"path", output.path}, {"bytes", output.bytes}});
+  session.sections = sectionsOf(job, result);
   session.text = summaryOf(result, options);
   session.textIsSummary = true;
 }

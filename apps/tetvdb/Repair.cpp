@@ -109,84 +109,6 @@ void refuseWhatDoesNotApply(const RepairJob& job, const CLI::App& command) {
       throw Error(Status::Usage, name, "is for meshes; the input is a volume", "leave it out");
 }
 
-Json localOf(const LocalRepair& local) {
-  Json holes = Json::array();
-  for (const FilledHole& hole : local.holes)
-    holes.push_back({{"edges", hole.edges}, {"faces", hole.faces}, {"points", hole.points}});
-  return {{"succeeded", local.succeeded},
-          {"double_faces", local.doubleFaces},
-          {"joined_points", local.stitched.joinedPoints},
-          {"split_faces", local.stitched.splitFaces},
-          {"flipped_collinear_faces", local.stitched.flippedFaces},
-          {"sheets", local.sheets.parts},
-          {"sheet_faces", local.sheets.faces},
-          {"holes", holes},
-          {"cut_faces", local.crossings.cutFaces},
-          {"removed_faces", local.crossings.removedFaces},
-          {"separated_points", local.separatedPoints},
-          {"largest_move", local.largestMove},
-          {"solid_lost", local.solids.lost},
-          {"solid_gained", local.solids.gained}};
-}
-
-Json changesOf(const RepairResult& result) {
-  const bool measured = result.distance.has_value();
-  return {{"kept", result.changes->kept},
-          {"added", result.changes->added},
-          {"removed", result.changes->removed},
-          {"distance_from_input", measured ? result.distance->aToB.largest : 0.0},
-          {"distance_to_input", measured ? result.distance->bToA.largest : 0.0}};
-}
-
-Json finishedOf(const FinishResult& finished) {
-  Json smoothed;
-  if (finished.smoothed)
-    smoothed = {{"moved", finished.smoothed->moved},
-                {"held", finished.smoothed->held},
-                {"backed_off", finished.smoothed->backed},
-                {"largest_move", finished.smoothed->largest}};
-  return {{"smoothed", smoothed},
-          {"triangles_before", finished.simplified ? Json(finished.facesBefore) : Json()},
-          {"distance", finished.distance}};
-}
-
-Json repairOf(const RepairResult& result) {
-  if (!result.objects.empty()) {
-    Json objects = Json::array();
-    for (const RepairResult& object : result.objects)
-      objects.push_back(repairOf(object));
-    return {{"source", nameOf(result.source)},
-            {"remeshed", result.remeshed},
-            {"objects", objects},
-            {"changes", result.changes ? changesOf(result) : Json()},
-            {"triangles", result.triangles},
-            {"vertices", result.vertices},
-            {"units", result.units.empty() ? Json() : Json(result.units)},
-            {"volume_before", result.volumeBefore},
-            {"volume", result.volumeAfter}};
-  }
-  const bool isMesh = result.source != SolidSource::Volume;
-  const bool hasGrid = isMesh && result.remeshed;
-  return {{"name", result.name.empty() ? Json() : Json(result.name)},
-          {"source", nameOf(result.source)},
-          {"remeshed", result.remeshed},
-          {"why", result.why.empty() ? Json() : Json(withOptionNames(result.why))},
-          {"local", result.local ? localOf(*result.local) : Json()},
-          {"changes", result.changes ? changesOf(result) : Json()},
-          {"cleaned", isMesh ? toJson(result.cleaned) : Json()},
-          {"verdict", isMesh ? Json(withOptionNames(verdict(*result.before))) : Json()},
-          {"defects", isMesh ? toJson(*result.before, true) : Json()},
-          {"voxel_size", hasGrid ? Json(result.transform.voxelSize) : Json()},
-          {"triangles_before", isMesh ? Json(result.before->triangles) : Json()},
-          {"triangles_extracted", result.remeshed ? Json(result.extracted) : Json()},
-          {"finished", result.finished ? finishedOf(*result.finished) : Json()},
-          {"triangles", result.triangles},
-          {"vertices", result.vertices},
-          {"units", result.units.empty() ? Json() : Json(result.units)},
-          {"volume_before", isMesh ? Json(result.volumeBefore) : Json()},
-          {"volume", result.volumeAfter}};
-}
-
 std::string changesText(const RepairResult& result) {
   const MeshChanges& changes = *result.changes;
   std::string text = fmt::format("  faces: {} kept, {} added, {} removed\n", changes.kept,
@@ -277,15 +199,7 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   const RepairResult result = run(job, session.report, session.progress);
-  Json input = {{"path", options.inputs.front()}, {"kind", nameOf(result.source)}};
-  if (result.source != SolidSource::Volume && options.inputs.size() == 1) {
-    input["format"] = formatName(result.input.format);
-    input["vertices"] = result.input.vertices;
-  }
-  session.sections["input"][0] = input;
-  session.sections["repair"] = repairOf(result);
-  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
-  reportPreview(result.preview, job.preview, session.sections);
+  session.sections = sectionsOf(job, result, withOptionNames);
   session.text = summaryOf(result);
   session.textIsSummary = true;
 }

@@ -156,8 +156,8 @@ int runCommand(const Command& command) {
                             !(options.quiet && session.textIsSummary);
     if (textWanted)
       printResult(session.text);
-    const std::string report =
-        reportText(command.parser->get_name(), status, failure.text, session);
+    const std::string report = reportText(command.parser->get_name(), status, failure.text,
+                                          session.report, session.sections);
     if (noReport.status == Status::Ok && options.json == "-")
       printResult(report);
     else if (noReport.status == Status::Ok && !options.json.empty())

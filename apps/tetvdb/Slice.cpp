@@ -193,46 +193,6 @@ SliceJob makeJob(const Options& options, const CLI::App& command) {
   return job;
 }
 
-Json inputsOf(const SliceResult& result, const std::vector<std::string>& paths) {
-  Json inputs = Json::array();
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    Json input = {{"path", paths[i]}, {"kind", nameOf(result.source)}};
-    if (i < result.inputs.size()) {
-      input["format"] = formatName(result.inputs[i].format);
-      input["vertices"] = result.inputs[i].vertices;
-      if (result.source == SolidSource::Tets)
-        input["tets"] = result.inputs[i].tets;
-      else
-        input["triangles"] = result.inputs[i].triangles;
-    }
-    inputs.push_back(std::move(input));
-  }
-  return inputs;
-}
-
-Json slicesOf(const SliceResult& result) {
-  const LayerFrame& frame = result.frame;
-  Json slices = {{"format", result.format},
-                 {"layers", frame.layers},
-                 {"empty_layers", result.emptyLayers},
-                 {"width_px", frame.width},
-                 {"height_px", frame.height},
-                 {"pixel_mm", {frame.pixelWidth, frame.pixelHeight}},
-                 {"layer_height_mm", frame.layerHeight},
-                 {"first_layer_height_mm", frame.firstLayerHeight},
-                 {"box_mm", {{"min", result.box.min}, {"max", result.box.max}}},
-                 {"mesh_volume_mm3", result.meshVolume > 0 ? Json(result.meshVolume) : Json()},
-                 {"volume_mm3", result.volume},
-                 {"overlap_mm3", result.overlap},
-                 {"repaired", result.repaired},
-                 {"remeshed", result.remeshed}};
-  if (!result.materials.empty())
-    slices["materials"] = result.materials;
-  if (result.source == SolidSource::Triangles)
-    slices["cleaned"] = toJson(result.cleaned);
-  return slices;
-}
-
 void runSlice(const Options& options, const CLI::App& command, Session& session) {
   Json paths = Json::array();
   for (const std::string& input : options.inputs)
@@ -245,9 +205,7 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
   session.estimate.plan(plannedStages(job), secondsNow());
   const AllowThreads allowed(job.threads);
   const SliceResult result = run(job, session.report, session.progress);
-  session.sections["input"] = inputsOf(result, options.inputs);
-  session.sections["slices"] = slicesOf(result);
-  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  session.sections = sectionsOf(job, result);
   session.text = fmt::format("{}: {:.1f} MB, {} layers of {} x {} pixels, {:.6g} ml\n",
                              oneLine(result.output.path),
                              static_cast<double>(result.output.bytes) / 1e6, result.frame.layers,

@@ -76,34 +76,6 @@ TetrahedralizeJob makeJob(const Options& options, const CLI::App& command) {
   return job;
 }
 
-Json inputsOf(const TetrahedralizeResult& result) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < result.inputs.size(); ++i) {
-    const InputInfo& input = result.inputs[i];
-    list.push_back({{"path", input.path},
-                    {"format", formatName(input.format)},
-                    {"kind", "triangles"},
-                    {"vertices", input.vertices},
-                    {"triangles", input.triangles},
-                    {"units", input.units.empty() ? Json() : Json(input.units)},
-                    {"triangles_cleaned", result.cleanedFaces[i]},
-                    {"cleaned", toJson(result.cleaned[i])}});
-  }
-  return list;
-}
-
-std::string regionName(const TetrahedralizeResult& result, std::int32_t number) {
-  const auto name = result.regionNames.find(number);
-  return name == result.regionNames.end() ? "outside" : name->second;
-}
-
-Json regionsOf(const TetrahedralizeResult& result) {
-  Json list = Json::array();
-  for (const auto& [number, tets] : result.mesh.tetsOfRegion)
-    list.push_back({{"number", number}, {"name", regionName(result, number)}, {"tets", tets}});
-  return list;
-}
-
 std::string summaryOf(const TetrahedralizeResult& result, const Report& report) {
   double seconds = 0;
   for (const Stage& stage : report.stages)
@@ -135,13 +107,7 @@ void runTetrahedralize(const Options& options, const CLI::App& command, Session&
   const AllowThreads allowed(job.threads);
   session.estimate.plan(plannedStages(job), secondsNow());
   const TetrahedralizeResult result = run(job, session.report, session.progress);
-  session.sections["input"] = inputsOf(result);
-  Json& mesh = session.sections["mesh"];
-  mesh = toJson(result.mesh);
-  mesh["boolean"] = options.boolean.empty() ? Json() : Json(options.boolean);
-  mesh["regions"] = regionsOf(result);
-  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
-  reportPreview(result.preview, job.preview, session.sections);
+  session.sections = sectionsOf(job, result);
   session.text = summaryOf(result, session.report);
   session.textIsSummary = true;
 }

@@ -11,7 +11,6 @@
 #include "ProgressDisplay.h"
 #include "VoxelizeSequence.h"
 #include "tetvdb/io/ArrayFile.h"
-#include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
@@ -202,96 +201,7 @@ VoxelizeJob makeJob(const Options& options) {
   return job;
 }
 
-Json inputsOf(const VoxelizeResult& result) {
-  Json list = Json::array();
-  for (const InputInfo& input : result.inputs) {
-    Json entry = {{"path", input.path},
-                  {"format", formatName(input.format)},
-                  {"kind", result.holdsTriangles ? "triangles" : "tets"},
-                  {"vertices", input.vertices}};
-    if (result.holdsTriangles) {
-      entry["triangles"] = input.triangles;
-      entry["units"] = input.units.empty() ? Json() : Json(input.units);
-    } else {
-      entry["tets"] = input.tets;
-      entry["cells"] = Json(input.cells);
-      entry["defects"] = {{"inverted", input.statistics.inverted}, {"flat", input.statistics.flat}};
-    }
-    list.push_back(std::move(entry));
-  }
-  return list;
-}
-
-Json tetsOf(const VoxelizeResult& result) {
-  return {{"tets", result.tets},
-          {"flipped", result.counts.flipped},
-          {"dropped", result.counts.dropped},
-          {"boundary_faces", result.counts.boundaryFaces},
-          {"volume", result.volume},
-          // The envelope mesher's; tets come as they are.
-          {"epsilon_asked", nullptr},
-          {"epsilon_reached", nullptr},
-          {"quality", nullptr},
-          {"not_inserted", nullptr}};
-}
-
-// How triangles became a solid.
-std::string methodText(const VoxelizeResult& result, const Options& options) {
-  if (!options.shell.empty())
-    return "shell";
-  if (result.mesher && result.mesher->method != Mesher::Winding)
-    return nameOf(result.mesher->method);
-  if (options.inside == "flood")
-    return "flood";
-  return result.openEdges == 0 ? "signed crossings" : "winding number";
-}
-
-Json trianglesOf(const VoxelizeResult& result, const Options& options) {
-  Json mesh = {{"triangles", result.triangles},
-               {"open_edges", result.openEdges},
-               {"closed", result.openEdges == 0},
-               {"method", methodText(result, options)},
-               {"mesher", result.mesher ? Json({{"method", nameOf(result.mesher->method)},
-                                                {"why", withOptionNames(result.mesher->why)}})
-                                        : Json()},
-               {"inside", options.inside},
-               {"cleaned", toJson(result.cleaned)}};
-  if (!result.made)
-    return mesh;
-  mesh.update(toJson(*result.made));
-  mesh["flipped"] = result.counts.flipped;
-  mesh["dropped"] = result.counts.dropped;
-  return mesh;
-}
-
-// The volume that a coverage holds, cubic units.
-double filledVolume(const GridInfo& grid, double voxels) {
-  const Vec3d& h = grid.transform.voxelSize;
-  return voxels * h[0] * h[1] * h[2];
-}
-
-Json gridsOf(const VoxelizeResult& result) {
-  Json list = toJson(result.grids);
-  for (std::size_t i = 0; i < result.grids.size(); ++i)
-    if (result.grids[i].name == "coverage") {
-      list[i]["filled"] = filledVolume(result.grids[i], result.shapes.coverage.filled);
-      list[i]["overlap"] = filledVolume(result.grids[i], result.shapes.coverage.overlap);
-    } else if (result.grids[i].name == "surface" || result.grids[i].name == "fog") {
-      const TrimCounts& trim = result.shapes.trim;
-      list[i]["trim"] = {
-          {"met", trim.met}, {"removed", trim.removed}, {"cut", trim.cut}, {"pieces", trim.pieces}};
-    }
-  return list;
-}
-
-Json outputsOf(const VoxelizeResult& result) {
-  Json list = Json::array();
-  for (const OutputInfo& output : result.outputs)
-    list.push_back({{"path", output.path}, {"bytes", output.bytes}});
-  return list;
-}
-
-std::string summaryOf(const VoxelizeResult& result, const Options& options, const Report& report) {
+std::string summaryOf(const VoxelizeJob& job, const VoxelizeResult& result, const Report& report) {
   double seconds = 0;
   for (const Stage& stage : report.stages)
     seconds += stage.seconds;
@@ -302,9 +212,9 @@ std::string summaryOf(const VoxelizeResult& result, const Options& options, cons
                         result.holdsTriangles ? "triangles" : "tets", seconds);
   if (result.made)
     text += textOf(*result.made);
-  if (result.holdsTriangles && result.openEdges > 0 && options.shell.empty())
+  if (result.holdsTriangles && result.openEdges > 0 && job.solid.shell == 0)
     text += fmt::format("  {} open edges: closed by {}\n", result.openEdges,
-                        result.made ? "winding number" : methodText(result, options));
+                        result.made ? "winding number" : methodText(job, result));
   for (const GridInfo& grid : result.grids)
     text +=
         fmt::format("  {} ({}): {} active voxels of {}, {} leaves, {} tiles, volume {:.6g}\n",
@@ -323,25 +233,18 @@ void prepareSections(const Options& options, Session& session) {
                       {"fit", nullptr},  {"grids", Json::array()},     {"output", Json::array()}};
 }
 
-void describeDevices(const VoxelizeResult& result, bool fields, bool levelSet, Session& session) {
+void noteDevices(const VoxelizeJob& job, const VoxelizeResult& result, Session& session) {
   const DeviceUsed& grids = result.device;
-  session.sections["device"] = grids.name;
-  Json& mesh = session.sections["mesh"];
-  if (!grids.why.empty())
-    mesh["device_why"] = withOptionNames(grids.why);
   if (!grids.why.empty() && grids.name != "cpu")
     session.notes.push_back(fmt::format("device: {}, since {}", grids.name, grids.why));
-  const auto describe = [&](const char* key, const char* what, const DeviceUsed& used) {
-    mesh[fmt::format("{}_device", key)] = used.name;
-    if (!used.why.empty())
-      mesh[fmt::format("{}_device_why", key)] = withOptionNames(used.why);
+  const auto note = [&](const char* what, const DeviceUsed& used) {
     if (used.name != grids.name)
       session.notes.push_back(fmt::format("device of the {}: {}", what, used.name));
   };
-  if (fields)
-    describe("fields", "arrays", result.fieldsDevice);
-  if (levelSet)
-    describe("surface", "level set", result.shapes.device);
+  if (!job.fields.empty())
+    note("arrays", result.fieldsDevice);
+  if (!madeBy(job.grids, {GridMaker::Distance}).empty())
+    note("level set", result.shapes.device);
 }
 
 void runVoxelize(const Options& options, Session& session) {
@@ -356,16 +259,9 @@ void runVoxelize(const Options& options, Session& session) {
     return;
   session.estimate.plan(plannedStages(job), secondsNow());
   const VoxelizeResult result = run(job, session.report, session.progress);
-  session.sections["input"] = inputsOf(result);
-  session.sections["mesh"] = result.holdsTriangles ? trianglesOf(result, options) : tetsOf(result);
-  if (!job.output.empty())
-    session.sections["transform"] = worldFromIndex(result.transform);
-  session.sections["grids"] = gridsOf(result);
-  session.sections["output"] = outputsOf(result);
-  reportPreview(result.preview, job.preview, session.sections);
-  session.text = summaryOf(result, options, session.report);
-  const bool levelSet = !madeBy(job.grids, {GridMaker::Distance}).empty();
-  describeDevices(result, !job.fields.empty(), levelSet, session);
+  session.sections = sectionsOf(job, result, withOptionNames);
+  session.text = summaryOf(job, result, session.report);
+  noteDevices(job, result, session);
   if (result.mesher)
     session.notes.push_back(
         fmt::format("mesher: {}, since {}", nameOf(result.mesher->method), result.mesher->why));

@@ -5,7 +5,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-scripts/setup.sh --test
-cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON
+scripts/setup.sh --test --python
+cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON \
+  -DTETVDB_PYTHON=ON -DPython_EXECUTABLE="$PWD/build/python-venv/bin/python"
 cmake --build --preset release
 ctest --preset release -j "$(nproc)" --no-tests=error "$@"

@@ -13,9 +13,10 @@
 
 namespace tetvdb {
 
-/// Reads one file of triangles, or triangles in `memory`: of .3mf every mesh that its build places, with its name; of other
-/// formats one object of the file's name without folder and ending. Assemblies are numbered from
-/// `firstAssembly` on. `info` as of readSoup(). Warnings and errors name the file.
+/// Reads one file of triangles, or triangles in `memory`: of .3mf every mesh that its build places,
+/// with its name; of other formats one object of the file's name without folder and ending.
+/// Assemblies are numbered from `firstAssembly` on. `info` as of readSoup(). Warnings and errors
+/// name the file.
 std::vector<NamedMesh> readObjects(const std::string& path, std::size_t firstAssembly,
                                    InputInfo* info, Report& report, Progress& progress,
                                    const MemoryInputs& memory = {});

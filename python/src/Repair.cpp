@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Functions.h"
+#include "Inputs.h"
+#include "JobReport.h"
+#include "Meshes.h"
+#include "Settings.h"
+#include "VolumeSignature.h"
+#include "tetvdb/pipeline/RepairJob.h"
+
+#include <memory>
+#include <nanobind/stl/string.h>
+#include <utility>
+
+namespace tetvdb::python {
+namespace {
+
+RepairJob jobOf(Settings& settings) {
+  RepairJob job;
+  job.keep = true;
+  settings.take("grid", job.grid);
+  settings.takeSize(job.voxelSize, job.resolution);
+  settings.take("simplify", job.simplify);
+  if (job.simplify < 0)
+    Settings::refuse("simplify", "is below 0", "give a number of voxels, zero or more");
+  settings.take("remesh", job.remesh);
+  int faces = 0;
+  settings.take("faces", faces);
+  if (settings.has("faces") && faces < 4)
+    Settings::refuse("faces", "is too small", "give 4 or more: a closed surface has no fewer");
+  job.finish.faces = static_cast<std::size_t>(faces);
+  settings.takeRelative("error", job.finish.error, false);
+  settings.takeRelative("smooth", job.finish.smooth, false);
+  settings.takeLength("scale", job.scale);
+  settings.take("units", job.units);
+  settings.takeInside(job.solid);
+  settings.takeCleaning(job.clean);
+  return job;
+}
+
+nb::object repairInputs(const nb::list& given, const nb::dict& keywords) {
+  Settings settings(keywords);
+  RepairJob job = jobOf(settings);
+  const JobLimits limits = settings.takeLimits();
+  settings.finish();
+  job.threads = limits.threads;
+  job.maxMemory = limits.maxMemory;
+  Inputs inputs = inputsOf(given);
+  job.isVolume = isVolume(inputs.names.front(), inputs.memory);
+  job.input = inputs.names.front();
+  job.more.assign(inputs.names.begin() + 1, inputs.names.end());
+  job.memory = std::move(inputs.memory);
+
+  struct Done {
+    RepairJob job;
+    RepairResult result;
+    Report report;
+  };
+  auto done = std::make_shared<Done>();
+  JobRun work(limits);
+  done->result =
+      work([&](Report& report, Progress& progress) { return run(job, report, progress); });
+  TriangleMesh mesh = std::move(*done->result.kept);
+  done->result.kept.reset();
+  job.memory.clear(); // the caller's arrays
+  done->job = std::move(job);
+  done->report = std::move(work.report());
+  return meshObject(std::move(mesh), [done] {
+    return cli::reportText("repair", statusOf(done->report), "", done->report,
+                           cli::sectionsOf(done->job, done->result));
+  });
+}
+
+} // namespace
+
+void addRepair(nb::module_& module) {
+  module.def("repair", &repairInputs, nb::arg("inputs"), nb::arg("settings"),
+             "Internal: tetvdb.repair() with its inputs told apart.");
+}
+
+} // namespace tetvdb::python

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Meshes into sparse OpenVDB volumes.
+
+    import tetvdb
+
+    v = tetvdb.voxelize("part.stl", resolution=512)    # or arrays, or a mesh of another library
+    v["density"].to_numpy()
+    v.write("part.vdb")
+
+A mesh is a path; points (N, 3) with triangles (M, 3) or tets (M, 4), arrays of NumPy or of anything
+with __dlpack__; or an object of trimesh, meshio, PyVista or Open3D. Several in a list become one
+volume. Settings have the names of the command line's options, with underscores; lengths are in
+the mesh's units. docs/python.md is the guide.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple, Optional, Sequence, Union
+
+from . import _tetvdb
+from ._inputs import GRID_KINDS as _GRID_KINDS
+from ._inputs import _array
+from ._inputs import inputs_of as _inputs_of
+from ._tetvdb import Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __version__, read
+
+__all__ = ["Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid", "TetMesh", "TriangleMesh",
+           "Volume", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
+           "voxelize", "__version__"]
+
+_Length = Union[float, str]
+
+
+def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = "density",
+             resolution: Optional[int] = None, voxel_size: Any = None, fit: Optional[int] = None,
+             padding: Optional[int] = None, origin: Optional[Sequence[float]] = None,
+             half_width: Union[None, float, str] = None, rule: Optional[str] = None,
+             half: bool = False, up_axis: Optional[str] = None, units: Optional[str] = None,
+             allow_empty: bool = False, mesher: Optional[str] = None,
+             epsilon: Optional[_Length] = None, inside: Optional[str] = None,
+             shell: Optional[float] = None, shell_side: Optional[str] = None,
+             weld: Optional[float] = None, keep_orientation: bool = False,
+             region: Any = None, exclude: Any = None, region_array: Optional[str] = None,
+             bbox: Optional[Sequence[float]] = None, device: Optional[str] = None,
+             threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
+             max_time: Optional[float] = None) -> Volume:
+    """Turns meshes, of triangles or of solid cells, into a sparse volume.
+
+    mesh, cells: see the module's documentation; `cells` goes with an array of points.
+    grid: density, mask, surface, fog, coverage, tet_id, material, or arrays of the mesh by name.
+    resolution: voxels along the longest side (default 256); or voxel_size: a voxel's side, or three;
+        or fit: a cube of so many voxels, numbered from 0, with the model in its middle and `padding`
+        voxels free on each side.
+    origin: centre of voxel (0, 0, 0).
+    half_width: voxels on either side of the surface that hold distances (default 3), or "all".
+    rule: voxels of density and mask: "centre", "any" or "all".
+    inside: "winding", "nonzero", "parity" or "flood"; shell: no solid but a shell of that thickness.
+    mesher: "auto", "winding" or "envelope", the last within epsilon: a length, "1e-3d", "0.5v".
+    weld, keep_orientation: how triangles are cleaned.
+    region, exclude, region_array, bbox: which cells are kept.
+    threads, max_memory, max_time: limits.
+
+    Raises tetvdb.Error. Warns with tetvdb.MeshWarning. The volume's `report` says what was done.
+    """
+    settings = locals()
+    del settings["mesh"], settings["cells"]
+    names = grid.split(",") if isinstance(grid, str) else grid
+    attributes = region_array is not None or not _GRID_KINDS.issuperset(names)
+    return _tetvdb.voxelize(_inputs_of(mesh, cells, attributes), settings)
+
+
+def tetrahedralize(mesh: Any, cells: Any = None, *, epsilon: Optional[_Length] = None,
+                   edge_length: Optional[_Length] = None, stop_energy: Optional[float] = None,
+                   max_passes: Optional[int] = None, boolean: Optional[str] = None,
+                   keep_outside: bool = False, weld: Optional[float] = None,
+                   keep_orientation: bool = False, threads: Optional[int] = None,
+                   max_memory: Union[None, int, str] = None,
+                   max_time: Optional[float] = None) -> TetMesh:
+    """Turns triangles with any defect into tetrahedra within epsilon of them.
+
+    epsilon: a length, or a part of the diagonal of the box such as "1e-3d", the default.
+    edge_length: what edges should have where the surface allows it (default "0.05d").
+    stop_energy: improve until no tet's AMIPS energy is above it; 10 is a good mesh.
+    boolean: one solid of several meshes: "union", "difference" or "intersection".
+    keep_outside: the tets around the solid too, as region 0.
+
+    Raises tetvdb.Error. Warns with tetvdb.MeshWarning. The mesh's `report` says what was done.
+    """
+    settings = locals()
+    del settings["mesh"], settings["cells"]
+    return _tetvdb.tetrahedralize(_inputs_of(mesh, cells), settings)
+
+
+class Queried(NamedTuple):
+    """What query() returns; None for what was not asked for."""
+
+    occupancy: Any  #: bool (N)
+    distance: Any  #: float64 (N)
+
+
+class Solid:
+    """A mesh made ready to be asked about many points, several times."""
+
+    def __init__(self, mesh: Any, cells: Any = None, *, weld: Optional[float] = None,
+                 keep_orientation: bool = False, threads: Optional[int] = None,
+                 max_memory: Union[None, int, str] = None, max_time: Optional[float] = None):
+        settings = {"weld": weld, "keep_orientation": keep_orientation, "threads": threads,
+                    "max_memory": max_memory, "max_time": max_time}
+        self._solid = _tetvdb.solid(_inputs_of(mesh, cells), settings)
+
+    @property
+    def open_edges(self) -> int:
+        """Edges at which the mesh does not close, once cleaned: 0 of a closed one."""
+        return self._solid.open_edges
+
+    def query(self, points: Any, occupancy: bool = True, distance: bool = False) -> Queried:
+        """Of every point (N, 3) whether it is inside, and its signed distance to the surface."""
+        return Queried(*self._solid.ask(_array(points), occupancy, distance))
+
+
+def query(mesh: Any, points: Any, cells: Any = None, *, occupancy: bool = True,
+          distance: bool = False, weld: Optional[float] = None, keep_orientation: bool = False,
+          threads: Optional[int] = None, max_time: Optional[float] = None) -> Queried:
+    """Asks whether points are inside a mesh, and how far they are from its surface.
+
+    points: (N, 3). occupancy: inside where the winding number is above 0.5, exact for a closed mesh.
+    distance: to the nearest face, below zero inside.
+
+        inside, distance = tetvdb.query(mesh, points, distance=True)
+
+    For several calls with one mesh make a Solid. Raises tetvdb.Error.
+    """
+    solid = Solid(mesh, cells, weld=weld, keep_orientation=keep_orientation, threads=threads,
+                  max_time=max_time)
+    return solid.query(points, occupancy, distance)
+
+
+def repair(mesh: Any, cells: Any = None, *, grid: Optional[str] = None,
+           resolution: Optional[int] = None, voxel_size: Any = None,
+           simplify: Optional[float] = None, remesh: bool = False, faces: Optional[int] = None,
+           error: Optional[_Length] = None, smooth: Optional[_Length] = None,
+           scale: Optional[float] = None, units: Optional[str] = None, inside: Optional[str] = None,
+           shell: Optional[float] = None, weld: Optional[float] = None,
+           keep_orientation: bool = False, threads: Optional[int] = None,
+           max_memory: Union[None, int, str] = None,
+           max_time: Optional[float] = None) -> TriangleMesh:
+    """Makes a closed, manifold surface of any mesh, or of a volume.
+
+    What is in order stays bit for bit; what is not is repaired where it is broken, or else the
+    surface is made anew from voxels of `voxel_size`, or `resolution` along the longest side.
+    faces, error: simplify to so many faces, or while both surfaces stay within `error`.
+    smooth: even the surface out; no vertex moves farther.
+    grid: of a volume (default: the first solid one).
+
+    Raises tetvdb.Error. Warns with tetvdb.MeshWarning. The mesh's `report` says what was done.
+    """
+    settings = locals()
+    del settings["mesh"], settings["cells"]
+    return _tetvdb.repair(_inputs_of(mesh, cells), settings)
+
+
+def info(mesh: Any, cells: Any = None, *, hash: bool = False,
+         max_intersections: Optional[int] = None, threads: Optional[int] = None) -> dict:
+    """Says what a mesh or a volume holds: counts, box, volume, the defects of triangles.
+
+    A dict, an element of "input" in the report of 'tetvdb info --json'. hash: of a volume, its hash.
+    max_intersections: stop counting pairs of faces that cross there; 0: do not count.
+    """
+    settings = {"hash": hash, "max_intersections": max_intersections, "threads": threads}
+    return _tetvdb.info(_inputs_of(mesh, cells, True), settings)
+
+
+def render(mesh: Any, cells: Any = None, *, view: Optional[str] = None,
+           size: Optional[Sequence[int]] = None, color: Optional[str] = None,
+           color_map: Optional[str] = None, range: Optional[str] = None, cut: Optional[str] = None,
+           wire: bool = False, smooth: bool = False, defects: bool = False,
+           perspective: bool = False, background: Optional[str] = None,
+           up_axis: Optional[str] = None, style: Optional[str] = None, grid: Optional[str] = None,
+           slice: Optional[str] = None, turntable: Optional[int] = None,
+           threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
+           max_time: Optional[float] = None) -> Any:
+    """Draws meshes or volumes; several in a list stand side by side.
+
+    Returns uint8 (height, width, 3), or 4 with a transparent background; of a turntable (N, ...).
+    view: "iso", "front", "top", ..., or "x,y,z" to the eye. size: (width, height).
+    color: an array of the mesh, "quality" or "region". cut: "x=0.5" of the box, "x=12.5u" in units.
+    style: of a volume, "voxels", "surface" or "fog"; slice: a plane across it, as `cut`.
+    """
+    settings = locals()
+    del settings["mesh"], settings["cells"]
+    return _tetvdb.render(_inputs_of(mesh, cells, color is not None), settings)
+
+
+class Sliced(NamedTuple):
+    """What slice() returns."""
+
+    layers: Any  #: uint8 (layers, height, width), from below; None where a file was written
+    report: dict  #: the object that the command line writes with --json
+
+
+def slice(mesh: Any, cells: Any = None, *, output: Any = None, printer: Any = None,
+          pixels: Optional[Sequence[int]] = None, display: Optional[Sequence[float]] = None,
+          layer_height: Optional[float] = None, first_layer_height: Optional[float] = None,
+          place: Union[None, str, Sequence[float]] = None, scale: Optional[float] = None,
+          units: Optional[str] = None, grid: Optional[str] = None, aa: Optional[str] = None,
+          levels: Optional[int] = None, gamma: Optional[float] = None, dither: bool = False,
+          materials: bool = False, format: Optional[str] = None, weld: Optional[float] = None,
+          keep_orientation: bool = False, threads: Optional[int] = None,
+          max_memory: Union[None, int, str] = None, max_time: Optional[float] = None) -> Sliced:
+    """Cuts a mesh or a volume into a printer's layers.
+
+    output: a file or folder as the command line takes it; None: the layers come as an array.
+    printer: a file of settings; or pixels, display (mm) and layer_height (mm).
+    place: "centre", "keep" or (x, y) in mm on the plate.
+    aa: what a pixel's level is the share of: "volume", "area", or "none".
+    """
+    settings = locals()
+    del settings["mesh"], settings["cells"]
+    return Sliced(*_tetvdb.slice(_inputs_of(mesh, cells), settings))

@@ -2,13 +2,11 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
-#include "ParseQuantities.h"
+#include "PrinterOptions.h"
 #include "ProgressDisplay.h"
-#include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/io/text/NumberParser.h"
-#include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/SliceJob.h"
 
@@ -22,13 +20,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct Options : JobOptions, PrinterOptions {
   std::vector<std::string> inputs;
-  std::string output, format, printer, pixels, display, layerHeight, firstLayerHeight;
-  std::string orientation, mirror, maxHeight, place, units, grid, aa = "volume", table, stretch;
-  std::string xyOffset, footOffset, exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed,
-      lightOffDelay;
-  double scale = 1, gamma = 1;
+  std::string output, format, aa = "volume", table;
+  std::string exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed, lightOffDelay;
+  double gamma = 1;
   int levels = 256, bottomLayers = 1, fadedLayers = 0;
   bool materials = false, dither = false;
 };
@@ -53,25 +49,6 @@ layer (--aa volume), or of the layer's middle plane (--aa area). The model stand
 the plate unless --place says otherwise. Lengths of the printer are in millimetres; those of the
 model too, unless its file or --units says otherwise. docs/print.md explains formats and options.)";
 
-std::array<double, 2> parsePair(const std::string& option, const std::string& text) {
-  const std::vector<double> numbers = parseNumbers(option, text);
-  if (numbers.size() != 2 || !std::isfinite(numbers[0]) || !std::isfinite(numbers[1]))
-    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
-                "give two numbers with a comma between them");
-  return {numbers[0], numbers[1]};
-}
-
-// A length or time that was asked for replaces the printer's.
-void take(const std::string& option, const std::string& text, double& value) {
-  if (text.empty())
-    return;
-  const std::vector<double> numbers = parseNumbers(option, text);
-  if (numbers.size() != 1 || !(numbers[0] >= 0) || !std::isfinite(numbers[0]))
-    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
-                "give a number, zero or more");
-  value = numbers[0];
-}
-
 std::array<std::uint8_t, 256> readTable(const std::string& path) {
   const MappedFile file(path);
   std::string text(file.bytes());
@@ -90,94 +67,30 @@ std::array<std::uint8_t, 256> readTable(const std::string& path) {
   return table;
 }
 
-void setPrinter(const Options& options, const CLI::App& command, PrinterSettings& printer) {
-  if (!options.pixels.empty()) {
-    const auto pixels = parsePair("--pixels", options.pixels);
-    for (std::size_t k = 0; k < 2; ++k) {
-      if (!(pixels[k] >= 1 && pixels[k] <= 1 << 20) || pixels[k] != std::floor(pixels[k]))
-        throw Error(Status::Usage, "--pixels", "'" + options.pixels + "' cannot be used",
-                    "give two whole numbers, such as 2560,1440");
-      printer.pixels[k] = static_cast<int>(pixels[k]);
-    }
-  }
-  if (!options.display.empty())
-    printer.display = parsePair("--display", options.display);
-  if (!options.layerHeight.empty()) {
-    printer.layerHeight = parseLength("--layer-height", options.layerHeight);
-    printer.firstLayerHeight = 0;
-  }
-  if (!options.firstLayerHeight.empty())
-    printer.firstLayerHeight = parseLength("--first-layer-height", options.firstLayerHeight);
-  if (!options.orientation.empty())
-    printer.portrait = options.orientation == "portrait";
-  if (!options.mirror.empty())
-    printer.mirror = {options.mirror == "x" || options.mirror == "xy",
-                      options.mirror == "y" || options.mirror == "xy"};
-  take("--max-height", options.maxHeight, printer.maxHeight);
-  take("--exposure", options.exposure, printer.exposure);
-  take("--bottom-exposure", options.bottomExposure, printer.firstExposure);
+void setExposure(const Options& options, const CLI::App& command, PrinterSettings& printer) {
+  takeNumber("--exposure", options.exposure, printer.exposure);
+  takeNumber("--bottom-exposure", options.bottomExposure, printer.firstExposure);
   if (command.count("--bottom-layers") > 0)
     printer.bottomLayers = options.bottomLayers;
   if (command.count("--transition-layers") > 0)
     printer.fadedLayers = options.fadedLayers;
   if (!options.liftHeight.empty()) {
-    take("--lift-height", options.liftHeight, printer.liftHeight);
+    takeNumber("--lift-height", options.liftHeight, printer.liftHeight);
     printer.bottomLiftHeight = printer.liftHeight;
   }
   if (!options.liftSpeed.empty()) {
-    take("--lift-speed", options.liftSpeed, printer.liftSpeed);
+    takeNumber("--lift-speed", options.liftSpeed, printer.liftSpeed);
     printer.bottomLiftSpeed = printer.liftSpeed;
   }
-  take("--retract-speed", options.retractSpeed, printer.retractSpeed);
-  take("--light-off-delay", options.lightOffDelay, printer.lightOffDelay);
-  if (!options.xyOffset.empty()) {
-    const std::vector<double> numbers = parseNumbers("--xy-offset", options.xyOffset);
-    if (numbers.size() != 1 || !std::isfinite(numbers[0]))
-      throw Error(Status::Usage, "--xy-offset", "'" + options.xyOffset + "' is not a length");
-    printer.xyOffset = numbers[0];
-  }
-  take("--foot-offset", options.footOffset, printer.footOffset);
-  if (!options.stretch.empty()) {
-    const Vec3d factors = parsePoint("--stretch", options.stretch);
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (!(factors[k] > 0))
-        throw Error(Status::Usage, "--stretch", "factors must be above zero");
-      printer.stretch[k] *= factors[k];
-    }
-  }
-}
-
-void setPlace(const Options& options, PlaceOptions& place) {
-  if (!std::isfinite(options.scale) || !(options.scale > 0))
-    throw Error(Status::Usage, "--scale", "must be a number above zero");
-  place.scale = options.scale;
-  if (options.place == "keep")
-    place.keep = true;
-  else if (!options.place.empty() && options.place != "centre" && options.place != "center")
-    place.centre = parsePair("--place", options.place);
+  takeNumber("--retract-speed", options.retractSpeed, printer.retractSpeed);
+  takeNumber("--light-off-delay", options.lightOffDelay, printer.lightOffDelay);
 }
 
 SliceJob makeJob(const Options& options, const CLI::App& command) {
-  SliceJob job;
-  job.inputs = options.inputs;
-  for (const std::string& input : options.inputs) {
-    const MappedFile readable(input); // says so at once if the file is not there
-    job.isVolume = job.isVolume || signatureOf(input) != VolumeSignature::None;
-  }
-  job.grid = options.grid;
-  if (!job.grid.empty() && !job.isVolume)
-    throw Error(Status::Usage, "--grid", "chooses a grid of a volume; the input is a mesh",
-                "leave it out");
+  SliceJob job = sliceJobFrom(options, options.inputs);
   job.output = options.output;
   job.format = options.format;
-  if (!options.printer.empty())
-    job.printer = readPrinter(options.printer);
-  setPrinter(options, command, job.printer);
-  setPlace(options, job.place);
-  job.units = options.units;
-  if (!options.units.empty() && !(metresOf(options.units) > 0))
-    throw Error(Status::Usage, "--units", "'" + options.units + "' is no unit known here",
-                "choose from um, mm, cm, m, in and ft");
+  setExposure(options, command, job.printer);
   job.aa = options.aa == "area"   ? SliceAa::Area
            : options.aa == "none" ? SliceAa::None
                                   : SliceAa::Volume;
@@ -213,23 +126,11 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
   session.textIsSummary = true;
 }
 
-void addPrinterOptions(CLI::App& command, Options& options) {
+void addExposureOptions(CLI::App& command, Options& options) {
   const auto add = [&](const char* name, std::string& value, const char* type,
                        const std::string& description) {
     return command.add_option(name, value, description)->type_name(type)->check(notEmpty());
   };
-  add("--printer", options.printer, "FILE",
-      "The printer's settings: keys of PrusaSlicer, one a line; options below replace them");
-  add("--pixels", options.pixels, "W,H", "Pixels of the display");
-  add("--display", options.display, "W,H", "Size of the display, mm");
-  add("--layer-height", options.layerHeight, "H", "Height of a layer, mm");
-  add("--first-layer-height", options.firstLayerHeight, "H", "Of the first (default: as others)");
-  add("--orientation", options.orientation, "O",
-      "landscape, or portrait: images are turned by a quarter")
-      ->check(CLI::IsMember({"landscape", "portrait"}).description(""));
-  add("--mirror", options.mirror, "AXES", "Mirror images along x, y, xy or none")
-      ->check(CLI::IsMember({"x", "y", "xy", "none"}).description(""));
-  add("--max-height", options.maxHeight, "H", "Refuse models that are higher, mm (0: no limit)");
   add("--exposure", options.exposure, "SECONDS", "Exposure of a layer");
   add("--bottom-exposure", options.bottomExposure, "SECONDS", "Exposure of the bottom layers");
   command.add_option("--bottom-layers", options.bottomLayers, "How many of these (default 1)")
@@ -244,35 +145,6 @@ void addPrinterOptions(CLI::App& command, Options& options) {
   add("--lift-speed", options.liftSpeed, "V", "mm a minute (default 60)");
   add("--retract-speed", options.retractSpeed, "V", "mm a minute (default 150)");
   add("--light-off-delay", options.lightOffDelay, "SECONDS", "Wait before a layer (default 0)");
-}
-
-void addModelOptions(CLI::App& command, Options& options) {
-  command
-      .add_option("--place", options.place,
-                  "centre: the middle of the display (default); X,Y: the box's middle there, mm; "
-                  "keep: coordinates are the plate's")
-      ->type_name("PLACE")
-      ->check(notEmpty());
-  command.add_option("--units", options.units, "Of the model: um, mm, cm, m, in or ft")
-      ->type_name("UNIT")
-      ->check(notEmpty());
-  command.add_option("--scale", options.scale, "Multiply the model by F")->type_name("F");
-  command
-      .add_option("--stretch", options.stretch,
-                  "Multiply it along each axis, against shrinkage of the material")
-      ->type_name("FX,FY,FZ")
-      ->check(notEmpty());
-  command
-      .add_option("--xy-offset", options.xyOffset,
-                  "Grow outlines by D mm, below 0: shrink them, against light that spreads")
-      ->type_name("D");
-  command
-      .add_option("--foot-offset", options.footOffset,
-                  "Shrink the first layer's outline by D mm, those of the transition layers less")
-      ->type_name("D");
-  command.add_option("--grid", options.grid, "Of a volume, by name")
-      ->type_name("NAME")
-      ->check(notEmpty());
 }
 
 void addPixelOptions(CLI::App& command, Options& options) {
@@ -338,6 +210,7 @@ Command addSlice(CLI::App& program) {
       ->type_name("NAME")
       ->check(notEmpty());
   addPrinterOptions(*command, *options);
+  addExposureOptions(*command, *options);
   addModelOptions(*command, *options);
   addPixelOptions(*command, *options);
   addCleaningOptions(*command, *options);

@@ -65,5 +65,17 @@ TEST(PlateMap, TurnsImages) {
   EXPECT_EQ(pixelOf(one, 4, 0), (Pixel{60, 60}));
 }
 
+TEST(PlateMap, PixelsAndPlacesOnThePlateAreOneToOne) {
+  PrinterSettings one = printer();
+  for (int turn = 0; turn < 8; ++turn) {
+    one.portrait = (turn & 1) != 0;
+    one.mirror = {(turn & 2) != 0, (turn & 4) != 0};
+    const auto [column, row] = pixelOf(one, 3.5, 1.25);
+    const auto [x, y] = plateOf(one, column, row);
+    EXPECT_NEAR(x, 3.5, 1e-12) << turn;
+    EXPECT_NEAR(y, 1.25, 1e-12) << turn;
+  }
+}
+
 } // namespace
 } // namespace tetvdb

@@ -26,6 +26,7 @@
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/CheckPrintJob.h"
 #include "tetvdb/pipeline/CheckVolumes.h"
 #include "tetvdb/pipeline/ConvertJob.h"
 #include "tetvdb/pipeline/MemoryInput.h"

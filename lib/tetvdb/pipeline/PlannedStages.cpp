@@ -87,6 +87,15 @@ std::vector<PlannedStage> plannedStages(const SliceJob& job) {
   return {{"read", 2}, {"clean", 5}, {"cut", 1}, {"layers", 20}};
 }
 
+std::vector<PlannedStage> plannedStages(const CheckPrintJob& job) {
+  std::vector<PlannedStage> stages = {{"read", 2}, {"clean", 5}, {"cut", 1}, {"check", 20}};
+  if (job.slice.isVolume)
+    stages[1] = {"extract", 10};
+  if (!job.picture.empty())
+    stages.push_back({"picture", 3});
+  return stages;
+}
+
 std::vector<PlannedStage> plannedSequence() {
   return {{"first pass", 1}, {"frames", 6}}; // both read, the second makes volumes too
 }

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "tetvdb/core/TimeEstimate.h"
+#include "tetvdb/pipeline/CheckPrintJob.h"
 #include "tetvdb/pipeline/RenderJob.h"
 #include "tetvdb/pipeline/SliceJob.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
@@ -27,6 +28,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job);
 std::vector<PlannedStage> plannedStages(const TetrahedralizeJob& job);
 std::vector<PlannedStage> plannedStages(const RenderJob& job);
 std::vector<PlannedStage> plannedStages(const SliceJob& job);
+std::vector<PlannedStage> plannedStages(const CheckPrintJob& job);
 /// Of runSequence(), whatever its frames are.
 std::vector<PlannedStage> plannedSequence();
 

@@ -6,6 +6,7 @@
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshObjects.h"
+#include "tetvdb/pipeline/OpenLayers.h"
 #include "tetvdb/print/ErrorDiffusion.h"
 #include "tetvdb/print/GridLayers.h"
 #include "tetvdb/print/LayerSource.h"
@@ -76,30 +77,39 @@ public:
 
   SliceResult run() {
     check();
+    checkOutput();
     info_.path = job_.output;
     info_.printer = job_.printer;
     info_.printer.gamma = job_.grey.gamma;
     info_.aa = nameOf(job_.aa);
-    std::unique_ptr<LayerSource> source;
-    if (job_.isVolume) {
-      source = fromVolume();
-    } else if (job_.materials) {
-      source = fromMaterials();
-    } else {
-      TriangleMesh mesh =
-          holdsTriangles(job_.inputs.front(), job_.memory) ? readTriangleInputs() : readTetInput();
-      source = fromMesh(std::move(mesh));
-    }
-    write(*source);
+    write(*source());
     return std::move(result_);
   }
 
+  OpenedLayers open(const OpenOptions& options) {
+    check();
+    open_ = options;
+    OpenedLayers opened;
+    opened.source = source();
+    opened.result = std::move(result_);
+    opened.result.frame = info_.frame;
+    opened.printer = job_.printer;
+    opened.map = map_;
+    opened.mesh = std::move(kept_);
+    return opened;
+  }
+
 private:
-  void check() {
-    checkPrinter(job_.printer);
-    GreyLevels{job_.grey};
-    if (job_.inputs.empty())
-      throw Error(Status::Usage, "", "no input was given");
+  std::unique_ptr<LayerSource> source() {
+    if (job_.isVolume)
+      return fromVolume();
+    if (job_.materials)
+      return fromMaterials();
+    return fromMesh(holdsTriangles(job_.inputs.front(), job_.memory) ? readTriangleInputs()
+                                                                     : readTetInput());
+  }
+
+  void checkOutput() {
     requireSeparateFiles(filesAmong(job_.inputs, job_.memory), {job_.output});
     if (job_.keep && (!job_.output.empty() || format_.contours))
       throw Error(Status::Usage, "", "layers are handed out as pixels, in place of a file",
@@ -110,6 +120,13 @@ private:
       throw Error(Status::Usage, "`materials`",
                   fmt::format("the format {} has no materials", format_.name),
                   "write a folder of PNG files");
+  }
+
+  void check() {
+    checkPrinter(job_.printer);
+    GreyLevels{job_.grey};
+    if (job_.inputs.empty())
+      throw Error(Status::Usage, "", "no input was given");
     if (job_.isVolume && job_.inputs.size() > 1)
       throw Error(Status::Usage, job_.inputs[1], "a volume is cut by itself",
                   "give one input at a time");
@@ -248,9 +265,11 @@ private:
       grown.min[k] -= by;
       grown.max[k] += by;
     }
-    const PlateMap map = placeOnPlate(grown, job_.printer, options);
-    result_.box = info_.box = map.box;
-    return map;
+    if (open_.fit)
+      open_.fit(mapToPlate(grown, job_.printer, options).box, job_.printer, options);
+    map_ = placeOnPlate(grown, job_.printer, options);
+    result_.box = info_.box = map_.box;
+    return map_;
   }
 
   // Beside the mesh: faces in order of layers, a slab's pairs, the layers that are being made.
@@ -270,6 +289,8 @@ private:
     const PlateMap map = place(boxOfUsed(mesh.points, mesh.triangles), mesh.units);
     return stage("cut", [&]() -> std::unique_ptr<LayerSource> {
       result_.meshVolume = volumeOf(mesh) * map.scale[0] * map.scale[1] * map.scale[2];
+      if (open_.keepMesh)
+        kept_ = mesh;
       if (format_.needsMesh) {
         mesh_ = mesh;
         for (Vec3d& p : mesh_.points)
@@ -467,8 +488,6 @@ private:
     WorldBox box;
     PlaceOptions options = job_.place;
     options.scale = 1;
-    PrinterSettings plain = job_.printer;
-    plain.stretch = {1, 1, 1};
     const openvdb::Vec3d origin = grid.transform().indexToWorld(openvdb::Vec3d(-0.5));
     const double scale = scaleOf("");
     for (int k = 0; k < 3; ++k) {
@@ -476,6 +495,13 @@ private:
       const double first = options.keep ? origin[k] * scale * job_.printer.stretch[axis] : 0;
       box.min[axis] = first + active.min()[k] * pixel[axis];
       box.max[axis] = first + (active.max()[k] + 1.0) * pixel[axis];
+    }
+    PrinterSettings plain = job_.printer; // the voxels are stretched
+    plain.stretch = {1, 1, 1};
+    if (open_.fit) {
+      open_.fit(mapToPlate(box, plain, options).box, job_.printer, options);
+      plain = job_.printer;
+      plain.stretch = {1, 1, 1};
     }
     const PlateMap map = placeOnPlate(box, plain, options);
     result_.box = info_.box = map.box;
@@ -491,6 +517,13 @@ private:
     to.x = to.reverseX ? info_.frame.width - 1 - x : x;
     to.y = to.reverseY ? info_.frame.height - 1 - y : y;
     to.z = start(2) - active.min().z();
+    const openvdb::Vec3d corner = grid.transform().indexToWorld(active.min() - openvdb::Vec3d(0.5));
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<std::size_t>(k);
+      map_.scale[axis] = pixel[axis] / grid.voxelSize()[k];
+      map_.offset[axis] =
+          static_cast<double>(start(axis)) * pixel[axis] - corner[k] * map_.scale[axis];
+    }
     if (job_.materials) {
       std::vector<std::string> names;
       for (int material = 1; material < 256; ++material)
@@ -537,7 +570,7 @@ private:
                                           result_.overlap));
   }
 
-  const SliceJob& job_;
+  SliceJob job_; ///< its printer as OpenOptions::fit leaves it
   Report& report_;
   Progress& progress_;
   const LayerFormat& format_;
@@ -545,15 +578,29 @@ private:
   PrintInfo info_;
   TriangleMesh mesh_; ///< on the plate, where the format needs it
   SliceResult result_;
+  OpenOptions open_;
+  PlateMap map_;      ///< from the input's coordinates
+  TriangleMesh kept_; ///< in them
 };
+
+// As many threads as the job has, in work that all of it goes through.
+template <typename Work>
+auto withThreads(const SliceJob& job, const Work& work) {
+  if (job.threads <= 0)
+    return work();
+  tbb::task_arena arena(job.threads);
+  return arena.execute(work);
+}
 
 } // namespace
 
+OpenedLayers openLayers(const SliceJob& job, const OpenOptions& options, Report& report,
+                        Progress& progress) {
+  return withThreads(job, [&] { return Slicing(job, report, progress).open(options); });
+}
+
 SliceResult run(const SliceJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return Slicing(job, report, progress).run();
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return Slicing(job, report, progress).run(); });
+  return withThreads(job, [&] { return Slicing(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

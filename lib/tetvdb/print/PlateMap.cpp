@@ -19,8 +19,8 @@ constexpr double kMaxLayers = 1 << 20;
 
 } // namespace
 
-PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
-                      const PlaceOptions& options) {
+PlateMap mapToPlate(const WorldBox& model, const PrinterSettings& printer,
+                    const PlaceOptions& options) {
   if (!model.finite || !(model.min[0] <= model.max[0]))
     throw Error(Status::Invalid, "", "the model has no box: coordinates that are not finite");
   if (!(options.scale > 0) || !std::isfinite(options.scale))
@@ -39,6 +39,12 @@ PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
     map.box.min[k] = low + map.offset[k];
     map.box.max[k] = high + map.offset[k];
   }
+  return map;
+}
+
+PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
+                      const PlaceOptions& options) {
+  const PlateMap map = mapToPlate(model, printer, options);
   const auto side = [&](std::size_t k) { return map.box.max[k] - map.box.min[k]; };
   for (std::size_t k = 0; k < 2; ++k) {
     const double slack = kRounding * printer.display[k];
@@ -104,6 +110,21 @@ std::array<double, 2> pixelOf(const PrinterSettings& printer, double x, double y
   if (printer.portrait)
     return {printer.mirror[0] ? alongY : farY, printer.mirror[1] ? alongX : farX};
   return {printer.mirror[0] ? farX : alongX, printer.mirror[1] ? alongY : farY};
+}
+
+std::array<double, 2> plateOf(const PrinterSettings& printer, double column, double row) {
+  const std::size_t across = printer.portrait ? 1 : 0;
+  const double width = printer.pixels[across], height = printer.pixels[1 - across];
+  if (printer.portrait) {
+    const double alongY = printer.mirror[0] ? column : width - column;
+    const double alongX = printer.mirror[1] ? row : height - row;
+    return {alongX / printer.pixels[0] * printer.display[0],
+            alongY / printer.pixels[1] * printer.display[1]};
+  }
+  const double alongX = printer.mirror[0] ? width - column : column;
+  const double alongY = printer.mirror[1] ? row : height - row;
+  return {alongX / printer.pixels[0] * printer.display[0],
+          alongY / printer.pixels[1] * printer.display[1]};
 }
 
 FrameFaces framedFaces(std::vector<Vec3d> points, std::vector<std::uint32_t> triangles,

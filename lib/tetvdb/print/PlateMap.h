@@ -25,7 +25,12 @@ struct PlateMap {
   }
 };
 
-/// Throws Error(Limit), with the sizes, for a model that does not fit on the plate.
+/// Wherever that is, on the plate or beside it. Throws Error(Usage) and Error(Invalid) for a scale
+/// and a box that are none.
+PlateMap mapToPlate(const WorldBox& model, const PrinterSettings& printer,
+                    const PlaceOptions& options);
+
+/// The same; throws Error(Limit), with the sizes, for a model that does not fit on the plate.
 PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
                       const PlaceOptions& options);
 
@@ -41,6 +46,9 @@ bool isMirrored(const PrinterSettings& printer);
 /// is at the plate's largest y; a portrait display is turned by a quarter to the right and
 /// mirrored; then the image is mirrored as the printer asks. As PrusaSlicer places them.
 std::array<double, 2> pixelOf(const PrinterSettings& printer, double x, double y);
+
+/// The place on the plate that pixelOf() maps to a column and row of the image.
+std::array<double, 2> plateOf(const PrinterSettings& printer, double column, double row);
 
 /// Points of a model on the plate, then in the image; clamped to the frame, which placeOnPlate()
 /// lets them pass by rounding alone. Contours stay in millimetres.

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "CheckPrint.h"
+
+#include "JsonReport.h"
+#include "OptionNames.h"
+#include "ProgressDisplay.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/pipeline/CheckPrintJob.h"
+#include "tetvdb/pipeline/PlannedStages.h"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <functional>
+#include <map>
+#include <set>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kShown = 10; // findings of a kind, as text
+
+PrintTarget targetNamed(const std::string& name) {
+  return name == "lpbf" ? PrintTarget::Lpbf : name == "fdm" ? PrintTarget::Fdm : PrintTarget::Sla;
+}
+
+// Leaves out of `job` what `list` does not name.
+void chooseChecks(const std::string& list, const PrintLimits& usual, CheckPrintJob& job) {
+  PrintLimits& limits = job.limits;
+  const PrintLimits sla = limitsFor(PrintTarget::Sla);
+  const std::map<std::string, std::function<void(PrintLimits&)>> checks = {
+      {"outside", [&](PrintLimits&) { job.outside = true; }},
+      {"empty", [](PrintLimits& l) { l.emptyLayers = true; }},
+      {"islands", [](PrintLimits& l) { l.islands = true; }},
+      {"overhangs", [&](PrintLimits& l) { l.overhangAngle = usual.overhangAngle; }},
+      {"cups", [](PrintLimits& l) { l.cups = true; }},
+      {"traps", [](PrintLimits& l) { l.traps = true; }},
+      {"drains", [&](PrintLimits& l) { l.drain = usual.drain > 0 ? usual.drain : sla.drain; }},
+      {"walls", [&](PrintLimits& l) { l.minWall = usual.minWall; }},
+      {"gaps", [&](PrintLimits& l) { l.minGap = usual.minGap; }}};
+  limits.emptyLayers = limits.islands = limits.cups = limits.traps = job.outside = false;
+  limits.overhangAngle = limits.minWall = limits.minGap = limits.drain = 0;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const std::size_t end = std::min(list.find(',', begin), list.size());
+    const std::string name = list.substr(begin, end - begin);
+    const auto check = checks.find(name);
+    if (check == checks.end())
+      throw Error(Status::Usage, "--checks", "'" + name + "' is no check",
+                  "choose from outside, empty, islands, overhangs, cups, traps, drains, walls and "
+                  "gaps, with commas between them");
+    check->second(limits);
+    begin = end + 1;
+  }
+}
+
+CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::string>& files,
+                      const std::string& target) {
+  CheckPrintJob job;
+  job.target = targetNamed(target);
+  job.slice = sliceJobFrom(options, files);
+  const PrinterSettings& printer = job.slice.printer;
+  job.plateKnown = printer.pixels[0] != 0 || printer.pixels[1] != 0 || printer.display[0] != 0 ||
+                   printer.display[1] != 0;
+  if (!job.plateKnown && !options.place.empty())
+    throw Error(Status::Usage, "--place", "needs a plate",
+                "name the printer with --printer, or --pixels and --display");
+  if (!job.plateKnown || printer.layerHeight == 0)
+    choosePrinter(job.target, !job.plateKnown, job.slice.printer);
+  job.slice.aa = options.aa == "volume" ? SliceAa::Volume
+                 : options.aa == "none" ? SliceAa::None
+                                        : SliceAa::Area;
+  setCleaning(options, job.slice.clean);
+  job.slice.maxMemory = memoryLimit(options);
+  job.slice.threads = threadCount(options);
+  job.limits = limitsFor(job.target);
+  if (!options.checks.empty())
+    chooseChecks(options.checks, limitsFor(job.target), job);
+  PrintLimits& limits = job.limits;
+  limits.neighbours = options.connectivity == 4 ? Neighbours::Four : Neighbours::Eight;
+  takeNumber("--overhang-angle", options.overhangAngle, limits.overhangAngle);
+  takeNumber("--min-wall", options.minWall, limits.minWall);
+  takeNumber("--min-gap", options.minGap, limits.minGap);
+  takeNumber("--drain", options.drain, limits.drain);
+  takeNumber("--min-area", options.minArea, limits.minArea);
+  takeNumber("--min-volume", options.minVolume, limits.minVolume);
+  if (!options.picture.empty())
+    requireExtension(options.picture, {".png"}, "name it .png");
+  job.picture = options.picture;
+  return job;
+}
+
+Json toJson(const PrintLimits& limits, bool outside) {
+  const auto limit = [](double value) { return value > 0 ? Json(value) : Json(); };
+  return {{"outside", outside},
+          {"empty_layers", limits.emptyLayers},
+          {"islands", limits.islands},
+          {"cups", limits.cups},
+          {"traps", limits.traps},
+          {"overhang_angle", limit(limits.overhangAngle)},
+          {"min_wall_mm", limit(limits.minWall)},
+          {"min_gap_mm", limit(limits.minGap)},
+          {"drain_mm", limit(limits.drain)},
+          {"min_area_mm2", limits.minArea},
+          {"min_volume_mm3", limits.minVolume},
+          {"connectivity", limits.neighbours == Neighbours::Four ? 4 : 8}};
+}
+
+Json printOf(const CheckPrintResult& result, const CheckPrintJob& job) {
+  const LayerFrame& frame = result.slice.frame;
+  Json leftOut = Json::object();
+  for (std::size_t i = 0; i < kPrintFaults; ++i)
+    if (result.checks.leftOut[i] > 0)
+      leftOut[nameOf(static_cast<PrintFault>(i))] = result.checks.leftOut[i];
+  return {{"layers", frame.layers},
+          {"empty_layers", result.checks.emptyLayers},
+          {"pixels", result.printer.pixels},
+          {"pixel_mm", {frame.pixelWidth, frame.pixelHeight}},
+          {"layer_height_mm", frame.layerHeight},
+          {"first_layer_height_mm", frame.firstLayerHeight},
+          {"plate_known", job.plateKnown},
+          {"box_mm", {{"min", result.slice.box.min}, {"max", result.slice.box.max}}},
+          {"volume_mm3", result.checks.volume},
+          {"repaired", result.slice.repaired},
+          {"remeshed", result.slice.remeshed},
+          {"limits", toJson(job.limits, job.outside)},
+          {"left_out", leftOut}};
+}
+
+Json findingOf(const CheckPrintResult& result, std::size_t i, PrintTarget target) {
+  const PrintFinding& f = result.checks.findings[i];
+  Json finding = {{"code", nameOf(f.fault)},
+                  {"text", withOptionNames(textOf(result, i))},
+                  {"cure", withOptionNames(cureFor(f.fault, target))},
+                  {"layer", f.layer},
+                  {"first_layer", f.first},
+                  {"last_layer", f.last},
+                  {"height_mm", f.height},
+                  {"plate_mm", result.places[i].plate},
+                  {"model", result.places[i].model},
+                  {"model_box", {{"min", result.places[i].low}, {"max", result.places[i].high}}}};
+  if (f.fault == PrintFault::Outside) {
+    finding["beyond_mm"] = result.beyond;
+    return finding;
+  }
+  if (f.fault == PrintFault::EmptyLayer)
+    return finding;
+  finding["pixel"] = f.pixel;
+  finding["box_px"] = {{"min", {f.box.minX, f.box.minY}}, {"max", {f.box.maxX, f.box.maxY}}};
+  finding["pixels"] = f.pixels;
+  finding["area_mm2"] = f.area;
+  switch (f.fault) {
+  case PrintFault::Island:
+    finding["largest_area_mm2"] = f.largestArea;
+    finding["joins_layer"] = f.joins < 0 ? Json() : Json(f.joins);
+    break;
+  case PrintFault::Overhang:
+    finding["total_area_mm2"] = f.totalArea;
+    break;
+  case PrintFault::Cup:
+    finding["volume_mm3"] = f.volume;
+    finding["on_plate"] = f.onPlate;
+    finding["opens_layer"] = f.joins < 0 ? Json() : Json(f.joins);
+    break;
+  case PrintFault::Trap:
+  case PrintFault::Drain:
+    finding["volume_mm3"] = f.volume;
+    break;
+  case PrintFault::ThinWall:
+  case PrintFault::ThinGap:
+    finding["width_mm"] = f.width;
+    break;
+  case PrintFault::Outside:
+  case PrintFault::EmptyLayer:
+    break;
+  }
+  return finding;
+}
+
+std::string linesOf(const CheckPrintResult& result, PrintTarget target) {
+  std::string text;
+  const std::vector<PrintFinding>& findings = result.checks.findings;
+  for (std::size_t i = 0; i < findings.size();) {
+    const PrintFault fault = findings[i].fault;
+    std::size_t end = i;
+    while (end < findings.size() && findings[end].fault == fault)
+      ++end;
+    for (std::size_t k = i; k < std::min(end, i + kShown); ++k)
+      text += fmt::format("{}: {}; {}\n", nameOf(fault), withOptionNames(textOf(result, k)),
+                          withOptionNames(cureFor(fault, target)));
+    if (end - i > kShown)
+      text += fmt::format("{}: {} more, smaller\n", nameOf(fault), end - i - kShown);
+    i = end;
+  }
+  return text;
+}
+
+std::string summaryOf(const CheckPrintResult& result, bool plateKnown) {
+  const LayerFrame& frame = result.slice.frame;
+  const std::size_t found = result.checks.findings.size();
+  std::size_t leftOut = 0;
+  for (const std::size_t count : result.checks.leftOut)
+    leftOut += count;
+  return fmt::format("{} layers of {:.4g} mm, pixels of {:.4g} x {:.4g} mm{}: {}{}\n", frame.layers,
+                     frame.layerHeight, frame.pixelWidth, frame.pixelHeight,
+                     plateKnown ? "" : " (no printer is named)",
+                     found == 0 ? std::string("nothing found")
+                                : fmt::format("{} finding{}", found, found == 1 ? "" : "s"),
+                     leftOut == 0 ? std::string()
+                                  : fmt::format("; {} smaller ones are left out", leftOut));
+}
+
+} // namespace
+
+void addCheckPrintOptions(CLI::App& command, CheckPrintOptions& options) {
+  addPrinterOptions(command, options);
+  addModelOptions(command, options);
+  const auto add = [&](const char* name, std::string& value, const char* type,
+                       const std::string& description) {
+    return command.add_option(name, value, description)->type_name(type)->check(notEmpty());
+  };
+  add("--aa", options.aa, "RULE",
+      "What is solid: half a pixel and more of the layer's middle plane (area, the default), of "
+      "its whole layer (volume), or its middle (none)")
+      ->check(CLI::IsMember({"area", "volume", "none"}).description(""));
+  add("--checks", options.checks, "LIST",
+      "Only these: outside, empty, islands, overhangs, cups, traps, drains, walls, gaps");
+  add("--overhang-angle", options.overhangAngle, "A",
+      "Largest angle from the vertical without support, degrees (default sla 60, others 45)");
+  add("--min-wall", options.minWall, "D",
+      "Walls must be so wide, mm (default sla 0.5, lpbf 0.4, fdm 0.8)");
+  add("--min-gap", options.minGap, "D",
+      "Gaps must be so wide, mm (default sla 0.3, lpbf 0.2, fdm 0.4)");
+  add("--drain", options.drain, "D",
+      "Ways out of a void must be so wide, mm (default sla 3.5, lpbf 2, fdm: not looked at)");
+  add("--min-area", options.minArea, "A", "Leave smaller findings out, mm2 (default 0.1)");
+  add("--min-volume", options.minVolume, "V",
+      "Leave smaller cups and traps out, mm3 (default 0.1)");
+  command
+      .add_option("--connectivity", options.connectivity,
+                  "Of solid pixels in a layer, 8 (default) or 4; the void has the other")
+      ->check(CLI::IsMember({4, 8}).description(""))
+      ->type_name("N");
+  add("--picture", options.picture, "FILE.png",
+      "Draw the model from above and from below with what was found");
+  addCleaningOptions(command, options);
+  addLimitOptions(command, options);
+}
+
+void runCheckPrint(const CheckPrintOptions& options, const std::vector<std::string>& files,
+                   const std::string& target, Session& session) {
+  Json inputs = Json::array();
+  for (const std::string& file : files)
+    inputs.push_back({{"path", file}});
+  session.sections = {{"device", "cpu"},          {"threads", options.threads}, {"target", target},
+                      {"input", inputs},          {"stages", nullptr},          {"print", nullptr},
+                      {"findings", Json::array()}};
+  const CheckPrintJob job = makeJob(options, files, target);
+  session.sections["threads"] = job.slice.threads;
+  setDeadline(options, session.progress);
+  session.estimate.plan(plannedStages(job), secondsNow());
+  const AllowThreads allowed(job.slice.threads);
+  const CheckPrintResult result = run(job, session.report, session.progress);
+  session.sections["print"] = printOf(result, job);
+  for (std::size_t i = 0; i < result.checks.findings.size(); ++i)
+    session.sections["findings"].push_back(findingOf(result, i, job.target));
+  session.text = linesOf(result, job.target) + summaryOf(result, job.plateKnown);
+  session.textIsSummary = true;
+  if (!result.checks.findings.empty())
+    session.status = Status::Found;
+}
+
+} // namespace tetvdb::cli

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/CheckPrintJob.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/pipeline/OpenLayers.h"
+#include "tetvdb/pipeline/PrintPicture.h"
+#include "tetvdb/print/CheckLayers.h"
+#include "tetvdb/visualize/WritePng.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr double kRounding = 1e-9; // of a length, as placeOnPlate()
+
+struct PixelSize {
+  double pixel, layer;
+};
+
+PixelSize pixelSizeFor(PrintTarget target) {
+  switch (target) {
+  case PrintTarget::Lpbf:
+    return {0.05, 0.03};
+  case PrintTarget::Fdm:
+    return {0.1, 0.2};
+  case PrintTarget::Sla:
+    break;
+  }
+  return {0.05, 0.05};
+}
+
+class PrintChecking {
+public:
+  PrintChecking(const CheckPrintJob& job, Report& report, Progress& progress)
+      : job_(job), report_(report), progress_(progress) {}
+
+  CheckPrintResult run() {
+    if (!job_.picture.empty()) {
+      requireSeparateFiles(job_.slice.inputs, {job_.picture});
+      requireWritable(job_.picture);
+    }
+    SliceJob slice = job_.slice;
+    slice.grey = {};
+    slice.grey.levels = 2;
+    slice.materials = slice.dither = false;
+    OpenOptions options;
+    options.keepMesh = !job_.picture.empty();
+    options.fit = [&](const WorldBox& box, PrinterSettings& printer, PlaceOptions& place) {
+      fit(box, printer, place);
+    };
+    OpenedLayers opened = openLayers(slice, options, report_, progress_);
+    result_.slice = std::move(opened.result);
+    result_.slice.frame = opened.source->frame();
+    look(opened);
+    return std::move(result_);
+  }
+
+private:
+  // Makes the plate as large as the model where that is needed.
+  void fit(WorldBox box, PrinterSettings& printer, PlaceOptions& place) {
+    if (!job_.plateKnown) {
+      constexpr double kRoom = 1; // millimetres around it
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double pixel = printer.display[k] / printer.pixels[k];
+        const double side = box.max[k] - box.min[k];
+        setPixels(printer, k, std::ceil((side + 2 * kRoom) / pixel), pixel);
+        box.min[k] = (printer.display[k] - side) / 2;
+        box.max[k] = box.min[k] + side;
+      }
+    }
+    result_.printer = printer;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double length = k < 2 ? printer.display[k] : printer.maxHeight;
+      const double slack = kRounding * std::max(length, box.max[k] - box.min[k]);
+      if (box.min[k] < -slack)
+        result_.beyond[k][0] = -box.min[k];
+      if ((k < 2 || length > 0) && box.max[k] > length + slack)
+        result_.beyond[k][1] = box.max[k] - length;
+    }
+    // As many pixels more on either side, so that turns and mirrors stay.
+    std::array<double, 2> centre{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double pixel = printer.display[k] / printer.pixels[k];
+      const double beyond = std::max(result_.beyond[k][0], result_.beyond[k][1]);
+      marginPixels_[k] = beyond > 0 ? std::ceil(beyond / pixel) + 1 : 0;
+      margin_[k] = marginPixels_[k] * pixel;
+      if (beyond > 0)
+        setPixels(printer, k, printer.pixels[k] + 2 * marginPixels_[k], pixel);
+      centre[k] = (box.min[k] + box.max[k]) / 2 + margin_[k];
+    }
+    printer.maxHeight = 0;
+    if (margin_[0] == 0 && margin_[1] == 0 && result_.beyond[2][0] == 0)
+      return;
+    place.keep = false;
+    place.centre = centre;
+  }
+
+  static void setPixels(PrinterSettings& printer, std::size_t axis, double count, double pixel) {
+    constexpr double kMaxPixels = 1 << 20;
+    if (!(count <= kMaxPixels))
+      throw Error(Status::Limit, "",
+                  "the model is more than 2^20 pixels wide, of " + std::to_string(pixel) + " mm",
+                  "scale it with `scale`, or check `units`");
+    printer.pixels[axis] = static_cast<int>(count);
+    printer.display[axis] = count * pixel;
+  }
+
+  void look(OpenedLayers& opened) {
+    {
+      StageTimer timer(report_, "check");
+      progress_.stage("check");
+      result_.checks = checkLayers(*opened.source, job_.limits, progress_);
+    }
+    result_.limits = job_.limits;
+    result_.slice.volume = result_.checks.volume;
+    result_.slice.emptyLayers = static_cast<std::size_t>(result_.checks.emptyLayers);
+    opened.source.reset();
+    placeFindings(opened);
+    addOutside(opened);
+    if (job_.picture.empty())
+      return;
+    StageTimer timer(report_, "picture");
+    progress_.stage("picture");
+    if (opened.mesh.triangles.empty())
+      throw Error(Status::Usage, "`picture`", "voxels that are the printer's have no surface",
+                  "leave it out, or draw the volume with render");
+    writePng(job_.picture, printPicture(std::move(opened.mesh), result_, progress_));
+  }
+
+  // Places of pixels, in millimetres on the plate that the model is looked at on, into the input's.
+  static Vec3d modelOf(const OpenedLayers& opened, double column, double row, double z) {
+    const auto [x, y] = plateOf(opened.printer, column, row);
+    const Vec3d plate{x, y, z};
+    Vec3d model;
+    for (std::size_t k = 0; k < 3; ++k)
+      model[k] = (plate[k] - opened.map.offset[k]) / opened.map.scale[k];
+    return model;
+  }
+
+  void placeFindings(const OpenedLayers& opened) {
+    const LayerFrame& frame = result_.slice.frame;
+    const std::size_t across = opened.printer.portrait ? 1 : 0;
+    const double columns = marginPixels_[across], rows = marginPixels_[1 - across];
+    for (PrintFinding& finding : result_.checks.findings) {
+      PrintPlace place;
+      const double z = frame.bottomOf(finding.layer) + frame.heightOf(finding.layer) / 2;
+      place.model = modelOf(opened, finding.pixel[0], finding.pixel[1], z);
+      const auto [x, y] = plateOf(opened.printer, finding.pixel[0], finding.pixel[1]);
+      place.plate = {x - margin_[0], y - margin_[1], z};
+      if (finding.fault == PrintFault::EmptyLayer)
+        finding.box = {0, 0, frame.width - 1, frame.height - 1};
+      const Vec3d a =
+          modelOf(opened, finding.box.minX, finding.box.minY, frame.bottomOf(finding.first));
+      const Vec3d b = modelOf(opened, finding.box.maxX + 1.0, finding.box.maxY + 1.0,
+                              frame.bottomOf(finding.last + 1));
+      for (std::size_t k = 0; k < 3; ++k) {
+        place.low[k] = std::min(a[k], b[k]);
+        place.high[k] = std::max(a[k], b[k]);
+      }
+      result_.places.push_back(place);
+      finding.pixel[0] -= columns;
+      finding.pixel[1] -= rows;
+      finding.box.minX -= static_cast<std::int32_t>(columns);
+      finding.box.maxX -= static_cast<std::int32_t>(columns);
+      finding.box.minY -= static_cast<std::int32_t>(rows);
+      finding.box.maxY -= static_cast<std::int32_t>(rows);
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      result_.slice.box.min[k] -= margin_[k];
+      result_.slice.box.max[k] -= margin_[k];
+    }
+  }
+
+  void addOutside(const OpenedLayers& opened) {
+    bool any = false;
+    for (const auto& sides : result_.beyond)
+      any = any || sides[0] > 0 || sides[1] > 0;
+    if (!any || !job_.outside)
+      return;
+    const WorldBox& box = result_.slice.box;
+    PrintFinding finding;
+    finding.fault = PrintFault::Outside;
+    finding.last = result_.slice.frame.layers - 1;
+    finding.height = box.max[2];
+    PrintPlace place;
+    for (std::size_t k = 0; k < 3; ++k) {
+      place.plate[k] = (box.min[k] + box.max[k]) / 2;
+      place.model[k] =
+          (place.plate[k] + (k < 2 ? margin_[k] : 0) - opened.map.offset[k]) / opened.map.scale[k];
+    }
+    result_.checks.findings.insert(result_.checks.findings.begin(), finding);
+    result_.places.insert(result_.places.begin(), place);
+  }
+
+  const CheckPrintJob& job_;
+  Report& report_;
+  Progress& progress_;
+  CheckPrintResult result_;
+  std::array<double, 2> margin_{}, marginPixels_{}; ///< that the plate was made larger by
+};
+
+} // namespace
+
+PrintLimits limitsFor(PrintTarget target) {
+  PrintLimits limits;
+  limits.minArea = 0.1;
+  limits.minVolume = 0.1;
+  switch (target) {
+  case PrintTarget::Sla:
+    limits.overhangAngle = 60;
+    limits.minWall = 0.5;
+    limits.minGap = 0.3;
+    limits.drain = 3.5;
+    break;
+  case PrintTarget::Lpbf:
+    limits.cups = false;
+    limits.overhangAngle = 45;
+    limits.minWall = 0.4;
+    limits.minGap = 0.2;
+    limits.drain = 2;
+    break;
+  case PrintTarget::Fdm:
+    limits.cups = limits.traps = false;
+    limits.overhangAngle = 45;
+    limits.minWall = 0.8;
+    limits.minGap = 0.4;
+    break;
+  }
+  return limits;
+}
+
+void choosePrinter(PrintTarget target, bool plate, PrinterSettings& printer) {
+  const PixelSize size = pixelSizeFor(target);
+  if (!(printer.layerHeight > 0))
+    printer.layerHeight = size.layer;
+  for (std::size_t k = 0; plate && k < 2; ++k) {
+    printer.pixels[k] = 1000;
+    printer.display[k] = 1000 * size.pixel;
+  }
+}
+
+CheckPrintResult run(const CheckPrintJob& job, Report& report, Progress& progress) {
+  if (job.slice.threads <= 0)
+    return PrintChecking(job, report, progress).run();
+  tbb::task_arena arena(job.slice.threads);
+  return arena.execute([&] { return PrintChecking(job, report, progress).run(); });
+}
+
+} // namespace tetvdb

@@ -33,6 +33,7 @@ Command addInfo(CLI::App& program);
 Command addCompare(CLI::App& program);
 Command addRepair(CLI::App& program);
 Command addConvert(CLI::App& program);
+Command addPrepare(CLI::App& program);
 Command addSlice(CLI::App& program);
 Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);

@@ -43,6 +43,7 @@ const char* const kExamples = R"(Examples:
   tetvdb compare a.vdb b.vdb
   tetvdb repair broken.stl -o whole.stl
   tetvdb convert part.vdb -o part.npz
+  tetvdb prepare figure.stl -o hollow.stl --hollow 2
   tetvdb slice part.stl -o part.sl1 --printer sl1s.ini
   tetvdb render part.stl -o part.png
   tetvdb check part.vdb --target blender
@@ -86,8 +87,9 @@ int runProgram(const std::vector<std::string>& arguments) {
   program.footer(kExamples);
   const std::vector<Command> commands = {
       addVoxelize(program), addTetrahedralize(program), addInfo(program),    addCompare(program),
-      addRepair(program),   addConvert(program),        addSlice(program),   addRender(program),
-      addCheck(program),    addReport(program),         addFormats(program), addGrids(program)};
+      addRepair(program),   addConvert(program),        addPrepare(program), addSlice(program),
+      addRender(program),   addCheck(program),          addReport(program),  addFormats(program),
+      addGrids(program)};
   const std::vector<std::string> words = withoutHelp(arguments);
   // Before '--help', which there is for the program as a whole.
   if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {

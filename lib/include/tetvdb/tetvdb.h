@@ -31,6 +31,7 @@
 #include "tetvdb/pipeline/ConvertJob.h"
 #include "tetvdb/pipeline/MemoryInput.h"
 #include "tetvdb/pipeline/MeshSummary.h"
+#include "tetvdb/pipeline/PrepareJob.h"
 #include "tetvdb/pipeline/RenderJob.h"
 #include "tetvdb/pipeline/RepairJob.h"
 #include "tetvdb/pipeline/SequenceJob.h"

@@ -22,11 +22,12 @@ TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
     throw Error(Status::Usage, "simplify", "must be a number of voxels, zero or more");
   const std::unique_ptr<SolidSamples> samples = solidSamples(volume, options.grid);
   MarchedCubes marched;
-  TriangleMesh mesh =
-      marchCubes(*samples, {options.original, options.distance}, progress, &marched);
+  const bool isKnown = options.original != nullptr && options.distance == 0;
+  TriangleMesh mesh = marchCubes(*samples, {options.original, options.distance}, progress,
+                                 isKnown ? &marched : nullptr);
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the grid has no inside, and so no surface");
-  if (!marched.cubes.empty())
+  if (isKnown)
     sharpenCreases(mesh, marched.contacts, marched.cubes, samples->transform, progress);
   if (extracted != nullptr)
     *extracted = mesh.triangleCount();

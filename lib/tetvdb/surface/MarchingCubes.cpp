@@ -104,8 +104,7 @@ class Marching {
 public:
   Marching(const SolidSamples& samples, const SampledShape& original, Progress& progress,
            MarchedCubes* marched)
-      : samples_(samples), original_(original), progress_(progress),
-        marched_(original.scene != nullptr && original.distance == 0 ? marched : nullptr) {}
+      : samples_(samples), original_(original), progress_(progress), marched_(marched) {}
 
   TriangleMesh run() {
     findBlocks();
@@ -218,30 +217,38 @@ private:
     std::vector<TriangleScene::Hit> hits;
     forEachVertex(block, [&](std::size_t vertex, const Vec3i& v, std::size_t axis) {
       const bool startInside = samples.isInside(v[0], v[1], v[2]);
-      double t = 0.5;
-      if (original_.distance > 0) {
-        t = passage([&](double at) { return onEdge(block, v, axis, at); }, startInside);
-      } else if (original_.scene != nullptr) {
-        Vec3d direction{0, 0, 0};
-        direction[axis] = samples_.transform.voxelSize[axis];
-        original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach,
-                                   hits);
-        if (const TriangleScene::Hit* hit = entrance(hits, startInside)) {
-          t = hit->t - kReach;
-          if (marched_ != nullptr)
-            marched_->contacts[vertex] =
-                contactAt(onEdge(block, v, axis, t), *hit, axis, startInside);
-        }
-      } else if (samples_.hasHeights()) {
-        const double start = samples.heightAt(v[0], v[1], v[2]);
-        const double end =
-            samples.heightAt(v[0] + (axis == 0), v[1] + (axis == 1), v[2] + (axis == 2));
-        t = start / (start - end);
-      }
+      const Vec3i voxel{block.origin[0] + v[0], block.origin[1] + v[1], block.origin[2] + v[2]};
+      double t = samples_.passage(voxel, axis, startInside);
+      if (std::isnan(t))
+        t = original_.scene != nullptr ? onOriginal(block, v, axis, vertex, startInside, hits)
+            : samples_.hasHeights()    ? whereHeightsPass(samples, v, axis)
+                                       : 0.5;
       if (std::isnan(t))
         t = 0.5;
       points[vertex] = onEdge(block, v, axis, std::clamp(t, kMargin, 1 - kMargin));
     });
+  }
+
+  double onOriginal(const Block& block, const Vec3i& v, std::size_t axis, std::size_t vertex,
+                    bool startInside, std::vector<TriangleScene::Hit>& hits) const {
+    if (original_.distance > 0)
+      return passage([&](double at) { return onEdge(block, v, axis, at); }, startInside);
+    Vec3d direction{0, 0, 0};
+    direction[axis] = samples_.transform.voxelSize[axis];
+    original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach, hits);
+    const TriangleScene::Hit* hit = entrance(hits, startInside);
+    if (hit == nullptr)
+      return 0.5;
+    const double t = hit->t - kReach;
+    if (marched_ != nullptr)
+      marched_->contacts[vertex] = contactAt(onEdge(block, v, axis, t), *hit, axis, startInside);
+    return t;
+  }
+
+  static double whereHeightsPass(const BlockSamples& samples, const Vec3i& v, std::size_t axis) {
+    const double start = samples.heightAt(v[0], v[1], v[2]);
+    const double end = samples.heightAt(v[0] + (axis == 0), v[1] + (axis == 1), v[2] + (axis == 2));
+    return start / (start - end);
   }
 
   // Faces may look either way: the normal is turned towards the voxel outside.

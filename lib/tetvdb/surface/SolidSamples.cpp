@@ -210,6 +210,10 @@ GridTransform transformOf(const openvdb::GridBase& grid) {
 
 } // namespace
 
+double SolidSamples::passage(const Vec3i&, std::size_t, bool) const {
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 std::unique_ptr<SolidSamples> solidSamples(const Volume& volume, const std::string& name) {
   std::string known;
   for (const openvdb::GridBase::ConstPtr grid : volume.grids().all) {

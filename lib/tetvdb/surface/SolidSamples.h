@@ -45,6 +45,10 @@ public:
   virtual void load(const Vec3i& block, BlockSamples& samples) const = 0;
   /// Whether heights are there: a float grid.
   virtual bool hasHeights() const = 0;
+  /// Where the surface passes on the way from `voxel`, which is inside where `startInside` says so,
+  /// to the next one along `axis`, which is on the other side: 0 to 1. NaN: where the heights say,
+  /// else midway. Thread-safe.
+  virtual double passage(const Vec3i& voxel, std::size_t axis, bool startInside) const;
 
   GridTransform transform;
 };

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <embree3/rtcore.h>
 #include <string>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tuple>
 
 namespace tetvdb {
@@ -17,6 +19,10 @@ namespace {
 // In the scene's own units, where the mesh's box reaches from -1 to 1: more than what rounding to
 // floats moves a vertex or a point within the box.
 constexpr double kRounding = 4e-7;
+// More than rounding to floats makes of a disc's radius and of squares of distances from it.
+constexpr double kDiscRoom = 1 + 1e-5;
+constexpr float kSquareRoom = 1 - 4e-6f;
+constexpr double kThin = 1e-3; // twice the area over the square of the radius
 
 [[noreturn]] void fail(RTCError error) {
   if (error == RTC_ERROR_OUT_OF_MEMORY)
@@ -25,8 +31,27 @@ constexpr double kRounding = 4e-7;
               "Embree failed with error " + std::to_string(static_cast<int>(error)));
 }
 
+// A disc around a triangle, in its plane, in scene units: tells most triangles that are too far by
+// one look at memory.
+struct TriangleDisc {
+  float x = 0, y = 0, z = 0, radius = 0;
+  float nx = 0, ny = 0, nz = 0;
+  float sign = 0; ///< 0: no plane, never beyond
+
+  // From the disc: height above its plane, and how far the foot lies beyond its edge.
+  bool isBeyond(const RTCPointQuery& query) const {
+    const float dx = query.x - x, dy = query.y - y, dz = query.z - z;
+    const float square = dx * dx + dy * dy + dz * dz;
+    const float height = nx * dx + ny * dy + nz * dz;
+    const float foot = std::sqrt(std::max(square - height * height, 0.0f));
+    return sign > 0 && foot > radius &&
+           square * kSquareRoom - 2 * foot * radius + radius * radius > query.radius * query.radius;
+  }
+};
+
 struct ClosestQuery {
   const TriangleMesh& mesh;
+  const TriangleDisc* discs;
   Vec3d point;
   double scale, slack; ///< scene units a world unit; what the scene may be wrong by
   double bound;        ///< squared, world units: nearer than this only
@@ -43,6 +68,8 @@ struct ClosestQuery {
 
 bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
   auto& query = *static_cast<ClosestQuery*>(arguments->userPtr);
+  if (query.discs[arguments->primID].isBeyond(*arguments->query))
+    return false;
   const std::uint32_t* v = query.mesh.triangles.data() + std::size_t(3) * arguments->primID;
   const NearestOffset nearest = nearestOnTriangle(minus(query.mesh.points[v[0]], query.point),
                                                   minus(query.mesh.points[v[1]], query.point),
@@ -78,6 +105,7 @@ struct TriangleScene::Impl {
   const TriangleMesh& mesh;
   Vec3d low{0, 0, 0}, high{0, 0, 0}, centre{0, 0, 0};
   double scale = 1; ///< scene units a world unit
+  std::vector<TriangleDisc> discs;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -91,6 +119,7 @@ struct TriangleScene::Impl {
 
   void fitBox();
   void build();
+  void makeDiscs();
   Vec3d toScene(const Vec3d& p) const { return times(minus(p, centre), scale); }
   bool clip(const Vec3d& origin, const Vec3d& direction, double& t0, double& t1) const;
   ClosestQuery queryAt(const Vec3d& p, double maxDistance) const;
@@ -147,6 +176,33 @@ void TriangleScene::Impl::build() {
     fail(error);
 }
 
+void TriangleScene::Impl::makeDiscs() {
+  discs.resize(mesh.triangleCount());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, discs.size()), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const std::uint32_t* v = mesh.triangles.data() + 3 * i;
+      const Vec3d a = toScene(mesh.points[v[0]]), b = toScene(mesh.points[v[1]]),
+                  c = toScene(mesh.points[v[2]]);
+      const Vec3d mean = times(plus(plus(a, b), c), 1.0 / 3);
+      const double radius =
+          std::max({length(minus(a, mean)), length(minus(b, mean)), length(minus(c, mean))});
+      const Vec3d normal = cross(minus(b, a), minus(c, a));
+      const double size = length(normal);
+      TriangleDisc& disc = discs[i];
+      disc.x = static_cast<float>(mean[0]);
+      disc.y = static_cast<float>(mean[1]);
+      disc.z = static_cast<float>(mean[2]);
+      disc.radius = static_cast<float>(radius * kDiscRoom + 2 * kRounding);
+      if (!(size > kThin * radius * radius))
+        continue; // its plane is not known well
+      disc.nx = static_cast<float>(normal[0] / size);
+      disc.ny = static_cast<float>(normal[1] / size);
+      disc.nz = static_cast<float>(normal[2] / size);
+      disc.sign = 1;
+    }
+  });
+}
+
 // The part of the ray that is in the mesh's box, with a margin. A distant origin would lose the
 // floats' digits.
 bool TriangleScene::Impl::clip(const Vec3d& origin, const Vec3d& direction, double& t0,
@@ -170,6 +226,7 @@ bool TriangleScene::Impl::clip(const Vec3d& origin, const Vec3d& direction, doub
 TriangleScene::TriangleScene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {
   impl_->fitBox();
   impl_->build();
+  impl_->makeDiscs();
 }
 
 TriangleScene::~TriangleScene() = default;
@@ -235,7 +292,7 @@ void TriangleScene::Impl::search(ClosestQuery& closest) const {
 ClosestQuery TriangleScene::Impl::queryAt(const Vec3d& p, double maxDistance) const {
   const Vec3d at = toScene(p);
   const double far = std::max({std::abs(at[0]), std::abs(at[1]), std::abs(at[2]), 1.0});
-  return {mesh, p, scale, kRounding * far, maxDistance * maxDistance};
+  return {mesh, discs.data(), p, scale, kRounding * far, maxDistance * maxDistance};
 }
 
 TriangleScene::Closest TriangleScene::closest(const Vec3d& p, double maxDistance) const {

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "Commands.h"
+#include "JobOptions.h"
+#include "JsonReport.h"
+#include "ParseQuantities.h"
+#include "VolumeSignature.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/pipeline/PrepareJob.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace tetvdb::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Options : JobOptions {
+  std::string input, output, grid;
+  std::string offset, wall, close, fillVoids;
+};
+
+const char* const kExamples = R"(Examples:
+  tetvdb prepare figure.stl -o hollow.stl --hollow 2
+      walls of 2 mm, nowhere thinner; the faces of the outside stay as they are
+  tetvdb prepare figure.stl -o hollow.3mf --hollow 2 --close 1.5
+      no cavity narrower than 3 mm
+  tetvdb prepare part.stl -o part.vdb --hollow 1.5
+      a level set, which 'tetvdb slice part.vdb' takes
+  tetvdb prepare scan.stl -o solid.stl --fill-voids 1000
+      enclosed cavities of less than a cubic centimetre become solid
+  tetvdb prepare insert.stl -o loose.stl --offset -0.15
+      shrunk by 0.15 mm on every side; convex edges stay sharp
+
+Lengths are in the input's units, volumes in cubes of them. A mesh that is not closed is mended
+first, as by 'repair'. docs/print.md says how and how exactly.)";
+
+double parseOffset(const std::string& text) {
+  const std::vector<double> numbers = parseNumbers("--offset", text);
+  if (numbers.size() != 1 || !std::isfinite(numbers[0]) || numbers[0] == 0)
+    throw Error(Status::Usage, "--offset", "'" + text + "' cannot be used",
+                "give a length, below zero to shrink");
+  return numbers[0];
+}
+
+PrepareJob makeJob(const Options& options) {
+  PrepareJob job;
+  job.input = options.input;
+  const MappedFile readable(options.input); // says so at once if the file is not there
+  job.isVolume = signatureOf(options.input) != VolumeSignature::None;
+  job.grid = options.grid;
+  if (!job.grid.empty() && !job.isVolume)
+    throw Error(Status::Usage, "--grid", "chooses a grid of a volume; the input is a mesh",
+                "leave it out");
+  job.output = options.output;
+  if (!options.offset.empty())
+    job.offset = parseOffset(options.offset);
+  if (!options.wall.empty())
+    job.wall = parseLength("--hollow", options.wall);
+  if (!options.close.empty())
+    job.close = parseLength("--close", options.close);
+  if (!options.fillVoids.empty())
+    job.fillVolume = parseLength("--fill-voids", options.fillVoids);
+  if (!options.voxelSize.empty())
+    job.voxelSize = parseLength("--voxel-size", options.voxelSize);
+  setCleaning(options, job.clean);
+  job.maxMemory = memoryLimit(options);
+  job.threads = threadCount(options);
+  return job;
+}
+
+Json orNull(bool there, double value) {
+  return there ? Json(value) : Json();
+}
+
+Json preparedOf(const PrepareResult& result) {
+  return {{"source", nameOf(result.source)},
+          {"repaired", result.repaired},
+          {"voxel_size", orNull(result.voxel > 0, result.voxel)},
+          {"voxel_is_coarse", result.voxelIsCoarse},
+          {"wall_min", orNull(result.wall > 0, result.wall)},
+          {"volume_before", result.volumeBefore},
+          {"volume", result.volumeAfter},
+          {"volume_saved", result.volumeBefore - result.volumeAfter},
+          {"cavities_before", result.cavitiesBefore},
+          {"cavities", result.cavities},
+          {"filled_voids", result.filledCavities},
+          {"filled_volume", result.filledVolume},
+          {"faces_kept", result.keptFaces},
+          {"triangles", result.triangles},
+          {"vertices", result.vertices},
+          {"units", result.units.empty() ? Json() : Json(result.units)},
+          {"cleaned", result.source == SolidSource::Triangles ? toJson(result.cleaned) : Json()}};
+}
+
+std::string summaryOf(const PrepareResult& result) {
+  std::string text =
+      fmt::format("{}: {:.1f} MB, {} triangles, volume {:.6g} of {:.6g}",
+                  oneLine(result.output.path), static_cast<double>(result.output.bytes) / 1e6,
+                  result.triangles, result.volumeAfter, result.volumeBefore);
+  if (result.volumeBefore > 0)
+    text += fmt::format(" ({:+.1f} %)", 100 * (result.volumeAfter / result.volumeBefore - 1));
+  text += fmt::format("\n  cavities: {}, before {}", result.cavities, result.cavitiesBefore);
+  if (result.filledCavities > 0)
+    text += fmt::format("; {} filled, volume {:.6g}", result.filledCavities, result.filledVolume);
+  text += "\n";
+  if (result.wall > 0)
+    text += fmt::format("  no wall thinner than {:.6g}\n", result.wall);
+  if (result.voxel > 0)
+    text += fmt::format("  voxels of {:.4g}{}\n", result.voxel,
+                        result.voxelIsCoarse ? ", larger than by the lengths alone: the model is "
+                                               "large; --voxel-size takes finer ones"
+                                             : "");
+  return text;
+}
+
+void runPrepare(const Options& options, Session& session) {
+  session.sections = {
+      {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
+      {"stages", nullptr}, {"prepare", nullptr},         {"output", Json::array()}};
+  const PrepareJob job = makeJob(options);
+  session.sections["threads"] = job.threads;
+  setDeadline(options, session.progress);
+  const AllowThreads allowed(job.threads);
+  const PrepareResult result = run(job, session.report, session.progress);
+  Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
+  if (result.source != SolidSource::Volume) {
+    input["format"] = formatName(result.input.format);
+    input["vertices"] = result.input.vertices;
+  }
+  session.sections["input"][0] = input;
+  session.sections["prepare"] = preparedOf(result);
+  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  session.text = summaryOf(result);
+  session.textIsSummary = true;
+}
+
+} // namespace
+
+Command addPrepare(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("prepare", "Make a solid ready for a 3D printer: hollow, offset");
+  auto options = std::make_shared<Options>();
+  command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
+      ->required()
+      ->type_name("");
+  command
+      ->add_option("-o,--output", options->output,
+                   "A mesh (" + endingList(FormatUse::WriteTriangles) + ") or a level set (" +
+                       endingList(FormatUse::WriteVolume) + ")")
+      ->required()
+      ->type_name("FILE")
+      ->check(notEmpty());
+  const auto add = [&](const char* name, std::string& value, const char* type,
+                       const std::string& description) {
+    command->add_option(name, value, description)->type_name(type)->check(notEmpty());
+  };
+  add("--hollow", options->wall, "T", "Leave walls of this thickness, nowhere thinner");
+  add("--close", options->close, "R",
+      "With --hollow: no place of the cavity is narrower than twice this");
+  add("--fill-voids", options->fillVoids, "V",
+      "Fill enclosed cavities of a volume below V, those that --hollow makes too");
+  add("--offset", options->offset, "D",
+      "Grow the solid by D, or shrink it where D is below zero, before all else");
+  add("--voxel-size", options->voxelSize, "H",
+      "Of the grid within (default: a 20th of the wall, an 8th of other lengths, larger for large "
+      "models)");
+  add("--grid", options->grid, "NAME", "Grid of a volume (default: the first solid one)");
+  addCleaningOptions(*command, *options);
+  addLimitOptions(*command, *options);
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kExamples);
+  result.run = [options](Session& session) { runPrepare(*options, session); };
+  result.files = [options] { return FileNames{{options->input}, {options->output}}; };
+  return result;
+}
+
+} // namespace tetvdb::cli

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/PrepareJob.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/fields/ShapeGrids.h"
+#include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/print/Cavity.h"
+#include "tetvdb/print/OffsetSolid.h"
+#include "tetvdb/print/Shells.h"
+#include "tetvdb/print/SolidDistances.h"
+#include "tetvdb/surface/ExtractSurface.h"
+#include "tetvdb/surface/LocalRepair.h"
+#include "tetvdb/surface/TetSurface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <tbb/task_arena.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+// Of the solid's length that a voxel is by default.
+constexpr double kVoxelsInWall = 20, kVoxelsInOffset = 8, kVoxelsInClose = 8;
+constexpr double kMinVoxels = 2;      // of a wall, an offset or a radius
+constexpr double kMaxFaces = 4e6;     // of a surface that is made, about
+constexpr double kFacesPerSquare = 2; // of voxels: marching cubes
+
+void appendFaces(TriangleMesh& mesh, const TriangleMesh& more) {
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), more.points.begin(), more.points.end());
+  for (const std::uint32_t v : more.triangles)
+    mesh.triangles.push_back(v + first);
+  mesh.faceCount = mesh.triangleCount();
+}
+
+class Preparing {
+public:
+  Preparing(const PrepareJob& job, Report& report, Progress& progress)
+      : job_(job), report_(report), progress_(progress) {}
+
+  PrepareResult run() {
+    check();
+    TriangleMesh solid = read();
+    const Shells before = findShells(solid);
+    result_.volumeBefore = before.volume();
+    result_.cavitiesBefore = before.cavities();
+    fill(solid);
+    result_.keptFaces = solid.triangleCount();
+    if (asksVoxels())
+      result_.voxel = voxelFor(solid);
+    if (job_.offset != 0)
+      offset(solid);
+    if (job_.wall > 0)
+      hollow(solid);
+    const Shells after = findShells(solid);
+    result_.volumeAfter = after.volume();
+    result_.cavities = after.cavities();
+    result_.vertices = solid.points.size();
+    result_.triangles = solid.triangleCount();
+    result_.units = solid.units;
+    write(solid);
+    return std::move(result_);
+  }
+
+private:
+  bool writesVolume() const { return !writesTriangles(job_.output); }
+  bool asksVoxels() const { return job_.offset != 0 || job_.wall > 0 || writesVolume(); }
+
+  static void requireLength(const char* name, double value, bool positive) {
+    if (!std::isfinite(value) || (positive && value < 0))
+      throw Error(Status::Usage, name, positive ? "must be zero or more" : "must be a number");
+  }
+
+  void check() const {
+    requireFormat(job_.output, {FormatUse::WriteTriangles, FormatUse::WriteVolume});
+    requireSeparateFiles({job_.input}, {job_.output});
+    requireWritable(job_.output);
+    requireLength("`offset`", job_.offset, false);
+    requireLength("`hollow`", job_.wall, true);
+    requireLength("`close`", job_.close, true);
+    requireLength("`fill_voids`", job_.fillVolume, true);
+    requireLength("`voxel_size`", job_.voxelSize, true);
+    if (job_.close > 0 && !(job_.wall > 0))
+      throw Error(Status::Usage, "`close`", "is of the cavity that `hollow` makes",
+                  "give `hollow` too");
+    if (job_.offset == 0 && job_.wall == 0 && job_.fillVolume == 0)
+      throw Error(Status::Usage, "", "nothing was asked for",
+                  "give `hollow`, `offset` or `fill_voids`");
+  }
+
+  TriangleMesh read() {
+    if (job_.isVolume)
+      return readVolumeSurface();
+    if (!holdsTriangles(job_.input))
+      return readTetSurface();
+    TriangleMesh mesh;
+    {
+      StageTimer timer(report_, "read");
+      progress_.stage("read");
+      mesh = readSoup(job_.input, &result_.input, report_, progress_);
+    }
+    StageTimer timer(report_, "clean");
+    progress_.stage("clean");
+    result_.cleaned = cleanInput(mesh, job_.input, job_.clean, report_, progress_);
+    mend(mesh);
+    return mesh;
+  }
+
+  void mend(TriangleMesh& mesh) {
+    const std::string broken = whatIsBroken(mesh, progress_);
+    if (broken.empty())
+      return;
+    const LocalRepair repair = repairLocally(mesh, progress_);
+    if (!repair.succeeded)
+      throw Error(Status::Invalid, job_.input,
+                  fmt::format("has {}, and mending it left {}", broken, repair.why),
+                  "make a solid of it first, by the command repair");
+    result_.repaired = true;
+    report_.warn("repaired", fmt::format("{}: had {}, which was mended", job_.input, broken));
+  }
+
+  TriangleMesh readTetSurface() {
+    result_.source = SolidSource::Tets;
+    StageTimer timer(report_, "read");
+    progress_.stage("read");
+    ReadOptions options;
+    options.attributes = false;
+    const TetMesh tets = readTets(job_.input, options, {}, &result_.input, report_, progress_);
+    timer.part("surface");
+    TriangleMesh mesh = tetSurface(tets, progress_);
+    mend(mesh);
+    return mesh;
+  }
+
+  TriangleMesh readVolumeSurface() {
+    result_.source = SolidSource::Volume;
+    Volume volume;
+    {
+      StageTimer timer(report_, "read");
+      progress_.stage("read");
+      volume = readVolume(job_.input, progress_);
+    }
+    StageTimer timer(report_, "extract");
+    progress_.stage("extract");
+    ExtractOptions options;
+    options.grid = job_.grid;
+    options.maxMemory = memoryLeft(job_.maxMemory);
+    TriangleMesh mesh = extractSurface(volume, options, progress_);
+    const auto units = volume.metadata.find("units");
+    mesh.units = units == volume.metadata.end() ? "" : units->second;
+    return mesh;
+  }
+
+  double voxelFor(const TriangleMesh& solid) {
+    if (job_.voxelSize > 0)
+      return job_.voxelSize;
+    return defaultVoxel(job_, areaOf(solid), result_.voxelIsCoarse);
+  }
+
+  void fill(TriangleMesh& solid) {
+    if (job_.fillVolume == 0)
+      return;
+    const FilledCavities filled = fillCavities(solid, job_.fillVolume);
+    result_.filledCavities += filled.cavities;
+    result_.filledVolume += filled.volume;
+  }
+
+  void offset(TriangleMesh& solid) {
+    OffsetOptions options;
+    options.distance = job_.offset;
+    options.voxel = result_.voxel;
+    options.maxMemory = memoryLeft(job_.maxMemory);
+    solid = offsetSolid(solid, options, report_, progress_);
+    result_.keptFaces = 0;
+    fill(solid);
+  }
+
+  void hollow(TriangleMesh& solid) {
+    CavityOptions options;
+    options.wall = job_.wall;
+    options.close = job_.close;
+    options.voxel = result_.voxel;
+    options.maxMemory = memoryLeft(job_.maxMemory);
+    Cavity cavity = makeCavity(solid, options, report_, progress_);
+    if (job_.fillVolume > 0)
+      fill(cavity.surface);
+    if (cavity.surface.triangles.empty()) {
+      report_.warn("no-cavity",
+                   fmt::format("walls of {:.6g} fill the solid: there is no cavity", job_.wall));
+      return;
+    }
+    result_.wall = cavity.wall;
+    appendFaces(solid, cavity.surface);
+  }
+
+  void write(const TriangleMesh& solid) {
+    if (writesVolume()) {
+      const Volume volume = levelSetOf(solid);
+      StageTimer timer(report_, "write");
+      progress_.stage("write");
+      writeVolume(job_.output, volume, progress_);
+    } else {
+      StageTimer timer(report_, "write");
+      progress_.stage("write");
+      writeTriangles(job_.output, solid, progress_);
+    }
+    result_.output = written(job_.output);
+  }
+
+  Volume levelSetOf(const TriangleMesh& solid) {
+    VoxelizeOptions options;
+    options.voxelSize.fill(result_.voxel);
+    options.grids = {GridKind::Mask};
+    options.maxMemory = memoryLeft(job_.maxMemory);
+    Voxelization made = voxelize(solid, {}, options, report_, progress_);
+    ShapeOptions shapes;
+    shapes.grids = {GridKind::Surface};
+    shapes.maxMemory = memoryLeft(job_.maxMemory);
+    addShapeGrids(solid, {}, shapes, made, report_, progress_);
+    auto& grids = made.volume.grids().all;
+    grids.erase(grids.begin()); // the mask
+    if (!solid.units.empty())
+      made.volume.metadata["units"] = solid.units;
+    return std::move(made.volume);
+  }
+
+  const PrepareJob& job_;
+  Report& report_;
+  Progress& progress_;
+  PrepareResult result_;
+};
+
+} // namespace
+
+double defaultVoxel(const PrepareJob& job, double area, bool& coarse) {
+  double voxel = std::numeric_limits<double>::infinity(), shortest = voxel;
+  const auto limit = [&](double length, double voxels) {
+    if (length > 0) {
+      voxel = std::min(voxel, length / voxels);
+      shortest = std::min(shortest, length);
+    }
+  };
+  limit(job.wall, kVoxelsInWall);
+  limit(std::abs(job.offset), kVoxelsInOffset);
+  limit(job.close, kVoxelsInClose);
+  const double large = std::sqrt(kFacesPerSquare * area / kMaxFaces);
+  if (!std::isfinite(voxel)) // nothing but a level set is asked for
+    return large;
+  coarse = large > voxel;
+  if (kMinVoxels * large > shortest)
+    throw Error(
+        Status::Limit, "",
+        fmt::format("{:.6g} is short for a solid of {:.6g} square units: its surface in "
+                    "voxels of half of that has more than {:.0f} million faces",
+                    shortest, area, kMaxFaces / 1e6),
+        fmt::format("ask for {:.3g} or more, or say `voxel_size={:.3g}` where that is meant",
+                    kMinVoxels * large, shortest / kMinVoxels));
+  return std::max(voxel, large);
+}
+
+PrepareResult run(const PrepareJob& job, Report& report, Progress& progress) {
+  if (job.threads <= 0)
+    return Preparing(job, report, progress).run();
+  tbb::task_arena arena(job.threads);
+  return arena.execute([&] { return Preparing(job, report, progress).run(); });
+}
+
+} // namespace tetvdb

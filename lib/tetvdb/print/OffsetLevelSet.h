@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/Volume.h"
+
+namespace tetvdb {
+
+/// Voxels on either side of a level set's surface at which its values are distances.
+constexpr double kOffsetBand = 1.05;
+
+enum class OffsetKept : std::uint8_t { Farther, Nearer };
+
+/// A level set "shape" in voxels, below 0 inside, of the places that are farther than `distance`
+/// world units, or nearer, by squared distances in voxels that SolidDistances::between() gave for a
+/// range that reaches kOffsetBand voxels to either side of it. Parallel by leaves.
+openvdb::FloatGrid::Ptr offsetLevelSet(const openvdb::FloatGrid& squared, double distance,
+                                       OffsetKept kept, const GridTransform& transform);
+
+} // namespace tetvdb

@@ -1,0 +1,238 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`tetvdb prepare`: hollow solids, filled cavities and offsets as a user meets them, judged by
+second readers, by counting edges and by PrusaSlicer where it is installed."""
+
+import collections
+import math
+import shutil
+import struct
+import subprocess
+import unittest
+
+import layer_readers as readers
+import program
+from program import ball, box_faces, lattice, off
+
+PLATE = ["--pixels", "400,400", "--display", "40,40", "--layer-height", "0.1"]
+
+
+def joined(*meshes):
+    points, faces = [], []
+    for more, corners in meshes:
+        faces += [[c + len(points) for c in face] for face in corners]
+        points += more
+    return points, faces
+
+
+def inverted(mesh):
+    return mesh[0], [face[::-1] for face in mesh[1]]
+
+
+def stl(path):
+    """Points that are equal become one; faces as they come."""
+    data = path.read_bytes()
+    count, = struct.unpack_from("<I", data, 80)
+    numbers, points, faces = {}, [], []
+    for i in range(count):
+        corners = struct.unpack_from("<9f", data, 84 + 50 * i + 12)
+        face = []
+        for k in range(3):
+            p = corners[3 * k:3 * k + 3]
+            if p not in numbers:
+                numbers[p] = len(points)
+                points.append(p)
+            face.append(numbers[p])
+        faces.append(face)
+    return points, faces
+
+
+def volume(mesh):
+    points, faces = mesh
+    total = 0
+    for a, b, c in faces:
+        a, b, c = points[a], points[b], points[c]
+        total += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+                  + a[2] * (b[0] * c[1] - b[1] * c[0]))
+    return total / 6
+
+
+def components(mesh):
+    parent = list(range(len(mesh[0])))
+
+    def find(v):
+        while parent[v] != v:
+            parent[v] = parent[parent[v]]
+            v = parent[v]
+        return v
+
+    for a, b, c in mesh[1]:
+        parent[find(b)] = find(a)
+        parent[find(c)] = find(a)
+    return len({find(face[0]) for face in mesh[1]})
+
+
+class PrepareTest(program.CommandLineTest):
+    def prepared(self, name, mesh, *options, output="out.stl"):
+        self.write(name, off(*mesh))
+        report = self.report_of("prepare", name, "-o", output, *options)
+        return report["prepare"]
+
+    def solid(self, name="out.stl"):
+        mesh = stl(self.path(name))
+        edges = collections.Counter(
+            (face[k], face[(k + 1) % 3]) for face in mesh[1] for k in range(3))
+        self.assertEqual(max(edges.values()), 1)
+        self.assertTrue(all((b, a) in edges for a, b in edges))
+        self.judge(name)
+        return mesh
+
+    def judge(self, name):
+        """PrusaSlicer opens it as manifold."""
+        if not shutil.which("prusa-slicer"):
+            return
+        done = subprocess.run(["prusa-slicer", "--info", str(self.path(name))],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              timeout=300)
+        self.assertIn("manifold = yes", done.stdout)
+
+    # --- hollow ---
+
+    def test_a_hollow_ball_has_its_volume_and_its_faces(self):
+        mesh = ball(40, 10, (0, 0, 0))
+        report = self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.1")
+        out = self.solid()
+        self.assertEqual(out[1][:len(mesh[1])] and len(out[1]) > len(mesh[1]), True)
+        single = {tuple(struct.unpack("<3f", struct.pack("<3f", *p))) for p in mesh[0]}
+        self.assertLess(single - set(out[0]), {(0, 0, 0)})  # every point of the input is there
+        inner = volume(mesh) - volume(out)
+        self.assertAlmostEqual(inner / (4 / 3 * math.pi * 512), 1, 2)
+        self.assertAlmostEqual(volume(out), report["volume"], 1)
+        self.assertAlmostEqual(volume(mesh), report["volume_before"], 6)
+        self.assertAlmostEqual(report["volume_saved"], inner, 1)
+        self.assertEqual((report["cavities_before"], report["cavities"]), (0, 1))
+        self.assertGreaterEqual(report["wall_min"], 2)
+        self.assertLess(report["wall_min"], 2.01)
+        self.assertEqual(report["faces_kept"], len(mesh[1]))
+        self.assertEqual(components(out), 2)
+
+    def test_the_voxel_follows_the_wall_and_is_said(self):
+        report = self.prepared("ball.off", ball(12, 10, (0, 0, 0)), "--hollow", "4")
+        self.assertAlmostEqual(report["voxel_size"], 0.2)
+        self.assertFalse(report["voxel_is_coarse"])
+        result = self.succeed("prepare", "ball.off", "-o", "out.stl", "--hollow", "4")
+        self.assertIn("voxels of 0.2", result.out)
+        large = ball(12, 2000, (0, 0, 0))
+        report = self.prepared("large.off", large, "--hollow", "60")
+        self.assertTrue(report["voxel_is_coarse"])
+        self.assertGreater(report["voxel_size"], 3)
+
+    def test_walls_that_meet_leave_no_cavity(self):
+        self.write("plate.off", off(*box_faces((0, 0, 0), (30, 20, 3.9))))
+        report = self.report_of("prepare", "plate.off", "-o", "out.stl", "--hollow", "2",
+                                "--voxel-size", "0.2")
+        self.assertEqual([w["code"] for w in report["warnings"]], ["no-cavity"])
+        self.assertEqual(report["prepare"]["cavities"], 0)
+        self.assertAlmostEqual(volume(self.solid()), 30 * 20 * 3.9, 1)
+
+    def test_every_component_gets_its_cavity(self):
+        mesh = joined(ball(16, 6, (0, 0, 0)), box_faces((10, 0, 0), (20, 10, 10)),
+                      box_faces((30, 0, 0), (31, 10, 10)))
+        report = self.prepared("parts.off", mesh, "--hollow", "1.5", "--voxel-size", "0.15")
+        self.assertEqual(report["cavities"], 2)
+        self.assertEqual(components(self.solid()), 5)
+
+    def test_cavities_that_are_there_stay_or_are_filled(self):
+        mesh = joined(box_faces((0, 0, 0), (20, 20, 20)), inverted(box_faces((2, 2, 2), (3, 3, 3))),
+                      inverted(box_faces((8, 8, 8), (12, 12, 12))))
+        report = self.prepared("block.off", mesh, "--fill-voids", "2")
+        self.assertEqual((report["cavities_before"], report["cavities"], report["filled_voids"]),
+                         (2, 1, 1))
+        self.assertIsNone(report["voxel_size"])
+        self.assertAlmostEqual(volume(self.solid()), 8000 - 64, 2)
+        report = self.prepared("block.off", mesh, "--hollow", "2", "--voxel-size", "0.25")
+        self.assertEqual(report["cavities"], 3)
+        inside = volume(self.solid())
+        report = self.prepared("block.off", mesh, "--hollow", "2", "--voxel-size", "0.25",
+                               "--fill-voids", "100")
+        self.assertEqual(report["cavities"], 1)
+        self.assertLess(volume(self.solid()), inside)  # no walls around what was filled
+
+    def test_narrow_places_are_closed(self):
+        mesh = joined(box_faces((0, 0, 0), (20, 20, 20)), box_faces((30, 0, 0), (50, 6, 6)))
+        options = ["--hollow", "2", "--voxel-size", "0.25"]
+        self.assertEqual(self.prepared("two.off", mesh, *options)["cavities"], 2)
+        self.assertEqual(self.prepared("two.off", mesh, *options, "--close", "1.5")["cavities"], 1)
+        self.solid()
+
+    # --- offset ---
+
+    def test_a_grown_ball_and_a_shrunk_box(self):
+        self.prepared("ball.off", ball(40, 10, (0, 0, 0)), "--offset", "1")
+        self.assertAlmostEqual(volume(self.solid()) / (4 / 3 * math.pi * 1331), 1, 2)
+        report = self.prepared("box.off", box_faces((0, 0, 0), (10, 12, 14)), "--offset", "-1",
+                               "--voxel-size", "0.23")
+        points, faces = self.solid()
+        self.assertAlmostEqual(volume((points, faces)), 8 * 10 * 12, 2)  # corners are sharp
+        self.assertEqual(report["faces_kept"], 0)
+        for corner in ((1, 1, 1), (9, 11, 13), (1, 11, 1)):
+            self.assertLess(min(math.dist(p, corner) for p in points), 1e-3)
+
+    # --- volumes ---
+
+    def test_a_level_set_goes_straight_into_layers(self):
+        mesh = ball(24, 10, (0, 0, 0))
+        self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.2", output="ball.vdb")
+        grid, = self.report_of("info", "ball.vdb")["input"][0]["grids"]
+        self.assertEqual((grid["name"], grid["class"]), ("surface", "level set"))
+        self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.2", output="ball.stl")
+        sums = []
+        for name in ("ball.vdb", "ball.stl"):
+            self.succeed("slice", name, "-o", "layers", *PLATE)
+            layers, manifest = readers.png_folder(self.path("layers"))
+            sums.append(sum(sum(row) for layer in layers for row in layer) / 255 * 1e-3)
+            middle = layers[len(layers) // 2]
+            self.assertEqual((middle[200][200], middle[200][290], middle[200][320]), (0, 255, 0))
+        self.assertAlmostEqual(sums[0] / sums[1], 1, 2)
+
+    def test_tets_and_volumes_go_in(self):
+        points, tets = lattice(2, side=10)
+        self.write("block.vtu", program.vtu(points, tets))
+        report = self.report_of("prepare", "block.vtu", "-o", "a.stl", "--hollow", "1")["prepare"]
+        self.assertEqual(report["source"], "tets")
+        self.assertAlmostEqual(volume(self.solid("a.stl")), 1000 - 512, 0)
+        self.succeed("voxelize", "block.vtu", "-o", "block.vdb", "--grid", "surface",
+                     "--voxel-size", "0.25")
+        report = self.report_of("prepare", "block.vdb", "-o", "b.stl", "--hollow", "1")["prepare"]
+        self.assertEqual(report["source"], "volume")
+        self.assertAlmostEqual(volume(self.solid("b.stl")) / (1000 - 512), 1, 1)
+
+    # --- refusals ---
+
+    def test_what_cannot_be_is_refused_with_advice(self):
+        self.write("box.off", off(*box_faces((0, 0, 0), (10, 10, 10))))
+        refuse = lambda status, says, *options: self.refuse(
+            status, "prepare", "box.off", "-o", "out.stl", *options, says=says)
+        refuse(2, "--hollow")
+        refuse(2, "--hollow", "--hollow", "-1")
+        refuse(2, "--hollow", "--close", "1")
+        refuse(2, "--voxel-size", "--hollow", "1", "--voxel-size", "0.6")
+        refuse(2, "--offset", "--offset", "0")
+        refuse(3, "shrink it by less", "--offset", "-6")
+        refuse(4, "--voxel-size", "--hollow", "0.001")
+        refuse(4, "--voxel-size", "--hollow", "1", "--voxel-size", "0.0001")
+        self.refuse(2, "prepare", "box.off", "-o", "out.xyz", "--hollow", "1")
+        self.refuse(2, "prepare", "box.off", "-o", "box.off", "--hollow", "1")
+        self.write("sheet.off", off([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [[0, 1, 2]]))
+        self.refuse(3, "prepare", "sheet.off", "-o", "out.stl", "--hollow", "1", says="repair")
+
+    def test_a_mesh_with_a_hole_is_mended_with_a_warning(self):
+        points, faces = ball(16, 10, (0, 0, 0))
+        self.write("open.off", off(points, faces[1:]))
+        report = self.report_of("prepare", "open.off", "-o", "out.stl", "--hollow", "2",
+                                "--voxel-size", "0.25")
+        self.assertIn("repaired", [w["code"] for w in report["warnings"]])
+        self.assertEqual(components(self.solid()), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -19,6 +19,7 @@ using Json = nlohmann::ordered_json;
 struct Options : JobOptions {
   std::string input, output, grid;
   std::string offset, wall, close, fillVoids;
+  std::vector<std::string> drains;
 };
 
 const char* const kExamples = R"(Examples:
@@ -26,6 +27,10 @@ const char* const kExamples = R"(Examples:
       walls of 2 mm, nowhere thinner; the faces of the outside stay as they are
   tetvdb prepare figure.stl -o hollow.3mf --hollow 2 --close 1.5
       no cavity narrower than 3 mm
+  tetvdb prepare figure.stl -o hollow.stl --hollow 2 --drain auto:1.5
+      a hole of that radius at the lowest point of every cavity; plugs in hollow_plug_1.stl and on
+  tetvdb prepare figure.stl -o hollow.stl --hollow 2 --drain 12,0,3,-1,0,0,1.5
+      a hole at (12, 0, 3), inward along -x
   tetvdb prepare part.stl -o part.vdb --hollow 1.5
       a level set, which 'tetvdb slice part.vdb' takes
   tetvdb prepare scan.stl -o solid.stl --fill-voids 1000
@@ -42,6 +47,34 @@ double parseOffset(const std::string& text) {
     throw Error(Status::Usage, "--offset", "'" + text + "' cannot be used",
                 "give a length, below zero to shrink");
   return numbers[0];
+}
+
+// "auto", "auto:R" or seven numbers.
+void addDrain(const std::string& text, PrepareJob& job) {
+  constexpr const char* kAuto = "auto";
+  const std::size_t colon = text.find(':');
+  if (text.substr(0, colon) == kAuto) {
+    if (colon == text.npos && !(job.wall > 0))
+      throw Error(Status::Usage, "--drain", "without --hollow a hole has no radius by default",
+                  "use auto:R");
+    job.drainRadius =
+        colon == text.npos ? job.wall : parseLength("--drain", text.substr(colon + 1));
+    return;
+  }
+  const std::vector<double> numbers = parseNumbers("--drain", text);
+  bool finite = numbers.size() == 7;
+  for (const double number : numbers)
+    finite = finite && std::isfinite(number);
+  if (!finite || !(numbers[6] > 0) || (numbers[3] == 0 && numbers[4] == 0 && numbers[5] == 0))
+    throw Error(Status::Usage, "--drain", "'" + text + "' cannot be used",
+                "give X,Y,Z,DX,DY,DZ,R: a point, a direction and a radius; or auto, or auto:R");
+  DrainHole hole;
+  for (std::size_t k = 0; k < 3; ++k) {
+    hole.point[k] = numbers[k];
+    hole.direction[k] = numbers[3 + k];
+  }
+  hole.radius = numbers[6];
+  job.drains.push_back(hole);
 }
 
 PrepareJob makeJob(const Options& options) {
@@ -62,6 +95,8 @@ PrepareJob makeJob(const Options& options) {
     job.close = parseLength("--close", options.close);
   if (!options.fillVoids.empty())
     job.fillVolume = parseLength("--fill-voids", options.fillVoids);
+  for (const std::string& drain : options.drains)
+    addDrain(drain, job);
   if (!options.voxelSize.empty())
     job.voxelSize = parseLength("--voxel-size", options.voxelSize);
   setCleaning(options, job.clean);
@@ -72,6 +107,17 @@ PrepareJob makeJob(const Options& options) {
 
 Json orNull(bool there, double value) {
   return there ? Json(value) : Json();
+}
+
+Json drainsOf(const PrepareResult& result) {
+  Json drains = Json::array();
+  for (const PreparedDrain& drain : result.drains)
+    drains.push_back({{"point", drain.hole.point},
+                      {"direction", drain.hole.direction},
+                      {"radius", drain.hole.radius},
+                      {"plug", drain.plug.path},
+                      {"plug_volume", drain.plugVolume}});
+  return drains;
 }
 
 Json preparedOf(const PrepareResult& result) {
@@ -87,6 +133,7 @@ Json preparedOf(const PrepareResult& result) {
           {"cavities", result.cavities},
           {"filled_voids", result.filledCavities},
           {"filled_volume", result.filledVolume},
+          {"drains", drainsOf(result)},
           {"faces_kept", result.keptFaces},
           {"triangles", result.triangles},
           {"vertices", result.vertices},
@@ -107,6 +154,9 @@ std::string summaryOf(const PrepareResult& result) {
   text += "\n";
   if (result.wall > 0)
     text += fmt::format("  no wall thinner than {:.6g}\n", result.wall);
+  for (const PreparedDrain& drain : result.drains)
+    text += fmt::format("  hole at {:.6g}, {:.6g}, {:.6g}: plug in {}\n", drain.hole.point[0],
+                        drain.hole.point[1], drain.hole.point[2], oneLine(drain.plug.path));
   if (result.voxel > 0)
     text += fmt::format("  voxels of {:.4g}{}\n", result.voxel,
                         result.voxelIsCoarse ? ", larger than by the lengths alone: the model is "
@@ -131,7 +181,10 @@ void runPrepare(const Options& options, Session& session) {
   }
   session.sections["input"][0] = input;
   session.sections["prepare"] = preparedOf(result);
-  session.sections["output"] = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  Json outputs = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
+  for (const PreparedDrain& drain : result.drains)
+    outputs.push_back({{"path", drain.plug.path}, {"bytes", drain.plug.bytes}});
+  session.sections["output"] = outputs;
   session.text = summaryOf(result);
   session.textIsSummary = true;
 }
@@ -163,6 +216,14 @@ Command addPrepare(CLI::App& program) {
       "Fill enclosed cavities of a volume below V, those that --hollow makes too");
   add("--offset", options->offset, "D",
       "Grow the solid by D, or shrink it where D is below zero, before all else");
+  command
+      ->add_option("--drain", options->drains,
+                   "A round hole into a cavity at X,Y,Z along DX,DY,DZ of radius R, as often as "
+                   "there are holes; auto or auto:R: one at the lowest point of every cavity (R: "
+                   "the wall). Plugs are written beside the output")
+      ->type_name("HOLE")
+      ->allow_extra_args(false)
+      ->check(notEmpty());
   add("--voxel-size", options->voxelSize, "H",
       "Of the grid within (default: a 20th of the wall, an 8th of other lengths, larger for large "
       "models)");

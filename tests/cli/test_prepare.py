@@ -164,6 +164,46 @@ class PrepareTest(program.CommandLineTest):
         self.assertEqual(self.prepared("two.off", mesh, *options, "--close", "1.5")["cavities"], 1)
         self.solid()
 
+    # --- drains ---
+
+    def test_holes_connect_cavities_with_the_outside(self):
+        mesh = box_faces((0, 0, 0), (20, 20, 20))
+        options = ["--hollow", "2", "--voxel-size", "0.25"]
+        closed = self.prepared("box.off", mesh, *options)
+        report = self.prepared("box.off", mesh, *options, "--drain", "auto:1.5", "--drain",
+                               "0,9.7,8.6,1,0,0,1")
+        out = self.solid()
+        self.assertEqual((closed["cavities"], report["cavities"], components(out)), (1, 0, 1))
+        self.assertEqual(len(report["drains"]), 2)
+        side, bottom = report["drains"]
+        self.assertEqual(side["point"], [0, 9.7, 8.6])
+        for axis, place in enumerate((10, 10, 2)):
+            self.assertLess(abs(bottom["point"][axis] - place), 0.1)
+        taken = 0
+        for drain, name, radius in ((side, "out_plug_1.stl", 1), (bottom, "out_plug_2.stl", 1.5)):
+            self.assertTrue(drain["plug"].endswith(name))
+            plug = volume(self.solid(name))
+            self.assertAlmostEqual(plug, drain["plug_volume"], 3)
+            # Walls are thicker by up to the square of the voxel over twice the wall.
+            self.assertGreater(plug, math.pi * radius ** 2 * 2)
+            self.assertLess(plug, math.pi * radius ** 2 * (2 + 0.25 ** 2 / 4))
+            taken += plug
+        self.assertAlmostEqual(closed["volume"] - report["volume"], taken, 3)
+        self.assertLess(0, report["faces_kept"])
+        self.assertLess(report["faces_kept"], len(mesh[1]))
+
+    def test_a_hole_that_meets_no_cavity_is_refused(self):
+        self.write("box.off", off(*box_faces((0, 0, 0), (20, 20, 20))))
+        refuse = lambda status, says, *options: self.refuse(
+            status, "prepare", "box.off", "-o", "out.stl", *options, says=says)
+        refuse(3, "--drain", "--drain", "0,10,10,1,0,0,1")
+        refuse(3, "--drain", "--hollow", "2", "--voxel-size", "0.5", "--drain",
+               "60,10,10,0,1,0,1")
+        refuse(2, "--drain", "--drain", "1,2,3")
+        refuse(2, "--drain", "--drain", "0,10,10,0,0,0,1")
+        refuse(2, "--drain", "--drain", "auto")
+        refuse(2, "--drain", "--drain", "auto:-1")
+
     # --- offset ---
 
     def test_a_grown_ball_and_a_shrunk_box(self):

@@ -7,22 +7,29 @@
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/print/Cavity.h"
+#include "tetvdb/print/DrainHoles.h"
 #include "tetvdb/print/OffsetSolid.h"
 #include "tetvdb/print/Shells.h"
 #include "tetvdb/print/SolidDistances.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/LocalRepair.h"
+#include "tetvdb/surface/MeshChanges.h"
 #include "tetvdb/surface/TetSurface.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
+#include <system_error>
 #include <tbb/task_arena.h>
 #include <utility>
+#include <vector>
 
 namespace tetvdb {
 namespace {
+
+namespace fs = std::filesystem;
 
 // Of the solid's length that a voxel is by default.
 constexpr double kVoxelsInWall = 20, kVoxelsInOffset = 8, kVoxelsInClose = 8;
@@ -57,18 +64,29 @@ public:
       offset(solid);
     if (job_.wall > 0)
       hollow(solid);
+    TriangleMesh outside;
+    if (asksDrains()) { // the input's faces come first
+      outside.points = solid.points;
+      outside.triangles.assign(solid.triangles.begin(),
+                               solid.triangles.begin() +
+                                   static_cast<std::ptrdiff_t>(3 * result_.keptFaces));
+    }
+    const std::vector<TriangleMesh> plugs = drill(solid);
+    if (!plugs.empty())
+      result_.keptFaces = meshChanges(outside, solid).kept;
     const Shells after = findShells(solid);
     result_.volumeAfter = after.volume();
     result_.cavities = after.cavities();
     result_.vertices = solid.points.size();
     result_.triangles = solid.triangleCount();
     result_.units = solid.units;
-    write(solid);
+    write(solid, plugs);
     return std::move(result_);
   }
 
 private:
   bool writesVolume() const { return !writesTriangles(job_.output); }
+  bool asksDrains() const { return !job_.drains.empty() || job_.drainRadius > 0; }
   bool asksVoxels() const { return job_.offset != 0 || job_.wall > 0 || writesVolume(); }
 
   static void requireLength(const char* name, double value, bool positive) {
@@ -88,9 +106,11 @@ private:
     if (job_.close > 0 && !(job_.wall > 0))
       throw Error(Status::Usage, "`close`", "is of the cavity that `hollow` makes",
                   "give `hollow` too");
-    if (job_.offset == 0 && job_.wall == 0 && job_.fillVolume == 0)
+    if (!std::isfinite(job_.drainRadius) || job_.drainRadius < 0)
+      throw Error(Status::Usage, "`drain`", "the radius must be above zero");
+    if (job_.offset == 0 && job_.wall == 0 && job_.fillVolume == 0 && !asksDrains())
       throw Error(Status::Usage, "", "nothing was asked for",
-                  "give `hollow`, `offset` or `fill_voids`");
+                  "give `hollow`, `offset`, `fill_voids` or `drain`");
   }
 
   TriangleMesh read() {
@@ -198,17 +218,53 @@ private:
     appendFaces(solid, cavity.surface);
   }
 
-  void write(const TriangleMesh& solid) {
-    if (writesVolume()) {
-      const Volume volume = levelSetOf(solid);
-      StageTimer timer(report_, "write");
-      progress_.stage("write");
-      writeVolume(job_.output, volume, progress_);
-    } else {
-      StageTimer timer(report_, "write");
-      progress_.stage("write");
-      writeTriangles(job_.output, solid, progress_);
+  // Returns the plugs.
+  std::vector<TriangleMesh> drill(TriangleMesh& solid) {
+    if (!asksDrains())
+      return {};
+    StageTimer timer(report_, "drill");
+    progress_.stage("drill");
+    std::vector<DrainHole> holes = job_.drains;
+    if (job_.drainRadius > 0)
+      for (const DrainHole& hole : holesAtLowestPoints(solid, job_.drainRadius))
+        holes.push_back(hole);
+    DrilledHoles drilled = drillHoles(solid, holes, progress_);
+    const fs::path output(job_.output);
+    for (std::size_t i = 0; i < holes.size(); ++i) {
+      PreparedDrain& drain = result_.drains.emplace_back();
+      drain.hole = holes[i];
+      drain.plugVolume = findShells(drilled.plugs[i]).volume();
+      drain.plug.path =
+          (output.parent_path() / fmt::format("{}_plug_{}.stl", output.stem().string(), i + 1))
+              .string();
+      requireSeparateFiles({job_.input}, {job_.output, drain.plug.path});
+      requireWritable(drain.plug.path);
     }
+    return std::move(drilled.plugs);
+  }
+
+  void write(const TriangleMesh& solid, const std::vector<TriangleMesh>& plugs) {
+    Volume volume;
+    if (writesVolume())
+      volume = levelSetOf(solid);
+    StageTimer timer(report_, "write");
+    progress_.stage("write");
+    std::size_t done = 0;
+    try {
+      for (; done < plugs.size(); ++done)
+        writeTriangles(result_.drains[done].plug.path, plugs[done], progress_);
+      if (writesVolume())
+        writeVolume(job_.output, volume, progress_);
+      else
+        writeTriangles(job_.output, solid, progress_);
+    } catch (...) {
+      std::error_code ignored;
+      for (std::size_t i = 0; i < done; ++i)
+        fs::remove(result_.drains[i].plug.path, ignored);
+      throw;
+    }
+    for (PreparedDrain& drain : result_.drains)
+      drain.plug = written(drain.plug.path);
     result_.output = written(job_.output);
   }
 

@@ -15,11 +15,13 @@
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RepairJob.h"
+#include "tetvdb/print/DrainHole.h"
 #include "tetvdb/surface/CleanTriangles.h"
 
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tetvdb {
 
@@ -27,16 +29,26 @@ namespace tetvdb {
 struct PrepareJob {
   std::string input; ///< a mesh file, of triangles or of tets, or a volume file
   bool isVolume = false;
-  std::string grid;          ///< of a volume, as ExtractOptions::grid
-  std::string output;        ///< .stl, .obj, .ply, .off or .3mf; .vdb or .nvdb: a level set
-  double offset = 0;         ///< the solid grows, or shrinks where below 0, first; 0: stays
-  double wall = 0;           ///< the solid becomes hollow with walls of this thickness; 0: stays
-  double close = 0;          ///< as CavityOptions::close
-  double fillVolume = 0;     ///< cavities of less are filled, those of the input first of all
+  std::string grid;      ///< of a volume, as ExtractOptions::grid
+  std::string output;    ///< .stl, .obj, .ply, .off or .3mf; .vdb or .nvdb: a level set
+  double offset = 0;     ///< the solid grows, or shrinks where below 0, first; 0: stays
+  double wall = 0;       ///< the solid becomes hollow with walls of this thickness; 0: stays
+  double close = 0;      ///< as CavityOptions::close
+  double fillVolume = 0; ///< cavities of less are filled, those of the input first of all
+  std::vector<DrainHole> drains;
+  /// Above 0: a hole of this radius at the lowest point of every cavity too.
+  double drainRadius = 0;
   double voxelSize = 0;      ///< 0: by defaultVoxel()
   CleanOptions clean;        ///< of triangles
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
+};
+
+/// A hole that was made.
+struct PreparedDrain {
+  DrainHole hole;
+  OutputInfo plug;       ///< beside the output: NAME_plug_1.stl and on
+  double plugVolume = 0; ///< world units cubed
 };
 
 struct PrepareResult {
@@ -51,6 +63,7 @@ struct PrepareResult {
   std::size_t cavitiesBefore = 0, cavities = 0;
   std::size_t filledCavities = 0;
   double filledVolume = 0;
+  std::vector<PreparedDrain> drains;
   double wall = 0; ///< of the cavity that was made: no wall is thinner, proven; 0: there is none
   std::size_t keptFaces = 0; ///< of the input, cleaned, that are in the output as they were
   std::size_t vertices = 0, triangles = 0; ///< of the surface
@@ -68,10 +81,12 @@ double defaultVoxel(const PrepareJob& job, double area, bool& coarse);
 /// fails, Error(Invalid). Tets are their surface, a volume the surface that extractSurface() makes
 /// of it. Then, as far as it is asked for: small cavities are filled (print/Shells.h), the solid is
 /// offset (print/OffsetSolid.h), a cavity is made in it (print/Cavity.h; warning "no-cavity" where
-/// the wall fills the solid) of which small components are filled too. Faces of the input stay as
-/// they are where the solid is not offset. A volume file gets the grid "surface", a level set of
-/// three voxels to each side. Adds stages "read", "clean", "voxelize", "distance", "extract",
-/// "fields" and "write" to `report`. Throws what the steps throw; nothing is written then.
+/// the wall fills the solid) of which small components are filled too, and holes are drilled into
+/// cavities (print/DrainHoles.h), whose plugs are written as .stl files beside the output. Faces of
+/// the input stay as they are where the solid is not offset. A volume file gets the grid "surface",
+/// a level set of three voxels to each side. Adds stages "read", "clean", "voxelize", "distance",
+/// "extract", "drill", "fields" and "write" to `report`. Throws what the steps throw; nothing is
+/// written then.
 PrepareResult run(const PrepareJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

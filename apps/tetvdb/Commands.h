@@ -38,6 +38,7 @@ Command addSlice(CLI::App& program);
 Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);
 Command addReport(CLI::App& program);
+Command addDataset(CLI::App& program);
 Command addFormats(CLI::App& program);
 Command addGrids(CLI::App& program);
 

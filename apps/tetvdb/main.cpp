@@ -48,6 +48,7 @@ const char* const kExamples = R"(Examples:
   tetvdb render part.stl -o part.png
   tetvdb check part.vdb --target blender
   tetvdb report models/ -o report.html
+  tetvdb dataset models/ -o voxels --resolution 64
   tetvdb formats
   tetvdb grids
 
@@ -88,8 +89,8 @@ int runProgram(const std::vector<std::string>& arguments) {
   const std::vector<Command> commands = {
       addVoxelize(program), addTetrahedralize(program), addInfo(program),    addCompare(program),
       addRepair(program),   addConvert(program),        addPrepare(program), addSlice(program),
-      addRender(program),   addCheck(program),          addReport(program),  addFormats(program),
-      addGrids(program)};
+      addRender(program),   addCheck(program),          addReport(program),  addDataset(program),
+      addFormats(program),  addGrids(program)};
   const std::vector<std::string> words = withoutHelp(arguments);
   // Before '--help', which there is for the program as a whole.
   if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {

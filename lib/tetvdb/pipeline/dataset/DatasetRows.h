@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What became of every model of a data set: a JSON object each, in the order in which they end.
+#pragma once
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/pipeline/dataset/MakeItem.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+using DatasetRow = nlohmann::ordered_json;
+
+/// Of a model that is done.
+DatasetRow successRow(const DatasetItem& item, const ItemResult& result, const Report& report,
+                      double seconds);
+/// Of one that is not; `stage`: the one in which it ended, empty where that is not known.
+DatasetRow failureRow(const DatasetItem& item, Status status, const std::string& error,
+                      const std::string& stage, double seconds);
+
+bool isSuccess(const DatasetRow& row);
+
+/// Appends rows to a file, each with one write, so that a process that dies leaves whole lines but
+/// for the last.
+class RowJournal {
+public:
+  /// Throws Error(Write).
+  explicit RowJournal(const std::string& path);
+  ~RowJournal();
+  RowJournal(const RowJournal&) = delete;
+  RowJournal& operator=(const RowJournal&) = delete;
+
+  void append(const DatasetRow& row);
+
+private:
+  std::string path_;
+  int descriptor_ = -1;
+};
+
+/// The rows of all journals in `folder` by the model's name; of several rows of a model the last of
+/// the last journal. Lines that are no rows, as a process leaves them that dies while it writes,
+/// are passed over: their models count as not done.
+std::map<std::string, DatasetRow> readRows(const std::string& folder);
+
+} // namespace tetvdb

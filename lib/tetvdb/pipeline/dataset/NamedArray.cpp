@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/dataset/NamedArray.h"
+
+#include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/io/text/ZipWriter.h"
+#include "tetvdb/io/volume/arrays/NpyHeader.h"
+
+#include <openvdb/math/Half.h>
+
+namespace tetvdb {
+
+void writeNpzArrays(const std::string& path, const std::vector<NamedArray>& arrays) {
+  AtomicFile file(path);
+  ZipWriter zip(file);
+  for (const NamedArray& array : arrays) {
+    const std::string header = npyHeader(array.type, array.shape);
+    zip.begin(array.name + ".npy", ZipMethod::Deflated, header.size() + array.bytes.size());
+    zip.write(header);
+    zip.write({array.bytes.data(), array.bytes.size()});
+    zip.end();
+  }
+  zip.finish();
+  file.commit();
+}
+
+void writeNpyArray(const std::string& path, const NamedArray& array) {
+  AtomicFile file(path);
+  const std::string header = npyHeader(array.type, array.shape);
+  file.write(header.data(), header.size());
+  file.write(array.bytes.data(), array.bytes.size());
+  file.commit();
+}
+
+std::vector<std::uint16_t> toHalf(const std::vector<float>& values) {
+  std::vector<std::uint16_t> halves;
+  halves.reserve(values.size());
+  for (const float value : values)
+    halves.push_back(openvdb::math::half(value).bits());
+  return halves;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Arrays in memory as .npz and .npy files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+struct NamedArray {
+  std::string name;
+  std::string type; ///< as NumPy names it: "<f4", "|b1", ...
+  std::vector<std::uint64_t> shape;
+  std::vector<char> bytes; ///< C order
+
+  template <typename T>
+  static NamedArray of(std::string name, std::string type, std::vector<std::uint64_t> shape,
+                       const std::vector<T>& values) {
+    const char* first = reinterpret_cast<const char*>(values.data());
+    return {std::move(name), std::move(type), std::move(shape),
+            std::vector<char>(first, first + values.size() * sizeof(T))};
+  }
+};
+
+/// Deflated. The bytes depend on the arrays alone. Whole or absent; throws Error(Write).
+void writeNpzArrays(const std::string& path, const std::vector<NamedArray>& arrays);
+/// One array.
+void writeNpyArray(const std::string& path, const NamedArray& array);
+
+/// Numbers as IEEE 754 half-precision, rounded to nearest, ties to even.
+std::vector<std::uint16_t> toHalf(const std::vector<float>& values);
+
+} // namespace tetvdb

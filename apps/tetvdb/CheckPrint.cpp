@@ -39,17 +39,18 @@ void chooseChecks(const std::string& list, const PrintLimits& usual, CheckPrintJ
       {"traps", [](PrintLimits& l) { l.traps = true; }},
       {"drains", [&](PrintLimits& l) { l.drain = usual.drain > 0 ? usual.drain : sla.drain; }},
       {"walls", [&](PrintLimits& l) { l.minWall = usual.minWall; }},
+      {"floors", [&](PrintLimits& l) { l.minFloor = usual.minFloor; }},
       {"gaps", [&](PrintLimits& l) { l.minGap = usual.minGap; }}};
   limits.emptyLayers = limits.islands = limits.cups = limits.traps = job.outside = false;
-  limits.overhangAngle = limits.minWall = limits.minGap = limits.drain = 0;
+  limits.overhangAngle = limits.minWall = limits.minGap = limits.minFloor = limits.drain = 0;
   for (std::size_t begin = 0; begin <= list.size();) {
     const std::size_t end = std::min(list.find(',', begin), list.size());
     const std::string name = list.substr(begin, end - begin);
     const auto check = checks.find(name);
     if (check == checks.end())
       throw Error(Status::Usage, "--checks", "'" + name + "' is no check",
-                  "choose from outside, empty, islands, overhangs, cups, traps, drains, walls and "
-                  "gaps, with commas between them");
+                  "choose from outside, empty, islands, overhangs, cups, traps, drains, walls, "
+                  "floors and gaps, with commas between them");
     check->second(limits);
     begin = end + 1;
   }
@@ -81,6 +82,7 @@ CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::s
   limits.neighbours = options.connectivity == 4 ? Neighbours::Four : Neighbours::Eight;
   takeNumber("--overhang-angle", options.overhangAngle, limits.overhangAngle);
   takeNumber("--min-wall", options.minWall, limits.minWall);
+  takeNumber("--min-floor", options.minFloor, limits.minFloor);
   takeNumber("--min-gap", options.minGap, limits.minGap);
   takeNumber("--drain", options.drain, limits.drain);
   takeNumber("--min-area", options.minArea, limits.minArea);
@@ -100,6 +102,7 @@ Json toJson(const PrintLimits& limits, bool outside) {
           {"traps", limits.traps},
           {"overhang_angle", limit(limits.overhangAngle)},
           {"min_wall_mm", limit(limits.minWall)},
+          {"min_floor_mm", limit(limits.minFloor)},
           {"min_gap_mm", limit(limits.minGap)},
           {"drain_mm", limit(limits.drain)},
           {"min_area_mm2", limits.minArea},
@@ -173,6 +176,7 @@ Json findingOf(const CheckPrintResult& result, std::size_t i, PrintTarget target
     break;
   case PrintFault::Outside:
   case PrintFault::EmptyLayer:
+  case PrintFault::ThinFloor:
     break;
   }
   return finding;
@@ -225,11 +229,14 @@ void addCheckPrintOptions(CLI::App& command, CheckPrintOptions& options) {
       "its whole layer (volume), or its middle (none)")
       ->check(CLI::IsMember({"area", "volume", "none"}).description(""));
   add("--checks", options.checks, "LIST",
-      "Only these: outside, empty, islands, overhangs, cups, traps, drains, walls, gaps");
+      "Only these: outside, empty, islands, overhangs, cups, traps, drains, walls, "
+      "floors, gaps");
   add("--overhang-angle", options.overhangAngle, "A",
       "Largest angle from the vertical without support, degrees (default sla 60, others 45)");
   add("--min-wall", options.minWall, "D",
       "Walls must be so wide, mm (default sla 0.5, lpbf 0.4, fdm 0.8)");
+  add("--min-floor", options.minFloor, "D",
+      "Floors and roofs must be so thick, mm (default as walls)");
   add("--min-gap", options.minGap, "D",
       "Gaps must be so wide, mm (default sla 0.3, lpbf 0.2, fdm 0.4)");
   add("--drain", options.drain, "D",
@@ -263,7 +270,8 @@ void runCheckPrint(const CheckPrintOptions& options, const std::vector<std::stri
   const AllowThreads allowed(job.slice.threads);
   const CheckPrintResult result = run(job, session.report, session.progress);
   session.sections["print"] = printOf(result, job);
-  for (std::size_t i = 0; i < result.checks.findings.size(); ++i)
+  const bool wanted = !session.options.json.empty(); // some kB each
+  for (std::size_t i = 0; wanted && i < result.checks.findings.size(); ++i)
     session.sections["findings"].push_back(findingOf(result, i, job.target));
   session.text = linesOf(result, job.target) + summaryOf(result, job.plateKnown);
   session.textIsSummary = true;

@@ -15,7 +15,7 @@ namespace tetvdb::cli {
 
 struct CheckPrintOptions : JobOptions, PrinterOptions {
   std::string aa = "area", checks, picture;
-  std::string overhangAngle, minWall, minGap, drain, minArea, minVolume;
+  std::string overhangAngle, minWall, minFloor, minGap, drain, minArea, minVolume;
   int connectivity = 8;
 };
 

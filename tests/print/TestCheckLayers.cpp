@@ -263,6 +263,21 @@ TEST(CheckLayers, WallsAndGaps) {
   EXPECT_TRUE(check(stack, limits).findings.empty());
 }
 
+TEST(CheckLayers, FloorsAreThinFromBelowToAbove) {
+  DenseStack stack(60, 30, 24);
+  stack.fill({4, 4, 0}, {14, 26, 24}, true);
+  stack.fill({14, 4, 10}, {50, 26, 12}, true); // 0.5 mm thick
+  PrintLimits limits;
+  limits.minFloor = 0.75;
+  const std::vector<PrintFinding> floors = of(check(stack, limits), PrintFault::ThinFloor);
+  ASSERT_EQ(floors.size(), 1u);
+  EXPECT_EQ(floors[0].first, 10);
+  EXPECT_EQ(floors[0].last, 11);
+  EXPECT_EQ(floors[0].pixels, (50 - 17) * 22); // but for 1.5 mm beside the block
+  limits.minFloor = 0.5;
+  EXPECT_TRUE(of(check(stack, limits), PrintFault::ThinFloor).empty());
+}
+
 TEST(CheckLayers, NarrowDrainsAreFoundAndTrapsAreNotTwice) {
   DenseStack stack(40, 40, 60);
   stack.fill({0, 0, 0}, {40, 40, 60}, true);
@@ -298,21 +313,22 @@ TEST(CheckLayers, ThreadsDoNotMatter) {
   limits.overhangAngle = 60;
   limits.minWall = 1.2;
   limits.minGap = 1.2;
+  limits.minFloor = 0.5;
   limits.drain = 3;
   const auto runWith = [&](int threads) {
     tbb::task_arena arena(threads);
     return arena.execute([&] { return check(stack, limits); });
   };
-  const PrintChecks one = runWith(1), four = runWith(4);
+  const PrintChecks one = runWith(1), two = runWith(2);
   EXPECT_GT(one.findings.size(), 100u);
-  ASSERT_EQ(one.findings.size(), four.findings.size());
+  ASSERT_EQ(one.findings.size(), two.findings.size());
   for (std::size_t i = 0; i < one.findings.size(); ++i) {
-    EXPECT_EQ(one.findings[i].fault, four.findings[i].fault);
-    EXPECT_EQ(one.findings[i].pixel, four.findings[i].pixel);
-    EXPECT_EQ(one.findings[i].layer, four.findings[i].layer);
-    EXPECT_EQ(one.findings[i].pixels, four.findings[i].pixels);
-    EXPECT_EQ(one.findings[i].volume, four.findings[i].volume);
-    EXPECT_EQ(one.findings[i].width, four.findings[i].width);
+    EXPECT_EQ(one.findings[i].fault, two.findings[i].fault);
+    EXPECT_EQ(one.findings[i].pixel, two.findings[i].pixel);
+    EXPECT_EQ(one.findings[i].layer, two.findings[i].layer);
+    EXPECT_EQ(one.findings[i].pixels, two.findings[i].pixels);
+    EXPECT_EQ(one.findings[i].volume, two.findings[i].volume);
+    EXPECT_EQ(one.findings[i].width, two.findings[i].width);
   }
 }
 

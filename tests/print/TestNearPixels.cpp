@@ -3,6 +3,7 @@
 // Distances between pixels by brute force.
 #include "DenseLayers.h"
 #include "tetvdb/print/DrainPockets.h"
+#include "tetvdb/print/FloorSweep.h"
 #include "tetvdb/print/NearPixels.h"
 
 #include <algorithm>
@@ -142,6 +143,62 @@ TEST(NearPixels, DistancesThatAreTies) {
   EXPECT_EQ(open.reach(-3), 3);
   EXPECT_EQ(open.reach(0), 4);
   EXPECT_EQ(PixelDisc(1, 1, 0, true).rows(), -1);
+}
+
+TEST(FloorSweep, ThinIsWhatNoHighColumnIsNear) {
+  std::size_t thin = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_int_distribution<std::int32_t> place(0, 22), size(1, 9), height(1, 12);
+    DenseStack stack(32, 32, 18);
+    for (int i = 0; i < 9; ++i) {
+      const std::int32_t x = place(random), y = place(random), z = place(random) / 2;
+      stack.fill({x, y, z}, {x + size(random), y + size(random), std::min(z + height(random), 18)},
+                 true);
+    }
+    LayerFrame frame = DenseSource(stack, 0.1, 0.12, 0.05).frame();
+    for (const std::int32_t layers : {1, 2, 3, 5, 8, 13, 20}) {
+      const double limit = 0.05 * layers, reach = 2 * limit;
+      std::vector<SpanRows> found;
+      FloorSweep sweep(frame, limit, [&](std::int32_t k, SpanRows rows) {
+        ASSERT_EQ(static_cast<std::size_t>(k), found.size());
+        found.push_back(std::move(rows));
+      });
+      for (std::int32_t k = 0; k < stack.layers; ++k)
+        sweep.add(stack.rows(k));
+      sweep.finish();
+      ASSERT_EQ(found.size(), 18u);
+      const auto isHigh = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+        std::int32_t low = z, high = z;
+        while (stack.at(x, y, low - 1))
+          --low;
+        while (stack.at(x, y, high + 1))
+          ++high;
+        return stack.at(x, y, z) && high - low + 1 >= layers;
+      };
+      for (std::int32_t z = 0; z < stack.layers; ++z) {
+        DenseStack expected(stack.width, stack.height, 1), got = expected;
+        for (std::int32_t y = 0; y < stack.height; ++y)
+          for (std::int32_t x = 0; x < stack.width; ++x) {
+            bool near = false;
+            for (std::int32_t v = 0; v < stack.height && !near; ++v)
+              for (std::int32_t u = 0; u < stack.width && !near; ++u)
+                near = std::pow(0.1 * (u - x), 2) + std::pow(0.12 * (v - y), 2) <= reach * reach &&
+                       isHigh(u, v, z);
+            expected.solid[expected.index(x, y, 0)] = stack.at(x, y, z) && !near;
+            thin += stack.at(x, y, z) && !near ? 1 : 0;
+          }
+        const SpanRows& rows = found[static_cast<std::size_t>(z)];
+        for (std::int32_t y = 0; y < stack.height; ++y) {
+          const auto [begin, end] = rows.of(y);
+          for (const Span* span = begin; span != end; ++span)
+            got.fill({span->begin, y, 0}, {span->end, y + 1, 1}, true);
+        }
+        ASSERT_EQ(got.solid, expected.solid) << layers << " layers, layer " << z;
+      }
+    }
+  }
+  EXPECT_GT(thin, 1000u);
 }
 
 // --- openings ---

@@ -230,6 +230,7 @@ PrintLimits limitsFor(PrintTarget target) {
     limits.minGap = 0.4;
     break;
   }
+  limits.minFloor = limits.minWall;
   return limits;
 }
 

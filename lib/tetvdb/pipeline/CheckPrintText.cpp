@@ -66,6 +66,10 @@ std::string sizeText(const CheckPrintResult& result, const PrintFinding& f) {
     return fmt::format("a {} up to {:.3g} mm wide in {}, {:.4g} mm2 ({} pixels) in layer {}",
                        f.fault == PrintFault::ThinWall ? "wall" : "gap", f.width, layersOf(f),
                        f.area, f.pixels, f.layer);
+  case PrintFault::ThinFloor:
+    return fmt::format("a floor or roof less than {:.4g} mm thick in {}, {:.4g} mm2 ({} pixels) in "
+                       "layer {}",
+                       result.limits.minFloor, layersOf(f), f.area, f.pixels, f.layer);
   }
   return {};
 }
@@ -109,6 +113,7 @@ std::string cureFor(PrintFault fault, PrintTarget target) {
   case PrintFault::Drain:
     return fmt::format("widen its holes so that {} comes out, or fill it", inside);
   case PrintFault::ThinWall:
+  case PrintFault::ThinFloor:
     return "make it thicker";
   case PrintFault::ThinGap:
     return "widen it, or close it";

@@ -30,7 +30,8 @@ constexpr std::array<Rgb, kPrintFaults> kColors = {{{0.02F, 0.02F, 0.02F},
                                                     {0.45F, 0.02F, 0.55F},
                                                     {0.00F, 0.42F, 0.55F},
                                                     {0.55F, 0.42F, 0.00F},
-                                                    {0.00F, 0.40F, 0.08F}}};
+                                                    {0.00F, 0.40F, 0.08F},
+                                                    {0.35F, 0.12F, 0.02F}}};
 
 void addBox(const Vec3d& low, const Vec3d& high, const Rgb& color, std::vector<Line>& lines) {
   const auto corner = [&](std::size_t i) {

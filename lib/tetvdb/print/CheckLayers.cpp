@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/print/CavitySweep.h"
 #include "tetvdb/print/DrainPockets.h"
+#include "tetvdb/print/FloorSweep.h"
 #include "tetvdb/print/IslandSweep.h"
 #include "tetvdb/print/LayerContacts.h"
 #include "tetvdb/print/NearPixels.h"
@@ -22,14 +23,28 @@ namespace {
 constexpr std::int32_t kAtOnce = 32; // layers whose pairs are looked at in parallel
 constexpr double kPi = 3.14159265358979323846;
 
-void checkLimits(const PrintLimits& limits) {
+// Distances in pixels, or in layers, that are looked at.
+constexpr double kMaxReach = 4096;
+
+void checkLimits(const PrintLimits& limits, const LayerFrame& frame) {
   const auto finite = [](double value) { return std::isfinite(value) && value >= 0; };
   if (!finite(limits.overhangAngle) || limits.overhangAngle >= 90)
     throw Error(Status::Usage, "`overhang_angle`", "must be from 0 to below 90 degrees");
-  if (!finite(limits.minWall) || !finite(limits.minGap) || !finite(limits.drain) ||
-      !finite(limits.minArea) || !finite(limits.minVolume))
-    throw Error(Status::Usage, "`min_wall`, `min_gap`, `drain`, `min_area`, `min_volume`",
+  if (!finite(limits.minWall) || !finite(limits.minGap) || !finite(limits.minFloor) ||
+      !finite(limits.drain) || !finite(limits.minArea) || !finite(limits.minVolume))
+    throw Error(Status::Usage,
+                "`min_wall`, `min_gap`, `min_floor`, `drain`, `min_area`, `min_volume`",
                 "must be numbers, zero or more");
+  const double pixel = std::min(frame.pixelWidth, frame.pixelHeight);
+  const double lean = std::max(frame.layerHeight, frame.firstLayerHeight) *
+                      std::tan(limits.overhangAngle * kPi / 180);
+  if (std::max({limits.minWall, limits.minGap, limits.minFloor, lean}) > kMaxReach * pixel ||
+      limits.minFloor > kMaxReach * frame.layerHeight)
+    throw Error(Status::Usage, "`min_wall`, `min_gap`, `min_floor`, `overhang_angle`",
+                "reach farther than 4096 pixels or layers", "give a smaller one");
+  constexpr double kMaxDrain = 1000;
+  if (limits.drain > kMaxDrain)
+    throw Error(Status::Usage, "`drain`", "is above 1000 mm", "give a smaller one");
 }
 
 // Which layers a thickness is looked at in, and what is thin there.
@@ -106,9 +121,14 @@ public:
   Checking(const LayerFrame& frame, const PrintLimits& limits)
       : frame_(frame), limits_(limits), pixel_(frame.pixelWidth * frame.pixelHeight),
         cavities_(frame), overhangs_(leanColumns(), leanRows()),
-        walls_(limits.minWall, false, frame), gaps_(limits.minGap, true, frame) {
+        walls_(limits.minWall, false, frame), gaps_(limits.minGap, true, frame),
+        floorPatches_(1, 1) {
     if (limits.drain > 0)
       drains_.emplace(frame, limits.drain);
+    if (limits.minFloor > 0)
+      floors_.emplace(frame, limits.minFloor, [this](std::int32_t k, SpanRows thin) {
+        floorPatches_.add(k, labelled(std::move(thin), Neighbours::Eight));
+      });
   }
 
   // What is known of a layer by itself.
@@ -144,14 +164,18 @@ public:
     sweep();
     cavities_.finish();
     overhangs_.finish();
+    if (floors_)
+      floors_->finish();
+    floorPatches_.finish();
     reportEmptyLayers();
     reportIslands();
-    reportOverhangs();
+    reportPatches(PrintFault::Overhang, overhangs_);
     reportCavities();
     if (drains_)
       reportDrains(progress);
     walls_.report(PrintFault::ThinWall, limits_, checks_);
     gaps_.report(PrintFault::ThinGap, limits_, checks_);
+    reportPatches(PrintFault::ThinFloor, floorPatches_);
     sort();
     checks_.emptyLayers = emptyLayers_;
     return std::move(checks_);
@@ -213,6 +237,8 @@ private:
 
   void add(Item& item) {
     const LabelledSpans& solid = item.components.solid;
+    if (floors_)
+      floors_->add(solid.rows);
     islands_.add(solid, item.solid);
     cavities_.add(item.components.gaps, item.voids);
     if (limits_.overhangAngle > 0)
@@ -321,15 +347,16 @@ private:
     }
   }
 
-  void reportOverhangs() {
-    for (const LayerPatch& patch : overhangs_.patches()) {
-      PrintFinding finding = findingOf(PrintFault::Overhang, patch.largest, patch.first, patch.last,
-                                       patch.largestLayer);
+  void reportPatches(PrintFault fault, const PatchSweep& patches) {
+    for (const LayerPatch& patch : patches.patches()) {
+      PrintFinding finding =
+          findingOf(fault, patch.largest, patch.first, patch.last, patch.largestLayer);
       finding.box = patch.box;
       finding.pixels = patch.largestPixels;
       finding.area = static_cast<double>(patch.largestPixels) * pixel_;
       finding.totalArea = static_cast<double>(patch.pixels) * pixel_;
-      keep(finding, finding.totalArea >= limits_.minArea);
+      const double size = fault == PrintFault::Overhang ? finding.totalArea : finding.area;
+      keep(finding, size >= limits_.minArea);
     }
   }
 
@@ -389,6 +416,7 @@ private:
       return f.volume;
     case PrintFault::ThinWall:
     case PrintFault::ThinGap:
+    case PrintFault::ThinFloor:
       return f.area;
     case PrintFault::Outside:
     case PrintFault::EmptyLayer:
@@ -413,6 +441,8 @@ private:
   CavitySweep cavities_;
   PatchSweep overhangs_;
   Thickness walls_, gaps_;
+  std::optional<FloorSweep> floors_;
+  PatchSweep floorPatches_;
   std::optional<DrainPockets> drains_;
   std::vector<Sample> samples_;
   std::vector<Item> waiting_;
@@ -425,7 +455,7 @@ private:
 } // namespace
 
 PrintChecks checkLayers(LayerSource& source, const PrintLimits& limits, Progress& progress) {
-  checkLimits(limits);
+  checkLimits(limits, source.frame());
   Checking checking(source.frame(), limits);
   forEachLayer(
       source, [&](std::int32_t k, Layer&& layer) { return checking.look(k, layer); },

@@ -18,35 +18,50 @@ std::int32_t inCell(double cell, double pixel) {
   return static_cast<std::int32_t>(std::clamp(std::floor(cell / pixel), 1.0, 1e6));
 }
 
-// Spans that may overlap, of one row, become a union.
-void unite(std::vector<Span>& spans) {
-  std::sort(spans.begin(), spans.end(),
-            [](const Span& a, const Span& b) { return a.begin < b.begin; });
-  std::size_t count = 0;
-  for (const Span& span : spans)
-    if (count > 0 && span.begin <= spans[count - 1].end)
-      spans[count - 1].end = std::max(spans[count - 1].end, span.end);
-    else
-      spans[count++] = span;
-  spans.resize(count);
-}
+// A union of spans of one row, that come in any order. Counts what begins and ends at every cell.
+class RowUnion {
+public:
+  /// Spans lie within these cells.
+  RowUnion(std::int32_t begin, std::int32_t end)
+      : begin_(begin), changes_(static_cast<std::size_t>(end - begin) + 1, 0) {}
 
-SpanRows unionOf(const SpanRows& a, const SpanRows& b) {
-  if (a.empty() || b.empty())
-    return a.empty() ? b : a;
-  SpanRows rows;
-  std::vector<Span> spans;
-  const std::int32_t end = std::max(a.endRow(), b.endRow());
-  for (std::int32_t y = std::min(a.firstRow(), b.firstRow()); y < end; ++y) {
-    const auto [a0, a1] = a.of(y);
-    const auto [b0, b1] = b.of(y);
-    spans.assign(a0, a1);
-    spans.insert(spans.end(), b0, b1);
-    unite(spans);
-    for (const Span& span : spans)
-      rows.add(y, span.begin, span.end);
+  void add(std::int32_t begin, std::int32_t end) {
+    ++changes_[static_cast<std::size_t>(begin - begin_)];
+    --changes_[static_cast<std::size_t>(end - begin_)];
   }
-  return rows;
+
+  /// As row y of `rows`; forgets them.
+  void finish(std::int32_t y, SpanRows& rows) {
+    std::int32_t count = 0, from = 0;
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      if (changes_[i] == 0)
+        continue;
+      const std::int32_t before = count, at = begin_ + static_cast<std::int32_t>(i);
+      count += changes_[i];
+      changes_[i] = 0;
+      if (before == 0 && count > 0)
+        from = at;
+      else if (before > 0 && count == 0)
+        rows.add(y, from, at);
+    }
+  }
+
+private:
+  std::int32_t begin_;
+  std::vector<std::int32_t> changes_;
+};
+
+// The columns that spans reach, from the first to one past the last.
+Span columnsOf(const SpanRows& rows) {
+  Span columns{kFar, -kFar};
+  for (std::int32_t y = rows.firstRow(); y < rows.endRow(); ++y) {
+    const auto [begin, end] = rows.of(y);
+    if (begin == end)
+      continue;
+    columns.begin = std::min(columns.begin, begin->begin);
+    columns.end = std::max(columns.end, end[-1].end);
+  }
+  return columns;
 }
 
 } // namespace
@@ -60,23 +75,17 @@ DrainPockets::DrainPockets(const LayerFrame& frame, double diameter)
 
 SpanRows DrainPockets::cellsOf(const SpanRows& solid) const {
   SpanRows cells;
-  std::vector<Span> spans;
   if (solid.empty())
     return cells;
+  const Span columns = columnsOf(solid);
+  RowUnion inRow(columns.begin / columns_, (columns.end - 1) / columns_ + 1);
   for (std::int32_t row = solid.firstRow() / rows_; row <= (solid.endRow() - 1) / rows_; ++row) {
-    spans.clear();
     for (std::int32_t y = row * rows_; y < (row + 1) * rows_; ++y) {
       const auto [begin, end] = solid.of(y);
-      for (const Span* span = begin; span != end; ++span) {
-        const Span cell{span->begin / columns_, (span->end - 1) / columns_ + 1};
-        if (!spans.empty() && cell.begin >= spans.back().begin && cell.end <= spans.back().end)
-          continue;
-        spans.push_back(cell);
-      }
+      for (const Span* span = begin; span != end; ++span)
+        inRow.add(span->begin / columns_, (span->end - 1) / columns_ + 1);
     }
-    unite(spans);
-    for (const Span& span : spans)
-      cells.add(row, span.begin, span.end);
+    inRow.finish(row, cells);
   }
   return cells;
 }
@@ -100,29 +109,33 @@ std::vector<Cavity> DrainPockets::find(Progress& progress) const {
   // What a ball's centre cannot be in, in layer k of cells.
   const auto grown = [&](std::int32_t k) {
     SpanRows rows;
-    std::vector<Span> spans;
+    const std::int32_t low = std::max(k - reach, 0), high = std::min(k + reach, count - 1);
     std::int32_t first = kFar, end = -kFar;
-    for (std::int32_t i = std::max(k - reach, 0); i <= std::min(k + reach, count - 1); ++i) {
+    Span columns{kFar, -kFar};
+    for (std::int32_t i = low; i <= high; ++i) {
       const SpanRows& cells = cells_[static_cast<std::size_t>(i)];
       if (cells.empty())
         continue;
       first = std::min(first, cells.firstRow() - margin);
       end = std::max(end, cells.endRow() + margin);
+      const Span reached = columnsOf(cells);
+      columns.begin = std::min(columns.begin, reached.begin - discs.front().reach(0));
+      columns.end = std::max(columns.end, reached.end + discs.front().reach(0));
     }
+    if (first >= end)
+      return rows;
+    RowUnion row(columns.begin, columns.end);
     for (std::int32_t y = first; y < end; ++y) {
-      spans.clear();
-      for (std::int32_t i = std::max(k - reach, 0); i <= std::min(k + reach, count - 1); ++i) {
+      for (std::int32_t i = low; i <= high; ++i) {
         const PixelDisc& disc = discs[static_cast<std::size_t>(std::abs(i - k))];
         for (std::int32_t dy = -disc.rows(); dy <= disc.rows(); ++dy) {
           const auto [begin, last] = cells_[static_cast<std::size_t>(i)].of(y + dy);
           const std::int32_t dx = disc.reach(dy);
           for (const Span* span = begin; span != last; ++span)
-            spans.push_back({span->begin - dx, span->end + dx});
+            row.add(span->begin - dx, span->end + dx);
         }
       }
-      unite(spans);
-      for (const Span& span : spans)
-        rows.add(y, span.begin, span.end);
+      row.finish(y, rows);
     }
     return rows;
   };

@@ -3,20 +3,35 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace tetvdb {
 namespace {
 
-void add(std::vector<LayerContact>& contacts, std::uint32_t below, std::uint32_t above) {
-  const LayerContact contact{below, above};
-  if (contacts.empty() || !(contacts.back() == contact))
-    contacts.push_back(contact);
-}
+// Gathers pairs. The last one of each label above is remembered: a component meets the same one
+// in row after row.
+class Contacts {
+public:
+  explicit Contacts(std::size_t above) : last_(above, kNone) {}
 
-void finish(std::vector<LayerContact>& contacts) {
-  std::sort(contacts.begin(), contacts.end());
-  contacts.erase(std::unique(contacts.begin(), contacts.end()), contacts.end());
-}
+  void add(std::uint32_t below, std::uint32_t above) {
+    if (last_[above] == below)
+      return;
+    last_[above] = below;
+    contacts_.push_back({below, above});
+  }
+
+  std::vector<LayerContact> take() {
+    std::sort(contacts_.begin(), contacts_.end());
+    contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
+    return std::move(contacts_);
+  }
+
+private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t(0);
+  std::vector<std::uint32_t> last_;
+  std::vector<LayerContact> contacts_;
+};
 
 struct VoidSpan {
   std::int32_t begin, end;
@@ -50,7 +65,7 @@ std::vector<LayerContact> solidContacts(const LabelledSpans& below, const Labell
 
 std::vector<LayerContact> nearContacts(const LabelledSpans& below, const LabelledSpans& above,
                                        std::int32_t columns, std::int32_t rows) {
-  std::vector<LayerContact> contacts;
+  Contacts contacts(above.shapes.size());
   const std::vector<Span>& lower = below.rows.spans();
   const std::vector<Span>& upper = above.rows.spans();
   for (std::int32_t y = above.rows.firstRow(); y < above.rows.endRow(); ++y) {
@@ -64,16 +79,15 @@ std::vector<LayerContact> nearContacts(const LabelledSpans& below, const Labelle
           ++j;
         for (std::size_t other = j; other < endJ && lower[other].begin < upper[i].end + columns;
              ++other)
-          add(contacts, below.labels[other], above.labels[i]);
+          contacts.add(below.labels[other], above.labels[i]);
       }
     }
   }
-  finish(contacts);
-  return contacts;
+  return contacts.take();
 }
 
 std::vector<LayerContact> voidContacts(const LayerComponents& below, const LayerComponents& above) {
-  std::vector<LayerContact> contacts;
+  Contacts contacts(std::max<std::size_t>(above.gaps.shapes.size(), 1)); // 0: the outside
   std::vector<VoidSpan> lower, upper;
   const SpanRows &gapsBelow = below.gaps.rows, &gapsAbove = above.gaps.rows;
   const std::int32_t first = gapsBelow.empty() ? gapsAbove.firstRow()
@@ -96,11 +110,10 @@ std::vector<LayerContact> voidContacts(const LayerComponents& below, const Layer
         ++j;
       for (std::size_t other = j; other < lower.size() && lower[other].begin < span.end; ++other)
         if (lower[other].label != 0 || span.label != 0)
-          add(contacts, lower[other].label, span.label);
+          contacts.add(lower[other].label, span.label);
     }
   }
-  finish(contacts);
-  return contacts;
+  return contacts.take();
 }
 
 } // namespace tetvdb

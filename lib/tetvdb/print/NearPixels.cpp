@@ -27,6 +27,20 @@ void subtract(std::vector<Span>& spans, const Span* near, const Span* end, std::
   spans.swap(room);
 }
 
+// Which rows are as the row before them.
+std::vector<std::uint8_t> repeatedRows(const SpanRows& set) {
+  std::vector<std::uint8_t> repeats(static_cast<std::size_t>(set.endRow() - set.firstRow()), 0);
+  for (std::int32_t y = set.firstRow() + 1; y < set.endRow(); ++y) {
+    const auto [begin, end] = set.of(y);
+    const auto [before, beforeEnd] = set.of(y - 1);
+    repeats[static_cast<std::size_t>(y - set.firstRow())] =
+        std::equal(begin, end, before, beforeEnd, [](const Span& a, const Span& b) {
+          return a.begin == b.begin && a.end == b.end;
+        });
+  }
+  return repeats;
+}
+
 std::int32_t rowsOf(double limit, const LayerFrame& frame) {
   return static_cast<std::int32_t>(std::ceil(limit / frame.pixelHeight)) + 1;
 }
@@ -60,17 +74,30 @@ PixelDisc::PixelDisc(double pixelWidth, double pixelHeight, double radius, bool 
 SpanRows withoutNear(const SpanRows& from, const SpanRows& other, const PixelDisc& disc) {
   SpanRows left;
   std::vector<Span> spans, room;
+  const std::vector<std::uint8_t> repeats = repeatedRows(other);
+  const auto isRepeated = [&](std::int32_t row) {
+    return row > other.firstRow() && row < other.endRow() &&
+           repeats[static_cast<std::size_t>(row - other.firstRow())] != 0;
+  };
+  const auto leaveOut = [&](std::int32_t row, std::int32_t reach) {
+    const auto [near, last] = other.of(row);
+    if (near != last)
+      subtract(spans, near, last, reach, room);
+  };
   const std::int32_t rows = disc.rows();
   for (std::int32_t y = from.firstRow(); y < from.endRow(); ++y) {
     const auto [begin, end] = from.of(y);
     spans.assign(begin, end);
-    // The nearest rows first: they leave least.
-    for (std::int32_t dy = 0; dy <= rows && !spans.empty(); ++dy)
-      for (const std::int32_t row : {y - dy, y + dy}) {
-        const auto [near, last] = other.of(row);
-        if (near != last)
-          subtract(spans, near, last, disc.reach(dy), room);
-      }
+    // The nearest rows first, as their spans grow by more: a row that is as the one before it,
+    // nearer to y, changes nothing.
+    if (rows >= 0 && !spans.empty())
+      leaveOut(y, disc.reach(0));
+    for (std::int32_t dy = 1; dy <= rows && !spans.empty(); ++dy) {
+      if (!isRepeated(y - dy + 1))
+        leaveOut(y - dy, disc.reach(dy));
+      if (!isRepeated(y + dy))
+        leaveOut(y + dy, disc.reach(dy));
+    }
     for (const Span& span : spans)
       left.add(y, span.begin, span.end);
   }

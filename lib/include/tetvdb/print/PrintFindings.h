@@ -21,9 +21,10 @@ enum class PrintFault : std::uint8_t {
   Trap,       ///< void with solid all around
   Drain,      ///< void that only openings narrower than the limit lead to (DrainPockets.h)
   ThinWall,   ///< solid thinner than the limit within layers (NearPixels.h)
-  ThinGap     ///< void thinner than the limit within layers
+  ThinGap,    ///< void thinner than the limit within layers
+  ThinFloor   ///< solid thinner than a wall may be, from below to above (FloorSweep.h)
 };
-constexpr std::size_t kPrintFaults = 9;
+constexpr std::size_t kPrintFaults = 10;
 
 struct PrintFinding {
   PrintFault fault = PrintFault::Island;
@@ -49,7 +50,7 @@ struct PrintLimits {
   Neighbours neighbours = Neighbours::Eight; ///< of the solid in a layer; the void has the others
   bool emptyLayers = true, islands = true, cups = true, traps = true;
   double overhangAngle = 0; ///< degrees from the vertical, below 90
-  double minWall = 0, minGap = 0, drain = 0;
+  double minWall = 0, minGap = 0, minFloor = 0, drain = 0;
   /// Findings are left out, and counted, where all their area in one layer is below `minArea`
   /// (Island: of what it grows to; Overhang: of all layers), or their volume below `minVolume`
   /// (Cup, Trap). Walls and gaps are too where they are less high than they may be wide.

@@ -34,7 +34,7 @@ const char* const kExamples = R"(Examples:
   tetvdb check part.stl --target sla --checks islands,cups --min-area 0.01 --json report.json
   tetvdb check bracket.3mf --target lpbf --overhang-angle 40 --min-wall 0.5
   tetvdb check part.stl --target fdm --layer-height 0.3
-      without a printer: pixels of 0.1 mm, as large a plate as the model needs
+      without a printer: pixels of 0.05 mm, as large a plate as the model needs
 
 For printers FILE is a mesh of triangles (several are put together) or of tets, or a volume. All
 lengths are in millimetres. docs/print.md says what is found and how.

@@ -206,13 +206,13 @@ std::string summaryOf(const CheckPrintResult& result, bool plateKnown) {
   std::size_t leftOut = 0;
   for (const std::size_t count : result.checks.leftOut)
     leftOut += count;
-  return fmt::format("{} layers of {:.4g} mm, pixels of {:.4g} x {:.4g} mm{}: {}{}\n", frame.layers,
-                     frame.layerHeight, frame.pixelWidth, frame.pixelHeight,
-                     plateKnown ? "" : " (no printer is named)",
-                     found == 0 ? std::string("nothing found")
-                                : fmt::format("{} finding{}", found, found == 1 ? "" : "s"),
-                     leftOut == 0 ? std::string()
-                                  : fmt::format("; {} smaller ones are left out", leftOut));
+  return fmt::format(
+      "{} layer{} of {:.4g} mm, pixels of {:.4g} x {:.4g} mm{}: {}{}\n", frame.layers,
+      frame.layers == 1 ? "" : "s", frame.layerHeight, frame.pixelWidth, frame.pixelHeight,
+      plateKnown ? "" : " (no printer is named)",
+      found == 0 ? std::string("nothing found")
+                 : fmt::format("{} finding{}", found, found == 1 ? "" : "s"),
+      leftOut == 0 ? std::string() : fmt::format("; {} smaller ones are left out", leftOut));
 }
 
 } // namespace

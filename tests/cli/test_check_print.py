@@ -231,6 +231,36 @@ class CheckPrintTest(program.CommandLineTest):
             self.assertIn("nothing found", out)
             self.assertIn("no printer is named", out)
 
+    def test_cones_by_their_angle(self):
+        around, low, high = 200, 3.0, 5.0
+        for target, limit in (("sla", 60), ("lpbf", 45), ("fdm", 45)):
+            for angle, expected in ((limit, 0), (limit + 8, 1)):
+                wide = low + high * math.tan(math.radians(angle))
+                points = [(0, 0, 0), (0, 0, high)]
+                for radius, z in ((low, 0), (wide, high)):
+                    points += [(radius * math.cos(2 * math.pi * i / around),
+                                radius * math.sin(2 * math.pi * i / around), z)
+                               for i in range(around)]
+                faces = []
+                for i in range(around):
+                    a, b = 2 + i, 2 + (i + 1) % around
+                    faces += [(0, b, a), (1, a + around, b + around), (a, b, b + around),
+                              (a, b + around, a + around)]
+                self.write("cone.off", off(points, faces))
+                found = self.found("overhang", "--checks", "overhangs", "--min-area", 0,
+                                   model="cone.off", target=target, printer=[],
+                                   status=8 if expected else 0)
+                self.assertEqual(len(found), expected, (target, angle))
+
+    def test_a_model_in_metres(self):
+        self.write("block.off", off(*box_faces((0, 0, 0), (0.06, 0.05, 0.04))))
+        small = self.succeed("check", "block.off", "--target", "fdm", status=8)  # no layer has any
+        self.assertIn("0.06 mm long", small.err)
+        self.assertIn("--units", small.err)
+        right = self.succeed("check", "block.off", "--target", "fdm", "--units", "m")
+        self.assertEqual(right.err, "")
+        self.assertIn("200 layers", right.out)
+
     def test_targets_and_chosen_checks(self):
         codes = lambda *a, **k: {f["code"] for f in self.check(*a, **k)["findings"]}
         self.assertLessEqual({"island", "trap", "cup", "overhang"}, codes())
@@ -241,6 +271,16 @@ class CheckPrintTest(program.CommandLineTest):
         self.assertTrue({"trap", "cup", "drain"}.isdisjoint(codes(target="fdm")))
         report = self.check("--checks", "traps", "--min-volume", 100, status=0)
         self.assertEqual(report["print"]["left_out"], {"trap": 1})
+
+    def test_a_thin_floor(self):
+        self.write("shelf.off", off(*joined(box_faces((0, 0, 0), (2, 6, 6)),
+                                            box_faces((1.9, 0, 3.02), (9, 6, 3.34)))))
+        floor, = self.found("thin-floor", "--checks", "floors", model="shelf.off", printer=[])
+        self.assertEqual((floor["first_layer"], floor["last_layer"]), (60, 66))
+        self.assertAlmostEqual(floor["area_mm2"], (9 - 3) * 6, delta=0.2)  # but for 1 mm
+        self.assertIn("less than 0.5 mm", floor["text"])
+        self.check("--checks", "floors", "--min-floor", 0.3, model="shelf.off", printer=[],
+                   status=0)
 
     def test_a_narrow_drain(self):
         tank = joined(box_faces((0, 0, 0), (8, 8, 8)), inverted(box_faces((1, 1, 1), (7, 7, 7))))
@@ -292,6 +332,9 @@ class CheckPrintTest(program.CommandLineTest):
         self.refuse(2, "check", "part.off", "--target", "sla", "--overhang-angle", 90,
                     says="--overhang-angle")
         self.refuse(2, "check", "part.off", "--target", "sla", "--min-wall", -1, says="--min-wall")
+        for option, value in (("--drain", 1e9), ("--min-wall", 1e9), ("--min-floor", 1e9),
+                              ("--min-gap", 1e9), ("--overhang-angle", 89.9999)):
+            self.refuse(2, "check", "part.off", "--target", "sla", option, value, says=option)
         self.refuse(2, "check", "part.off", "--target", "sla", "--place", "keep", says="plate")
         self.refuse(2, "check", "part.off", "--target", "sla", "--pixels", "100,100",
                     says="display")

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 #include <utility>
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kRounding = 1e-9; // of a length, as placeOnPlate()
 
+// Fine enough for overhangs to be told within some degrees: half a pixel's diagonal is let pass.
 struct PixelSize {
   double pixel, layer;
 };
@@ -24,13 +26,13 @@ struct PixelSize {
 PixelSize pixelSizeFor(PrintTarget target) {
   switch (target) {
   case PrintTarget::Lpbf:
-    return {0.05, 0.03};
+    return {0.015, 0.03};
   case PrintTarget::Fdm:
-    return {0.1, 0.2};
+    return {0.05, 0.2};
   case PrintTarget::Sla:
     break;
   }
-  return {0.05, 0.05};
+  return {0.025, 0.05};
 }
 
 class PrintChecking {
@@ -53,7 +55,11 @@ public:
       fit(box, printer, place);
     };
     OpenedLayers opened = openLayers(slice, options, report_, progress_);
+    if (!job_.picture.empty() && opened.mesh.triangles.empty())
+      throw Error(Status::Usage, "`picture`", "voxels that are the printer's have no surface",
+                  "leave it out, or draw the volume with render");
     result_.slice = std::move(opened.result);
+    warnOfSize();
     result_.slice.frame = opened.source->frame();
     look(opened);
     return std::move(result_);
@@ -99,11 +105,22 @@ private:
     place.centre = centre;
   }
 
+  void warnOfSize() {
+    constexpr double kSmall = 1; // millimetres
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      longest = std::max(longest, result_.slice.box.max[k] - result_.slice.box.min[k]);
+    if (longest < kSmall)
+      report_.warn("size", fmt::format("the model is {:.3g} mm long; where its numbers are no "
+                                       "millimetres say so with `units`",
+                                       longest));
+  }
+
   static void setPixels(PrinterSettings& printer, std::size_t axis, double count, double pixel) {
     constexpr double kMaxPixels = 1 << 20;
     if (!(count <= kMaxPixels))
       throw Error(Status::Limit, "",
-                  "the model is more than 2^20 pixels wide, of " + std::to_string(pixel) + " mm",
+                  fmt::format("the model is more than 2^20 pixels of {:.4g} mm wide", pixel),
                   "scale it with `scale`, or check `units`");
     printer.pixels[axis] = static_cast<int>(count);
     printer.display[axis] = count * pixel;
@@ -125,9 +142,6 @@ private:
       return;
     StageTimer timer(report_, "picture");
     progress_.stage("picture");
-    if (opened.mesh.triangles.empty())
-      throw Error(Status::Usage, "`picture`", "voxels that are the printer's have no surface",
-                  "leave it out, or draw the volume with render");
     writePng(job_.picture, printPicture(std::move(opened.mesh), result_, progress_));
   }
 

@@ -3,6 +3,7 @@
 // Findings of a print check in words.
 #include "tetvdb/pipeline/CheckPrintJob.h"
 
+#include <array>
 #include <fmt/format.h>
 
 namespace tetvdb {
@@ -77,9 +78,10 @@ std::string sizeText(const CheckPrintResult& result, const PrintFinding& f) {
 } // namespace
 
 const char* nameOf(PrintFault fault) {
-  constexpr const char* kNames[kPrintFaults] = {"outside",  "empty-layer", "island",
-                                                "overhang", "cup",         "trap",
-                                                "drain",    "thin-wall",   "thin-gap"};
+  constexpr std::array<const char*, 10> kNames = {"outside",  "empty-layer", "island", "overhang",
+                                                  "cup",      "trap",        "drain",  "thin-wall",
+                                                  "thin-gap", "thin-floor"};
+  static_assert(kNames.size() == kPrintFaults);
   return kNames[static_cast<std::size_t>(fault)];
 }
 

@@ -32,8 +32,8 @@ enum class PrintTarget : std::uint8_t {
 PrintLimits limitsFor(PrintTarget target);
 
 /// Sizes where no printer says them: layers of 0.05 mm (Sla), 0.03 mm (Lpbf) or 0.2 mm (Fdm) where
-/// it has none; with `plate` also a plate of 1000 x 1000 pixels of 0.05 mm (Sla, Lpbf) or 0.1 mm
-/// (Fdm), which run() makes as large as the model.
+/// it has none; with `plate` also a plate of 1000 x 1000 pixels of 0.025 mm (Sla), 0.015 mm
+/// (Lpbf) or 0.05 mm (Fdm), which run() makes as large as the model.
 void choosePrinter(PrintTarget target, bool plate, PrinterSettings& printer);
 
 struct CheckPrintJob {
@@ -65,9 +65,10 @@ struct CheckPrintResult {
 
 /// Reads, cleans and places the model as SliceJob does, and looks at its layers, white where the
 /// share is a half and more. Where the model is outside of the printer's space it is looked at all
-/// the same, standing on the plate, with the finding PrintFault::Outside. Adds stages "read",
-/// "clean", "cut", "check" and "picture" to `report`. Throws what the steps throw. Memory: as
-/// checkLayers(), the mesh, and for a picture the mesh again.
+/// the same, standing on the plate, with the finding PrintFault::Outside. Warns of models of less
+/// than 1 mm ("size"). Adds stages "read", "clean", "cut", "check" and "picture" to `report`.
+/// Throws what the steps throw. Memory: as checkLayers(), the mesh, and for a picture the mesh
+/// again.
 CheckPrintResult run(const CheckPrintJob& job, Report& report, Progress& progress);
 
 /// The name of a fault in reports: "island", "thin-wall".

@@ -10,6 +10,8 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
+#include <utility>
 
 namespace tetvdb::cli {
 namespace {
@@ -20,6 +22,7 @@ struct Options : JobOptions {
   std::string input, output, grid;
   std::string offset, wall, close, fillVoids;
   std::vector<std::string> drains;
+  std::string infill, cellSize, thickness, density;
 };
 
 const char* const kExamples = R"(Examples:
@@ -33,6 +36,11 @@ const char* const kExamples = R"(Examples:
       a hole at (12, 0, 3), inward along -x
   tetvdb prepare part.stl -o part.vdb --hollow 1.5
       a level set, which 'tetvdb slice part.vdb' takes
+  tetvdb prepare part.stl -o light.stl --hollow 1.5 --infill gyroid --cell-size 6 --density 0.15
+      a gyroid in the cavity that fills 15 % of it
+  tetvdb prepare beam.vtu -o beam.stl --hollow 1 --infill gyroid --cell-size 5
+      --thickness stress:0.4:1.6
+      sheets from 0.4 mm where 'stress' is at its minimum to 1.6 mm where it is at its maximum
   tetvdb prepare scan.stl -o solid.stl --fill-voids 1000
       enclosed cavities of less than a cubic centimetre become solid
   tetvdb prepare insert.stl -o loose.stl --offset -0.15
@@ -40,6 +48,14 @@ const char* const kExamples = R"(Examples:
 
 Lengths are in the input's units, volumes in cubes of them. A mesh that is not closed is mended
 first, as by 'repair'. docs/print.md says how and how exactly.)";
+
+std::string infillNames() {
+  std::string names;
+  for (const InfillKind kind : {InfillKind::Gyroid, InfillKind::SchwarzP, InfillKind::Diamond,
+                                InfillKind::Bcc, InfillKind::Octet})
+    (names += names.empty() ? "" : ", ") += nameOf(kind);
+  return names;
+}
 
 double parseOffset(const std::string& text) {
   const std::vector<double> numbers = parseNumbers("--offset", text);
@@ -77,6 +93,49 @@ void addDrain(const std::string& text, PrepareJob& job) {
   job.drains.push_back(hole);
 }
 
+// "0.8" or "ARRAY:LOW:HIGH".
+InfillAmount parseAmount(const std::string& option, const std::string& text, bool isDensity) {
+  InfillAmount amount;
+  amount.isDensity = isDensity;
+  const std::size_t last = text.rfind(':');
+  const std::size_t first = last == text.npos || last == 0 ? text.npos : text.rfind(':', last - 1);
+  if (last == text.npos) {
+    amount.low = parseLength(option, text);
+    return amount;
+  }
+  if (first == text.npos || first == 0)
+    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
+                "give a number, or ARRAY:LOW:HIGH");
+  amount.array = text.substr(0, first);
+  amount.low = parseLength(option, text.substr(first + 1, last - first - 1));
+  amount.high = parseLength(option, text.substr(last + 1));
+  return amount;
+}
+
+std::optional<InfillSettings> infillOf(const Options& options) {
+  if (options.infill.empty()) {
+    for (const auto& [name, value] :
+         {std::pair("--cell-size", &options.cellSize), std::pair("--thickness", &options.thickness),
+          std::pair("--density", &options.density)})
+      if (!value->empty())
+        throw Error(Status::Usage, name, "is of an infill", "give --infill too");
+    return std::nullopt;
+  }
+  InfillSettings infill;
+  if (!readInfill(options.infill, infill.kind))
+    throw Error(Status::Usage, "--infill", "'" + options.infill + "' is none that is known here",
+                "choose from " + infillNames());
+  if (options.cellSize.empty())
+    throw Error(Status::Usage, "--infill", "needs the size of its cells", "give --cell-size");
+  infill.cell = parseLength("--cell-size", options.cellSize);
+  if (options.thickness.empty() == options.density.empty())
+    throw Error(Status::Usage, "--infill", "needs either a thickness or a density",
+                "give --thickness or --density");
+  infill.amount = options.density.empty() ? parseAmount("--thickness", options.thickness, false)
+                                          : parseAmount("--density", options.density, true);
+  return infill;
+}
+
 PrepareJob makeJob(const Options& options) {
   PrepareJob job;
   job.input = options.input;
@@ -95,6 +154,7 @@ PrepareJob makeJob(const Options& options) {
     job.close = parseLength("--close", options.close);
   if (!options.fillVoids.empty())
     job.fillVolume = parseLength("--fill-voids", options.fillVoids);
+  job.infill = infillOf(options);
   for (const std::string& drain : options.drains)
     addDrain(drain, job);
   if (!options.voxelSize.empty())
@@ -133,6 +193,7 @@ Json preparedOf(const PrepareResult& result) {
           {"cavities", result.cavities},
           {"filled_voids", result.filledCavities},
           {"filled_volume", result.filledVolume},
+          {"loose_infill", result.islands},
           {"drains", drainsOf(result)},
           {"faces_kept", result.keptFaces},
           {"triangles", result.triangles},
@@ -216,6 +277,13 @@ Command addPrepare(CLI::App& program) {
       "Fill enclosed cavities of a volume below V, those that --hollow makes too");
   add("--offset", options->offset, "D",
       "Grow the solid by D, or shrink it where D is below zero, before all else");
+  add("--infill", options->infill, "KIND", "A lattice in the cavity: " + infillNames());
+  add("--cell-size", options->cellSize, "L", "Of the infill: length of a cell");
+  add("--thickness", options->thickness, "T",
+      "Of the infill's sheets or struts: a length, or ARRAY:LOW:HIGH by an array of the "
+      "tetrahedra, LOW at its minimum");
+  add("--density", options->density, "D",
+      "In place of it the share of a cell that is filled, 0 to 1, or ARRAY:LOW:HIGH");
   command
       ->add_option("--drain", options->drains,
                    "A round hole into a cavity at X,Y,Z along DX,DY,DZ of radius R, as often as "

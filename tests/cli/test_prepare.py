@@ -56,6 +56,17 @@ def volume(mesh):
     return total / 6
 
 
+def volume_before(mesh, x):
+    """Of what lies below a plane: the flow of (min(., x), 0, 0) outward, whose divergence is 1 there.
+    Within faces that the plane cuts, to first order."""
+    total = 0
+    for a, b, c in mesh[1]:
+        a, b, c = mesh[0][a], mesh[0][b], mesh[0][c]
+        across = (b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])
+        total += across / 2 * (min(a[0], x) + min(b[0], x) + min(c[0], x)) / 3
+    return total
+
+
 def components(mesh):
     parent = list(range(len(mesh[0])))
 
@@ -163,6 +174,65 @@ class PrepareTest(program.CommandLineTest):
         self.assertEqual(self.prepared("two.off", mesh, *options)["cavities"], 2)
         self.assertEqual(self.prepared("two.off", mesh, *options, "--close", "1.5")["cavities"], 1)
         self.solid()
+
+    # --- infill ---
+
+    def test_an_infill_fills_its_share_of_the_cavity(self):
+        mesh = box_faces((0, 0, 0), (24, 24, 24))
+        options = ["--hollow", "2", "--voxel-size", "0.25"]
+        empty = self.prepared("box.off", mesh, *options)["volume"]
+        lattice_options = ["--infill", "gyroid", "--cell-size", "5", "--density", "0.25"]
+        report = self.prepared("box.off", mesh, *options, *lattice_options)
+        share = (report["volume"] - empty) / (24 ** 3 - empty)
+        self.assertAlmostEqual(share, 0.25, 1)
+        self.assertLess(abs(share - 0.25), 0.01)
+        self.assertGreaterEqual(report["wall_min"], 2)
+        self.assertEqual(report["faces_kept"], 12)
+        self.solid()
+        default = self.prepared("box.off", mesh, "--hollow", "2", "--infill", "bcc", "--cell-size",
+                                "8", "--thickness", "1.6")
+        self.assertAlmostEqual(default["voxel_size"], 0.25)  # an eighth of the wall
+        self.solid()
+
+    def test_an_array_sets_the_thickness(self):
+        points, tets = lattice(4, side=20)
+        text = program.vtu(points, tets).replace(
+            "</Piece>", '<PointData><DataArray type="Float64" Name="stress" format="ascii">'
+            + " ".join(str(p[0] - 7) for p in points) + "</DataArray></PointData></Piece>")
+        self.write("beam.vtu", text)
+        run = lambda thickness, name: self.report_of(
+            "prepare", "beam.vtu", "-o", name, "--hollow", "1", "--voxel-size", "0.4", "--infill",
+            "schwarz-p", "--cell-size", "5", "--thickness", thickness)["prepare"]
+        thin, thick = run("0.8", "thin.stl"), run("2.4", "thick.stl")
+        mixed = run("stress:0.8:2.4", "mixed.stl")
+        self.assertLess(thin["volume"], mixed["volume"])
+        self.assertLess(mixed["volume"], thick["volume"])
+        # By slabs of whole cells: as the thin one at x = 0, as the thick one at x = 20.
+        shares = []
+        for low in (0, 15):
+            volumes = [volume_before(mesh, low + 5) - volume_before(mesh, low)
+                       for mesh in map(self.solid, ("thin.stl", "mixed.stl", "thick.stl"))]
+            shares.append((volumes[1] - volumes[0]) / (volumes[2] - volumes[0]))
+        self.assertLess(shares[0], 0.2)
+        self.assertGreater(shares[1], 0.8)
+
+    def test_infills_that_cannot_be_are_refused(self):
+        self.write("box.off", off(*box_faces((0, 0, 0), (20, 20, 20))))
+        refuse = lambda status, says, *options: self.refuse(
+            status, "prepare", "box.off", "-o", "out.stl", "--hollow", "2", *options, says=says)
+        refuse(2, "gyroid", "--infill", "foam", "--cell-size", "5", "--density", "0.2")
+        refuse(2, "--cell-size", "--infill", "gyroid", "--density", "0.2")
+        refuse(2, "--density", "--infill", "gyroid", "--cell-size", "5")
+        refuse(2, "--density", "--infill", "gyroid", "--cell-size", "5", "--density", "1.2")
+        refuse(2, "--infill", "--density", "0.2")
+        refuse(2, "tetrahedra", "--infill", "gyroid", "--cell-size", "5", "--thickness",
+               "stress:0.4:1.6")
+        self.refuse(2, "prepare", "box.off", "-o", "out.stl", "--infill", "gyroid", "--cell-size",
+                    "5", "--density", "0.2", says="--hollow")
+        points, tets = lattice(2, side=10)
+        self.write("block.vtu", program.vtu(points, tets))
+        self.refuse(2, "prepare", "block.vtu", "-o", "out.stl", "--hollow", "1", "--infill",
+                    "gyroid", "--cell-size", "5", "--thickness", "stress:0.4:1.6", says="stress")
 
     # --- drains ---
 

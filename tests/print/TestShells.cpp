@@ -41,6 +41,17 @@ TEST(Shells, OfSmallCavitiesGoWithWhatIsInThem) {
   EXPECT_TRUE(oracles::isClosedManifold(mesh));
 }
 
+TEST(Shells, OfIslandsGo) {
+  // What lies in the large cavity, as the cavity's faces see it: without the block around it.
+  TriangleMesh mesh = meshes::joined({meshes::flipped(meshes::box({4, 4, 4}, {16, 16, 16})),
+                                      meshes::box({6, 6, 6}, {10, 10, 10}),
+                                      meshes::flipped(meshes::box({7, 7, 7}, {8, 8, 8}))});
+  const FilledCavities gone = dropIslands(mesh);
+  EXPECT_EQ(gone.cavities, 1u);
+  EXPECT_EQ(mesh.triangleCount(), 12u);
+  EXPECT_DOUBLE_EQ(meshes::signedVolume(mesh), -1728);
+}
+
 TEST(Shells, OfLargeCavitiesStay) {
   TriangleMesh mesh = nested();
   EXPECT_EQ(fillCavities(mesh, 0.99).cavities, 0u);

@@ -2,12 +2,14 @@
 #include "tetvdb/pipeline/PrepareJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/fields/SampleFields.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/print/Cavity.h"
 #include "tetvdb/print/DrainHoles.h"
+#include "tetvdb/print/Infill.h"
 #include "tetvdb/print/OffsetSolid.h"
 #include "tetvdb/print/Shells.h"
 #include "tetvdb/print/SolidDistances.h"
@@ -33,6 +35,9 @@ namespace fs = std::filesystem;
 
 // Of the solid's length that a voxel is by default.
 constexpr double kVoxelsInWall = 20, kVoxelsInOffset = 8, kVoxelsInClose = 8;
+constexpr double kVoxelsInFilledWall = 8, kVoxelsInInfill = 4;
+constexpr double kInfillArea = 6; // of a cell's sides, both faces of a sheet through it
+constexpr std::size_t kMaxDrains = 256;
 constexpr double kMinVoxels = 2;      // of a wall, an offset or a radius
 constexpr double kMaxFaces = 4e6;     // of a surface that is made, about
 constexpr double kFacesPerSquare = 2; // of voxels: marching cubes
@@ -86,6 +91,7 @@ public:
 
 private:
   bool writesVolume() const { return !writesTriangles(job_.output); }
+  bool asksArray() const { return job_.infill && !job_.infill->amount.array.empty(); }
   bool asksDrains() const { return !job_.drains.empty() || job_.drainRadius > 0; }
   bool asksVoxels() const { return job_.offset != 0 || job_.wall > 0 || writesVolume(); }
 
@@ -106,11 +112,30 @@ private:
     if (job_.close > 0 && !(job_.wall > 0))
       throw Error(Status::Usage, "`close`", "is of the cavity that `hollow` makes",
                   "give `hollow` too");
+    if (job_.infill)
+      checkInfill(*job_.infill);
     if (!std::isfinite(job_.drainRadius) || job_.drainRadius < 0)
       throw Error(Status::Usage, "`drain`", "the radius must be above zero");
     if (job_.offset == 0 && job_.wall == 0 && job_.fillVolume == 0 && !asksDrains())
       throw Error(Status::Usage, "", "nothing was asked for",
                   "give `hollow`, `offset`, `fill_voids` or `drain`");
+  }
+
+  void checkInfill(const InfillSettings& infill) const {
+    if (!(job_.wall > 0))
+      throw Error(Status::Usage, "`infill`", "fills the cavity that `hollow` makes",
+                  "give `hollow` too");
+    if (!(infill.cell > 0) || !std::isfinite(infill.cell))
+      throw Error(Status::Usage, "`cell_size`", "must be a length above zero");
+    const InfillAmount& amount = infill.amount;
+    const char* name = amount.isDensity ? "`density`" : "`thickness`";
+    for (const double number : {amount.low, amount.array.empty() ? amount.low : amount.high})
+      if (!(number > 0) || !std::isfinite(number) || (amount.isDensity && number >= 1))
+        throw Error(Status::Usage, name,
+                    amount.isDensity ? "must be a share of a cell, between 0 and 1"
+                                     : "must be a length above zero");
+    if (!amount.array.empty() && (job_.isVolume || holdsTriangles(job_.input)))
+      throw Error(Status::Usage, name, "an array can be that of tetrahedra alone", "give a number");
   }
 
   TriangleMesh read() {
@@ -149,10 +174,12 @@ private:
     StageTimer timer(report_, "read");
     progress_.stage("read");
     ReadOptions options;
-    options.attributes = false;
-    const TetMesh tets = readTets(job_.input, options, {}, &result_.input, report_, progress_);
+    options.attributes = asksArray();
+    tets_ = readTets(job_.input, options, {}, &result_.input, report_, progress_);
     timer.part("surface");
-    TriangleMesh mesh = tetSurface(tets, progress_);
+    TriangleMesh mesh = tetSurface(tets_, progress_);
+    if (!asksArray())
+      tets_ = {};
     mend(mesh);
     return mesh;
   }
@@ -179,7 +206,8 @@ private:
   double voxelFor(const TriangleMesh& solid) {
     if (job_.voxelSize > 0)
       return job_.voxelSize;
-    return defaultVoxel(job_, areaOf(solid), result_.voxelIsCoarse);
+    return defaultVoxel(job_, areaOf(solid), result_.volumeBefore, thinnestInfill(),
+                        result_.voxelIsCoarse);
   }
 
   void fill(TriangleMesh& solid) {
@@ -206,7 +234,16 @@ private:
     options.close = job_.close;
     options.voxel = result_.voxel;
     options.maxMemory = memoryLeft(job_.maxMemory);
+    std::optional<Infill> infill;
+    Volume array; // of the infill's amounts, while the cavity is made
+    if (job_.infill) {
+      infill.emplace(job_.infill->kind, job_.infill->cell);
+      options.infill = &*infill;
+      options.thickness = thicknessOf(solid, *infill, array);
+    }
     Cavity cavity = makeCavity(solid, options, report_, progress_);
+    if (job_.infill)
+      result_.islands = dropIslands(cavity.surface).cavities;
     if (job_.fillVolume > 0)
       fill(cavity.surface);
     if (cavity.surface.triangles.empty()) {
@@ -216,6 +253,58 @@ private:
     }
     result_.wall = cavity.wall;
     appendFaces(solid, cavity.surface);
+  }
+
+  // Where an infill's is the smallest; 0 without.
+  double thinnestInfill() const {
+    if (!job_.infill)
+      return 0;
+    const InfillAmount& amount = job_.infill->amount;
+    const double smaller = amount.array.empty() ? amount.low : std::min(amount.low, amount.high);
+    return amount.isDensity ? Infill(job_.infill->kind, job_.infill->cell).thicknessFor(smaller)
+                            : smaller;
+  }
+
+  ThicknessAt thicknessOf(const TriangleMesh& solid, const Infill& infill, Volume& array) {
+    const InfillAmount amount = job_.infill->amount;
+    const auto inUnits = [&infill, amount](double number) {
+      return amount.isDensity ? infill.thicknessFor(number) : number;
+    };
+    if (amount.array.empty())
+      return [thickness = inUnits(amount.low)](const openvdb::Coord&) { return thickness; };
+    FieldOptions wanted;
+    wanted.requests.emplace_back().array = amount.array;
+    const std::vector<Field> fields = resolveFields(tets_, wanted, report_);
+    if (fields.front().kind == FieldKind::Vector)
+      throw Error(Status::Usage, amount.isDensity ? "`density`" : "`thickness`",
+                  "'" + amount.array + "' has several components",
+                  "name one number of it, such as " + amount.array + ":magnitude");
+    SampleOptions sampling;
+    sampling.maxMemory = memoryLeft(job_.maxMemory);
+    sampling.allowEmpty = true;
+    sampleFields(tets_, offsetTransform(solid, result_.voxel), fields, sampling, array, report_,
+                 progress_);
+    const auto& grid = *array.grids().all.front();
+    const ValueRange range = fields.front().original;
+    const double span = range.high > range.low ? range.high - range.low : 1;
+    const auto between = [=](double value) {
+      const double share = std::clamp((value - range.low) / span, 0.0, 1.0);
+      return inUnits(amount.low + (amount.high - amount.low) * share);
+    };
+    if (grid.isType<openvdb::FloatGrid>())
+      return amountFrom(static_cast<const openvdb::FloatGrid&>(grid), between, range.low);
+    return amountFrom(static_cast<const openvdb::Int32Grid&>(grid), between, range.low);
+  }
+
+  // Places where the array says nothing count as its minimum.
+  template <typename GridT, typename Between>
+  static ThicknessAt amountFrom(const GridT& grid, const Between& between, double outside) {
+    return [&grid, between, outside](const openvdb::Coord& voxel) {
+      const openvdb::tree::ValueAccessor<const typename GridT::TreeType, false> values(
+          grid.constTree());
+      typename GridT::ValueType value;
+      return between(values.probeValue(voxel, value) ? static_cast<double>(value) : outside);
+    };
   }
 
   // Returns the plugs.
@@ -228,6 +317,10 @@ private:
     if (job_.drainRadius > 0)
       for (const DrainHole& hole : holesAtLowestPoints(solid, job_.drainRadius))
         holes.push_back(hole);
+    if (holes.size() > kMaxDrains)
+      throw Error(Status::Invalid, "`drain`",
+                  fmt::format("there are {} cavities, too many for a hole each", holes.size()),
+                  "fill the small ones by `fill_voids`");
     DrilledHoles drilled = drillHoles(solid, holes, progress_);
     const fs::path output(job_.output);
     for (std::size_t i = 0; i < holes.size(); ++i) {
@@ -288,12 +381,14 @@ private:
   const PrepareJob& job_;
   Report& report_;
   Progress& progress_;
+  TetMesh tets_; ///< where an array of it is asked for
   PrepareResult result_;
 };
 
 } // namespace
 
-double defaultVoxel(const PrepareJob& job, double area, bool& coarse) {
+double defaultVoxel(const PrepareJob& job, double area, double volume, double thickness,
+                    bool& coarse) {
   double voxel = std::numeric_limits<double>::infinity(), shortest = voxel;
   const auto limit = [&](double length, double voxels) {
     if (length > 0) {
@@ -301,7 +396,10 @@ double defaultVoxel(const PrepareJob& job, double area, bool& coarse) {
       shortest = std::min(shortest, length);
     }
   };
-  limit(job.wall, kVoxelsInWall);
+  limit(job.wall, job.infill ? kVoxelsInFilledWall : kVoxelsInWall);
+  limit(thickness, kVoxelsInInfill);
+  if (job.infill)
+    area += kInfillArea * volume / job.infill->cell;
   limit(std::abs(job.offset), kVoxelsInOffset);
   limit(job.close, kVoxelsInClose);
   const double large = std::sqrt(kFacesPerSquare * area / kMaxFaces);

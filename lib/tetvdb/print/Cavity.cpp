@@ -50,6 +50,8 @@ public:
     openvdb::FloatGrid::Ptr shape = layer.shape;
     if (limit)
       openvdb::tools::csgIntersection(*shape, *limit->deepCopy(), false);
+    if (options_.infill != nullptr)
+      limit = withInfill(*shape, limit);
     GuardedSurface surface = extract(shape, limit.get(), layer);
     for (std::size_t i = 0; i < surface.mesh.triangles.size(); i += 3)
       std::swap(surface.mesh.triangles[i + 1], surface.mesh.triangles[i + 2]);
@@ -102,6 +104,19 @@ private:
     StageTimer timer(report_, "extract");
     progress_.stage("extract");
     return guardedSurface(shape, limit, guardOf(layer), progress_);
+  }
+
+  // Takes the infill out of `shape`; returns the limit that it makes together with `limit`.
+  openvdb::FloatGrid::Ptr withInfill(openvdb::FloatGrid& shape,
+                                     const openvdb::FloatGrid::Ptr& limit) {
+    StageTimer timer(report_, "infill");
+    progress_.stage("infill");
+    openvdb::FloatGrid::Ptr infill =
+        infillLevelSet(shape, *options_.infill, options_.thickness, progress_);
+    openvdb::tools::csgIntersection(shape, *infill->deepCopy(), false);
+    if (limit)
+      openvdb::tools::csgIntersection(*infill, *limit, false);
+    return infill;
   }
 
   // What lies within the radius of `core`.

@@ -62,7 +62,11 @@ Shells findShells(const TriangleMesh& mesh) {
   return shells;
 }
 
-FilledCavities fillCavities(TriangleMesh& mesh, double volume) {
+namespace {
+
+// Drops shells for which `isAsked(volume)`, and what lies in them.
+template <typename IsAsked>
+FilledCavities dropShells(TriangleMesh& mesh, const IsAsked& isAsked) {
   FilledCavities filled;
   const Shells shells = findShells(mesh);
   const std::size_t count = shells.volumes.size();
@@ -77,12 +81,12 @@ FilledCavities fillCavities(TriangleMesh& mesh, double volume) {
   std::vector<char> goes(count, 0);
   std::vector<std::vector<std::size_t>> within(count); // shells in the box of one that goes
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(shells.volumes[i] < 0) || !(-shells.volumes[i] < volume))
+    if (!isAsked(shells.volumes[i]))
       continue;
     goes[i] = 1;
     ++filled.cavities;
     for (std::size_t j = 0; j < count; ++j)
-      if (j != i && boxes[i].meets(boxes[j]))
+      if (j != i && boxes[i].contains(boxes[j]))
         within[i].push_back(j);
   }
   std::vector<std::vector<double>> angles(count);
@@ -99,7 +103,7 @@ FilledCavities fillCavities(TriangleMesh& mesh, double volume) {
   }
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = 0; j < within[i].size(); ++j)
-      if (-angles[i][j] > kHalfAround && goes[within[i][j]] == 0)
+      if (std::abs(angles[i][j]) > kHalfAround && goes[within[i][j]] == 0)
         goes[within[i][j]] = 2;
   for (std::size_t i = 0; i < count; ++i)
     if (goes[i] != 0)
@@ -112,6 +116,16 @@ FilledCavities fillCavities(TriangleMesh& mesh, double volume) {
     dropUnusedPoints(mesh);
   mesh.faceCount = mesh.triangleCount();
   return filled;
+}
+
+} // namespace
+
+FilledCavities fillCavities(TriangleMesh& mesh, double volume) {
+  return dropShells(mesh, [&](double own) { return own < 0 && -own < volume; });
+}
+
+FilledCavities dropIslands(TriangleMesh& mesh) {
+  return dropShells(mesh, [](double own) { return own > 0; });
 }
 
 } // namespace tetvdb

@@ -26,10 +26,14 @@ struct Shells {
 Shells findShells(const TriangleMesh& mesh);
 
 struct FilledCavities {
-  std::size_t cavities = 0; ///< whose shells went
+  std::size_t cavities = 0; ///< or islands, whose shells went
   std::size_t faces = 0;    ///< dropped, those of what was in them included
   double volume = 0;        ///< world units cubed, by which the solid has grown
 };
+
+/// Drops components of the solid that lie within cavities and are not connected with what is around
+/// them. Otherwise as fillCavities(), `volume` below 0.
+FilledCavities dropIslands(TriangleMesh& mesh);
 
 /// Drops the shells of cavities of less than `volume`, and what lies in them. `mesh` is closed,
 /// oriented and without self-intersections. Faces that stay keep their order.

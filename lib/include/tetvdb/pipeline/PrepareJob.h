@@ -16,6 +16,7 @@
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RepairJob.h"
 #include "tetvdb/print/DrainHole.h"
+#include "tetvdb/print/InfillKind.h"
 #include "tetvdb/surface/CleanTriangles.h"
 
 #include <cstddef>
@@ -29,11 +30,13 @@ namespace tetvdb {
 struct PrepareJob {
   std::string input; ///< a mesh file, of triangles or of tets, or a volume file
   bool isVolume = false;
-  std::string grid;      ///< of a volume, as ExtractOptions::grid
-  std::string output;    ///< .stl, .obj, .ply, .off or .3mf; .vdb or .nvdb: a level set
-  double offset = 0;     ///< the solid grows, or shrinks where below 0, first; 0: stays
-  double wall = 0;       ///< the solid becomes hollow with walls of this thickness; 0: stays
-  double close = 0;      ///< as CavityOptions::close
+  std::string grid;   ///< of a volume, as ExtractOptions::grid
+  std::string output; ///< .stl, .obj, .ply, .off or .3mf; .vdb or .nvdb: a level set
+  double offset = 0;  ///< the solid grows, or shrinks where below 0, first; 0: stays
+  double wall = 0;    ///< the solid becomes hollow with walls of this thickness; 0: stays
+  double close = 0;   ///< as CavityOptions::close
+  /// Of the cavity that `wall` leaves; an array is one of tets, by a name as of FieldRequest.
+  std::optional<InfillSettings> infill;
   double fillVolume = 0; ///< cavities of less are filled, those of the input first of all
   std::vector<DrainHole> drains;
   /// Above 0: a hole of this radius at the lowest point of every cavity too.
@@ -63,6 +66,7 @@ struct PrepareResult {
   std::size_t cavitiesBefore = 0, cavities = 0;
   std::size_t filledCavities = 0;
   double filledVolume = 0;
+  std::size_t islands = 0; ///< components of the infill that nothing held, left out
   std::vector<PreparedDrain> drains;
   double wall = 0; ///< of the cavity that was made: no wall is thinner, proven; 0: there is none
   std::size_t keptFaces = 0; ///< of the input, cleaned, that are in the output as they were
@@ -71,10 +75,13 @@ struct PrepareResult {
 };
 
 /// The voxels that a job takes where it does not say: a twentieth of the wall, an eighth of the
-/// offset or of the radius of `close`, whichever is the smallest, but so large that the surface has
+/// offset or of the radius of `close`, with an infill an eighth of the wall and a quarter of the
+/// infill's thickness, whichever is the smallest, but so large that the surface has
 /// about four million faces at most. Throws Error(Limit) where such voxels are more than half of
 /// one of them.
-double defaultVoxel(const PrepareJob& job, double area, bool& coarse);
+/// `area`, `volume`: the solid's; `thickness`: the infill's at its thinnest.
+double defaultVoxel(const PrepareJob& job, double area, double volume, double thickness,
+                    bool& coarse);
 
 /// Reads and cleans. Triangles that are not closed, manifold, oriented and free of
 /// self-intersections then are mended by repairLocally(), with the warning "repaired"; where that

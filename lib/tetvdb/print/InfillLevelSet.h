@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/print/Infill.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <functional>
+
+namespace tetvdb {
+
+/// The thickness of a lattice at a voxel, world units. Thread-safe.
+using ThicknessAt = std::function<double(const openvdb::Coord& voxel)>;
+
+/// A level set in voxels, as offsetLevelSet() makes them, below 0 in that part of `cavity`, another
+/// one, that the lattice leaves free, and above it in the lattice, in the cavity's leaves too.
+/// Parallel; 50 ns a voxel of the cavity.
+openvdb::FloatGrid::Ptr infillLevelSet(const openvdb::FloatGrid& cavity, const Infill& infill,
+                                       const ThicknessAt& thickness, Progress& progress);
+
+} // namespace tetvdb

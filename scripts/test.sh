@@ -6,7 +6,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/setup.sh --test --python
-cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON \
-  -DTETVDB_PYTHON=ON -DPython_EXECUTABLE="$PWD/build/python-venv/bin/python"
+python=(-DTETVDB_PYTHON=OFF)
+if build/python-venv/bin/python -c 'import nanobind, pytest' 2>/dev/null; then
+  python=(-DTETVDB_PYTHON=ON -DPython_EXECUTABLE="$PWD/build/python-venv/bin/python")
+fi
+cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON "${python[@]}"
 cmake --build --preset release
 ctest --preset release -j "$(nproc)" --no-tests=error "$@"

@@ -4,6 +4,7 @@
 #include "ReportRow.h"
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/io/Formats.h"
+#include "tetvdb/io/MeshFileName.h"
 #include "tetvdb/pipeline/JobFiles.h"
 
 #include <algorithm>
@@ -34,15 +35,6 @@ const char* const kExamples = R"(Examples:
 A model that fails, crashes or takes too long is a row that says so; the report's own status is 0 all
 the same. The page is one file, needs no network, and sorts and filters in the browser.)";
 
-// What a folder is searched for; files that are named are taken whatever they are called. Of
-// TetGen's two files the one with the cells represents both.
-bool isMeshName(const fs::path& path) {
-  if (formatForEnding(path.string(), FormatUse::ReadTriangles) != nullptr)
-    return true;
-  const Format* cells = formatForEnding(path.string(), FormatUse::ReadCells);
-  return cells != nullptr && (cells->id != FileFormat::TetGen || endingOf(path.string()) == ".ele");
-}
-
 std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
   std::vector<ReportModel> models;
   for (const std::string& input : inputs) {
@@ -56,7 +48,7 @@ std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
     std::vector<std::string> found;
     for (const auto& entry : fs::recursive_directory_iterator(
              input, fs::directory_options::skip_permission_denied, error))
-      if (entry.is_regular_file(error) && isMeshName(entry.path()))
+      if (entry.is_regular_file(error) && isMeshFileName(entry.path().string()))
         found.push_back(entry.path().string());
     std::sort(found.begin(), found.end());
     for (const std::string& path : found)

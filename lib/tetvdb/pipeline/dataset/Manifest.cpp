@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/Formats.h"
+#include "tetvdb/io/MeshFileName.h"
 #include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
@@ -36,14 +37,6 @@ std::optional<std::string> valueOf(const Row& row, const Names& names) {
     if (const auto found = row.find(std::string(name)); found != row.end())
       return found->second;
   return std::nullopt;
-}
-
-// Of TetGen's two files the one with the cells represents both.
-bool isMeshName(const fs::path& path) {
-  if (formatForEnding(path.string(), FormatUse::ReadTriangles) != nullptr)
-    return true;
-  const Format* cells = formatForEnding(path.string(), FormatUse::ReadCells);
-  return cells != nullptr && (cells->id != FileFormat::TetGen || endingOf(path.string()) == ".ele");
 }
 
 bool isSplit(const std::string& folder) {
@@ -201,7 +194,7 @@ std::vector<DatasetEntry> readFolder(const std::string& folder) {
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(
            folder, fs::directory_options::skip_permission_denied, error))
-    if (entry.is_regular_file(error) && isMeshName(entry.path()))
+    if (entry.is_regular_file(error) && isMeshFileName(entry.path().string()))
       files.push_back(namedFile(entry.path(), entry.path().lexically_relative(folder)));
   std::sort(files.begin(), files.end(),
             [](const NamedFile& a, const NamedFile& b) { return a.path < b.path; });

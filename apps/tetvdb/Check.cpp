@@ -33,6 +33,7 @@ const char* const kExamples = R"(Examples:
       and gaps, each with its layer, place and size
   tetvdb check part.stl --target sla --checks islands,cups --min-area 0.01 --json report.json
   tetvdb check bracket.3mf --target lpbf --overhang-angle 40 --min-wall 0.5
+  tetvdb check part.stl --target fdm --printer mk4.ini
   tetvdb check part.stl --target fdm --layer-height 0.3
       without a printer: pixels of 0.05 mm, as large a plate as the model needs
 

@@ -61,14 +61,10 @@ CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::s
   CheckPrintJob job;
   job.target = targetNamed(target);
   job.slice = sliceJobFrom(options, files);
-  const PrinterSettings& printer = job.slice.printer;
-  job.plateKnown = printer.pixels[0] != 0 || printer.pixels[1] != 0 || printer.display[0] != 0 ||
-                   printer.display[1] != 0;
+  job.plateKnown = completePrinter(job.target, job.slice.printer);
   if (!job.plateKnown && !options.place.empty())
     throw Error(Status::Usage, "--place", "needs a plate",
                 "name the printer with --printer, or --pixels and --display");
-  if (!job.plateKnown || printer.layerHeight == 0)
-    choosePrinter(job.target, !job.plateKnown, job.slice.printer);
   job.slice.aa = options.aa == "volume" ? SliceAa::Volume
                  : options.aa == "none" ? SliceAa::None
                                         : SliceAa::Area;

@@ -252,6 +252,24 @@ class CheckPrintTest(program.CommandLineTest):
                                    status=8 if expected else 0)
                 self.assertEqual(len(found), expected, (target, angle))
 
+    def test_the_bed_of_a_filament_printer(self):
+        self.write("block.off", off(*box_faces((0, 0, 0), (60, 50, 40))))
+        config = "bed_shape = -25x-35,35x-35,35x35,-25x35\nmax_print_height = 45\n" \
+                 "layer_height = 0.2\nfirst_layer_height = 150%\nnozzle_diameter = 0.4\n"
+        self.write("bed.ini", config)
+        known = ["--printer", "bed.ini"]
+        report = self.check(model="block.off", target="fdm", printer=known, status=0)["print"]
+        self.assertTrue(report["plate_known"])
+        self.assertEqual(report["pixels"], [1200, 1400])
+        self.assertAlmostEqual(report["first_layer_height_mm"], 0.3)
+        found = self.found("outside", "--scale", 1.2, model="block.off", target="fdm",
+                           printer=known)
+        self.assertAlmostEqual(found[0]["beyond_mm"][0][1], 6, 6)
+        self.assertAlmostEqual(found[0]["beyond_mm"][2][1], 3, 6)
+        for bad in ("0x0,1", "0x0,1x", "0x0", "nan", "0x0,9x0;9x9", ""):
+            self.write("bed.ini", "bed_shape = %s\n" % bad)
+            self.refuse(3, "check", "block.off", "--target", "fdm", *known, says="bed_shape")
+
     def test_a_model_in_metres(self):
         self.write("block.off", off(*box_faces((0, 0, 0), (0.06, 0.05, 0.04))))
         small = self.succeed("check", "block.off", "--target", "fdm", status=8)  # no layer has any

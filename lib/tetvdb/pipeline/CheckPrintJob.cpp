@@ -8,8 +8,10 @@
 #include "tetvdb/visualize/WritePng.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
+#include <string_view>
 #include <tbb/task_arena.h>
 #include <utility>
 
@@ -33,6 +35,60 @@ PixelSize pixelSizeFor(PrintTarget target) {
     break;
   }
   return {0.025, 0.05};
+}
+
+void setPixels(PrinterSettings& printer, std::size_t axis, double count, double pixel) {
+  constexpr double kMaxPixels = 1 << 20;
+  if (!(count <= kMaxPixels))
+    throw Error(Status::Limit, "",
+                fmt::format("the model is more than 2^20 pixels of {:.4g} mm wide", pixel),
+                "scale it with `scale`, or check `units`");
+  printer.pixels[axis] = static_cast<int>(count);
+  printer.display[axis] = count * pixel;
+}
+
+// A number at the front of `text`, which is taken off.
+double takeNumber(std::string_view& text, const char* key) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || !std::isfinite(number))
+    throw Error(Status::Invalid, key, "'" + std::string(text) + "' is not a number");
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+// Of "0x0,250x0,250x210,0x210".
+std::array<double, 2> sizeOfBed(std::string_view shape) {
+  constexpr const char* kKey = "bed_shape";
+  std::array<double, 2> low{}, high{};
+  for (bool first = true; first || !shape.empty(); first = false) {
+    if (!first)
+      shape.remove_prefix(1); // a comma
+    std::array<double, 2> corner{};
+    corner[0] = takeNumber(shape, kKey);
+    if (shape.empty() || shape.front() != 'x')
+      throw Error(Status::Invalid, kKey, "has a corner that is not XxY");
+    shape.remove_prefix(1);
+    corner[1] = takeNumber(shape, kKey);
+    if (!shape.empty() && shape.front() != ',')
+      throw Error(Status::Invalid, kKey, "has a corner that is not XxY");
+    for (std::size_t k = 0; k < 2; ++k) {
+      low[k] = first ? corner[k] : std::min(low[k], corner[k]);
+      high[k] = first ? corner[k] : std::max(high[k], corner[k]);
+    }
+  }
+  if (!(high[0] > low[0]) || !(high[1] > low[1]))
+    throw Error(Status::Invalid, kKey, "has no area");
+  return {high[0] - low[0], high[1] - low[1]};
+}
+
+// Millimetres, or "80%" of the others' height.
+double firstLayerOf(std::string_view text, double layerHeight) {
+  const double number = takeNumber(text, "first_layer_height");
+  const double height = text == "%" ? number / 100 * layerHeight : number;
+  if ((!text.empty() && text != "%") || !(height > 0))
+    throw Error(Status::Invalid, "first_layer_height", "is no height");
+  return height;
 }
 
 class PrintChecking {
@@ -114,16 +170,6 @@ private:
       report_.warn("size", fmt::format("the model is {:.3g} mm long; where its numbers are no "
                                        "millimetres say so with `units`",
                                        longest));
-  }
-
-  static void setPixels(PrinterSettings& printer, std::size_t axis, double count, double pixel) {
-    constexpr double kMaxPixels = 1 << 20;
-    if (!(count <= kMaxPixels))
-      throw Error(Status::Limit, "",
-                  fmt::format("the model is more than 2^20 pixels of {:.4g} mm wide", pixel),
-                  "scale it with `scale`, or check `units`");
-    printer.pixels[axis] = static_cast<int>(count);
-    printer.display[axis] = count * pixel;
   }
 
   void look(OpenedLayers& opened) {
@@ -248,14 +294,21 @@ PrintLimits limitsFor(PrintTarget target) {
   return limits;
 }
 
-void choosePrinter(PrintTarget target, bool plate, PrinterSettings& printer) {
+bool completePrinter(PrintTarget target, PrinterSettings& printer) {
   const PixelSize size = pixelSizeFor(target);
   if (!(printer.layerHeight > 0))
     printer.layerHeight = size.layer;
-  for (std::size_t k = 0; plate && k < 2; ++k) {
-    printer.pixels[k] = 1000;
-    printer.display[k] = 1000 * size.pixel;
-  }
+  if (printer.pixels[0] != 0 || printer.pixels[1] != 0 || printer.display[0] != 0 ||
+      printer.display[1] != 0)
+    return true;
+  const auto bed = printer.keys.find("bed_shape"), first = printer.keys.find("first_layer_height");
+  const bool known = bed != printer.keys.end();
+  const std::array<double, 2> plate = known ? sizeOfBed(bed->second) : std::array<double, 2>{};
+  for (std::size_t k = 0; k < 2; ++k)
+    setPixels(printer, k, known ? std::round(plate[k] / size.pixel) : 1000, size.pixel);
+  if (known && first != printer.keys.end() && printer.firstLayerHeight == 0)
+    printer.firstLayerHeight = firstLayerOf(first->second, printer.layerHeight);
+  return known;
 }
 
 CheckPrintResult run(const CheckPrintJob& job, Report& report, Progress& progress) {

@@ -31,10 +31,12 @@ enum class PrintTarget : std::uint8_t {
 /// What is looked for by default; docs/print.md says where the numbers are from.
 PrintLimits limitsFor(PrintTarget target);
 
-/// Sizes where no printer says them: layers of 0.05 mm (Sla), 0.03 mm (Lpbf) or 0.2 mm (Fdm) where
-/// it has none; with `plate` also a plate of 1000 x 1000 pixels of 0.025 mm (Sla), 0.015 mm
-/// (Lpbf) or 0.05 mm (Fdm), which run() makes as large as the model.
-void choosePrinter(PrintTarget target, bool plate, PrinterSettings& printer);
+/// Sizes where the printer does not say them: layers of 0.05 mm (Sla), 0.03 mm (Lpbf) or 0.2 mm
+/// (Fdm); where it has no display, pixels of 0.025 mm, 0.015 mm or 0.05 mm. The plate is then that
+/// of the keys for filament printers, bed_shape with first_layer_height, or where these are missing
+/// one of 1000 x 1000 pixels, which run() makes as large as the model. Returns whether the plate is
+/// known. Throws Error(Invalid) for values of these keys that are none.
+bool completePrinter(PrintTarget target, PrinterSettings& printer);
 
 struct CheckPrintJob {
   SliceJob slice; ///< inputs, grid, printer, place, units, clean, threads and maxMemory; aa

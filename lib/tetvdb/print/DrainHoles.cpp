@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/print/CutNearby.h"
 #include "tetvdb/print/Shells.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/LocalRepair.h"
@@ -24,7 +25,10 @@ constexpr int kSides = 64;       // of a prism
 constexpr int kAround = 16;      // rays along a hole's edge
 constexpr double kMaxSlant = 4;  // radii that the wall may go on beyond where the axis leaves it
 constexpr double kBeyond = 0.05; // radii that a prism is longer than its wall at either end
-constexpr double kBottom = 0.1;  // radii by which a cavity's bottom may be other than level
+constexpr int kTwists = 3;
+constexpr double kTwist = 0.0137; // sides of a prism, and radii at its ends
+constexpr double kRoom = 1.05;    // of the ball around a prism
+constexpr double kBottom = 0.1;   // radii by which a cavity's bottom may be other than level
 constexpr double kPi = 3.141592653589793;
 
 struct Axis {
@@ -132,22 +136,19 @@ private:
   double size_ = 0;
 };
 
-// From `begin` to `end` along the axis, turned outward.
-void addPrism(TriangleMesh& mesh, const Axis& axis, double radius, double begin, double end,
-              bool inward) {
+// From `begin` to `end` along the axis, turned outward; by `twist` sides around it.
+TriangleMesh prismOf(const Axis& axis, double radius, double begin, double end, double twist) {
   const double corner = radius * std::sqrt(2 * kPi / (kSides * std::sin(2 * kPi / kSides)));
-  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  TriangleMesh prism;
   for (const double t : {begin, end})
     for (int i = 0; i < kSides; ++i) {
-      const double turn = 2 * kPi * (i + 0.5) / kSides;
-      mesh.points.push_back(plus(plus(axis.point, times(axis.along, t)),
-                                 plus(times(axis.side, corner * std::cos(turn)),
-                                      times(axis.up, corner * std::sin(turn)))));
+      const double turn = 2 * kPi * (i + 0.5 + twist) / kSides;
+      prism.points.push_back(plus(plus(axis.point, times(axis.along, t)),
+                                  plus(times(axis.side, corner * std::cos(turn)),
+                                       times(axis.up, corner * std::sin(turn)))));
     }
   const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    if (inward)
-      std::swap(b, c);
-    mesh.triangles.insert(mesh.triangles.end(), {first + a, first + b, first + c});
+    prism.triangles.insert(prism.triangles.end(), {a, b, c});
   };
   for (std::uint32_t i = 0; i < kSides; ++i) {
     const std::uint32_t next = (i + 1) % kSides;
@@ -158,6 +159,17 @@ void addPrism(TriangleMesh& mesh, const Axis& axis, double radius, double begin,
       add(kSides, kSides + i, kSides + i + 1);
     }
   }
+  prism.faceCount = prism.triangleCount();
+  return prism;
+}
+
+void appendFaces(TriangleMesh& mesh, const TriangleMesh& more, bool turned) {
+  const auto first = static_cast<std::uint32_t>(mesh.points.size());
+  mesh.points.insert(mesh.points.end(), more.points.begin(), more.points.end());
+  for (std::size_t i = 0; i < more.triangles.size(); i += 3)
+    for (const std::size_t k :
+         {std::size_t(0), std::size_t(turned ? 2 : 1), std::size_t(turned ? 1 : 2)})
+      mesh.triangles.push_back(first + more.triangles[i + k]);
   mesh.faceCount = mesh.triangleCount();
 }
 
@@ -281,6 +293,51 @@ std::vector<TriangleMesh> plugsOf(const TriangleMesh& taken, const std::vector<A
   return plugs;
 }
 
+// A hole whose wall is known.
+struct Bore {
+  Axis axis;
+  double radius, begin, end;
+
+  TriangleMesh prism(int attempt) const {
+    const double beyond = kTwist * attempt * radius;
+    return prismOf(axis, radius, begin - beyond, end + beyond, kTwist * attempt);
+  }
+};
+
+// By the faces near the hole alone. Of a prism whose crossings come too near to corners of the
+// solid another one is tried, turned a little.
+bool boreNearby(TriangleMesh& solid, const Bore& bore, NearbyCut& cut, Progress& progress) {
+  const Vec3d centre = plus(bore.axis.point, times(bore.axis.along, (bore.begin + bore.end) / 2));
+  for (int attempt = 0; attempt < kTwists; ++attempt) {
+    const TriangleMesh prism = bore.prism(attempt);
+    double reach = 0;
+    for (const Vec3d& p : prism.points)
+      reach = std::max(reach, kRoom * length(minus(p, centre)));
+    if (cutNearby(solid, prism, centre, reach, cut, progress))
+      return true;
+    cut = {};
+  }
+  return false;
+}
+
+// All of them at once, by all faces.
+std::vector<TriangleMesh> boreTogether(TriangleMesh& solid, const std::vector<Bore>& bores,
+                                       std::size_t& cutFaces, Progress& progress) {
+  TriangleMesh rest = solid, taken = solid;
+  std::vector<Axis> axes;
+  for (const Bore& bore : bores) {
+    const TriangleMesh prism = bore.prism(0);
+    appendFaces(rest, prism, true);
+    appendFaces(taken, prism, false);
+    axes.push_back(bore.axis);
+  }
+  addSurroundings(taken);
+  cutFaces += cutAlongCrossings(rest, progress);
+  cutAlongCrossings(taken, progress);
+  solid = std::move(rest);
+  return plugsOf(taken, axes);
+}
+
 } // namespace
 
 std::vector<DrainHole> holesAtLowestPoints(const TriangleMesh& solid, double radius) {
@@ -301,26 +358,36 @@ DrilledHoles drillHoles(TriangleMesh& solid, const std::vector<DrainHole>& holes
   DrilledHoles drilled;
   if (holes.empty())
     return drilled;
-  std::vector<Axis> axes;
-  std::vector<std::pair<double, double>> reaches;
+  std::vector<Bore> bores;
   {
     const HoleFinder finder(solid);
     for (const DrainHole& hole : holes) {
-      axes.push_back(axisOf(hole));
-      reaches.push_back(finder.reachOf(hole, axes.back()));
+      const Axis axis = axisOf(hole);
+      const auto [begin, end] = finder.reachOf(hole, axis);
+      bores.push_back({axis, hole.radius, begin, end});
     }
   }
-  TriangleMesh rest = solid, taken = solid;
-  for (std::size_t i = 0; i < holes.size(); ++i) {
-    const auto [begin, end] = reaches[i];
-    addPrism(rest, axes[i], holes[i].radius, begin, end, true);
-    addPrism(taken, axes[i], holes[i].radius, begin, end, false);
+  TriangleMesh made = solid;
+  std::vector<Bore> left;
+  std::vector<std::size_t> leftAt;
+  drilled.plugs.resize(holes.size());
+  for (std::size_t i = 0; i < bores.size(); ++i) {
+    NearbyCut cut;
+    if (boreNearby(made, bores[i], cut, progress)) {
+      drilled.cutFaces += cut.cutFaces;
+      drilled.plugs[i] = std::move(cut.taken);
+    } else {
+      left.push_back(bores[i]);
+      leftAt.push_back(i);
+    }
+    progress.update(static_cast<double>(i + 1) / static_cast<double>(bores.size() + 1));
   }
-  addSurroundings(taken);
-  drilled.cutFaces = cutAlongCrossings(rest, progress);
-  cutAlongCrossings(taken, progress);
-  drilled.plugs = plugsOf(taken, axes);
-  solid = std::move(rest);
+  if (!left.empty()) {
+    std::vector<TriangleMesh> plugs = boreTogether(made, left, drilled.cutFaces, progress);
+    for (std::size_t i = 0; i < left.size(); ++i)
+      drilled.plugs[leftAt[i]] = std::move(plugs[i]);
+  }
+  solid = std::move(made);
   return drilled;
 }
 

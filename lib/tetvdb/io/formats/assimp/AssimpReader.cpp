@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/assimp/AssimpReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/FileFormat.h"
 
 #ifdef TETVDB_ASSIMP
 
@@ -9,7 +10,6 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/cells/PlacedFaces.h"
-#include "tetvdb/io/source/FileFormat.h"
 #include "tetvdb/io/source/IsolatedRead.h"
 #include "tetvdb/io/source/ReadOptions.h"
 #include "tetvdb/mesh/CellMesh.h"

@@ -133,6 +133,7 @@ private:
   void start() {
     std::vector<std::string> words = workerWords();
     std::vector<char*> pointers;
+    pointers.reserve(words.size() + 1);
     for (std::string& word : words)
       pointers.push_back(word.data());
     pointers.push_back(nullptr);

@@ -71,6 +71,7 @@ std::vector<Vec3d> sampleFeatureEdges(const TriangleMesh& mesh, double degrees, 
                                       RandomNumbers& random) {
   const std::vector<VertexPair> edges = featureEdges(mesh, degrees);
   std::vector<double> sums;
+  sums.reserve(edges.size());
   double sum = 0;
   for (const VertexPair& edge : edges)
     sums.push_back(sum += length(minus(mesh.points[edge[1]], mesh.points[edge[0]])));

@@ -20,10 +20,10 @@ std::string defectsText(const SurfaceDefects& defects, bool intersections) {
   text += fmt::format("  triangles   {} ({} without area, {} slivers, {} duplicates)\n",
                       defects.triangles, defects.degenerateFaces, defects.sliverFaces,
                       defects.duplicateFaces);
-  text += fmt::format("  edges       {} open in {} holes, {} of three faces or more, {} between "
+  text += fmt::format("  edges       {} open in {} {}, {} of three faces or more, {} between "
                       "opposite faces\n",
-                      defects.boundaryEdges, defects.holes, defects.nonManifoldEdges,
-                      defects.misorientedEdges);
+                      defects.boundaryEdges, defects.holes, defects.holes == 1 ? "hole" : "holes",
+                      defects.nonManifoldEdges, defects.misorientedEdges);
   text += fmt::format("  components  {}", defects.components);
   if (defects.genus)
     text += fmt::format(", genus {}", *defects.genus);
@@ -31,9 +31,9 @@ std::string defectsText(const SurfaceDefects& defects, bool intersections) {
     text += fmt::format(", touching themselves in {} vertices", defects.nonManifoldVertices);
   text += "\n";
   if (intersections)
-    text += fmt::format("  crossings   {}{} pairs of faces\n",
-                        defects.selfIntersectionsComplete ? "" : "more than ",
-                        defects.selfIntersections);
+    text += fmt::format(
+        "  crossings   {}{} {} of faces\n", defects.selfIntersectionsComplete ? "" : "more than ",
+        defects.selfIntersections, defects.selfIntersections == 1 ? "pair" : "pairs");
   return text;
 }
 

@@ -87,12 +87,7 @@ void runConvert(const Options& options, Session& session) {
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   const ConvertResult result = run(job, session.report, session.progress);
-  Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
-  if (result.source != SolidSource::Volume) {
-    input["format"] = formatName(result.input.format);
-    input["vertices"] = result.input.vertices;
-  }
-  session.sections["input"] = Json::array({input});
+  session.sections["input"][0] = inputSection(options.input, result.source, &result.input);
   session.sections["grids"] = toJson(result.grids);
   Json outputs = Json::array();
   for (const OutputInfo& output : result.outputs)

@@ -231,6 +231,16 @@ Json toJson(const MeshSummary& mesh) {
             {"winding_volume", check.windingVolume}}}};
 }
 
+nlohmann::ordered_json inputSection(const std::string& path, SolidSource source,
+                                    const InputInfo* info) {
+  nlohmann::ordered_json section = {{"path", path}, {"kind", nameOf(source)}};
+  if (info != nullptr && source != SolidSource::Volume) {
+    section["format"] = formatName(info->format);
+    section["vertices"] = info->vertices;
+  }
+  return section;
+}
+
 void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
                    nlohmann::ordered_json& sections) {
   if (!preview)

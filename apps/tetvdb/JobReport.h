@@ -27,6 +27,10 @@ nlohmann::ordered_json toJson(const GridInfo& grid);
 nlohmann::ordered_json toJson(const std::vector<GridInfo>& grids);
 /// What cleaning did.
 nlohmann::ordered_json toJson(const CleanCounts& cleaned);
+/// One element of "input": a file and what it is; of a mesh that was read, `info`, its format and
+/// number of vertices. Null: no more is known.
+nlohmann::ordered_json inputSection(const std::string& path, SolidSource source,
+                                    const InputInfo* info);
 /// "mesh" of the envelope mesher's tets.
 nlohmann::ordered_json toJson(const MeshSummary& mesh);
 

@@ -235,12 +235,7 @@ void runPrepare(const Options& options, Session& session) {
   setDeadline(options, session.progress);
   const AllowThreads allowed(job.threads);
   const PrepareResult result = run(job, session.report, session.progress);
-  Json input = {{"path", options.input}, {"kind", nameOf(result.source)}};
-  if (result.source != SolidSource::Volume) {
-    input["format"] = formatName(result.input.format);
-    input["vertices"] = result.input.vertices;
-  }
-  session.sections["input"][0] = input;
+  session.sections["input"][0] = inputSection(options.input, result.source, &result.input);
   session.sections["prepare"] = preparedOf(result);
   Json outputs = {{{"path", result.output.path}, {"bytes", result.output.bytes}}};
   for (const PreparedDrain& drain : result.drains)

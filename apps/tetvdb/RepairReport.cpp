@@ -91,11 +91,8 @@ Json repairOf(const RepairResult& result, TextOf textOf) {
 } // namespace
 
 Json sectionsOf(const RepairJob& job, const RepairResult& result, TextOf textOf) {
-  Json inputs = {{{"path", job.input}, {"kind", nameOf(result.source)}}};
-  if (result.source != SolidSource::Volume && job.more.empty()) {
-    inputs[0]["format"] = formatName(result.input.format);
-    inputs[0]["vertices"] = result.input.vertices;
-  }
+  Json inputs = Json::array(
+      {inputSection(job.input, result.source, job.more.empty() ? &result.input : nullptr)});
   for (const std::string& path : job.more)
     inputs.push_back({{"path", path}});
   Json sections = {{"device", "cpu"},

@@ -12,14 +12,13 @@ using Json = nlohmann::ordered_json;
 Json inputsOf(const SliceResult& result, const std::vector<std::string>& paths) {
   Json inputs = Json::array();
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    Json input = {{"path", paths[i]}, {"kind", nameOf(result.source)}};
-    if (i < result.inputs.size()) {
-      input["format"] = formatName(result.inputs[i].format);
-      input["vertices"] = result.inputs[i].vertices;
+    const InputInfo* info = i < result.inputs.size() ? &result.inputs[i] : nullptr;
+    Json input = inputSection(paths[i], result.source, info);
+    if (info != nullptr) {
       if (result.source == SolidSource::Tets)
-        input["tets"] = result.inputs[i].tets;
+        input["tets"] = info->tets;
       else
-        input["triangles"] = result.inputs[i].triangles;
+        input["triangles"] = info->triangles;
     }
     inputs.push_back(std::move(input));
   }

@@ -104,10 +104,7 @@ nb::object arrayOf(const std::vector<Image>& images, bool several) {
 nb::object renderInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   RenderJob job = jobOf(settings);
-  const JobLimits limits = settings.takeLimits();
-  settings.finish();
-  job.threads = limits.threads;
-  job.maxMemory = limits.maxMemory;
+  const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   for (const std::string& name : inputs.names)
     job.inputs.push_back({name, isVolume(name, inputs.memory)});

@@ -40,10 +40,7 @@ RepairJob jobOf(Settings& settings) {
 nb::object repairInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   RepairJob job = jobOf(settings);
-  const JobLimits limits = settings.takeLimits();
-  settings.finish();
-  job.threads = limits.threads;
-  job.maxMemory = limits.maxMemory;
+  const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.isVolume = isVolume(inputs.names.front(), inputs.memory);
   job.input = inputs.names.front();

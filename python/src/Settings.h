@@ -72,6 +72,15 @@ public:
 
   /// Throws TypeError for a setting that was not asked for.
   void finish();
+  /// The limits, threads and memory into `job`; then finish().
+  template <typename Job>
+  JobLimits finish(Job& job) {
+    const JobLimits limits = takeLimits();
+    finish();
+    job.threads = limits.threads;
+    job.maxMemory = limits.maxMemory;
+    return limits;
+  }
 
   nb::object get(const char* name) const;
   [[noreturn]] static void refuse(const char* name, const std::string& what,

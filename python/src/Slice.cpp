@@ -71,10 +71,7 @@ SliceJob jobOf(Settings& settings) {
 nb::tuple sliceInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   SliceJob job = jobOf(settings);
-  const JobLimits limits = settings.takeLimits();
-  settings.finish();
-  job.threads = limits.threads;
-  job.maxMemory = limits.maxMemory;
+  const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.isVolume = isVolume(inputs.names.front(), inputs.memory);
   job.inputs = std::move(inputs.names);

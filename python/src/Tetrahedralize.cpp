@@ -41,10 +41,7 @@ TetrahedralizeJob jobOf(Settings& settings, std::size_t inputs) {
 nb::object tetrahedralizeInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   TetrahedralizeJob job = jobOf(settings, given.size());
-  const JobLimits limits = settings.takeLimits();
-  settings.finish();
-  job.threads = limits.threads;
-  job.maxMemory = limits.maxMemory;
+  const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.inputs = std::move(inputs.names);
   job.memory = std::move(inputs.memory);

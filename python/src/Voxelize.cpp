@@ -114,10 +114,7 @@ VoxelizeJob jobOf(Settings& settings) {
 nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   VoxelizeJob job = jobOf(settings);
-  const JobLimits limits = settings.takeLimits();
-  settings.finish();
-  job.threads = limits.threads;
-  job.maxMemory = limits.maxMemory;
+  const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.inputs = std::move(inputs.names);
   job.memory = std::move(inputs.memory);

@@ -163,6 +163,20 @@ def box_faces(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
     return points, [[q[0], q[k], q[k + 1]] for q in squares for k in (1, 2)]
 
 
+def joined(*meshes):
+    """One mesh of several: points, faces."""
+    points, faces = [], []
+    for more, corners in meshes:
+        faces += [[c + len(points) for c in face] for face in corners]
+        points = points + list(more)
+    return points, faces
+
+
+def inverted(mesh):
+    """The same mesh inside out."""
+    return mesh[0], [face[::-1] for face in mesh[1]]
+
+
 def off(points, faces):
     lines = ["OFF", "%d %d 0" % (len(points), len(faces))]
     lines += ["%r %r %r" % tuple(p) for p in points]

@@ -10,10 +10,9 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, off
+from program import ball, box_faces, inverted, joined, off
 from test_pictures import is_blue, is_red
 from test_render import read_png
-from test_slice import inverted, joined
 
 SCIPY = importlib.util.find_spec("scipy") is not None
 if SCIPY:

@@ -16,38 +16,13 @@ import time
 import unittest
 from pathlib import Path
 
+from program import PROGRAM, SANITIZED, ball, box_faces
+
 try:
     import numpy as np
 except ImportError:
     sys.exit(77)
 
-PROGRAM = os.environ["TETVDB_PROGRAM"]
-SANITIZED = os.environ.get("TETVDB_SANITIZED", "0") == "1"
-
-
-def box(low, high):
-    points = [[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)]
-    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4),
-             (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2), (1, 3, 7), (1, 7, 5)]
-    return points, faces
-
-
-def ball(radius, centre, rings=24, sectors=48):
-    points = [(centre[0], centre[1], centre[2] + radius)]
-    for i in range(1, rings):
-        for j in range(sectors):
-            a, b = math.pi * i / rings, 2 * math.pi * j / sectors
-            points.append((centre[0] + radius * math.sin(a) * math.cos(b),
-                           centre[1] + radius * math.sin(a) * math.sin(b),
-                           centre[2] + radius * math.cos(a)))
-    points.append((centre[0], centre[1], centre[2] - radius))
-    at = lambda i, j: 1 + (i - 1) * sectors + j % sectors
-    faces = [(0, at(1, j), at(1, j + 1)) for j in range(sectors)]
-    faces += [f for i in range(1, rings - 1) for j in range(sectors)
-              for f in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)),
-                        (at(i, j), at(i + 1, j + 1), at(i, j + 1)))]
-    faces += [(len(points) - 1, at(rings - 1, j + 1), at(rings - 1, j)) for j in range(sectors)]
-    return points, faces
 
 
 def write_obj(path, mesh):
@@ -95,9 +70,9 @@ class Dataset(unittest.TestCase):
         self.folder = Path(tempfile.mkdtemp(prefix="tetvdb-dataset-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.models = self.folder / "models"
-        write_obj(self.models / "ball" / "train" / "a.obj", ball(2, (10, -3, 5)))
-        write_obj(self.models / "ball" / "test" / "b.obj", ball(0.3, (0, 0, 0)))
-        write_obj(self.models / "box" / "train" / "c.obj", box((0, 0, 0), (4, 2, 1)))
+        write_obj(self.models / "ball" / "train" / "a.obj", ball(24, 2, (10, -3, 5)))
+        write_obj(self.models / "ball" / "test" / "b.obj", ball(24, 0.3, (0, 0, 0)))
+        write_obj(self.models / "box" / "train" / "c.obj", box_faces((0, 0, 0), (4, 2, 1)))
         shutil.copy(self.models / "box" / "train" / "c.obj", self.models / "box" / "train" / "d.obj")
         (self.models / "box" / "test").mkdir()
         (self.models / "box" / "test" / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
@@ -296,7 +271,7 @@ class Dataset(unittest.TestCase):
                 (self.models / ("bad%02d.off" % i)).write_text("OFF\n1 1 0\n0 0 0\n3 0 1 2\n")
             else:
                 write_obj(self.models / "many" / ("m%02d.obj" % i),
-                          ball(rng.uniform(1, 3), (i, 0, 0), 8 + i % 5, 12))
+                          ball(6 + i % 5, rng.uniform(1, 3), (i, 0, 0)))
 
     def test_shards_and_archives_are_the_same_bytes(self):
         self.many()
@@ -405,7 +380,7 @@ class Dataset(unittest.TestCase):
             return b""
 
     def test_time_limit_costs_one_model(self):
-        write_obj(self.models / "large.obj", ball(1, (0, 0, 0), 1000, 2000))
+        write_obj(self.models / "large.obj", ball(1000, 1, (0, 0, 0)))
         self.succeed(self.models, "-o", self.out, "--resolution", 16, "--max-time",
                      5 if SANITIZED else 1, "--no-preview", "--workers", 2)
         failed = {r["id"]: r for r in rows(self.out / "failed.csv")}

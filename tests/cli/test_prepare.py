@@ -11,21 +11,9 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, lattice, off
+from program import ball, box_faces, inverted, joined, lattice, off
 
 PLATE = ["--pixels", "400,400", "--display", "40,40", "--layer-height", "0.1"]
-
-
-def joined(*meshes):
-    points, faces = [], []
-    for more, corners in meshes:
-        faces += [[c + len(points) for c in face] for face in corners]
-        points += more
-    return points, faces
-
-
-def inverted(mesh):
-    return mesh[0], [face[::-1] for face in mesh[1]]
 
 
 def stl(path):

@@ -12,24 +12,12 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, gmsh, lattice, off
+from program import ball, box_faces, gmsh, inverted, joined, lattice, off
 
 WIDTH, HEIGHT = 80, 60
 PLATE = (16.0, 12.0)
 LAYER = 0.25
 PRINTER = ["--pixels", "80,60", "--display", "16,12", "--layer-height", "0.25"]
-
-
-def joined(*meshes):
-    points, faces = [], []
-    for more, corners in meshes:
-        faces += [[c + len(points) for c in face] for face in corners]
-        points += more
-    return points, faces
-
-
-def inverted(mesh):
-    return mesh[0], [face[::-1] for face in mesh[1]]
 
 
 def volume(mesh):

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from program import PROGRAM, CommandLineTest, box_faces, lattice, medit, off
+from program import PROGRAM, CommandLineTest, box_faces, joined, lattice, medit, off
 
 
 def sphere(n, radius=1.0):
@@ -31,14 +31,6 @@ def sphere(n, radius=1.0):
                 if i + j + 1 < n:
                     some.append([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])
                 faces += some if math.prod(signs) > 0 else [face[::-1] for face in some]
-    return points, faces
-
-
-def joined(*meshes):
-    points, faces = [], []
-    for more, others in meshes:
-        faces += [[c + len(points) for c in face] for face in others]
-        points = points + list(more)
     return points, faces
 
 

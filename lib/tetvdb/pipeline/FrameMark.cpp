@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/FrameMark.h"
 
+#include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
@@ -10,7 +11,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
-#include <xxhash.h>
 
 namespace tetvdb {
 namespace {
@@ -91,8 +91,7 @@ std::string frameMark(const VoxelizeJob& job) {
   text << job.units << job.half;
   for (const auto& [key, value] : job.metadata)
     text << key << value;
-  const XXH128_hash_t hash = XXH3_128bits(text.text().data(), text.text().size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return textOf(XXH3_128bits(text.text().data(), text.text().size()));
 }
 
 bool isFinished(const std::string& path, const std::string& mark) {

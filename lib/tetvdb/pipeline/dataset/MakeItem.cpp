@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/dataset/MakeItem.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -26,7 +27,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
-#include <xxhash.h>
 
 namespace tetvdb {
 namespace {
@@ -35,10 +35,6 @@ namespace fs = std::filesystem;
 
 constexpr double kSharpDegrees = 30;
 const char* const kSurfaceVoxels = "shell";
-
-std::string hexadecimal(const XXH128_hash_t& hash) {
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
 
 struct PointSet {
   std::vector<Vec3d> points;
@@ -87,7 +83,7 @@ private:
     {
       const MappedFile file(path);
       const XXH128_hash_t hash = XXH3_128bits(file.bytes().data(), file.bytes().size());
-      result_.fileHash = hexadecimal(hash);
+      result_.fileHash = textOf(hash);
       seedOfFile_ = hash.low64;
     }
     mesh_ = holdsTriangles(path)

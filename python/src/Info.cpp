@@ -17,9 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json aboutVolume(const std::string& name, const MemoryInputs& memory, bool withHash,
+Json aboutVolume(const std::string& name, const MemoryInputs& memory, bool withHash, Report& report,
                  Progress& progress) {
-  const Volume volume = readVolumeInput(name, progress, memory);
+  const Volume volume = readVolumeInput(name, report, progress, memory);
   Json section = {{"path", name}, {"kind", "volume"}, {"metadata", Json::object()}};
   for (const auto& [key, value] : volume.metadata)
     section["metadata"][key] = value;
@@ -60,7 +60,7 @@ nb::object infoOf(const nb::list& given, const nb::dict& keywords) {
   JobRun work(limits);
   const std::string text = work([&](Report& report, Progress& progress) {
     const Json section = isVolume(name, inputs.memory)
-                             ? aboutVolume(name, inputs.memory, withHash, progress)
+                             ? aboutVolume(name, inputs.memory, withHash, report, progress)
                              : aboutMesh(name, inputs.memory, defects, report, progress);
     return section.dump(-1, ' ', false, Json::error_handler_t::replace);
   });

@@ -154,6 +154,11 @@ public:
       facts.grids.insert({infos[i].name, infos[i].type});
       facts.transforms[infos[i].name] = grids[i]->transform().copy();
     }
+    for (const UnreadGrid& grid : volume.unread) {
+      grid_ = grid.name;
+      add(Weight::Note, "unread", "is of type " + grid.type + ", which is not checked",
+          "check it in the program that made it");
+    }
     if (forBlender())
       checkVelocity(names);
     facts.infos = infos;

@@ -96,8 +96,10 @@ private:
 
   void fromVolume() {
     result_.source = SolidSource::Volume;
-    Volume volume = stage("read", [&] { return readVolume(job_.input, progress_); });
+    Volume volume = stage("read", [&] { return readVolumeInput(job_.input, report_, progress_); });
     choose(volume);
+    if (!volume.unread.empty() && job_.grids.empty())
+      report_.partial = true;
     if (toTriangles_) {
       ExtractOptions options;
       options.grid = job_.grids.empty() ? std::string() : job_.grids.front();

@@ -190,7 +190,7 @@ private:
     {
       StageTimer timer(report_, "read");
       progress_.stage("read");
-      volume = readVolume(job_.input, progress_);
+      volume = readVolumeInput(job_.input, report_, progress_);
     }
     StageTimer timer(report_, "extract");
     progress_.stage("extract");

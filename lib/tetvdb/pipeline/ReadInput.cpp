@@ -57,10 +57,20 @@ TriangleMesh trianglesOf(const std::string& path, Report& report, Progress& prog
 
 } // namespace
 
-Volume readVolumeInput(const std::string& path, Progress& progress, const MemoryInputs& memory) {
+void warnOfUnread(const Volume& volume, const std::string& path, Report& report) {
+  for (const UnreadGrid& grid : volume.unread)
+    report.warn("unread-grid", path + ": the grid '" + grid.name + "' is of type " + grid.type +
+                                   ", which is not read");
+}
+
+Volume readVolumeInput(const std::string& path, Report& report, Progress& progress,
+                       const MemoryInputs& memory) {
   const MemoryInput* input = inMemory(path, memory);
-  if (input == nullptr)
-    return readVolume(path, progress);
+  if (input == nullptr) {
+    Volume volume = readVolume(path, progress);
+    warnOfUnread(volume, path, report);
+    return volume;
+  }
   if (!input->volume)
     refuseKind(path, "grids");
   return *input->volume;

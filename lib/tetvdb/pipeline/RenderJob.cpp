@@ -88,7 +88,7 @@ private:
     if (input.isVolume) {
       VolumeShow show = job_.volume;
       show.color = job_.look.color;
-      return subjectOf(readVolumeInput(input.path, progress_, job_.memory), show);
+      return subjectOf(readVolumeInput(input.path, report_, progress_, job_.memory), show);
     }
     if (holdsTriangles(input.path, job_.memory)) {
       TriangleMesh mesh = readSoup(input.path, &info, report_, progress_, job_.memory);

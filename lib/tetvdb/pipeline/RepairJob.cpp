@@ -276,7 +276,7 @@ private:
     {
       StageTimer timer(report_, "read");
       progress_.stage("read");
-      volume = readVolumeInput(job_.input, progress_, job_.memory);
+      volume = readVolumeInput(job_.input, report_, progress_, job_.memory);
     }
     if (!job_.preview.empty())
       preview_.volume(volume, report_, progress_);

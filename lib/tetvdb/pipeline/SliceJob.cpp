@@ -420,7 +420,8 @@ private:
   std::unique_ptr<LayerSource> fromVolume() {
     result_.source = SolidSource::Volume;
     const std::string& path = job_.inputs.front();
-    Volume volume = stage("read", [&] { return readVolumeInput(path, progress_, job_.memory); });
+    Volume volume =
+        stage("read", [&] { return readVolumeInput(path, report_, progress_, job_.memory); });
     if (!format_.contours)
       if (auto source = directVoxels(volume))
         return source;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/Error.h"
 #include "tetvdb/volume/BitSelect.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
@@ -290,13 +291,9 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
     counts.range(packed->min);
     counts.range(packed->max);
   }
-  if (!known) {
-    counts.activeVoxels = grid.activeVoxelCount();
-    counts.leaves = grid.baseTree().leafCount();
-    counts.activeTiles = grid.baseTree().activeTileCount();
-    counts.bytes = grid.memUsage();
-    counts.box = grid.evalActiveVoxelBoundingBox();
-  }
+  if (!known)
+    throw Error(Status::Usage, grid.getName(),
+                "grids of type " + grid.type() + " are not supported");
   info.activeVoxels = counts.activeVoxels;
   info.activeTiles = counts.activeTiles;
   info.leaves = counts.leaves;

@@ -4,13 +4,13 @@
 // of the background's value, by coordinates and level. Internal nodes are not part of it: an empty
 // node and none are the same. Each 128^3 node is hashed by itself, the 4096^3 nodes over the hashes
 // below them, the grid over these, so that any number of threads gives the same result.
+#include "tetvdb/core/Error.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <sstream>
 #include <xxhash.h>
 
 namespace tetvdb {
@@ -165,12 +165,8 @@ XXH128_hash_t hashGrid(const openvdb::GridBase& grid) {
   hasher.text(canonicalBytes(grid.transform()));
   const bool known =
       withKnownGrid(grid, [&](const auto& typed) { hashTree(hasher, typed.constTree()); });
-  if (!known) { // points and the like: by their uncompressed serialized form
-    std::ostringstream stream;
-    grid.writeTopology(stream);
-    grid.writeBuffers(stream);
-    hasher.text(stream.str());
-  }
+  if (!known)
+    throw Error(Status::Usage, grid.getName(), "grids of type " + grid.type() + " have no hash");
   return hasher.digest();
 }
 

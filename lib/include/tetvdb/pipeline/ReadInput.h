@@ -59,8 +59,13 @@ TetMesh readTets(const std::string& path, const ReadOptions& options, const Cell
 TriangleMesh readSoup(const std::string& path, InputInfo* info, Report& report, Progress& progress,
                       const MemoryInputs& memory = {});
 
-/// Reads a volume file, or hands out a volume in `memory`. Throws as readVolume().
-Volume readVolumeInput(const std::string& path, Progress& progress, const MemoryInputs& memory);
+/// Warns ("unread-grid") of each grid of the file `path` that the reader does not understand.
+void warnOfUnread(const Volume& volume, const std::string& path, Report& report);
+
+/// Reads a volume file with warnOfUnread(), or hands out a volume in `memory`. Throws as
+/// readVolume().
+Volume readVolumeInput(const std::string& path, Report& report, Progress& progress,
+                       const MemoryInputs& memory = {});
 
 /// Those of `inputs` that are files.
 std::vector<std::string> filesAmong(const std::vector<std::string>& inputs,

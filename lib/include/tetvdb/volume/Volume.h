@@ -22,6 +22,11 @@ struct GridTransform {
 
 struct GridSet; // volume/Grids.h
 
+/// A grid that a file holds and the reader does not understand.
+struct UnreadGrid {
+  std::string name, type; ///< the type as OpenVDB names it: "Tree_ptdataidx32_5_4_3", ...
+};
+
 /// A handle; copies share the grids.
 class Volume {
 public:
@@ -32,6 +37,8 @@ public:
 
   /// File-level metadata: "creator", "source", "units" and others.
   std::map<std::string, std::string> metadata;
+  /// Of a file that was read: its grids of other types, such as points.
+  std::vector<UnreadGrid> unread;
 
 private:
   std::shared_ptr<GridSet> grids_;

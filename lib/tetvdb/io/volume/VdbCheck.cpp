@@ -7,8 +7,10 @@
 #include <blosc.h>
 #include <cstdint>
 #include <cstring>
+#include <fmt/format.h>
+#include <openvdb/version.h>
 #include <set>
-#include <vector>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -64,7 +66,7 @@ std::uint32_t metadataSize(const std::string& type) {
   return 0;
 }
 
-/// Bytes of a transform's map; 0 where that is not one of the linear ones.
+/// Bytes of a linear map; 0 where the map is not linear.
 std::uint64_t mapSize(const std::string& type) {
   if (type == "ScaleMap" || type == "UniformScaleMap")
     return 5 * 24;
@@ -81,13 +83,11 @@ class VdbChecker {
 public:
   VdbChecker(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
 
-  void run() {
+  std::vector<VdbGridEntry> run() {
     take(8, "the header");
-    const auto version = value<std::uint32_t>("the header");
+    requireVersion(value<std::uint32_t>("the header"));
     take(8, "the header");
-    if (version < kFirstVersion)
-      return;
-    const bool hasOffsets = *take(1, "the header") != 0;
+    hasOffsets_ = *take(1, "the header") != 0;
     take(36, "the header");
     metadata();
     const auto count = value<std::int32_t>("the number of grids");
@@ -95,14 +95,29 @@ public:
       fail("the number of grids is negative");
     if (count == 0)
       fail("holds no grid");
-    for (std::int32_t i = 0; i < count && hasOffsets; ++i)
-      grid();
+    std::vector<VdbGridEntry> grids;
+    for (std::int32_t i = 0; i < count; ++i)
+      grids.push_back(grid());
+    return grids;
   }
 
 private:
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(Status::Invalid, path_, what + " (byte " + std::to_string(position_) + ")",
                 "the file is cut or damaged; write it again");
+  }
+
+  void requireVersion(std::uint32_t version) const {
+    if (version < kFirstVersion)
+      throw Error(Status::Invalid, path_,
+                  fmt::format("has file version {}, that of a program before OpenVDB 3", version),
+                  "write it again by a newer program, such as Houdini or Blender");
+    if (version > openvdb::OPENVDB_FILE_VERSION)
+      throw Error(Status::Invalid, path_,
+                  fmt::format("has file version {}, newer than {}, the last one that this program "
+                              "reads",
+                              version, int{openvdb::OPENVDB_FILE_VERSION}),
+                  "write it again by a program with OpenVDB 10, or convert it to .nvdb");
   }
 
   const char* take(std::uint64_t size, const char* what) {
@@ -134,38 +149,91 @@ private:
       const std::uint32_t expected = metadataSize(type);
       if (expected != 0 && size != expected)
         fail("metadata has an impossible size");
-      take(size, "metadata");
+      const char* content = take(size, "metadata");
+      if (type == "__delayedload")
+        delayedLoad({content, size});
     }
   }
 
-  void grid() {
-    text("a grid's name");
-    const ValueType type = valueTypeOf(text("a grid's type"));
+  /// OpenVDB allocates by the numbers in here: a count of leaves, which have 64 bytes and more
+  /// each, then a byte and a size of 64 bits a leaf, each array after its compressed size, 0 where
+  /// it is not compressed. The sizes may be left out.
+  void delayedLoad(std::string_view content) const {
+    std::uint32_t leaves = 0;
+    const auto number = [&](std::uint32_t& value) {
+      if (content.size() < sizeof value)
+        fail("metadata has an impossible size");
+      std::memcpy(&value, content.data(), sizeof value);
+      content.remove_prefix(sizeof value);
+    };
+    if (content.empty())
+      return;
+    number(leaves);
+    if (leaves > bytes_.size() / 64)
+      fail("metadata names more leaves than the file can hold");
+    for (const std::uint64_t each : {1, 8}) {
+      std::uint32_t packed = 0;
+      number(packed);
+      if (packed == UINT32_MAX)
+        return;
+      const std::uint64_t size = packed > 0 ? packed : leaves * each;
+      std::size_t unpacked = 0;
+      if (size > content.size() ||
+          (packed > 0 && (blosc_cbuffer_validate(content.data(), size, &unpacked) < 0 ||
+                          unpacked > (leaves + 512) * each)))
+        fail("metadata of leaves is damaged");
+      content.remove_prefix(size);
+    }
+  }
+
+  VdbGridEntry grid() {
+    VdbGridEntry entry;
+    entry.name = text("a grid's name");
+    entry.type = text("a grid's type");
+    const ValueType type = valueTypeOf(entry.type);
     const bool instance = !text("a grid's name").empty();
+    entry.known = type.known();
+    if (!entry.known && !hasOffsets_)
+      fail("holds a grid of type " + entry.type.substr(0, 100) +
+           ", which is not read and cannot be skipped");
     const auto gridAt = value<std::uint64_t>("a grid's offsets");
     const auto buffersAt = value<std::uint64_t>("a grid's offsets");
     const auto endAt = value<std::uint64_t>("a grid's offsets");
-    if (gridAt != position_ || endAt < gridAt || endAt > bytes_.size() ||
-        (!instance && (buffersAt < gridAt || buffersAt > endAt)))
+    if (hasOffsets_ && (gridAt != position_ || endAt < gridAt || endAt > bytes_.size() ||
+                        (!instance && (buffersAt < gridAt || buffersAt > endAt))))
       fail("a grid's offsets are not within the file");
     compression_ = value<std::uint32_t>("a grid");
     metadata();
-    const std::uint64_t map = mapSize(text("a transform"));
-    if (map != 0) {
-      take(map, "a transform");
-      if (!instance && type.known()) {
+    if (entry.known) {
+      transform();
+      if (!instance) {
         type_ = type;
         tree();
-        if (position_ != buffersAt)
+        if (hasOffsets_ && position_ != buffersAt)
           fail("a grid's buffers are not where they should be");
         buffers();
-        if (position_ != endAt)
-          fail("a grid does not end where it should");
       }
+      if (hasOffsets_ && !instance && position_ != endAt)
+        fail("a grid does not end where it should");
     }
-    if (position_ > endAt)
-      fail("a grid does not end where it should");
-    position_ = static_cast<std::size_t>(endAt);
+    if (hasOffsets_) {
+      if (position_ > endAt)
+        fail("a grid does not end where it should");
+      position_ = static_cast<std::size_t>(endAt);
+    }
+    return entry;
+  }
+
+  void transform() {
+    std::string type = text("a transform");
+    if (type == "NonlinearFrustumMap") {
+      take(6 * 8 + 2 * 8, "a transform"); // box, taper, depth; the linear map behind follows
+      type = text("a transform");
+    }
+    const std::uint64_t size = mapSize(type);
+    if (size == 0)
+      fail("a transform is of an unknown type");
+    take(size, "a transform");
   }
 
   static bool isOn(const char* mask, std::uint32_t i) {
@@ -174,7 +242,8 @@ private:
 
   void tree() {
     lowers_.clear();
-    value<std::uint32_t>("a tree");
+    if (value<std::uint32_t>("a tree") != 1)
+      fail("a tree has an impossible number of buffers");
     take(type_.bytes, "a tree");
     const auto tiles = value<std::uint32_t>("a tree");
     const auto children = value<std::uint32_t>("a tree");
@@ -298,14 +367,15 @@ private:
   const std::string& path_;
   std::size_t position_ = 0;
   std::uint32_t compression_ = 0;
+  bool hasOffsets_ = false; ///< false: the file was written as a stream
   ValueType type_;
   std::vector<Lower> lowers_;
 };
 
 } // namespace
 
-void checkVdb(std::string_view bytes, const std::string& path) {
-  VdbChecker(bytes, path).run();
+std::vector<VdbGridEntry> checkVdb(std::string_view bytes, const std::string& path) {
+  return VdbChecker(bytes, path).run();
 }
 
 } // namespace tetvdb

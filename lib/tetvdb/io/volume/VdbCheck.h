@@ -7,12 +7,22 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tetvdb {
 
-/// Throws Error(Invalid) where `bytes` are not a whole .vdb file. Files before version 222 (OpenVDB
-/// 3, 2015), grids of other types than KnownGrids and grids under a frustum are checked only so far
-/// as their place in the file. Cost: a few dozen nanoseconds a leaf.
-void checkVdb(std::string_view bytes, const std::string& path);
+/// One grid of a .vdb file.
+struct VdbGridEntry {
+  std::string name;   ///< as the file's table has it, with the suffix that tells equal names apart
+  std::string type;   ///< "Tree_float_5_4_3", ...
+  bool known = false; ///< of KnownGrids: its structure is checked and OpenVDB may read it
+};
+
+/// The grids of a .vdb file in the order of the file. Grids of other types than KnownGrids are
+/// checked only so far as their place in the file. Throws Error(Invalid) where `bytes` are not a
+/// whole .vdb file, for files before version 222 (OpenVDB 3, 2015), for versions that the linked
+/// OpenVDB does not know, and where a grid of an unknown type cannot be skipped (a stream without
+/// offsets). Cost: a few dozen nanoseconds a leaf.
+std::vector<VdbGridEntry> checkVdb(std::string_view bytes, const std::string& path);
 
 } // namespace tetvdb

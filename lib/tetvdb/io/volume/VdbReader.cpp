@@ -5,18 +5,24 @@
 #include "tetvdb/io/volume/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <algorithm>
 #include <new>
 #include <openvdb/io/File.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <vector>
 
 namespace tetvdb {
 
 Volume readVdb(const std::string& path, Progress& progress) {
   initializeOpenVDB();
   progress.check();
+  std::vector<VdbGridEntry> entries;
   {
     const MappedFile file(path);
-    checkVdb(file.bytes(), path);
+    entries = checkVdb(file.bytes(), path);
   }
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const auto& a, const auto& b) { return a.name < b.name; });
   progress.check();
   try {
     openvdb::io::File file(path);
@@ -25,12 +31,19 @@ Volume readVdb(const std::string& path, Progress& progress) {
     const openvdb::MetaMap::Ptr metadata = file.getMetadata();
     for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
       volume.metadata[entry->first] = entry->second->str();
-    const openvdb::GridPtrVecPtr grids = file.getGrids();
-    for (const auto& grid : *grids)
+    for (const VdbGridEntry& entry : entries) {
+      progress.check();
+      const openvdb::GridBase::Ptr grid = entry.known ? file.readGrid(entry.name) : nullptr;
       if (grid)
         volume.grids().all.push_back(grid);
+      else
+        volume.unread.push_back({openvdb::io::GridDescriptor::stripSuffix(entry.name), entry.type});
+    }
     if (volume.grids().all.empty())
-      throw Error(Status::Invalid, path, "holds no grid, or was cut short");
+      throw Error(Status::Invalid, path,
+                  "holds no grid of a type that is read: the type of '" +
+                      volume.unread.front().name + "' is " + volume.unread.front().type,
+                  "write a grid of numbers, vectors or a mask");
     return volume;
   } catch (const Error&) {
     throw;

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
+#include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/NumberedPath.h"
 
@@ -123,7 +124,6 @@ std::vector<Frame> framesOfCollection(const std::string& path) {
   const pugi::xml_node collection = markup.root().child("Collection");
   if (!collection)
     throw Error(Status::Invalid, path, "has no <Collection>", "export it again");
-  const fs::path folder = fs::path(path).parent_path();
   std::map<double, Frame> byTime;
   for (const pugi::xml_node set : collection.children("DataSet")) {
     const std::string name = set.attribute("file").value();
@@ -136,10 +136,7 @@ std::vector<Frame> framesOfCollection(const std::string& path) {
     if (!digits.empty() &&
         (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(time)))
       throw Error(Status::Invalid, path, fmt::format("'{}' is no time", text), "export it again");
-    const std::string part = (folder / name).string();
-    if (!exists(part))
-      throw Error(Status::Invalid, path, "the file '" + part + "' is missing",
-                  "put the files where the collection says");
+    const std::string part = pathWithin(path, name);
     Frame& frame = byTime[time];
     frame.time = time;
     frame.inputs.push_back(part);

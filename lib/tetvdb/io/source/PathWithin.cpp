@@ -3,34 +3,49 @@
 
 #include "tetvdb/core/Error.h"
 
+#include <atomic>
 #include <filesystem>
 
 namespace tetvdb {
+namespace {
 
 namespace fs = std::filesystem;
+
+std::atomic<bool> outsideAllowed{false};
+
+bool leadsOut(const fs::path& relative) {
+  return relative.empty() || relative.is_absolute() || *relative.begin() == "..";
+}
+
+} // namespace
+
+void allowReferencesOutside(bool allowed) {
+  outsideAllowed = allowed;
+}
 
 std::string pathWithin(const std::string& path, const std::string& name) {
   std::string slashes = name;
   for (char& c : slashes) // of files that were written on Windows
     c = c == '\\' ? '/' : c;
-  const fs::path relative = fs::path(slashes).lexically_normal();
-  const fs::path folder =
-      fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  const auto leads = [](const fs::path& one) {
-    return one.empty() || one.is_absolute() || *one.begin() == "..";
+  const fs::path named = fs::path(slashes).lexically_normal();
+  const fs::path folder = fs::path(path).parent_path();
+  const bool bounded = !outsideAllowed;
+  const auto refuse = [&](const char* how) {
+    throw Error(Status::Invalid, path, "refers to '" + name + "', " + how,
+                "put the files beside each other, or use `allow_outside`");
   };
-  if (leads(relative))
-    throw Error(Status::Invalid, path, "refers to '" + name + "', which lies outside its folder",
-                "put the files beside each other");
-  const fs::path found = folder / relative;
   std::error_code error;
+  const fs::path base = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+  if (bounded &&
+      leadsOut(named.is_absolute() ? fs::weakly_canonical(named, error).lexically_relative(base)
+                                   : named))
+    refuse("which lies outside its folder");
+  const fs::path found = folder / named; // an absolute name alone
   if (!fs::is_regular_file(found, error))
     throw Error(Status::Invalid, path, "the file '" + found.string() + "' is missing",
                 "put it where the name says");
-  const fs::path real = fs::canonical(found, error), base = fs::canonical(folder, error);
-  if (error || leads(real.lexically_relative(base)))
-    throw Error(Status::Invalid, path, "refers to '" + name + "', a link out of its folder",
-                "put the files beside each other");
+  if (bounded && (leadsOut(fs::canonical(found, error).lexically_relative(base)) || error))
+    refuse("a link out of its folder");
   return found.string();
 }
 

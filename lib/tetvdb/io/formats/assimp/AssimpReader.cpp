@@ -11,9 +11,11 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/cells/PlacedFaces.h"
 #include "tetvdb/io/source/IsolatedRead.h"
+#include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/source/ReadOptions.h"
 #include "tetvdb/mesh/CellMesh.h"
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
@@ -21,6 +23,8 @@
 #include <assimp/importerdesc.h>
 #include <assimp/scene.h>
 #include <cmath>
+#include <exception>
+#include <filesystem>
 #include <string_view>
 #include <strings.h>
 #include <vector>
@@ -98,6 +102,33 @@ private:
   std::string first_;
 };
 
+/// Opens the file itself and files within its folder (glTF's buffers), for reading.
+class FilesWithin : public Assimp::DefaultIOSystem {
+public:
+  explicit FilesWithin(const std::string& path) : path_(path) {}
+
+  bool Exists(const char* file) const override {
+    return isAllowed(file) && DefaultIOSystem::Exists(file);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return isAllowed(file) && mode[0] == 'r' ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+
+private:
+  bool isAllowed(const char* file) const {
+    if (path_ == file)
+      return true;
+    try {
+      pathWithin(path_, std::filesystem::absolute(file).string());
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  const std::string& path_;
+};
+
 /// Runs in a process of its own: the logger is global.
 class Scene {
 public:
@@ -110,6 +141,7 @@ public:
     Assimp::DefaultLogger::get()->attachStream(listener,
                                                Assimp::Logger::Err | Assimp::Logger::Warn);
     Assimp::Importer importer;
+    importer.SetIOHandler(new FilesWithin(source_.path)); // the importer's from now on
     keepImporters(importer, format_ == FileFormat::Gltf  ? "glTF"
                             : format_ == FileFormat::Fbx ? "FBX"
                                                          : "Collada");

@@ -5,9 +5,11 @@
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
 #include "tetvdb/io/formats/vtk/VtuReader.h"
+#include "tetvdb/io/source/PathWithin.h"
 
-#include <filesystem>
 #include <iterator>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace tetvdb {
@@ -27,18 +29,17 @@ void forPieces(const Source& source, Progress& progress, UsePiece use) {
   if (count == 0)
     throw Error(Status::Invalid, source.path, "names no pieces", "export it again");
 
-  const std::filesystem::path folder = std::filesystem::path(source.path).parent_path();
+  std::set<std::string> paths;
   std::size_t done = 0;
   for (const pugi::xml_node piece : pieces) {
     const std::string name = piece.attribute("Source").value();
     if (name.empty())
       throw Error(Status::Invalid, source.path, "piece " + std::to_string(done) + " has no Source",
                   "export it again");
-    const std::string path = (folder / name).string();
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error))
-      throw Error(Status::Invalid, source.path, "the piece '" + path + "' is missing",
-                  "put the pieces beside the .pvtu, where their names say");
+    const std::string path = pathWithin(source.path, name);
+    if (!paths.insert(path).second)
+      throw Error(Status::Invalid, source.path, "names the piece '" + name + "' twice",
+                  "export it again");
     const MappedFile file(path);
     if (!use(file.source()))
       return;

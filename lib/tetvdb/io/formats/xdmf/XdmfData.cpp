@@ -3,10 +3,10 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
+#include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <cstring>
-#include <filesystem>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -148,16 +148,6 @@ XdmfData::Item XdmfData::resolve(pugi::xml_node asked) const {
   return result;
 }
 
-std::string XdmfData::fileOf(pugi::xml_node item, const std::string& name) const {
-  const std::string path =
-      (std::filesystem::path(source_.path).parent_path() / std::filesystem::path(name)).string();
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    fail(item, "the file '" + path + "' is missing",
-         "put it beside the .xdmf file, under the name that this one gives");
-  return path;
-}
-
 void XdmfData::need(pugi::xml_node asked) {
   if (const auto known = items_.find(asked.hash_value()); known != items_.end()) {
     ++known->second.uses;
@@ -171,7 +161,7 @@ void XdmfData::need(pugi::xml_node asked) {
     if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
       fail(item.node, "'" + text.substr(0, 80) + "' names no dataset, as file.h5:/path does");
     Hdf5Dataset dataset;
-    dataset.file = fileOf(item.node, text.substr(0, colon));
+    dataset.file = pathWithin(source_.path, text.substr(0, colon));
     dataset.path = text.substr(colon + 1);
     if (dataset.path.front() != '/') // FEniCS's checkpoints
       dataset.path.insert(dataset.path.begin(), '/');
@@ -242,7 +232,7 @@ Attribute::Values XdmfData::fromBinary(const Item& item) {
     fail(node, "Endian is none of Native, Big and Little");
   if (!item.declared)
     fail(node, "binary data need Dimensions");
-  const std::string path = fileOf(node, std::string(trimmedText(node)));
+  const std::string path = pathWithin(source_.path, std::string(trimmedText(node)));
   auto& file = files_[path];
   if (!file)
     file = std::make_unique<MappedFile>(path);

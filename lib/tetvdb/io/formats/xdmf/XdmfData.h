@@ -60,7 +60,6 @@ private:
   Attribute::Values fromText(const Item& item);
   Attribute::Values fromBinary(const Item& item);
   Attribute::Values sliced(const Item& item, Attribute::Values&& whole) const;
-  std::string fileOf(pugi::xml_node item, const std::string& name) const;
 
   const XdmfMarkup& markup_;
   const Source& source_;

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxReferences = 16; // one after the other
 // Longer paths, or ones with more predicates, could take as long as they like.
 constexpr std::size_t kLongestPath = 400;
-constexpr auto kMaxPredicates = 8;
+constexpr auto kMaxPredicates = 8, kMaxDescents = 3; // each may visit the whole document
 
 } // namespace
 
@@ -56,8 +56,13 @@ void XdmfMarkup::fail(pugi::xml_node element, const std::string& what) const {
 }
 
 std::vector<pugi::xml_node> XdmfMarkup::select(pugi::xml_node from, std::string_view path) const {
-  if (path.size() > kLongestPath || std::count(path.begin(), path.end(), '[') > kMaxPredicates)
-    fail(from, "refers to something by a path that is too long");
+  int descents = 0;
+  for (const char* axis : {"//", "descendant", "ancestor", "following", "preceding"})
+    for (std::size_t at = path.find(axis); at != path.npos; at = path.find(axis, at + 1))
+      ++descents;
+  if (path.size() > kLongestPath || descents > kMaxDescents ||
+      std::count(path.begin(), path.end(), '[') > kMaxPredicates)
+    fail(from, "refers to something by a path that is too long or too complex");
   std::vector<pugi::xml_node> nodes;
   try {
     for (const pugi::xpath_node& found : from.select_nodes(std::string(path).c_str()))

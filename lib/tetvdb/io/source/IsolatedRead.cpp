@@ -2,6 +2,7 @@
 #include "tetvdb/io/source/IsolatedRead.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Sandbox.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -155,15 +156,13 @@ void setLimits(const IsolationLimits& limits, const std::string& path, int pipe)
   childOutOfTime = path + ": reading takes far longer than a file of its size should; simplify it "
                           "or export it in another format";
   std::set_new_handler(endOutOfMemory);
-  if (limits.memory > 0) {
-    std::uint64_t pages = 0;
-    std::ifstream("/proc/self/statm") >> pages;
-    const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-    const std::uint64_t max =
-        now + std::min<std::uint64_t>(limits.memory, availableBytes() / 4 * 3);
-    const rlimit memory{max, max};
-    ::setrlimit(RLIMIT_AS, &memory);
-  }
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  const std::uint64_t now = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  const std::uint64_t free = availableBytes() / 4 * 3;
+  const std::uint64_t max = now + (limits.memory > 0 ? std::min(limits.memory, free) : free);
+  const rlimit memory{max, max};
+  ::setrlimit(RLIMIT_AS, &memory);
   if (limits.seconds > 0) {
     std::signal(SIGXCPU, endOutOfTime);
     const rlimit time{limits.seconds, limits.seconds + 5};
@@ -173,19 +172,21 @@ void setLimits(const IsolationLimits& limits, const std::string& path, int pipe)
 
 template <class Mesh>
 [[noreturn]] void runChild(const std::function<Mesh(Report&, Progress&)>& read,
-                           const std::string& path, const IsolationLimits& limits, int pipe) {
+                           const std::string& path, const IsolationLimits& limits, int pipe,
+                           pid_t parent) {
   // The parent answers to the terminal, and a crash here is no news to anyone but the parent.
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     std::signal(signal, SIG_IGN);
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE})
     std::signal(signal, SIG_DFL);
-  const rlimit noCore{0, 0};
-  ::setrlimit(RLIMIT_CORE, &noCore);
   const int nowhere = ::open("/dev/null", O_WRONLY);
   if (nowhere >= 0)
     ::dup2(nowhere, STDERR_FILENO);
 
   setLimits(limits, path, pipe);
+  enterSandbox();
+  if (::getppid() != parent) // it ended before this process was bound to it
+    ::_exit(1);
   Sender out(pipe);
   try {
     Report report;
@@ -409,7 +410,7 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw Error(Status::Limit, path, "no pipe to a reading process", "close other programs");
-  const pid_t process = ::fork();
+  const pid_t parent = ::getpid(), process = ::fork();
   if (process < 0) {
     ::close(ends[0]);
     ::close(ends[1]);
@@ -417,7 +418,7 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
   }
   if (process == 0) {
     ::close(ends[0]);
-    runChild(read, path, limits, ends[1]);
+    runChild(read, path, limits, ends[1], parent);
   }
   ::close(ends[1]);
   Child child(process, ends[0], path, progress);
@@ -430,6 +431,8 @@ Mesh readInChild(const std::function<Mesh(Report&, Progress&)>& read, const std:
   if (outcome != Outcome::Failure)
     child.fail();
   const auto status = child.number<Status>();
+  if (status <= Status::Ok || status > Status::Found)
+    child.fail();
   throw Error(status, "", child.text());
 }
 

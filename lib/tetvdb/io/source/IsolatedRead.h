@@ -18,14 +18,16 @@ namespace tetvdb {
 /// Calls `read` in a child process and returns its mesh; its warnings and `partial` go to `report`.
 /// An Error that it throws is thrown here; where the child dies, Error(Invalid) for `path`, where
 /// it runs out of memory Error(Limit). The child has a Progress of its own and is killed when
-/// `progress` is cancelled. `read` must not need other threads.
+/// `progress` is cancelled. `read` must not need other threads; it can read files and nothing else
+/// of the system (io/source/Sandbox.h).
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress);
 
 /// What a child may take; Error(Limit) beyond.
 struct IsolationLimits {
-  std::uint64_t memory = 0; ///< bytes beyond what this process has; never more than 3/4 of the free
-  unsigned seconds = 0;     ///< of processor time
+  /// Bytes beyond what this process has, never more than 3/4 of the free; 0: these.
+  std::uint64_t memory = 0;
+  unsigned seconds = 0; ///< of processor time; 0: no limit
 };
 
 /// Arrays of numbers, whatever they are for.

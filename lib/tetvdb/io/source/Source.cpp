@@ -46,6 +46,8 @@ MappedFile::MappedFile(const std::string& path) : path_(path) {
     fail(path, std::string("cannot read: ") + std::strerror(errno));
   if (S_ISDIR(info.st_mode))
     fail(path, "is a directory", "name a file in it");
+  if (S_ISBLK(info.st_mode) || (S_ISCHR(info.st_mode) && ::isatty(file.number) == 0))
+    fail(path, "is a device, not a file");
   if (S_ISREG(info.st_mode)) {
     size_ = static_cast<std::size_t>(info.st_size);
     if (size_ == 0)

@@ -19,10 +19,11 @@ struct Source {
   void release() const noexcept;
 };
 
-/// A file mapped read-only, or its bytes where it cannot be mapped (a pipe).
+/// A file mapped read-only, or its bytes where it cannot be mapped (a pipe). A file that becomes
+/// shorter while it is mapped raises SIGBUS where its missing bytes are read.
 class MappedFile {
 public:
-  /// Throws Error(Invalid) for a missing, unreadable or empty file or a directory.
+  /// Throws Error(Invalid) for a missing, unreadable or empty file, a directory or a device.
   explicit MappedFile(const std::string& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;

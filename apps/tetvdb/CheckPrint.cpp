@@ -3,6 +3,7 @@
 
 #include "JsonReport.h"
 #include "OptionNames.h"
+#include "ProcessLimits.h"
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/CheckPrintJob.h"
@@ -261,7 +262,7 @@ void runCheckPrint(const CheckPrintOptions& options, const std::vector<std::stri
                       {"findings", Json::array()}};
   const CheckPrintJob job = makeJob(options, files, target);
   session.sections["threads"] = job.slice.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   session.estimate.plan(plannedStages(job), secondsNow());
   const AllowThreads allowed(job.slice.threads);
   const CheckPrintResult result = run(job, session.report, session.progress);

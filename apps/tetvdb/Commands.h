@@ -41,11 +41,13 @@ Command addReport(CLI::App& program);
 Command addDataset(CLI::App& program);
 Command addFormats(CLI::App& program);
 Command addGrids(CLI::App& program);
+Command addCompletions(CLI::App& program);
+Command addManual(CLI::App& program);
 
 /// Accepts every value but an empty one, which scripts pass by mistake: "$UNSET".
 CLI::Validator notEmpty();
 
-/// Adds --json, --force, -q and -v.
+/// Adds --json, --force, --allow-outside, -q and -v.
 std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command);
 
 } // namespace tetvdb::cli

@@ -2,11 +2,13 @@
 #include "Commands.h"
 #include "CompareMeshFiles.h"
 #include "JsonReport.h"
+#include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/visualize/ComparePicture.h"
 
 #include <algorithm>
@@ -21,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string a, b, output;
   double tolerance = 0;
+  JobOptions limits;
 };
 
 const char* const kExamples = R"(Examples:
@@ -94,6 +97,7 @@ std::string textOf(const VolumeComparison& comparison, const Options& options, b
 }
 
 void runCompare(const Options& options, Session& session) {
+  limitProcess(options.limits, session.progress);
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
     throw Error(Status::Usage, "--tolerance", "must be zero or more");
   session.sections["input"] = {{{"path", options.a}}, {{"path", options.b}}};
@@ -114,6 +118,8 @@ void runCompare(const Options& options, Session& session) {
   session.progress.stage("read");
   const Volume a = readVolume(options.a, session.progress);
   const Volume b = readVolume(options.b, session.progress);
+  warnOfUnread(a, options.a, session.report);
+  warnOfUnread(b, options.b, session.report);
   session.progress.stage("compare");
   const VolumeComparison comparison = compareVolumes(a, b);
   const bool same = within(comparison, options.tolerance);
@@ -145,6 +151,7 @@ Command addCompare(CLI::App& program) {
       ->add_option("--tolerance", options->tolerance,
                    "Largest difference of values to accept; of meshes, largest distance")
       ->type_name("T");
+  addProcessLimitOptions(*command, options->limits);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runCompare(*options, session); };

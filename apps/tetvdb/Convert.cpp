@@ -3,6 +3,7 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/Formats.h"
@@ -84,7 +85,7 @@ void runConvert(const Options& options, Session& session) {
       {"stages", nullptr}, {"grids", Json::array()},     {"output", Json::array()}};
   const ConvertJob job = makeJob(options);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   const ConvertResult result = run(job, session.report, session.progress);
   session.sections["input"][0] = inputSection(options.input, result.source, &result.input);

@@ -5,6 +5,7 @@
 #include "JsonReport.h"
 #include "NumberText.h"
 #include "OptionNames.h"
+#include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -24,6 +25,7 @@ struct Options {
   std::string regionArray;
   bool hash = false;
   DefectOptions defects;
+  JobOptions limits;
 };
 
 const char* const kExamples = R"(Examples:
@@ -97,6 +99,11 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
     session.text += gridText(grid);
   }
   section["grids"] = std::move(grids);
+  section["unread"] = Json::array();
+  for (const UnreadGrid& grid : volume.unread) {
+    section["unread"].push_back({{"name", grid.name}, {"type", grid.type}});
+    session.text += fmt::format("  not read    {} ({})\n", oneLine(grid.name), oneLine(grid.type));
+  }
   if (!withHash)
     return;
   section["hash"] = hash(volume);
@@ -125,18 +132,26 @@ void describeFile(const std::string& path, const Options& options, Json& section
 
 // Goes on with the next file after one that cannot be read; the first error gives the status.
 void runInfo(const Options& options, Session& session) {
+  limitProcess(options.limits, session.progress);
   session.sections["input"] = Json::array();
   for (const std::string& path : options.files) {
     Json section = {{"path", path}};
+    const auto goOn = [&](Status status, const std::string& text) {
+      if (session.status == Status::Ok)
+        session.status = status;
+      section["error"] = text;
+      session.errors.push_back(text);
+    };
     try {
       describeFile(path, options, section, session);
     } catch (const Error& error) {
       if (error.status() == Status::Cancelled || options.files.size() == 1)
         throw;
-      if (session.status == Status::Ok)
-        session.status = error.status();
-      section["error"] = withOptionNames(error.what());
-      session.errors.push_back(withOptionNames(error.what()));
+      goOn(error.status(), withOptionNames(error.what()));
+    } catch (const std::bad_alloc&) {
+      if (options.files.size() == 1)
+        throw;
+      goOn(Status::Limit, path + ": does not fit in memory");
     }
     session.sections["input"].push_back(std::move(section));
   }
@@ -161,6 +176,7 @@ Command addInfo(CLI::App& program) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->type_name("N");
+  addProcessLimitOptions(*command, options->limits);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runInfo(*options, session); };

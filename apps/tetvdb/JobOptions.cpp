@@ -73,6 +73,10 @@ void addLimitOptions(CLI::App& command, JobOptions& options) {
   command.add_option("--threads", options.threads, "Threads (default: one a core)")
       ->check(CLI::Range(1, 4096).description(""))
       ->type_name("N");
+  addProcessLimitOptions(command, options);
+}
+
+void addProcessLimitOptions(CLI::App& command, JobOptions& options) {
   command
       .add_option("--max-memory", options.maxMemory,
                   "Refuse what needs more, such as 500M or 4G (default: what is free)")
@@ -111,16 +115,6 @@ std::size_t memoryLimit(const JobOptions& options) {
 
 int threadCount(const JobOptions& options) {
   return options.threads == 0 ? tbb::this_task_arena::max_concurrency() : options.threads;
-}
-
-void setDeadline(const JobOptions& options, Progress& progress) {
-  if (options.maxTime.empty())
-    return;
-  // A year is as good as for ever, and fits the clock.
-  const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
-  progress.setDeadline(Progress::Clock::now() +
-                       std::chrono::duration_cast<Progress::Clock::duration>(
-                           std::chrono::duration<double>(seconds)));
 }
 
 AllowThreads::AllowThreads(int threads)

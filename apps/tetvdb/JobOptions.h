@@ -41,6 +41,8 @@ void addCleaningOptions(CLI::App& command, JobOptions& options);
 void addEpsilonOption(CLI::App& command, JobOptions& options, const std::string& description);
 /// --preview; `shows` says what is in the picture.
 void addPreviewOption(CLI::App& command, JobOptions& options, const std::string& shows);
+/// --max-memory and --max-time.
+void addProcessLimitOptions(CLI::App& command, JobOptions& options);
 /// --threads, --max-memory and --max-time.
 void addLimitOptions(CLI::App& command, JobOptions& options);
 
@@ -52,7 +54,6 @@ void setCleaning(const JobOptions& options, CleanOptions& clean);
 std::size_t memoryLimit(const JobOptions& options);
 /// One a core where nothing was given.
 int threadCount(const JobOptions& options);
-void setDeadline(const JobOptions& options, Progress& progress);
 
 /// Allows that many threads while it lives: with Embree in the program oneTBB says on stderr where
 /// they are more than the cores.

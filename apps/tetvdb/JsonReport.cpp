@@ -58,10 +58,19 @@ void writeReport(const std::string& path, const std::string& text) {
 }
 
 std::string oneLine(const std::string& text) {
+  constexpr std::size_t kLongest = 2000; // a message may quote a file
   std::string line;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    line += byte < 0x20 || byte == 0x7f ? ' ' : c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const bool latin = byte == 0xc2 && i + 1 < text.size() &&
+                       (static_cast<unsigned char>(text[i + 1]) & 0xe0) == 0x80;
+    if (latin) // U+0080 to U+009F in UTF-8: control characters of terminals
+      ++i;
+    line += latin || byte < 0x20 || byte == 0x7f ? ' ' : text[i];
+    if (line.size() == kLongest) {
+      line.resize(line.find_last_not_of(" ") + 1);
+      return line + " ...";
+    }
   }
   while (!line.empty() && line.back() == ' ')
     line.pop_back();

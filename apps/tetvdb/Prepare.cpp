@@ -3,6 +3,7 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "ParseQuantities.h"
+#include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
@@ -232,7 +233,7 @@ void runPrepare(const Options& options, Session& session) {
       {"stages", nullptr}, {"prepare", nullptr},         {"output", Json::array()}};
   const PrepareJob job = makeJob(options);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   const PrepareResult result = run(job, session.report, session.progress);
   session.sections["input"][0] = inputSection(options.input, result.source, &result.input);

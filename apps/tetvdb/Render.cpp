@@ -3,6 +3,7 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "ParsePictures.h"
+#include "ProcessLimits.h"
 #include "ProgressDisplay.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
@@ -148,7 +149,7 @@ void runRender(const Options& options, Session& session) {
                       {"stages", nullptr}, {"output", Json::array()}};
   const RenderJob job = makeJob(options);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   session.estimate.plan(plannedStages(job), secondsNow());
   const RenderResult result = run(job, session.report, session.progress);

@@ -5,6 +5,7 @@
 #include "JsonReport.h"
 #include "OptionNames.h"
 #include "ParseQuantities.h"
+#include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
@@ -196,7 +197,7 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
   const RepairJob job = makeJob(options, command);
   refuseWhatDoesNotApply(job, command);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   const RepairResult result = run(job, session.report, session.progress);
   session.sections = sectionsOf(job, result, withOptionNames);

@@ -7,6 +7,7 @@
 #include "Streams.h"
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/FileUse.h"
+#include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/pipeline/JobFiles.h"
 
 #include <atomic>
@@ -15,10 +16,15 @@
 #include <fmt/format.h>
 #include <new>
 #include <stdexcept>
+#include <string_view>
+#include <sys/types.h>
 #include <unistd.h>
 
 namespace tetvdb::cli {
 namespace {
+
+/// A job that was cancelled is ended after that time, where it is in a library that does not ask.
+constexpr unsigned kCancelSeconds = 20;
 
 std::atomic<Progress*> runningProgress{nullptr};
 std::atomic<int> interruptions{0};
@@ -27,13 +33,31 @@ extern "C" void onInterrupt(int) {
   Progress* progress = runningProgress.load();
   if (interruptions.fetch_add(1) == 0 && progress != nullptr) {
     progress->cancel();
+    ::alarm(kCancelSeconds);
     return;
   }
   removeTemporaryFiles();
   ::_exit(static_cast<int>(Status::Cancelled));
 }
 
-// Cancels `progress` on SIGINT, SIGTERM and SIGHUP while it lives.
+// What ends the program wherever it is.
+[[noreturn]] void end(std::string_view message, Status status) {
+  removeTemporaryFiles();
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, message.data(), message.size());
+  ::_exit(static_cast<int>(status));
+}
+
+extern "C" void onAlarm(int) {
+  end("tetvdb: the job did not stop in time and was ended\n", Status::Cancelled);
+}
+
+extern "C" void onMissingPages(int) {
+  end("tetvdb: a file became shorter while it was read, or cannot be read; nothing was written\n",
+      Status::Invalid);
+}
+
+// Cancels `progress` on SIGINT, SIGTERM and SIGHUP while it lives, and ends the program where a
+// mapped file lacks pages.
 class InterruptGuard {
 public:
   explicit InterruptGuard(Progress& progress) {
@@ -49,8 +73,15 @@ public:
         continue;
       ::sigaction(signal, &action, nullptr);
     }
+    action.sa_handler = onAlarm;
+    ::sigaction(SIGALRM, &action, nullptr);
+    action.sa_handler = onMissingPages;
+    ::sigaction(SIGBUS, &action, nullptr);
   }
-  ~InterruptGuard() { runningProgress.store(nullptr); }
+  ~InterruptGuard() {
+    ::alarm(0);
+    runningProgress.store(nullptr);
+  }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 };
@@ -129,6 +160,7 @@ int runCommand(const Command& command) {
   if (failure.status == Status::Ok)
     failure = noReport;
   if (failure.status == Status::Ok) {
+    allowReferencesOutside(options.allowOutside);
     const InterruptGuard guard(session.progress);
     ProgressDisplay display(ProgressDisplay::choose(options.quiet, options.verbose),
                             session.progress, session.estimate);

@@ -11,8 +11,8 @@ namespace tetvdb::cli {
 /// Runs `command` and returns the program's exit status. A command whose files stand in each
 /// other's way (core/FileUse.h) is refused before it does anything. Errors become one line on
 /// stderr; results go to stdout and the report to where --json says, also after an error. The first
-/// Ctrl-C cancels the session's progress, a second one ends the program with status 5 and removes
-/// temporary files.
+/// Ctrl-C cancels the session's progress; a second one, or 20 seconds, end the program with status
+/// 5 and remove temporary files.
 int runCommand(const Command& command);
 
 } // namespace tetvdb::cli

@@ -14,8 +14,9 @@ namespace tetvdb::cli {
 
 /// Options that every command has.
 struct CommonOptions {
-  std::string json;   ///< where the report goes: a path, "-" for stdout, empty for nowhere
-  bool force = false; ///< replace a file at `json` whatever it holds
+  std::string json;          ///< where the report goes: a path, "-" for stdout, empty for nowhere
+  bool force = false;        ///< replace a file at `json` whatever it holds
+  bool allowOutside = false; ///< files that are read may refer to files outside of their folders
   bool quiet = false;
   bool verbose = false;
 };

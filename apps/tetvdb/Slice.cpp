@@ -3,6 +3,7 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "PrinterOptions.h"
+#include "ProcessLimits.h"
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
@@ -114,7 +115,7 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
                       {"stages", nullptr}, {"slices", nullptr},          {"output", Json::array()}};
   const SliceJob job = makeJob(options, command);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   session.estimate.plan(plannedStages(job), secondsNow());
   const AllowThreads allowed(job.threads);
   const SliceResult result = run(job, session.report, session.progress);

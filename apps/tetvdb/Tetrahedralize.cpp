@@ -5,6 +5,7 @@
 #include "MeshReport.h"
 #include "NumberText.h"
 #include "ParseQuantities.h"
+#include "ProcessLimits.h"
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/PlannedStages.h"
@@ -103,7 +104,7 @@ void runTetrahedralize(const Options& options, const CLI::App& command, Session&
                       {"mesh", nullptr}, {"stages", nullptr},          {"output", Json::array()}};
   const TetrahedralizeJob job = makeJob(options, command);
   session.sections["threads"] = job.threads;
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   session.estimate.plan(plannedStages(job), secondsNow());
   const TetrahedralizeResult result = run(job, session.report, session.progress);

@@ -8,6 +8,7 @@
 #include "NumberText.h"
 #include "OptionNames.h"
 #include "ParseQuantities.h"
+#include "ProcessLimits.h"
 #include "ProgressDisplay.h"
 #include "VoxelizeSequence.h"
 #include "tetvdb/io/ArrayFile.h"
@@ -253,7 +254,7 @@ void runVoxelize(const Options& options, Session& session) {
   session.sections["threads"] = job.threads;
   if (options.fit > 0)
     session.sections["fit"] = {{"voxels", options.fit}, {"padding", options.padding}};
-  setDeadline(options, session.progress);
+  limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
   if (runAsSequence(job, options.sequence, session))
     return;

@@ -29,6 +29,8 @@ std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command) {
       ->check(notEmpty());
   command.add_flag("--force", options->force,
                    "Replace the FILE of --json though it is no report of this program");
+  command.add_flag("--allow-outside", options->allowOutside,
+                   "Read files outside of its folder that an input refers to");
   command.add_flag("-q,--quiet", options->quiet, "Print errors alone");
   command.add_flag("-v,--verbose", options->verbose, "Say what each stage takes");
   return options;
@@ -87,10 +89,12 @@ int runProgram(const std::vector<std::string>& arguments) {
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {
-      addVoxelize(program), addTetrahedralize(program), addInfo(program),    addCompare(program),
-      addRepair(program),   addConvert(program),        addPrepare(program), addSlice(program),
-      addRender(program),   addCheck(program),          addReport(program),  addDataset(program),
-      addFormats(program),  addGrids(program)};
+      addVoxelize(program), addTetrahedralize(program), addInfo(program),
+      addCompare(program),  addRepair(program),         addConvert(program),
+      addPrepare(program),  addSlice(program),          addRender(program),
+      addCheck(program),    addReport(program),         addDataset(program),
+      addFormats(program),  addGrids(program),          addCompletions(program),
+      addManual(program)};
   const std::vector<std::string> words = withoutHelp(arguments);
   // Before '--help', which there is for the program as a whole.
   if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {

@@ -279,6 +279,31 @@ class Limits(CommandLineTest):
         self.refuse(5, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 2000, "--grid",
                     "tet_id", "--max-time", "0.05", says="time limit")
 
+    def test_endless_input(self):
+        self.refuse(3, "info", "/dev/zero", says="device")
+        os.mkfifo(self.path("pipe"))
+        with subprocess.Popen(["cat", "/dev/zero"], stdout=subprocess.PIPE) as zeros:
+            result = subprocess.run([PROGRAM, "info", "/dev/stdin", "--max-memory", "100M"],
+                                    stdin=zeros.stdout, capture_output=True, timeout=60)
+            zeros.kill()
+        if not SANITIZED:
+            self.assertEqual(result.returncode, 4, result.stderr)
+        result = self.run_program("info", "pipe", "--max-time", "0.5", timeout=60)
+        self.assertEqual(result.status, 5, result.err)
+
+    def test_a_file_that_becomes_shorter(self):
+        """Whatever moment it happens at, the program ends with a status of its own."""
+        for delay in (0.0, 0.05, 0.1, 0.3):
+            with open(self.path("long.stl"), "wb") as file:
+                file.write(bytes(80) + (4_000_000).to_bytes(4, "little"))
+                file.truncate(84 + 50 * 4_000_000)
+            job = subprocess.Popen([PROGRAM, "info", "long.stl"], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            time.sleep(delay)
+            os.truncate(self.path("long.stl"), 100)
+            job.communicate(timeout=120)
+            self.assertIn(job.returncode, (0, 3))
+
     def interrupt(self, *signals):
         """Sends signals to a long job; its status and stderr lines."""
         for resolution in (600, 1500, 3000):

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Commands and their options as the parser knows them, for texts that are made of them.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace tetvdb::cli {
+
+struct ListedOption {
+  std::vector<std::string> names; ///< "-o", "--output"; of a positional its name alone
+  std::string value;              ///< what it takes: "FILE"; empty: nothing
+  std::string initial;            ///< its default; empty where there is none to tell
+  std::string about;
+  bool positional = false, required = false;
+};
+
+/// The commands of the program, in the order of its help.
+std::vector<const CLI::App*> commandsOf(const CLI::App& program);
+
+/// The positionals and the options of a command that its help shows, in that order.
+std::vector<ListedOption> optionsOf(const CLI::App& command);
+
+} // namespace tetvdb::cli

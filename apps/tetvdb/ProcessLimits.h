@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// --max-memory and --max-time for the whole process, from before it reads anything. The library
+// refuses what it can foresee; these bounds catch the rest: a file that claims more than it has, a
+// library that does not ask whether to stop.
+#pragma once
+
+#include "JobOptions.h"
+#include "tetvdb/core/Progress.h"
+
+namespace tetvdb::cli {
+
+/// Bounds what this process allocates by --max-memory, with a quarter more for what the library
+/// cannot foresee and with its threads' stacks; without it by what the machine has available.
+/// Allocations beyond fail. Not with a GPU in the machine, whose driver reserves addresses, and not
+/// in builds with sanitizers. Sets the deadline of `progress` by --max-time and has the process end
+/// (RunLoop.h) where it goes on for much longer. Throws Error(Usage).
+void limitProcess(const JobOptions& options, Progress& progress);
+
+} // namespace tetvdb::cli

@@ -1,0 +1,62 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Builds the packages: a .deb for this Debian, and a .tar.xz that brings its libraries along and
+# runs from any folder on systems whose C and C++ libraries are as new as those named at the end.
+#
+#   scripts/package.sh [FOLDER]      default: build/packages
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=$(mkdir -p "${1:-build/packages}" && cd "${1:-build/packages}" && pwd)
+
+for tool in patchelf dpkg-shlibdeps; do
+  command -v "$tool" >/dev/null || {
+    echo "package: installing patchelf and dpkg-dev"
+    $([[ $(id -u) -eq 0 ]] || echo sudo) apt-get install -y patchelf dpkg-dev >/dev/null
+    break
+  }
+done
+scripts/setup.sh --build
+cmake --preset release -DTETVDB_PACKAGE=ON >/dev/null
+cmake --build --preset release --target tetvdb tetvdb_cli
+
+(cd build/release && cpack -G DEB -B "$out" >"$out/cpack.log") || {
+  tail -20 "$out/cpack.log"
+  exit 1
+}
+rm -rf "$out/_CPack_Packages" "$out/cpack.log"
+
+# The libraries that the program loads, but for those of the C and C++ run times.
+version=$(build/release/bin/tetvdb --version | cut -d' ' -f2)
+name=tetvdb-$version-$(uname -m)
+tree=$out/$name
+rm -rf "$tree"
+cmake --install build/release --prefix "$tree" --strip >/dev/null
+mkdir -p "$tree/lib/tetvdb"
+ldd build/release/bin/tetvdb | awk '$3 ~ /^\// {print $3}' |
+  grep -vE '/(libc|libm|libdl|libpthread|librt|libstdc\+\+|libgcc_s|libresolv)\.so' |
+  xargs -I{} cp -L {} "$tree/lib/tetvdb"
+strip --strip-unneeded "$tree"/lib/tetvdb/*
+# RPATH, not RUNPATH: the libraries' own libraries are found by it too.
+patchelf --force-rpath --set-rpath '$ORIGIN/../lib/tetvdb' "$tree/bin/tetvdb"
+for library in "$tree"/lib/tetvdb/*; do
+  patchelf --force-rpath --set-rpath '$ORIGIN' "$library"
+done
+if LD_LIBRARY_PATH='' ldd "$tree/bin/tetvdb" | awk '$3 ~ /^\// {print $3}' |
+  grep -vE "^$tree/|/(libc|libm|libdl|libpthread|librt|libstdc\+\+|libgcc_s|libresolv)\.so"; then
+  echo "package: the libraries above are not in the archive"
+  exit 1
+fi
+tar -C "$out" -cJf "$out/$name.tar.xz" "$name"
+
+newest() { # symbol prefix
+  objdump -T "$tree/bin/tetvdb" "$tree"/lib/tetvdb/* | grep -o "$1_[0-9.]*" | sort -Vu | tail -1
+}
+needs="$(newest GLIBC) and $(newest GLIBCXX)"
+# From another folder than it was made in.
+rm -rf "$tree.tried" && mv "$tree" "$tree.tried"
+"$tree.tried/bin/tetvdb" voxelize tests/data/table.msh -o "$out/tried.vdb" --resolution 16 -q ||
+  { echo "package: the archive's program does not run"; exit 1; }
+rm -rf "$tree.tried" "$out/tried.vdb"
+ls -sh "$out"/*.deb "$out/$name.tar.xz"
+echo "package: $name.tar.xz needs $needs"

@@ -9,28 +9,28 @@
 namespace tetvdb {
 
 struct MeshDistanceOptions {
-  std::size_t samples = 100000; ///< points on each mesh, spread by area; vertices come on top
+  std::size_t samples = 100000; ///< points on each mesh, uniform by area; all vertices are added
 };
 
-/// Distances from points of one mesh to the other mesh, world units. Mean and root mean square are
-/// over the mesh's area (over its vertices where it has none), the largest over vertices as well.
+/// Distances from points of one mesh to the other mesh, in world units. `mean` and `rms` are over
+/// the area (over the vertices if the mesh has no area), `largest` includes the vertices.
 struct OneSidedDistance {
   double mean = 0, rms = 0, largest = 0;
-  std::size_t points = 0; ///< measured: samples of the area and vertices
-  Vec3d where{0, 0, 0};   ///< the point of the first mesh that is farthest from the other
+  std::size_t points = 0; ///< number of measured points: area samples and vertices
+  Vec3d where{0, 0, 0};   ///< the point of the first mesh with the largest distance
 };
 
 struct MeshDistance {
   OneSidedDistance aToB, bToA;
-  double hausdorff = 0; ///< larger of the two largest
-  double diagonal = 0;  ///< of the box around both
+  double hausdorff = 0; ///< max(aToB.largest, bToA.largest)
+  double diagonal = 0;  ///< of the box around both meshes
 };
 
-/// Samples each mesh's area evenly (a low-discrepancy sequence over the faces' areas: the same
-/// points every time, whatever the number of threads) and its vertices, and measures to the other
-/// mesh in doubles. The largest distances are lower bounds that the samples reach. Points that no
-/// face uses have no part in it. Parallel; about 2 us a sample near the other mesh. Throws
-/// Error(Invalid) for a mesh without faces.
+/// Samples the area of each mesh by a low-discrepancy sequence, which does not depend on the number
+/// of threads, adds the vertices, and measures the distance of each point to the other mesh in
+/// double precision. The largest distances are lower bounds. Points that no face uses are ignored.
+/// Parallel; about 2 us per sample close to the other mesh. Throws Error(Invalid) for a mesh
+/// without faces.
 MeshDistance compareMeshes(const TriangleMesh& a, const TriangleMesh& b,
                            const MeshDistanceOptions& options, Progress& progress);
 

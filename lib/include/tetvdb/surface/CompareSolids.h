@@ -8,18 +8,19 @@
 
 namespace tetvdb {
 
-/// Volumes in world units cubed, by points spread evenly over the box around both meshes.
+/// Volumes in world units cubed, estimated by uniform points in the box around both meshes.
 struct SolidComparison {
-  std::size_t samples = 0, inside = 0; ///< points; within the first mesh or the second
+  std::size_t samples = 0, inside = 0; ///< all points; those inside the first or the second mesh
   double before = 0, after = 0;        ///< where the winding number is above 0.5
-  double lost = 0;     ///< where it is above 0.6 by the first and below 0.5 by the second
-  double gained = 0;   ///< where it is below 0.4 by the first and above 0.5 by the second
-  double doubtful = 0; ///< where it is between 0.4 and 0.6 by the first
+  double lost = 0;                     ///< above 0.6 in the first mesh, at most 0.5 in the second
+  double gained = 0;                   ///< below 0.4 in the first mesh, above 0.5 in the second
+  double doubtful = 0;                 ///< from 0.4 to 0.6 in the first mesh
 };
 
-/// What changed between two solids. The first may be open, turned in parts, or cross itself; its
-/// winding number decides. At least 8192 points, and up to 2^17 until eight thousand are inside, as
-/// far as boundary edges times points stay below 10^8. The same points every time. Parallel.
+/// Compares two solids by their winding numbers. The first mesh may be open, inconsistently
+/// oriented or self-intersecting. Samples 8192 points and doubles them, up to 2^17, until 8000 are
+/// inside; the product of points and boundary edges is limited to 10^8. The points are fixed.
+/// Parallel.
 SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& after,
                               Progress& progress);
 

@@ -9,16 +9,16 @@
 namespace tetvdb {
 
 struct SheetCounts {
-  std::size_t parts = 0; ///< dropped
-  std::size_t faces = 0; ///< of these
-  bool complete = true;  ///< false: there are too many open parts to look at, and all stayed
+  std::size_t parts = 0; ///< removed components
+  std::size_t faces = 0; ///< their faces
+  bool complete = true;  ///< false: too many open components to test; none was removed
 };
 
-/// Drops open parts that bound no volume: parts (connected across edges) with boundary edges whose
-/// faces, for less than half of their area, have a winding number of the whole mesh above 0.6 on
-/// their inner side and below 0.4 on the outer one. A sheet has at most a half on its inner side; a
-/// box without a lid, or a ball with a hole, has more. Faces that lie within a solid of other parts
-/// do not count. Points that no face uses any more are dropped. Looks at up to 64 faces a part.
+/// Removes open components that bound no volume. A component (faces connected across edges) with
+/// boundary edges is removed if, on less than half of its area, the winding number of the whole
+/// mesh is above 0.6 on the inner side. On a sheet it is at most 0.5 there; on a box without a lid
+/// or a ball with a hole it is larger. Faces inside the solid of other components are not counted.
+/// Points that no face uses any more are removed. Tests up to 64 faces per component.
 SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

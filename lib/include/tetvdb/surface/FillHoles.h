@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Closes a mesh by faces over its boundary edges.
+// Closes a mesh by adding faces over its boundary edges.
 //
 //   tetvdb::HoleFilling filling = tetvdb::fillHoles(mesh, progress);
 //   for (const tetvdb::FilledHole& hole : filling.holes)
@@ -16,22 +16,22 @@
 namespace tetvdb {
 
 struct FilledHole {
-  std::size_t edges = 0;  ///< of the boundary, all loops of the hole together
-  std::size_t faces = 0;  ///< added
-  std::size_t points = 0; ///< added: 0 for plane holes and small ones
+  std::size_t edges = 0;  ///< boundary edges, all loops of the hole together
+  std::size_t faces = 0;  ///< added faces
+  std::size_t points = 0; ///< added points: 0 for plane and small holes
 };
 
 struct HoleFilling {
   std::vector<FilledHole> holes; ///< in the order of their faces
 };
 
-/// Adds faces after those that are there until no edge is run along more often in one direction
-/// than in the other. Loops (BoundaryLoops.h) that lie in one plane, one within the other and
-/// running in opposite directions, bound one hole in the shape of a ring. Plane holes are
-/// triangulated in their plane (TriangulatePolygon.h), others so that they bend least
-/// (TriangulateLoop.h). Curved holes of 7 edges or more are then made as fine and as smooth as the
-/// surface around them by points of their own (FairPatch.h), unless faces would cross others by it.
-/// What was there stays as it is, bit for bit. About 2 us a boundary edge of small holes.
+/// Appends faces until every edge is traversed equally often in both directions (a closed chain).
+/// Loops (BoundaryLoops.h) of one plane, one within the other and in opposite directions, bound
+/// one annular hole. Plane holes are triangulated in their plane (TriangulatePolygon.h), other
+/// holes so that the dihedral angles are small (TriangulateLoop.h). Curved holes of 7 or more
+/// edges are then refined and faired to match the surrounding surface (FairPatch.h), unless this
+/// would make faces cross. Existing points and faces do not change. About 2 us per boundary edge
+/// of small holes.
 HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Makes a cleaned mesh a closed oriented manifold by changes where it is none, and nowhere else.
+// Repairs a cleaned mesh to a closed oriented manifold. Changes only the faces at defects.
 //
 //   tetvdb::cleanTriangles(mesh, {}, progress);
 //   tetvdb::LocalRepair repair = tetvdb::repairLocally(mesh, progress);
 //   if (!repair.succeeded)
-//     print(repair.why); // the mesh is as it was
+//     print(repair.why); // the mesh did not change
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -22,36 +22,36 @@
 
 namespace tetvdb {
 
-/// What repairLocally() did, and where it gave up, why.
+/// What repairLocally() did, or why it failed.
 struct LocalRepair {
   bool succeeded = false;
-  std::string why;             ///< of a failure: what could not be mended
-  std::size_t doubleFaces = 0; ///< dropped, as the surface is there twice
+  std::string why;             ///< the reason of a failure
+  std::size_t doubleFaces = 0; ///< removed faces of a surface that exists twice
   StitchCounts stitched;
-  SheetCounts sheets; ///< dropped, as they bound no volume
+  SheetCounts sheets; ///< removed components that bound no volume
   std::vector<FilledHole> holes;
-  CrossingCounts crossings;        ///< faces cut along others
-  std::size_t separatedPoints = 0; ///< moved apart where solids touch
+  CrossingCounts crossings;        ///< faces that were cut at intersections
+  std::size_t separatedPoints = 0; ///< points moved apart where solids touch
   double largestMove = 0;          ///< of any point, world units
-  SolidComparison solids;          ///< the cleaned mesh and the repaired one
-  bool changesVolume = false;      ///< what is lost, or gained, is above 0.1 % of the solid
+  SolidComparison solids;          ///< compares the cleaned mesh and the repaired one
+  bool changesVolume = false;      ///< more than 0.1 % of the solid is lost or gained
 };
 
-/// The defects that keep a mesh from being written as it is; empty for a closed, oriented manifold
-/// of positive volume without self-intersections whose points differ as 32-bit floats.
-/// Faces without area count unless they are allowed.
+/// Returns the first defect that must be repaired before the mesh is written; empty for a closed,
+/// oriented manifold of positive volume without self-intersections whose points differ as 32-bit
+/// floats. Faces without area are a defect unless `flatFacesAllowed`.
 std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
                          bool flatFacesAllowed = false);
 
-/// In this order, each only where there is something for it to do: of a surface that is there
-/// twice, nearly in the same place (WeldBoundary.h, all points), one goes; points that are equal as
-/// 32-bit floats become one; boundaries are stitched (StitchBoundaries.h); sheets are dropped
-/// (DropSheets.h); holes are filled (FillHoles.h); faces that cross are cut, and what does not
-/// bound the solid goes (RemoveCrossings.h); edges of several faces and points of several fans are
-/// parted (SplitFans.h, SeparatePoints.h). The result stands if nothing is broken then (faces
-/// without area that could not be flipped may be left) and the solid is the same: what is lost and
-/// what is gained (CompareSolids.h) is each below 1 % of it. Otherwise the mesh is left as it was
-/// given. Faces that are not concerned stay bit for bit, in order.
+/// Applies these steps, each only if needed: removes one of two surfaces that nearly coincide
+/// (WeldBoundary.h with all points); merges points that are equal as 32-bit floats; stitches
+/// boundaries (StitchBoundaries.h); removes sheets (DropSheets.h); fills holes (FillHoles.h);
+/// cuts intersecting faces and removes faces that do not bound the solid (RemoveCrossings.h);
+/// separates edges of more than two faces and points of several fans (SplitFans.h,
+/// SeparatePoints.h). Succeeds if no defect remains (faces without area that cannot be flipped
+/// may remain) and the solid is preserved: the lost and the gained volume (CompareSolids.h) are
+/// each below 1 %. On failure the mesh does not change. Faces that no step concerns stay bit for
+/// bit and in order.
 LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

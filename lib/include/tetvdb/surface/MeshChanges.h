@@ -7,15 +7,15 @@
 
 namespace tetvdb {
 
-/// How many faces two meshes have in common.
+/// The number of faces that two meshes have in common.
 struct MeshChanges {
-  std::size_t kept = 0;    ///< over the same three positions, bit for bit, whichever way they look
-  std::size_t removed = 0; ///< of the first mesh alone
-  std::size_t added = 0;   ///< of the second mesh alone
+  std::size_t kept = 0;    ///< the same three positions, bit for bit, in either orientation
+  std::size_t removed = 0; ///< faces of the first mesh only
+  std::size_t added = 0;   ///< faces of the second mesh only
 };
 
-/// Faces are compared by their corners' positions, so that numbering and order do not matter; of
-/// equal faces as many are kept as both have. Sorts: about 1 us a face.
+/// Compares faces by the positions of their corners; numbering and order do not matter. Of equal
+/// faces, min(count in `before`, count in `after`) are kept. Sorts; about 1 us per face.
 MeshChanges meshChanges(const TriangleMesh& before, const TriangleMesh& after);
 
 } // namespace tetvdb

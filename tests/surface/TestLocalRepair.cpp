@@ -58,7 +58,7 @@ TEST(LocalRepair, SheetsGoAndSolidsStay) {
   EXPECT_EQ(repair.sheets.faces, 32u);
   EXPECT_EQ(mesh.triangleCount(), 108u);
   TriangleMesh alone = sheet(4);
-  EXPECT_EQ(repaired(alone).why, "sheets alone");
+  EXPECT_EQ(repaired(alone).why, "only sheets");
   EXPECT_EQ(alone.triangleCount(), 32u);
 }
 

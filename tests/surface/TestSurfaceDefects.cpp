@@ -121,12 +121,12 @@ TEST(SurfaceDefects, FlippedFaces) {
   EXPECT_FALSE(defects.watertight);
   EXPECT_EQ(defects.boundaryEdges, 0u);
   EXPECT_EQ(verdict(defects), "closed, but with flipped faces: 3 edges between opposite faces; "
-                              "faces are turned when it is voxelized");
+                              "faces are reversed when it is voxelized");
   EXPECT_FALSE(defectsOf(moebius()).orientable);
   const SurfaceDefects insideOut = defectsOf(flipped(torus()));
   EXPECT_TRUE(insideOut.watertight);
   EXPECT_LT(insideOut.volume, 0);
-  EXPECT_EQ(verdict(insideOut), "watertight, but inside out; it is turned when it is voxelized");
+  EXPECT_EQ(verdict(insideOut), "watertight, but inside out; it is reversed when it is voxelized");
 }
 
 // --- Faces by themselves.
@@ -167,7 +167,7 @@ TEST(SurfaceDefects, DuplicateFaces) {
   EXPECT_EQ(thrice.selfIntersections, 0u);
   const SurfaceDefects cancelled = defectsOf(joined({mesh, flipped(mesh)}));
   EXPECT_TRUE(cancelled.watertight);
-  EXPECT_EQ(verdict(cancelled), "watertight, but every face is there twice; one of each is kept");
+  EXPECT_EQ(verdict(cancelled), "watertight, but every face is duplicated; one of each is kept");
 }
 
 // --- Self-intersections.
@@ -300,7 +300,7 @@ TEST(SurfaceDefects, EmptyAndFlatMeshes) {
   EXPECT_FALSE(defectsOf(point).watertight);
   EXPECT_EQ(verdict(defectsOf(sheet())),
             "a sheet without inside (16 open edges in 1 hole); give it thickness with `shell`");
-  EXPECT_EQ(verdict(defectsOf(moebius())).substr(0, 24), "open, with one side only");
+  EXPECT_EQ(verdict(defectsOf(moebius())).substr(0, 23), "open and not orientable");
   Random random(2);
   EXPECT_EQ(verdict(defectsOf(moved(unwelded(sphere()),
                                     [&](Vec3d p) {

@@ -13,11 +13,11 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kFacesInAll = 200000;
-constexpr std::uint32_t kDirectionsPerFace = 3; // each both ways
-// A ray nearer to the face's plane than this (sine) says little about its sides.
+constexpr std::uint32_t kDirectionsPerFace = 3; // each in both orientations
+// Rays closer to the face's plane than this (sine) are ignored.
 constexpr double kGrazing = 0.1;
 
-// The largest faces of a list, in a fixed order.
+// The faces of largest area in a list, in a fixed order.
 std::vector<std::uint32_t> largestFaces(const std::uint32_t* begin, const std::uint32_t* end,
                                         const std::vector<double>& areas, std::size_t count) {
   std::vector<std::uint32_t> faces(begin, end);
@@ -32,13 +32,13 @@ std::vector<std::uint32_t> largestFaces(const std::uint32_t* begin, const std::u
 
 } // namespace
 
-// What is wrong at the edges where several patches of a shell meet, at worst.
+// The worst imbalance of the edges where several patches of a shell meet.
 std::vector<FaceSides::Balance> FaceSides::balanceOfShells() const {
   std::vector<Balance> balance(shellCount_, Balance::Even);
   for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
     if (edges_.sides(edge).size() <= 2)
       continue;
-    // The patches that do not balance by themselves are all of one shell.
+    // All patches that do not balance by themselves are of one shell.
     std::size_t patches = 0;
     std::uint32_t shell = 0;
     int sum = 0;
@@ -51,17 +51,18 @@ std::vector<FaceSides::Balance> FaceSides::balanceOfShells() const {
     });
     if (patches < 2 || sum == 0)
       continue;
-    // Of an odd number of faces one is left over whatever their sides.
+    // With an odd number of faces, one is left over in any orientation.
     const Balance here = std::abs(sum) > 1 ? Balance::Wrong : Balance::Odd;
     balance[shell] = std::max(balance[shell], here);
   }
   return balance;
 }
 
-// Directions that say that the face looks outward less those that say that it looks inward: what
-// lies beyond an even number of other faces is outside. Both ways have to agree about that: on both
-// sides of a fin is outside, on both sides of a wall within a solid is inside. Only faces of the
-// same shell are counted: the face may well lie inside another.
+// The number of directions by which the face is oriented outward minus the number by which it is
+// oriented inward. A ray that crosses an even number of other faces reaches the outside. A
+// direction counts only if the two sides differ: both sides of a fin are outside, both sides of a
+// wall within a solid are inside. Only faces of the same shell are counted, since another shell may
+// enclose the face.
 int FaceSides::visibilityVote(std::uint32_t face) const {
   const Vec3d n = normal(face);
   std::vector<TriangleScene::Hit> hits;
@@ -87,7 +88,7 @@ int FaceSides::visibilityVote(std::uint32_t face) const {
   return sum;
 }
 
-// Asks the largest faces of a list.
+// Collects the votes of the largest faces of a list.
 FaceSides::Poll FaceSides::poll(const std::uint32_t* begin, const std::uint32_t* end,
                                 std::size_t faces) const {
   Poll poll;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kNone = EdgeTable::kNone;
 
-// Sides that have no partner: of an edge as many as run along it too often.
+// Sides without an opposite side: of each edge, as many as it has in excess in one direction.
 std::vector<char> findOpenSides(const EdgeTable& edges, std::size_t sideCount) {
   std::vector<char> isOpen(sideCount, 0);
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
@@ -29,8 +29,8 @@ std::vector<char> findOpenSides(const EdgeTable& edges, std::size_t sideCount) {
   return isOpen;
 }
 
-// The open side that ends where `side` starts, around the faces between them; kNone where an edge
-// in between has not just two faces.
+// The open side that ends where `side` begins, found around the fan of faces between them; kNone if
+// an edge of the fan does not have exactly two faces.
 std::uint32_t aroundFan(const EdgeTable& edges, const std::vector<char>& isOpen,
                         std::uint32_t side) {
   for (std::uint32_t at = side;;) {
@@ -54,7 +54,8 @@ std::vector<BoundaryLoop> findBoundaryLoops(const TriangleMesh& mesh, const Edge
   const auto startOf = [&](std::uint32_t side) { return corners[side]; };
   const auto endOf = [&](std::uint32_t side) { return corners[EdgeTable::next(side)]; };
 
-  // A loop passes an open side from its end to its start, and goes on with one that ends there.
+  // A loop traverses an open side from its end to its beginning and continues with one that ends
+  // there.
   std::vector<std::uint32_t> following(corners.size(), kNone);
   std::vector<char> hasPrevious(corners.size(), 0);
   std::vector<std::uint32_t> open;
@@ -68,7 +69,7 @@ std::vector<BoundaryLoop> findBoundaryLoops(const TriangleMesh& mesh, const Edge
       hasPrevious[next] = 1;
     }
   }
-  // What no fan joins, in order: at every point as many are left on either side.
+  // Sides that no fan connects are joined in order: every point has equally many of both kinds.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> starting, ending; // point, side
   for (const std::uint32_t side : open) {
     if (following[side] == kNone)
@@ -83,7 +84,7 @@ std::vector<BoundaryLoop> findBoundaryLoops(const TriangleMesh& mesh, const Edge
 
   std::vector<BoundaryLoop> loops;
   std::vector<char> passed(corners.size(), 0);
-  std::vector<std::uint32_t> placeOf(mesh.points.size(), kNone); // on the way
+  std::vector<std::uint32_t> placeOf(mesh.points.size(), kNone); // in the current loop
   for (const std::uint32_t first : open) {
     std::vector<std::uint32_t> way;
     for (std::uint32_t side = first; side != kNone && passed[side] == 0; side = following[side]) {

@@ -9,19 +9,19 @@
 
 namespace tetvdb {
 
-/// A closed loop of boundary edges, no point of it twice, in the direction in which a face that
-/// fills the hole runs along them: against the faces that are there.
+/// A closed loop of boundary edges without repeated points. Its direction is that of a face that
+/// fills the hole: opposite to that of the existing faces.
 struct BoundaryLoop {
   std::vector<std::uint32_t> points;
-  /// sides[i] is the side of a face that runs from points[i + 1] to points[i].
+  /// sides[i] is the side of a face from points[i + 1] to points[i].
   std::vector<std::uint32_t> sides;
 };
 
-/// All edges that faces run along more often in one direction than in the other, as loops: with one
-/// face on each of their edges, they close the mesh. Edges follow one another around the fan of
-/// faces that they bound; a loop that comes to a point again is cut in two there, so that holes
-/// that touch at a point are several. Loops of two edges are left out: they close one another. The
-/// order follows from that of the faces. Linear.
+/// Returns all edges that are not traversed equally often in both directions, as loops. One face on
+/// each edge of the loops closes the mesh. Consecutive edges bound the same fan of faces. A loop
+/// that reaches a point a second time is split there, so that holes that touch at a point are
+/// separate. Loops of two edges cancel and are left out. The order follows from the order of the
+/// faces. Linear.
 std::vector<BoundaryLoop> findBoundaryLoops(const TriangleMesh& mesh, const EdgeTable& edges);
 
 } // namespace tetvdb

@@ -13,7 +13,7 @@ namespace tetvdb {
 
 CanonicalOrder canonicalOrder(const TriangleMesh& mesh) {
   CanonicalOrder canonical;
-  // The first coordinate, which decides most comparisons, stands beside the number.
+  // The first coordinate, which decides most comparisons, is stored with the number.
   struct Point {
     double x;
     std::uint32_t was;
@@ -36,7 +36,7 @@ CanonicalOrder canonicalOrder(const TriangleMesh& mesh) {
     std::array<std::uint32_t, 3> corners;
     std::uint32_t was;
   };
-  // By their first corner, which few faces share, then those of one corner among themselves.
+  // Sorts by the first corner, which few faces share, then the faces of each first corner.
   std::vector<std::size_t> firstOf(points.size() + 1, 0);
   const auto firstCorner = [&](std::size_t face) {
     const std::uint32_t* v = &mesh.triangles[3 * face];
@@ -56,7 +56,7 @@ CanonicalOrder canonicalOrder(const TriangleMesh& mesh) {
     f.was = static_cast<std::uint32_t>(face);
     faces[next[f.corners[0]]++] = f;
   }
-  // Faces over the same points lie side by side, whatever way they look.
+  // Faces with the same points are adjacent, in any orientation.
   const auto isBefore = [](const Face& a, const Face& b) {
     const auto key = [](const Face& f) {
       return std::make_tuple(std::min(f.corners[1], f.corners[2]),

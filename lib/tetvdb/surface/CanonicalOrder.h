@@ -8,16 +8,16 @@
 
 namespace tetvdb {
 
-/// A welded mesh in an order that follows from its geometry alone: points by (x, y, z), each face
-/// from its first point on, faces by their points. Whatever is decided on it, sums and ties
-/// included, is the same for every order in which a file may list its points and faces.
+/// A welded mesh in an order that depends on its geometry only: points by (x, y, z), the corners of
+/// each face from its first point on, faces by their points. Results computed on it, including sums
+/// and ties, do not depend on the order of points and faces in the file.
 struct CanonicalOrder {
   TriangleMesh mesh;
-  /// By face of `mesh` the one that it was; equal faces in their old order.
+  /// By face of `mesh`, the number of the input's face; equal faces keep their order.
   std::vector<std::uint32_t> faceWas;
 };
 
-/// No two points may be equal, and no face may have a repeated point. Parallel, O(n log n).
+/// Points must be distinct, and faces must not have repeated points. Parallel, O(n log n).
 CanonicalOrder canonicalOrder(const TriangleMesh& mesh);
 
 } // namespace tetvdb

@@ -21,10 +21,10 @@
 namespace tetvdb {
 namespace {
 
-// Of the area to the power of 1.5; a ball has 0.094.
+// Relative to the area to the power of 1.5; a ball has 0.094.
 constexpr double kNothing = 1e-5;
 
-// Keeps the faces for which keep(corners, face) holds; returns how many went.
+// Keeps the faces for which keep(corners, face) holds; returns the number of removed faces.
 template <typename Keep>
 std::size_t keepFaces(TriangleMesh& mesh, const Keep& keep) {
   std::vector<std::uint32_t>& corners = mesh.triangles;
@@ -41,7 +41,7 @@ std::size_t keepFaces(TriangleMesh& mesh, const Keep& keep) {
   return faces - kept;
 }
 
-// Points become those that `becomes` says; drops faces with a repeated point.
+// Replaces points as given by `becomes`; removes faces with a repeated point.
 void renumber(TriangleMesh& mesh, const std::vector<std::uint32_t>& becomes, CleanCounts& counts) {
   std::size_t welded = 0;
   for (std::size_t point = 0; point < becomes.size(); ++point)
@@ -56,11 +56,11 @@ void renumber(TriangleMesh& mesh, const std::vector<std::uint32_t>& becomes, Cle
   counts.degenerateFaces += keepFaces(mesh, [](const std::uint32_t* v, std::size_t) {
     return v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
   });
-  // Points that became another are without faces now, and are not counted twice.
+  // Merged points have no faces any more; they are not counted twice.
   counts.unreferencedPoints += dropUnusedPoints(mesh) - welded;
 }
 
-// Whether all signed volumes cancel, as where a closed mesh has a copy that looks the other way.
+// Whether the signed volumes cancel, as for a closed mesh with a copy of opposite orientation.
 bool enclosesNothing(const TriangleMesh& mesh, const EdgeTable& edges) {
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (edges.sides(edge).size() % 2 != 0)
@@ -77,7 +77,7 @@ bool enclosesNothing(const TriangleMesh& mesh, const EdgeTable& edges) {
   return std::abs(volume) < kNothing * std::pow(area, 1.5);
 }
 
-// Near points of the boundary become one. Whether any did.
+// Merges close points of the boundary. Returns whether any were merged.
 bool weldNearPoints(TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates candidates,
                     CleanCounts& counts, Progress& progress) {
   const BoundaryWeld weld = weldBoundary(mesh, edges, candidates, progress);
@@ -88,8 +88,8 @@ bool weldNearPoints(TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates c
   return true;
 }
 
-// Every edge has two faces that run along it in opposite directions, and what they enclose lies
-// behind them.
+// Whether every edge has two faces in opposite directions, and all shells are oriented
+// outward.
 bool isPlainSolid(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress) {
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (!edges.isManifold(edge))

@@ -20,15 +20,17 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = SimplifyState::kNone;
-constexpr double kMinCosine = 0.5;    ///< of the angle by which a face may turn in one step
-constexpr double kMinAgreement = 0.3; ///< cosine between a point's normal and its face's
-constexpr double kMinShape = 0.02;    ///< height over longest side of a new face, unless it grows
-constexpr std::size_t kManyPoints = 1024; ///< that the faces around a vertex represent
-constexpr double kOnFace = 0.01;      ///< square of the distance of a point that lies on its face
-constexpr std::size_t kMaxFaces = 32; ///< around a vertex
-constexpr int kTries = 4;             ///< neighbours that a vertex is tried to move onto
-// What a squared length adds to a squared distance when edges are ordered: flat parts keep
-// well-shaped triangles.
+constexpr double kMinCosine = 0.5;    ///< of the angle by which a normal may change in one step
+constexpr double kMinAgreement = 0.3; ///< cosine of the angle between the normals of a point and
+                                      ///< its face
+constexpr double kMinShape = 0.02;    ///< height over longest side of a new face, unless it
+                                      ///< increases
+constexpr std::size_t kManyPoints = 1024; ///< represented by the faces around a vertex
+constexpr double kOnFace = 0.01;          ///< squared distance of a point that lies on its face
+constexpr std::size_t kMaxFaces = 32;     ///< around a vertex
+constexpr int kTries = 4;                 ///< candidate neighbours per vertex
+// Weight of a squared length relative to a squared distance in the order of edges: keeps triangles
+// in flat regions well-shaped.
 constexpr double kLengthWeight = 1e-3;
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -44,20 +46,20 @@ std::size_t at(OpenMesh::BaseHandle handle) {
   return static_cast<std::size_t>(handle.idx());
 }
 
-// The faces at the vertices of one region. What has a corner in another region stays as it is.
+// The faces at the vertices of one region. Faces with a corner in another region are not changed.
 struct Patch {
   SimplifyState& surface;
   HalfEdgeMesh mesh;
   std::vector<std::uint32_t> vertexOf; ///< in the surface
   std::vector<std::uint32_t> faceOf;
-  /// Of the patch's faces in their order, then others near; null where crossings may come.
+  /// Of the patch's faces in order, then of others nearby; null if intersections are allowed.
   std::unique_ptr<CrossingGuard> guard;
 
   explicit Patch(SimplifyState& s) : surface(s) {}
   const Vec3d& point(Vertex v) const { return surface.points[vertexOf[at(v)]]; }
 };
 
-// Orders collapses: OpenMesh's quadric module has no term for lengths, and forgets between passes.
+// Orders collapses. OpenMesh's quadric module has no term for lengths and is reset by each pass.
 template <class Mesh>
 class CostModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
 public:
@@ -83,7 +85,7 @@ private:
   Patch* patch_ = nullptr;
 };
 
-// Forbids what leaves the tolerance, turns faces over, makes needles or crossings.
+// Rejects collapses that exceed the tolerance, turn faces over, or make needles or intersections.
 template <class Mesh>
 class ToleranceModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
 public:
@@ -100,8 +102,8 @@ public:
     return isAllowed(c) ? float(Base::LEGAL_COLLAPSE) : float(Base::ILLEGAL_COLLAPSE);
   }
 
-  // Every collapse follows a collapse_priority() of its own vertex, though other vertices' may
-  // have come in between.
+  // Every collapse follows a collapse_priority() of its own vertex; calls for other vertices may
+  // occur in between.
   void preprocess_collapse(const CollapseInfo& c) override {
     if (looked_ != c.v0v1)
       isAllowed(c);
@@ -142,7 +144,7 @@ private:
     return length(twiceNormal) / std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
   }
 
-  // Leaves the new faces in faces_ and added_, those around v0 in around_, and in gone_ the points
+  // Sets faces_ and added_ to the new faces, around_ to those around v0, and gone_ to the points
   // that the new faces represent.
   bool isAllowed(const CollapseInfo& c) {
     looked_.invalidate();
@@ -169,14 +171,14 @@ private:
     return true;
   }
 
-  // Beyond OpenMesh's own tests: no vertex is left of fewer than three faces, or of very many.
+  // In addition to OpenMesh's tests: no vertex has fewer than three or more than kMaxFaces faces.
   bool isManifold(const CollapseInfo& c) {
     Mesh& mesh = this->mesh();
     return mesh.valence(c.v0) + mesh.valence(c.v1) <= kMaxFaces + 4 && mesh.valence(c.vl) > 3 &&
            mesh.valence(c.vr) > 3;
   }
 
-  // Whether the faces around v0, moved onto v1, keep their sides and shape.
+  // Whether the faces around v0 keep their orientation and shape when v0 moves to v1.
   bool isUpright(const CollapseInfo& c) {
     Mesh& mesh = this->mesh();
     const Vec3d& old = patch_->point(c.v0);
@@ -204,7 +206,7 @@ private:
     return true;
   }
 
-  // Looks at the middle of a new face and at the side that is new as well.
+  // Tests the centroid of a new face and the side that is new.
   bool isNearOriginal(const Face& face) const {
     const SimplifyState& s = patch_->surface;
     const auto& [a, b, c] = face.corners;
@@ -218,7 +220,7 @@ private:
     return s.isNear(times(plus(a, plus(b, c)), 1.0 / 3));
   }
 
-  // Finds the nearest of faces_ that looks the way of a point that is gone.
+  // Finds the nearest of faces_ whose normal agrees with that of a removed point.
   bool assign(std::uint32_t v) {
     const Vec3d& p = patch_->surface.points[v];
     double nearest = kHeldTolerance * kHeldTolerance;
@@ -250,7 +252,7 @@ private:
       return;
     for (const std::uint32_t face : around_)
       firstGone(face) = kNone;
-    // On large flat faces every second point that lies on them does.
+    // On large flat faces, every second point that lies on them is tested.
     const bool many = gone_.size() > kManyPoints;
     for (std::size_t i = 0; i < gone_.size(); ++i) {
       if (many && i % 2 == 1 && squares_[i] < kOnFace)
@@ -261,7 +263,7 @@ private:
   }
 
   Patch* patch_ = nullptr;
-  HalfEdge looked_; ///< what faces_ and the others are of
+  HalfEdge looked_; ///< the collapse of faces_ and the others
   std::array<bool, 2> merged_{};
   std::vector<Face> faces_;
   std::vector<CrossingGuard::Corners> added_;
@@ -269,9 +271,9 @@ private:
   std::vector<double> squares_; ///< of the distances from gone_ to owner_
 };
 
-// OpenMesh's DecimaterT asks all modules about every half-edge around the vertices near a
-// collapse. This one orders by cost alone and asks about the tolerance when a vertex's turn comes:
-// the same steps with a fraction of the questions (docs/benchmarks.md).
+// OpenMesh's DecimaterT tests all modules for every half-edge around the vertices near a collapse.
+// This class orders by cost alone and tests the tolerance when a vertex is first in the queue: the
+// same collapses with a fraction of the tests (docs/benchmarks.md).
 class LazyDecimater : public OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh> {
 public:
   using Base = OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh>;
@@ -286,7 +288,7 @@ public:
     stamp_.resize(patch.mesh.n_vertices(), 0);
   }
 
-  /// At most that many collapses; returns their number.
+  /// Performs at most `max` collapses; returns their number.
   std::size_t decimate(std::size_t max) {
     for (const Vertex v : patch_.mesh.vertices())
       enqueue(v);
@@ -307,7 +309,7 @@ private:
   struct Entry {
     float cost;
     std::uint32_t vertex, stamp;
-    bool operator<(const Entry& other) const { // the queue's top is its largest
+    bool operator<(const Entry& other) const { // the top of the queue is its largest element
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
   };
@@ -367,7 +369,7 @@ private:
   CostModule<HalfEdgeMesh>::Handle cost_;
   ToleranceModule<HalfEdgeMesh>::Handle tolerance_;
   std::priority_queue<Entry> queue_;
-  std::vector<std::uint32_t> stamp_; ///< of a vertex: its newest entry in the queue
+  std::vector<std::uint32_t> stamp_; ///< by vertex: its newest entry in the queue
   std::vector<Choice> choices_;
   std::vector<Vertex> neighbours_;
 };
@@ -378,8 +380,8 @@ bool isWithin(const SimplifyState& s, std::uint32_t face, std::uint32_t region,
   return regionOf[v[0]] == region && regionOf[v[1]] == region && regionOf[v[2]] == region;
 }
 
-// The region's faces as a half-edge mesh, vertices in the surface's order, with what is locked
-// and what is a feature.
+// Builds the region's faces as a half-edge mesh, with vertices in the surface's order, and sets the
+// locked vertices and the features.
 void build(Patch& patch, const CollapseRegion& region, const std::vector<std::uint32_t>& regionOf,
            bool guarded) {
   const SimplifyState& s = patch.surface;
@@ -409,7 +411,7 @@ void build(Patch& patch, const CollapseRegion& region, const std::vector<std::ui
     const std::uint32_t* v = &s.mesh.triangles[3 * std::size_t(face)];
     corners.push_back({v[0], v[1], v[2]});
     if (!mesh.add_face(numberOf(v[0]), numberOf(v[1]), numberOf(v[2])).is_valid())
-      throw Error(Status::Invalid, "", "the surface is no closed manifold");
+      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
     if (!isWithin(s, face, region.number, regionOf))
       for (std::size_t k = 0; k < 3; ++k)
         mesh.status(numberOf(v[k])).set_locked(true);
@@ -427,7 +429,7 @@ void build(Patch& patch, const CollapseRegion& region, const std::vector<std::ui
       count[at(v)] = static_cast<std::uint8_t>(std::min(count[at(v)] + 1, 3));
     }
   }
-  for (const auto v : mesh.vertices()) // corners, and ends of creases that run out
+  for (const auto v : mesh.vertices()) // corners, and end points of open creases
     if (mesh.status(v).feature() && count[at(v)] != 2)
       mesh.status(v).set_locked(true);
   if (guarded)

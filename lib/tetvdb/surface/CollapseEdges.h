@@ -10,19 +10,19 @@
 
 namespace tetvdb {
 
-/// The vertices of one number, and what is around them.
+/// The vertices of one region and the faces around them.
 struct CollapseRegion {
   std::uint32_t number = 0;
-  std::vector<std::uint32_t> faces;  ///< with a corner in the region, ascending
-  std::vector<std::uint32_t> others; ///< that reach into its box and stay as they are
-  std::vector<VertexPair> features;  ///< with an end in the region
+  std::vector<std::uint32_t> faces;  ///< faces with a corner in the region, ascending
+  std::vector<std::uint32_t> others; ///< others that intersect the region's box; not changed
+  std::vector<VertexPair> features;  ///< features with an end point in the region
 };
 
-/// Collapses edges by OpenMesh's half-edge mesh, cheapest first, `max` at most, and returns how
-/// many. Vertices move whose neighbours are all of the region (`regionOf`, by vertex): nothing is
-/// written that another region looks at. `features` becomes those with both ends in the region.
-/// `guarded`: no face crosses another that did not before (CrossingGuard.h). Throws Error(Invalid)
-/// where faces form more than one fan around a vertex.
+/// Collapses up to `max` edges, the cheapest first, with OpenMesh's half-edge mesh, and returns
+/// their number. Moves only vertices whose neighbours are all in the region (`regionOf`, by
+/// vertex), so that it writes nothing that another region reads. Replaces `features` by those with
+/// both end points in the region. With `guarded`, no new intersections of faces occur
+/// (CrossingGuard.h). Throws Error(Invalid) if the faces around a vertex form more than one fan.
 std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
                           const std::vector<std::uint32_t>& regionOf, bool guarded, std::size_t max,
                           Progress& progress);

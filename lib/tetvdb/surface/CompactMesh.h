@@ -8,11 +8,11 @@
 
 namespace tetvdb {
 
-/// Drops the faces whose entry in `drops` (by face) is not 0; the others keep their order. Returns
-/// how many went.
+/// Removes the faces whose entry in `drops` (by face) is not 0; the others keep their order.
+/// Returns the number of removed faces.
 std::size_t dropFaces(TriangleMesh& mesh, const std::vector<char>& drops);
 
-/// Drops points that no face uses; the others keep their order. Returns how many went.
+/// Removes points that no face uses; the others keep their order. Returns their number.
 std::size_t dropUnusedPoints(TriangleMesh& mesh);
 
 } // namespace tetvdb

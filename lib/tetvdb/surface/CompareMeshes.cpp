@@ -15,7 +15,7 @@
 namespace tetvdb {
 namespace {
 
-// Points measured by one task one after the other; sums are formed a chunk, then over chunks.
+// Points that one task measures. Sums are formed per chunk, then over chunks.
 constexpr std::size_t kChunk = 512;
 
 // The first terms of the R2 sequence: powers of the inverse of the root of x^3 = x + 1 (Roberts,
@@ -26,7 +26,7 @@ double fraction(double x) {
   return x - std::floor(x);
 }
 
-// Where the points of a mesh lie that are measured: samples of its area first, then vertices.
+// The measured points of a mesh: samples of its area, followed by its vertices.
 class Sampling {
 public:
   Sampling(const TriangleMesh& mesh, std::size_t samples) : mesh_(mesh) {
@@ -49,7 +49,7 @@ public:
   }
 
   std::size_t size() const { return samples_ + vertices_.size(); }
-  /// Points that count for the mean, the first of all.
+  /// The number of leading points that are averaged.
   std::size_t averaged() const { return samples_ > 0 ? samples_ : vertices_.size(); }
 
   Vec3d operator[](std::size_t i) const {
@@ -57,7 +57,7 @@ public:
   }
 
 private:
-  // The i-th of equal parts of the area, taken face by face, chooses the face.
+  // Point i lies in the i-th of equal shares of the cumulative area of the faces.
   Vec3d onArea(std::size_t i) const {
     const double at =
         (static_cast<double>(i) + 0.5) / static_cast<double>(samples_) * areas_.back();
@@ -76,7 +76,7 @@ private:
   }
 
   const TriangleMesh& mesh_;
-  std::vector<double> areas_; ///< twice the area of all faces up to this one
+  std::vector<double> areas_; ///< cumulative, twice the area
   std::vector<std::uint32_t> vertices_;
   std::size_t samples_ = 0;
 };
@@ -99,8 +99,8 @@ public:
     double reach = std::numeric_limits<double>::infinity();
     for (std::size_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, points_.size()); ++i) {
       const Vec3d p = points_[i];
-      // No farther than its predecessor by more than the step between them; the search is shorter
-      // for it, and the answer the same.
+      // The distance exceeds that of the previous point by no more than the step between them. The
+      // limit shortens the search and does not change the result.
       const double limit = (reach + length(minus(p, last))) * (1 + 1e-9);
       TriangleScene::Closest closest =
           target_.closest(p, std::max(limit, std::numeric_limits<double>::min()));

@@ -65,7 +65,7 @@ void CrossingGuard::change(std::uint32_t face, const Corners& corners) {
 void CrossingGuard::remove(std::uint32_t face) {
   isGone_[face] = 1;
   tree_.move(itemOf_[face], Box());
-  // Boxes have moved by then, and half of the tree is empty.
+  // Rebuilds when half of the tree is empty, since boxes have also moved.
   if (--live_ < items_.size() / 2 && live_ > 0)
     build();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Faces that change, and whether a new one would cross those that are there.
+// Tests whether a new face would intersect the existing faces of a mesh that changes.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -13,20 +13,20 @@
 
 namespace tetvdb {
 
-/// Exact (geometry/FaceContact.h). Equal points have one number, no face is collinear. Not
-/// thread-safe: crosses() keeps marks.
+/// Exact (geometry/FaceContact.h). Requires distinct points and no collinear face. Not thread-safe:
+/// crosses() writes marks.
 class CrossingGuard {
 public:
   using Corners = std::array<std::uint32_t, 3>;
 
-  /// `points` must outlive the guard and stay as they are while faces use them.
+  /// `points` must outlive the guard and must not change while faces use them.
   CrossingGuard(const std::vector<Vec3d>& points, std::vector<Corners> faces);
 
-  /// Whether any of the `added` faces meets another of them, or a face that is there and not among
-  /// `replaced`, in more than the points or the edge that they have in common. About 1 us a face.
+  /// Returns whether one of the `added` faces meets another of them, or an existing face that is
+  /// not in `replaced`, in more than their common points or edge. About 1 us per face.
   bool crosses(const std::vector<Corners>& added, const std::vector<std::uint32_t>& replaced);
 
-  /// Gives a face other corners.
+  /// Replaces the corners of a face.
   void change(std::uint32_t face, const Corners& corners);
   void remove(std::uint32_t face);
 
@@ -37,10 +37,10 @@ private:
   const std::vector<Vec3d>& points_;
   std::vector<Corners> faces_;
   std::vector<char> isGone_;
-  std::vector<std::uint32_t> mark_; ///< of a face: the last call of crosses() that replaced it
+  std::vector<std::uint32_t> mark_; ///< by face: the last call of crosses() that replaced it
   std::uint32_t call_ = 0;
-  std::vector<std::uint32_t> items_;  ///< of the tree: faces
-  std::vector<std::uint32_t> itemOf_; ///< of a face
+  std::vector<std::uint32_t> items_;  ///< faces, by item of the tree
+  std::vector<std::uint32_t> itemOf_; ///< by face
   std::size_t live_ = 0;
   BoxTree tree_;
 };

@@ -13,7 +13,7 @@ using Loop = std::vector<std::uint8_t>;
 
 constexpr int kNone = -1;
 
-// Faces 2 f and 2 f + 1 are the sides of axis f at 0 and at 1.
+// Faces 2 f and 2 f + 1 are perpendicular to axis f, at 0 and at 1.
 std::array<int, 2> facesOf(int edge) {
   const int axis = edge / 4;
   return {2 * ((axis + 1) % 3) + (edge & 1), 2 * ((axis + 2) % 3) + (edge >> 1 & 1)};
@@ -43,8 +43,8 @@ std::array<int, 4> cornersOf(int face) {
 }
 
 // The surface's line on a face runs from where the face's border enters the solid to where it
-// leaves it, which has the solid on the right, seen from outside the cube. Where a face has two
-// lines the solid is joined across: a line cuts off the outside corner before its start.
+// leaves it. Seen from outside the cube, the solid is on the right. If a face has two lines, they
+// join the solid across it: each line cuts off the outside corner before its first point.
 void addLines(int face, unsigned inside, std::array<int, 12>& next) {
   const std::array<int, 4> corners = cornersOf(face);
   std::array<int, 4> step{}; // +1 where the border enters, -1 where it leaves
@@ -81,7 +81,7 @@ std::vector<Loop> loopsOf(unsigned inside) {
   return loops;
 }
 
-// Between the edges' middles, in quarters of a squared side.
+// Between the edges' midpoints, in units of a quarter of the squared side.
 double squaredDistance(int edge, int other) {
   Vec3i a = cubeEdgeStart(edge), b = cubeEdgeStart(other);
   double sum = 0;
@@ -93,8 +93,8 @@ double squaredDistance(int edge, int other) {
   return sum;
 }
 
-// Triangulates a loop by chords within the cube, shortest in sum of squares, as polygons are by
-// dynamic programming. Every loop of the 256 cases has such chords; the test says so.
+// Triangulates a loop by chords inside the cube with the smallest sum of squared lengths, by
+// dynamic programming. Every loop of the 256 cases has such chords; a test verifies it.
 class LoopTriangulation {
 public:
   explicit LoopTriangulation(const Loop& loop) : loop_(loop), n_(loop.size()) {

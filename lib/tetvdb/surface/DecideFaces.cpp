@@ -21,15 +21,15 @@ namespace {
 constexpr std::size_t kMaxSamples = 2048, kMinSamples = 128;
 constexpr std::size_t kMaxWork = 4000000;   ///< solid angles, for each field
 constexpr std::size_t kMaxValues = 8000000; ///< samples times patches
-// Of the samples that are inside with confidence.
+// Fraction of the samples that are clearly inside.
 constexpr double kLost = 0.01;
-// A field whose error falls to this share of another's is nearer, or much nearer, to a solid's.
+// A field is closer, or much closer, to that of a solid if its error is below this multiple.
 constexpr double kNearer = 0.9, kMuchNearer = 0.5;
-// Where this share of the file's solid is lost, and the field is farther than kVague from a
-// solid's, neither orientation is sure.
+// If more than kDiffer of the input's solid is lost, and the field's error exceeds kVague, neither
+// orientation is certain.
 constexpr double kDiffer = 0.1, kVague = 0.06;
 
-// The mesh without the faces that duplicates make superfluous, where there are any.
+// The mesh without the faces that resolveDuplicates() removes, if any.
 struct KeptFaces {
   TriangleMesh mesh;
   std::vector<std::uint32_t> was;        ///< by kept face
@@ -114,7 +114,7 @@ private:
     }
   }
 
-  // Of all faces, as the file has them.
+  // Of all faces, in the orientation of the file.
   static SolidField fileField(const TriangleMesh& mesh, const EdgeTable& edges,
                               const TriangleScene& scene, const WindingSamples& samples,
                               Progress& progress) {
@@ -140,7 +140,7 @@ private:
       result_.dropped.clear();
   }
 
-  // Accepts what was decided, betters it, or goes back to the file's own orientation.
+  // Accepts the decision, improves it, or returns to the orientation of the file.
   void judge(const FaceSides& sides) {
     const FacePatches& patches = sides.patches();
     const std::uint32_t patchCount = patches.patchCount();
@@ -151,7 +151,7 @@ private:
     std::size_t count = std::min(kMaxSamples, kMaxWork / std::max<std::size_t>(open, 1));
     count = std::min(count, kMaxValues / std::max(patchCount, 1u));
     if (count < kMinSamples)
-      return; // too many: the field decides nothing
+      return; // too many boundary edges: no decision by the field
     const WindingSamples samples = windingSamples(*keptMesh_, patches.patchOf, patchCount, count);
     std::optional<TriangleScene> keptScene;
     const TriangleScene fileScene(mesh_);
@@ -166,7 +166,7 @@ private:
                               samples.points, progress_);
     SolidField field = sumOf(groups, patchCount);
     dropInnerWalls(patches, groups, field);
-    // Faces that cancel their copies hold nothing: what cleaning gains is no reason against it.
+    // Copies that cancel enclose nothing: volume gained by removing them is no objection.
     if (file.isSolid() &&
         2 * file.shareInside(samples.spread) > field.shareInside(samples.spread) &&
         (!field.isSolid() || isLost(file, field, samples)))
@@ -178,7 +178,7 @@ private:
       keepFile(true);
       result_.doubtful = file.differenceFrom(field, samples.spread) > kDiffer;
     } else {
-      // What a file holds by a field that is much farther from a solid's is no evidence.
+      // Volume by a field that is much farther from that of a solid is no evidence.
       result_.doubtful =
           lost > kDiffer && field.error() > kVague && field.error() > kMuchNearer * file.error();
     }
@@ -193,14 +193,14 @@ private:
     return file.shareLostIn(field, samples.points.size()) > kLost;
   }
 
-  // Whether dropping duplicates, with all sides as the file has them, loses what was solid.
+  // Whether removing duplicates, in the orientation of the file, loses volume.
   bool isHarmedByDropping(const SolidField& file, const TriangleScene& scene,
                           const WindingSamples& samples) const {
     const SolidField kept = fileField(*keptMesh_, *edges_, scene, samples, progress_);
     return isLost(file, kept, samples) || !kept.isSolid();
   }
 
-  // Patches that do not close and stand within the solid that the others make, on both sides.
+  // Removes open patches that lie inside the solid of the others, on both sides.
   void dropInnerWalls(const FacePatches& patches, const GroupWinding& groups, SolidField& field) {
     const std::vector<std::uint8_t> inner = innerGroups(groups, patches.patchCount(), field);
     if (std::find(inner.begin(), inner.end(), 1) == inner.end())
@@ -220,7 +220,7 @@ private:
     for (std::uint32_t face = 0; face < turned_.size(); ++face)
       if (patches.patchOf[face] != EdgeTable::kNone)
         area[patches.patchOf[face]] += sides.area(face);
-    // Shells of several patches, then patches; the largest first.
+    // Shells of several patches, then single patches; the largest first.
     std::vector<std::vector<std::uint32_t>> shells(sides.shellCount()), sets;
     for (std::uint32_t patch = 0; patch < patchCount; ++patch)
       shells[sides.shellOfPatch(patch)].push_back(patch);
@@ -237,7 +237,7 @@ private:
     SolidField better = field;
     const std::vector<std::uint8_t> turn =
         turnTowardsSolid(groups, patchCount, sets, better, progress_);
-    // What is lost by it must be worth it.
+    // Reversal must improve the field more than it loses volume.
     if (better.error() > kNearer * field.error() ||
         (field.shareInsideLostIn(better) > kDiffer && better.error() > kMuchNearer * field.error()))
       return;
@@ -252,7 +252,7 @@ private:
   EdgeTable fileEdges_;
   KeptFaces kept_;
   std::optional<EdgeTable> keptEdges_;
-  const TriangleMesh* keptMesh_;     ///< kept_.mesh, or mesh_ where every face is kept
+  const TriangleMesh* keptMesh_;     ///< kept_.mesh, or mesh_ if every face is kept
   const EdgeTable* edges_;           ///< of *keptMesh_
   std::vector<std::uint8_t> turned_; ///< by kept face
   bool keepsFile_ = false;

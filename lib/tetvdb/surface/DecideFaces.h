@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which faces of a soup go and which are turned: the part of cleanTriangles() that follows once
-// points are welded. docs/algorithms.md has the rules.
+// Decides which faces of a soup are removed and which are reversed: the second stage of
+// cleanTriangles(), after welding. docs/algorithms.md has the rules.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -15,16 +15,16 @@
 namespace tetvdb {
 
 struct FaceDecision {
-  std::vector<std::uint8_t> dropped; ///< by face; empty: none is
-  std::vector<std::uint8_t> turned;  ///< by face; empty: none is
-  std::size_t innerFaces = 0;        ///< of those dropped, the ones within the solid
+  std::vector<std::uint8_t> dropped; ///< by face; empty: none
+  std::vector<std::uint8_t> turned;  ///< by face; empty: none
+  std::size_t innerFaces = 0;        ///< number of dropped faces inside the solid
   std::size_t turnedShells = 0;
   bool insideOut = false;
   bool doubtful = false;                   ///< see CleanCounts
-  double fileVolume = 0, turnedVolume = 0; ///< where it is doubtful: estimates by sample points
+  double fileVolume = 0, turnedVolume = 0; ///< estimated by sample points, if doubtful
 };
 
-/// `mesh` is welded, without faces with a repeated point, and in canonical order
+/// Requires a welded mesh without repeated points in faces, in canonical order
 /// (CanonicalOrder.h).
 FaceDecision decideFaces(const TriangleMesh& mesh, const CleanOptions& options, Progress& progress);
 

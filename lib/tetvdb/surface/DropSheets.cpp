@@ -17,10 +17,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMaxSamples = 64, kMinSamples = 8; // faces of a part
+constexpr std::size_t kMaxSamples = 64, kMinSamples = 8; // faces of a component
 constexpr double kMaxWork = 2e8;                         // solid angles of boundary edges
-constexpr double kInside = 0.6;                          // of a winding number, to be sure
-constexpr double kOffset = 1e-5;                         // from a face, of the diagonal
+constexpr double kInside = 0.6;                          // winding number that is clearly inside
+constexpr double kOffset = 1e-5;                         // from a face, relative to the diagonal
 
 struct Part {
   std::vector<std::uint32_t> faces;

@@ -12,16 +12,16 @@ namespace {
 
 constexpr int kPasses = 4;
 
-// Whether the corners, sorted, are an even permutation of what they are.
+// Whether sorting the corners is an even permutation.
 bool isEven(const std::uint32_t* v) {
   return (v[0] < v[1]) == ((v[1] < v[2]) == (v[0] < v[2]));
 }
 
-// One face of each group and every face that is in none.
+// One face of each group, and every face without a duplicate.
 struct UniqueFaces {
   std::vector<std::uint32_t> corners;
   std::vector<std::uint32_t> multiplicity;
-  std::vector<std::uint32_t> group; ///< kNone for a face that has no equal
+  std::vector<std::uint32_t> group; ///< kNone for a face without a duplicate
 };
 
 UniqueFaces uniqueFaces(const std::vector<std::uint32_t>& corners, const DuplicateGroups& groups) {
@@ -46,8 +46,8 @@ UniqueFaces uniqueFaces(const std::vector<std::uint32_t>& corners, const Duplica
   return unique;
 }
 
-// Where every face of a connected part has an even number of copies, the part as a whole is there
-// twice: half of the copies say the same.
+// If every face of a component has an even number of copies, the component as a whole is
+// duplicated: divides the numbers of copies by their common power of two.
 void halveWholeParts(std::vector<std::uint32_t>& multiplicity, const EdgeTable& edges) {
   DisjointSets parts(multiplicity.size());
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
@@ -79,7 +79,7 @@ public:
   }
 
   const std::vector<std::uint8_t>& decide(Progress& progress) {
-    // As far as even faces reach, all together: a grid of boxes loses its walls at once.
+    // First all connected even faces together: a grid of boxes loses its walls in one step.
     vote(regions(false));
     const auto patches = regions(true);
     for (int pass = 0; pass < kPasses; ++pass) {
@@ -93,8 +93,8 @@ public:
 private:
   using Region = std::vector<std::uint32_t>; // faces, ascending
 
-  // Even faces that are connected: across any edge, or across edges of exactly two faces, both
-  // even. The smallest come first, so that of patches that exclude one another the larger stays.
+  // Sets of connected even faces: across any edge, or across edges of exactly two faces, both even.
+  // The smallest come first, so that the larger of two exclusive patches stays.
   std::vector<Region> regions(bool manifold) const {
     DisjointSets sets(kept_.size());
     for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
@@ -126,7 +126,7 @@ private:
     return all;
   }
 
-  // Whether anything changed.
+  // Returns whether anything changed.
   bool vote(const std::vector<Region>& regions) {
     bool changed = false;
     std::vector<std::uint32_t> around;
@@ -166,7 +166,7 @@ private:
   std::vector<std::uint32_t> keptAt_; ///< kept faces at each edge
 };
 
-// Keeps the first face of the orientation that most of the group's faces have.
+// Keeps the first face of the orientation that most faces of the group have.
 void keepOne(const std::vector<std::uint32_t>& corners, const std::uint32_t* first,
              const std::uint32_t* last, std::vector<FaceFate>& fates) {
   std::ptrdiff_t even = 0;
@@ -192,7 +192,7 @@ DuplicateGroups findDuplicates(const EdgeTable& edges) {
     const EdgeTable::Sides sides = edges.sides(edge);
     if (sides.size() < 2)
       continue;
-    // Equal faces meet in three edges: they are found at the one of the two lowest corners.
+    // Equal faces share three edges: they are found at the edge of their two lowest corners.
     around.clear();
     for (const std::uint32_t side : sides)
       if (edges.opposite(side) > edges.highPoint(edge))

@@ -10,29 +10,29 @@
 
 namespace tetvdb {
 
-/// Faces over the same three points, two or more a group; ascending within a group, groups by their
-/// edges' order.
+/// Groups of two or more faces with the same three points, ascending within a group. Groups are in
+/// the order of their edges.
 struct DuplicateGroups {
   std::vector<std::uint32_t> faces;
-  std::vector<std::uint32_t> first; ///< in faces, one more than there are groups
+  std::vector<std::uint32_t> first; ///< in faces; one more than there are groups
 
   std::size_t count() const { return first.size() - 1; }
-  /// Faces beyond the first of each group.
+  /// Number of faces beyond the first of each group.
   std::size_t surplus() const { return faces.size() - count(); }
 };
 
 DuplicateGroups findDuplicates(const EdgeTable& edges);
 
-/// What becomes of each face.
+/// The decision about a face.
 enum class FaceFate : std::uint8_t {
   Stays,
   Goes,
-  StaysWithoutSide ///< as many of its copies look one way as the other
+  StaysWithoutSide ///< its copies have both orientations equally often
 };
 
-/// Decides so that of each group one face or none is left, whichever closes the edges around;
-/// docs/algorithms.md has the rules. Of a group that keeps one, it is the first of the orientation
-/// that most of its faces have.
+/// Keeps one face or none of each group, whichever closes the surrounding edges; docs/algorithms.md
+/// has the rules. The face that is kept is the first of the orientation that most faces of the
+/// group have.
 std::vector<FaceFate> resolveDuplicates(const std::vector<std::uint32_t>& corners,
                                         std::size_t pointCount, const DuplicateGroups& groups,
                                         Progress& progress);

@@ -22,8 +22,8 @@ void parallelRanges(std::size_t count, const Body& body) {
       [&](const tbb::blocked_range<std::size_t>& range) { body(range.begin(), range.end()); });
 }
 
-// A side among those that begin at the same low point: its high point << 32 | the side. Sorted by
-// this number, the order in which threads arrived is forgotten.
+// A side in the list of its low point: high point << 32 | side. Sorting by this number makes the
+// order independent of threads.
 using Entry = std::uint64_t;
 
 std::uint32_t highPointOf(Entry entry) {

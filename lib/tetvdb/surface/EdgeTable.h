@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which faces meet at which edge.
+// Finds the faces that meet at each edge.
 //
 //   tetvdb::EdgeTable edges(mesh);
 //   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
@@ -18,17 +18,17 @@
 
 namespace tetvdb {
 
-/// Side s = 3 face + k of a mesh runs from corner k of the face to corner k + 1. An edge is an
-/// unordered pair of points with all the sides that run along it, either way. Faces with a repeated
-/// point are left out. The corners must outlive the table and stay as they are.
+/// Side s = 3 face + k of a mesh is directed from corner k of the face to corner k + 1. An edge is
+/// an unordered pair of points with all sides between them, in either direction. Faces with a
+/// repeated point are left out. The corners must outlive the table and must not change.
 class EdgeTable {
 public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-  /// Parallel, linear in the faces (sides around a point are sorted), the same for any number of
-  /// threads. Throws Error(Limit) from 2^32 / 3 faces on.
+  /// Parallel, linear in the faces (the sides at each point are sorted), independent of the number
+  /// of threads. Throws Error(Limit) for 2^32 / 3 faces or more.
   explicit EdgeTable(const TriangleMesh& mesh) : EdgeTable(mesh.triangles, mesh.points.size()) {}
-  /// The same of corners alone, three point numbers a face.
+  /// The same for corners, three point numbers per face.
   EdgeTable(const std::vector<std::uint32_t>& corners, std::size_t pointCount);
 
   /// The sides of an edge, ascending.
@@ -42,40 +42,40 @@ public:
   };
 
   std::uint32_t edgeCount() const { return static_cast<std::uint32_t>(points_.size()); }
-  /// Ascending by (low, high).
+  /// Edges ascend by (low point, high point).
   std::uint32_t lowPoint(std::uint32_t edge) const { return points_[edge][0]; }
   std::uint32_t highPoint(std::uint32_t edge) const { return points_[edge][1]; }
   Sides sides(std::uint32_t edge) const {
     return {sides_.data() + first_[edge], sides_.data() + first_[edge + 1]};
   }
-  /// The edge that a side runs along; kNone for faces that were left out.
+  /// The edge of a side; kNone for faces that were left out.
   std::uint32_t edgeOf(std::uint32_t side) const { return edgeOf_[side]; }
   bool hasFace(std::uint32_t face) const { return edgeOf_[3 * std::size_t(face)] != kNone; }
 
   static std::uint32_t faceOf(std::uint32_t side) { return side / 3; }
-  /// Of the same face, the next and the one after it.
+  /// The next and the previous side of the same face.
   static std::uint32_t next(std::uint32_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
   static std::uint32_t previous(std::uint32_t side) { return side % 3 == 0 ? side + 2 : side - 1; }
-  /// Whether a side runs from its edge's low point to the high one.
+  /// Whether a side is directed from its edge's low point to the high one.
   bool ascends(std::uint32_t side) const { return corners_[side] < corners_[next(side)]; }
-  /// The sides that ascend less those that descend: 0 where the faces of the edge cancel.
+  /// The number of ascending minus that of descending sides: 0 if the faces cancel.
   int imbalance(std::uint32_t edge) const {
     int sum = 0;
     for (const std::uint32_t side : sides(edge))
       sum += ascends(side) ? 1 : -1;
     return sum;
   }
-  /// Whether two faces of the same orientation meet at the edge, and no others.
+  /// Whether exactly two faces of consistent orientation meet at the edge.
   bool isManifold(std::uint32_t edge) const {
     return sides(edge).size() == 2 && imbalance(edge) == 0;
   }
-  /// The corner of the side's face that is not on the side.
+  /// The corner of the face that is not on the side.
   std::uint32_t opposite(std::uint32_t side) const { return corners_[previous(side)]; }
 
 private:
   const std::vector<std::uint32_t>& corners_;
   std::vector<std::array<std::uint32_t, 2>> points_;
-  std::vector<std::uint32_t> first_; ///< in sides_, one more than there are edges
+  std::vector<std::uint32_t> first_; ///< in sides_; one more than there are edges
   std::vector<std::uint32_t> sides_;
   std::vector<std::uint32_t> edgeOf_;
 };

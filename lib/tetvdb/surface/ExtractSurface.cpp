@@ -13,7 +13,7 @@
 namespace tetvdb {
 
 namespace {
-constexpr std::size_t kSimplifyBytes = 480; ///< a triangle, measured
+constexpr std::size_t kSimplifyBytes = 480; ///< per triangle, measured
 }
 
 TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options, Progress& progress,

@@ -13,25 +13,25 @@ namespace tetvdb {
 class TriangleScene;
 
 struct ExtractOptions {
-  std::string grid; ///< name of the grid; empty: the first whose values can be a solid
-  /// Triangles are merged while the surface moves no more than this, in voxels; 0: none are.
+  std::string grid; ///< name of the grid; empty: the first one whose values define a solid
+  /// Limit of the distance that merging triangles moves the surface, in voxels; 0: no merging.
   double simplify = 0.1;
-  /// The mesh that the volume came from: vertices lie on it where a voxel edge crosses it. May be
-  /// null: then a mask's surface runs midway between voxels and a float grid's along its isovalue.
+  /// The mesh that the volume was made from: vertices lie on it where a voxel edge crosses it.
+  /// Null: a mask's surface lies halfway between voxels, that of a float grid at its isovalue.
   const TriangleScene* original = nullptr;
-  /// World units; above 0: the solid is not what `original` encloses, but all that is within this
-  /// distance of it, and vertices lie where the distance is this.
+  /// World units. Above 0: the solid is the set of points within this distance of `original`, and
+  /// vertices are placed at this distance.
   double distance = 0;
-  std::size_t maxMemory = 0; ///< bytes; 0: what the machine has available
+  std::size_t maxMemory = 0; ///< bytes; 0: the available memory of the machine
 };
 
-/// The surface between the inside and the outside of a grid: active voxels of a mask, values above
-/// 0.5 of a fog volume, below 0 of a level set. The result is closed, oriented outward and
-/// manifold: every edge has two faces that run along it in opposite directions, every vertex one
-/// fan of faces, and no two vertices are equal even as 32-bit floats. It may cut itself where walls
-/// are thinner than a voxel. Deterministic for any number of threads. Throws Error(Invalid) for a
-/// grid that is no solid or is empty, Error(Limit) where memory does not do.
-/// `extracted`, unless null, becomes the number of triangles before simplification.
+/// Extracts the surface of a grid: the boundary of the active voxels of a mask, of values above 0.5
+/// of a fog volume, or of values below 0 of a level set. The result is closed, oriented outward and
+/// manifold: every edge has two faces in opposite directions, every vertex one fan of faces, and no
+/// two vertices are equal as 32-bit floats. It may intersect itself where walls are thinner than a
+/// voxel. Deterministic, independent of the number of threads. Throws Error(Invalid) for a grid
+/// that defines no solid or is empty, Error(Limit) if the memory does not suffice. `extracted`,
+/// unless null, is set to the number of triangles before simplification.
 TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options, Progress& progress,
                             std::size_t* extracted = nullptr);
 

@@ -11,10 +11,10 @@
 namespace tetvdb {
 namespace {
 
-// Of values with fewer than 16 roundings, relative to the sum of their terms' absolute values.
+// Error of values with fewer than 16 roundings, relative to the sum of the absolute terms.
 constexpr double kRoundings = 0x1p-48;
 
-// The turn of a, b and the point, seen along its axis. Differences are exact: 40 bits and 8 more.
+// The orientation of a, b and the point, seen along its axis. Differences are exact: 48 bits.
 int turn(const Vec3d& a, const Vec3d& b, const LiftedPoint& point) {
   const std::size_t p = (point.axis() + 1) % 3, q = (point.axis() + 2) % 3;
   const Vec3d& at = point.position();
@@ -28,7 +28,7 @@ int turn(const Vec3d& a, const Vec3d& b, const LiftedPoint& point) {
   return signOf(fine(ap) * fine(bq) - fine(aq) * fine(bp));
 }
 
-// The side of a face's plane that the point is on, by doubles; 0 where these cannot tell.
+// The side of a face's plane that the point is on, in doubles; 0 if uncertain.
 int roughSide(const std::array<Vec3d, 3>& c, const LiftedPoint& point) {
   const Vec3d u = minus(c[1], c[0]), v = minus(c[2], c[0]), w = minus(point.position(), c[0]);
   double value = 0, max = 0, alongAxis = 0;
@@ -79,7 +79,7 @@ std::optional<SideWindings> FaceColumns::at(const FacePlanes& face, const Lifted
         return tie;
       }
     }
-    // Below its plane: the normal's part along the axis has the sign of the turns.
+    // Below its plane: the normal's component along the axis has the sign of the orientations.
     if (side * min < 0)
       above += crossing;
     return false;

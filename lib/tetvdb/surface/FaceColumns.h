@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How often a closed chain of faces goes around the places on either side of one of its faces.
+// Winding numbers of a closed chain of faces on both sides of one of its faces.
 #pragma once
 
 #include "tetvdb/geometry/BoxBlocks.h"
@@ -15,20 +15,21 @@
 namespace tetvdb {
 
 struct SideWindings {
-  std::int64_t front, back; ///< where the face's corners turn counter-clockwise, and behind it
+  std::int64_t front, back; ///< on the side that sees the corners counter-clockwise; on the other
+                            ///< side
   std::uint32_t first;      ///< lowest number of a face in this plane at the point
 };
 
-/// Refers to faces and boxes.
+/// Keeps references to the faces and boxes.
 class FaceColumns {
 public:
-  /// `boxes` are the faces'.
+  /// `boxes` are those of the faces.
   FaceColumns(const WeldedFaces& welded, const BoxBlocks& boxes) : welded_(welded), boxes_(boxes) {}
 
-  /// The winding numbers just off `face` at a point of it, by the signed faces that a line along
-  /// its steepest axis crosses, exact. None where the line meets an edge, or at the point a face
-  /// that is not in this one's plane: another point will do. `looked` grows by the faces that were
-  /// looked at. Thread-safe.
+  /// Returns the winding numbers on both sides of `face` at one of its points, by the signed
+  /// crossings of a line along its steepest axis. Exact. Returns none if the line meets an edge, or
+  /// a face in another plane at the point itself; another point must then be chosen. Adds the
+  /// number of tested faces to `looked`. Thread-safe.
   std::optional<SideWindings> at(const FacePlanes& face, const LiftedPoint& point,
                                  std::size_t& looked) const;
 

@@ -21,7 +21,7 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 constexpr std::size_t kMaxPairs = std::size_t(1) << 25;
 constexpr std::size_t kMaxPairsOfFace = 64;
 
-// Bit k: corner k of `face` is one of `other`'s.
+// Bit k is set if corner k of `face` is a corner of `other`.
 unsigned sharedCorners(const WeldedFace& face, const WeldedFace& other) {
   const auto& c = other.corners;
   unsigned bits = 0;
@@ -31,8 +31,8 @@ unsigned sharedCorners(const WeldedFace& face, const WeldedFace& other) {
   return bits;
 }
 
-// Whether the corners of `face` but for the shared ones are all on one side of the other's plane:
-// then no more is common than these. By doubles; false where they cannot tell.
+// Whether all corners of `face` except the shared ones are on one side of the other's plane: then
+// the faces meet in the shared corners only. In doubles; false if uncertain.
 bool surelyOnOneSide(const std::vector<Vec3d>& points, const WeldedFace& face, unsigned shared,
                      const WeldedFace& plane) {
   const Vec3d& a = points[plane.corners[0]];
@@ -78,7 +78,7 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   const std::size_t count = welded.faces.size();
   const std::size_t max = kMaxPairs + kMaxPairsOfFace * count;
   tbb::enumerable_thread_specific<Found> locals;
-  // Other faces at the edge opposite to a corner: 0, 1 or more.
+  // Number of other faces at the edge opposite to a corner: 0, 1 or more.
   std::vector<std::uint8_t> atEdge(3 * count, 0);
   std::atomic<std::size_t> looked{0};
   std::atomic<bool> equal{false};
@@ -94,7 +94,7 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
         !surelyOnOneSide(welded.points, a, shared, b) &&
         facesMeet(welded.points, a.corners.data(), b.corners.data()))
       found.meeting.emplace_back(first, second);
-    const auto lone = [](unsigned bits) { // of two bits out of three
+    const auto lone = [](unsigned bits) { // two of three bits
       return static_cast<std::uint8_t>(bits == 6 ? 0 : bits == 5 ? 1 : 2);
     };
     if (shared == 3 || shared == 5 || shared == 6)

@@ -21,7 +21,7 @@ void flood(std::uint32_t seed, const EdgeTable& edges, FacePatches& patches,
         continue;
       const std::uint32_t otherSide = sides[sides[0] == side];
       const std::uint32_t other = EdgeTable::faceOf(otherSide);
-      // Two faces agree where they run along their edge in opposite directions.
+      // Two faces are consistent if they traverse their edge in opposite directions.
       const bool disagree = edges.ascends(side) == edges.ascends(otherSide);
       const auto against = static_cast<std::uint8_t>(patches.against[face] ^ disagree);
       if (patches.patchOf[other] == EdgeTable::kNone) {
@@ -47,7 +47,7 @@ FaceLists listFaces(std::size_t faces, std::size_t lists, const ListOf& listOf) 
     ++result.first[list];
     ++total;
   }
-  // From here on first[i] is the end of list i; filling backwards makes it the beginning.
+  // first[i] is now the end of list i; filling backwards makes it the beginning.
   for (std::size_t list = 1; list <= lists; ++list)
     result.first[list] += result.first[list - 1];
   result.faces.resize(total);
@@ -83,7 +83,7 @@ FacePatches findPatches(std::size_t faceCount, const EdgeTable& edges, Progress&
   }
   patches.partOf.resize(count);
   for (std::uint32_t patch = 0; patch < count; ++patch) {
-    const std::uint32_t root = sets.find(patch); // the part's first patch
+    const std::uint32_t root = sets.find(patch); // the component's first patch
     patches.partOf[patch] = root == patch ? patches.partCount++ : patches.partOf[root];
   }
   return patches;

@@ -42,7 +42,7 @@ std::size_t FacePieces::cut(const FacePlanes& other) {
   }
   if (*low < 0 && *high > 0)
     return cutAlong(other.plane, {&edges[0], &edges[1], &edges[2]});
-  return 0; // no more than a point
+  return 0; // at most a point
 }
 
 std::size_t FacePieces::cutAlong(const LatticePlane& plane, const Limits& limits) {
@@ -61,7 +61,7 @@ std::size_t FacePieces::cutAlong(const LatticePlane& plane, const Limits& limits
     const auto [low, high] = std::minmax_element(signs.begin(), signs.end());
     if (*low >= 0 || *high <= 0)
       continue;
-    // Where the line enters and leaves the piece.
+    // The points where the line enters and leaves the piece.
     std::array<PlaneCorner, 2> ends;
     std::size_t found = 0;
     for (std::size_t i = 0; i < count && found < 2; ++i) {
@@ -94,7 +94,7 @@ void FacePieces::divide(std::size_t at, const LatticePlane& plane, const std::ve
       const int here = signs[i] * inner, next = signs[(i + 1) % count] * inner;
       if (here >= 0) {
         part.corners.push_back(piece.corners[i]);
-        // From a corner on the line to the outside, the line itself goes on.
+        // At a corner on the line toward the outside, the line becomes the next side.
         part.sides.push_back(here == 0 && next < 0 ? Side{&plane, inner} : piece.sides[i]);
       }
       if (here * next < 0) {
@@ -121,7 +121,7 @@ bool FacePieces::innerPoint(std::size_t at, unsigned attempt, std::int64_t& u,
                             std::int64_t& v) const {
   const Piece& piece = pieces_[at];
   const std::size_t p = (face_.axis + 1) % 3, q = (face_.axis + 2) % 3;
-  // A mean of the corners, equal weights first.
+  // A mean of the corners, with equal weights first.
   double sum = 0, first = 0, second = 0;
   std::uint64_t random = attempt;
   for (const Vec3d& corner : outline(at)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which way every face of a mesh has to look: the steps of cleanTriangles() that turn faces. The
-// mesh stays as it is until all is decided. docs/algorithms.md has the rules.
+// Determines the orientation of every face of a mesh: the steps of cleanTriangles() that reverse
+// faces. The mesh itself is not changed. docs/algorithms.md has the rules.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -23,58 +23,58 @@ class FaceSides {
 public:
   FaceSides(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress);
 
-  /// Makes the faces of every patch agree that can; the way that leaves the larger area as it is,
-  /// where faces `withoutSide` (1, by face; may be empty) do not count.
+  /// Orients the faces of each orientable patch consistently. Keeps the orientation of the larger
+  /// area, not counting faces with `withoutSide` 1 (by face; may be empty).
   void alignPatches(const std::vector<std::uint8_t>& withoutSide);
-  /// In shells where the sides of an edge of several faces do not balance: turns patches so that
-  /// what is outside of the shell, as rays see it, lies before them. (AlignByVisibility.cpp)
+  /// Reverses patches of shells whose orientations do not balance at edges of several faces, so
+  /// that their front sides face the outside, as seen by rays. (AlignByVisibility.cpp)
   void alignByVisibility(Progress& progress);
-  /// Turns shells that are inside out, with what is nested in them. (TurnShells.cpp)
+  /// Reverses shells that are inside out, with the shells nested in them. (TurnShells.cpp)
   void turnShells(Progress& progress);
 
-  /// Whether every shell is closed and has a volume clearly above 0. Patches are aligned.
+  /// Whether every shell is closed and has a volume clearly above 0. Requires aligned patches.
   bool allShellsLookOutward() const;
 
   const std::vector<std::uint8_t>& turned() const { return turned_; } ///< by face
   const FacePatches& patches() const { return patches_; }
   double area(std::uint32_t face) const { return areas_[face]; }
-  std::uint32_t shellCount() const { return shellCount_; } ///< once patches are aligned
+  std::uint32_t shellCount() const { return shellCount_; } ///< after alignPatches()
   std::uint32_t shellOfPatch(std::uint32_t patch) const { return shellOf_[patch]; }
   std::size_t turnedShells() const { return turnedShells_; }
-  bool insideOut() const { return insideOut_; } ///< the roots of most volume were turned
+  bool insideOut() const { return insideOut_; } ///< most of the outermost volume was reversed
 
 private:
   struct Shell;
 
-  Vec3d normal(std::uint32_t face) const; ///< as turned; its length is twice the area
+  Vec3d normal(std::uint32_t face) const; ///< as reversed; its length is twice the area
   Vec3d centroid(std::uint32_t face) const;
   std::uint32_t shellOf(std::uint32_t face) const { return shellOf_[patches_.patchOf[face]]; }
-  int direction(std::uint32_t side) const { // as turned: 1 where it ascends, -1
+  int direction(std::uint32_t side) const { // with the new orientation: 1 if it ascends, else -1
     return edges_.ascends(side) != (turned_[EdgeTable::faceOf(side)] != 0) ? 1 : -1;
   }
-  /// Calls visit(patch, imbalance) for every patch at an edge; imbalance: sides that ascend
-  /// less those that descend.
+  /// Calls visit(patch, imbalance) for every patch at an edge; imbalance: the number of ascending
+  /// sides minus that of descending ones.
   template <typename Visit>
   void eachPatchAt(std::uint32_t edge, const Visit& visit) const;
   void findShells();
 
-  /// Of the mesh as given, built when first asked for.
+  /// Of the given mesh; built on the first call.
   const TriangleScene& scene();
-  /// The `number`-th of fixed directions from a face, of length 1.
+  /// Direction `number` of a fixed set for a face, of length 1.
   static Vec3d directionFrom(std::uint32_t face, std::uint32_t number);
-  /// Crossings of the ray from the centroid of a face, apart from those with the face itself.
+  /// Crossings of the ray from the centroid of a face, without those with the face itself.
   void shoot(std::uint32_t face, const Vec3d& direction,
              std::vector<TriangleScene::Hit>& hits) const;
 
   enum class Balance : std::uint8_t {
     Even,
-    Odd,  ///< of three faces or so one is left over
-    Wrong ///< sides do not cancel that could
+    Odd,  ///< one face of an odd number is left over
+    Wrong ///< more than one face is not cancelled
   };
-  /// What faces say about which way they look.
+  /// Votes of faces about their orientation.
   struct Poll {
     int asked = 0, outward = 0, inward = 0;
-    /// Nine of ten that know say so, and half of all know.
+    /// At least nine of ten decided faces agree, and at least half of all are decided.
     bool isSureOf(int votes) const {
       return 10 * votes >= 9 * (outward + inward) && 2 * (outward + inward) >= asked && votes > 0;
     }
@@ -95,9 +95,9 @@ private:
   std::vector<double> areas_; ///< by face
   double diagonal_ = 0;       ///< of the mesh's box
   std::vector<std::uint8_t> turned_;
-  std::vector<std::uint8_t> sideless_; ///< by patch: 1 where no face has a side of its own
-  /// By patch. Patches whose sides at an edge do not balance belong together there; one that is
-  /// balanced by itself only touches the others: two boxes with an edge in common are two shells.
+  std::vector<std::uint8_t> sideless_; ///< by patch: 1 if no face has a side of its own
+  /// By patch. Patches whose sides do not balance at an edge are of one shell. A patch that
+  /// balances by itself only touches the others: two boxes with a common edge are two shells.
   std::vector<std::uint32_t> shellOf_;
   std::uint32_t shellCount_ = 0;
   std::unique_ptr<TriangleScene> scene_;

@@ -15,10 +15,10 @@ namespace {
 using Corners = HolePatch::Corners;
 
 constexpr int kMaxRounds = 24; // of splitting
-constexpr int kMaxFlips = 12;  // rounds of flipping after each
-constexpr int kFairings = 3;   // with cotangents of the surface before
+constexpr int kMaxFlips = 12;  // rounds of flipping after each split
+constexpr int kFairings = 3;   // each with cotangents of the previous surface
 constexpr double kMinCot = 0.02, kMaxCot = 50;
-constexpr double kSolved = 1e-9; // of the first residual
+constexpr double kSolved = 1e-9; // relative to the first residual
 
 double cotangent(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const Vec3d u = minus(a, apex), v = minus(b, apex);
@@ -26,7 +26,7 @@ double cotangent(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   return size > 0 ? dot(u, v) / size : (dot(u, v) > 0 ? kMaxCot : -kMaxCot);
 }
 
-// --- Finer.
+// --- Refinement.
 
 class Refinement {
 public:
@@ -49,7 +49,7 @@ public:
       scale_[v] = edges[v].second > 0 ? edges[v].first / edges[v].second : 0;
   }
 
-  // False where there would be too many points.
+  // Returns false if there are too many points.
   bool run(Progress& progress) {
     for (int round = 0; round < kMaxRounds; ++round) {
       progress.check();
@@ -123,7 +123,7 @@ private:
                          cotangent(points_[d], points_[a], points_[b]);
       if (!(now < -1e-6))
         continue;
-      // Neither new face looks away from both old ones.
+      // Neither new normal opposes both old ones.
       const Vec3d before = plus(normal(a, b, c), normal(b, a, d));
       if (!(dot(normal(a, d, c), before) > 0) || !(dot(normal(d, b, c), before) > 0))
         continue;
@@ -139,13 +139,13 @@ private:
   std::vector<Vec3d>& points_;
   std::vector<Corners> faces_;
   const EdgeTaken& isTaken_;
-  const std::size_t loopEnd_;             ///< points from there on are new
-  std::map<std::uint32_t, double> scale_; ///< mean length of the mesh's edges at a point
+  const std::size_t loopEnd_;             ///< points from this number on are new
+  std::map<std::uint32_t, double> scale_; ///< mean edge length of the mesh at a point
 };
 
-// --- Smoother.
+// --- Fairing.
 
-// The squared Laplacian of the patch's points, as a function of those that are new.
+// The squared Laplacian of the patch's points, as a function of the new points.
 class Fairing {
 public:
   Fairing(std::vector<Vec3d>& points, std::size_t firstNew, const std::vector<Corners>& faces,
@@ -241,7 +241,7 @@ private:
     return sum;
   }
 
-  // Half the gradient with respect to the new points, at `at`: linear in it.
+  // Half the gradient with respect to the new points at `at`; linear in `at`.
   Vectors gradient(const Vectors& at) const {
     Vectors result(points_.size() - firstNew_, Vec3d{0, 0, 0});
     const auto add = [&](std::uint32_t point, const Vec3d& d) {
@@ -302,7 +302,8 @@ std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTa
         low[axis] = std::min(low[axis], points[v][axis]);
         high[axis] = std::max(high[axis], points[v][axis]);
       }
-  const double max = length(minus(high, low)); // of a new point from its place in the plain patch
+  const double max = length(minus(high, low)); // of a new point from its position in the plain
+                                               // patch
   const std::vector<Vec3d> before(points.begin() + static_cast<std::ptrdiff_t>(first),
                                   points.end());
   for (int i = 0; i < kFairings; ++i) {

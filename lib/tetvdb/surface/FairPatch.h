@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A patch over a hole made as fine and as smooth as the surface around it.
+// Refines and fairs a patch over a hole to match the surrounding surface.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -14,21 +14,21 @@
 
 namespace tetvdb {
 
-/// Triangles over a loop of points of a mesh, and the mesh's faces that have a point of the loop.
+/// Triangles over a loop of points of a mesh, and the mesh's faces with a point of the loop.
 struct HolePatch {
   using Corners = std::array<std::uint32_t, 3>;
-  std::vector<Corners> faces;  ///< over the loop's points alone
-  std::vector<Corners> around; ///< as oriented as `faces`
+  std::vector<Corners> faces;  ///< with points of the loop only
+  std::vector<Corners> around; ///< with the orientation of `faces`
 };
 
-/// Refines the patch: a face whose middle is farther from its corners than edges there are long is
-/// split in three, and inner edges are flipped where the angles opposite to them are larger (P.
-/// Liepa, Filling holes in meshes, 2003). Then moves the new points to where the squared Laplacian
-/// (cotangents, by area) of the patch and of its boundary, faces around it included, is least: the
-/// surface goes on with the same tangent and bends evenly. New points are appended to `points`.
-/// Edges that are taken are not made. Returns how many points there are; 0: nothing was changed, as
-/// the patch is fine enough, or larger than kMaxFairPoints, or no such surface was found. About 1
-/// ms for a hundred points.
+/// Refines the patch: splits a face into three if its centroid is farther from its corners than the
+/// local edge length, and flips inner edges whose opposite angles are larger (P. Liepa, Filling
+/// holes in meshes, 2003). Then moves the new points to minimize the squared Laplacian (cotangents,
+/// by area) of the patch and of its boundary, including the faces around it: the surface continues
+/// the tangent planes of its surroundings. Appends new points to `points`. Does not make edges for
+/// which `isTaken` holds. Returns the number of new points. Returns 0, and changes nothing, if the
+/// patch is fine enough, is larger than kMaxFairPoints, or no such surface was found. About 1 ms
+/// per hundred points.
 std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTaken& isTaken,
                       Progress& progress);
 

@@ -12,8 +12,8 @@ namespace tetvdb {
 /// Two vertices, the lower number first.
 using VertexPair = std::array<std::uint32_t, 2>;
 
-/// Edges where two faces meet at more than `degrees` from flat, or that do not have exactly two
-/// faces: the edges that shape a model. Ascending. In a scan, noise can look like them.
+/// Returns the edges whose faces deviate from a plane by more than `degrees`, and the edges that do
+/// not have exactly two faces. Ascending. Noise of scans can produce such edges.
 std::vector<VertexPair> featureEdges(const TriangleMesh& mesh, double degrees);
 
 } // namespace tetvdb

@@ -22,16 +22,16 @@
 namespace tetvdb {
 namespace {
 
-// How far from a plane, relative to its size, a plane loop's points lie at most.
+// Maximum distance of a plane loop's points from the plane, relative to the loop's size.
 constexpr double kFlat = 1e-4;
-// Loops longer than that are not tried in the plane, where time grows with the square.
+// Longer loops are not tested for a plane, since the time is quadratic.
 constexpr std::size_t kMaxPlanePoints = 4096;
-// Curved holes of fewer edges are filled by the points that are there.
+// Curved holes of fewer edges are filled without new points.
 constexpr std::size_t kFewestFairEdges = 7;
 
 struct Plane {
-  Vec3d origin{0, 0, 0}, normal{0, 0, 0}; ///< the loop turns counter-clockwise around the normal
-  double area = 0, size = 0;              ///< of the loop; its box's diagonal
+  Vec3d origin{0, 0, 0}, normal{0, 0, 0}; ///< the loop is counter-clockwise around the normal
+  double area = 0, size = 0;              ///< of the loop; diagonal of its box
   Box box;
   bool flat = false;
 };
@@ -107,7 +107,7 @@ private:
   }
   bool isTaken(std::uint32_t a, std::uint32_t b) const { return taken_.count(key(a, b)) > 0; }
 
-  // Loops within the smallest one around them that lies in the same plane and turns the other way.
+  // Assigns loops to the smallest loop around them in the same plane and of opposite direction.
   void findRings(std::vector<std::vector<std::size_t>>& within, std::vector<char>& isInner) const {
     std::vector<Box> boxes;
     for (const Plane& plane : planes_)
@@ -137,7 +137,7 @@ private:
     }
   }
 
-  // Whether a plane loop goes around a point of its plane: the angles at which it sees the edges.
+  // Whether a plane loop encloses a point of its plane, by the sum of angles.
   bool isAround(std::size_t loop, const Vec3d& p) const {
     double turn = 0;
     const std::vector<std::uint32_t>& points = loops_[loop].points;
@@ -189,7 +189,7 @@ private:
     finish(hole, added, first, filling);
   }
 
-  // The faces from `first` on, over a loop, become finer and smoother.
+  // Refines and fairs the faces from `first` on, over a loop.
   void fair(const BoundaryLoop& loop, std::vector<std::uint32_t>& added, std::size_t first,
             FilledHole& hole, std::size_t number) {
     HolePatch patch;
@@ -230,7 +230,7 @@ private:
     return {corners[3 * face], corners[3 * face + 1], corners[3 * face + 2]};
   }
 
-  // Faired patches that meet other faces become plain again.
+  // Restores the plain patch where faired patches intersect other faces.
   void takeBackCrossing(std::vector<std::uint32_t>& added, HoleFilling& filling) {
     if (fairHoles_.empty())
       return;
@@ -288,7 +288,7 @@ private:
   std::unordered_set<std::uint64_t> taken_;
   struct FairHole {
     std::size_t number;               ///< of the filled hole
-    std::vector<std::uint32_t> plain; ///< its faces before
+    std::vector<std::uint32_t> plain; ///< its faces before fairing
   };
   std::vector<FairHole> fairHoles_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> facesAt_; ///< points of loops

@@ -18,7 +18,7 @@ constexpr std::size_t kSamples = 2000;
 constexpr std::size_t kThinnest = kSamples / 50;
 constexpr double kPerThickness = 3;  ///< voxels
 constexpr double kCoarsest = 256;    ///< voxels along the longest side
-constexpr double kFacesPerVoxel = 3; ///< of marching cubes, on the surface's area
+constexpr double kFacesPerVoxel = 3; ///< of marching cubes, over the surface's area
 constexpr double kOffSurface = 1e-6; ///< of the box's diagonal: where a ray begins
 
 double twiceArea(const TriangleMesh& mesh, std::size_t face) {
@@ -55,7 +55,7 @@ double finestThickness(const TriangleMesh& mesh, Progress& progress) {
     passed += twiceArea(mesh, face) / 2;
     for (; next < passed && thickness.size() < kSamples; next += step) {
       progress.check();
-      // The R2 sequence (Roberts 2018), folded into the triangle.
+      // The R2 sequence (Roberts 2018), reflected into the triangle.
       const auto i = static_cast<double>(thickness.size() + 1);
       double u = std::fmod(i * 0.7548776662466927, 1.0), v = std::fmod(i * 0.5698402909980532, 1.0);
       if (u + v > 1) {

@@ -8,13 +8,13 @@
 
 namespace tetvdb {
 
-/// How thick the model is where it is thin, world units: the distance straight inward to the next
-/// face, which a fiftieth of 2000 points spread over the area do not reach. Infinity where no face
-/// lies behind another. The same for any number of threads.
+/// The thickness of thin walls, world units: the 2 % quantile of the distance straight inward to
+/// the next face, over 2000 points spread over the area. Infinity if no face lies behind another.
+/// The result does not depend on the number of threads.
 double finestThickness(const TriangleMesh& mesh, Progress& progress);
 
-/// A voxel that a model is remeshed with: a third of its finest thickness, between a 256th of the
-/// box's longest side and what makes about `mostFaces` faces. Throws Error(Invalid) for a mesh
+/// The voxel size for remeshing: a third of the finest thickness, at most a 256th of the box's
+/// longest side, and large enough for about `maxFaces` faces. Throws Error(Invalid) for a mesh
 /// without extent.
 double voxelForDetail(const TriangleMesh& mesh, std::size_t maxFaces, Progress& progress);
 

@@ -29,7 +29,7 @@ std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
 Vec3d nearestFloats(const Vec3d& p) {
   Vec3d rounded;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // GCC 12 takes the conversion to float and back for nothing where it makes vectors of it.
+    // GCC 12 removes the conversion to float and back when it vectorizes; volatile prevents it.
     const volatile float c = static_cast<float>(p[axis]);
     rounded[axis] = c;
   }

@@ -8,11 +8,11 @@
 
 namespace tetvdb {
 
-/// Numbers of the points that equal another one once they are rounded to 32-bit floats, as in STL
-/// and 3MF: programs that weld would join them.
+/// Numbers of the points that equal another one after rounding to 32-bit floats. Programs that weld
+/// the points of STL and 3MF files would merge them.
 std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points);
 
-/// The nearest point whose coordinates are 32-bit floats.
+/// The nearest point with 32-bit float coordinates.
 Vec3d nearestFloats(const Vec3d& p);
 
 } // namespace tetvdb

@@ -13,17 +13,17 @@
 namespace tetvdb {
 namespace {
 
-// The box is grown by this share on each side.
+// The box is enlarged by this fraction on each side.
 constexpr double kMargin = 0.05;
-// Distances from a face, over the square root of its group's area: from the smallest to the
+// Distances from a face, relative to the square root of its group's area: smallest and
 // largest.
 constexpr double kNearest = 0.002, kFarthest = 0.5;
-// Of the box's diagonal: groups smaller than this have no samples of their own, and no sample is
-// nearer to its face than this, since rays are told in floats.
+// Relative to the box's diagonal: smaller groups have no samples of their own, and no sample is
+// closer to its face than kMinDistance, since rays are computed in floats.
 constexpr double kSmallestGroup = 1e-3, kMinDistance = 1e-5;
 constexpr std::size_t kSamplesPerGroup = 16; ///< at least, half on each side
 
-// Fractions of the i-th multiple of powers of 1 / g, g^4 = g + 1: evenly spread in three dimensions
+// Fractional parts of multiples of the powers of 1 / g, g^4 = g + 1: uniform in three dimensions
 // (M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
 Vec3d spread(std::size_t i) {
   constexpr double kStep[3] = {0.8191725133961644, 0.6710436067037892, 0.5497004779019702};
@@ -35,7 +35,7 @@ Vec3d spread(std::size_t i) {
   return p;
 }
 
-// Calls visit(edge, group, weight) for each group that does not close at an edge.
+// Calls visit(edge, group, weight) for each group that is not closed at an edge.
 template <typename Visit>
 void eachOpenEdge(const EdgeTable& edges, const std::vector<std::uint32_t>& groupOf,
                   const std::vector<std::uint8_t>& turned, const Visit& visit) {
@@ -141,11 +141,11 @@ GroupWinding::GroupWinding(const TriangleMesh& mesh, const EdgeTable& edges,
                            std::uint32_t groupCount, const std::vector<std::uint8_t>& turned,
                            const std::vector<Vec3d>& samples, Progress& progress)
     : samples_(samples.size()), values_(std::size_t(groupCount) * samples.size(), 0) {
-  // Several groups may be open at an edge, whose angle is worked out once.
+  // Several groups may be open at an edge; its angle is computed once.
   struct GroupEdge {
     CurtainEdge edge;
     std::uint32_t group;
-    bool isNext; ///< the edge is not that of the entry before
+    bool isNext; ///< the edge differs from that of the previous entry
   };
   std::vector<GroupEdge> open;
   std::uint32_t last = EdgeTable::kNone;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Winding numbers at sample points, apart for groups of a mesh's faces: what each group adds to the
-// whole, so that turning a group is one subtraction.
+// Winding numbers at sample points, separately for groups of faces: the contribution of each group
+// to the sum. Reversing a group negates its contribution.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -16,34 +16,34 @@
 
 namespace tetvdb {
 
-/// Points where winding numbers are asked for: spread over a little more than the mesh's box, and
-/// beside faces, on both sides, from near to about as far as their group is large.
+/// Sample points for winding numbers: spread over a slightly enlarged box of the mesh, and on both
+/// sides of faces, at distances from small to about the size of their group.
 struct WindingSamples {
   std::vector<Vec3d> points;
-  std::size_t spread = 0; ///< the first of them, all over
-  double volume = 0;      ///< of what these are spread over
+  std::size_t spread = 0; ///< the number of leading points that are spread over the box
+  double volume = 0;      ///< of the enlarged box
 };
 
-/// About `count` points, of which every group has some of its own. They follow from the mesh, the
-/// order of its faces and the groups alone.
+/// About `count` points, some of which belong to each group. They depend only on the mesh, the
+/// order of its faces and the groups.
 WindingSamples windingSamples(const TriangleMesh& mesh, const std::vector<std::uint32_t>& groupOf,
                               std::uint32_t groupCount, std::size_t count);
 
 class GroupWinding {
 public:
-  /// `groupOf`: by face, below `groupCount`; EdgeTable::kNone: left out. `turned`: by face, 1 where
-  /// it counts as reversed. Costs a ray a sample, and 20 ns a sample and edge at which a group
-  /// does not close.
+  /// `groupOf`: by face, below `groupCount`; EdgeTable::kNone: left out. `turned`: by face, 1 if
+  /// reversed. Costs one ray per sample, and 20 ns per sample and edge at which a group is not
+  /// closed.
   GroupWinding(const TriangleMesh& mesh, const EdgeTable& edges, const TriangleScene& scene,
                const std::vector<std::uint32_t>& groupOf, std::uint32_t groupCount,
                const std::vector<std::uint8_t>& turned, const std::vector<Vec3d>& samples,
                Progress& progress);
 
-  /// Of a group, one a sample.
+  /// The contributions of a group, by sample.
   const float* of(std::uint32_t group) const { return &values_[std::size_t(group) * samples_]; }
   std::size_t sampleCount() const { return samples_; }
 
-  /// Edges at which groups do not close, all together: what the constructor's cost grows with.
+  /// The number of edges at which groups are not closed, over all groups: determines the cost.
   static std::size_t openEdges(const EdgeTable& edges, const std::vector<std::uint32_t>& groupOf,
                                const std::vector<std::uint8_t>& turned);
 

@@ -37,7 +37,7 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
   std::frexp(extent, &exponent); // extent <= 2^exponent
   chain.scale = std::ldexp(1, 40 - exponent);
 
-  // Numbered by position, so that nothing follows from the order of faces.
+  // Numbered by position, so that nothing depends on the order of faces.
   std::map<Vec3d, std::uint32_t> corners; // the first corner's point of the mesh
   std::vector<Vec3d> snapped(mesh.points.size());
   std::vector<std::uint32_t> number(mesh.points.size(), kNone);
@@ -113,7 +113,7 @@ std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const Trimm
       continue;
     const FacePlanes face(chain.welded.cornersOf(met[at]));
     const auto& own = chain.welded.faces[met[at]].corners;
-    std::deque<FacePlanes> cuts; // that the pieces refer to
+    std::deque<FacePlanes> cuts; // referenced by the pieces
     FacePieces pieces(face);
     std::set<std::uint32_t> corners;
     std::vector<std::uint32_t> others;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A mesh's faces on a lattice, as removeCrossings() cuts them.
+// The faces of a mesh on a lattice, as removeCrossings() cuts them.
 #pragma once
 
 #include "tetvdb/geometry/VectorMath.h"
@@ -14,31 +14,31 @@
 
 namespace tetvdb {
 
-/// The faces on a lattice, and which of the mesh they are.
+/// The faces on a lattice, and their numbers in the mesh.
 struct LatticeChain {
   WeldedFaces welded;
-  std::vector<std::uint32_t> pointOf; ///< of the mesh, by point of `welded`
-  std::vector<std::uint32_t> source;  ///< face of the mesh, by face of `welded`
+  std::vector<std::uint32_t> pointOf; ///< by point of `welded`: point of the mesh
+  std::vector<std::uint32_t> source;  ///< by face of `welded`: face of the mesh
   Vec3d origin{0, 0, 0};
-  double scale = 1; ///< lattice units in a world unit: a power of two
+  double scale = 1; ///< lattice units per world unit: a power of two
 
   Vec3d toWorld(const Vec3d& p) const { return plus(origin, times(p, 1 / scale)); }
 };
 
-/// The lattice has between 2^39 and 2^40 units along the longest side of the mesh's box. Faces over
-/// the same points are one, faces without area are left out. The same but for `pointOf` and
-/// `source` for any order of faces and points.
+/// The lattice has between 2^39 and 2^40 units along the longest side of the mesh's box. Faces with
+/// the same points are merged, faces without area are left out. Independent of the order of faces
+/// and points, except for `pointOf` and `source`.
 LatticeChain latticeChain(const TriangleMesh& mesh);
 
-/// A face that stays whole, and what of others that stay lies in it.
+/// A face that remains whole, and the corners and edges of other remaining faces that lie in it.
 struct TouchedFace {
   std::uint32_t face;                    ///< of the chain
-  std::vector<std::uint32_t> corners;    ///< of the lattice, on the face's edges or within it
-  std::vector<std::vector<Vec3d>> parts; ///< convex ones that edges divide it into; empty: none do
+  std::vector<std::uint32_t> corners;    ///< lattice points on the face's edges or inside it
+  std::vector<std::vector<Vec3d>> parts; ///< convex, divided by edges; empty: not divided
 };
 
-/// Of faces that others meet (TrimmedChain::isMet) those that stay as they are, with the corners
-/// and edges of such faces that lie in them, exactly.
+/// Of the faces that meet others (TrimmedChain::isMet), returns those that remain whole, with the
+/// corners and edges of other remaining faces that lie in them. Exact.
 std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed);
 
 } // namespace tetvdb

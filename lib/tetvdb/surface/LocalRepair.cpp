@@ -23,11 +23,11 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMaxChange = 0.01; // of the solid's volume
-constexpr double kNoChange = 0.001; // beyond which it is told
-constexpr double kMinSamples = 4;   // points that may differ whatever their share
+constexpr double kMaxChange = 0.01; // relative to the solid's volume
+constexpr double kNoChange = 0.001; // limit above which the change is reported
+constexpr double kMinSamples = 4;   // points that may differ in any case
 
-// Of faces over the same points those go that cancel, and if asked for all but one of the others.
+// Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
   std::vector<char> drops(mesh.triangleCount(), 0);
   {
@@ -54,7 +54,7 @@ std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
   return dropFaces(mesh, drops);
 }
 
-// Points that are equal as floats become the first of them.
+// Replaces points that are equal as floats by the first of them.
 void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
   const std::vector<std::uint32_t> equal = equalAsFloats(mesh.points);
   if (equal.empty())
@@ -89,13 +89,13 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
   dropUnusedPoints(mesh);
 }
 
-// Faces without area without which fewer edges are open. Those that close a gap between their
-// neighbours' edges stay.
+// Removes faces without area whose removal leaves fewer open edges. Those that close a gap between
+// the edges of their neighbours stay.
 void dropLooseFlatFaces(TriangleMesh& mesh) {
   std::vector<char> drops(mesh.triangleCount(), 0);
   {
     const EdgeTable edges(mesh);
-    std::vector<int> excess(edges.edgeCount(), 0); // sides that ascend less those that descend
+    std::vector<int> excess(edges.edgeCount(), 0); // ascending minus descending sides
     const auto signOf = [&](std::uint32_t side) { return edges.ascends(side) ? 1 : -1; };
     for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
       excess[edge] = edges.imbalance(edge);
@@ -121,7 +121,7 @@ void dropLooseFlatFaces(TriangleMesh& mesh) {
     dropUnusedPoints(mesh);
 }
 
-// Where a surface is there twice, nearly in the same place, one of the two goes.
+// Removes one of two surfaces that nearly coincide.
 void dropDoubles(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   BoundaryWeld weld;
   {
@@ -147,7 +147,7 @@ bool isBalanced(const TriangleMesh& mesh) {
   return edges.edgeCount() > 0;
 }
 
-// Edges of several faces and points of several fans; says what is broken then.
+// Separates edges of several faces and points of several fans; returns the remaining defect.
 std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   const std::size_t points = mesh.points.size();
   splitFans(mesh, progress);
@@ -157,30 +157,30 @@ std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& p
   return whatIsBroken(mesh, progress, true);
 }
 
-// Says what is broken then. Rounding corners to floats, or joining those that are equal as floats,
-// may make faces cross again where details are as fine as that: done without, then.
+// Returns the remaining defect. Rounding corners to floats, or merging points that are equal as
+// floats, may create new intersections in fine details; the second attempt does neither.
 std::string cutCrossings(const TriangleMesh& closed, TriangleMesh& mesh, LocalRepair& repair,
                          Progress& progress) {
   std::string broken;
   for (const NewCorners corners : {NewCorners::FloatsAsGiven, NewCorners::Doubles}) {
     TriangleMesh cut = closed;
     if (corners == NewCorners::Doubles && !repair.crossings.floats)
-      break; // the same again
+      break; // the attempt would be identical
     const CrossingCounts crossings = removeCrossings(cut, corners, progress);
     repair.crossings = crossings;
     if (!crossings.complete) {
-      broken = "faces that cross, too many to cut";
+      broken = "too many intersecting faces to cut";
       continue;
     }
     for (const bool joins : {true, false}) {
       if (!joins && equalAsFloats(cut.points).empty())
-        break; // the same again
+        break; // the attempt would be identical
       mesh = cut;
       const StitchCounts stitched = repair.stitched;
       if (joins)
         joinEqualAsFloats(mesh, repair);
       broken = isBalanced(mesh) ? partWhatTouches(mesh, repair, progress)
-                                : "edges left open where faces were cut";
+                                : "open edges where faces were cut";
       if (broken.empty())
         return broken;
       repair.stitched = stitched;
@@ -206,8 +206,8 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress, bool flat
     return counted(defects.nonManifoldEdges, "edge of three faces or more",
                    "edges of three faces or more");
   if (defects.misorientedEdges > 0)
-    return counted(defects.misorientedEdges, "edge whose faces do not look the same way",
-                   "edges whose faces do not look the same way");
+    return counted(defects.misorientedEdges, "edge of two faces in the same direction",
+                   "edges of two faces in the same direction");
   if (defects.nonManifoldVertices > 0)
     return counted(defects.nonManifoldVertices, "vertex of several fans",
                    "vertices of several fans");
@@ -243,12 +243,12 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   if (!isBalanced(work)) {
     repair.sheets = dropSheets(work, progress);
     if (!repair.sheets.complete)
-      return failed("too many open parts");
+      return failed("too many open components");
     if (work.triangles.empty())
-      return failed("sheets alone");
+      return failed("only sheets");
     repair.holes = fillHoles(work, progress).holes;
     if (!isBalanced(work))
-      return failed("edges that no faces over them can close");
+      return failed("boundary edges that cannot be closed");
   }
   const TriangleMesh closed = work;
   std::string broken = partWhatTouches(work, repair, progress);

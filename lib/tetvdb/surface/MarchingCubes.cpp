@@ -16,11 +16,11 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMargin = 0.05; ///< of the way from voxel to voxel, at both ends
-/// What the way is drawn out by at both ends to cross faces that pass through a voxel's centre.
+constexpr double kMargin = 0.05; ///< of the distance between voxels, at both ends
+/// Extension of the segment at both ends, to cross faces that pass through a voxel's centre.
 constexpr double kReach = 1e-6;
 
-// A block's vertices: one on every crossed edge that begins in it.
+// A block's vertices: one on every crossed edge that begins in the block.
 struct Block {
   Vec3i origin;
   /// Bit 8 y + z of [8 axis + x]: the edge from voxel (x, y, z) along the axis is crossed.
@@ -60,7 +60,7 @@ void forEachVoxel(const Visit& visit) {
         visit(x, y, z);
 }
 
-// Fills in what is crossed, and the numbers of vertices and triangles.
+// Computes the crossed edges and the numbers of vertices and triangles.
 void count(const BlockSamples& samples, Block& block) {
   forEachVoxel([&](int x, int y, int z) {
     const bool here = samples.isInside(x, y, z);
@@ -79,9 +79,9 @@ void count(const BlockSamples& samples, Block& block) {
   }
 }
 
-// Where the way from outside to inside enters the solid for good: where the number of faces entered
-// less those left last rises above 0. Where it never does, as faces may look either way, the first
-// face met. Null where there is none.
+// The hit at which a ray from outside to inside finally enters the solid: where the number of
+// entered minus left faces last rises above 0. If it never does, since faces may have any
+// orientation, the first hit. Null without hits.
 const TriangleScene::Hit* entrance(const std::vector<TriangleScene::Hit>& hits, bool backward) {
   if (hits.empty())
     return nullptr;
@@ -177,7 +177,7 @@ private:
     return p;
   }
 
-  // Calls visit(vertex, voxel, axis) for the vertices of a block in their order.
+  // Calls visit(vertex, voxel, axis) for the vertices of a block in order.
   template <class Visit>
   static void forEachVertex(const Block& block, const Visit& visit) {
     std::size_t vertex = block.firstVertex;
@@ -197,7 +197,7 @@ private:
     return world(index);
   }
 
-  // Where the distance to the scene passes the given one, by bisection.
+  // The position at which the distance to the scene passes the given one, by bisection.
   template <class Position>
   double passage(const Position& position, bool startInside) const {
     double low = 0, high = 1;
@@ -251,7 +251,7 @@ private:
     return start / (start - end);
   }
 
-  // Faces may look either way: the normal is turned towards the voxel outside.
+  // Faces may have any orientation: the normal is directed to the voxel outside.
   ShapeContact contactAt(const Vec3d& point, const TriangleScene::Hit& hit, std::size_t axis,
                          bool startInside) const {
     Vec3d n = original_.scene->normal(hit.triangle);
@@ -283,15 +283,15 @@ private:
     });
   }
 
-  // Blocks are in ascending order. A crossed edge begins in one of them.
+  // Blocks are in ascending order. Every crossed edge begins in one of them.
   const Block* find(const Vec3i& origin, int dx, int dy, int dz) const {
     const Vec3i at{origin[0] + kBlock * dx, origin[1] + kBlock * dy, origin[2] + kBlock * dz};
     return &*std::lower_bound(blocks_.begin(), blocks_.end(), at,
                               [](const Block& b, const Vec3i& o) { return b.origin < o; });
   }
 
-  // Vertices differ by a twentieth of a voxel along one axis at least: where floats are finer than
-  // that there is nothing to do. Elsewhere those that are equal go midway.
+  // Vertices differ by at least a twentieth of a voxel along one axis. If floats are not finer than
+  // that, vertices that are equal move to the midpoint.
   void separate(std::vector<Vec3d>& points) {
     if (points.empty() || floatsAreFine(points))
       return;
@@ -325,7 +325,7 @@ private:
   const SolidSamples& samples_;
   const SampledShape original_;
   Progress& progress_;
-  MarchedCubes* marched_; ///< null where nobody asks
+  MarchedCubes* marched_; ///< may be null
   std::vector<Block> blocks_;
   std::size_t triangles_ = 0, cubes_ = 0;
 };

@@ -12,28 +12,28 @@ namespace tetvdb {
 
 class TriangleScene;
 
-/// What samples were taken of.
+/// The shape from which samples were taken.
 struct SampledShape {
   const TriangleScene* scene = nullptr; ///< null: unknown
-  double distance = 0;                  ///< above 0: what lies within this distance of the scene
+  double distance = 0;                  ///< above 0: all points within this distance of the scene
 };
 
-/// What creases are found by (SharpenCreases.h).
+/// Input of sharpenCreases() (SharpenCreases.h).
 struct MarchedCubes {
-  std::vector<ShapeContact> contacts; ///< of a vertex
-  std::vector<CubePatch> cubes;       ///< with triangles
+  std::vector<ShapeContact> contacts; ///< by vertex
+  std::vector<CubePatch> cubes;       ///< those with triangles
 };
 
-/// The closed surface through every pair of neighbouring voxels of which one is inside, one vertex
-/// each: on the original where the line between the voxels crosses it, else where the samples say
-/// (SolidSamples::passage()), else where the heights pass 0, else midway; always off the voxels by
-/// a twentieth of the distance. Manifold, no two vertices equal even as 32-bit floats
-/// (docs/algorithms.md says why). Vertices and faces come block by block: the same for any number
-/// of threads. Empty where nothing is inside. Parallel, about 1 us a face with an original, a third
-/// of it without. Throws Error(Limit) for 2^32 vertices or for a place so far from the origin that
-/// floats do not tell the vertices apart. Of `marched`, unless null, the cubes are filled in, and
-/// the contacts where the original is known and the shape is what it encloses; elsewhere they are
-/// 0.
+/// Returns the closed surface with one vertex between every two neighbouring voxels of which
+/// exactly one is inside. The vertex lies on the original surface if the line between the voxels
+/// crosses it, else at SolidSamples::passage(), else where the heights pass 0, else at the
+/// midpoint; always at least a twentieth of the distance from either voxel. Manifold; no two
+/// vertices are equal as 32-bit floats (docs/algorithms.md has the proof). Vertices and faces are
+/// in the order of the blocks, independent of the number of threads. Empty if nothing is inside.
+/// Parallel, about 1 us per face with an original, a third of it without. Throws Error(Limit) for
+/// 2^32 vertices, or if the position is so far from the origin that floats cannot distinguish the
+/// vertices. Unless null, `marched` receives the cubes, and the contacts if the original is known
+/// and the shape is its inside; otherwise the contacts are 0.
 TriangleMesh marchCubes(const SolidSamples& samples, const SampledShape& original,
                         Progress& progress, MarchedCubes* marched = nullptr);
 

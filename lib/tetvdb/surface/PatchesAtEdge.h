@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The loop over an edge's patches that the steps of FaceSides share.
+// The loop over the patches at an edge, for the steps of FaceSides.
 #pragma once
 
 #include "tetvdb/surface/FaceSides.h"

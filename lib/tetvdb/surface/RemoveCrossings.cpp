@@ -25,9 +25,9 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxRounds = 6;
-constexpr std::size_t kMaxPartCorners = 4096; // of one face, which are compared with one another
-constexpr double kSame = 8;                   // lattice units, within which corners are one
-constexpr double kStraight = 16; // lattice units, by which a corner may be off a straight line
+constexpr std::size_t kMaxPartCorners = 4096; // of one face; they are compared with one another
+constexpr double kSame = 8;                   // lattice units: closer corners are merged
+constexpr double kStraight = 16;              // lattice units: tolerance of a straight line
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -44,7 +44,7 @@ public:
   PartPoints(TriangleMesh& mesh, const LatticeChain& chain)
       : mesh_(mesh), chain_(chain), firstNew_(mesh.points.size()) {}
 
-  // Corners of faces that are cut are found again as what they are.
+  // Registers a corner of a cut face, so that it keeps its point of the mesh.
   void addCorner(std::uint32_t latticePoint) {
     const Vec3d& p = chain_.welded.points[latticePoint];
     if (find(p) == kNone)
@@ -63,7 +63,7 @@ public:
   const Vec3d& lattice(std::uint32_t point) const { return positions_.at(point); }
   const std::map<std::uint32_t, Vec3d>& positions() const { return positions_; }
 
-  // New points become floats if that is asked for; returns by point the one that it then is.
+  // Rounds new points to floats if `floats`; returns by point the point that replaces it.
   std::vector<std::uint32_t> round(bool floats) {
     std::vector<std::uint32_t> becomes(mesh_.points.size());
     std::iota(becomes.begin(), becomes.end(), 0u);
@@ -112,16 +112,16 @@ private:
   std::map<std::uint32_t, Vec3d> positions_;
 };
 
-// --- The parts of one face put together again.
+// --- Merging the parts of one face.
 
-// Directed edges, of which those in opposite directions cancel.
+// Directed edges; those in opposite directions cancel.
 class EdgeSum {
 public:
   void add(std::uint32_t from, std::uint32_t to) {
     int& sum = sums_[{std::min(from, to), std::max(from, to)}];
     sum += from < to ? 1 : -1;
   }
-  // Along corners, which are that far from its first point.
+  // Adds an edge through corners at the given distances from its first point.
   void add(const Edge& edge, const std::map<std::uint32_t, double>& between) {
     std::vector<std::pair<double, std::uint32_t>> ordered;
     for (const auto& [v, along] : between)
@@ -134,7 +134,8 @@ public:
       from = to;
     }
   }
-  // One that is left twice, as where parts overlap by rounding, is there once: a slit stays open.
+  // An edge that remains twice, where parts overlap by rounding, is returned once: a slit stays
+  // open.
   std::set<Edge> edges() const {
     std::set<Edge> edges;
     for (const auto& [edge, sum] : sums_)
@@ -147,12 +148,12 @@ private:
   std::map<Edge, int> sums_; ///< low first
 };
 
-// What stays of a face, one way round: edges with the face on their left.
+// The remainder of a face in one orientation: edges with the face on their left.
 struct Region {
   std::uint32_t face; ///< of the chain
   bool inverse;
   std::set<Edge> edges;
-  std::set<std::uint32_t> inner; ///< corners of other faces that touch it, off its edges
+  std::set<std::uint32_t> inner; ///< corners of other faces inside it, off its edges
   bool whole = false;            ///< a face that was not cut
 };
 
@@ -169,7 +170,7 @@ class Regions {
 public:
   Regions(const TriangleMesh& mesh, PartPoints& points) : mesh_(mesh), points_(points) {}
 
-  // False where there are too many corners.
+  // Returns false if there are too many corners.
   bool add(std::uint32_t face, const std::vector<FacePart>& parts) {
     for (const bool inverse : {false, true}) {
       std::vector<Loop> outlines;
@@ -203,8 +204,8 @@ public:
     return true;
   }
 
-  // A whole face, which is left alone unless corners of others lie on its edges or within. False
-  // where its own corners are as near to one another as rounding.
+  // Adds a whole face, which does not change unless corners of others lie on its edges or inside.
+  // Returns false if its own corners are as close to one another as rounding.
   bool addWhole(std::uint32_t face, bool inverse, const std::array<Vec3d, 3>& corners) {
     Loop outline;
     for (const Vec3d& p : corners)
@@ -219,8 +220,8 @@ public:
     return true;
   }
 
-  // Corners of others that lie in a face, of which the regions from `first` on are what is left:
-  // they become corners of the one that they are within; those near edges are for
+  // Assigns corners of others that lie in a face to the region, from `first`
+  // on, that contains them. Corners close to edges are left to
   // addCornersOfOthers().
   void addWithin(std::size_t first, const std::vector<std::uint32_t>& corners) {
     for (const std::uint32_t v : corners) {
@@ -234,7 +235,7 @@ public:
 
   std::size_t size() const { return regions_.size(); }
 
-  // Takes whole faces back that are as they were; calls left(face) for each.
+  // Removes whole faces that did not change; calls left(face) for each.
   template <typename Left>
   void takeBackWhole(const Left& left) {
     const auto isLeft = [&](const Region& region) {
@@ -246,19 +247,19 @@ public:
     regions_.erase(std::remove_if(regions_.begin(), regions_.end(), isLeft), regions_.end());
   }
 
-  // Takes out corners that are straight in every region that has them, but for corners of faces.
+  // Removes corners that are straight in every region that has them, except corners of faces.
   void dropStraightCorners(const std::set<std::uint32_t>& faceCorners) {
     std::map<std::uint32_t, std::vector<std::size_t>> regionsAt;
     for (std::size_t i = 0; i < regions_.size(); ++i)
       for (const Edge& edge : regions_[i].edges)
         if (auto& at = regionsAt[edge.first]; at.empty() || at.back() != i)
           at.push_back(i);
-    std::map<Edge, std::set<std::uint32_t>> dropped; // corners that an edge runs past, low first
+    std::map<Edge, std::set<std::uint32_t>> dropped; // removed corners of an edge, low first
     for (const auto& [v, at] : regionsAt) {
       if (faceCorners.count(v) > 0)
         continue;
       std::vector<std::set<std::uint32_t>> passed; // by region
-      std::vector<Edge> spans; // from the corner before to the one after, by region
+      std::vector<Edge> spans; // from the previous corner to the next, by region
       for (const std::size_t i : at) {
         Edge span{kNone, kNone};
         std::size_t out = 0, in = 0;
@@ -330,7 +331,7 @@ public:
     }
   }
 
-  // Triangles of all regions over what the points become; false where one cannot be triangulated.
+  // Triangulates all regions with the replaced points; returns false if one cannot be triangulated.
   bool triangulate(const LatticeChain& chain, const std::vector<std::uint32_t>& becomes,
                    std::vector<std::uint32_t>& corners) const {
     std::vector<Vec3d> lattice(mesh_.points.size());
@@ -354,7 +355,7 @@ public:
       if (rounded.empty() || triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()},
                                               {inner.begin(), inner.end()}, normal, none, corners))
         continue;
-      // Rounding makes edges cross: triangles as they are without, some of which go.
+      // Rounding makes edges cross: triangles of the unrounded points, some of which collapse.
       std::vector<std::uint32_t> unrounded;
       if (!triangulateEdges(lattice, {region.edges.begin(), region.edges.end()},
                             {region.inner.begin(), region.inner.end()}, normal, none, unrounded))
@@ -370,7 +371,7 @@ public:
   }
 
 private:
-  // Of a convex region, farther from each edge than corners are put on it.
+  // For a convex region: farther from each edge than the tolerance of corners on it.
   bool isWithin(const Region& region, const Vec3d& p) const {
     Vec3d normal{0, 0, 0};
     const Vec3d& origin = points_.lattice(region.edges.begin()->first);
@@ -428,8 +429,8 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
   if (counts.rounds == 0)
     counts.metFaces =
         static_cast<std::size_t>(std::count(trimmed.isMet.begin(), trimmed.isMet.end(), char(1)));
-  // What stays of the mesh. Of a face that stays the back is inside, since it is wound around more
-  // often than the front: it looks the way it did.
+  // Keeps the remaining faces of the mesh. The back of a remaining face is inside, since its
+  // winding number is higher than that of the front: the orientation is unchanged.
   std::vector<char> drops(mesh.triangleCount(), 1);
   PartPoints points(mesh, chain);
   Regions regions(mesh, points);
@@ -454,7 +455,7 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
       drops[chain.source[i]] = 0;
     }
   }
-  // Faces that are touched: in parts where edges of others lie in them.
+  // Faces that others touch, divided into parts by edges that lie in them.
   const std::vector<TouchedFace> touched = findTouchedFaces(chain, trimmed);
   const auto isInverse = [&](std::uint32_t face) {
     return trimmed.rests[face].fate == PartFate::StaysInverse;
@@ -506,7 +507,7 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
     --cut;
   });
   if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
-    return Round::Done; // faces without area cross nothing
+    return Round::Done; // faces without area intersect nothing
   std::vector<std::uint32_t> added;
   if (!regions.triangulate(chain, points.round(counts.floats), added))
     return Round::GivenUp;
@@ -517,7 +518,7 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
   mesh.faceCount = mesh.triangleCount();
   dropUnusedPoints(mesh);
   stitchBoundaries(mesh, progress);
-  fillHoles(mesh, progress); // slits that rounding leaves
+  fillHoles(mesh, progress); // closes slits that rounding leaves
   return mesh.triangles.empty() ? Round::GivenUp : Round::Again;
 }
 

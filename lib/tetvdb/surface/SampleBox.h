@@ -9,9 +9,9 @@
 
 namespace tetvdb {
 
-/// The i-th of points that are spread evenly over a box, however many of them are taken: fractions
-/// of the i-th multiple of powers of 1 / g, g^4 = g + 1 (M. Roberts, The Unreasonable Effectiveness
-/// of Quasirandom Sequences, 2018).
+/// Point i of a sequence with uniform density in a box, for any number of points: fractional parts
+/// of multiples of the powers of 1 / g, g^4 = g + 1 (M. Roberts, The Unreasonable Effectiveness of
+/// Quasirandom Sequences, 2018).
 inline Vec3d pointInBox(const Box& box, std::size_t i) {
   constexpr double kStep[3] = {0.8191725133961644, 0.6710436067037892, 0.5497004779019702};
   Vec3d p;

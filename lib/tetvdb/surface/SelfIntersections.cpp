@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-// Faces looked at between two looks at the limit; the rounds double.
+// Faces tested between two checks of the limit, in the first round; the rounds double.
 constexpr std::size_t kFirstRound = 1 << 10;
 constexpr std::size_t kLargestRound = 1 << 16;
 constexpr std::size_t kFacesPerTask = 1 << 8;
@@ -34,7 +34,7 @@ SelfIntersections countIntersections(const std::vector<Vec3d>& points,
   const std::size_t faces = corners.size() / 3;
   const BoxTree tree = treeOf(points, corners);
 
-  // Pairs of one face with later ones; no more are counted than would pass the limit.
+  // Pairs of one face with later faces, up to the limit.
   const auto pairsOf = [&](std::uint32_t face) {
     std::size_t pairs = 0;
     tree.visit([&](const Box& box) { return box.meets(tree.box(face)); },

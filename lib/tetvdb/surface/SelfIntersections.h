@@ -12,18 +12,18 @@ namespace tetvdb {
 
 struct SelfIntersections {
   std::size_t pairs = 0;
-  bool complete = true; ///< false: there are more than the limit, which `pairs` is then
+  bool complete = true; ///< false: there are more than `limit`, and `pairs` equals it
 };
 
-/// Pairs of faces that meet in more than the points or the edge they have in common, exact
-/// (geometry/FaceContact.h). Equal points have one number, no face is collinear and no two are over
-/// the same points. Parallel; the same for any number of threads.
+/// Counts pairs of faces that meet in more than their common points or edge. Exact
+/// (geometry/FaceContact.h). Requires distinct points, no collinear face, and no two faces with the
+/// same points. Parallel; independent of the number of threads.
 SelfIntersections countIntersections(const std::vector<Vec3d>& points,
                                      const std::vector<std::uint32_t>& corners, std::size_t limit,
                                      Progress& progress);
 
-/// Of the faces `looked` at (all where that is empty) those that are of such a pair, ascending.
-/// Otherwise as above.
+/// Returns the faces of such pairs among those with `looked` not 0 (all if it is empty), ascending.
+/// The requirements are the same.
 std::vector<std::uint32_t> facesThatMeetOthers(const std::vector<Vec3d>& points,
                                                const std::vector<std::uint32_t>& corners,
                                                const std::vector<char>& looked, Progress& progress);

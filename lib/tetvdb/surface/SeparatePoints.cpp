@@ -44,8 +44,8 @@ public:
         entry->second.push_back(static_cast<std::uint32_t>(i / 3));
   }
 
-  // Whether there was a place for it; the first of many where the point's faces cross no others, if
-  // that is asked for.
+  // Moves the point; returns false if there is no position for it. With `free`, the first of many
+  // at which its faces intersect no others.
   bool move(std::uint32_t point, bool free) {
     const std::vector<std::uint32_t>& faces = facesAt_[point];
     const Vec3d from = from_.try_emplace(point, mesh_.points[point]).first->second;
@@ -75,7 +75,7 @@ public:
     return false;
   }
 
-  // Whether a face of the point meets another in more than they share.
+  // Whether a face of the point meets another in more than their common points.
   bool crosses(std::uint32_t point) {
     if (tree_ == nullptr) {
       std::vector<Box> boxes(mesh_.triangleCount());
@@ -110,8 +110,8 @@ public:
   }
 
 private:
-  // Whether `position`, rounded, is free and turns none of the faces, which had those normals;
-  // collinear ones may turn.
+  // Whether `position`, rounded, is free and preserves the orientation of the faces, whose normals
+  // are given; collinear faces may change.
   bool moveTo(std::uint32_t point, const Vec3d& position, const std::vector<std::uint32_t>& faces,
               const std::vector<Vec3d>& before) {
     const FloatPosition to = rounded(position);
@@ -144,8 +144,8 @@ private:
   double size_ = 0;
   std::set<FloatPosition> used_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> facesAt_;
-  std::unordered_map<std::uint32_t, Vec3d> from_; ///< of points that moved
-  std::unique_ptr<BoxTree> tree_;                 ///< of faces, made when first asked for
+  std::unordered_map<std::uint32_t, Vec3d> from_; ///< of moved points
+  std::unique_ptr<BoxTree> tree_;                 ///< of faces, built on the first query
 };
 
 } // namespace

@@ -9,19 +9,19 @@
 namespace tetvdb {
 
 struct SeparatedPoints {
-  std::size_t points = 0; ///< moved
+  std::size_t points = 0; ///< moved points
   double largestMove = 0; ///< world units
-  bool complete = true;   ///< false: some are still equal
+  bool complete = true;   ///< false: some points are still equal
 };
 
-/// Moves points that are equal as 32-bit floats apart, as splitFans() leaves them where solids
-/// touch (programs that weld would join them): the first of each group stays. Points from number
-/// `firstAdded` on move in any case: those that splitFans() put on edges touch other faces too. A
-/// point goes into the solid that its own faces bound, against the mean of these faces' normals, or
-/// along the faces where that will not do, by the least step that makes it differ as floats from
-/// all other points: 2^-22 of the largest coordinate first, doubled up to 2^-12. New positions are
-/// floats, and no face's normal turns by more than a right angle. Points whose faces cross others
-/// then (geometry/FaceContact.h) are tried again in other directions and by larger steps.
+/// Moves points apart that are equal as 32-bit floats. splitFans() makes such points where solids
+/// touch; programs that weld would merge them. The first point of each group stays. Points numbered
+/// `firstAdded` or higher always move: those that splitFans() puts on edges touch other faces too.
+/// A point moves into the solid that its faces bound, against the mean of their normals, or along
+/// the faces if that fails, by the smallest step that makes it differ as floats from all other
+/// points: 2^-22 of the largest coordinate first, doubled up to 2^-12. New positions are floats,
+/// and no face's normal changes by more than a right angle. Points whose faces then intersect
+/// others (geometry/FaceContact.h) are moved again in other directions and by larger steps.
 SeparatedPoints separateEqualPoints(TriangleMesh& mesh, std::size_t firstAdded, Progress& progress);
 
 } // namespace tetvdb

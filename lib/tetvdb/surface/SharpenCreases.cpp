@@ -17,16 +17,16 @@ namespace tetvdb {
 namespace {
 
 constexpr double kSharpCosine = 0.9; ///< of the angle between two normals of a cube with a crease
-constexpr double kFlat = 0.02;       ///< eigenvalue over the largest: no plane stands that way
+constexpr double kFlat = 0.02;       ///< eigenvalue over the largest: no plane has this direction
 constexpr double kOutside = 0.6;     ///< voxels that the point may lie outside its cube
 constexpr int kSweeps = 12;
-constexpr int kRounds = 4; ///< of leaving fans out that cross faces
+constexpr int kRounds = 4; ///< of omitting fans that intersect faces
 constexpr std::size_t kCubesPerTask = 512;
 
 using Matrix = std::array<Vec3d, 3>; ///< rows
 
-// Eigenvalues on the diagonal of `m`, eigenvectors in the columns of `vectors`: cyclic Jacobi
-// rotations (Golub and Van Loan, Matrix Computations, 8.5).
+// Computes eigenvalues on the diagonal of `m` and eigenvectors in the columns of `vectors` by
+// cyclic Jacobi rotations (Golub and Van Loan, Matrix Computations, 8.5).
 void diagonalize(Matrix& m, Matrix& vectors) {
   vectors = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
   for (int sweep = 0; sweep < kSweeps; ++sweep)
@@ -55,8 +55,8 @@ void diagonalize(Matrix& m, Matrix& vectors) {
       }
 }
 
-// The point next to the planes in least squares; of several the one next to their points' mean.
-// Directions along which the planes say next to nothing are left out.
+// The least-squares point of the planes; of several, the one closest to the mean of their points.
+// Directions that the planes hardly determine are left out.
 Vec3d nearestToPlanes(const std::vector<const ShapeContact*>& planes) {
   Vec3d mean{0, 0, 0};
   for (const ShapeContact* plane : planes)
@@ -117,7 +117,7 @@ public:
   }
 
 private:
-  // Whether a cube has one surface with a crease, and where its point is.
+  // Determines whether a cube has one surface with a crease, and the point of the crease.
   void look(std::size_t i) {
     std::vector<std::uint32_t> corners(mesh_.triangles.begin() + std::ptrdiff_t(3 * first_[i]),
                                        mesh_.triangles.begin() + std::ptrdiff_t(3 * first_[i + 1]));
@@ -151,7 +151,7 @@ private:
     isSharp_[i] = 1;
   }
 
-  // Points that would equal another one are left out with their cubes. Returns the points' cubes.
+  // Adds the points, without those that equal another point. Returns the cubes of the points.
   std::vector<std::size_t> addPoints(std::size_t before) {
     std::vector<std::size_t> cubeOf;
     for (bool isDone = false; !isDone;) {
@@ -172,7 +172,7 @@ private:
     return cubeOf;
   }
 
-  // Fans that cross other faces: their cubes are left as they were. Whether there were any.
+  // Restores the cubes whose fans intersect other faces. Returns whether there were any.
   bool dropCrossing(std::size_t before, const std::vector<std::size_t>& cubeOf) {
     std::vector<char> isFan(mesh_.triangleCount(), 0);
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
@@ -187,7 +187,7 @@ private:
     return !crossing.empty();
   }
 
-  // Sides of a cube's triangles that only one of them has.
+  // Sides that only one triangle of the cube has.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> border(std::size_t i) const {
     std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
@@ -218,8 +218,8 @@ private:
     }
   }
 
-  // An edge between two fans becomes the edge between their points. Two cubes have two such edges
-  // where both run through their common face: the first one is flipped.
+  // An edge between two fans is replaced by the edge between their points. Two cubes have two such
+  // edges if both run through their common face: the first one is flipped.
   void flipEdges(std::size_t before) {
     const EdgeTable edges(mesh_);
     std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
@@ -249,10 +249,10 @@ private:
   const std::vector<CubePatch>& cubes_;
   const GridTransform& transform_;
   Progress& progress_;
-  std::vector<std::uint32_t> marched_; ///< corners of the faces as they came
-  std::vector<std::size_t> first_;     ///< triangle of a cube
-  std::vector<char> isSharp_;          ///< of a cube
-  std::vector<Vec3d> apex_;            ///< of a cube: the point of its fan
+  std::vector<std::uint32_t> marched_; ///< corners of the faces before sharpening
+  std::vector<std::size_t> first_;     ///< by cube: its first triangle
+  std::vector<char> isSharp_;          ///< by cube
+  std::vector<Vec3d> apex_;            ///< by cube: the point of its fan
 };
 
 } // namespace

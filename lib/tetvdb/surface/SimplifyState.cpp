@@ -12,7 +12,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kLongSide = 3;          ///< in mean edge lengths
-constexpr double kUnitOfDiagonal = 1e-3; ///< where there is no tolerance
+constexpr double kUnitOfDiagonal = 1e-3; ///< without a tolerance
 
 std::array<float, 3> unitOf(const Vec3d& v) {
   const double l = length(v), factor = l > 0 ? 1 / l : 0;
@@ -29,7 +29,7 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   const EdgeTable edges(mesh);
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (!edges.isManifold(edge))
-      throw Error(Status::Invalid, "", "the surface is no closed manifold");
+      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
   if (options.featureDegrees < 180)
     features = featureEdges(mesh, options.featureDegrees);
   Box box;

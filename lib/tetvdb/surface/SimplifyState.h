@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A surface on its way to fewer triangles, and what its vertices and faces represent.
+// A surface during simplification, and the points of the input that its faces represent.
 #pragma once
 
 #include "tetvdb/mesh/TriangleMesh.h"
@@ -16,7 +16,7 @@
 
 namespace tetvdb {
 
-/// Sum over planes of the squared distance, weighted by area: a symmetric 4 x 4 matrix (Garland and
+/// The sum of squared distances to planes, weighted by area: a symmetric 4 x 4 matrix (Garland and
 /// Heckbert 1997).
 struct Quadric {
   std::array<double, 10> m{};
@@ -38,39 +38,40 @@ struct Quadric {
   }
 };
 
-/// The share of the tolerance that is held at the points looked at; between them lies the rest.
+/// The fraction of the tolerance that is enforced at the tested points, not between them.
 constexpr double kHeldTolerance = 0.65;
 
-/// Lengths are in tolerances (where there is none: in thousandths of the box's diagonal), relative
-/// to the middle of the box.
+/// Lengths are in units of the tolerance (without one: of a thousandth of the box's diagonal),
+/// relative to the centre of the box.
 struct SimplifyState {
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-  TriangleMesh mesh;                         ///< points as they are, in world units; corners change
+  TriangleMesh mesh;                         ///< points in world units; corners change
   std::unique_ptr<TriangleScene> original;   ///< null without a tolerance
-  std::vector<char> isGone;                  ///< of a face
+  std::vector<char> isGone;                  ///< by face
   std::vector<VertexPair> features;          ///< ascending
-  double longSide = 0;                       ///< squared: a side that is looked at more closely
-  double meanEdge = 0;                       ///< of the old surface
-  std::vector<Vec3d> points;                 ///< vertices, then middles of edges
-  std::vector<std::array<float, 3>> normals; ///< of unit length, at points
-  std::vector<Quadric> quadrics;             ///< at vertices
-  /// Points of the old surface that have to stay near, as lists: each belongs to the face next to
-  /// it. Vertices come in once they are gone, middles of edges, numbered after them, from the
-  /// start: between its vertices a surface can be bent more than the tolerance.
-  std::vector<std::uint32_t> firstGone; ///< of a face
-  std::vector<std::uint32_t> nextGone;  ///< of a point
+  double longSide = 0;                       ///< squared; longer sides are tested at more points
+  double meanEdge = 0;                       ///< of the input
+  std::vector<Vec3d> points;                 ///< vertices, then midpoints of edges
+  std::vector<std::array<float, 3>> normals; ///< of unit length, by point
+  std::vector<Quadric> quadrics;             ///< by vertex
+  /// Points of the input that must stay close, as linked lists: each belongs to the nearest face.
+  /// Vertices are added when they are removed from the surface. Midpoints of edges, numbered after
+  /// the vertices, are in the lists from the beginning, since a surface can bend between its
+  /// vertices.
+  std::vector<std::uint32_t> firstGone; ///< by face
+  std::vector<std::uint32_t> nextGone;  ///< by point
 
-  /// `before` must outlive the state. Throws Error(Invalid) unless every edge has two faces that
-  /// run along it in opposite directions.
+  /// `before` must outlive the state. Throws Error(Invalid) unless every edge has two faces in
+  /// opposite directions.
   SimplifyState(const TriangleMesh& before, const SimplifyOptions& options);
 
-  /// Whether a place of the new surface is near the old one.
+  /// Whether a point of the new surface is close to the input.
   bool isNear(const Vec3d& p) const;
   std::size_t liveFaces() const;
 
 private:
-  Vec3d midpoint_{0, 0, 0}; ///< of the box
+  Vec3d midpoint_{0, 0, 0}; ///< centre of the box
   double unit_ = 1;         ///< in world units
 };
 

@@ -22,12 +22,12 @@ namespace {
 constexpr std::uint32_t kNone = SimplifyState::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRegionEdges = 64;      ///< side of a region, in mean edge lengths
-constexpr std::size_t kSerial = 1 << 14; ///< vertices of meshes that are one region
+constexpr std::size_t kSerial = 1 << 14; ///< vertices; smaller meshes are one region
 
 // One pass: vertices by cubes of space, the cubes in parallel.
 class Pass {
 public:
-  /// Cubes of that side, one of their corners at `corner` sides; without end: one region.
+  /// Cubes of this side, one of their corners at `corner` sides; infinity: one region.
   Pass(SimplifyState& surface, double side, double corner)
       : s_(surface), regionOf_(surface.mesh.points.size(), 0) {
     divide(side, corner);
@@ -71,8 +71,8 @@ private:
     return {regionOf_[v[0]], regionOf_[v[1]], regionOf_[v[2]]};
   }
 
-  // Faces by the regions of their corners; faces of more than one region stay, and may be in the
-  // way of others too.
+  // Sorts faces by the regions of their corners. Faces of more than one region do not change, and
+  // may intersect faces of others.
   void gather() {
     std::vector<std::uint32_t> staying;
     for (std::uint32_t face = 0; face < s_.isGone.size(); ++face) {
@@ -119,13 +119,13 @@ private:
   }
 
   SimplifyState& s_;
-  std::vector<std::uint32_t> regionOf_; ///< of a vertex
+  std::vector<std::uint32_t> regionOf_; ///< by vertex
   std::vector<CollapseRegion> regions_;
   std::vector<VertexPair> mixedFeatures_; ///< between regions
 };
 
-// Cubes first, then cubes that have the first ones' borders inside, then everything. A number of
-// faces is reached in one pass: which collapses are the cheapest is known of the whole alone.
+// First cubes, then cubes that contain the borders of the first ones, then the whole. A number of
+// faces needs a single pass, since only the whole determines which collapses are the cheapest.
 void collapse(SimplifyState& surface, std::size_t maxFaces, bool guarded, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
   if (maxFaces == 0 && surface.quadrics.size() > kSerial) {
@@ -146,7 +146,7 @@ void collapse(SimplifyState& surface, std::size_t maxFaces, bool guarded, Progre
   }
 }
 
-// Leaves out faces that are gone and vertices that no face uses.
+// Leaves out removed faces and vertices that no face uses.
 void compact(TriangleMesh& mesh, const std::vector<char>& isGone) {
   std::vector<std::uint32_t> number(mesh.points.size(), kNone), triangles;
   for (std::size_t face = 0; face < isGone.size(); ++face)
@@ -188,7 +188,7 @@ void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progres
     throw Error(Status::Usage, "simplify", "needs a tolerance above zero or a number of faces");
   if (mesh.triangles.empty())
     return;
-  // Crossings are rare, and to rule them out at every step takes longer than all else.
+  // Intersections are rare, and excluding them at every step takes longer than all else.
   TriangleMesh made = simplified(mesh, options, false, progress);
   if (!countIntersections(made.points, made.triangles, 0, progress).complete)
     made = simplified(mesh, options, true, progress);

@@ -9,25 +9,27 @@
 namespace tetvdb {
 
 struct SimplifyOptions {
-  /// World units: how far the two surfaces may be from each other; 0: as far as it takes.
+  /// World units: limit of the distance between the two surfaces; 0: no limit.
   double tolerance = 0;
-  /// Ends at no more faces than that; 0: as few as the tolerance allows.
+  /// Stops at this number of faces; 0: continues as long as the tolerance allows.
   std::size_t faces = 0;
-  /// Edges at which faces meet at more than this from flat are kept: vertices on them move along
-  /// them alone (FeatureEdges.h). Where `faces` cannot be reached so, they are given up. 180: none.
+  /// Edges whose faces deviate from a plane by more than this are kept: their vertices move along
+  /// them only (FeatureEdges.h). They are released if `faces` cannot be reached otherwise. 180:
+  /// none.
   double featureDegrees = 180;
 };
 
-/// Merges triangles of a closed manifold by moving vertices onto neighbours, cheapest first by
-/// Garland and Heckbert's quadrics, as long as both surfaces stay within the tolerance of each
-/// other. That is looked at in points: every vertex and every edge's middle of the old surface
-/// (fewer under large flat faces), which must have a new face near that looks the same way, and
-/// each new face's middle and new side; they are held to 0.65 of the tolerance. The result is
-/// manifold again; its vertices are vertices of the input, and no face crosses another that did not
-/// before (exact). Parallel without `faces`: within cubes of space first, then across their sides;
-/// ties to the lower vertex; the same for any number of threads. About 12 us a face and thread.
-/// Throws Error(Usage) without tolerance and faces, Error(Invalid) for a mesh that is not closed
-/// and manifold. The result may have more than `faces` where a step more would break one of these.
+/// Merges triangles of a closed manifold by moving vertices onto neighbours, the cheapest first by
+/// Garland and Heckbert's quadrics, while both surfaces stay within the tolerance of each other.
+/// The distance is tested at points: every vertex and every midpoint of an edge of the input (fewer
+/// under large flat faces) must have a new face close by with a similar normal, and so must the
+/// centroid and the new side of each new face; these points are held to 0.65 of the tolerance. The
+/// result is manifold, its vertices are vertices of the input, and there are no new intersections
+/// of faces (exact). Parallel without `faces`: first within cubes of space, then across their
+/// sides. Ties are decided by the lower vertex; independent of the number of threads. About 12 us
+/// per face and thread. Throws Error(Usage) without tolerance and faces, Error(Invalid) for a mesh
+/// that is not a closed manifold. The result has more than `faces` if any further step would
+/// violate these conditions.
 void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress);
 
 } // namespace tetvdb

@@ -16,11 +16,11 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kRounds = 20;        ///< of a step in and a step out
-constexpr double kStepIn = 0.5;    ///< share of the way to the neighbours' mean
+constexpr int kRounds = 20;        ///< of a step inward and a step outward
+constexpr double kStepIn = 0.5;    ///< fraction of the distance to the neighbours' mean
 constexpr double kStepOut = -0.53; ///< Taubin: 1 / kStepIn + 1 / kStepOut is the pass band, above 0
-constexpr double kMinCosine = 0.2; ///< of the angle by which a face may turn
-constexpr int kHalvings = 4;       ///< of a vertex's way, before it stays in its place
+constexpr double kMinCosine = 0.2; ///< of the angle by which a normal may change
+constexpr int kHalvings = 4;       ///< of a vertex's displacement, before it is reset to 0
 constexpr int kBisections = 40;
 constexpr int kVolumeHalvings = 8;
 
@@ -47,13 +47,14 @@ public:
       step(kStepOut);
       progress_.update(0.5 * round / kRounds);
     }
-    // Not at every step: what a step in could not reach, the step out would move away from.
+    // Not at every step: the outward step would move away from what the inward step could not
+    // reach.
     for (std::size_t v = 0; v < first_.size(); ++v)
       mesh_.points[v] = bounded(v, mesh_.points[v]);
     wanted_ = volumeOf(first_);
     keepVolume();
     backOff();
-    // Backing off may have cost volume: less of all ways then, down to none.
+    // Moving vertices back may change the volume: then reduces all displacements, down to 0.
     for (int halving = 1; !hasVolume(); ++halving) {
       for (double& share : share_)
         share = halving < kVolumeHalvings ? share / 2 : 0;
@@ -77,7 +78,7 @@ private:
     for (const auto edge : halfEdges_.edges())
       isManifold = isManifold && !halfEdges_.is_boundary(edge);
     if (!isManifold)
-      throw Error(Status::Invalid, "", "the surface is no closed manifold");
+      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
   }
 
   Vec3d neighboursMean(std::size_t v) const {
@@ -89,14 +90,14 @@ private:
     return count > 0 ? times(sum, 1.0 / count) : mesh_.points[v];
   }
 
-  // No farther than allowed from where the vertex began.
+  // Limits the displacement of a vertex.
   Vec3d bounded(std::size_t v, const Vec3d& p) const {
     const Vec3d way = minus(p, first_[v]);
     const double far = length(way);
     return far > options_.distance ? plus(first_[v], times(way, options_.distance / far)) : p;
   }
 
-  // Along the normal alone: the way along the surface would use up the distance for nothing.
+  // Along the normal only: tangential displacement would use up the distance without effect.
   void step(double share) {
     const std::vector<Vec3d> normals = areaNormals();
     std::vector<Vec3d> next = mesh_.points;
@@ -110,7 +111,7 @@ private:
     mesh_.points = std::move(next);
   }
 
-  // Of the faces around a vertex: a third of their area along their normals.
+  // For each vertex: a third of the area of its faces, times their normals.
   std::vector<Vec3d> areaNormals() const {
     std::vector<Vec3d> normals(first_.size(), Vec3d{0, 0, 0});
     for (std::size_t face = 0; face < mesh_.triangleCount(); ++face) {
@@ -142,7 +143,8 @@ private:
       mesh_.points[v] = plus(first_[v], times(minus(target_[v], first_[v]), share * share_[v]));
   }
 
-  // The volume as it was, by a way along the normals where it is free, then by less of all ways.
+  // Restores the volume by an offset of free vertices along the normals, else by smaller
+  // displacements.
   void keepVolume() {
     for (int round = 0; round < 3; ++round)
       offset(wanted_ - volumeOf(mesh_.points));
@@ -178,7 +180,7 @@ private:
     return cross(minus(points[v[1]], points[v[0]]), minus(points[v[2]], points[v[0]]));
   }
 
-  // Faces that may not lie as they do now.
+  // Faces in positions that are not allowed.
   std::vector<std::uint32_t> badFaces() {
     std::vector<std::uint32_t> bad;
     for (std::uint32_t face = 0; face < mesh_.triangleCount(); ++face) {
@@ -186,7 +188,7 @@ private:
       if (!(dot(before, now) > kMinCosine * length(before) * length(now)))
         bad.push_back(face);
     }
-    if (!bad.empty()) // collinear ones perhaps
+    if (!bad.empty()) // e.g. collinear faces
       return bad;
     bad = facesThatMeetOthers(mesh_.points, mesh_.triangles, {}, progress_);
     if (!bad.empty() && !knowsFirst_) {
@@ -199,7 +201,7 @@ private:
     return added;
   }
 
-  // Vertices at bad faces halve their way, then stay; so do their neighbours if that is not enough.
+  // Halves, then resets the displacement of vertices at bad faces; then also of their neighbours.
   void backOff() {
     for (std::size_t round = 0;; ++round) {
       progress_.update(0.6);
@@ -243,14 +245,14 @@ private:
   TriangleMesh& mesh_;
   const SmoothOptions& options_;
   Progress& progress_;
-  const std::vector<Vec3d> first_; ///< where the vertices began
-  std::vector<Vec3d> target_;      ///< where they would go
-  std::vector<double> share_;      ///< of the way there
+  const std::vector<Vec3d> first_; ///< initial positions of the vertices
+  std::vector<Vec3d> target_;      ///< their target positions
+  std::vector<double> share_;      ///< fraction of the displacement
   std::vector<char> isHeld_;
   double wanted_ = 0;                   ///< volume
-  bool knowsFirst_ = false;             ///< metFirst_
+  bool knowsFirst_ = false;             ///< metFirst_ is set
   std::vector<std::uint32_t> metFirst_; ///< faces that met others in the input
-  HalfEdgeMesh halfEdges_;              ///< topology alone
+  HalfEdgeMesh halfEdges_;              ///< topology only
 };
 
 } // namespace

@@ -7,18 +7,19 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kSolidError = 0.01; ///< of isSolid(), on average
+constexpr double kSolidError = 0.01; ///< limit of the mean in isSolid()
 constexpr float kNegative = -0.25f;
-// A ray through an edge can miscount.
+// Number of samples that may be wrong: a ray through an edge can miscount.
 constexpr std::size_t kStray = 2;
 constexpr float kConfident = 0.2f; ///< from a whole number
-// Beside a group, where it adds more than this.
+// A sample is beside a group if the group's contribution exceeds this.
 constexpr float kBeside = 0.4f;
-// A flat wall adds a half at most; what adds more surrounds something, a cavity with holes say.
+// A flat wall contributes at most a half; groups that contribute more enclose something, for
+// example a cavity with holes.
 constexpr float kEnclosed = 0.85f;
-constexpr std::size_t kStrayShare = 10; ///< one in so many may lie elsewhere
+constexpr std::size_t kStrayShare = 10; ///< one in this many samples may be elsewhere
 constexpr int kSweeps = 12;
-// A turn has to better the field by this share of what the groups add to it.
+// Reversal must improve the field by this fraction of the groups' contribution.
 constexpr double kMinGain = 0.05;
 
 } // namespace

@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-// No block may be nearer to the end of 32-bit index space.
+// Blocks must not be closer to the end of 32-bit index space.
 constexpr std::int32_t kFarthest = std::numeric_limits<std::int32_t>::max() - 4096;
 
 template <class GridT>
@@ -23,7 +23,7 @@ class GridSamples : public SolidSamples {
   using Leaf = typename Tree::LeafNodeType;
   using Value = typename GridT::ValueType;
   static constexpr bool kFloat = std::is_floating_point<Value>::value;
-  // Does not register with the tree: cheap to make, and the tree does not change.
+  // Not registered with the tree: construction is cheap, and the tree does not change.
   using Accessor = openvdb::tree::ValueAccessor<const Tree, false>;
 
 public:
@@ -31,8 +31,7 @@ public:
       : tree_(grid.constTree()), below_(grid.getGridClass() == openvdb::GRID_LEVEL_SET) {
     if (isInside(tree_.background(), false))
       throw Error(Status::Invalid, "grid '" + grid.getName() + "'",
-                  "is inside everywhere around: it has no surface that closes",
-                  "turn its values round");
+                  "is inside at infinity: it has no closed surface", "invert its values");
   }
 
   bool hasHeights() const override { return kFloat; }
@@ -111,7 +110,7 @@ private:
       }
   }
 
-  // Whether the eight blocks that a block's samples reach into differ in side, or are leaves.
+  // Whether the eight blocks that a block's samples reach into have different sides, or are leaves.
   bool isMixed(const Accessor& accessor, const openvdb::Coord& block) const {
     int sides = 0;
     for (int neighbour = 0; neighbour < 8; ++neighbour) {
@@ -134,7 +133,8 @@ private:
     blocks.push_back({block[0], block[1], block[2]});
   }
 
-  // Blocks whose samples are partly inside the tile and partly not: around each of its sides.
+  // Adds blocks whose samples are partly inside the tile and partly outside: around each of its
+  // sides.
   void addTile(const openvdb::Coord& origin, int side, const Value& value, bool active,
                std::vector<Vec3i>& blocks) const {
     if (!isInside(value, active))
@@ -158,7 +158,7 @@ private:
     for (auto leaf = lower.cbeginChildOn(); leaf; ++leaf) {
       const openvdb::Coord origin = leaf->origin();
       add(origin, blocks);
-      // The blocks before it, whose samples reach into it. Leaves come on their own.
+      // Blocks before it, whose samples reach into it. Leaves are added separately.
       for (int neighbour = 1; neighbour < 8; ++neighbour) {
         const openvdb::Coord block = origin.offsetBy(
             -kBlock * (neighbour & 1), -kBlock * (neighbour >> 1 & 1), -kBlock * (neighbour >> 2));
@@ -204,7 +204,8 @@ GridTransform transformOf(const openvdb::GridBase& grid) {
   }
   if (!plain)
     throw Error(Status::Invalid, "grid '" + grid.getName() + "'",
-                "has a transform that turns, mirrors or shears", "resample it along the axes");
+                "has a transform with a rotation, reflection or shear",
+                "resample it along the axes");
   return transform;
 }
 
@@ -223,7 +224,7 @@ std::unique_ptr<SolidSamples> solidSamples(const Volume& volume, const std::stri
     std::unique_ptr<SolidSamples> samples = samplesOfAnyType(*grid);
     if (!samples && !name.empty())
       throw Error(Status::Invalid, "grid '" + name + "'",
-                  "holds " + grid->valueType() + " values, which make no solid",
+                  "holds " + grid->valueType() + " values, which define no solid",
                   "choose a mask, a fog volume or a level set");
     if (!samples)
       continue;
@@ -231,7 +232,7 @@ std::unique_ptr<SolidSamples> solidSamples(const Volume& volume, const std::stri
     return samples;
   }
   throw Error(Status::Invalid, "",
-              name.empty() ? "no grid of the volume can be a solid"
+              name.empty() ? "no grid of the volume defines a solid"
                            : "the volume has no grid '" + name + "'",
               known.empty() ? "it holds no grids" : "it holds " + known);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A grid as samples of a solid, block by block, without OpenVDB's types.
+// Samples of a grid that defines a solid, block by block, without OpenVDB's types.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -17,13 +17,13 @@
 namespace tetvdb {
 
 constexpr int kBlock = 8;            ///< voxels along a block's side: a leaf
-constexpr int kSamples = kBlock + 1; ///< with the first voxels of the neighbours
+constexpr int kSamples = kBlock + 1; ///< includes the first voxels of the neighbours
 
-/// The 9^3 voxels from a block's origin on.
+/// The 9^3 voxels starting at a block's origin.
 struct BlockSamples {
   /// Whether voxel (x, y, z) is inside: bit z of row 9 x + y.
   std::array<std::uint16_t, std::size_t(kSamples) * kSamples> inside;
-  /// Of a float grid: value above or below the surface, above 0 inside, [9 * row + z].
+  /// For a float grid: the value relative to the isovalue, above 0 inside, [9 * row + z].
   std::array<float, std::size_t(kSamples) * kSamples * kSamples> height;
 
   bool isInside(int x, int y, int z) const {
@@ -34,29 +34,29 @@ struct BlockSamples {
   }
 };
 
-/// What is inside and what is outside of one grid.
+/// The inside and the outside of one grid.
 class SolidSamples {
 public:
   virtual ~SolidSamples() = default;
 
-  /// Origins of all blocks whose 9^3 voxels can differ in side: ascending, none twice.
+  /// Origins of all blocks whose 9^3 voxels may be on different sides: ascending and distinct.
   virtual std::vector<Vec3i> blocks(Progress& progress) const = 0;
   /// Thread-safe.
   virtual void load(const Vec3i& block, BlockSamples& samples) const = 0;
-  /// Whether heights are there: a float grid.
+  /// Whether `height` is set: a float grid.
   virtual bool hasHeights() const = 0;
-  /// Where the surface passes on the way from `voxel`, which is inside where `startInside` says so,
-  /// to the next one along `axis`, which is on the other side: 0 to 1. NaN: where the heights say,
-  /// else midway. Thread-safe.
+  /// The position at which the surface crosses the line from `voxel`, which is inside if
+  /// `startInside` is true, to the next voxel along `axis`, which is on the other side: 0 to 1.
+  /// NaN: use the heights, else the midpoint. Thread-safe.
   virtual double passage(const Vec3i& voxel, std::size_t axis, bool startInside) const;
 
   GridTransform transform;
 };
 
-/// The grid of that name, or the first that can be a solid: active voxels of a bool or mask grid,
-/// values above 0.5 of a float grid, below 0 of a level set. The volume must outlive the result.
-/// Throws Error(Invalid) for a grid that is none of these, is not there, has no linear transform
-/// or is inside without end.
+/// Returns the named grid, or the first one that defines a solid: active voxels of a bool or mask
+/// grid, values above 0.5 of a float grid, below 0 of a level set. The volume must outlive the
+/// result. Throws Error(Invalid) for a grid that is none of these, does not exist, has no linear
+/// transform, or has infinite regions inside.
 std::unique_ptr<SolidSamples> solidSamples(const Volume& volume, const std::string& grid);
 
 } // namespace tetvdb

@@ -44,7 +44,7 @@ public:
 private:
   struct Leaf {
     double angle; ///< of its face around the edge
-    bool closes;  ///< the solid lies at the angles just below, else just above
+    bool closes;  ///< the solid is at smaller angles, else at larger ones
     std::uint32_t side;
   };
 
@@ -55,9 +55,10 @@ private:
 
   const Vec3d& corner(std::uint32_t side) const { return mesh_.points[mesh_.triangles[side]]; }
 
-  // A face that runs along the edge's direction has its normal towards growing angles, and so the
-  // solid at smaller ones; the others have it at larger ones. Like brackets, each that opens a
-  // wedge of the solid belongs to the next that closes one; equal angles close first.
+  // A face that runs in the edge's direction has its normal toward larger angles, and so the solid
+  // at smaller ones; the other faces have it at larger ones. As with brackets, each face that opens
+  // a wedge of the solid is paired with the next that closes one. At equal angles, closing comes
+  // first.
   void pairAround(const EdgeTable::Sides& sides) {
     const std::uint32_t first = sides.first[0];
     const std::uint32_t from = mesh_.triangles[first];
@@ -101,12 +102,12 @@ private:
   void cut(std::uint32_t side);
 
   TriangleMesh& mesh_;
-  std::vector<std::uint32_t> partner_; ///< of a side: the one that it shares its edge with
-  std::vector<char> toCut_;            ///< of a side
+  std::vector<std::uint32_t> partner_; ///< by side: the side with which it shares its edge
+  std::vector<char> toCut_;            ///< by side
 };
 
-// Corners that turn around one point across paired sides become one point. The first fan of a point
-// keeps its number.
+// Merges corners of one point that are connected across paired sides into one point. The first fan
+// of a point keeps its number.
 void Splitting::splitPoints() {
   std::vector<std::uint32_t>& corners = mesh_.triangles;
   DisjointSets fans(corners.size());
@@ -129,7 +130,7 @@ void Splitting::splitPoints() {
   }
 }
 
-// Of the pairs between two points all but the first are cut.
+// Splits all but the first of the pairs between two points.
 void Splitting::cutSharedEdges() {
   const EdgeTable edges(mesh_);
   toCut_.assign(mesh_.triangles.size(), 0);
@@ -141,12 +142,12 @@ void Splitting::cutSharedEdges() {
       toCut_[side] =
           side != sides.first[0] && partner_[side] != sides.first[0] && side < partner_[side];
   }
-  for (std::uint32_t side = 0; side < toCut_.size(); ++side) // grows meanwhile
+  for (std::uint32_t side = 0; side < toCut_.size(); ++side) // its size increases
     if (toCut_[side])
       cut(side);
 }
 
-// Of face (a, b, c) with side a - b there remains (a, m, c), and (m, b, c) is new.
+// Face (a, b, c) with side a - b becomes (a, m, c); (m, b, c) is appended.
 void Splitting::cut(std::uint32_t side) {
   const std::uint32_t other = partner_[side];
   const auto midpoint = static_cast<std::uint32_t>(mesh_.points.size());

@@ -6,13 +6,13 @@
 
 namespace tetvdb {
 
-/// Makes a closed oriented surface manifold by parting what only touches, without moving anything.
-/// Where more than two faces meet at an edge, each is paired with the one that bounds the same
-/// wedge of the solid. A point whose faces then form several fans becomes a point for each, equal
-/// in place; where two pairs still run between the same two points, the edge of the later pair gets
-/// a point in its middle. Faces keep their order; those that are cut are followed by nothing new
-/// but the second halves at the end. Throws Error(Invalid) unless every edge is run along as often
-/// in one direction as in the other.
+/// Makes a closed oriented surface manifold by separating faces that only touch. No point moves. At
+/// an edge of more than two faces, each face is paired with the one that bounds the same wedge of
+/// the solid. A point whose faces then form several fans is replaced by one point per fan, at the
+/// same position. If two pairs still share an edge between the same two points, the edge of the
+/// later pair is split at its midpoint. Faces keep their order; the second halves of split faces
+/// are appended. Throws Error(Invalid) unless every edge is traversed equally often in both
+/// directions.
 void splitFans(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

@@ -26,11 +26,11 @@ constexpr int kMaxRounds = 6;
 constexpr double kJoinShare = 0.1;     // of the shortest boundary edge at a vertex
 constexpr double kJoinDiagonal = 1e-3; // of the box's diagonal
 constexpr double kSplitShare = 0.02;   // of the shortest boundary edge at a vertex
-constexpr double kRounding = 0x1p-21;  // of the largest coordinate: a few units of a float
+constexpr double kRounding = 0x1p-21;  // of the largest coordinate: several units of a float
 constexpr double kFlat = 0x1p-22;      // of the largest coordinate: below a unit of a float
-constexpr double kAgainst = -0.9;      // cosine between edges that run against each other
+constexpr double kAgainst = -0.9;      // cosine between edges of opposite directions
 
-// The boundary of a mesh: sides that no other face shares, and the vertices on them.
+// The boundary of a mesh: sides that no other face shares, and their vertices.
 class Boundary {
 public:
   Boundary(const TriangleMesh& mesh, const EdgeTable& edges) : mesh_(mesh) {
@@ -107,7 +107,7 @@ private:
   std::unique_ptr<BoxTree> tree_;
 };
 
-// --- Ends of boundary edges become one.
+// --- Merging points of boundary edges.
 
 class Joining {
 public:
@@ -167,7 +167,7 @@ public:
   }
 
 private:
-  // Refuses what would leave an edge without length.
+  // Returns false if an edge would have no length.
   bool join(std::uint32_t a, std::uint32_t b) {
     a = sets_.find(a);
     b = sets_.find(b);
@@ -190,10 +190,10 @@ private:
   std::map<std::uint32_t, std::vector<std::uint32_t>> members_, neighbours_;
 };
 
-// --- Vertices on boundary edges split their faces.
+// --- Splitting faces at vertices on their boundary edges.
 
 struct Split {
-  double along; ///< from the side's start
+  double along; ///< from the side's first point
   std::uint32_t vertex;
   bool operator<(const Split& other) const {
     return std::tie(along, vertex) < std::tie(other.along, other.vertex);
@@ -208,7 +208,7 @@ double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b, double&
   return length(minus(p, plus(a, times(way, share))));
 }
 
-// Whether a boundary edge at `v` runs along side and against it.
+// Whether a boundary edge at `v` runs along the side in the opposite direction.
 bool hasEdgeAlong(const Boundary& boundary, std::uint32_t side, std::uint32_t v, double distance) {
   const Vec3d &a = boundary.at(boundary.start(side)), &b = boundary.at(boundary.end(side));
   const Vec3d way = minus(b, a);
@@ -288,7 +288,7 @@ void splitFaces(TriangleMesh& mesh, const Boundary& boundary, StitchCounts& coun
 
 // --- Collinear faces.
 
-// The largest distance of a corner from the opposite side that 32-bit floats cannot tell.
+// The largest height of a face that 32-bit floats cannot resolve.
 double flatHeight(const TriangleMesh& mesh) {
   double largest = 0;
   for (const std::uint32_t corner : mesh.triangles)
@@ -297,8 +297,8 @@ double flatHeight(const TriangleMesh& mesh) {
   return kFlat * largest;
 }
 
-// The side of three points (0: from the first to the second) that the other one lies on or within
-// `height` of, between its ends; 3 where they are a face with area.
+// The side of three points (0: from the first to the second) whose opposite point lies on it, or
+// within `height` of it, between its end points; 3 if they are a face with area.
 std::uint32_t flatSide(const std::array<Vec3d, 3>& p, double height) {
   std::uint32_t longest = 0;
   double max = -1;

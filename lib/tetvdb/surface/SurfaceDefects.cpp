@@ -44,9 +44,9 @@ Corners weldedCorners(const TriangleMesh& mesh, SurfaceDefects& defects, Progres
   return corners;
 }
 
-// --- Faces by themselves.
+// --- Single faces.
 
-// Whether the smallest angle is below the limit or the largest as much below a straight one.
+// Whether the smallest angle is below the limit, or the largest as close to a straight one.
 bool isSliver(const Vec3d& a, const Vec3d& b, const Vec3d& c, double twiceArea) {
   const double tangent = std::tan(kSliverDegrees * 3.14159265358979323846 / 180);
   const Vec3d ab = minus(b, a), bc = minus(c, b), ca = minus(a, c);
@@ -107,7 +107,7 @@ void measureFaces(const TriangleMesh& mesh, SurfaceDefects& defects,
   defects.sliverFaces = sums.slivers;
 }
 
-// --- Edges and what they connect.
+// --- Edges and connectivity.
 
 void countEdges(const EdgeTable& edges, SurfaceDefects& defects) {
   defects.watertight = edges.edgeCount() > 0;
@@ -121,7 +121,7 @@ void countEdges(const EdgeTable& edges, SurfaceDefects& defects) {
   }
 }
 
-// Corners of faces around a point that are connected across edges at that point: a fan.
+// Connects corners of faces at a point across edges of that point: a set is a fan.
 DisjointSets findFans(const Corners& corners, const EdgeTable& edges) {
   DisjointSets fans(corners.size());
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
@@ -150,7 +150,7 @@ std::size_t countNonManifoldVertices(const Corners& corners, const EdgeTable& ed
   return vertices;
 }
 
-// Boundary edges follow one another where they belong to one fan.
+// Boundary edges are consecutive if they belong to one fan.
 std::size_t countHoles(const EdgeTable& edges, DisjointSets& fans) {
   DisjointSets loops(edges.edgeCount());
   struct End {
@@ -167,7 +167,7 @@ std::size_t countHoles(const EdgeTable& edges, DisjointSets& fans) {
   std::sort(ends.begin(), ends.end(), [](const End& a, const End& b) {
     return a.fan != b.fan ? a.fan < b.fan : a.edge < b.edge;
   });
-  std::vector<std::uint32_t> looseEdges; // at a fan where an odd number of them ends
+  std::vector<std::uint32_t> looseEdges; // at a fan with an odd number of boundary edges
   for (std::size_t i = 0, last; i < ends.size(); i = last) {
     for (last = i; last < ends.size() && ends[last].fan == ends[i].fan; ++last)
       loops.join(ends[i].edge, ends[last].edge);
@@ -214,7 +214,7 @@ void lookAtTopology(const Corners& corners, std::size_t pointCount, const EdgeTa
   defects.genus = std::int64_t(defects.components) - characteristic / 2;
 }
 
-// --- How they meet.
+// --- Intersections.
 
 void countIntersections(const TriangleMesh& mesh, const Corners& corners,
                         const std::vector<std::uint8_t>& degenerate,
@@ -228,7 +228,7 @@ void countIntersections(const TriangleMesh& mesh, const Corners& corners,
   for (std::size_t face = 0; face < skip.size(); ++face)
     if (!skip[face])
       faces.insert(faces.end(), &corners[3 * face], &corners[3 * face] + 3);
-  // A power of two as scale changes no decision and keeps products from over- and underflow.
+  // A power of two as scale changes no decision and prevents overflow and underflow of products.
   double largest = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     largest = std::max({largest, std::abs(defects.boxMin[axis]), std::abs(defects.boxMax[axis])});
@@ -242,7 +242,7 @@ void countIntersections(const TriangleMesh& mesh, const Corners& corners,
   defects.selfIntersectionsComplete = found.complete;
 }
 
-// --- What a length of 1 is.
+// --- Unit of length.
 
 std::string unitOf(double diagonal) {
   if (!(diagonal > 0))

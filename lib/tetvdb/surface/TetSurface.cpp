@@ -26,7 +26,7 @@ std::array<std::uint32_t, 3> outward(const TetMesh& mesh, std::size_t tet, std::
   return v;
 }
 
-// Whether it takes an odd number of swaps to sort the corners.
+// Whether sorting the corners takes an odd number of swaps.
 bool isOdd(const std::array<std::uint32_t, 3>& v) {
   return (v[0] > v[1]) != ((v[1] > v[2]) != (v[0] > v[2]));
 }
@@ -64,18 +64,18 @@ private:
     tbb::parallel_for(std::size_t(0), mesh_.tetCount(), [&](std::size_t tet) {
       const std::uint32_t* v = &mesh_.tets[4 * tet];
       const std::vector<Vec3d>& p = mesh_.points;
-      // Positive volume: d on the side that b, c turn counter-clockwise from, seen from a.
+      // Positive volume: seen from a, corners b, c, d are oriented as required.
       sign_[tet] = static_cast<signed char>(orientation(p[v[0]], p[v[1]], p[v[2]], p[v[3]]));
     });
   }
 
-  // 1 where the face, seen from outside its tet, turns as its corners ascend; -1 the other way; 0
-  // while its tet is flat and has no side yet.
+  // 1 if the face, seen from outside its tet, is oriented as its ascending corners; -1 if opposite;
+  // 0 while its tet is flat and not oriented.
   int turn(const TetFace& face) const {
     return isOdd(outward(mesh_, face.tet, face.opposite)) ? -sign_[face.tet] : sign_[face.tet];
   }
 
-  // A flat tet takes the side that makes its faces cancel with a neighbour's, wave by wave.
+  // Orients flat tets so that their faces cancel with those of oriented neighbours, in waves.
   void orientFlatTets() {
     std::vector<std::pair<const TetFace*, const TetFace*>> pairs;
     forEqualFaces(faces_, [&](const TetFace* first, const TetFace* last) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The outside of tetrahedra.
+// The boundary surface of tetrahedra.
 //
 //   tetvdb::TriangleMesh surface = tetvdb::tetSurface(tets, progress);
 #pragma once
@@ -11,13 +11,13 @@
 
 namespace tetvdb {
 
-/// The faces that no second tet shares (by point numbers), turned outward, as a closed oriented
-/// manifold: where parts only touch they are parted by splitFans(). Tets are turned to positive
-/// volume first; those without volume take the side that their neighbours leave them, and tets with
-/// a repeated point are left out. Where overlapping tets have a face on one side in common it comes
-/// as often as the tets do. Points are those of the faces, in their order in `mesh`, then those
-/// that splitting made. Deterministic; about 0.5 us a tet. Throws Error(Invalid) where no face is
-/// left, Error(Limit) from 2^30 tets on.
+/// Returns the faces that no second tet shares (by point numbers), oriented outward, as a closed
+/// oriented manifold: components that only touch are separated by splitFans(). Tets are reversed to
+/// positive volume first. Flat tets are oriented consistently with their neighbours, and tets with
+/// a repeated point are left out. A face that overlapping tets share on one side occurs once per
+/// tet. Points are those of the faces, in the order of `mesh`, followed by those that splitting
+/// adds. Deterministic; about 0.5 us per tet. Throws Error(Invalid) if no face is left,
+/// Error(Limit) for 2^30 tets or more.
 TriangleMesh tetSurface(const TetMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

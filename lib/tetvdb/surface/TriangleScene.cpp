@@ -16,13 +16,13 @@
 namespace tetvdb {
 namespace {
 
-// In the scene's own units, where the mesh's box reaches from -1 to 1: more than what rounding to
-// floats moves a vertex or a point within the box.
+// In the scene's units, in which the mesh's box is -1 to 1: above the error of rounding vertices
+// and points in the box to floats.
 constexpr double kRounding = 4e-7;
-// More than rounding to floats makes of a disc's radius and of squares of distances from it.
+// Above the rounding error of a disc's radius and of squared distances.
 constexpr double kDiscRoom = 1 + 1e-5;
 constexpr float kSquareRoom = 1 - 4e-6f;
-constexpr double kThin = 1e-3; // twice the area over the square of the radius
+constexpr double kThin = 1e-3; // twice the area over the squared radius
 
 [[noreturn]] void fail(RTCError error) {
   if (error == RTC_ERROR_OUT_OF_MEMORY)
@@ -31,14 +31,14 @@ constexpr double kThin = 1e-3; // twice the area over the square of the radius
               "Embree failed with error " + std::to_string(static_cast<int>(error)));
 }
 
-// A disc around a triangle, in its plane, in scene units: tells most triangles that are too far by
-// one look at memory.
+// A disc around a triangle, in its plane, in scene units: excludes most distant triangles with one
+// memory access.
 struct TriangleDisc {
   float x = 0, y = 0, z = 0, radius = 0;
   float nx = 0, ny = 0, nz = 0;
   float sign = 0; ///< 0: no plane, never beyond
 
-  // From the disc: height above its plane, and how far the foot lies beyond its edge.
+  // Uses the height above the disc's plane and the distance of the foot point beyond its border.
   bool isBeyond(const RTCPointQuery& query) const {
     const float dx = query.x - x, dy = query.y - y, dz = query.z - z;
     const float square = dx * dx + dy * dy + dz * dz;
@@ -53,11 +53,11 @@ struct ClosestQuery {
   const TriangleMesh& mesh;
   const TriangleDisc* discs;
   Vec3d point;
-  double scale, slack; ///< scene units a world unit; what the scene may be wrong by
-  double bound;        ///< squared, world units: nearer than this only
+  double scale, slack; ///< scene units per world unit; error of the scene
+  double bound;        ///< squared, world units: limit of the distance
   std::uint32_t triangle = 0xFFFFFFFFu;
   Vec3d offset{0, 0, 0};
-  bool any = false; ///< the first triangle found will do
+  bool any = false; ///< any triangle within the bound suffices
 
   float radius() const {
     const double r = (std::sqrt(bound) * scale + slack) * (1 + 4e-6);
@@ -88,11 +88,11 @@ bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
 }
 
 struct CrossingQuery {
-  RTCIntersectContext context; // first: Embree hands back a pointer to it
+  RTCIntersectContext context; // first: Embree returns a pointer to it
   std::vector<std::uint32_t>* triangles;
 };
 
-// Writes down every triangle and lets the ray go on.
+// Records every triangle and continues the ray.
 void recordCrossing(const RTCFilterFunctionNArguments* arguments) {
   auto* query = reinterpret_cast<CrossingQuery*>(arguments->context);
   query->triangles->push_back(RTCHitN_primID(arguments->hit, arguments->N, 0));
@@ -104,7 +104,7 @@ void recordCrossing(const RTCFilterFunctionNArguments* arguments) {
 struct TriangleScene::Impl {
   const TriangleMesh& mesh;
   Vec3d low{0, 0, 0}, high{0, 0, 0}, centre{0, 0, 0};
-  double scale = 1; ///< scene units a world unit
+  double scale = 1; ///< scene units per world unit
   std::vector<TriangleDisc> discs;
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -203,8 +203,8 @@ void TriangleScene::Impl::makeDiscs() {
   });
 }
 
-// The part of the ray that is in the mesh's box, with a margin. A distant origin would lose the
-// floats' digits.
+// Clips the ray to the mesh's box with a margin. With a distant origin, floats would lose
+// precision.
 bool TriangleScene::Impl::clip(const Vec3d& origin, const Vec3d& direction, double& t0,
                                double& t1) const {
   const double margin = kRounding / scale;
@@ -234,11 +234,11 @@ TriangleScene::~TriangleScene() = default;
 void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, double tMax,
                               std::vector<Hit>& hits) const {
   hits.clear();
-  const double speed = length(direction) * impl_->scale; // scene units a unit of t
+  const double speed = length(direction) * impl_->scale; // scene units per unit of t
   double t0 = 0, t1 = tMax;
   if (impl_->mesh.triangles.empty() || !(speed > 0) || !impl_->clip(origin, direction, t0, t1))
     return;
-  // Both ends are drawn out a little; which hits count is decided in doubles.
+  // Both ends are extended; doubles decide which hits count.
   t0 -= kRounding / speed;
   t1 += kRounding / speed;
   const Vec3d start = impl_->toScene(plus(origin, times(direction, t0)));
@@ -269,7 +269,7 @@ void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, doubl
         cross(minus(impl_->mesh.points[v[1]], a), minus(impl_->mesh.points[v[2]], a));
     const double along = dot(normal, direction);
     const double t = dot(normal, minus(a, origin)) / along;
-    if (t >= 0 && t <= tMax) // false where the ray runs in the triangle's plane, too
+    if (t >= 0 && t <= tMax) // also false if the ray lies in the triangle's plane
       hits.push_back({t, triangle, along > 0});
   }
   std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) {

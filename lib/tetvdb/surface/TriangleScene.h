@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rays and closest points against a triangle mesh, by Embree.
+// Ray and closest-point queries on a triangle mesh, by Embree.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -13,9 +13,9 @@
 
 namespace tetvdb {
 
-/// A search structure over the triangles of a mesh, which must outlive it. Vertices are taken
-/// relative to the box's centre and scaled to its size before they become floats, so that a mesh
-/// far from the origin loses nothing. Queries are const and thread-safe.
+/// A search structure over the triangles of a mesh, which must outlive it. Vertices are translated
+/// to the box's centre and scaled to its size before they are converted to floats, so that a mesh
+/// far from the origin keeps its precision. Queries are const and thread-safe.
 class TriangleScene {
 public:
   explicit TriangleScene(const TriangleMesh& mesh);
@@ -24,12 +24,12 @@ public:
   TriangleScene& operator=(const TriangleScene&) = delete;
 
   struct Hit {
-    double t; ///< along the direction, which need not be normalised
+    double t; ///< in units of the direction, which need not be normalised
     std::uint32_t triangle;
-    bool leaving; ///< the ray goes along the triangle's normal: out of the solid
+    bool leaving; ///< the ray runs along the triangle's normal: out of the solid
   };
-  /// Every triangle that the ray crosses at 0 <= t <= tMax, in order of (t, triangle). Found in
-  /// floats (about 1e-7 of the box); a ray through an edge may count one or both of its faces.
+  /// Finds every triangle that the ray crosses at 0 <= t <= tMax, in order of (t, triangle), in
+  /// floats (about 1e-7 of the box); a ray through an edge may hit one or both of its faces.
   void crossings(const Vec3d& origin, const Vec3d& direction, double tMax,
                  std::vector<Hit>& hits) const;
 
@@ -38,12 +38,12 @@ public:
     std::uint32_t triangle = 0xFFFFFFFFu;
     Vec3d point{0, 0, 0};
   };
-  /// The point of the mesh next to `p`, if one is nearer than `maxDistance`: distances in doubles,
-  /// of equally near triangles the one of lowest number.
+  /// The point of the mesh closest to `p`, if it is closer than `maxDistance`, computed in doubles;
+  /// of equally close triangles, the one with the lowest number.
   Closest closest(const Vec3d& p,
                   double maxDistance = std::numeric_limits<double>::infinity()) const;
 
-  /// Whether a point of the mesh is nearer to `p` than `distance`; a few times faster than
+  /// Whether a point of the mesh is closer to `p` than `distance`; several times faster than
   /// closest().
   bool isWithin(const Vec3d& p, double distance) const;
 

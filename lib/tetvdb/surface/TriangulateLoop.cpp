@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::uint32_t kNone = SpaceLoop::kNone;
 
-// What the triangles of a part of the loop cost: 1 - cosine of the largest angle, and the area.
+// The cost of the triangles of a section: 1 - cosine of the largest angle, and the area.
 struct Cost {
   double bend = 0, area = 0;
   bool possible = true;
   bool operator<(const Cost& other) const {
     if (possible != other.possible)
       return possible;
-    // Angles that differ by less than roundings are equal.
+    // Angles that differ by less than rounding errors are equal.
     if (bend < other.bend - 1e-9 || bend > other.bend + 1e-9)
       return bend < other.bend;
     return area < other.area;
@@ -65,7 +65,7 @@ public:
 private:
   const Vec3d& at(std::size_t i) const { return points_[loop_.points[i]]; }
 
-  // Normal of what lies beyond the edge or chord from i to k, as seen from this side.
+  // Normal of the face beyond the edge or chord from i to k.
   bool normalBeyond(std::size_t i, std::size_t k, Vec3d& normal) const {
     double area;
     if (k - i > 1) {
@@ -119,11 +119,11 @@ private:
   const SpaceLoop& loop_;
   const EdgeTaken& isTaken_;
   const std::size_t n_;
-  std::vector<Cost> costs_; ///< of the part from i to k: [n i + k]
+  std::vector<Cost> costs_; ///< of the section from i to k: [n i + k]
   std::vector<std::uint32_t> midpoint_;
 };
 
-// The two parts of a loop on either side of its shortest free chord between places far apart.
+// Splits a loop along its shortest free chord between points that are far apart on it.
 std::pair<SpaceLoop, SpaceLoop> cutAlongChord(const std::vector<Vec3d>& points,
                                               const SpaceLoop& loop, const EdgeTaken& isTaken) {
   const std::size_t n = loop.points.size(), min = n / 4;

@@ -16,7 +16,7 @@
 namespace tetvdb {
 namespace {
 
-// The points as seen along the normal's largest axis, so that coordinates stay as they are.
+// The points projected along the normal's largest axis, so that coordinates do not change.
 class FlatPoints {
 public:
   FlatPoints(const std::vector<Vec3d>& points, const Vec3d& normal) : points_(points) {
@@ -40,7 +40,7 @@ public:
     const Vec2d u = at(a), v = at(b);
     return (u[0] - v[0]) * (u[0] - v[0]) + (u[1] - v[1]) * (u[1] - v[1]);
   }
-  // Twice the area over the square of the longest side: 0 for a line.
+  // Twice the area over the squared longest side: 0 for a line.
   double shape(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const Vec2d u = at(a), v = at(b), w = at(c);
     const double area = (v[0] - u[0]) * (w[1] - u[1]) - (v[1] - u[1]) * (w[0] - u[0]);
@@ -54,13 +54,13 @@ private:
   std::size_t p_ = 0, q_ = 1;
 };
 
-// Triangles over the convex hull of points, that have certain edges.
+// A triangulation of the convex hull of points with constrained edges.
 class ConstrainedTriangles {
 public:
   explicit ConstrainedTriangles(const FlatPoints& flat) : flat_(flat) {}
 
-  // All points, in the order of their positions: each is joined to the edges of the hull that it
-  // sees. False where all are collinear, or two are equal.
+  // Adds all points in the order of their positions: each is connected to the visible edges of the
+  // hull. Returns false if all points are collinear, or two are equal.
   bool build(std::vector<std::uint32_t> points) {
     std::sort(points.begin(), points.end(), [&](std::uint32_t a, std::uint32_t b) {
       return std::make_pair(flat_.at(a), a) < std::make_pair(flat_.at(b), b);
@@ -88,7 +88,7 @@ public:
     link(points[apex], points[left ? 0 : apex - 1]);
     for (std::size_t i = apex + 1; i < points.size(); ++i) {
       const std::uint32_t p = points[i];
-      std::uint32_t first = points[i - 1], last = first; // the hull's part that p sees
+      std::uint32_t first = points[i - 1], last = first; // the section of the hull visible from p
       while (flat_.turn(last, next[last], p) < 0) {
         add(next[last], last, p);
         last = next[last];
@@ -103,8 +103,8 @@ public:
     return true;
   }
 
-  // Makes a and b neighbours by flips of what lies in between. False where that is a point or a
-  // constrained edge.
+  // Makes a and b neighbours by flipping the edges between them. Returns false if a point or a
+  // constrained edge lies between them.
   bool constrain(std::uint32_t a, std::uint32_t b) {
     if (!has(a, b) && !has(b, a) && !openWay(a, b))
       return false;
@@ -112,8 +112,8 @@ public:
     return true;
   }
 
-  // Those to the left of directed constrained edges, as far as no constrained edge is between.
-  // False where a triangle is also to the right of one, or none is there.
+  // Collects the triangles to the left of directed constrained edges, bounded by constrained edges.
+  // Returns false if a triangle is also to the right of one, or if there is none.
   bool collect(const std::set<PolygonEdge>& boundary, std::vector<std::uint32_t>& corners) const {
     std::vector<char> isInside(corners_.size() / 3, 0);
     std::vector<std::size_t> open;
@@ -155,7 +155,7 @@ private:
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return std::uint64_t(a) << 32 | b; }
   static std::size_t nextOf(std::size_t side) { return side % 3 == 2 ? side - 2 : side + 1; }
   bool has(std::uint32_t a, std::uint32_t b) const { return sides_.count(key(a, b)) > 0; }
-  // Of the triangle to the left of the way from a to b.
+  // Of the triangle to the left of the segment from a to b.
   std::uint32_t apexOf(std::uint32_t a, std::uint32_t b) const {
     return corners_[nextOf(nextOf(sides_.at(key(a, b))))];
   }
@@ -172,8 +172,8 @@ private:
     put(corners_.size() / 3 - 1, {a, b, c});
   }
 
-  // The side opposite to a that the way to b leaves through, from right to left; false where the
-  // way runs along an edge.
+  // The side opposite to a through which the segment to b leaves, from right to left; false if the
+  // segment runs along an edge.
   bool firstCrossed(std::uint32_t a, std::uint32_t b, PolygonEdge& crossed) const {
     const std::size_t first = sideAt_.at(a);
     for (const bool forward : {true, false}) {
@@ -213,7 +213,7 @@ private:
         return false;
       edge = turn > 0 ? PolygonEdge{x, ahead} : PolygonEdge{ahead, y};
     }
-    // Each flip of a convex pair that does not cross the way any more is final (Sloan 1993).
+    // Each flip of a convex pair that then does not cross the segment is final (Sloan 1993).
     std::size_t left = 64 + 16 * crossed.size() * crossed.size();
     while (!crossed.empty()) {
       if (left-- == 0)
@@ -238,13 +238,13 @@ private:
 
   const FlatPoints& flat_;
   std::vector<std::uint32_t> corners_;
-  std::unordered_map<std::uint64_t, std::size_t> sides_;  ///< by the points that one runs between
-  std::unordered_map<std::uint32_t, std::size_t> sideAt_; ///< by point: one that runs from it
+  std::unordered_map<std::uint64_t, std::size_t> sides_;  ///< by the two points of the side
+  std::unordered_map<std::uint32_t, std::size_t> sideAt_; ///< by point: a side from it
   std::set<PolygonEdge> constrained_;                     ///< low point first
 };
 
-// Flips inner edges while that removes one that is taken, or makes the worse of the two triangles
-// better.
+// Flips inner edges if this removes a taken edge, or improves the worse of the two
+// triangles.
 void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
                std::vector<std::uint32_t>& corners) {
   constexpr int kMaxRounds = 64;

@@ -18,10 +18,10 @@
 namespace tetvdb {
 namespace {
 
-// Of all faces together, beyond which trimming is given up: pieces of memory and of time.
+// Limits for all faces together, which bound memory and time.
 constexpr std::size_t kMaxPieces = std::size_t(1) << 22;
-constexpr std::size_t kMaxCuts = std::size_t(1) << 26;  // looks at pieces
-constexpr std::size_t kMaxLooks = std::size_t(1) << 29; // at faces of columns
+constexpr std::size_t kMaxCuts = std::size_t(1) << 26;  // tested pieces
+constexpr std::size_t kMaxLooks = std::size_t(1) << 29; // tested faces of columns
 constexpr unsigned kMaxAttempts = 32;                   // to find a point that decides
 
 class Trimmer {
@@ -32,7 +32,7 @@ public:
 
   const FaceContacts& contacts() const { return contacts_; }
 
-  // Empty where it is given up.
+  // Empty if it fails.
   std::vector<FaceRest> run() {
     rests_.resize(welded_.faces.size());
     judgePatches();
@@ -44,7 +44,7 @@ public:
   }
 
 private:
-  // Of faces that lie on one another the first represents all.
+  // Of coincident faces, the first represents all.
   PartFate fateOf(const FacePieces& pieces, std::size_t piece, const FacePlanes& face,
                   std::uint32_t number) {
     std::size_t looked = 0;
@@ -67,8 +67,8 @@ private:
     return fate;
   }
 
-  // Faces that are connected by edges that belong to no others, and that no face meets, have the
-  // same on their either side: one point tells of all of them.
+  // Faces that no face meets, connected by edges of exactly two faces, have the same winding
+  // numbers on their sides: one point decides for all of them.
   void judgePatches() {
     DisjointSets patches(welded_.faces.size());
     for (const auto& [a, b] : contacts_.neighbours)
@@ -80,7 +80,7 @@ private:
       if (patchOf[i] == i && !contacts_.isMet(i))
         first.push_back(i);
     }
-    // A thin face may hide its answer, the largest of the patch does not.
+    // A thin face may have no point that decides; the largest face of the patch is used.
     std::vector<std::uint32_t> largest = patchOf;
     std::vector<double> area(patchOf.size(), -1);
     for (std::uint32_t i = 0; i < patchOf.size(); ++i)
@@ -88,7 +88,7 @@ private:
         area[patchOf[i]] = own;
         largest[patchOf[i]] = i;
       }
-    // Of a patch, as its faces are weighed: the front of those of positive weight.
+    // By patch: the fate of faces with positive weight.
     std::vector<PartFate> fates(patchOf.size(), PartFate::Stays);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, first.size(), 16), [&](const auto& r) {
       progress_.check();
@@ -110,7 +110,7 @@ private:
     return fate == PartFate::Stays ? PartFate::StaysInverse : PartFate::Stays;
   }
 
-  // Across the edge they share the front goes on as the front, and weighs the same.
+  // Whether the front continues across the shared edge with the same weight.
   static bool areContinued(const WeldedFace& a, const WeldedFace& b) {
     const auto runs = [](const WeldedFace& face, std::uint32_t from, std::uint32_t to) {
       const auto& c = face.corners;
@@ -160,7 +160,7 @@ private:
                FaceRest& rest) {
     std::sort(others.begin(), others.end(),
               [](const FacePlanes* a, const FacePlanes* b) { return a->corners < b->corners; });
-    // In an order that looks random, pieces stay few (Paterson and Yao 1990).
+    // In random order, the number of pieces is small (Paterson and Yao 1990).
     std::uint64_t random = others.size();
     for (std::size_t i = others.size(); i > 1; --i) {
       random = random * 6364136223846793005u + 1442695040888963407u;
@@ -181,7 +181,7 @@ private:
         if (pieces.isLeaf(i))
           fates[i] = fateOf(pieces, i, face, number);
     });
-    // Halves come after what they are halves of.
+    // Halves follow the pieces that they divide.
     std::vector<std::uint8_t> mixed(pieces.size(), 0);
     for (std::size_t i = pieces.size(); i-- > 0;) {
       if (pieces.isLeaf(i))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which parts of the faces of a closed chain are the boundary of what it winds around.
+// Finds the parts of a closed chain of faces that bound the region it encloses.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -13,41 +13,41 @@
 
 namespace tetvdb {
 
-/// What becomes of a face or of a part of it.
+/// The decision about a face or a part of it.
 enum class PartFate : std::uint8_t {
   Stays,        ///< its front is outside
   StaysInverse, ///< its back is outside
-  Goes,         ///< both sides are inside, or both outside
-  Undecided     ///< too thin to matter: as its neighbours
+  Goes,         ///< both sides are inside, or both are outside
+  Undecided     ///< too thin to decide: follows its neighbours
 };
 
 struct FacePart {
-  std::vector<Vec3d> outline; ///< convex; turns counter-clockwise around the front; lattice units
+  std::vector<Vec3d> outline; ///< convex, counter-clockwise around the front; lattice units
   bool inverse = false;       ///< its back is outside
 };
 
-/// What is left of a face.
+/// The remainder of a face.
 struct FaceRest {
-  PartFate fate = PartFate::Stays; ///< of all of it, if there are no parts
-  std::vector<FacePart> parts;     ///< that stay; corners within 2^-6 lattice units
+  PartFate fate = PartFate::Stays; ///< of the whole face if there are no parts
+  std::vector<FacePart> parts;     ///< remaining parts; corners within 2^-6 lattice units
 };
 
 struct TrimmedChain {
   std::vector<FaceRest> rests; ///< by face; empty if not complete
-  std::vector<char> isMet;     ///< by face: that others cross, touch or overlap
-  bool complete = true;        ///< false: given up
-  bool hasEqualFaces = false;  ///< given up as mergeEqualFaces() has to come first
+  std::vector<char> isMet;     ///< by face: others cross, touch or overlap it
+  bool complete = true;        ///< false: it failed
+  bool hasEqualFaces = false;  ///< it failed since mergeEqualFaces() must be called first
 };
 
-/// The boundary of the places for whose winding number `isInside` holds. Faces with either side of
-/// different kinds stay, those with both inside or both outside go; faces that others meet are cut
-/// into pieces along the crossings, and pieces stay or go; of pieces that lie on one another in a
-/// plane those of the face of lowest number stay. All is decided exactly on the lattice;
-/// in pieces thinner than about 2^-8 lattice units nothing can be. Gives up where the faces or
-/// their pieces are too many to look at (kMax... in the source: some thousand large
-/// faces that all cross), or the chain is longer than 2^40 lattice units. Parallel; the same for
-/// any number of threads. About 1 us a face where none is met, and 10 us for every piece of one
-/// that is.
+/// Returns the boundary of the region of winding numbers for which `isInside` holds. Faces with
+/// exactly one side inside stay, other faces are removed. Faces that meet others are cut into
+/// pieces along the intersections, and each piece stays or is removed. Of coincident pieces in
+/// one plane, those of the face with the lowest number stay. All decisions are exact on the
+/// lattice; pieces thinner than about 2^-8 lattice units remain undecided. Fails if there are
+/// too many faces or pieces (kMax... in the source: several thousand large faces that all
+/// intersect), or if the chain is longer than 2^40 lattice units. Parallel; independent of the
+/// number of threads. About 1 us per face that meets no other, and 10 us per piece of the other
+/// faces.
 TrimmedChain trimChain(const WeldedFaces& welded, bool (*isInside)(std::int64_t),
                        Progress& progress);
 

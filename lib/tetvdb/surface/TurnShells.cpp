@@ -12,14 +12,14 @@
 namespace tetvdb {
 namespace {
 
-// |volume| over area^1.5 from which a shell has an inside. A ball has 0.094, a cube 0.068, a cube
+// Minimum |volume| over area^1.5 of a shell with an inside. A ball has 0.094, a cube 0.068, a cube
 // without lid 0.072 about its own centroid.
 constexpr double kMinVolumeOpen = 0.02;
-// From here on the faces of an open shell are asked.
+// Above this, visibility decides the orientation of open shells.
 constexpr double kMinVolumeAsked = 0.001;
 constexpr std::size_t kShellsAsked = 5000;
 constexpr double kMinVolumeClosed = 1e-12;
-// Of closed shells, from where on rounding has no part in which way they look.
+// For closed shells: above this, rounding does not affect the orientation.
 constexpr double kMinVolumeSure = 1e-8;
 constexpr std::size_t kSamplesPerShell = 5;
 
@@ -27,7 +27,7 @@ constexpr std::size_t kSamplesPerShell = 5;
 
 struct FaceSides::Shell {
   double area = 0;
-  double volume = 0; ///< signed, as turned so far; about the area's centroid
+  double volume = 0; ///< signed, as reversed so far; about the area's centroid
   Vec3d centroid{0, 0, 0};
   Box box;
   bool closed = true;
@@ -36,7 +36,7 @@ struct FaceSides::Shell {
   bool hasSide = false;
   std::uint32_t number = 0;
 
-  /// Without a unit.
+  /// Dimensionless.
   double bulk() const { return area > 0 ? std::abs(volume) / std::pow(area, 1.5) : 0; }
 
   /// A larger shell around this one, by rank, and its winding number here.
@@ -70,7 +70,7 @@ std::vector<FaceSides::Shell> FaceSides::measureShells() const {
     shell.volume += dot(minus(corner, shell.centroid), normal(face)) / 6;
   });
   for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
-    // The patches that do not balance by themselves are all of one shell.
+    // All patches that do not balance by themselves are of one shell.
     int sum = 0;
     std::uint32_t shell = 0;
     eachPatchAt(edge, [&](std::uint32_t patch, int imbalance) {
@@ -98,8 +98,8 @@ bool FaceSides::allShellsLookOutward() const {
   });
 }
 
-// Open shells of much area for their volume: a tub of thin walls with holes in it. The faces say
-// which way they look, as far as the shell alone is concerned.
+// Open shells with much area for their volume, for example a tub of thin walls with holes: the
+// visibility of their faces, within the shell only, decides their orientation.
 void FaceSides::askOpenShells(std::vector<Shell>& shells, Progress& progress) {
   std::vector<std::uint32_t> asked;
   for (const Shell& shell : shells)
@@ -124,7 +124,7 @@ void FaceSides::askOpenShells(std::vector<Shell>& shells, Progress& progress) {
   });
 }
 
-// `ranked`: the shells that have a side, the largest volume first.
+// `ranked`: the shells with an orientation, the largest volume first.
 void FaceSides::findContainers(std::vector<Shell>& ranked, Progress& progress) {
   std::vector<Box> boxes;
   std::vector<std::uint32_t> rankOf(shellCount_, EdgeTable::kNone);
@@ -207,9 +207,9 @@ void FaceSides::turnShells(Progress& progress) {
   progress.check();
   findContainers(ranked, progress);
 
-  // Containers have lower ranks: they are decided first. A shell turns with the smallest shell
-  // around it, and once more, with all that is in it, where it looks inward though nothing solid
-  // surrounds it.
+  // Containers have lower ranks and are decided first. A shell is reversed with the smallest shell
+  // around it. It is reversed once more, with all that it contains, if it is then oriented inward
+  // without a solid around it.
   std::vector<int> turn(ranked.size(), 1);
   double rootVolume = 0, turnedRootVolume = 0;
   for (std::size_t rank = 0; rank < ranked.size(); ++rank) {

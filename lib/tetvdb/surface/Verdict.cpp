@@ -9,7 +9,7 @@
 namespace tetvdb {
 namespace {
 
-// What an open surface has to surround to be more than a sheet, over area^1.5: as in
+// Minimum volume over area^1.5 of an open surface that is not a sheet, as in
 // cleanTriangles().
 constexpr double kMinVolume = 0.02;
 
@@ -29,7 +29,7 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-// Without sample points (`windingSamples` 0) the volume alone has to tell.
+// Without sample points (`windingSamples` 0) only the volume decides.
 bool isSheet(const SurfaceDefects& defects) {
   return defects.windingShares[0] + defects.windingShares[2] + defects.windingShares[3] == 0 &&
          std::abs(defects.volume) <= kMinVolume * std::pow(defects.area, 1.5);
@@ -42,7 +42,7 @@ bool isDoubled(const SurfaceDefects& defects) {
 std::string verdictOnClosed(const SurfaceDefects& defects) {
   std::vector<std::string> but;
   if (isDoubled(defects))
-    but.push_back("every face is there twice");
+    but.push_back("every face is duplicated");
   else if (defects.volume < 0)
     but.push_back("inside out");
   if (defects.selfIntersections > 0)
@@ -54,10 +54,10 @@ std::string verdictOnClosed(const SurfaceDefects& defects) {
     return "watertight";
   const bool turned = !isDoubled(defects) && defects.volume < 0;
   return "watertight, but " + joined(but) + "; " +
-         (turned                          ? "it is turned when it is voxelized"
+         (turned                          ? "it is reversed when it is voxelized"
           : isDoubled(defects)            ? "one of each is kept"
           : defects.selfIntersections > 0 ? "the solid is the union of what it surrounds"
-                                          : "the solid is clear all the same");
+                                          : "the solid is unambiguous");
 }
 
 void addEdgesAndCrossings(const SurfaceDefects& defects, std::vector<std::string>& issues) {
@@ -77,8 +77,7 @@ std::string verdictOnOpen(const SurfaceDefects& defects) {
   if (faces > 1 && defects.boundaryEdges >= 3 * faces)
     return "loose triangles: no two share an edge; if they nearly do, weld them";
   if (!defects.orientable)
-    return "open, with one side only, and thus without inside (" + open +
-           "); give it thickness with `shell`";
+    return "open and not orientable, without inside (" + open + "); give it thickness with `shell`";
   if (isSheet(defects))
     return "a sheet without inside (" + open + "); give it thickness with `shell`";
   std::vector<std::string> issues{open};
@@ -88,14 +87,14 @@ std::string verdictOnOpen(const SurfaceDefects& defects) {
   return "not watertight: " + joined(issues) + "; the solid is closed by winding number";
 }
 
-// Every edge has its faces, but these do not run along it as they should.
+// No boundary edges, but the directions of the faces at some edges do not balance.
 std::string verdictOnUnbalanced(const SurfaceDefects& defects) {
   std::vector<std::string> issues;
   addEdgesAndCrossings(defects, issues);
-  const char* advice = !defects.orientable ? "it has one side only and thus no inside"
+  const char* advice = !defects.orientable ? "it is not orientable and has no inside"
                        : defects.nonManifoldEdges > 0
-                           ? "faces are turned and the solid is found by winding number"
-                           : "faces are turned when it is voxelized";
+                           ? "faces are reversed and the solid is found by winding number"
+                           : "faces are reversed when it is voxelized";
   return fmt::format("closed, but {}: {}; {}",
                      defects.misorientedEdges > 0 ? "with flipped faces" : "not manifold",
                      joined(issues), advice);

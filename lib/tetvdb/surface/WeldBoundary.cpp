@@ -21,7 +21,7 @@ constexpr double kOfShortestEdge = 0.25;
 constexpr double kOfSize = 1e-4, kOfCoordinate = 2e-6, kMaxOfSize = 1e-3;
 constexpr double kOfTypicalGap = 4, kTypical = 0.9;
 
-// Points that may be welded, and how far each may be from another.
+// Points that may be welded, with the limit of the distance for each.
 struct Candidates {
   std::vector<std::uint32_t> points;
   std::vector<double> reach;
@@ -62,7 +62,7 @@ struct Near {
   double distance;
 };
 
-// All pairs of candidates within reach of each other.
+// All pairs of candidates within each other's limits.
 std::vector<Near> nearPairs(const TriangleMesh& mesh, const Candidates& candidates,
                             Progress& progress) {
   std::vector<Box> boxes(candidates.points.size());
@@ -108,9 +108,9 @@ double typicalGap(const std::vector<Near>& pairs, std::size_t pointCount) {
   return nearest[static_cast<std::size_t>(at)];
 }
 
-// Which of several points stays: one of the component (connected across points) that has most
-// faces, then of the one that comes first by position, then the first by position itself. So a
-// component keeps all its points where a smaller one, or its double, is welded to it.
+// Decides which of several points stays: one of the component (connected across points) with the
+// most faces, then of the component that is first by position, then the point that is first by
+// position. A component thus keeps all its points if a smaller one, or a copy, is welded to it.
 class Precedence {
 public:
   explicit Precedence(const TriangleMesh& mesh)
@@ -167,7 +167,7 @@ BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, Weld
   for (const Near& pair : pairs)
     if (pair.distance <= max)
       sets.join(pair.a, pair.b);
-  // Sets that would take two corners of a face together are left as they are.
+  // Sets that would merge two corners of a face are not merged.
   std::vector<std::uint8_t> collapses(mesh.points.size(), 0);
   for (std::size_t face = 0; face < mesh.triangleCount(); ++face)
     for (std::size_t k = 0; k < 3; ++k) {

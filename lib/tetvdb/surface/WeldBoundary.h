@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which points of a mesh are one but for rounding, by a distance that follows from the mesh.
+// Finds points that differ only by rounding, within a distance that is computed from the mesh.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -14,28 +14,29 @@
 namespace tetvdb {
 
 struct BoundaryWeld {
-  /// By point the one that it becomes; empty where nothing is to be welded.
+  /// By point, the point that replaces it; empty if nothing is to be welded.
   std::vector<std::uint32_t> becomes;
-  double distance = 0; ///< world units: the largest between two points that become one
+  double distance = 0; ///< world units: the largest distance between two merged points
 };
 
 enum class WeldCandidates {
-  BoundaryPoints, ///< ends of edges of one face
+  BoundaryPoints, ///< points of edges of one face
   AllPoints
 };
 
-/// Points become one that are nearer to one another than
-/// - a quarter of the shortest edge at either (no edge collapses, and nothing finer than the mesh
-///   itself is merged),
-/// - 1e-4 of the mesh's size, or 2e-6 of its largest coordinate where that is more (what single
-///   precision and six digits leave),
-/// - four times the distance to the nearest such point that nine of ten candidates have.
-/// The result is accepted as a whole, where it closes half of the boundary edges or more, and at
-/// least one for each point that goes: points that differ by rounding do so all over a file (of all
-/// points: where it makes at least half of the faces duplicates of others). `mesh` is without equal
-/// points. Of points that become one that of the largest component (of most faces, connected across
-/// points) stays: components that are welded to it change, it does not. Which points become one,
-/// and where, does not depend on their order.
+/// Merges points that are closer than all of
+/// - a quarter of the shortest edge at either point (so that no edge collapses and no detail of the
+///   mesh is lost),
+/// - 1e-4 of the mesh's size, or 2e-6 of its largest coordinate if that is more (the error of
+///   single
+///   precision and of six digits),
+/// - four times the 90 % quantile of the candidates' distances to the nearest other candidate. The
+///   result is accepted only as a whole: if it closes at least half of the boundary edges and at
+///   least one per removed point, since rounding affects all of a file (with AllPoints: if at least
+///   half of the faces become duplicates). `mesh` must not have equal points. Of merged points,
+///   that of the largest component (by faces, connected across points) keeps its position, so that
+///   smaller components are adapted to it. The merged points and their positions do not depend on
+///   the order of points.
 BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges,
                           WeldCandidates candidates, Progress& progress);
 

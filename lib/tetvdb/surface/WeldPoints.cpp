@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 constexpr std::size_t kPointsPerTask = 1 << 14;
-// Points that share a bucket of the hash, on average: its table stays in the second cache.
+// Mean number of points in a bucket of the hash: its table fits into the second-level cache.
 constexpr std::size_t kPointsPerBucket = 4096;
 constexpr std::size_t kMaxBuckets = 1 << 12;
 
@@ -41,7 +41,7 @@ Buckets sortIntoBuckets(const std::vector<Vec3d>& points) {
     return bits == 0 ? 0u : static_cast<std::uint32_t>(hash >> (64 - bits));
   };
 
-  // Each task counts, and later fills, for a run of points of its own.
+  // Each task counts, and later fills, the entries of its own range of points.
   const std::size_t tasks = (points.size() + kPointsPerTask - 1) / kPointsPerTask;
   LargeVector<std::uint64_t> hashes(points.size());
   std::vector<std::uint32_t> cursors(tasks * count, 0);
@@ -109,8 +109,8 @@ struct CellHash {
   std::size_t operator()(const Cell& cell) const { return hashOfPoint(cell.corner); }
 };
 
-// In a grid of cells of that size a neighbour lies in one of the 27 cells around, and a cell holds
-// few kept points, since these are not near one another.
+// In a grid of cells of size `distance`, neighbours are in the 27 cells around, and a cell contains
+// few kept points, since kept points are not close to one another.
 void weldNear(const std::vector<Vec3d>& points, double distance,
               std::vector<std::uint32_t>& becomes, Progress& progress) {
   std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> kept;
@@ -155,7 +155,7 @@ std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double d
   double extent = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
     extent = std::max({extent, std::abs(box.low[axis]), std::abs(box.high[axis])});
-  // Below the coordinates' own resolution all that is near is equal.
+  // Below the resolution of the coordinates, close points are equal.
   if (!points.empty() && distance > 1e-16 * extent)
     weldNear(points, distance, becomes, progress);
   return becomes;

@@ -10,14 +10,14 @@
 
 namespace tetvdb {
 
-/// For every point the one that it becomes: the first point that is equal (-0 equals 0). With a
-/// `distance` above 0 (world units), the distinct points are then gone through in order, and each
-/// becomes the first point kept so far that is nearer than that; points that are kept are
-/// therefore never nearer to one another. Parallel for equal points, linear, deterministic.
+/// Returns for every point the point that replaces it: the first equal point (-0 equals 0). With a
+/// `distance` above 0 (world units), each distinct point, in order, is then replaced by the first
+/// kept point that is closer than the distance, or is kept. Kept points are therefore never closer
+/// than the distance to one another. Parallel for equal points, linear, deterministic.
 std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double distance,
                                       Progress& progress);
 
-/// The corners of a mesh's triangles, points that are equal being one.
+/// The corners of a mesh's triangles after merging equal points.
 std::vector<std::uint32_t> weldedCorners(const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

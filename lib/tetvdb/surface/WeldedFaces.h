@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces of a solid as a chain of triangles in space: equal places are one point.
+// The faces of a solid as a chain of triangles with distinct points.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -14,23 +14,23 @@
 
 namespace tetvdb {
 
-/// A triangle whose corners ascend by position. Its front is where they turn counter-clockwise.
+/// A triangle whose corners ascend by position. They are counter-clockwise seen from its front.
 struct WeldedFace {
   std::array<std::uint32_t, 3> corners;
-  std::int32_t weight; ///< not 0; > 0 where the front is outside, as often as that
+  std::int32_t weight; ///< not 0; its absolute value is a multiplicity; > 0: the front is outside
 };
 
-/// The face of those corners and that weight, its corners brought into order.
+/// Returns the face with these corners, sorted, and this weight.
 WeldedFace ascendingFace(const std::vector<Vec3d>& points, std::array<std::uint32_t, 3> corners,
                          std::int32_t weight);
 
-/// The same but for numbering for any order of the faces and points that it is made from.
+/// Independent of the order of the given faces and points, except for numbering.
 struct WeldedFaces {
-  std::vector<Vec3d> points; ///< none twice; lattice units from `first`
+  std::vector<Vec3d> points; ///< distinct; lattice units relative to `first`
   std::vector<WeldedFace> faces;
-  LatticePoint first{0, 0, 0}; ///< least coordinates of any corner
-  double extent = 0;           ///< largest coordinate of `points`
-  /// Faces left out: collinear ones, and those that others over the same places cancel.
+  LatticePoint first{0, 0, 0}; ///< minimum coordinates of all corners
+  double extent = 0;           ///< maximum coordinate of `points`
+  /// Faces left out: collinear ones, and those that other faces with the same corners cancel.
   std::size_t flat = 0, cancelled = 0;
 
   std::array<Vec3d, 3> cornersOf(std::size_t face) const {
@@ -42,7 +42,7 @@ struct WeldedFaces {
 /// The box of every face. Parallel.
 std::vector<Box> boxesOf(const WeldedFaces& welded);
 
-/// Makes faces over the same places one, with the sum of their weights, or none.
+/// Merges faces with the same corners and adds their weights; removes those of weight 0.
 void mergeEqualFaces(WeldedFaces& welded);
 
 } // namespace tetvdb

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Winding numbers of open meshes by one ray: a mesh and a curtain that stands on its boundary edges
-// and goes up to infinity are closed together, so that their winding number is what a ray downwards
-// crosses, of the mesh alone since it runs along the curtain. What the curtain adds is taken off.
+// Winding numbers of open meshes by one ray. A curtain from the boundary edges to infinity upward
+// closes the mesh, so that the winding number of both equals the signed crossings of a downward
+// ray. The ray crosses the mesh only, since it is parallel to the curtain. The curtain's share is
+// subtracted.
 #pragma once
 
 #include "tetvdb/geometry/VectorMath.h"
@@ -11,13 +12,13 @@
 
 namespace tetvdb {
 
-/// Of length 1, along nothing that meshes are usually built along.
+/// Of length 1, in a direction that is unlikely for faces.
 inline const Vec3d kCurtainUp = [] {
   const Vec3d way{0.2612, 0.4135, 0.8722};
   return times(way, 1 / length(way));
 }();
 
-/// An edge that faces run along `weight` times more often from a to b than from b to a.
+/// An edge that faces traverse `weight` times more often from a to b than from b to a.
 struct CurtainEdge {
   Vec3d a, b;
   double weight;
@@ -33,13 +34,13 @@ inline double halfCurtainAngle(const CurtainEdge& edge, const Vec3d& p) {
   return std::atan2(above, below);
 }
 
-/// The solid angle whose half is `halfAngle`, over 4 pi, `weight` times.
+/// The winding number of a solid angle, given by its half: `weight` times the angle over 4 pi.
 inline double curtainWinding(double weight, double halfAngle) {
   constexpr double kPi = 3.14159265358979323846;
   return weight * halfAngle / (2 * kPi);
 }
 
-/// To be added to the signed crossings of the ray from p downwards.
+/// Is added to the signed crossings of the downward ray from p.
 inline double curtainWinding(const CurtainEdge& edge, const Vec3d& p) {
   return curtainWinding(edge.weight, halfCurtainAngle(edge, p));
 }

@@ -14,11 +14,11 @@
 namespace tetvdb {
 
 /// The generalised winding number of a mesh at points off its faces, by one ray and the solid
-/// angles of its boundary edges: a mesh and a curtain that stands on its boundary and goes up to
-/// infinity are closed together, so that their winding number is what a ray downwards crosses, of
-/// the mesh alone since the ray runs along the curtain. In floats where faces are crossed
-/// (TriangleScene.h). The mesh must outlive it; at() is thread-safe and takes about 1 us, and 20 ns
-/// more for each boundary edge.
+/// angles of the boundary edges. A curtain from the boundary edges to infinity upward closes the
+/// mesh, so that the winding number of both equals the signed crossings of a downward ray; the ray
+/// crosses the mesh only, since it is parallel to the curtain. Crossings are found in floats
+/// (TriangleScene.h). The mesh must outlive it. at() is thread-safe and takes about 1 us, and 20 ns
+/// more per boundary edge.
 class WindingField {
 public:
   WindingField(const TriangleMesh& mesh, const EdgeTable& edges);

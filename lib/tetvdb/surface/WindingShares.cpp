@@ -12,10 +12,10 @@
 namespace tetvdb {
 namespace {
 
-// Solid angles in all.
+// Limit of the number of solid angles.
 constexpr std::size_t kMaxWork = 40000000;
 constexpr std::size_t kMinSamples = 64;
-// Of a winding number: on a sheet it is one half.
+// Of a winding number: on a sheet it is 0.5.
 constexpr double kRounding = 1e-6;
 
 } // namespace

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How cleaning fares on models whose solid is known.
+"""Results of cleaning on models of known solids.
 
     TETVDB_CLEANING_JUDGE=build/release/bin/cleaning_judge scripts/cleaning_study.py [--corpus FOLDER]
         [--before RESULTS.tsv] [--tsv RESULTS.tsv] [--markdown TABLE.md] [--write FOLDER] [--sample] [KIND...]
@@ -137,8 +137,8 @@ def markdown(cases, before):
         table["**all**"] = [case for case in of if not case.undefined]
         return table
     now, then = groups(cases), groups(before)
-    lines = ["| defect | cases |" + (" right before | lost silently before |" if before else "") +
-             " right | lost silently | lost, said so |",
+    lines = ["| defect | cases |" + (" correct before | silent losses before |" if before else "") +
+             " correct | silent losses | reported losses |",
              "|---|--:|" + ("--:|--:|" if before else "") + "--:|--:|--:|"]
     for kind, group in now.items():
         line = f"| {kind} | {len(group)} |"

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""How TetVDB and others take triangle files as they are found: writes docs/robustness.md.
+"""Runs TetVDB and other programs on triangle files from practice: writes docs/robustness.md.
 
     scripts/robustness.py --build build/release CORPUS/tri --page report.html > docs/robustness.md
 
@@ -192,35 +192,35 @@ def summary(rows, version, total, pictures):
     asked = [r for r in rows if r.prusa]
     return f"""# Robustness
 
-{len(rows)} triangle files as they are found: prints, scans, CAD exports, game models, regression
-cases of other libraries. `scripts/robustness.py` makes this page from `tetvdb report` and others' answers; TetVDB {version}.
-All is by default options, hence by winding number; [meshing.md](meshing.md) tells how `tetrahedralize` fares on such files.
+{len(rows)} triangle files from practice: prints, scans, CAD exports, game models, regression
+cases of other libraries. `scripts/robustness.py` generates this page from `tetvdb report` and the results of other programs; TetVDB {version}.
+All results use default options, that is, the winding number; [meshing.md](meshing.md) has the results of `tetrahedralize` for such files.
 
-- **Answered: {sum(r.answered for r in rows)} of {len(rows)}.** {len(judged)} became a solid; {len(refused)} were refused with one sentence,
-  for they cannot be read or have no inside at {COARSE} voxels (sheets, for which `--shell` is the advice).
+- **Completed: {sum(r.answered for r in rows)} of {len(rows)}.** {len(judged)} became a solid; {len(refused)} were refused with a one-line message,
+  since they cannot be read or have no inside at {COARSE} voxels (sheets, for which the message suggests `--shell`).
 - **Worst time** at {FINE}^3: {slowest.seconds:.1f} s ({slowest.name}); median {numpy.median([r.seconds for r in rows]):.2f} s.
   **Worst memory**: {largest.megabytes:.0f} MB ({largest.name}).
 - **Agreement** with brute force at {COARSE}^3, as intersection over union: TetVDB {mean(r.ours for r in judged):.6f} on average,
   {exact} of {len(judged)} files exact{worst}. OpenVDB's meshToVolume: {mean(theirs):.3f} on average
-  ({mean(r.openvdb or 0 for r in closed):.3f} of the {len(closed)} closed files, {mean(r.openvdb or 0 for r in opened):.3f} of the {len(opened)} open ones); {sum(r.openvdb_failed for r in judged)} without an inside.
-- **PrusaSlicer** reads {sum('volume' in r.prusa for r in asked)} of the {len(asked)} files in its formats and calls {sum(r.prusa.startswith('manifold') for r in asked)} manifold.
+  ({mean(r.openvdb or 0 for r in closed):.3f} for the {len(closed)} closed files, {mean(r.openvdb or 0 for r in opened):.3f} for the {len(opened)} open ones); {sum(r.openvdb_failed for r in judged)} without an inside.
+- **PrusaSlicer** reads {sum('volume' in r.prusa for r in asked)} of the {len(asked)} files in its formats and reports {sum(r.prusa.startswith('manifold') for r in asked)} as manifold.
 
-## How it was measured
+## Method
 
-- *Truth*: a voxel is inside where the winding number of the cleaned mesh is above 0.5 at its centre (moved
-  by e, e^2, e^3 where it lies on a face), summed face by face in double precision over all voxels of the mesh's box grown
-  by 4, by a program that shares nothing with the library. Where faces times voxels exceed 5 x 10^9,
-  evenly spaced voxels are taken (marked `*`). Left out are winding numbers
-  within 1e-4 of 0.5 (within 0.02 where the program warns that it only looked roughly, `~`), and centres on the very
-  edge of an open mesh, where the winding number jumps. Whether *cleaning* is right
-  is not judged here but on models whose solid is known, in [cleaning.md](cleaning.md): meshToVolume gets the file's own faces, and differs also where a person may side with it.
-- *meshToVolume*: `FloatGrid.createLevelSetFromPolygons` of OpenVDB's Python module, half-width 3; inside is where
-  values are below 0. It is made for closed surfaces. "none": it found no inside.
-- *PrusaSlicer*: `prusa-slicer --info`: manifold or how many open edges, and volume, for the formats it reads.
-- *Seconds, MB, defects* and voxels by `tetvdb report CORPUS --resolution {FINE}`, each file in a process of
-  its own: the stages that read, clean, voxelize and write (pictures left out; they took {pictures:.0f} s of {total:.0f} s
-  in all), and peak resident memory with the pictures. Defects: open, non-manifold and misoriented edges, degenerate and
-  duplicate faces, pairs of faces that cross.
+- *Reference*: a voxel is inside if the winding number of the cleaned mesh is above 0.5 at its centre (perturbed
+  by e, e^2, e^3 if it lies on a face), summed face by face in double precision over all voxels of the mesh's box enlarged
+  by 4, by a program that shares no code with the library. If faces times voxels exceed 5 x 10^9,
+  evenly spaced voxels are used (marked `*`). Winding numbers
+  within 1e-4 of 0.5 are excluded (within 0.02 if the program warns that it used approximate values, `~`), and centres on the
+  edge of an open mesh, where the winding number jumps. Whether *cleaning* is correct
+  is not measured here but on models of known solids, in [cleaning.md](cleaning.md): meshToVolume receives the file's own faces, and some of its differences are a matter of interpretation.
+- *meshToVolume*: `FloatGrid.createLevelSetFromPolygons` of OpenVDB's Python module, half-width 3; voxels with
+  values below 0 are inside. It is intended for closed surfaces. "none": it found no inside.
+- *PrusaSlicer*: `prusa-slicer --info`: manifold or the number of open edges, and volume, for the formats it reads.
+- *Seconds, MB, defects* and voxels from `tetvdb report CORPUS --resolution {FINE}`, each file in a separate
+  process: the stages read, clean, voxelize and write (without pictures, which took {pictures:.0f} s of {total:.0f} s
+  in total), and peak resident memory including pictures. Defects: open, non-manifold and misoriented edges, degenerate and
+  duplicate faces, pairs of intersecting faces.
 
 ## Files
 """

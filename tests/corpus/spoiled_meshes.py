@@ -162,7 +162,7 @@ def loop_of(model, patch):
     return loop if len(loop) == len(ahead) else None
 
 
-CAVITY = "a shell within a shell that looks the same way is a body in a body as well as a cavity reversed"
+CAVITY = "a shell inside a shell of the same orientation may be a solid in a solid or a reversed cavity"
 
 
 def turned_cavity(model, which):
@@ -359,7 +359,7 @@ def fins(model, rng, count):
         points.append(((model.points[a] + model.points[b]) / 2 + normal * 0.3 * model.longest[face])[None])
         faces.append(numpy.array([[a, b, len(model.points) + i]]))
         area += 0.15 * model.longest[face] ** 2
-    why = "sheets outside that together have a quarter of the solid's surface enclose something of their own"
+    why = "sheets outside, with a quarter of the solid's surface in total, enclose volume of their own"
     return numpy.concatenate(points), numpy.concatenate(faces), None, why if area > 0.25 * model.area else ""
 
 

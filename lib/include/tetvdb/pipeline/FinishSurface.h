@@ -12,10 +12,10 @@
 
 namespace tetvdb {
 
-/// What is done to a surface that is closed and manifold, if it is asked for.
+/// Optional processing of a closed manifold surface.
 struct FinishOptions {
   RelativeLength smooth; ///< as SmoothOptions::distance; 0: not smoothed
-  std::size_t faces = 0; ///< as SimplifyOptions::faces; 0: no number
+  std::size_t faces = 0; ///< as SimplifyOptions::faces; 0: no limit
   RelativeLength error;  ///< as SimplifyOptions::tolerance; 0 without faces: not simplified
 
   bool isAsked() const { return smooth.value > 0 || faces > 0 || error.value > 0; }
@@ -24,13 +24,13 @@ struct FinishOptions {
 struct FinishResult {
   std::optional<SmoothCounts> smoothed;
   bool simplified = false;
-  std::size_t facesBefore = 0; ///< simplification
-  double distance = 0; ///< largest, both ways, from before to after: measured (CompareMeshes.h)
+  std::size_t facesBefore = 0; ///< before simplification
+  double distance = 0;         ///< measured maximum, both directions (CompareMeshes.h)
 };
 
-/// Smooths, then simplifies, with feature edges kept. Adds stages "smooth" and "simplify" to
-/// `report`; where more faces are left than asked for, warning `faces-not-reached`, and the report
-/// is partial. Throws what smoothSurface() and simplifySurface() throw.
+/// Smooths, then simplifies, preserving feature edges. Adds stages "smooth" and "simplify" to
+/// `report`. If more faces remain than requested, adds the warning `faces-not-reached`, and the
+/// report is partial. Throws the errors of smoothSurface() and simplifySurface().
 FinishResult finishSurface(TriangleMesh& mesh, const FinishOptions& options, Report& report,
                            Progress& progress);
 

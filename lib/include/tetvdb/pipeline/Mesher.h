@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The methods by which triangles become a solid.
+// The methods that convert triangles into a solid.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 namespace tetvdb {
 
 enum class Mesher : std::uint8_t {
-  Auto,     ///< as chooseMesher() says
+  Auto,     ///< chosen by chooseMesher()
   Envelope, ///< tets within epsilon (tetrahedralize/Tetrahedralize.h)
-  Winding   ///< voxels at once, by SolidOptions::inside (voxelize/VoxelizeTriangles.h)
+  Winding   ///< directly to voxels, by SolidOptions::inside (voxelize/VoxelizeTriangles.h)
 };
 
 /// "auto", "envelope" or "winding".

@@ -6,7 +6,7 @@
 
 namespace tetvdb {
 
-/// What is in a preview.
+/// The contents of a preview.
 struct PreviewInfo {
   std::vector<std::string> panels; ///< from left to right: "input", "tets", ...
   int width = 0, height = 0;       ///< pixels

@@ -5,15 +5,15 @@
 
 namespace tetvdb {
 
-/// A length as users give it: in the input's units, or in parts of something that is known only
-/// once the input is read.
+/// A length as given by users: in the input's units, or relative to a length that is known only
+/// after reading the input.
 struct RelativeLength {
   enum class Unit : std::uint8_t {
     World,    ///< the input's own
     Diagonal, ///< of the box of all inputs, cleaned
     Voxel     ///< a voxel's shortest side
   };
-  double value = 0; ///< 0: nothing was given
+  double value = 0; ///< 0: not given
   Unit unit = Unit::World;
 
   double inWorld(double diagonal, double voxel) const {

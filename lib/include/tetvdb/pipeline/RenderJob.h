@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One job from files to pictures of them: what `tetvdb render` runs. Meshes in memory are drawn by
-// PictureMaker.h.
+// Draws pictures of files: the job of `tetvdb render`. PictureMaker.h draws meshes in
+// memory.
 //
 //   tetvdb::RenderJob job;
 //   job.inputs = {{"part.stl"}};
@@ -32,33 +32,33 @@ struct RenderInput {
 struct RenderJob {
   std::vector<RenderInput> inputs;
   MemoryInputs memory;
-  std::string output; ///< .png, of a turntable OUT.0001.png and so on; empty, with `keep`: none
-  bool keep = false;  ///< the pictures are handed out, written or not
+  std::string output; ///< .png, for a turntable OUT.0001.png and so on; empty, with `keep`: none
+  bool keep = false;  ///< returns the pictures, also if they are not written
   MeshLook look;      ///< of meshes
-  VolumeShow volume;  ///< of volumes; `look.color` is its colour too
+  VolumeShow volume;  ///< of volumes; `look.color` is also their colour
   PictureOptions picture;
-  std::size_t turntable = 0; ///< so many pictures of a full turn; 0: one picture
+  std::size_t turntable = 0; ///< number of pictures of a full rotation; 0: one picture
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
-  std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
+  std::size_t maxMemory = 0; ///< bytes for the whole process; 0: the available memory
 };
 
 struct RenderResult {
   std::vector<InputInfo> inputs;
-  std::vector<Drawn> drawn; ///< counts alone: what was drawn is gone
+  std::vector<Drawn> drawn; ///< counts only: the drawn data is released
   int width = 0, height = 0;
   std::optional<ColorScale> scale;
   std::vector<OutputInfo> outputs;
-  std::vector<Image> kept; ///< where RenderJob::keep asks for them
+  std::vector<Image> kept; ///< if RenderJob::keep is set
 };
 
-/// The files that a picture or a turntable of so many pictures is written to: OUT.png, or
-/// OUT.0001.png and so on.
+/// The files of a picture or of a turntable with this number of pictures: OUT.png, or OUT.0001.png
+/// and so on.
 std::vector<std::string> pictureNames(const std::string& output, std::size_t turntable);
 
 /// Reads all files, draws them (several side by side at one scale, with their names), and writes
-/// once all pictures are there. Adds stages "read", "scene", "render" and "write" to `report`.
-/// Throws what the steps throw, with the file's name; Error(Usage) for what does not fit the
-/// inputs.
+/// the pictures when all are complete. Adds stages "read", "scene", "render" and "write" to
+/// `report`. Throws the errors of its stages, with the file's name; Error(Usage) for options that
+/// do not apply to the inputs.
 RenderResult run(const RenderJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

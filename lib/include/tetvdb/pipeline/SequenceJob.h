@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Many frames into as many volumes that play: one transform, contiguous names.
+// Converts frames to a sequence of volumes with one transform and consecutive numbers.
 //
 //   const auto frames = tetvdb::findFrames({"run.pvd"}, {}, false, report, progress);
 //   tetvdb::SequenceResult result = tetvdb::runSequence(job, frames, {}, report, progress);
@@ -17,39 +17,39 @@
 namespace tetvdb {
 
 struct SequenceOptions {
-  /// false: a frame whose file is there from an earlier run with the same input, options and
-  /// version is skipped. Only .vdb files can tell.
+  /// false: skips a frame whose file exists from an earlier run with the same input, options and
+  /// version. Only .vdb files store this information.
   bool again = false;
 };
 
 struct FrameResult {
   Frame frame;
   OutputInfo output;
-  bool skipped = false;        ///< it was there
-  std::vector<GridInfo> grids; ///< of skipped frames empty
+  bool skipped = false;        ///< it existed
+  std::vector<GridInfo> grids; ///< empty for skipped frames
 };
 
 struct SequenceResult {
   std::vector<FrameResult> frames;
   GridTransform transform; ///< of all frames
-  std::size_t atOnce = 1;  ///< frames that were worked on at the same time
+  std::size_t atOnce = 1;  ///< frames processed at the same time
 };
 
 /// Runs `job` for every frame: job.inputs are the frame's, job.output "a.vdb" becomes "a.0001.vdb"
-/// and so on, contiguous from 1 whatever numbers or times the input has. A first pass reads every
-/// frame for its box, the ranges of its arrays and what arrays there are; the resolution counts
-/// along the box of all frames, and ranges to be remapped are those of all frames. Nothing is
-/// written unless all frames can be read and have the arrays that the first one has.
-/// The first frame is made alone and shows what memory a frame takes; the others are made side by
-/// side as far as threads and memory go. A frame's file depends on its input and the options alone.
-/// Each file's metadata has "frame", "frames", "time" (where the input has it) and "job", by which
-/// a later run knows a frame that is finished.
+/// and so on, consecutive from 1 for any numbers or times of the input. A first pass reads every
+/// frame for its box, its arrays and their ranges; the resolution counts along the box of all
+/// frames, and ranges to be remapped are those of all frames. Nothing is written unless all frames
+/// can be read and have the arrays of the first one. The first frame is processed alone to measure
+/// the memory per frame; the others are processed in parallel as far as threads and memory allow. A
+/// frame's file depends on its input and the options only. Each file's metadata has "frame",
+/// "frames", "time" (if the input has it) and "job", by which a later run recognises a finished
+/// frame.
 ///
-/// Adds stages "read" (the first pass) and those of the frames, summed up, to `report`; a warning
-/// that several frames give is told once and names the first of them; "hidden-values" is judged
-/// over the values of all frames. Throws what run() throws, with the frame named; frames made until
-/// then stay, and a run after the cause is mended goes on from there. Error(Invalid) for arrays
-/// that change from frame to frame; Error(Usage) for job.meshOutput, which is for one mesh.
+/// Adds stages "read" (the first pass) and those of the frames, summed, to `report`. A warning of
+/// several frames is given once and names the first of them; "hidden-values" is assessed over the
+/// values of all frames. Throws the errors of run(), with the frame's name; frames finished until
+/// then are kept, and a later run continues from there. Error(Invalid) for arrays that differ
+/// between frames; Error(Usage) for job.meshOutput, which applies to one mesh.
 SequenceResult runSequence(const VoxelizeJob& job, const std::vector<Frame>& frames,
                            const SequenceOptions& options, Report& report, Progress& progress);
 

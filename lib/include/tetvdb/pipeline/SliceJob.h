@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One job from a mesh or a volume to a printer's layers: what `tetvdb slice` runs.
+// Cuts a mesh or a volume into a printer's layers: the job of `tetvdb slice`.
 //
 //   tetvdb::SliceJob job;
 //   job.inputs = {"part.stl"};
@@ -27,66 +27,66 @@
 
 namespace tetvdb {
 
-/// What a pixel's level is.
+/// The meaning of a pixel's level.
 enum class SliceAa : std::uint8_t {
-  Volume, ///< the share of the voxel that is solid
-  Area,   ///< the share of the pixel in the layer's middle plane
-  None    ///< white where the voxel's centre is in the solid (voxelize/Ownership.h)
+  Volume, ///< the solid share of the voxel
+  Area,   ///< the solid share of the pixel in the layer's middle plane
+  None    ///< white if the voxel's centre is in the solid (voxelize/Ownership.h)
 };
 
 struct SliceJob {
   /// Meshes of triangles or of tets, or a volume, files or in `memory`; several, of triangles, are
-  /// put together as they stand to each other.
+  /// combined at their given positions.
   std::vector<std::string> inputs;
   MemoryInputs memory;
   bool isVolume = false;   ///< the input is a .vdb or .nvdb file, or a volume
-  std::string grid;        ///< of a volume, by name; empty: the first that is a solid
+  std::string grid;        ///< of a volume, by name; empty: the first that defines a solid
   std::string output;      ///< a file, or a folder; empty, with `keep`: none
-  bool keep = false;       ///< the layers are handed out in place of being written
+  bool keep = false;       ///< returns the layers instead of writing them
   std::string format;      ///< as LayerFormat::name; empty: by the output's ending
   PrinterSettings printer; ///< checked by checkPrinter()
   PlaceOptions place;
-  std::string units; ///< of the input, as metresOf(); empty: what the file says, else millimetres
+  std::string units; ///< of the input, as metresOf(); empty: that of the file, else millimetres
   SliceAa aa = SliceAa::Volume;
   GreyOptions grey;
   bool dither = false;       ///< levels by error diffusion (print/ErrorDiffusion.h)
   bool materials = false;    ///< pixels are materials: regions of tets, or inputs of triangles
   CleanOptions clean;        ///< of triangles
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
-  std::size_t maxMemory = 0; ///< bytes for the whole process; 0: what the machine has available
+  std::size_t maxMemory = 0; ///< bytes for the whole process; 0: the available memory
 };
 
 struct SliceResult {
   SolidSource source = SolidSource::Triangles;
   std::vector<InputInfo> inputs;
-  CleanCounts cleaned;   ///< of triangles, of all inputs
-  bool repaired = false; ///< triangles that did not close and were mended where they did not
-  bool remeshed = false; ///< triangles whose surface was remade from voxels
-  std::string format;    ///< that was written
+  CleanCounts cleaned;   ///< of triangles, all inputs
+  bool repaired = false; ///< triangles were not closed and were repaired in place
+  bool remeshed = false; ///< the surface of the triangles was remade from voxels
+  std::string format;    ///< of the written file
   LayerFrame frame;
   WorldBox box;          ///< of the model on the plate, millimetres
-  double meshVolume = 0; ///< cubic millimetres, by the faces; 0 where they were not needed
+  double meshVolume = 0; ///< cubic millimetres, by the faces; 0 if not needed
   double volume = 0;     ///< cubic millimetres, the sum of the layers before rounding
-  double overlap = 0;    ///< cubic millimetres that were counted once though filled more often
+  double overlap = 0;    ///< cubic millimetres of multiple coverage that were counted once
   std::size_t emptyLayers = 0;
-  std::vector<std::string> materials; ///< names, from material 1 on
+  std::vector<std::string> materials; ///< names, starting with material 1
   OutputInfo output;
-  /// Where SliceJob::keep asks for it: the levels of all pixels, layer by layer, row by row.
+  /// If SliceJob::keep is set: the levels of all pixels, layer by layer, row by row.
   std::vector<std::uint8_t> kept;
 };
 
 /// Reads, cleans (triangles), places and cuts the model, and writes layers as they are made.
-/// Triangles that do not close once cleaned are mended by repairLocally(), with the warning
-/// "repaired"; where that fails their surface is remade from voxels as large as the largest side
-/// of a printer's voxel, by the winding number, with the warning "remeshed"; by SliceAa::None, and
-/// for materials, the winding number decides at each centre without either. Sheets that enclose
-/// nothing are Error(Invalid). Tets are their surface. A volume whose
-/// voxels are the printer's, and whose image is not turned, is taken voxel by voxel, its place
-/// rounded to whole pixels; any other by the surface that extractSurface() makes of it. Adds stages
-/// "read", "clean", "cut" (what is done before the first layer) and "layers" (making and writing
-/// them) to `report`. Warns of empty layers ("empty-layers") and of overlap ("overlap"). Throws
-/// what the steps throw, Error(Limit) for a model that does not fit on the printer; nothing is
-/// written then. Memory: the mesh, 12 bytes a face, and a few layers' runs.
+/// Triangles that are not closed after cleaning are repaired by repairLocally(), with the warning
+/// "repaired"; if that fails, their surface is remade from voxels as large as the largest side of a
+/// printer's voxel, by the winding number, with the warning "remeshed". With SliceAa::None, and for
+/// materials, the winding number decides at each centre without either. Sheets that enclose nothing
+/// are Error(Invalid). Tets are replaced by their surface. A volume whose voxels match the
+/// printer's, and whose image is not rotated, is used voxel by voxel, with its position rounded to
+/// whole pixels; other volumes by the result of extractSurface(). Adds stages "read", "clean",
+/// "cut" (before the first layer) and "layers" (making and writing them) to `report`. Warns of
+/// empty layers ("empty-layers") and of overlap ("overlap"). Throws the errors of its stages, and
+/// Error(Limit) for a model that does not fit on the printer; nothing is written then. Memory: the
+/// mesh, 12 bytes per face, and the runs of a few layers.
 SliceResult run(const SliceJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

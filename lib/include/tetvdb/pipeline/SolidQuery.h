@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Inside or outside of a solid, and the signed distance to its surface, at any points.
+// Tests whether points are inside a solid, and computes signed distances to its surface.
 //
 //   tetvdb::SolidQuery solid(std::move(mesh), progress);   // cleaned triangles
 //   std::vector<double> distance(n);
@@ -17,32 +17,32 @@
 
 namespace tetvdb {
 
-/// A point is inside where the winding number of the faces is above 0.5, the rule of voxelize().
-/// Corners and points are rounded to a lattice of 2^37 to 2^38 units along the box's longest side.
-/// Of a mesh that closes every answer is exact on that lattice, and a point on a face belongs to
-/// one of its sides by the rule of geometry/Ownership.h. Of an open mesh the sums over its boundary
-/// edges are rounded: points whose winding number is within 1e-3 of 0.5 may come out on either
-/// side. Points farther from the box than its longest side are outside.
+/// A point is inside if the winding number of the faces is above 0.5, as in voxelize(). Corners and
+/// points are rounded to a lattice of 2^37 to 2^38 units along the box's longest side. For a closed
+/// mesh, every result is exact on that lattice, and a point on a face belongs to one of its sides
+/// by the rule of geometry/Ownership.h. For an open mesh, the sums over its boundary edges are
+/// rounded: points with a winding number within 1e-3 of 0.5 may be on either side. Points farther
+/// from the box than its longest side are outside.
 ///
-/// Immutable once made; at() is thread-safe.
+/// Immutable after construction; at() is thread-safe.
 class SolidQuery {
 public:
-  /// `mesh` is taken as it is: clean it first (surface/CleanTriangles.h). Throws Error(Invalid) as
-  /// checkMesh() does, and for a mesh without faces. About 1 us a face.
+  /// `mesh` must be cleaned (surface/CleanTriangles.h). Throws Error(Invalid) as checkMesh() does,
+  /// and for a mesh without faces. About 1 us per face.
   SolidQuery(TriangleMesh mesh, Progress& progress);
   ~SolidQuery();
   SolidQuery(const SolidQuery&) = delete;
   SolidQuery& operator=(const SolidQuery&) = delete;
 
-  /// Boundary edges of the mesh: 0 where it closes.
+  /// Number of boundary edges of the mesh: 0 if it is closed.
   std::size_t openEdges() const;
   const TriangleMesh& mesh() const;
 
-  /// Of `count` points, world units: into `inside` 1 or 0, into `distance` the distance to the
-  /// nearest face in world units, by doubles, below zero inside. Either may be null. Throws
+  /// For `count` points, world units: sets `inside` to 1 or 0, and `distance` to the distance to
+  /// the nearest face in world units, in doubles, negative inside. Either may be null. Throws
   /// Error(Invalid) for a point that is not finite, with its number; Error(Cancelled). Parallel;
-  /// the same for any number of threads and order of points. About 0.5 us a point for `inside`,
-  /// more where boundary edges are near, and 1 us for `distance`.
+  /// independent of the number of threads and the order of points. About 0.5 us per point for
+  /// `inside`, more close to boundary edges, and 1 us for `distance`.
   void at(const Vec3d* points, std::size_t count, std::uint8_t* inside, double* distance,
           Progress& progress) const;
 

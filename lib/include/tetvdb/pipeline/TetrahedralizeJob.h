@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One job from files of triangles to a file of tetrahedra: what `tetvdb tetrahedralize` runs.
+// Converts files of triangles to a file of tetrahedra: the job of `tetvdb tetrahedralize`.
 //
 //   tetvdb::TetrahedralizeJob job;
 //   job.inputs = {"housing.stl", "shaft.stl"};
@@ -34,32 +34,32 @@ struct TetrahedralizeJob {
   CleanOptions clean;
   RelativeLength epsilon;       ///< 0: as TetrahedralizeOptions::epsilon; not in voxels
   RelativeLength edgeLength;    ///< 0: as TetrahedralizeOptions::edgeLength; not in voxels
-  TetrahedralizeOptions mesher; ///< its lengths and its maxMemory are overruled by the job's
-  std::string output;           ///< .msh, .mesh or .vtu; empty, with `keep` alone: none
-  bool keep = false;            ///< the tets are handed out, written or not
+  TetrahedralizeOptions mesher; ///< the job's values replace its lengths and its maxMemory
+  std::string output;           ///< .msh, .mesh or .vtu; empty, with `keep`: none
+  bool keep = false;            ///< returns the tets, also if they are not written
   std::string preview;          ///< .png of the input and the tets (Preview.h); empty: none
   int threads = 0;              ///< 0: as many as the calling thread's TBB arena has
-  std::size_t maxMemory = 0;    ///< bytes for the whole process; 0: what the machine has available
+  std::size_t maxMemory = 0;    ///< bytes for the whole process; 0: the available memory
 };
 
 struct TetrahedralizeResult {
   std::vector<InputInfo> inputs;
   std::vector<CleanCounts> cleaned;      ///< of each input
-  std::vector<std::size_t> cleanedFaces; ///< of each input, that are left
+  std::vector<std::size_t> cleanedFaces; ///< of each input, after cleaning
   MeshSummary mesh;
   std::map<std::int32_t, std::string> regionNames; ///< as written
-  OutputInfo output;                               ///< empty where nothing was to be written
+  OutputInfo output;                               ///< empty if nothing was to be written
   std::optional<PreviewInfo> preview;
-  std::optional<TetMesh> kept; ///< where TetrahedralizeJob::keep asks for it
+  std::optional<TetMesh> kept; ///< if TetrahedralizeJob::keep is set
 };
 
-/// Reads, cleans every input for itself, tetrahedralizes and writes. Region 1, 2, ... of the file
-/// is what the first, second, ... input owns, named by the file without folder and extension
-/// ("_2" and so on added where that is taken); a Boolean is one region, named by what it is. What
-/// is outside (keepOutside) is region 0, which Gmsh's format, too, can tell from the others.
-/// Outputs are checked before any work. Adds stages "read", "clean", "tetrahedralize" and "write"
-/// to `report`. Inputs that hold tets and lengths in voxels are Error(Usage). Throws what the steps
-/// throw; nothing is written then.
+/// Reads, cleans each input separately, tetrahedralizes and writes. Region 1, 2, ... of the file
+/// belongs to the first, second, ... input and is named by the file without folder and extension
+/// ("_2" and so on is appended to repeated names); a Boolean is one region, named by the operation.
+/// The outside (keepOutside) is region 0, which Gmsh's format also distinguishes from the others.
+/// Outputs are checked before the work starts. Adds stages "read", "clean", "tetrahedralize" and
+/// "write" to `report`. Inputs with tets and lengths in voxels are Error(Usage). Throws the errors
+/// of its stages; nothing is written then.
 TetrahedralizeResult run(const TetrahedralizeJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedral and mixed solid meshes from files.
+// Reads tetrahedral and mixed solid meshes from files.
 //
 //   tetvdb::Progress progress;
 //   tetvdb::Report report;
@@ -18,10 +18,10 @@
 
 namespace tetvdb {
 
-/// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for anything that
-/// is not a whole mesh: missing or truncated data, indices out of range, coordinates that are not
-/// finite, counts that the file cannot hold, no solid cells. Recoverable oddities are warnings in
-/// `report`. Cost: about the time to read the bytes and parse the numbers once.
+/// Reads `path`. Throws Error(Invalid) with file, line or byte offset and cause for incomplete
+/// meshes: missing or truncated data, indices out of range, coordinates that are not finite, counts
+/// that exceed the file's size, no solid cells. Recoverable faults are warnings in `report`. Cost:
+/// about the time to read the bytes and parse the numbers once.
 CellMesh readCells(const std::string& path, const ReadOptions& options, Report& report,
                    Progress& progress, FileFormat* format = nullptr);
 

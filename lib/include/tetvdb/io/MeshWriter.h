@@ -9,9 +9,9 @@
 namespace tetvdb {
 
 /// Writes `mesh` as .msh (Gmsh 4.1 binary), .mesh (Medit ASCII) or .vtu (appended raw), by the
-/// path's extension, with attributes and regions where the format has a place for them. Whole or
-/// absent. Throws Error(Usage) for another extension, Error(Write) where it cannot write.
-/// Doubles are written so that they read back the same.
+/// path's extension, with attributes and regions as far as the format stores them. Whole or absent.
+/// Throws Error(Usage) for another extension, Error(Write) if the file cannot be written. Doubles
+/// read back the same.
 void writeTetMesh(const std::string& path, const TetMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

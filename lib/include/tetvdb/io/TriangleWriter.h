@@ -8,14 +8,14 @@
 
 namespace tetvdb {
 
-/// Whether writeTriangles() knows the path's extension.
+/// Whether writeTriangles() supports the path's extension.
 bool writesTriangles(const std::string& path);
 
 /// Writes `mesh` as .stl (binary), .obj, .ply (binary, double), .off or .3mf, by the path's
 /// extension (any case). Whole or absent. Throws Error(Usage) for another extension, Error(Limit)
-/// for more faces than the format can count, Error(Write) where it cannot write. Doubles are
-/// written so that they read back the same, in STL as floats. 3MF has no faces that name a point
-/// twice: they are left out.
+/// for more faces than the format can count, Error(Write) if the file cannot be written. Doubles
+/// read back the same, in STL as floats. Faces that name a point twice are omitted in 3MF, which
+/// does not permit them.
 void writeTriangles(const std::string& path, const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// .vdb and .nvdb files.
+// Reads and writes .vdb and .nvdb files.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -16,8 +16,8 @@ namespace tetvdb {
 /// another extension, Error(Write) on a full disk or an unwritable path.
 void writeVolume(const std::string& path, const Volume& volume, Progress& progress);
 
-/// Reads .vdb or .nvdb (by content). Throws Error(Invalid) for a file that is not whole or holds no
-/// grid.
+/// Reads .vdb or .nvdb (by content). Throws Error(Invalid) for a file that is incomplete or
+/// contains no grid.
 Volume readVolume(const std::string& path, Progress& progress);
 
 } // namespace tetvdb

@@ -5,10 +5,10 @@
 
 namespace tetvdb {
 
-/// What coverage() found; volumes in voxels.
+/// Sums computed by coverage(); volumes in voxels.
 struct CoverageSum {
   double filled = 0;               ///< the sum of all fractions before they are rounded to floats
-  double overlap = 0;              ///< what fractions above 1 had more than 1: tets that overlap
+  double overlap = 0;              ///< sum of the excess of fractions above 1: overlapping tets
   std::uint64_t overlapVoxels = 0; ///< voxels with such fractions
 };
 

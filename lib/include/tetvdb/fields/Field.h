@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Requests looked up in a mesh: what is read at each of its points or cells, and what is made of
-// it.
+// Requests resolved in a mesh: the numbers read at its points or cells, and the grids made from
+// them.
 #pragma once
 
 #include "tetvdb/core/Report.h"
@@ -16,7 +16,7 @@
 
 namespace tetvdb {
 
-/// Min and max of the numbers that are finite; low > high where there are none.
+/// Min and max of the finite numbers; low > high if there are none.
 struct ValueRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -32,7 +32,7 @@ struct ValueRange {
   }
 };
 
-/// A grid to be made. Refers to arrays of the mesh it was resolved in.
+/// A grid to be made. Refers to arrays of the mesh in which it was resolved.
 struct Field {
   /// One number of a tuple: component `component` of `array`.
   struct Source {
@@ -45,43 +45,42 @@ struct Field {
   Attribute::On on = Attribute::On::Points;
   FieldKind kind = FieldKind::Float;
   FieldPart part = FieldPart::Whole;
-  /// What is read: 1 number, 2 or more of a tuple whose length is asked for, 3 of a vector, 9 of
-  /// a tensor, rows first.
+  /// The numbers read: 1, 2 or more for a tuple whose length is requested, 3 for a vector, 9 for a
+  /// tensor, by rows.
   std::vector<Source> sources;
 
   bool turned = false; ///< a vector's (x, y, z) is stored as (x, z, -y)
   ValueRange clamp;    ///< empty: none
   double scale = 1, offset = 0;
   double background = 0;
-  ValueRange original; ///< of the input's values, of lengths for vectors; before clamp and scale
-  std::size_t notFinite = 0; ///< points or cells whose value is not a finite number
+  ValueRange original;       ///< of the input (lengths of vectors), before clamp and scale
+  std::size_t notFinite = 0; ///< number of points or cells with a value that is not finite
 
-  /// Numbers that a voxel gets.
+  /// Numbers per voxel.
   int width() const { return kind == FieldKind::Vector ? 3 : 1; }
-  /// How its values are made of the numbers read.
+  /// The rule that computes its values from the numbers read.
   FieldRule rule() const;
 };
 
-/// Looks up `options` in `mesh`, in the order of the requests. Arrays "u_x", "u_y", "u_z" (or with
-/// ".x", "x", "X", "1", ... at the end) serve as the vector "u" where there is no array of that
-/// name, and likewise the components of a tensor: Exodus stores them so. `ranges`, unless null,
-/// holds for each field, in the order of the result, the range to use in place of the arrays' own:
-/// that of all frames of a sequence.
+/// Resolves `options` in `mesh`, in the order of the requests. Arrays "u_x", "u_y", "u_z"
+/// (or with the suffix ".x", "x", "X", "1", ...) are used as the vector "u" if there is
+/// no array of that name, and likewise the components of a tensor, as Exodus stores them.
+/// `ranges`, unless null, contains for each field, in the order of the result, the range
+/// that replaces that of the arrays: the range of all frames of a sequence.
 ///
-/// `report` receives a warning for a name that both points and cells have, for arrays that `all`
-/// leaves out (more than nine components, integers beyond 32 bits) and for values that are not
-/// finite.
-/// Throws Error(Usage) for an array that the mesh does not have (it lists those it has), for a part
-/// that its tuples do not have, for names of grids that come twice and for ranges that name no
-/// grid; Error(Invalid) for an array whose length is not the mesh's, or that has integers beyond 32
-/// bits. Parallel, linear in the arrays' sizes.
+/// `report` receives a warning for a name that both points and cells have, for arrays
+/// that `all` omits (more than nine components, integers beyond 32 bits) and for values
+/// that are not finite. Throws Error(Usage) for an array that the mesh does not have (the
+/// message lists the existing ones), for a part that its tuples do not have, for repeated
+/// names of grids and for ranges that name no grid; Error(Invalid) for an array of a
+/// wrong length, or with integers beyond 32 bits. Parallel, linear in the arrays' sizes.
 std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& options, Report& report,
                                  const std::vector<ValueRange>* ranges = nullptr);
 
-/// The arrays of a mesh for messages, those that were not read too: "'T' (points), 'stress' (cells,
-/// 6 components)".
+/// The arrays of a mesh for messages, including those not read: "'T' (points), 'stress' (cells, 6
+/// components)".
 std::string describeArrays(const TetMesh& mesh);
-/// The names of the arrays of a mesh, those that were not read too.
+/// The names of the arrays of a mesh, including those not read.
 std::vector<std::string> arrayNames(const TetMesh& mesh);
 
 } // namespace tetvdb

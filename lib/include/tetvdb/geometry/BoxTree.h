@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A tree over axis-aligned boxes: which of many boxes meet, or contain, a given one.
+// A tree of axis-aligned boxes: finds the boxes that intersect, or contain, a given one.
 //
 //   tetvdb::BoxTree tree(boxes);
 //   tree.visit([&](const Box& b) { return b.meets(mine); },
@@ -17,7 +17,7 @@
 
 namespace tetvdb {
 
-/// Closed; empty when made.
+/// Closed; initially empty.
 struct Box {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vec3d low{kInfinity, kInfinity, kInfinity};
@@ -44,16 +44,16 @@ struct Box {
   bool contains(const Vec3d& p) const { return contains(Box{p, p}); }
 };
 
-/// Splits at the median of the longest side, so that its depth is the logarithm of the number of
-/// boxes whatever these are. The same tree for any number of threads; queries are thread-safe.
+/// Split at the median of the longest side, so that the depth is the logarithm of the number of
+/// boxes in all cases. Independent of the number of threads; queries are thread-safe.
 class BoxTree {
 public:
   explicit BoxTree(std::vector<Box> boxes);
 
   const Box& box(std::uint32_t item) const { return boxes_[item]; }
 
-  /// Gives an item another box, an empty one where it is gone. What visit() finds stays right; it
-  /// takes longer the more boxes have moved away from where they were when the tree was built. Not
+  /// Replaces the box of an item; an empty box removes the item. visit() remains correct, but
+  /// slows down as boxes move away from their positions when the tree was built. Not
   /// thread-safe.
   void move(std::uint32_t item, const Box& box);
 
@@ -81,7 +81,7 @@ public:
   }
 
 private:
-  // Children of node i: 2 i + 1 and 2 i + 2. All leaves lie at one depth.
+  // Children of node i: 2 i + 1 and 2 i + 2. All leaves have the same depth.
   struct Node {
     Box box;
     std::uint32_t first = 0, last = 0; ///< in order_
@@ -91,7 +91,7 @@ private:
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> order_;
   std::vector<Node> nodes_;
-  std::vector<std::uint32_t> leafOf_; ///< of an item: its node; made by the first move()
+  std::vector<std::uint32_t> leafOf_; ///< by item: its node; made by the first move()
 };
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Shares of pixels that are solid into grey levels.
+// Converts solid shares of pixels to grey levels.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@ namespace tetvdb {
 
 struct GreyOptions {
   int levels = 256; ///< 2 to 256, evenly spaced from 0 to 255
-  double gamma = 1; ///< the share is raised to this power first; 0: 1 from a half on, else 0
-  std::optional<std::array<std::uint8_t, 256>> table; ///< replaces each level in the end
+  double gamma = 1; ///< the share is first raised to this power; 0: 1 from a half on, else 0
+  std::optional<std::array<std::uint8_t, 256>> table; ///< finally replaces each level
 };
 
-/// Grey levels of shares. A share is a whole number of parts of kWhole. By default the level is
-/// round(255 share), halves upward, decided in whole numbers. Thread-safe.
+/// Grey levels of shares. A share is an integer number of parts of kWhole. By default the level is
+/// round(255 share), halves rounded up, computed in integers. Thread-safe.
 class GreyLevels {
 public:
   static constexpr std::int64_t kWhole = std::int64_t(1) << 46;

@@ -6,7 +6,7 @@
 
 namespace tetvdb {
 
-/// Lattices of cubes with a corner of one at 0.
+/// Cubic lattices with a corner of a cell at 0.
 enum class InfillKind : std::uint8_t {
   Gyroid,   ///< a sheet along the gyroid
   SchwarzP, ///< a sheet along Schwarz' primitive surface
@@ -17,20 +17,20 @@ enum class InfillKind : std::uint8_t {
 
 /// "gyroid", "schwarz-p", "diamond", "bcc", "octet".
 const char* nameOf(InfillKind kind);
-/// False, and nothing changed, for any other text.
+/// Returns false, and changes nothing, for any other text.
 bool readInfill(const std::string& name, InfillKind& kind);
 
-/// How thick a lattice is: a number, or one that an array of the input says.
+/// The thickness of a lattice: a number, or a function of an array of the input.
 struct InfillAmount {
-  bool isDensity = false; ///< the share of a cell that is filled, 0 to 1; else a thickness
+  bool isDensity = false; ///< the filled share of a cell, 0 to 1; else a thickness
   std::string array;      ///< empty: `low` everywhere
-  /// Where the array is at its minimum and at its maximum, linear between.
+  /// Values at the array's minimum and maximum, linear between.
   double low = 0, high = 0;
 };
 
 struct InfillSettings {
   InfillKind kind = InfillKind::Gyroid;
-  double cell = 0; ///< along a cell, world units
+  double cell = 0; ///< side of a cell, world units
   InfillAmount amount;
 };
 

@@ -11,8 +11,8 @@
 
 namespace tetvdb {
 
-/// The pixels and layers that a solid is cut into. Pixel (x, y) of layer k is the box from x to
-/// x + 1, y to y + 1 of the image, row 0 on top, and from bottomOf(k) to bottomOf(k + 1).
+/// The pixels and layers into which a solid is cut. Pixel (x, y) of layer k is the box from x to x
+/// + 1, y to y + 1 of the image, row 0 at the top, and from bottomOf(k) to bottomOf(k + 1).
 struct LayerFrame {
   std::int32_t width = 0, height = 0; ///< pixels
   double pixelWidth = 0;              ///< millimetres
@@ -34,24 +34,24 @@ struct PixelRun {
   std::uint8_t value = 0; ///< a grey level, or the number of a material
 };
 
-/// Where the runs of a row begin in Layer::runs; they end where those of the next row begin.
+/// The position of a row's first run in Layer::runs, which end at those of the next row.
 struct LayerRow {
   std::int32_t y = 0;
   std::size_t first = 0;
 };
 
-/// A closed line in millimetres on the plate, y up, without its first point again at the end. The
-/// solid is on the left: outer lines turn counter-clockwise, those around holes clockwise.
+/// A closed line in millimetres on the plate, y up, without repetition of its first point. The
+/// solid is on the left: outer lines are counter-clockwise, those around holes clockwise.
 using LayerContour = std::vector<std::array<double, 2>>;
 
-/// A layer by what of it is not 0. Rows ascend and have at least one run; the runs of a row ascend,
-/// do not meet where their values are equal, and have values above 0.
+/// The pixels of a layer that are not 0. Rows ascend and have at least one run; the runs of a row
+/// ascend, do not touch if their values are equal, and have values above 0.
 struct Layer {
   std::vector<LayerRow> rows;
   std::vector<PixelRun> runs;
-  std::vector<LayerContour> contours; ///< filled by sources that were asked for them, then no rows
+  std::vector<LayerContour> contours; ///< set only by sources of contours, instead of rows
   double filled = 0;                  ///< sum of the shares before they are rounded, pixels
-  double overlap = 0;                 ///< what shares above 1 had more than 1: solids that overlap
+  double overlap = 0;                 ///< sum of the excess of shares above 1, where solids overlap
 
   void clear() {
     rows.clear();
@@ -61,8 +61,8 @@ struct Layer {
   }
   bool empty() const { return runs.empty() && contours.empty(); }
 
-  /// Appends a run behind all that there are, joined to the last where it continues it. Values of 0
-  /// are left out.
+  /// Appends a run after all existing ones, merged with the last if it continues it. Values of 0
+  /// are ignored.
   void add(std::int32_t y, std::int32_t begin, std::int32_t end, std::uint8_t value) {
     if (value == 0 || begin >= end)
       return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Layers into files: the table of formats, and what their writers are told.
+// Writes layers to files: the table of formats, and the input of their writers.
 //
 //   const tetvdb::LayerFormat* format = tetvdb::layerFormatFor("part.sl1", "");
 //   std::unique_ptr<tetvdb::LayerWriter> writer = format->make(info);
@@ -23,7 +23,7 @@
 
 namespace tetvdb {
 
-/// What a file says beside its layers.
+/// The content of a file besides its layers.
 struct PrintInfo {
   std::string path; ///< of the file, or of the folder
   LayerFrame frame;
@@ -33,29 +33,29 @@ struct PrintInfo {
   std::vector<PngColor> palette;      ///< of materials; 0 is the background; empty: grey levels
   std::vector<std::string> materials; ///< their names, that of the background first
   const TriangleMesh* mesh = nullptr; ///< on the plate, for formats that need one
-  /// The name without folder and ending, with letters, digits, '-' and '_' alone.
+  /// The name without folder and ending, with letters, digits, '-' and '_' only.
   std::string name() const;
 };
 
-/// A layer as a format has it.
+/// A layer in the representation of a format.
 struct EncodedLayer {
   std::string bytes;
-  std::string note;  ///< what a format says of the layer elsewhere
+  std::string note;  ///< information about the layer that a format stores elsewhere
   double filled = 0; ///< as Layer::filled
   double overlap = 0;
   bool empty = true;
 };
 
-/// One file or folder that is whole once finish() returns, and absent where it is not called.
+/// One file or folder that is whole after finish(), and absent if it is not called.
 class LayerWriter {
 public:
   virtual ~LayerWriter() = default;
   /// Thread-safe.
   virtual EncodedLayer encode(std::int32_t k, const Layer& layer) const = 0;
-  /// Layers in order, from 0; `layer` is what encode() made of it. Throws Error(Write).
+  /// Adds layers in order, from 0; `layer` is the result of encode(). Throws Error(Write).
   virtual void add(std::int32_t k, const EncodedLayer& layer) = 0;
   virtual void finish() = 0;
-  /// The files written, once finish() has returned; a folder's are the folder.
+  /// Size of the written files, after finish(); for a folder, of its files.
   virtual std::uint64_t bytes() const = 0;
 };
 
@@ -63,7 +63,7 @@ struct LayerFormat {
   std::string_view name;        ///< for --format and reports
   std::string_view endings;     ///< lower case, the usual one first; empty: a folder
   std::string_view description; ///< one line, without a full stop
-  bool contours = false;        ///< lines in place of pixels
+  bool contours = false;        ///< lines instead of pixels
   bool needsMesh = false;       ///< PrintInfo::mesh
   bool takesMaterials = false;  ///< PrintInfo::palette
   bool oneBit = false;          ///< a pixel is black or white
@@ -73,11 +73,11 @@ struct LayerFormat {
 /// All rows.
 const std::vector<LayerFormat>& layerFormats();
 
-/// The format of that name; for an empty name that of the path's ending, and of a path without one
-/// the folder of PNG files. Throws Error(Usage) where there is none, with what there is.
+/// The format of that name. For an empty name, that of the path's ending; for a path without
+/// ending, the folder of PNG files. Throws Error(Usage) if there is none, with the existing ones.
 const LayerFormat& layerFormatFor(const std::string& path, const std::string& name);
 
-// The rows' writers, one a source file.
+// The rows' writers, one per source file.
 std::unique_ptr<LayerWriter> writePngFolder(const PrintInfo& info);
 std::unique_ptr<LayerWriter> writeBmpFolder(const PrintInfo& info);
 std::unique_ptr<LayerWriter> writeSl1(const PrintInfo& info);

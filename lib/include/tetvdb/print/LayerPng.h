@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Layers as PNG files, made from their runs: the time follows the runs, not the pixels.
+// Writes layers as PNG files from their runs: the time depends on the runs, not the pixels.
 #pragma once
 
 #include "tetvdb/print/Layer.h"
@@ -15,7 +15,7 @@ namespace tetvdb {
 using PngColor = std::array<std::uint8_t, 3>;
 
 /// A PNG file (ISO/IEC 15948) of 8-bit grey levels, not interlaced; with a palette, of indices into
-/// it. Rows are not filtered. The same bytes for the same pixels. Thread-safe. Throws Error(Limit)
+/// it. Rows are not filtered. The bytes depend on the pixels only. Thread-safe. Throws Error(Limit)
 /// for a packed image of 2 GiB or more.
 std::string encodeLayerPng(const Layer& layer, std::int32_t width, std::int32_t height,
                            const std::vector<PngColor>& palette = {});

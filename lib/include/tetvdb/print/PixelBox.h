@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which pixels of a layer are neighbours, and boxes of pixels.
+// Neighbourhoods of pixels in a layer, and boxes of pixels.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace tetvdb {
 
-/// The pixels that a pixel of a layer is connected with: those that share a side, or also those
-/// that share a corner.
+/// The pixels to which a pixel of a layer is connected: those that share a side, or also those that
+/// share a corner.
 enum class Neighbours : std::uint8_t { Four, Eight };
 
 /// Pixels minX to maxX of the rows minY to maxY; empty where max < min.

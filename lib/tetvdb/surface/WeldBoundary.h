@@ -28,8 +28,7 @@ enum class WeldCandidates {
 /// - a quarter of the shortest edge at either point (so that no edge collapses and no detail of the
 ///   mesh is lost),
 /// - 1e-4 of the mesh's size, or 2e-6 of its largest coordinate if that is more (the error of
-///   single
-///   precision and of six digits),
+///   single precision and of six digits),
 /// - four times the 90 % quantile of the candidates' distances to the nearest other candidate. The
 ///   result is accepted only as a whole: if it closes at least half of the boundary edges and at
 ///   least one per removed point, since rounding affects all of a file (with AllPoints: if at least

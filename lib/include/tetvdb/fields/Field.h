@@ -62,18 +62,19 @@ struct Field {
   FieldRule rule() const;
 };
 
-/// Resolves `options` in `mesh`, in the order of the requests. Arrays "u_x", "u_y", "u_z"
-/// (or with the suffix ".x", "x", "X", "1", ...) are used as the vector "u" if there is
-/// no array of that name, and likewise the components of a tensor, as Exodus stores them.
-/// `ranges`, unless null, contains for each field, in the order of the result, the range
-/// that replaces that of the arrays: the range of all frames of a sequence.
+/// Resolves `options` in `mesh`, in the order of the requests. Arrays "u_x", "u_y", "u_z" (or with
+/// the suffix ".x", "x", "X", "1", ...) are used as the vector "u" if there is no array of that
+/// name, and likewise the components of a tensor, as Exodus stores them. `ranges`, unless null,
+/// contains for each field, in the order of the result, the range that replaces that of the
+/// arrays: the range of all frames of a sequence.
 ///
-/// `report` receives a warning for a name that both points and cells have, for arrays
-/// that `all` omits (more than nine components, integers beyond 32 bits) and for values
-/// that are not finite. Throws Error(Usage) for an array that the mesh does not have (the
-/// message lists the existing ones), for a part that its tuples do not have, for repeated
-/// names of grids and for ranges that name no grid; Error(Invalid) for an array of a
-/// wrong length, or with integers beyond 32 bits. Parallel, linear in the arrays' sizes.
+/// `report` receives a warning for a name that both points and cells have, for arrays that `all`
+/// omits (more than nine components, integers beyond 32 bits) and for values that are not finite.
+/// Throws Error(Usage) for an array that the mesh does not have (the message lists the existing
+/// ones), for a part that its tuples do not have, for repeated names of grids and for ranges that
+/// name no grid; Error(Invalid) for an array of a wrong length, or with integers beyond 32 bits.
+///
+/// Parallel, linear in the arrays' sizes.
 std::vector<Field> resolveFields(const TetMesh& mesh, const FieldOptions& options, Report& report,
                                  const std::vector<ValueRange>* ranges = nullptr);
 

@@ -46,8 +46,7 @@ struct Finding {
 /// - name: empty, or used twice in the file
 /// - type: the target does not draw grids of this type
 /// - class: not set, so that surfaces made of the grid are inside out
-/// - transform: not affine (Blender draws nothing), or different from that of the file's other
-///   grids
+/// - transform: not affine (Blender draws nothing), or not that of the file's other grids
 /// - hidden-values: densities below what is drawn, negative ones, or far above 1
 /// - background: other than 0, which Blender draws around the voxels (a note if negative)
 /// - memory: bytes when the active box is uploaded as a dense array

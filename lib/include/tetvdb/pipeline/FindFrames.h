@@ -33,8 +33,7 @@ bool isNumbered(const std::vector<std::string>& paths);
 /// Finds the frames that `inputs` represent, in order of time:
 /// - one .pvd file: one frame per time, with all its parts;
 /// - one name with '*' or '?' that is not an existing file: one frame per matching file, ordered by
-///   the
-///   last number in its name. Missing numbers are an error unless `allowGaps`;
+///   the last number in its name. Missing numbers are an error unless `allowGaps`;
 /// - files for which isNumbered() holds: likewise;
 /// - with `range`, one file of a format with steps: its time steps.
 /// Returns none if the inputs are plain meshes. Throws Error(Invalid) for a collection that cannot

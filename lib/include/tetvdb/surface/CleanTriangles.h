@@ -30,9 +30,8 @@ struct CleanCounts {
   bool insideOut = false;             ///< the whole mesh was inside out and was reversed
   /// World units: the requested distance, or the largest distance between two merged points.
   double weldDistance = 0;
-  /// Neither the input's orientation nor the new one gives winding numbers near whole numbers
-  /// without losing volume of the other. The two volumes, estimated by sample points, are given
-  /// below: that of the input's orientation, and that of the new one.
+  /// Neither the orientation of the input nor the new one is close to a solid's without losing
+  /// volume of the other. The volumes of both, estimated by sample points, follow.
   bool doubtful = false;
   double fileVolume = 0, turnedVolume = 0;
 };

@@ -17,10 +17,9 @@ struct SolidComparison {
   double doubtful = 0;                 ///< from 0.4 to 0.6 in the first mesh
 };
 
-/// Compares two solids by their winding numbers. The first mesh may be open, inconsistently
-/// oriented or self-intersecting. Samples 8192 points and doubles them, up to 2^17, until 8000 are
-/// inside; the product of points and boundary edges is limited to 10^8. The points are fixed.
-/// Parallel.
+/// Compares two solids by winding numbers. The first mesh may be open, inconsistently oriented or
+/// self-intersecting. Samples 8192 fixed points, doubled up to 2^17 until 8000 are inside; points
+/// times boundary edges are limited to 10^8. Parallel.
 SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& after,
                               Progress& progress);
 

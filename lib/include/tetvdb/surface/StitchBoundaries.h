@@ -17,9 +17,8 @@ struct StitchCounts {
 
 /// Closes gaps of no area without adding faces over them:
 /// - Two boundary edges of opposite directions are merged if their end points are closer than a
-///   tenth
-///   of the shortest boundary edges there and a thousandth of the box's diagonal. The vertex with
-///   the lower number keeps its position.
+///   tenth of the shortest boundary edges there and a thousandth of the box's diagonal. The vertex
+///   with the lower number keeps its position.
 /// - A boundary vertex on another boundary edge (within a fiftieth of the shortest boundary edges
 ///   there) splits the face of that edge, if one of its own edges runs along it. No point moves.
 /// - Collinear faces, and faces lower than 2^-22 of the largest coordinate, close such gaps without

@@ -5,7 +5,7 @@
 
 namespace tetvdb {
 
-/// Adds n values to sums; false, with nothing added, where one of the values is NaN.
+/// Adds n values to sums; returns false, and adds nothing, if one of the values is NaN.
 bool addUnlessNaN(double* sums, const double* values, std::size_t n);
 
 } // namespace tetvdb

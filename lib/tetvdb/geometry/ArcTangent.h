@@ -7,10 +7,10 @@
 
 namespace tetvdb {
 
-/// std::atan2(sine, cosine) within 1e-11, without branches: for loops that become vectors. NaN
-/// where both are zero. The arc tangent of the smaller over the larger, above tan(pi / 8) by
-/// atan(t) = pi / 4 + atan((t - 1) / (t + 1)), then the power series, whose first term left out is
-/// below 1e-11.
+/// std::atan2(sine, cosine) within 1e-11, without branches, for vectorised loops. NaN if both are
+/// zero. The arc tangent of the smaller over the larger is computed, above tan(pi / 8) by atan(t)
+/// = pi / 4 + atan((t - 1) / (t + 1)), by the power series, whose first omitted term is below
+/// 1e-11.
 TETVDB_INLINE double arcTangent(double sine, double cosine) {
   constexpr double kPi = 3.14159265358979323846;
   const double y = std::abs(sine), x = std::abs(cosine);
@@ -18,7 +18,7 @@ TETVDB_INLINE double arcTangent(double sine, double cosine) {
   const bool steep = low > 0.41421356237309503 * high;
   const double u = (steep ? low - high : low) / (steep ? low + high : high);
   const double v = u * u;
-  // Two chains, of every other term, so that neither is waited for.
+  // Two chains of alternating terms are evaluated in parallel.
   const double w = v * v;
   double even = 1.0 / 25, odd = 1.0 / 23;
   even = even * w + 1.0 / 21;

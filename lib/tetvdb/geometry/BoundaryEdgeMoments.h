@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Clusters of boundary edges as they look from far away. With the cluster's centre c, the spherical
-// triangle (a, b, up) of an edge is the sum of (a, b, c), (c, b, up) and (a, c, up). The first make
-// up a cone, which DipoleMoments sums up; the others cancel but at ends where the cluster cuts a
-// boundary loop, and are expanded here, in places relative to c.
+// Clusters of boundary edges seen from a distance. With the cluster's centre c, the spherical
+// triangle (a, b, up) of an edge is the sum of (a, b, c), (c, b, up) and (a, c, up). The first form
+// a cone, which DipoleMoments sums. The others cancel except at points where the cluster cuts a
+// boundary loop, and are expanded here, in coordinates relative to c.
 #pragma once
 
 #include "tetvdb/core/Multiversion.h"
@@ -14,26 +14,26 @@
 
 namespace tetvdb {
 
-/// Triangles (centre, end, up).
+/// Triangles (centre, open end, up).
 ///
-/// With r from the point that looks to a place on the edge, d(angle) = (r x dr)_z g(r), where
-/// g = 1 / (|r| (|r| + r.z)): the vector potential of a monopole, its string straight up from it.
-/// From the centre to an end y away that is (r x y)_z times the mean of g on the way, here to third
-/// order in y: for points several |y| away from the centre and from the upward ray that begins
+/// With r from the viewpoint to a point of the edge, d(angle) = (r x dr)_z g(r), where g = 1 /
+/// (|r| (|r| + r.z)): the vector potential of a monopole with its string upward. From the centre
+/// to an open end at y, this is (r x y)_z times the mean of g along the segment, here to third
+/// order in y: for viewpoints several |y| away from the centre and from the upward ray that begins
 /// there.
 class EndMoments {
 public:
   /// y: relative to the centre.
   void add(const Vec3d& y, double weight);
 
-  /// The sum of the solid angles from a point that sees the centre at r.
+  /// The sum of the solid angles from a viewpoint that sees the centre at r.
   TETVDB_INLINE double angle(const Vec3d& r) const {
     const double x = r[0], y = r[1], z = r[2];
     const double length = std::sqrt(x * x + y * y + z * z);
     const double inverse = 1 / length;
     const double nx = x * inverse, ny = y * inverse, nz = z * inverse;
     const double g = 1 / (length * (length + z));
-    // Derivatives of 1 / g over 1 / g itself.
+    // Derivatives of 1 / g divided by 1 / g.
     const double zi = z * inverse;
     const double dx = (2 * x + z * nx) * g, dy = (2 * y + z * ny) * g,
                  dz = (2 * z + z * nz + length) * g;

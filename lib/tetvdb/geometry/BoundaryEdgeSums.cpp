@@ -16,10 +16,10 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A difference of two rounded products has the right sign beyond this share of their sizes.
+// Above this share of their sizes, a difference of two rounded products has the correct sign.
 constexpr double kSure = 4.5e-16;
 
-// a.x b.y - a.y b.x: exact in its sign, and in whether it is zero.
+// a.x b.y - a.y b.x: exact in its sign and for zero.
 double exactTurn(const Vec3d& a, const Vec3d& b) {
   const double left = a[0] * b[1], right = a[1] * b[0];
   const double difference = left - right;
@@ -30,7 +30,7 @@ double exactTurn(const Vec3d& a, const Vec3d& b) {
       static_cast<Int128>(static_cast<std::int64_t>(a[1])) * static_cast<std::int64_t>(b[0]));
 }
 
-// A number too small to matter, with the sign of `first`, or of `second` where that is zero.
+// A negligible number with the sign of `first`, or of `second` if that is zero.
 double signOfFirst(double first, double second) {
   const double leading = first != 0 ? first : second;
   return leading == 0 ? 0.0 : std::copysign(std::numeric_limits<double>::min(), leading);
@@ -43,8 +43,8 @@ double above(const Vec3d& a) {
   return a[2] < 0 ? flat / (length - a[2]) : length + a[2];
 }
 
-// angleUp() for an end a straight below the point. Moved by (e, e^2, e^3) the point sees a in
-// direction (-e, -e^2) from the pole: a lune from there to b.
+// angleUp() for an end point a vertically below the viewpoint. Moved by (e, e^2, e^3), the
+// viewpoint sees a in direction (-e, -e^2) from the pole: a lune from there to b.
 double angleFromPole(const Vec3d& b) {
   const double sine = b[1] != 0 ? -b[1] : std::copysign(0.0, b[0]);
   return 2 * std::atan2(sine, -b[0]);
@@ -54,7 +54,7 @@ bool isZero(const Vec3d& a) {
   return a[0] == 0 && a[1] == 0 && a[2] == 0;
 }
 
-// Whether the point lies on the open segment between a and b.
+// Whether the viewpoint lies on the open segment between a and b.
 bool isBetween(const Vec3d& a, const Vec3d& b) {
   if (dot(a, b) >= 0)
     return false;
@@ -65,8 +65,8 @@ bool isBetween(const Vec3d& a, const Vec3d& b) {
          product(2, 0) == product(0, 2);
 }
 
-// angleUp() for a point on the edge from a to b: moved by (e, e^2, e^3) it sees the edge as half a
-// great circle through the direction back, and up is at an angle to that half plane.
+// angleUp() for a viewpoint on the edge from a to b: moved by (e, e^2, e^3), it sees the edge as
+// half a great circle through the direction back, and up is at an angle to that half plane.
 double angleOnEdge(const Vec3d& a, const Vec3d& b) {
   Vec3d t{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   const double way = length(t);
@@ -79,12 +79,12 @@ double angleOnEdge(const Vec3d& a, const Vec3d& b) {
     back[k] = dot(moved, t) * t[k] - moved[k];
     up[k] = (k == 2 ? 1.0 : 0.0) - t[2] * t[k];
   }
-  // With t = (x, 0, z) up lies in the plane of edge and back; the sign is that of the move's e^2.
+  // With t = (x, 0, z), up lies in the plane of edge and back; the sign is that of the e^2 term.
   const double sine = t[1] == 0 && !alongX ? std::copysign(0.0, -t[0]) : dot(t, cross(back, up));
   return -2 * std::atan2(sine, dot(back, up));
 }
 
-// Edges that a loop works on at a time, and the partial sums that it keeps.
+// Number of edges per iteration of a loop, and of its partial sums.
 constexpr std::size_t kBlock = 64;
 constexpr std::size_t kLanes = 8;
 
@@ -93,9 +93,9 @@ BoundaryEdgeView from(const BoundaryEdgeView& edges, std::size_t i) {
           edges.by + i, edges.bz + i, edges.weight + i};
 }
 
-// weight * angleUp(); NaN where it takes angleUp() itself to tell.
-// above(a) is a fraction na / da, so that one division is left, that of the tangent: divisions and
-// square roots are what this loop waits for.
+// weight * angleUp(); NaN if angleUp() itself is required. above(a) is a fraction na / da, so that
+// only the division of the tangent remains: divisions and square roots dominate the time of this
+// loop.
 TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, double by, double bz,
                                    double weight) {
   const double fa = ax * ax + ay * ay, fb = bx * bx + by * by;
@@ -115,7 +115,7 @@ TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, d
   return sure ? 2 * weight * angle : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Of n edges, seen from one point.
+// n edges, seen from one point.
 TETVDB_MULTIVERSION
 void anglesOfEdges(BoundaryEdgeView e, std::size_t n, double px, double py, double pz,
                    double* __restrict out) {
@@ -124,7 +124,7 @@ void anglesOfEdges(BoundaryEdgeView e, std::size_t n, double px, double py, doub
                            e.bz[i] - pz, e.weight[i]);
 }
 
-// Of one edge, seen from n points.
+// One edge, seen from n points.
 TETVDB_MULTIVERSION
 void anglesAtPoints(LatticePoint a, LatticePoint b, double weight, const double* x, const double* y,
                     const double* z, std::size_t n, double* __restrict out) {
@@ -206,13 +206,13 @@ double turnFrom(const Vec3d& way, const Vec3d& a) {
 // Van Oosterom and Strackee 1983, with one corner at infinity: the tangent of half the angle is
 // det(a, b, up) over |a||b| + a.b + |b| a.z + |a| b.z = (|a| + a.z)(|b| + b.z) + a.x b.x + a.y b.y.
 double angleUp(const Vec3d& a, const Vec3d& b) {
-  if (isZero(a)) // seen from (e, e^2, e^3) the end lies in direction -x
+  if (isZero(a)) // from (e, e^2, e^3), the end point is in direction -x
     return isZero(b) ? 0.0 : angleUp({-1, 0, 0}, b);
   if (isZero(b))
     return -angleUp({-1, 0, 0}, a);
   const double sine = turn(a, b);
   if (sine == 0)
-    return 0; // an edge straight up and down has no curtain
+    return 0; // a vertical edge has no curtain
   if (a[0] == 0 && a[1] == 0)
     return a[2] < 0 ? angleFromPole(b) : 0.0;
   if (b[0] == 0 && b[1] == 0)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Sums over boundary edges as seen from a point: the loops in which BoundaryWinding spends its
-// time, vectorised, the same bits for every instruction set.
+// Sums over boundary edges seen from a point: the innermost loops of BoundaryWinding, vectorised,
+// with the same bits for every instruction set.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -12,12 +12,12 @@
 
 namespace tetvdb {
 
-/// q as it is seen from p.
+/// q relative to p.
 inline Vec3d from(const LatticePoint& p, const LatticePoint& q) {
   return {q.x - p.x, q.y - p.y, q.z - p.z};
 }
 
-/// Ends and weights of edges, one array a coordinate.
+/// End points and weights of edges, one array per coordinate.
 struct BoundaryEdgeView {
   const double *ax, *ay, *az, *bx, *by, *bz, *weight;
 };
@@ -35,7 +35,7 @@ struct BoundaryEdgeArrays {
   LatticePoint b(std::size_t i) const { return {bx[i], by[i], bz[i]}; }
 };
 
-/// Room for a few edges without allocation.
+/// Space for a few edges without allocation.
 template <std::size_t Size>
 struct BoundaryEdgeBlock {
   double ax[Size], ay[Size], az[Size], bx[Size], by[Size], bz[Size], weight[Size];
@@ -52,29 +52,29 @@ struct BoundaryEdgeBlock {
   BoundaryEdgeView view() const { return {ax, ay, az, bx, by, bz, weight}; }
 };
 
-/// a.x b.y - a.y b.x, with the sign that it has once the point that both are seen from is moved by
-/// (e, e^2, e^3), e -> 0+; 0 only where a and b have the same x and y. Components are whole numbers
-/// below 2^53.
+/// a.x b.y - a.y b.x, with its sign after the point to which both are relative is moved by (e,
+/// e^2, e^3), e -> 0+; 0 only if a and b have the same x and y. Components are integers below
+/// 2^53.
 double turn(const Vec3d& a, const Vec3d& b);
-/// The same for a direction `way` that does not change with the point: a is seen from it.
+/// The same for a direction `way` that does not depend on the point: a is relative to it.
 double turnFrom(const Vec3d& way, const Vec3d& a);
 
-/// Solid angle of the spherical triangle of directions a, b and straight up, seen from 0 moved by
-/// (e, e^2, e^3), e -> 0+. Components are whole numbers below 2^53.
+/// Solid angle of the spherical triangle of directions a, b and up, seen from 0 moved by (e, e^2,
+/// e^3), e -> 0+. Components are integers below 2^53.
 double angleUp(const Vec3d& a, const Vec3d& b);
 
 /// Sum of weight * angleUp() over edges begin..end seen from p, each within 1e-10.
 double sumAngles(BoundaryEdgeView edges, std::size_t begin, std::size_t end, const LatticePoint& p);
 
-/// Points that are looked from together, and a sum for each.
+/// Viewpoints that are processed together, and a sum for each.
 struct BoundaryPoints {
   std::vector<double> x, y, z, sum;
 
   std::size_t size() const { return x.size(); }
 };
 
-/// Adds weight * angleUp() of one edge, as seen from each of the points, to their sums. `scratch`
-/// is as long as the points.
+/// Adds weight * angleUp() of one edge, seen from each of the points, to their sums. `scratch` is
+/// as long as the points.
 void addAngles(const LatticePoint& a, const LatticePoint& b, double weight, BoundaryPoints& points,
                std::vector<double>& scratch);
 
@@ -82,8 +82,8 @@ void addAngles(const LatticePoint& a, const LatticePoint& b, double weight, Boun
 /// integrals of r x dl / |r|^3, r from p (Biot and Savart).
 Vec3d sumField(BoundaryEdgeView edges, std::size_t begin, std::size_t end, const LatticePoint& p);
 
-/// Bound on the field's derivative within `reach` of p: |d/dr (r / |r|^3)| is 2 / |r|^3, which over
-/// an endless straight line sums up to 4 / d^2. Infinite where an edge is within reach.
+/// Bound on the field's derivative within `reach` of p: |d/dr (r / |r|^3)| is 2 / |r|^3, whose
+/// integral over an infinite straight line is 4 / d^2. Infinite if an edge is within reach.
 double sumBend(BoundaryEdgeView edges, std::size_t begin, std::size_t end, const LatticePoint& p,
                double reach);
 

@@ -2,16 +2,16 @@
 //
 // The winding number of an open surface, from its boundary edges.
 //
-// Let S be an oriented surface with boundary curve g, and let a curtain stand on g
-// straight up to infinity. Surface and curtain together are closed, so that their winding number at
-// a point p is a whole number, and since the curtain is vertical it is the number N(p) of faces of
-// S that a ray down from p crosses, signed: +1 for one that looks down. Hence
+// Let S be an oriented surface with boundary curve g, and let a curtain extend from g upward to
+// infinity. Surface and curtain together are closed, so that their winding number at a point p is
+// an integer. Since the curtain is vertical, it equals the number N(p) of faces of S that a
+// downward ray from p crosses, signed: +1 for a face that is oriented downward. Hence
 //
 //     winding number of S at p  =  N(p) + s(p),   s(p) = - winding number of the curtain at p,
 //
-// and s needs g alone: of every boundary edge the solid angle of a triangle with one corner at
-// infinity. N is exact (signed crossings); s is smooth but for whole numbers where p passes through
-// the curtain (docs/algorithms.md).
+// and s depends on g only: for every boundary edge, the solid angle of a triangle with one corner
+// at infinity. N is exact (signed crossings); s is smooth except for integer jumps where p passes
+// through the curtain (docs/algorithms.md).
 #pragma once
 
 #include "tetvdb/geometry/BoundaryEdgeMoments.h"
@@ -26,25 +26,25 @@
 
 namespace tetvdb {
 
-/// An edge that faces run along `weight` times more often from a to b than from b to a.
+/// An edge that faces traverse `weight` times more often from a to b than from b to a.
 struct BoundaryEdge {
   LatticePoint a, b;
   std::int32_t weight;
 };
 
 /// Error of BoundaryWinding::at(), as a winding number, for up to kManyBoundaryEdges edges. Soups
-/// with more boundary edges are soups whose faces look any way; of these clusters are looked at
-/// from nearer by, as the fast winding number does (Barill et al. 2018), and the error is about
-/// kRoughWindingError without being bounded.
+/// with more boundary edges have faces of arbitrary orientation; for these, clusters are used at
+/// smaller distances, as in the fast winding number (Barill et al. 2018), and the error is about
+/// kRoughWindingError without a bound.
 constexpr double kBoundaryWindingError = 1e-3;
 constexpr double kRoughWindingError = 0.02;
 constexpr std::size_t kManyBoundaryEdges = 4096;
 
-/// Immutable once made; queries are thread-safe. The order of the edges that it is made from has no
-/// part in any result.
+/// Immutable after construction; queries are thread-safe. Results do not depend on the order of the
+/// edges.
 class BoundaryWinding {
 public:
-  /// The edges must close: every point is as often an end as a start, by weight. O(n log n).
+  /// The edges must be closed: the weights at every point sum to zero. O(n log n).
   explicit BoundaryWinding(std::vector<BoundaryEdge> edges);
 
   bool empty() const { return edges_.size() == 0; }
@@ -55,8 +55,8 @@ public:
   /// kBoundaryWindingError. Exact in which side of the curtain p is on.
   double at(const LatticePoint& p) const;
 
-  /// at() of `points`, which lie within `reach` of `centre`, into their sums (whose old values are
-  /// lost). Faster than one by one: the tree is traversed once.
+  /// at() of `points`, which lie within `reach` of `centre`, stored in their sums (old values are
+  /// lost). Faster than separate calls: the tree is traversed once.
   void at(const LatticePoint& centre, double reach, BoundaryPoints& points) const;
 
   /// N + s around a point, off the faces, per lattice unit: the gradient at the point (by Biot and
@@ -70,17 +70,17 @@ public:
   };
   Slope slope(const LatticePoint& centre, double reach) const;
 
-  /// Edges whose curtain may stand in the upright square prism of points up to `reach` from
-  /// `centre` along every axis: s may jump by whole numbers across them. False, with only some of
-  /// them in `edges`, where they are more than `max`.
+  /// Finds the edges whose curtain may intersect the upward square prism of points up to `reach`
+  /// from `centre` along every axis: s may jump by integers across them. Returns false, with only
+  /// some of them in `edges`, if there are more than `max`.
   bool curtains(const LatticePoint& centre, double reach, std::size_t max,
                 std::vector<std::uint32_t>& edges) const;
-  /// What s jumps by from `centre` to `p` across the curtains of `edges`, exactly; both within such
-  /// a prism, into which the boundary itself does not reach.
+  /// The jump of s from `centre` to `p` across the curtains of `edges`, exactly; both are in such a
+  /// prism, which the boundary itself does not reach.
   std::int32_t jump(const LatticePoint& centre, const LatticePoint& p,
                     const std::vector<std::uint32_t>& edges) const;
 
-  /// Outside this ball N + s is within 0.45 of a whole number.
+  /// Outside of this ball, N + s is within 0.45 of an integer.
   struct Ball {
     LatticePoint centre;
     double radius;
@@ -112,7 +112,7 @@ private:
   void build(Item* begin, Item* end, const std::vector<BoundaryEdge>& edges);
   void fillMoments(Node& node) const;
   void fillOpenEnds(Node& node);
-  // By its edges, by the cone's moments and every open end, or all by moments.
+  // By its edges, by the cone's moments and every open end, or only by moments.
   enum class View { Edges, OpenEnds, Moments };
   View viewOf(const Node& node, const Vec3d& r, double reach) const;
   template <typename Moments>

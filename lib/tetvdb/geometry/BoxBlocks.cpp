@@ -13,7 +13,7 @@ namespace {
 constexpr unsigned kAxisBits = 10;
 constexpr std::size_t kPerTask = 4096;
 
-// Two zero bits between the bits of a number below 2^10.
+// Inserts two zero bits between the bits of a number below 2^10.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000FFu;
   x = (x | x << 8) & 0x0300F00Fu;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Many boxes in blocks of eight along a curve through space, and these in blocks of eight again:
-// quick to build, and quick to ask which pairs of boxes meet.
+// Boxes in blocks of eight along a space-filling curve, and these in blocks of eight again: fast to
+// build, and fast to query for pairs of intersecting boxes.
 #pragma once
 
 #include "tetvdb/core/Multiversion.h"
@@ -17,38 +17,38 @@
 
 namespace tetvdb {
 
-/// Boxes are kept in single precision, rounded outward: those that meet are always told, and some
-/// that do not but by a 2^-22th of their distance from 0. Coordinates must be finite. The same for
-/// any number of threads; queries are thread-safe.
+/// Boxes are stored in single precision, rounded outward: all intersecting pairs are found, and
+/// some separated by less than 2^-22 of their distance from 0. Coordinates must be finite.
+/// Independent of the number of threads; queries are thread-safe.
 class BoxBlocks {
 public:
   static constexpr std::size_t kWidth = 8;
 
-  /// Parallel but for a radix sort: about 40 ns a box.
+  /// Parallel except for a radix sort: about 40 ns per box.
   explicit BoxBlocks(const std::vector<Box>& boxes);
 
   std::size_t blocks() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
-  /// Adds to `found` the pairs of which the first is in block `block` and the second in it or a
-  /// later one; ends when there are more than `max` in it. All blocks together give every pair
-  /// that meets once.
+  /// Adds to `found` the pairs whose first box is in block `block` and the second in it or a later
+  /// one; ends when it contains more than `max`. All blocks together give every intersecting pair
+  /// once.
   void pairs(std::size_t block, std::size_t max,
              std::vector<std::pair<std::uint32_t, std::uint32_t>>& found) const;
 
-  /// Calls found(item) for the boxes that a line along `axis` passes through at the place `at`
-  /// or above it; ends when found() returns true.
+  /// Calls found(item) for the boxes that a line along `axis` intersects at position `at` or above
+  /// it; ends when found() returns true.
   template <typename Found>
   void above(std::size_t axis, const Vec3d& at, const Found& found) const;
 
 private:
-  // Eight boxes, by coordinate. Those that are not there are empty.
+  // Eight boxes, by coordinate. Missing boxes are empty.
   struct alignas(64) Block {
     std::array<std::array<float, kWidth>, 3> low, high;
   };
   struct FloatBox {
     std::array<float, 3> low, high;
   };
-  // A bit for each box of the block that meets the other.
+  // A bit for each box of the block that intersects the other.
   TETVDB_INLINE static unsigned meeting(const Block& block, const FloatBox& box) {
     typedef float Floats __attribute__((vector_size(kWidth * sizeof(float))));
     typedef std::int32_t Ints __attribute__((vector_size(kWidth * sizeof(std::int32_t))));
@@ -69,8 +69,8 @@ private:
   }
   static FloatBox boxOf(const Block& block);
 
-  // Calls visit(block of the lowest level) for those with boxes that meet `box` and a number of at
-  // least `first`, ascending; ends when visit() returns true.
+  // Calls visit(block of the lowest level) for those with boxes that intersect `box` and a number
+  // of at least `first`, ascending; ends when visit() returns true.
   template <typename Visit>
   TETVDB_INLINE void descend(const FloatBox& box, std::size_t first, const Visit& visit) const {
     struct Place {

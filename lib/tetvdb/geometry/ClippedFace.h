@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// A convex polygon in space, with at most the corners that a triangle has after six cuts.
+/// A convex polygon in space, with at most the number of corners of a triangle after six cuts.
 struct Polygon {
   static constexpr int kMax = 10;
   int count = 0;
@@ -37,8 +37,8 @@ struct Polygon {
   }
 };
 
-/// Cuts `polygon` at coordinate `c` of `axis` into what is below and what is above. Corners on the
-/// cut belong to both; new ones have exactly `c`.
+/// Cuts `polygon` at coordinate `c` of `axis` into the parts below and above. Corners on the cut
+/// belong to both; new ones have exactly the coordinate `c`.
 inline void cut(const Polygon& polygon, int axis, double c, Polygon& below, Polygon& above) {
   below.count = above.count = 0;
   for (int i = 0; i < polygon.count; ++i) {
@@ -61,8 +61,8 @@ inline void cut(const Polygon& polygon, int axis, double c, Polygon& below, Poly
   }
 }
 
-/// Calls piece(i, part) for what of `polygon` is between i and i + 1 along `axis`; nothing that is
-/// outside of first <= i <= last. A polygon that is level at i goes to i alone.
+/// Calls piece(i, part) for the part of `polygon` between i and i + 1 along `axis`, for first <= i
+/// <= last only. A polygon within the plane i belongs to i only.
 template <typename Piece>
 TETVDB_INLINE void cutAlong(const Polygon& polygon, int axis, int first, int last,
                             const Piece& piece) {

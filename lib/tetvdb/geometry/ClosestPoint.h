@@ -6,14 +6,14 @@
 
 namespace tetvdb {
 
-/// Where a triangle is nearest to a point, as seen from that point.
+/// The point of a triangle nearest to a point, relative to that point.
 struct NearestOffset {
   Vec3d offset; ///< from the point to the triangle
   double squared;
 };
 
-/// On the segment between a and b, given relative to the point. The same bits for (a, b) and
-/// (b, a), so that triangles that share an edge tie there.
+/// On the segment between a and b, given relative to the point. The same bits for (a, b) and (b,
+/// a), so that triangles that share an edge tie there.
 inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
   if (b < a)
     a.swap(b);
@@ -27,8 +27,8 @@ inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
   return {at, dot(at, at)};
 }
 
-/// On the triangle a, b, c, given relative to the point. Whatever the triangle's shape, the result
-/// lies on it, and is no farther than the nearest point of its edges.
+/// On the triangle a, b, c, given relative to the point. For any shape of the triangle, the result
+/// lies on it and is no farther than the nearest point of its edges.
 inline NearestOffset nearestOnTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   NearestOffset best = nearestOnSegment(a, b);
   for (const NearestOffset& other : {nearestOnSegment(b, c), nearestOnSegment(c, a)})

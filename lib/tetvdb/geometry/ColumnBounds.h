@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the z columns of voxel centres meet lattice planes and triangles, exactly: the rule of
-// Ownership.h by columns, for the rasterisers of host and device.
+// The exact intersections of the z columns of voxel centres with lattice planes and triangles: the
+// rule of Ownership.h by columns, for the rasterisers of host and device.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -15,7 +15,7 @@
 
 namespace tetvdb {
 
-/// From this tolerance on (voxels) a plane is so steep that doubles say nothing of its crossings.
+/// From this tolerance on (voxels), a plane is too steep for its crossings in doubles.
 constexpr double kSteep = 0.25;
 
 /// Lattice units from `origin` to a voxel centre.
@@ -25,9 +25,9 @@ TETVDB_HD inline std::int64_t unitsFrom(double origin, std::int64_t voxel) {
 }
 
 /// First voxel along an axis beyond the plane where slope * (v - origin) + rest is 0, v in lattice
-/// units: the first inside (above 0, or on it where `tieIn`) of a plane that rises, the first
-/// outside of one that falls. The plane is at most 2^40 units from `near`, a voxel that numbers are
-/// taken relative to, so that they fit 128 bits anywhere in index space.
+/// units: the first inside (above 0, or on it if `tieIn`) for a rising plane, the first outside for
+/// a falling one. The plane is at most 2^40 units from `near`, a voxel to which numbers are
+/// relative, so that they fit 128 bits anywhere in index space.
 TETVDB_HD inline std::int64_t firstBeyond(Int128 slope, Int128 rest, bool tieIn, double origin,
                                           std::int64_t near) {
   const bool rises = slope > 0;
@@ -40,7 +40,7 @@ TETVDB_HD inline std::int64_t firstBeyond(Int128 slope, Int128 rest, bool tieIn,
 }
 
 /// First voxel of column (x, y) beyond the plane through `point` with normal n, n.z != 0: the first
-/// inside where n.z > 0, else the first outside. Unless the plane is `steep` the crossing must be
+/// inside if n.z > 0, else the first outside. Unless the plane is `steep`, the crossing must be
 /// within half a voxel of zNear.
 TETVDB_HD inline std::int64_t exactBound(const ExactVector& n, const LatticePoint& point,
                                          bool steep, std::int64_t x, std::int64_t y,
@@ -54,14 +54,14 @@ TETVDB_HD inline std::int64_t exactBound(const ExactVector& n, const LatticePoin
   return inside == (n.z > 0) ? zNear : zNear + 1;
 }
 
-/// A boundary face seen along z. Columns are (x, y) of voxel centres; a column is crossed where its
-/// perturbed centre (x + e, y + e^2) is inside the triangle, by the ownership rule with z left out.
+/// A boundary face seen along z. Columns are (x, y) of voxel centres; a column crosses the face if
+/// its perturbed centre (x + e, y + e^2) is inside the triangle, by the ownership rule without z.
 struct CrossedFace {
-  LatticePoint p[3];             ///< counter-clockwise seen from +z, where there are crossings
+  LatticePoint p[3];             ///< counter-clockwise seen from +z, if it is crossed
   double slopeX = 0, slopeY = 0; ///< dz/dx, dz/dy of the plane
   double tolerance = 0;          ///< voxels; bound on the error of a crossing at the face's columns
   std::int32_t weight = 0;       ///< of a crossing: > 0 entering
-  std::uint32_t crosses = 0;     ///< 0: no column: parallel to z, or between the columns
+  std::uint32_t crosses = 0;     ///< 0: not crossed: parallel to z, or between the columns
   /// Columns and crossings lie within these inclusive bounds, voxels.
   std::int32_t xMin = 0, xMax = 0, yMin = 0, yMax = 0, zMin = 0, zMax = 0;
 
@@ -76,8 +76,8 @@ struct CrossedFace {
     return exactBound(triangleNormal(p[0], p[1], p[2]), p[0], tolerance >= kSteep, x, y, zNear);
   }
 
-  /// Bounds of the crossings in the columns x0..x1, y0..y1 (inclusive); false where there are none.
-  /// Conservative.
+  /// Bounds of the crossings in the columns x0..x1, y0..y1 (inclusive); returns false if there are
+  /// none. Conservative.
   TETVDB_HD inline bool range(std::int64_t x0, std::int64_t x1, std::int64_t y0, std::int64_t y1,
                               std::int64_t& low, std::int64_t& high) const;
 };
@@ -112,8 +112,8 @@ TETVDB_HD inline CrossedFace::CrossedFace(const LatticePoint& a, const LatticePo
   slopeX = -static_cast<double>(n.x) / static_cast<double>(n.z);
   slopeY = -static_cast<double>(n.y) / static_cast<double>(n.z);
   // z = Pz + slopeX (x - Px) + slopeY (y - Py): each slope has three roundings, each product and
-  // sum one more; 2^-49 leaves a factor of two. 256: Pz is taken relative to a node that the
-  // crossing lies in or beside.
+  // sum one more; 2^-49 includes a factor of two. 256: Pz is relative to a node that contains or is
+  // adjacent to the crossing.
   tolerance = (std::abs(slopeX) * ((high.x - low.x) * kVoxelsPerUnit + 1) +
                std::abs(slopeY) * ((high.y - low.y) * kVoxelsPerUnit + 1) +
                (high.z - low.z) * kVoxelsPerUnit + 256) *
@@ -146,7 +146,7 @@ TETVDB_HD inline bool CrossedFace::range(std::int64_t x0, std::int64_t x1, std::
   const double rest =
       (o.z - static_cast<double>(oz) * static_cast<double>(kUnitsPerVoxel)) * kVoxelsPerUnit;
   const double ax = slopeX * left, bx = slopeX * right, ay = slopeY * front, by = slopeY * back;
-  // A crossing at c counts from the first voxel at or above c, or from c + 1 where c is a voxel.
+  // A crossing at c is counted from the first voxel at or above c, or from c + 1 if c is a voxel.
   const double lowest = rest + std::min(ax, bx) + std::min(ay, by) - tolerance;
   const double highest = rest + std::max(ax, bx) + std::max(ay, by) + tolerance;
   low = zMin;

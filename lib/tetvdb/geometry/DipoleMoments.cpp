@@ -7,8 +7,8 @@
 
 namespace tetvdb {
 
-// With s = a + b + c the mean of y over a triangle is s / 3, of y y^T
-// (a a^T + b b^T + c c^T + s s^T) / 12.
+// With s = a + b + c, the mean of y over a triangle is s / 3, that of y y^T (a a^T + b b^T + c c^T
+// + s s^T) / 12.
 void DipoleMoments::add(const Vec3d& a, const Vec3d& b, const Vec3d& c, double weight) {
   const Vec3d sum = plus(plus(a, b), c);
   const Vec3d n = times(cross(minus(b, a), minus(c, a)), weight / 2);

@@ -9,15 +9,15 @@
 
 namespace tetvdb {
 
-/// The solid angle of triangles as it looks from far away. A triangle with area vector n that is
-/// seen at q has the integral of n . q / |q|^3: a layer of dipoles. With q = r + y, y from the
-/// triangles' centre, that is expanded to second order in y.
+/// The solid angle of triangles seen from a distance. A triangle with area vector n seen at q has
+/// the integral of n . q / |q|^3: a layer of dipoles. With q = r + y, y relative to the triangles'
+/// centre, this is expanded to second order in y.
 class DipoleMoments {
 public:
-  /// Counts a triangle `weight` times; corners are relative to the centre.
+  /// Adds a triangle `weight` times; corners are relative to the centre.
   void add(const Vec3d& a, const Vec3d& b, const Vec3d& c, double weight);
 
-  /// The solid angle from a point that sees the centre at r.
+  /// The solid angle from a viewpoint that sees the centre at r.
   TETVDB_INLINE double angle(const Vec3d& r) const {
     const double x = r[0], y = r[1], z = r[2];
     const double inverse = 1 / std::sqrt(x * x + y * y + z * z);

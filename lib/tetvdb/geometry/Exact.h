@@ -9,8 +9,8 @@
 
 namespace tetvdb {
 
-/// 128 bits hold every value of this library exactly: for a tet of extent L (lattice units) a face
-/// value is at most 2 L^3, and L <= 2^40 (DESIGN: 2^20 voxels of 2^20 units).
+/// 128 bits hold every value of this library exactly: for a tet of extent L (lattice units), a face
+/// value is at most 2 L^3, and L <= 2^40 (2^20 voxels of 2^20 units).
 __extension__ typedef __int128 Int128;
 
 TETVDB_HD inline int signOf(Int128 v) {
@@ -20,13 +20,13 @@ TETVDB_HD inline int signOf(double v) {
   return (v > 0) - (v < 0);
 }
 
-/// Greatest integer not above num / den, den > 0.
+/// Largest integer not above num / den, den > 0.
 TETVDB_HD inline Int128 floorDivide(Int128 num, Int128 den) {
   const Int128 q = num / den;
   return q * den > num ? q - 1 : q;
 }
 
-/// Least integer not below num / den, den > 0.
+/// Smallest integer not below num / den, den > 0.
 TETVDB_HD inline Int128 ceilDivide(Int128 num, Int128 den) {
   const Int128 q = num / den;
   return q * den < num ? q + 1 : q;

@@ -13,7 +13,7 @@ namespace tetvdb {
 namespace {
 
 using Triangle = std::array<Vec3d, 3>;
-using Sides = std::array<int, 3>; // of a triangle's corners, to a plane
+using Sides = std::array<int, 3>; // of a triangle's corners relative to a plane
 
 int sideOf(const Triangle& plane, const Vec3d& p) {
   return orientation(plane[0], plane[1], plane[2], p);
@@ -23,7 +23,7 @@ bool allOnOneSide(int a, int b, int c) {
   return a == b && b == c && a != 0;
 }
 
-// The axis to look along so that the triangle does not become a line.
+// The axis of a projection in which the triangle does not become a line.
 std::size_t axisToDrop(const Triangle& t) {
   const Vec3d n = cross(minus(t[1], t[0]), minus(t[2], t[0]));
   std::array<std::size_t, 3> axes{0, 1, 2};
@@ -34,10 +34,10 @@ std::size_t axisToDrop(const Triangle& t) {
     if (orientation(Vec2d{t[0][p], t[0][q]}, Vec2d{t[1][p], t[1][q]}, Vec2d{t[2][p], t[2][q]}) != 0)
       return axis;
   }
-  return axes[0]; // collinear, against the contract
+  return axes[0]; // collinear: violates the contract
 }
 
-// Everything in the plane of a triangle, along the axis dropped.
+// Predicates in the plane of a triangle, projected along the dropped axis.
 struct Flat {
   std::size_t p, q;
   explicit Flat(const Triangle& t) {
@@ -74,7 +74,7 @@ struct Flat {
   }
 };
 
-// The closed segment from a to b, whose ends are on those sides of the triangle's plane.
+// The closed segment from a to b, whose end points have these sides of the triangle's plane.
 bool segmentMeets(const Triangle& t, const Vec3d& a, const Vec3d& b, int sideA, int sideB) {
   if (sideA * sideB > 0)
     return false;
@@ -90,7 +90,7 @@ bool segmentMeets(const Triangle& t, const Vec3d& a, const Vec3d& b, int sideA, 
   return std::min({x, y, z}) >= 0 || std::max({x, y, z}) <= 0;
 }
 
-// Whether the sectors at `tip` between two ways each, less than a half turn, have a way in common.
+// Whether the sectors at `tip`, of two directions each and below a half turn, intersect.
 bool sectorsMeet(const Flat& flat, const Vec3d& tip, const Vec3d& a1, const Vec3d& a2,
                  const Vec3d& b1, const Vec3d& b2) {
   const auto contains = [&](const Vec3d& first, const Vec3d& last, const Vec3d& x) {
@@ -120,8 +120,8 @@ bool strangersMeet(const Triangle& a, const Triangle& b) {
   return anyEdgeMeets(a, ofA, b) || anyEdgeMeets(b, ofB, a);
 }
 
-// Triangles with corner 0 in common. What else they had in common would reach, away from that
-// corner, to the opposite edge of one of them.
+// Triangles with corner 0 in common. Any further intersection would extend, away from that corner,
+// to the opposite edge of one of them.
 bool meetBeyondCorner(const Triangle& a, const Triangle& b) {
   const int b1 = sideOf(a, b[1]), b2 = sideOf(a, b[2]);
   if (b1 * b2 > 0)
@@ -145,7 +145,7 @@ bool meetBeyondEdge(const Triangle& a, const Triangle& b) {
 } // namespace
 
 bool facesMeet(const std::vector<Vec3d>& points, const std::uint32_t* a, const std::uint32_t* b) {
-  // Corners in common first, in the same order.
+  // Common corners first, in the same order.
   std::array<std::uint32_t, 3> u{a[0], a[1], a[2]}, v{b[0], b[1], b[2]};
   std::size_t common = 0;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A face as seven linear forms, from which the distance of any point follows without a branch; the
-// same source, and the same bits, on the CPU and on a GPU.
+// A face as seven linear forms, from which the distance of any point is computed without a branch.
+// The same source, with the same bits, is used on the CPU and on a GPU.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -22,24 +22,24 @@ struct LinearForm {
   Vec3d slope{0, 0, 0};
   double constant = 0;
   TETVDB_HD double operator()(const Vec3d& p) const { return dot(slope, p) + constant; }
-  /// Largest difference from the value in the middle of a cube, for half a side.
+  /// Largest difference from the value at the centre of a cube with this half side.
   TETVDB_HD double swing(double half) const {
     return half * (std::abs(slope[0]) + std::abs(slope[1]) + std::abs(slope[2]));
   }
 };
 
-/// A triangle, lengths in voxels relative to some voxel. With s the height above its plane, q_k how
-/// far outside edge k a point is within the plane, and e_k how far beyond the ends of that edge,
-/// the squared distance is s^2 where all q_k < 0, and else s^2 + the least q_k^2 + e_k^2.
+/// A triangle, lengths in voxels relative to some voxel. With s the height above its plane, q_k the
+/// distance outside edge k within the plane, and e_k the distance beyond the end points of that
+/// edge, the squared distance is s^2 if all q_k < 0, and else s^2 + the minimum of q_k^2 + e_k^2.
 struct FaceFrame {
   LinearForm height;
   std::array<LinearForm, 3> beyond; ///< q_k
-  std::array<LinearForm, 3> along;  ///< from the edge's start; its end is at `length`
+  std::array<LinearForm, 3> along;  ///< from the edge's first point; its second is at `length`
   std::array<double, 3> length{};
   Vec3d low{}, high{}; ///< box
 };
 
-/// Puts corners p and q in order of position.
+/// Swaps corners p and q into the order of their positions.
 TETVDB_HD inline void orderCorners(LatticePoint& p, LatticePoint& q) {
   const bool before = q.x != p.x ? q.x < p.x : q.y != p.y ? q.y < p.y : q.z < p.z;
   if (!before)
@@ -49,12 +49,12 @@ TETVDB_HD inline void orderCorners(LatticePoint& p, LatticePoint& q) {
   q = t;
 }
 
-/// The linear form of that slope which is 0 at p.
+/// The linear form with this slope that is 0 at p.
 TETVDB_HD inline LinearForm formThrough(const Vec3d& slope, const Vec3d& p) {
   return LinearForm{slope, -dot(slope, p)};
 }
 
-/// A segment: an edge with an outside on either side of it.
+/// A segment: an edge with an outside on both sides.
 TETVDB_HD inline void frameSegment(const Vec3d& from, const Vec3d& to, FaceFrame& frame) {
   const Vec3d edge = minus(to, from);
   const double length = std::sqrt(dot(edge, edge));
@@ -75,8 +75,8 @@ TETVDB_HD inline void frameSegment(const Vec3d& from, const Vec3d& to, FaceFrame
   }
 }
 
-/// The frame of a, b, c seen from voxel `origin`. The corners are taken in order of position: the
-/// frame is the same for any order of them.
+/// The frame of a, b, c relative to voxel `origin`. The corners are used in order of position: the
+/// frame does not depend on their order.
 TETVDB_HD inline FaceFrame faceFrame(LatticePoint a, LatticePoint b, LatticePoint c,
                                      const Vec3d& origin) {
   orderCorners(a, b);
@@ -98,7 +98,7 @@ TETVDB_HD inline FaceFrame faceFrame(LatticePoint a, LatticePoint b, LatticePoin
       frame.high[k] = p > frame.high[k] ? p : frame.high[k];
     }
 
-  // Exact before it is rounded: slivers would lose it.
+  // Exact before rounding: slivers would lose it.
   const ExactVector exact = triangleNormal(a, b, c);
   Vec3d normal{nearestDouble(exact.x), nearestDouble(exact.y), nearestDouble(exact.z)};
   const double area = std::sqrt(dot(normal, normal));

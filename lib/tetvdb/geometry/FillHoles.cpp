@@ -10,7 +10,7 @@
 namespace tetvdb {
 namespace {
 
-// Points that one search for a short loop may reach, and all searches together, an edge.
+// Maximum number of points in one search for a short loop, and in all searches per edge.
 constexpr std::size_t kSearchPoints = 2048;
 constexpr std::size_t kSearchPointsAnEdge = 256;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -22,7 +22,7 @@ bool less(const LatticePoint& p, const LatticePoint& q) {
   return placeOf(p) < placeOf(q);
 }
 
-// Directed edges with weights, by the places of their ends.
+// Directed edges with weights, by the positions of their points.
 class BoundaryGraph {
 public:
   explicit BoundaryGraph(const std::vector<BoundaryEdge>& edges) {
@@ -45,7 +45,7 @@ public:
   std::size_t edgeCount() const { return to_.size(); }
   const LatticePoint& point(std::uint32_t i) const { return points_[i]; }
 
-  // Calls visit(loop, weight) for loops of points that sum up to the edges.
+  // Calls visit(loop, weight) for loops of points that sum to the edges.
   template <typename Visit>
   void forLoops(const Visit& visit) {
     for (std::uint32_t e = 0; e < to_.size(); ++e)
@@ -97,8 +97,8 @@ private:
                                       points_.begin());
   }
 
-  // The loop of fewest edges through edge `e`, breadth first from its end back to its start; false
-  // where it is not near.
+  // The loop of fewest edges through edge `e`, breadth first from its second point back to its
+  // first; returns false if it is not close.
   template <typename Visit>
   bool findShortLoop(std::uint32_t e, const Visit& visit) {
     if (searched_ > kSearchPointsAnEdge * edgeCount())
@@ -133,7 +133,7 @@ private:
     return true;
   }
 
-  // Follows edges from `e` on until every one is part of a loop.
+  // Follows edges from `e` on until each is part of a loop.
   template <typename Visit>
   void walkLoops(std::uint32_t e, const Visit& visit) {
     std::vector<std::uint32_t> path; // edges
@@ -175,7 +175,7 @@ private:
     visit(loop_, static_cast<std::int32_t>(weight));
   }
 
-  std::vector<LatticePoint> points_;      // by place
+  std::vector<LatticePoint> points_;      // by position
   std::vector<std::uint32_t> start_, to_; // of every edge
   std::vector<std::int64_t> left_;        // of every edge's weight
   std::vector<std::uint32_t> first_;      // edge of every point
@@ -196,7 +196,7 @@ class Fill {
 public:
   Fill(const BoundaryGraph& graph, std::vector<FillTriangle>& out) : graph_(graph), out_(out) {}
 
-  // The part of a loop from `begin` to `end`, closed by its chord.
+  // The section of a loop from `begin` to `end`, closed by its chord.
   void halve(const std::vector<std::uint32_t>& loop, std::size_t begin, std::size_t end,
              std::int32_t weight) {
     if (end - begin < 2)
@@ -208,7 +208,7 @@ public:
   }
 
 private:
-  // Long edges are cut in their middles, which the triangle beyond does as well.
+  // Long edges are split at their midpoints, as by the adjacent triangle.
   void add(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
            std::int32_t weight) {
     const double ab = extentOf(a, b), bc = extentOf(b, c), ca = extentOf(c, a);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles over the holes of an open surface: surface and reversed triangles together close.
+// Triangles over the holes of an open surface: surface and reversed triangles together are closed.
 #pragma once
 
 #include "tetvdb/geometry/BoundaryWinding.h"
@@ -17,12 +17,12 @@ struct FillTriangle {
   std::int32_t weight; ///< > 0
 };
 
-/// Triangles whose directed edges sum up to `edges`, the boundary edges of a surface: the winding
-/// number of the surface less that of the triangles is a whole number everywhere. Boundary edges
-/// are parted into loops, the shortest first that a search over few points finds, and a loop of n
-/// edges is cut into n - 2 triangles by halving it; chords longer than kMaxTetExtent are cut at
-/// points in between. The edges must close: every point is as often an end as a start, by weight.
-/// Points are told apart by place; the order of the edges has no part in the result. O(n log n).
+/// Returns triangles whose directed edges sum to `edges`, the boundary edges of a surface: the
+/// winding number of the surface minus that of the triangles is an integer everywhere. Boundary
+/// edges are divided into loops, the shortest first that a search over few points finds, and a loop
+/// of n edges is cut into n - 2 triangles by halving it; chords longer than kMaxTetExtent are split
+/// at intermediate points. The edges must be closed: the weights at every point sum to zero. Points
+/// are distinguished by position; the result does not depend on the order of the edges. O(n log n).
 std::vector<FillTriangle> fillHoles(const std::vector<BoundaryEdge>& edges);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The sub-voxel lattice: vertices are snapped to it once, every later decision is exact on it.
+// The sub-voxel lattice: vertices are snapped to it once, and every later decision is exact on it.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -24,8 +24,8 @@ struct LatticePoint {
   double x, y, z;
 };
 
-/// World to lattice along one axis, by IEEE doubles in this order: the same number on every machine
-/// and device that neither fuses nor reorders.
+/// World to lattice along one axis, in IEEE doubles in this order: the same number on every machine
+/// and device that does not fuse or reorder operations.
 TETVDB_HD inline double snapToLattice(double world, double origin, double voxelSize) {
   return static_cast<double>(
       std::llrint((world - origin) / voxelSize * static_cast<double>(kUnitsPerVoxel)));

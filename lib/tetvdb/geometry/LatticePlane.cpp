@@ -22,7 +22,7 @@ Vec3d absolutes(const Vec3d& a) {
   return {std::abs(a[0]), std::abs(a[1]), std::abs(a[2])};
 }
 
-// cross() with every product counted as positive, of absolute values.
+// cross() of absolute values, with all products added.
 Vec3d crossMax(const Vec3d& a, const Vec3d& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
 }
@@ -192,7 +192,7 @@ int LiftedPoint::side(const LatticePlane& plane) const {
   if (std::abs(value) > bound)
     return signOf(value);
   const std::size_t p = (axis_ + 1) % 3, q = (axis_ + 2) % 3;
-  const auto apart = [&](const LatticePlane& of) { // all but the term along the axis
+  const auto apart = [&](const LatticePlane& of) { // all terms except that along the axis
     return WideLift(of.n[p]) * WideLift(u_) + WideLift(of.n[q]) * WideLift(v_) +
            WideLift(of.d) * WideLift(Int128(1) << kFineBits);
   };

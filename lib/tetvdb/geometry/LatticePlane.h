@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Planes through lattice points, and points known by the planes that meet in them: every question
-// about the latter is the sign of a determinant of the planes, so that nothing is ever rounded
-// however often something has been cut (Sugihara and Iri 1989; Bernstein and Fussell 2009).
+// Planes through lattice points, and points represented by three intersecting planes. Every query
+// about such a point is the sign of a determinant of the planes, so that nothing is rounded in
+// repeated cuts (Sugihara and Iri 1989; Bernstein and Fussell 2009).
 //
 // Coordinates are integers of 0 to 2^40 (kMaxPlaneExtent).
 #pragma once
@@ -25,10 +25,10 @@ struct LatticePlane {
   Vec3d roundedN{};
   double roundedD = 0;
 
-  /// Through a, b, c, its normal towards where they turn counter-clockwise. n is 0 where they are
-  /// collinear.
+  /// Through a, b, c, with the normal toward the side that sees them counter-clockwise. n is 0 if
+  /// they are collinear.
   static LatticePlane through(const Vec3d& a, const Vec3d& b, const Vec3d& c);
-  /// Through a and b and parallel to `axis`, `inner` on its positive side or on it.
+  /// Through a and b and parallel to `axis`, with `inner` on its positive side or on it.
   static LatticePlane alongAxis(const Vec3d& a, const Vec3d& b, std::size_t axis,
                                 const Vec3d& inner);
 
@@ -36,14 +36,14 @@ struct LatticePlane {
   std::size_t steepestAxis() const;
   /// Sign of n . p + d, exact. p must be a lattice point.
   int side(const Vec3d& p) const;
-  /// Whether both planes are the same points, exact.
+  /// Whether both planes are the same set of points, exact.
   bool coincides(const LatticePlane& other) const;
 
 private:
   void round();
 };
 
-/// A lattice point, or where three planes meet. Refers to the planes.
+/// A lattice point, or the intersection of three planes. Refers to the planes.
 class PlaneCorner {
 public:
   PlaneCorner() = default;
@@ -51,22 +51,22 @@ public:
   /// The planes' normals must be independent.
   PlaneCorner(const LatticePlane& a, const LatticePlane& b, const LatticePlane& c);
 
-  /// The side of `plane` it is on, exact: about 5 ns, and 2 us where doubles cannot tell.
+  /// Its side of `plane`, exact: about 5 ns, and 2 us if doubles do not decide.
   int side(const LatticePlane& plane) const;
   /// Within 2^-6 lattice units.
   Vec3d position() const;
 
 private:
-  // Homogeneous: position x / w. `max` bound the sums of the absolute values that x and w are made
-  // of.
+  // Homogeneous: position x / w. `max` bounds the sums of the absolute values of the terms of x and
+  // w.
   Vec3d x_{}, maxX_{};
   double w_ = 1, maxW_ = 1;
   int signW_ = 1;
   std::array<const LatticePlane*, 3> planes_{};
 };
 
-/// Points of a plane are also told by two coordinates, the third being the plane's. These are in
-/// units of 2^-8 of the lattice's, so that there is one within all but the thinnest of pieces.
+/// Points of a plane are also represented by two coordinates; the third follows from the plane. The
+/// unit is 2^-8 of the lattice's, so that all but the thinnest pieces contain such a point.
 constexpr int kFineBits = 8;
 class LiftedPoint {
 public:
@@ -81,7 +81,7 @@ public:
   const Vec3d& position() const { return at_; }
   double error() const { return error_; }
 
-  /// The side of another plane it is on, exact.
+  /// Its side of another plane, exact.
   int side(const LatticePlane& plane) const;
 
 private:

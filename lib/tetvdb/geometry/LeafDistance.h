@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Squared distances from the voxel centres of a leaf to a face, and which leaves and rows of voxels
-// to ask; the same source, and the same bits, on the CPU and on a GPU.
+// Squared distances from the voxel centres of a leaf to a face, and the leaves and rows of voxels
+// within reach. The same source, with the same bits, is used on the CPU and on a GPU.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -21,14 +21,14 @@ constexpr int kLeavesInNode = kLeavesAlong * kLeavesAlong * kLeavesAlong;
 constexpr int kRowsInLeaf = kLeafSize * kLeafSize;
 constexpr int kVoxelsInLeaf = kRowsInLeaf * kLeafSize;
 
-// From the middle to the outermost centres.
+// From the centre of a leaf to its outermost voxel centres.
 constexpr double kHalfLeaf = 0.5 * (kLeafSize - 1);
 constexpr double kHalfNode = 0.5 * (kNodeSize - 1);
 
-constexpr double kBoundSlack = 1e-6; ///< more than bounds in doubles can be wrong by
-constexpr double kReachSlack = 1e-5; ///< the same of the rows' single precision
+constexpr double kBoundSlack = 1e-6; ///< above the error of bounds in doubles
+constexpr double kReachSlack = 1e-5; ///< the same for the single precision of rows
 
-/// A face that comes near to a 128^3 node.
+/// A face within reach of a 128^3 node.
 struct NodeFace {
   NodeIndex node;
   std::uint32_t face;
@@ -41,8 +41,8 @@ TETVDB_HD inline Vec3d firstVoxelOf(const NodeIndex& node) {
           static_cast<double>(node[2]) * kNodeSize};
 }
 
-/// Whether the middle of a cube, half a side away from its outermost centres, leaves some of them
-/// within the radius.
+/// Whether the centre of a cube, half a side away from its outermost voxel centres, permits some of
+/// them to be within the radius.
 TETVDB_HD inline bool mayReach(const FaceFrame& face, const Vec3d& midpoint, double half,
                                double radius) {
   if (std::abs(face.height(midpoint)) > radius + face.height.swing(half) + kBoundSlack)
@@ -53,8 +53,8 @@ TETVDB_HD inline bool mayReach(const FaceFrame& face, const Vec3d& midpoint, dou
   return true;
 }
 
-/// Calls visit(leaf) for the leaves of a node that may have voxels within the radius of a face seen
-/// from the node's first voxel: positions (x * 16 + y) * 16 + z in leaves, ascending.
+/// Calls visit(leaf) for the leaves of a node that may have voxels within the radius of a face
+/// relative to the node's first voxel: positions (x * 16 + y) * 16 + z in leaves, ascending.
 template <typename Visit>
 TETVDB_HD inline void forLeavesNear(const FaceFrame& face, double radius, const Visit& visit) {
   int low[3], high[3];
@@ -74,7 +74,7 @@ TETVDB_HD inline void forLeavesNear(const FaceFrame& face, double radius, const 
       }
 }
 
-/// A form in single precision, from the middle of a leaf.
+/// A form in single precision, relative to the centre of a leaf.
 struct LeafForm {
   float x, y, z, midpoint;
 
@@ -90,15 +90,15 @@ struct LeafForm {
   }
 };
 
-/// A face as a leaf sees it: everything that matters is within a few voxels of the leaf's middle,
-/// so single precision is wrong by less than 3e-6 voxels.
+/// A face relative to a leaf: all relevant lengths are within a few voxels of the leaf's centre, so
+/// that the error of single precision is below 3e-6 voxels.
 struct LeafFace {
   LeafForm height, beyond[3], along[3];
-  float past[3];      ///< along at the edge's end, seen from the middle
-  int x0, x1, y0, y1; ///< rows that the radius reaches, inclusive
+  float past[3];      ///< along at the edge's second point, relative to the centre
+  int x0, x1, y0, y1; ///< rows within the radius, inclusive
 };
 
-/// `leaf`: its position in the node, of a face seen from the node's first voxel.
+/// `leaf`: its position in the node, for a face relative to the node's first voxel.
 TETVDB_HD inline LeafFace seenFrom(const FaceFrame& face, int leaf, double radius) {
   const int position[3] = {leaf / (kLeavesAlong * kLeavesAlong), leaf / kLeavesAlong % kLeavesAlong,
                            leaf % kLeavesAlong};
@@ -126,12 +126,12 @@ TETVDB_HD inline LeafFace seenFrom(const FaceFrame& face, int leaf, double radiu
   return seen;
 }
 
-/// What of a face's forms is the same along a row of voxels.
+/// The terms of a face's forms that are constant along a row of voxels.
 struct FaceRow {
   float height, beyond[3], along[3];
 };
 
-/// Row (x, y) of a face's leaf; returns whether voxels of it may be within `reach`, the radius and
+/// Row (x, y) of a face's leaf; returns whether its voxels may be within `reach`, the radius plus
 /// kReachSlack.
 TETVDB_HD TETVDB_INLINE bool rowOf(const LeafFace& face, int x, int y, float reach, FaceRow& row) {
   const float dx = static_cast<float>(x) - 3.5f, dy = static_cast<float>(y) - 3.5f;
@@ -157,8 +157,8 @@ TETVDB_HD TETVDB_INLINE Number smallerOf(Number a, Number b) {
   return a < b ? a : b;
 }
 
-/// Squared distance of the row's voxel at `z` from the leaf's middle; of several where Number is a
-/// vector.
+/// Squared distance of the row's voxel at `z` relative to the leaf's centre; of several if Number
+/// is a vector.
 template <typename Number>
 TETVDB_HD TETVDB_INLINE Number squaredDistance(const LeafFace& face, const FaceRow& row, Number z) {
   const Number zero = z - z;

@@ -53,7 +53,7 @@ const Rule& rule() {
   return instance;
 }
 
-// What the value at point i of the ball's surface adds to the expansion at x, in radii.
+// The contribution of the value at point i of the ball's surface to the expansion at x, in radii.
 double share(std::size_t i, const Vec3d& x) {
   const double along = dot(rule().directions[i], x), square = dot(x, x);
   // r^n P_n by their recurrence.
@@ -67,7 +67,7 @@ double share(std::size_t i, const Vec3d& x) {
   return rule().weights[i] * sum;
 }
 
-// Column i: what a one at point i adds to the values at `Rows` places.
+// Column i: the contributions of a one at point i to the values at `Rows` positions.
 template <std::size_t Rows>
 struct Operator {
   alignas(64) double columns[kExpansionPoints][Rows];
@@ -139,9 +139,9 @@ void expandAtVoxels(const Expansion& cube, VoxelValues& values) {
   apply64(operators().voxels.columns, cube.values.data(), values.data());
 }
 
-// The parts of degree 0 and 1 follow exactly. What the points have beyond them makes up the degrees
-// 2 to 5, which are at most kRest times its largest value: on the sphere the sum over the points of
-// w_i |sum over n of (2 n + 1) P_n| is below 3.73 everywhere.
+// The parts of degree 0 and 1 follow exactly. The remainders at the points form the degrees 2 to 5,
+// which are at most kRest times their largest value: on the sphere, the sum over the points of w_i
+// |sum over n of (2 n + 1) P_n| is below 3.73 everywhere.
 constexpr double kRest = 3.75;
 ExpansionRange rangeOf(const Expansion& cube, double share) {
   const Rule& r = rule();
@@ -160,15 +160,15 @@ ExpansionRange rangeOf(const Expansion& cube, double share) {
 }
 
 double expansionError(double distance, double area) {
-  // The part of degree n of a triangle's solid angle is at most the integral over it of
-  // (n + 1) / r^(n + 2); of a plane without end (n + 1) 2 pi / n distance^n.
+  // The part of degree n of a triangle's solid angle is at most the integral over it of (n + 1) /
+  // r^(n + 2); for an infinite plane (n + 1) 2 pi / n distance^n.
   const double q = 1 / distance;
   const double small = area * q * q * (kExpansionDegree + 2);
   const double first = std::min(small, 2 * kPi * (kExpansionDegree + 2) / (kExpansionDegree + 1));
   double power = q;
   for (int n = 1; n <= kExpansionDegree; ++n)
     power *= q;
-  // Degrees left out, and what the rule takes of them for lower ones.
+  // Omitted degrees, and their aliasing by the rule into lower ones.
   return 2 * first * power / (1 - q);
 }
 

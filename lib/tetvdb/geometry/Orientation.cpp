@@ -16,11 +16,11 @@ namespace {
 // The error bound in the plane is less than 4 units of 2^-53, relative to the sum of the absolute
 // products; twice that for its own rounding.
 constexpr double kError2 = 8 * 0x1p-53;
-// Below this sum, products may have lost bits to underflow.
+// Below this sum, products may have lost bits by underflow.
 constexpr double kMinSum = 0x1p-900;
 
 struct Pair {
-  double high, low; // high is the rounded result, low what is missing
+  double high, low; // high is the rounded result, low the error
 };
 
 Pair sumOf(double a, double b) { // Knuth
@@ -51,7 +51,7 @@ struct Expansion {
   std::array<double, 192> term;
   std::size_t size = 0;
 
-  Expansion() {} // the terms stay as they are
+  Expansion() {} // the terms are not initialised
   void push(double t) {
     if (t != 0)
       term[size++] = t;
@@ -125,7 +125,7 @@ int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d
 } // namespace
 
 int orientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  for (std::size_t axis = 0; axis < 3; ++axis) // quite usual, and quick to see
+  for (std::size_t axis = 0; axis < 3; ++axis) // frequent, and fast to test
     if (a[axis] == b[axis] && b[axis] == c[axis] && c[axis] == d[axis])
       return 0;
   const RoundedDeterminant rounded(b[0] - a[0], b[1] - a[1], b[2] - a[2], c[0] - a[0], c[1] - a[1],

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which tet owns a voxel centre.
+// The tet that owns a voxel centre.
 //
-// Let c be a voxel centre and c' = c + (e, e^2, e^3) with e -> 0+, one perturbed point the same for
-// all tets. A tet owns c if c' is strictly inside it. No face plane contains c' (a plane through
-// lattice points is met by the curve (e, e^2, e^3) at finitely many e), so of the tets that tile a
-// region exactly one owns each centre. In practice the four face values decide, and where one is
-// zero, the sign of the face's inward normal: its first component that is not zero.
+// Let c be a voxel centre and c' = c + (e, e^2, e^3) with e -> 0+, one perturbed point that is the
+// same for all tets. A tet owns c if c' is strictly inside it. No face plane contains c' (the curve
+// (e, e^2, e^3) meets a plane through lattice points at finitely many e), so exactly one of the
+// tets that tile a region owns each centre. In practice the four face values decide; if one is
+// zero, the sign of the face's inward normal: its first non-zero component.
 //
 // The functions here are the definition, one centre at a time and exact. The rasterisers
-// (TetRaster.h, FaceRaster.h) do the same by rows with filtered doubles; docs/algorithms.md has the
+// (TetRaster.h, FaceRaster.h) evaluate it by rows with filtered doubles; docs/algorithms.md has the
 // proofs.
 #pragma once
 
@@ -24,7 +24,7 @@
 namespace tetvdb {
 
 /// Sign of n . (e, e^2, e^3) for e -> 0+: whether the perturbed centre moves into the half-space
-/// with inward normal n when the centre lies on its plane. 0 only for n = 0.
+/// with inward normal n if the centre lies on its plane. 0 only for n = 0.
 template <typename T>
 TETVDB_HD constexpr int tieSign(T nx, T ny, T nz) {
   if (nx != 0)
@@ -53,20 +53,20 @@ TETVDB_HD inline Int128 dot(const ExactVector& a, const ExactVector& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// Normal of triangle abc: to the side from which a, b, c turn counter-clockwise.
+/// Normal of triangle abc: toward the side that sees a, b, c counter-clockwise.
 TETVDB_HD inline ExactVector triangleNormal(const LatticePoint& a, const LatticePoint& b,
                                             const LatticePoint& c) {
   return cross(difference(b, a), difference(c, a));
 }
 
-/// Six times the signed volume of tet abcd: positive where d lies on the side of triangle abc that
-/// its normal points to. Exact for extents up to kMaxTetExtent.
+/// Six times the signed volume of tet abcd: positive if d lies on the side of triangle abc to which
+/// its normal points. Exact for extents up to kMaxTetExtent.
 TETVDB_HD inline Int128 orientation(const LatticePoint& a, const LatticePoint& b,
                                     const LatticePoint& c, const LatticePoint& d) {
   return dot(triangleNormal(a, b, c), difference(d, a));
 }
 
-/// Sign of orientation(), by doubles where these decide.
+/// Sign of orientation(), by doubles if these decide.
 TETVDB_HD inline int tetOrientation(const LatticePoint& a, const LatticePoint& b,
                                     const LatticePoint& c, const LatticePoint& d) {
   const RoundedDeterminant rounded(b.x - a.x, b.y - a.y, b.z - a.z, c.x - a.x, c.y - a.y, c.z - a.z,
@@ -98,7 +98,7 @@ inline bool ownsVoxel(const std::array<LatticePoint, 4>& tet, const Vec3i& voxel
   if (o == 0)
     return false;
   const LatticePoint c = voxelCentre(voxel);
-  // The faces, each seen so that the opposite vertex lies on the side of the normal when o > 0.
+  // The faces, each with the opposite vertex on the side of the normal if o > 0.
   return perturbedSide(tet[0], tet[1], tet[2], c) == o &&
          perturbedSide(tet[0], tet[3], tet[1], c) == o &&
          perturbedSide(tet[0], tet[2], tet[3], c) == o &&

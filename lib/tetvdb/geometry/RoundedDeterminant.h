@@ -7,13 +7,13 @@
 
 namespace tetvdb {
 
-/// The determinant (u x v) . w in doubles, and what its rounding is relative to: the filter before
-/// every exact orientation.
+/// The determinant (u x v) . w in doubles, and the scale of its rounding error: the filter of every
+/// exact orientation.
 struct RoundedDeterminant {
-  /// Bounds on the rounding, relative to `size`. Where components are exact, as differences of
-  /// lattice points are, each of the six products is off by 2 roundings of 2^-53 and sums add 4
-  /// more; of differences that are rounded themselves another 3, each bound with room for the
-  /// rounding of `size`.
+  /// Bounds on the rounding error, relative to `size`. If components are exact, such as
+  /// differences of lattice points, each of the six products has 2 roundings of 2^-53 and sums
+  /// add 4 more; rounded differences add another 3. Each bound includes the rounding of
+  /// `size`.
   static constexpr double kOfExact = 1e-15, kOfRounded = 16 * 0x1p-53;
 
   double value, size; ///< size: the sum of the products' absolute values
@@ -27,7 +27,7 @@ struct RoundedDeterminant {
            std::abs(wz) * (std::abs(xy) + std::abs(yx));
   }
 
-  /// The exact sign, or 0 where rounding may hide it.
+  /// The exact sign, or 0 if the rounding error may exceed the value.
   TETVDB_HD int sign(double error) const {
     return value > error * size ? 1 : value < -error * size ? -1 : 0;
   }

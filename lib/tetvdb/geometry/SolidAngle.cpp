@@ -15,13 +15,13 @@ namespace tetvdb {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-// The determinant has the right sign beyond this share of the product of the three lengths.
+// Above this share of the product of the three lengths, the determinant has the correct sign.
 constexpr double kSure = 1e-14;
-// And both sine and cosine are known well where they are not both below this share.
+// Sine and cosine are accurate unless both are below this share.
 constexpr double kSmall = 1e-6;
 
-// Whether 0, moved, is in front of the plane of a triangle that is not vertical: where the normal
-// points to.
+// Whether 0, moved, is in front of the plane of a triangle that is not vertical: on the side of its
+// normal.
 bool isInFront(const SeenTriangle& t) {
   if (const int side = orientation(t.a, t.b, t.c, Vec3d{0, 0, 0}); side != 0)
     return side > 0;
@@ -34,9 +34,9 @@ bool isInFront(const SeenTriangle& t) {
   return false;
 }
 
-// weight * the solid angle; NaN where it takes solidAngle() to tell.
-// Van Oosterom and Strackee 1983: the tangent of half the angle is
-// det(a, b, c) over |a||b||c| + a.b |c| + b.c |a| + c.a |b|.
+// weight * the solid angle; NaN if solidAngle() is required. Van Oosterom and Strackee 1983:
+// the tangent of half the angle is det(a, b, c) over |a||b||c| + a.b |c| + b.c |a| + c.a
+// |b|.
 TETVDB_INLINE double weightedAngle(double ax, double ay, double az, double bx, double by, double bz,
                                    double cx, double cy, double cz, double weight) {
   const double la = std::sqrt(ax * ax + ay * ay + az * az);
@@ -62,7 +62,7 @@ void anglesAtPoints(const SeenTriangle& t, double weight, const double* x, const
                            cx - x[i], cy - y[i], cz - z[i], weight);
 }
 
-// arcTangent() within 2e-7, with the series up to what floats tell.
+// arcTangent() within 2e-7, with the series to float precision.
 TETVDB_INLINE float arcTangentOfFloats(float sine, float cosine) {
   const float y = std::abs(sine), x = std::abs(cosine);
   const float low = y < x ? y : x, high = y < x ? x : y;
@@ -122,8 +122,8 @@ std::int32_t crossingBelow(const SeenTriangle& t) {
   return below ? (looksDown ? 1 : -1) : 0;
 }
 
-// Two triangles are one: the triangle itself, and those that join its edges with what is straight
-// up, which close it but for what lies below.
+// Two kinds of triangles are added: the triangle itself, and those that connect its edges with the
+// upward direction, which close it except below.
 double solidAngle(const SeenTriangle& t) {
   return 4 * kPi * crossingBelow(t) + angleUp(t.a, t.b) + angleUp(t.b, t.c) + angleUp(t.c, t.a);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces of tets in an order that puts equal ones side by side.
+// The faces of tets in an order in which equal faces are adjacent.
 //
 //   const auto faces = tetvdb::sortedTetFaces(mesh.tets.data(), mesh.tetCount(), keep, progress);
 //   tetvdb::forEqualFaces(faces, [&](const TetFace* first, const TetFace* last) { ... });
@@ -23,7 +23,7 @@ namespace tetvdb {
 
 struct TetFace {
   std::array<std::uint32_t, 3> corners; ///< points, ascending
-  std::uint32_t tet : 30, opposite : 2; ///< opposite: the corner of the tet that is not the face's
+  std::uint32_t tet : 30, opposite : 2; ///< opposite: the corner of the tet that is not on the face
 
   /// By corners, then tet, then opposite corner.
   bool operator<(const TetFace& other) const {
@@ -33,8 +33,8 @@ struct TetFace {
   }
 };
 
-/// The faces of tets (four points each) for which keep(face) holds, which several threads ask,
-/// sorted. Parallel; 16 bytes a face. Throws Error(Limit) from 2^30 tets on.
+/// Returns the faces of tets (four points each) for which keep(face) holds, sorted; several threads
+/// call keep(). Parallel; 16 bytes per face. Throws Error(Limit) for 2^30 tets or more.
 template <typename Keep>
 LargeVector<TetFace> sortedTetFaces(const std::uint32_t* tets, std::size_t tetCount,
                                     const Keep& keep, Progress& progress) {
@@ -57,7 +57,7 @@ LargeVector<TetFace> sortedTetFaces(const std::uint32_t* tets, std::size_t tetCo
         }
     });
   };
-  std::vector<std::size_t> next(tasks + 1, 0); // counts, then the place of a task's next face
+  std::vector<std::size_t> next(tasks + 1, 0); // counts, then the position of a task's next face
   eachTask([&](std::size_t task, const TetFace&) { ++next[task + 1]; });
   for (std::size_t task = 0; task < tasks; ++task)
     next[task + 1] += next[task];
@@ -68,7 +68,7 @@ LargeVector<TetFace> sortedTetFaces(const std::uint32_t* tets, std::size_t tetCo
   return faces;
 }
 
-/// Calls visit(first, last) for the faces first <= f < last of the same corners, in order.
+/// Calls visit(first, last) for the faces first <= f < last with the same corners, in order.
 template <typename Visit>
 void forEqualFaces(const LargeVector<TetFace>& faces, const Visit& visit) {
   const TetFace* const end = faces.data() + faces.size();

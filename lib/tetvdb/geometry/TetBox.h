@@ -13,7 +13,7 @@ namespace tetvdb {
 struct LatticeBox {
   LatticePoint low, high;
 
-  /// Along the axis on which it is longest.
+  /// Along its longest axis.
   TETVDB_HD double extent() const {
     return std::max(std::max(high.x - low.x, high.y - low.y), high.z - low.z);
   }
@@ -33,12 +33,12 @@ TETVDB_HD inline LatticeBox boxOf(const LatticePoint& a, const LatticePoint& b,
   };
 }
 
-/// Inclusive box of the voxel centres within the box of a tet; empty where min > max.
+/// Inclusive box of the voxel centres within the box of a tet; empty if min > max.
 struct TetBox {
   std::int64_t min[3], max[3];
   TETVDB_HD bool empty() const { return min[0] > max[0] || min[1] > max[1] || min[2] > max[2]; }
-  /// Whether it spans three nodes or more along an axis, so that a node may lie wholly inside or
-  /// outside of what the box is around.
+  /// Whether it spans three nodes or more along an axis, so that a node may be entirely inside or
+  /// outside of the enclosed body.
   bool spansNodes() const {
     const auto spans = [&](int k) { return (max[k] >> 7) - (min[k] >> 7) >= 2; };
     return spans(0) || spans(1) || spans(2);

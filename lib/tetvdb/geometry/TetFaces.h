@@ -16,7 +16,7 @@ TETVDB_HD constexpr int outwardCorner(int face, int k) {
   return corners[face][k];
 }
 
-/// As outwardCorner(), the face reversed: its normal points inward.
+/// As outwardCorner(), with the face reversed: its normal points inward.
 TETVDB_HD constexpr int inwardCorner(int face, int k) {
   return outwardCorner(face, k == 0 ? 0 : 3 - k);
 }

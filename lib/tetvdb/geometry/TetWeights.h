@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Barycentric weights of voxel centres in the tet that owns them, and values of point arrays by
-// these; the same source, and the same bits, on the CPU and on a GPU.
+// these weights. The same source, with the same bits, is used on the CPU and on a GPU.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -15,21 +15,21 @@
 
 namespace tetvdb {
 
-/// A tet made ready for weights. Its corners are taken in order of position (x, then y, then z),
-/// whatever their order in the mesh, so that renumbering changes no bit of a result.
+/// A tet prepared for weights. Its corners are used in order of position (x, then y, then z),
+/// independent of their order in the mesh, so that renumbering changes no bit of a result.
 class TetWeights {
 public:
   TetWeights() = default;
   /// The tet whose corners are points[vertices[0]] to points[vertices[3]]; it must have volume.
   TETVDB_HD inline TetWeights(const LatticePoint* points, const std::uint32_t* vertices);
 
-  /// Corners by their place in the tet, 0 to 3, in order of position.
+  /// Local indices of the corners, 0 to 3, in order of position.
   TETVDB_HD const std::array<std::uint8_t, 4>& corners() const { return corners_; }
 
   /// Weights of the second, third and fourth corner at the centre of voxel (x, y, z); the first has
-  /// what is left to 1. On the lattice that tets are snapped to, so that for a voxel that the tet
-  /// owns all four are in [0, 1] but for rounding. Relative to the tet's size they are good to
-  /// 2^-30: slivers, where doubles would not do, are computed in 128-bit integers.
+  /// the remainder to 1. Computed on the lattice of snapped tets, so that all four are in [0, 1] up
+  /// to rounding if the tet owns the voxel. Their error is 2^-30 relative to the tet's size:
+  /// slivers, for which doubles do not suffice, are computed in 128-bit integers.
   TETVDB_HD std::array<double, 3> at(std::int32_t x, std::int32_t y, std::int32_t z) const {
     const double d[3] = {static_cast<double>(x) * kUnits - points_[0].x,
                          static_cast<double>(y) * kUnits - points_[0].y,
@@ -43,8 +43,8 @@ public:
 
 private:
   static constexpr double kUnits = static_cast<double>(kUnitsPerVoxel);
-  // Cross products and the determinant round by at most 2^-48 size^3 in doubles: above this share
-  // of size^3 a weight is good to 2^-30.
+  // In doubles, cross products and the determinant have a rounding error of at most 2^-48 size^3:
+  // above this share of size^3, the error of a weight is 2^-30.
   static constexpr double kMinDeterminant = 0x1p-18;
 
   TETVDB_HD static double sizeOf(double v) { return v < 0 ? -v : v; }
@@ -53,7 +53,7 @@ private:
       return a.x < b.x;
     return a.y != b.y ? a.y < b.y : a.z < b.z;
   }
-  // Puts corners a < b in order.
+  // Sorts corners a < b.
   TETVDB_HD inline void order(std::size_t a, std::size_t b);
   TETVDB_HD inline std::array<double, 3> exactAt(const double (&d)[3]) const;
 
@@ -107,7 +107,7 @@ TETVDB_HD inline TetWeights::TetWeights(const LatticePoint* points, const std::u
       g /= determinant;
 }
 
-// By Cramer's rule: the weight of a corner is the volume with the centre in its place.
+// By Cramer's rule: the weight of a corner is the volume with the centre instead of it.
 TETVDB_HD inline std::array<double, 3> TetWeights::exactAt(const double (&d)[3]) const {
   const LatticePoint centre{points_[0].x + d[0], points_[0].y + d[1], points_[0].z + d[2]};
   const LatticePoint(&p)[4] = points_;
@@ -117,13 +117,13 @@ TETVDB_HD inline std::array<double, 3> TetWeights::exactAt(const double (&d)[3])
           nearestDouble(orientation(p[0], p[1], p[2], centre)) / whole};
 }
 
-/// `corners`: the value at the first corner by position, and how much more it is at the others.
+/// `corners`: the value at the first corner by position, and the differences at the others.
 TETVDB_HD inline double interpolate(const std::array<double, 4>& corners,
                                     const std::array<double, 3>& w) {
   return corners[0] + (w[0] * corners[1] + w[1] * corners[2] + w[2] * corners[3]);
 }
 
-/// The corner by position that has the largest weight, the first of several.
+/// The corner by position with the largest weight, the first of several.
 TETVDB_HD inline std::size_t nearestCorner(const std::array<double, 3>& w) {
   std::size_t nearest = 0;
   double max = 1 - (w[0] + w[1] + w[2]);

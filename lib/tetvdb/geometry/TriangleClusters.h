@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles in a tree of clusters, for sums of their solid angles: a cluster is seen as a whole
-// from afar.
+// Triangles in a tree of clusters, for sums of their solid angles: distant clusters are evaluated
+// as a whole.
 #pragma once
 
 #include "tetvdb/geometry/DipoleMoments.h"
@@ -14,7 +14,7 @@
 
 namespace tetvdb {
 
-/// Immutable once made; a function of the order of the triangles, which fillHoles() sets by place.
+/// Immutable after construction; depends on the order of the triangles (that of fillHoles()).
 class TriangleClusters {
 public:
   struct Cluster {
@@ -27,8 +27,8 @@ public:
     std::uint32_t second;     ///< the first child is the next cluster, this the second; 0: none
     DipoleMoments moments;
 
-    /// Bound on what moments.angle() is wrong by from a point `away` from the centre; infinite
-    /// within the radius.
+    /// Bound on the error of moments.angle() from a point at distance `away` from the centre;
+    /// infinite within the radius.
     double momentsError(double away) const;
   };
 
@@ -51,7 +51,7 @@ private:
   std::vector<Cluster> clusters_;
 };
 
-/// As seen from `p`.
+/// Relative to `p`.
 SeenTriangle seenFrom(const LatticePoint& p, const FillTriangle& t);
 
 /// Adds moments.angle() at points relative to `p`.

@@ -12,7 +12,7 @@
 
 namespace tetvdb {
 
-/// Two's complement. Results that do not fit wrap round: the caller knows bounds.
+/// Two's complement. Overflow wraps around: callers know the bounds.
 template <std::size_t Words>
 class WideInteger {
   __extension__ typedef unsigned __int128 UInt128;
@@ -71,7 +71,7 @@ public:
   Int128 wordsFrom(std::size_t i) const {
     return static_cast<Int128>(UInt128(words_[i + 1]) << 64 | words_[i]);
   }
-  /// Within 2^-52 of itself.
+  /// With a relative error of 2^-52.
   double toDouble() const {
     if (sign() < 0)
       return -(-*this).toDouble();

@@ -16,9 +16,9 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMinVoxels = 2;        // of a wall
-constexpr double kBytesPerSquare = 300; // of all steps together, for a square voxel of the surface
+constexpr double kBytesPerSquare = 300; // of all steps together, per square voxel of the surface
 
-// What rounding to 32-bit floats moves a point of the mesh at most.
+// The largest displacement of a point of the mesh by rounding to 32-bit floats.
 double floatRounding(const TriangleMesh& mesh) {
   double far = 0;
   for (const std::uint32_t v : mesh.triangles)
@@ -59,7 +59,7 @@ public:
   }
 
 private:
-  // What lies farther than a distance within the solid.
+  // The points farther than a distance inside the solid.
   struct Layer {
     openvdb::FloatGrid::Ptr squared, shape;
     double distance = 0;
@@ -106,7 +106,7 @@ private:
     return guardedSurface(shape, limit, guardOf(layer), progress_);
   }
 
-  // Takes the infill out of `shape`; returns the limit that it makes together with `limit`.
+  // Subtracts the infill from `shape`; returns its limit combined with `limit`.
   openvdb::FloatGrid::Ptr withInfill(openvdb::FloatGrid& shape,
                                      const openvdb::FloatGrid::Ptr& limit) {
     StageTimer timer(report_, "infill");
@@ -119,7 +119,7 @@ private:
     return infill;
   }
 
-  // What lies within the radius of `core`.
+  // The points within the radius of `core`.
   openvdb::FloatGrid::Ptr around(const TriangleMesh& core) {
     const SolidDistances distances(core, transform_, options_.maxMemory, report_, progress_);
     StageTimer timer(report_, "distance");

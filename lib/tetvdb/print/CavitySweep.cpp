@@ -9,7 +9,7 @@
 namespace tetvdb {
 namespace {
 
-// What two cavities are once they meet.
+// Merges two cavities that meet.
 void merge(Cavity& to, const Cavity& from) {
   to.onPlate = to.onPlate || from.onPlate;
   to.first = std::min(to.first, from.first);
@@ -34,7 +34,7 @@ void CavitySweep::end(std::uint32_t cavity, Cavity::End how) {
 }
 
 void CavitySweep::add(const LabelledSpans& gaps, const std::vector<LayerContact>& contacts) {
-  // Element 0 is the outside, then come the cavities before and the components of this layer.
+  // Element 0 is the outside, followed by the previous cavities and the components of this layer.
   const auto before = static_cast<std::uint32_t>(open_.size());
   const auto count = static_cast<std::uint32_t>(gaps.shapes.size());
   DisjointSets sets(1 + before + count);

@@ -20,10 +20,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::int32_t kAtOnce = 32; // layers whose pairs are looked at in parallel
+constexpr std::int32_t kAtOnce = 32; // layers whose pairs are processed in parallel
 constexpr double kPi = 3.14159265358979323846;
 
-// Distances in pixels, or in layers, that are looked at.
+// Limit of distances in pixels, or in layers.
 constexpr double kMaxReach = 4096;
 
 void checkLimits(const PrintLimits& limits, const LayerFrame& frame) {
@@ -47,7 +47,7 @@ void checkLimits(const PrintLimits& limits, const LayerFrame& frame) {
     throw Error(Status::Usage, "`drain`", "is above 1000 mm", "give a smaller one");
 }
 
-// Which layers a thickness is looked at in, and what is thin there.
+// The layers in which a thickness is measured, and the thin parts there.
 class Thickness {
 public:
   Thickness(double limit, bool gaps, const LayerFrame& frame)
@@ -103,7 +103,7 @@ public:
   }
 
 private:
-  // How far what leans by 45 degrees moves between two layers that are looked at, and a pixel.
+  // The displacement of a slope of 45 degrees between two examined layers, plus a pixel.
   std::int32_t reachOf(double pixel) const {
     return static_cast<std::int32_t>(std::min(std::ceil(step_ * frame_.layerHeight / pixel), 1e6)) +
            1;
@@ -131,7 +131,7 @@ public:
       });
   }
 
-  // What is known of a layer by itself.
+  // The data of a layer by itself.
   struct Item {
     LayerComponents components;
     SpanRows cells;
@@ -182,7 +182,7 @@ public:
   }
 
 private:
-  // How far, in a plane, an overhang of the largest angle comes in a layer.
+  // The displacement, in a plane, of an overhang of the maximum angle in a layer.
   double lean(std::int32_t k) const {
     const double apart =
         k == 0 ? frame_.layerHeight : (frame_.heightOf(k - 1) + frame_.heightOf(k)) / 2;
@@ -196,7 +196,7 @@ private:
     return static_cast<std::int32_t>(std::min(lean(1) / frame_.pixelHeight, 1e6)) + 2;
   }
 
-  // A layer with that below it; a pair does not depend on any other.
+  // Processes a layer with the one below it; pairs are independent.
   void pair(std::int32_t k, const Item& below, Item& item) const {
     item.solid = solidContacts(below.components.solid, item.components.solid);
     item.voids = voidContacts(below.components, item.components);
@@ -266,7 +266,7 @@ private:
     ++k_;
   }
 
-  // The cavities along the middle rows of drain cells, in the middle layers of them.
+  // The cavities along the middle rows of drain cells, in their middle layers.
   struct Sample {
     std::int32_t layer, y;
     Span span;
@@ -379,7 +379,7 @@ private:
   }
 
   void reportDrains(Progress& progress) {
-    constexpr double kFewCells = 27; // what the rounding to cells may leave of an open groove
+    constexpr double kFewCells = 27; // rounding to cells may leave this much of an open groove
     const std::int32_t columns = drains_->columns(), rows = drains_->rows();
     const std::int32_t layers = drains_->layers();
     for (const Cavity& pocket : drains_->find(progress)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What will fail when layers are printed, where and how large.
+// Finds features that fail when layers are printed, with position and size.
 //
 //   tetvdb::PrintChecks checks = tetvdb::checkLayers(source, limits, progress);
 //   for (const tetvdb::PrintFinding& f : checks.findings) ...
@@ -12,17 +12,17 @@
 
 namespace tetvdb {
 
-/// One sweep over the layers from below. A pixel is solid where its level is 128 or more, and
-/// connected with the pixel below and above, and in its layer by `neighbours`; void has the
+/// One sweep over the layers from below. A pixel is solid if its level is 128 or more, and is
+/// connected to the pixels below and above, and in its layer by `neighbours`; void has the
 /// complementary neighbours in a layer.
 ///
 /// Overhang: a pixel whose centre is farther from the centres of all solid pixels of the layer
-/// below than h tan(angle) and half a pixel's diagonal, with h the layers' distance; islands have
-/// none in their first layers. Thickness is looked at in every n-th layer, with n the largest
-/// number whose height is a quarter of the limit. The result does not depend on the number of
+/// below than h tan(angle) plus half a pixel's diagonal, with h the layer distance; islands have
+/// none in their first layers. Thickness is measured in every n-th layer, with n the largest number
+/// whose height is at most a quarter of the limit. The result does not depend on the number of
 /// threads. Memory: 32 layers' spans, the components of two layers, the findings, and for drains
-/// about a span for every row of eighths of the drain. Throws Error(Usage) for limits that make no
-/// sense, Error(Cancelled).
+/// about one span per row of eighths of the drain. Throws Error(Usage) for invalid limits,
+/// Error(Cancelled).
 PrintChecks checkLayers(LayerSource& source, const PrintLimits& limits, Progress& progress);
 
 } // namespace tetvdb

@@ -19,7 +19,7 @@ int directionOf(const LayerContour& contour) {
   return areaOf(contour) < 0 ? kInner : kOuter;
 }
 
-// The first layer is the plate: it is empty, and says where the first with material begins.
+// The first layer is the plate: it is empty, and gives the height of the first with material.
 class CliWriter : public LayerWriter {
 public:
   CliWriter(const PrintInfo& info, bool binary) : info_(info), binary_(binary), file_(info.path) {
@@ -36,7 +36,7 @@ public:
   EncodedLayer encode(std::int32_t k, const Layer& layer) const override {
     std::string text = startOf(info_.frame.bottomOf(k + 1));
     for (const LayerContour& contour : layer.contours) {
-      const std::size_t count = contour.size() + 1; // the first point comes again
+      const std::size_t count = contour.size() + 1; // the first point is repeated
       if (binary_) {
         text += littleEndianBytes(130, 2) + littleEndianBytes(kPart, 4) +
                 littleEndianBytes(static_cast<std::uint64_t>(directionOf(contour)), 4) +

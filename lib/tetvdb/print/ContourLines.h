@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lines that faces leave in a plane, joined to closed ones. Internal.
+// Connects the intersection lines of faces and a plane to closed lines. Internal.
 #pragma once
 
 #include "tetvdb/print/Layer.h"
@@ -11,18 +11,18 @@
 
 namespace tetvdb {
 
-/// A line between two edges of a mesh, each by its two points' indices in one number.
+/// A line between two edges of a mesh, each given by its two points' indices in one number.
 struct ContourLine {
   std::uint64_t fromEdge = 0, toEdge = 0;
   std::array<double, 2> from{0, 0};
 };
 
-/// Follows lines from edge to edge. Where several leave an edge that of the smallest end is taken
-/// first. Points that repeat the one before are left out, and with them what has fewer than three.
-/// Throws std::logic_error where a line ends at an edge that none leaves. `lines` are sorted.
+/// Follows lines from edge to edge. If several leave an edge, the one with the smallest second edge
+/// is used first. Repeated points are omitted, and so are contours with fewer than three points.
+/// Throws std::logic_error if a line ends at an edge without a leaving line. Sorts `lines`.
 std::vector<LayerContour> closedContours(std::vector<ContourLine>& lines);
 
-/// The area within a contour: above 0 where it turns counter-clockwise.
+/// The area within a contour: above 0 if it is counter-clockwise.
 double areaOf(const LayerContour& contour);
 
 } // namespace tetvdb

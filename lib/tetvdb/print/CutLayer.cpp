@@ -12,9 +12,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr int kBeyondRows = 1 << 30; // further than any row or column
+constexpr int kBeyondRows = 1 << 30; // beyond any row or column
 
-// What lies between two heights, in units of the layer's own height.
+// The part between two heights, in units of the layer's height.
 bool cutToLayer(const Polygon& face, Polygon& result) {
   const double low = face.low(2), high = face.high(2);
   if (low >= 1 || high <= 0)
@@ -55,7 +55,7 @@ void addVolumeOfFace(const std::array<const Vec3d*, 3>& corners, int weight,
                      const LayerHeights& layer, PixelSums& sums) {
   std::array<const Vec3d*, 3> p = corners;
   double sign = -weight; // outside is to the right
-  // In order of position, so that a face gives the same numbers however it is written.
+  // In order of position, so that the numbers do not depend on the order of corners.
   for (const auto& [i, k] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)}) {
     const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(k);
     if (*p[b] < *p[a]) {
@@ -95,7 +95,7 @@ std::array<double, 2> crossingOfEdge(const Vec3d& a, const Vec3d& b, double z) {
 
 namespace {
 
-// A line within a row, from (x0, y0) to (x1, y1), y as parts of the row. What it covers is taken as
+// A line within a row, from (x0, y0) to (x1, y1), y relative to the row. The area that it covers is
 // solid on the right.
 void addLineInRow(std::int32_t row, double x0, double y0, double x1, double y1, double sign,
                   PixelSums& sums) {
@@ -127,7 +127,7 @@ void addAreaOfLine(const std::array<double, 2>& from, const std::array<double, 2
   const auto& high = upward ? to : from;
   if (low[1] == high[1])
     return;
-  // Solid is on the right of a line that goes down with the solid on its left.
+  // The solid is on the right of a downward line that had it on its left.
   const double sign = upward ? -weight : weight;
   const double slope = (high[0] - low[0]) / (high[1] - low[1]);
   const double leftMost = std::min(low[0], high[0]), rightMost = std::max(low[0], high[0]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One face within one layer: what it adds to the pixels. Internal.
+// The contributions of one face to the pixels of one layer. Internal.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -15,18 +15,18 @@ struct LayerHeights {
   double bottom = 0, height = 1;
 };
 
-/// Adds the face's part within the layer. `weight`: 1 where the face's normal points out of the
-/// solid, -1 where it points into it. Corners in frame coordinates.
+/// Adds the face's part within the layer. `weight`: 1 if the face's normal points out of the solid,
+/// -1 if it points into it. Corners are in frame coordinates.
 void addVolumeOfFace(const std::array<const Vec3d*, 3>& corners, int weight,
                      const LayerHeights& layer, PixelSums& sums);
 
-/// Adds a line of a middle plane's cut, the solid on its left where weight is 1 and on its right
-/// where it is -1 (x to the right, y up).
+/// Adds a line of the middle plane's section, with the solid on its left if weight is 1 and on its
+/// right if it is -1 (x to the right, y up).
 void addAreaOfLine(const std::array<double, 2>& from, const std::array<double, 2>& to, int weight,
                    PixelSums& sums);
 
-/// Where the edge from a to b passes height z, which lies between theirs: the same point whichever
-/// end comes first.
+/// The point at which the edge from a to b crosses height z, which lies between theirs: independent
+/// of the order of a and b.
 std::array<double, 2> crossingOfEdge(const Vec3d& a, const Vec3d& b, double z);
 
 } // namespace tetvdb

@@ -23,11 +23,12 @@ namespace tetvdb {
 namespace {
 
 constexpr double kAround = 12.566370614359172; // the solid angle of a sphere
-constexpr double kFar = 256;                   // times the faces nearby: where walls end
-constexpr int kDirections = 256;               // of which one is the apex's
+constexpr double kFar = 256;                   // multiple of the size of the faces nearby: the end
+                                               // of walls
+constexpr int kDirections = 256;               // candidates for the direction of the apex
 constexpr double kOpposite = -0.9999;          // cosine beyond which the apex is behind the ball
-// Of the ball around the tool, and of a cube around the faces nearby, to whose size places of
-// crossings are rounded.
+// Relative to the ball around the tool, and to a cube around the faces nearby, which determines the
+// rounding of intersections.
 constexpr double kSameVolume = 1e-6, kSameVolumeFar = 1e-8;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -59,7 +60,7 @@ void addBox(TriangleMesh& mesh, const Vec3d& centre, double half, bool turned) {
   append(mesh, box, turned);
 }
 
-// Of a closed mesh (van Oosterom and Strackee 1983); none on its faces.
+// For a closed mesh (van Oosterom and Strackee 1983); none on its faces.
 std::optional<int> windingAt(const TriangleMesh& mesh, const Vec3d& p) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
@@ -85,8 +86,8 @@ double volumeAbout(const TriangleMesh& mesh, const Vec3d& centre) {
   return sum / 6;
 }
 
-// Edges of a mesh along which it has a face on the left and none on the right; none where an edge
-// is run along twice in one direction.
+// Edges of a mesh with a face on the left and none on the right; none if an edge is traversed twice
+// in one direction.
 std::optional<std::set<Edge>> borderOf(const std::vector<std::uint32_t>& triangles) {
   std::set<Edge> edges;
   for (std::size_t i = 0; i < triangles.size(); ++i)
@@ -119,7 +120,7 @@ public:
   }
 
 private:
-  // Faces nearby, with points of their own.
+  // Faces nearby, with separate points.
   bool gather() {
     isNear_.assign(solid_.triangleCount(), 0);
     std::map<std::uint32_t, std::uint32_t> numbers;
@@ -149,7 +150,7 @@ private:
     return near_.triangleCount() > 0 && numberOf_.size() == near_.points.size();
   }
 
-  // Walls from the border straight away from the ball, and a fan from where they end to an apex.
+  // Walls from the border straight away from the ball, and a fan from their ends to an apex.
   bool close() {
     const auto border = borderOf(near_.triangles);
     if (!border)
@@ -183,7 +184,7 @@ private:
     return true;
   }
 
-  // The one farthest from the opposite of all.
+  // The direction farthest from the opposite of all.
   Vec3d apexDirection(const std::vector<Vec3d>& directions) {
     Vec3d best{0, 0, 1};
     double bestCosine = -2;
@@ -206,7 +207,7 @@ private:
     return best;
   }
 
-  // By how much winding numbers in the ball differ from the solid's.
+  // The difference of winding numbers in the ball from those of the solid.
   bool compareWinding() {
     constexpr int kTries = 8;
     const double half = reach_ / 4;
@@ -224,7 +225,7 @@ private:
     return false;
   }
 
-  // What is enclosed more than `times` times, by winding numbers as of the solid.
+  // The region enclosed more than `times` times, by winding numbers of the solid.
   bool cutAlone(TriangleMesh& mesh, int times) {
     const int less = excess_ + times;
     for (int i = 0; i < std::abs(less); ++i)
@@ -235,7 +236,7 @@ private:
     return counts.complete;
   }
 
-  // What lies in the ball.
+  // The part inside the ball.
   bool take(const TriangleMesh& made) {
     cut_.taken = made;
     std::vector<char> drops(made.triangleCount(), 0);
@@ -251,7 +252,7 @@ private:
   }
 
   bool replace(const TriangleMesh& made) {
-    // Numbers in the solid, new points after those that are there.
+    // Numbers in the solid; new points follow the existing ones.
     std::vector<Vec3d> points = solid_.points;
     std::vector<std::uint32_t> numbers;
     std::map<Vec3d, std::uint32_t> known = numberOf_;
@@ -292,8 +293,8 @@ private:
     return true;
   }
 
-  // Faces that are connected with the border's left side without crossing it, and where there is no
-  // border all that do not reach the boxes.
+  // Faces that are connected to the left side of the border without crossing it; without a border,
+  // all faces that do not reach the boxes.
   std::vector<std::uint32_t> withinBorder(const TriangleMesh& made,
                                           const std::vector<std::uint32_t>& numbers,
                                           const std::set<Edge>& border) const {
@@ -317,7 +318,7 @@ private:
     for (const Edge& edge : border)
       if (const auto at = faceAt.find(edge); at != faceAt.end())
         reachFace(at->second);
-    // What has no border: components that lie in the ball.
+    // Without a border: components that lie in the ball.
     for (std::size_t i = 0; i < corners.size(); ++i)
       if (length(minus(made.points[made.triangles[i]], centre_)) <= reach_)
         reachFace(i / 3);

@@ -10,18 +10,18 @@
 namespace tetvdb {
 
 struct NearbyCut {
-  TriangleMesh taken;       ///< the part of the solid that lay in the tool, closed
+  TriangleMesh taken;       ///< the part of the solid inside the tool, closed
   std::size_t cutFaces = 0; ///< of the solid
 };
 
-/// Takes `tool`, a closed mesh turned outward, out of `solid` by faces near it alone: those within
-/// `reach` of `centre`, a ball that the tool lies in. These are closed by walls that go straight
-/// away from the ball, so that winding numbers in it are those of the whole solid but for a
-/// constant, and cut by removeCrossings(). The other faces stay as they are, and first; time
-/// follows the faces nearby, but for one look at all of them, about 60 ns each. `solid` is closed,
-/// manifold and free of self-intersections. Returns false, with the solid as it was, where what
-/// comes back does not fit into the rest (every edge of two faces, volumes equal), or where walls
-/// would meet faces.
+/// Subtracts `tool`, a closed mesh oriented outward, from `solid` by processing only faces close to
+/// it: those within `reach` of `centre`, a ball that contains the tool. These are closed by walls
+/// that extend straight away from the ball, so that winding numbers in it are those of the whole
+/// solid up to a constant, and cut by removeCrossings(). The other faces are unchanged and come
+/// first; the time depends on the faces nearby, plus one pass over all faces of about 60 ns each.
+/// `solid` must be closed, manifold and free of self-intersections. Returns false, without changing
+/// the solid, if the result does not match the other faces (every edge of two faces, volumes
+/// equal), or if walls would intersect faces.
 bool cutNearby(TriangleMesh& solid, const TriangleMesh& tool, const Vec3d& centre, double reach,
                NearbyCut& cut, Progress& progress);
 

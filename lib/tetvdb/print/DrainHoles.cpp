@@ -23,12 +23,12 @@ namespace {
 
 constexpr int kSides = 64;       // of a prism
 constexpr int kAround = 16;      // rays along a hole's edge
-constexpr double kMaxSlant = 4;  // radii that the wall may go on beyond where the axis leaves it
-constexpr double kBeyond = 0.05; // radii that a prism is longer than its wall at either end
+constexpr double kMaxSlant = 4;  // radii that the wall may extend beyond its end on the axis
+constexpr double kBeyond = 0.05; // radii by which a prism is longer than its wall at either end
 constexpr int kTwists = 3;
 constexpr double kTwist = 0.0137; // sides of a prism, and radii at its ends
 constexpr double kRoom = 1.05;    // of the ball around a prism
-constexpr double kBottom = 0.1;   // radii by which a cavity's bottom may be other than level
+constexpr double kBottom = 0.1;   // radii by which a cavity's bottom may deviate from horizontal
 constexpr double kPi = 3.141592653589793;
 
 struct Axis {
@@ -54,7 +54,7 @@ Axis axisOf(const DrainHole& hole) {
   return axis;
 }
 
-// A stretch of the solid along a line, and the faces at its ends.
+// A section of the solid along a line, and the faces at its ends.
 struct Wall {
   double begin, end;
   std::uint32_t enters, leaves;
@@ -72,7 +72,7 @@ public:
     size_ = length(minus(box.high, box.low));
   }
 
-  // Where a prism begins and ends along the axis.
+  // The range of a prism along the axis.
   std::pair<double, double> reachOf(const DrainHole& hole, const Axis& axis) const {
     const std::optional<Wall> wall = wallAt(axis, 0, 0, hole.radius);
     if (!wall || (!isCavity(wall->enters) && !isCavity(wall->leaves)))
@@ -100,8 +100,8 @@ public:
 private:
   bool isCavity(std::uint32_t face) const { return shells_.volumes[shells_.ofFace[face]] < 0; }
 
-  // The stretch nearest to `t` on a line beside the axis. A line through an edge may cross it once
-  // or twice: then others next to it are tried.
+  // The section closest to `t` on a line parallel to the axis. A line through an edge may cross it
+  // once or twice: then neighbouring lines are used.
   std::optional<Wall> wallAt(const Axis& axis, double side, double up, double radius,
                              double t = 0) const {
     constexpr int kTries = 8;
@@ -136,7 +136,7 @@ private:
   double size_ = 0;
 };
 
-// From `begin` to `end` along the axis, turned outward; by `twist` sides around it.
+// From `begin` to `end` along the axis, oriented outward; rotated by `twist` sides around it.
 TriangleMesh prismOf(const Axis& axis, double radius, double begin, double end, double twist) {
   const double corner = radius * std::sqrt(2 * kPi / (kSides * std::sin(2 * kPi / kSides)));
   TriangleMesh prism;
@@ -173,7 +173,7 @@ void appendFaces(TriangleMesh& mesh, const TriangleMesh& more, bool turned) {
   mesh.faceCount = mesh.triangleCount();
 }
 
-// A box far around everything, inside out: what is inside then has a winding number less by one.
+// A box far around everything, inside out: reduces the winding number of the inside by one.
 void addSurroundings(TriangleMesh& mesh) {
   Box box;
   for (const Vec3d& p : mesh.points)
@@ -203,8 +203,8 @@ bool isOver(const Vec3d& p, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
 
-// The lowest point of some faces; where they are level up to `tolerance`, the centre of what is
-// level, or a point of it near that.
+// The lowest point of some faces; if they are horizontal up to `tolerance`, the centre of the
+// horizontal part, or one of its points close to that.
 Vec3d bottomOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& faces,
                double tolerance) {
   Vec3d lowest{0, 0, std::numeric_limits<double>::infinity()};
@@ -247,7 +247,7 @@ Vec3d bottomOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& faces
   return nearest;
 }
 
-// The boundary of what faces enclose more often than inside out, as a closed manifold.
+// The boundary of the region that faces enclose more often than inside out, as a closed manifold.
 std::size_t cutAlongCrossings(TriangleMesh& mesh, Progress& progress) {
   const CrossingCounts counts = removeCrossings(mesh, NewCorners::FloatsAsGiven, progress);
   std::string broken = counts.complete ? whatIsBroken(mesh, progress, true) : "crossings";
@@ -261,7 +261,7 @@ std::size_t cutAlongCrossings(TriangleMesh& mesh, Progress& progress) {
   return counts.cutFaces;
 }
 
-// Each piece that was cut out goes to the hole whose axis it is nearest to.
+// Assigns each removed component to the hole with the nearest axis.
 std::vector<TriangleMesh> plugsOf(const TriangleMesh& taken, const std::vector<Axis>& axes) {
   std::vector<TriangleMesh> plugs(axes.size());
   const Shells shells = findShells(taken);
@@ -293,7 +293,7 @@ std::vector<TriangleMesh> plugsOf(const TriangleMesh& taken, const std::vector<A
   return plugs;
 }
 
-// A hole whose wall is known.
+// A hole with a known wall.
 struct Bore {
   Axis axis;
   double radius, begin, end;
@@ -304,8 +304,8 @@ struct Bore {
   }
 };
 
-// By the faces near the hole alone. Of a prism whose crossings come too near to corners of the
-// solid another one is tried, turned a little.
+// By the faces close to the hole only. If the intersections of a prism are too close to corners of
+// the solid, a slightly rotated prism is used.
 bool boreNearby(TriangleMesh& solid, const Bore& bore, NearbyCut& cut, Progress& progress) {
   const Vec3d centre = plus(bore.axis.point, times(bore.axis.along, (bore.begin + bore.end) / 2));
   for (int attempt = 0; attempt < kTwists; ++attempt) {
@@ -320,7 +320,7 @@ bool boreNearby(TriangleMesh& solid, const Bore& bore, NearbyCut& cut, Progress&
   return false;
 }
 
-// All of them at once, by all faces.
+// All holes at once, by all faces.
 std::vector<TriangleMesh> boreTogether(TriangleMesh& solid, const std::vector<Bore>& bores,
                                        std::size_t& cutFaces, Progress& progress) {
   TriangleMesh rest = solid, taken = solid;

@@ -12,23 +12,23 @@
 
 namespace tetvdb {
 
-/// A hole upward into each cavity, at its lowest point, or in the middle of a bottom that is level
-/// up to a tenth of the radius; cavities in order of their first faces.
+/// An upward hole into each cavity, at its lowest point, or at the centre of a bottom that is
+/// horizontal up to a tenth of the radius; cavities are in the order of their first faces.
 std::vector<DrainHole> holesAtLowestPoints(const TriangleMesh& solid, double radius);
 
 struct DrilledHoles {
-  /// What was taken out of each hole's wall: closed, manifold, oriented outward.
+  /// The material removed for each hole: closed, manifold, oriented outward.
   std::vector<TriangleMesh> plugs;
   std::size_t cutFaces = 0; ///< of the solid
 };
 
-/// Takes a cylinder out of the wall at each hole. The wall is that interval of the solid along the
-/// hole's axis that is nearest to its point; it is between the outside and a cavity, or two
-/// cavities, and the cylinder goes through it where it is at the axis, and up to four radii farther
-/// where the wall is slanted. Cylinders are prisms of 64 sides with a circle's area. Exact
-/// (RemoveCrossings.h): faces that a cylinder does not meet stay bit for bit. `solid` is closed,
-/// manifold, oriented and free of self-intersections, and stays so. Throws Error(Invalid) where an
-/// axis meets no wall of a cavity or cutting gives up; the solid is as it was then.
+/// Subtracts a cylinder from the wall at each hole. The wall is the interval of the solid along the
+/// hole's axis that is closest to its point; it must be between the outside and a cavity, or
+/// between two cavities. The cylinder passes through it at the axis, and extends up to four radii
+/// farther if the wall is inclined. Cylinders are prisms of 64 sides with a circle's area. Exact
+/// (RemoveCrossings.h): faces that no cylinder meets are kept bit for bit. `solid` must be closed,
+/// manifold, oriented and free of self-intersections, and remains so. Throws Error(Invalid) if an
+/// axis meets no wall of a cavity or cutting fails; the solid is then unchanged.
 DrilledHoles drillHoles(TriangleMesh& solid, const std::vector<DrainHole>& holes,
                         Progress& progress);
 

@@ -18,7 +18,8 @@ std::int32_t inCell(double cell, double pixel) {
   return static_cast<std::int32_t>(std::clamp(std::floor(cell / pixel), 1.0, 1e6));
 }
 
-// A union of spans of one row, that come in any order. Counts what begins and ends at every cell.
+// A union of spans of one row, added in any order. Counts the spans that begin and end at every
+// cell.
 class RowUnion {
 public:
   /// Spans lie within these cells.
@@ -30,7 +31,7 @@ public:
     --changes_[static_cast<std::size_t>(end - begin_)];
   }
 
-  /// As row y of `rows`; forgets them.
+  /// Adds the union as row y of `rows` and clears it.
   void finish(std::int32_t y, SpanRows& rows) {
     std::int32_t count = 0, from = 0;
     for (std::size_t i = 0; i < changes_.size(); ++i) {
@@ -51,7 +52,7 @@ private:
   std::vector<std::int32_t> changes_;
 };
 
-// The columns that spans reach, from the first to one past the last.
+// The columns of all spans, from the first to one past the last.
 Span columnsOf(const SpanRows& rows) {
   Span columns{kFar, -kFar};
   for (std::int32_t y = rows.firstRow(); y < rows.endRow(); ++y) {
@@ -98,7 +99,7 @@ void DrainPockets::add(std::int32_t k, const SpanRows& cells) {
 }
 
 std::vector<Cavity> DrainPockets::find(Progress& progress) const {
-  // Discs of the ball's layers, by their distance from its middle.
+  // Discs of the ball's layers, by their distance from its centre.
   std::vector<PixelDisc> discs;
   for (double z = 0; z < radius_; z += thickness_)
     discs.emplace_back(width_, height_, std::sqrt(radius_ * radius_ - z * z), true);
@@ -106,7 +107,7 @@ std::vector<Cavity> DrainPockets::find(Progress& progress) const {
   const std::int32_t margin = discs.front().rows();
   const auto count = static_cast<std::int32_t>(cells_.size());
 
-  // What a ball's centre cannot be in, in layer k of cells.
+  // The positions that a ball's centre cannot have, in layer k of cells.
   const auto grown = [&](std::int32_t k) {
     SpanRows rows;
     const std::int32_t low = std::max(k - reach, 0), high = std::min(k + reach, count - 1);
@@ -144,7 +145,7 @@ std::vector<Cavity> DrainPockets::find(Progress& progress) const {
   frame.pixelWidth = width_;
   frame.pixelHeight = height_;
   frame.layerHeight = frame.firstLayerHeight = thickness_;
-  // From below the print, where all is outside.
+  // From below the print, where everything is outside.
   CavitySweep sweep(frame);
   LayerComponents below = componentsOf({}, Neighbours::Eight);
   sweep.add(below.gaps, {});

@@ -9,13 +9,13 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::int32_t kParts = 16; // of a level, in which errors are counted
+constexpr std::int32_t kParts = 16; // unit of errors: parts of a level
 
 bool isGrey(std::uint8_t value) {
   return value > 0 && value < 255;
 }
 
-// A row of pixels with a black one at each end, and what they got of others' errors.
+// A row of pixels with a black one at each end, and the errors added to them.
 struct Row {
   explicit Row(std::int32_t width)
       : values(static_cast<std::size_t>(width) + 2, 0), errors(values.size(), 0) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Floors and roofs: solid that is thin from below to above.
+// Finds floors and roofs: solid that is thin in the vertical direction.
 //
 //   tetvdb::FloorSweep sweep(frame, 0.5, [](std::int32_t k, SpanRows thin) { ... });
 //   for (k = 0; ...)
@@ -19,22 +19,22 @@
 
 namespace tetvdb {
 
-/// A pixel is in a thick column where the solid above and below it is as many layers high as the
-/// limit is. Thin are the pixels of a layer that are farther than twice the limit from all pixels
-/// of it in thick columns, between centres. So edges of 27 degrees and more are not thin. Memory:
-/// some four times as many layers as the limit is high. Cost: about 10 ns a span and layer, times
-/// the logarithm of the number of layers.
+/// A pixel is in a thick column if the solid above and below it is at least as high as the limit.
+/// Thin are the pixels of a layer that are farther than twice the limit from all pixels of it in
+/// thick columns, between centres. Edges of 27 degrees and more are therefore not thin. Memory:
+/// about four times the layers of the limit. Cost: about 10 ns per span and layer, times the
+/// logarithm of the number of layers.
 class FloorSweep {
 public:
-  /// Called for layers from 0 on, those without thin pixels too.
+  /// Is called for layers from 0, including those without thin pixels.
   using Take = std::function<void(std::int32_t k, SpanRows thin)>;
 
   /// `limit` in millimetres, rounded up to layers as high as those above the first.
   FloorSweep(const LayerFrame& frame, double limit, Take take);
 
-  /// The next layer, from 0 on.
+  /// Adds the next layer, from 0.
   void add(const SpanRows& solid);
-  /// After the last layer.
+  /// To be called after the last layer.
   void finish();
 
 private:
@@ -51,7 +51,7 @@ private:
   PixelDisc disc_;
   Take take_;
   std::int32_t k_ = 0, given_ = 0;
-  /// By p: what is in all of 2^p layers from that one on; what is in any of 2^p of the sets of
+  /// By p: the intersection of 2^p layers from each layer on; the union of 2^p of the sets of
   /// columns that begin there.
   std::vector<Window> all_, any_;
   Window solid_;

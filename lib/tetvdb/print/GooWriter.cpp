@@ -46,8 +46,8 @@ private:
   std::string text_;
 };
 
-// Runs of pixels: kind and how many length bytes follow, the lowest four bits of the length; then
-// the grey level, then the length's other bytes, the highest first.
+// Runs of pixels: type and number of length bytes, the lowest four bits of the length; then the
+// grey level, then the other bytes of the length, the highest first.
 class GooRuns {
 public:
   void add(std::uint8_t value, std::uint64_t count) {
@@ -193,7 +193,7 @@ private:
     for (int second = 0; second < 8; ++second)
       out.real(0);
     out.integer(kFullLight, 2).integer(kFullLight, 2);
-    out.integer(1, 1); // layers have settings of their own
+    out.integer(1, 1); // layers have individual settings
     out.integer(static_cast<std::uint64_t>(exposureTime(info_)), 4);
     const double volume = filled_ * frame.pixelWidth * frame.pixelHeight;
     out.real(volume).real(0).real(0).text("$", 8);

@@ -22,7 +22,7 @@ std::uint8_t pixelValue(std::int32_t value, const GreyLevels&) {
   return value > 0 && value < 256 ? static_cast<std::uint8_t>(value) : std::uint8_t(0);
 }
 std::int64_t shareOf(float value) {
-  const double share = value > 0 ? std::min<double>(value, 1) : 0; // NaN is none
+  const double share = value > 0 ? std::min<double>(value, 1) : 0; // NaN counts as 0
   return std::llrint(share * static_cast<double>(GreyLevels::kWhole));
 }
 std::uint8_t pixelValue(float value, const GreyLevels& levels) {
@@ -186,7 +186,8 @@ std::unique_ptr<LayerSource> gridLayers(openvdb::GridBase::ConstPtr grid, const 
     return source;
   if (auto source = tryGrid<openvdb::FloatGrid>(grid, frame, map, levels))
     return source;
-  throw Error(Status::Usage, "`grid`", "'" + grid->getName() + "' is of no type that has layers",
+  throw Error(Status::Usage, "`grid`",
+              "'" + grid->getName() + "' has a type that cannot be cut into layers",
               "give a mask, a coverage, a material or a level set");
 }
 

@@ -26,10 +26,10 @@ struct Crossing {
   double inside, outside; ///< squares, voxels
   double inLimit, outLimit;
 
-  double squareAt(double s) const { // not above the square at s of the way outward
+  double squareAt(double s) const { // lower bound of the square at s of the segment outward
     return inside + s * (outside - inside) - s * (1 - s);
   }
-  // How far out the square of the distance stays at `minimum`.
+  // The position outward up to which the squared distance is at least `minimum`.
   double guarded(double minimum) const {
     const double b = inside - outside + 1, rest = inside - minimum;
     const double root = b * b - 4 * rest;
@@ -62,7 +62,7 @@ public:
     return startInside ? s : 1 - s;
   }
 
-  // Of a vertex: not above the square of its distance, voxels. It lies between two voxels, off
+  // For a vertex: a lower bound of its squared distance, voxels. It lies between two voxels, off
   // both.
   double squareAt(const Vec3d& point) const {
     Vec3i voxel;

@@ -22,7 +22,7 @@ std::vector<std::uint8_t> huffmanLengths(const std::vector<std::uint64_t>& count
   }
   std::sort(leaves.begin(), leaves.end());
 
-  // A list a level: the leaves, merged with pairs of the items of the list before.
+  // One list per level: the leaves, merged with pairs of the items of the previous list.
   std::vector<std::vector<bool>> isLeaf;
   std::vector<std::uint64_t> before;
   for (int level = 0; level < limit; ++level) {
@@ -42,7 +42,7 @@ std::vector<std::uint8_t> huffmanLengths(const std::vector<std::uint64_t>& count
     isLeaf.push_back(std::move(leaf));
     before = std::move(list);
   }
-  // A symbol's length is how many of the items that are taken, level by level, are its leaf.
+  // A symbol's length is the number of selected items, over all levels, that are its leaf.
   std::size_t taken = 2 * leaves.size() - 2;
   for (std::size_t level = isLeaf.size(); level-- > 0;) {
     const auto begin = isLeaf[level].begin();

@@ -8,12 +8,12 @@ namespace tetvdb {
 
 /// Lengths of an optimal prefix code whose words have at most `limit` bits, by package-merge
 /// (Larmore and Hirschberg, "A fast algorithm for optimal length-limited Huffman codes", 1990).
-/// Symbols that do not occur have length 0, and one that occurs alone 1. At most 2^limit symbols
+/// Symbols that do not occur have length 0, a single occurring symbol 1. At most 2^limit symbols
 /// may occur. Deterministic.
 std::vector<std::uint8_t> huffmanLengths(const std::vector<std::uint64_t>& counts, int limit);
 
-/// The words of the code with these lengths, as deflate numbers them (RFC 1951, 3.2.2), bits turned
-/// round so that the first is the lowest.
+/// The words of the code with these lengths, as numbered by deflate (RFC 1951, 3.2.2), with
+/// reversed bits, so that the first is the lowest.
 std::vector<std::uint16_t> huffmanWords(const std::vector<std::uint8_t>& lengths);
 
 } // namespace tetvdb

@@ -53,8 +53,8 @@ double toSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
   return length(minus(p, plus(a, times(edge, t))));
 }
 
-// In an eighth of a cell of side 2: the others are its mirror images, and struts of these are no
-// nearer. `p` from a corner of the cell.
+// In an eighth of a cell of side 2: the others are its mirror images, and their struts are not
+// closer. `p` is relative to a corner of the cell.
 double toStrut(InfillKind kind, const Vec3d& p) {
   if (kind == InfillKind::Bcc)
     return toSegment(p, {0, 0, 0}, {1, 1, 1});
@@ -82,14 +82,14 @@ bool readInfill(const std::string& name, InfillKind& kind) {
 }
 
 Infill::Infill(InfillKind kind, double cell) : kind_(kind), cell_(cell), distances_(kSamples) {
-  // Not on a lattice, which would have many at equal distances.
+  // Not on a lattice, which would have many equal distances.
   const Box box{{0, 0, 0}, {cell, cell, cell}};
   tbb::parallel_for(std::size_t(0), kSamples,
                     [&](std::size_t i) { distances_[i] = distanceAt(pointInBox(box, i)); });
   tbb::parallel_sort(distances_.begin(), distances_.end());
 }
 
-// What a place's coordinate along one axis says.
+// The terms of a point's coordinate along one axis.
 struct Infill::Term {
   double sine = 0, cosine = 0; // sheets
   double eighth = 0;           // struts: 0 to 1 from a corner of the cell to its midpoint

@@ -13,24 +13,24 @@
 
 namespace tetvdb {
 
-/// A place is in the lattice where its distance to the sheet or to the nearest strut's axis is
-/// below half of the thickness. Distances to struts are exact, those to sheets |f| / |grad f|:
-/// right to first order near the sheet.
+/// A point is in the lattice if its distance to the sheet or to the nearest strut's axis is below
+/// half of the thickness. Distances to struts are exact, those to sheets |f| / |grad f|: correct to
+/// first order close to the sheet.
 class Infill {
 public:
   /// `cell` > 0, world units. Samples a cell at 2^18 points.
   Infill(InfillKind kind, double cell);
 
-  /// To the sheet or the nearest axis, world units. Thread-safe.
+  /// Distance to the sheet or the nearest axis, world units. Thread-safe.
   double distanceAt(const Vec3d& p) const;
 
-  /// The same for count^3 places from `first` on, `step` apart, [(x * count + y) * count + z]; 10
-  /// to 30 ns each.
+  /// The same for count^3 points from `first`, at intervals of `step`, [(x * count + y) * count +
+  /// z]; 10 to 30 ns each.
   void distances(const Vec3d& first, double step, int count, double* out) const;
 
-  /// The thickness at which that share of a cell, 0 to 1, is filled: as of the samples.
+  /// The thickness for which this share of a cell, 0 to 1, is filled, by the samples.
   double thicknessFor(double density) const;
-  /// The share of a cell that is filled.
+  /// The filled share of a cell.
   double densityOf(double thickness) const;
 
 private:

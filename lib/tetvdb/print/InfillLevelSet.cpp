@@ -19,7 +19,7 @@ using Leaf = Tree::LeafNodeType;
 
 constexpr double kBand = 4; // voxels
 
-// Origins of all leaves, and of those that tiles inside stand for.
+// Origins of all leaves, and of those represented by inside tiles.
 std::vector<openvdb::Coord> leavesOf(const Tree& tree) {
   std::vector<openvdb::Coord> origins;
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf)
@@ -51,7 +51,7 @@ openvdb::FloatGrid::Ptr infillLevelSet(const openvdb::FloatGrid& cavity, const I
     return static_cast<float>(std::clamp((amount / 2 - distance) / voxel, -kBand, kBand));
   };
   tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t i) {
-    // One voxel around the leaf too: what passes between it and the next is on both sides.
+    // Includes one voxel around the leaf: a surface between it and the next leaf is on both sides.
     constexpr std::int32_t kAlong = kLeafSize + 2;
     std::array<double, std::size_t(kAlong) * kAlong * kAlong> distances;
     const openvdb::Coord first = origins[i].offsetBy(-1);

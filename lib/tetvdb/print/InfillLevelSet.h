@@ -12,9 +12,9 @@ namespace tetvdb {
 /// The thickness of a lattice at a voxel, world units. Thread-safe.
 using ThicknessAt = std::function<double(const openvdb::Coord& voxel)>;
 
-/// A level set in voxels, as offsetLevelSet() makes them, below 0 in that part of `cavity`, another
-/// one, that the lattice leaves free, and above it in the lattice, in the cavity's leaves too.
-/// Parallel; 50 ns a voxel of the cavity.
+/// Returns a level set in voxels, as offsetLevelSet() makes them, below 0 in the part of `cavity`,
+/// another level set, outside of the lattice, and above 0 in the lattice, also in the cavity's
+/// leaves. Parallel; 50 ns per voxel of the cavity.
 openvdb::FloatGrid::Ptr infillLevelSet(const openvdb::FloatGrid& cavity, const Infill& infill,
                                        const ThicknessAt& thickness, Progress& progress);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Rows of a layer as one bit a pixel.
+// Rows of a layer with one bit per pixel.
 #pragma once
 
 #include "tetvdb/print/Layer.h"
@@ -9,11 +9,11 @@
 
 namespace tetvdb {
 
-/// Grey levels from this on are white in images of one bit a pixel.
+/// Minimum grey level of white in images with one bit per pixel.
 constexpr int kWhiteFrom = 128;
 
 /// Sets the bits of the white pixels of layer.rows[row], the first pixel in the highest bit. Bytes
-/// that a run fills are set as a whole.
+/// within a run are set as a whole.
 inline void setRowBits(const Layer& layer, std::size_t row, char* bytes) {
   const auto [begin, end] = layer.runsOf(row);
   for (const PixelRun* run = begin; run != end; ++run) {

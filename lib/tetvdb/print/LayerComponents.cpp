@@ -61,7 +61,8 @@ SpanRows gapsOf(const SpanRows& solid) {
   return gaps;
 }
 
-// Of spans between two of the solid; what reaches around the solid of the next row is outside.
+// Labels spans between two of the solid; spans that extend around the solid of the next row are
+// outside.
 LabelledSpans labelledGaps(const SpanRows& solid, Neighbours neighbours) {
   LabelledSpans region;
   region.rows = gapsOf(solid);
@@ -83,7 +84,7 @@ LabelledSpans labelledGaps(const SpanRows& solid, Neighbours neighbours) {
           open[i] = 1;
     }
   }
-  // A component is outside where one of its spans is.
+  // A component is outside if one of its spans is.
   for (std::uint32_t i = 0; i < count; ++i)
     if (open[i])
       open[sets.find(i)] = 1;

@@ -8,8 +8,8 @@
 namespace tetvdb {
 namespace {
 
-// Gathers pairs. The last one of each label above is remembered: a component meets the same one
-// in row after row.
+// Gathers pairs. The last one of each label above is stored, since components have the same
+// contacts in successive rows.
 class Contacts {
 public:
   explicit Contacts(std::size_t above) : last_(above, kNone) {}
@@ -38,7 +38,7 @@ struct VoidSpan {
   std::uint32_t label;
 };
 
-// All that is void in a row, from left to right; `spans` has room for it.
+// All void of a row, from left to right; `spans` is a buffer.
 void voidOf(const LayerComponents& layer, std::int32_t y, std::vector<VoidSpan>& spans) {
   constexpr std::int32_t kLow = std::numeric_limits<std::int32_t>::min();
   constexpr std::int32_t kHigh = std::numeric_limits<std::int32_t>::max();
@@ -101,7 +101,7 @@ std::vector<LayerContact> voidContacts(const LayerComponents& below, const Layer
     const auto [b0, b1] = gapsBelow.rangeOf(y);
     const auto [a0, a1] = gapsAbove.rangeOf(y);
     if (b0 == b1 && a0 == a1)
-      continue; // outside alone
+      continue; // outside only
     voidOf(below, y, lower);
     voidOf(above, y, upper);
     std::size_t j = 0;

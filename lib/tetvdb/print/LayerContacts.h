@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which components of a layer lie on which of the layer below: those that share a pixel's whole
-// side.
+// Contacts of components of two successive layers: those that share a whole side of a
+// pixel.
 #pragma once
 
 #include "tetvdb/print/LayerComponents.h"
@@ -20,13 +20,13 @@ struct LayerContact {
   bool operator==(const LayerContact& o) const { return below == o.below && above == o.above; }
 };
 
-/// Each pair once, in order. About 10 ns a span.
+/// Each pair once, in order. About 10 ns per span.
 std::vector<LayerContact> solidContacts(const LabelledSpans& below, const LabelledSpans& above);
 
-/// Of the void; that of the outside with itself is left out.
+/// Contacts of the void; that of the outside with itself is omitted.
 std::vector<LayerContact> voidContacts(const LayerComponents& below, const LayerComponents& above);
 
-/// Pairs that come within so many columns and rows of each other: 0 and 0 is solidContacts().
+/// Pairs within this many columns and rows of each other: 0 and 0 equals solidContacts().
 std::vector<LayerContact> nearContacts(const LabelledSpans& below, const LabelledSpans& above,
                                        std::int32_t columns, std::int32_t rows);
 

@@ -25,7 +25,7 @@ LayerFaces::LayerFaces(std::vector<LayerRange> ranges, std::int32_t layers, std:
 }
 
 LayerSlab LayerFaces::next() {
-  // How many layers: each adds the faces that begin with it, and those that go on.
+  // Number of layers: each adds the faces that begin in it, and those that continue.
   std::size_t pairs = 0, met = active_.size();
   std::int32_t end = at_;
   do {

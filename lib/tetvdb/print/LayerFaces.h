@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which faces every layer meets, a slab of layers at a time from below.
+// Finds the faces that each layer meets, one slab of layers at a time from below.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace tetvdb {
 
-/// The layers that a face meets; none where last < first.
+/// The layers that a face meets; none if last < first.
 struct LayerRange {
   std::int32_t first = 0, last = -1;
 };
@@ -17,14 +17,14 @@ struct LayerRange {
 /// The faces of consecutive layers.
 struct LayerSlab {
   std::int32_t first = 0;
-  std::vector<std::size_t> starts; ///< of each layer in `faces`, and the end
+  std::vector<std::size_t> starts; ///< by layer: its first entry in `faces`, and the end
   std::vector<std::uint32_t> faces;
 
   std::int32_t end() const { return first + static_cast<std::int32_t>(starts.size()) - 1; }
 };
 
-/// Walks upward. A slab has as many layers as hold `pairsInSlab` pairs of a face and a layer, at
-/// least one. Memory: 12 bytes a face, and 4 a pair of a slab. For one thread at a time.
+/// Iterates upward. A slab has as many layers as contain `pairsInSlab` pairs of a face and a layer,
+/// at least one. Memory: 12 bytes per face, and 4 per pair of a slab. Not thread-safe.
 class LayerFaces {
 public:
   static constexpr std::size_t kPairsInSlab = std::size_t(1) << 22;
@@ -32,15 +32,16 @@ public:
   LayerFaces(std::vector<LayerRange> ranges, std::int32_t layers,
              std::size_t pairsInSlab = kPairsInSlab);
 
-  /// The next slab; layers that no face meets are in it. Not to be called beyond the last layer.
+  /// Returns the next slab, including layers without faces. Must not be called beyond the last
+  /// layer.
   LayerSlab next();
   std::int32_t layers() const { return layers_; }
 
 private:
   std::vector<LayerRange> ranges_;
   std::vector<std::uint32_t> order_;  ///< faces in order of their first layer
-  std::vector<std::uint32_t> active_; ///< faces of layers before that reach at_
-  std::vector<std::size_t> begins_;   ///< of each first layer in order_
+  std::vector<std::uint32_t> active_; ///< faces of previous layers that reach at_
+  std::vector<std::size_t> begins_;   ///< by first layer: position in order_
   std::int32_t layers_ = 0, at_ = 0;
   std::size_t pairsInSlab_;
 };

@@ -31,10 +31,10 @@ std::vector<LayerFormat> makeTable() {
   add("goo", ".goo", "Elegoo's resin printers, version 3.0", writeGoo);
   add("cli", ".cli", "Common Layer Interface, text", writeCli).contours = true;
   add("cli-binary", ".cli", "Common Layer Interface, binary", writeCliBinary).contours = true;
-  add("svg", ".svg", "A group of paths a layer, as Slic3r", writeSliceSvg).contours = true;
+  add("svg", ".svg", "One group of paths per layer, as Slic3r", writeSliceSvg).contours = true;
   LayerFormat& threeMf = add("3mf", ".3mf", "3MF with the slice extension", writeThreeMfSlices);
   threeMf.contours = threeMf.needsMesh = true;
-  add("tif", ".tif .tiff", "Pages of 1 bit a pixel", writeTiffStack).oneBit = true;
+  add("tif", ".tif .tiff", "Pages of 1 bit per pixel", writeTiffStack).oneBit = true;
   return all;
 }
 
@@ -72,11 +72,11 @@ const LayerFormat& layerFormatFor(const std::string& path, const std::string& na
     return layerFormats().front();
   if (name.empty())
     throw Error(Status::Usage, path, "cannot write layers to files that end in '" + ending + "'",
-                "name it " + endings + ", without an ending for a folder, or say `format`");
+                "name it " + endings + ", without an ending for a folder, or give `format`");
   std::string list;
   for (const std::string& one : names)
     (list += list.empty() ? "" : ", ") += one;
-  throw Error(Status::Usage, "`format`", "'" + name + "' is no format of layers",
+  throw Error(Status::Usage, "`format`", "'" + name + "' is not a format of layers",
               suggestName(name, names, "choose from " + list));
 }
 

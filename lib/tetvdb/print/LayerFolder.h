@@ -9,14 +9,14 @@
 
 namespace tetvdb {
 
-/// Files are written into a folder of a temporary name beside the target, which then takes its
-/// place. A folder that is there is replaced where all that is in it has the names of this class's
-/// files (manifest.json, and digits behind `stem` with the ending) and manifest.json is among them,
-/// or where it is empty. For one thread at a time.
+/// Files are written into a folder with a temporary name beside the target, which is then renamed.
+/// An existing folder is replaced if all of its files have names of this class's files
+/// (manifest.json, and digits after `stem` with the ending) and manifest.json is among them, or if
+/// it is empty. Not thread-safe.
 class LayerFolder {
 public:
-  /// `ending` with its dot. Throws Error(Usage) for what is there and cannot be replaced,
-  /// Error(Write) where no folder can be made.
+  /// `ending` includes its dot. Throws Error(Usage) if the existing target cannot be replaced,
+  /// Error(Write) if no folder can be created.
   LayerFolder(std::string path, std::string_view stem, std::string_view ending);
   /// Removes the temporary folder.
   ~LayerFolder();
@@ -29,7 +29,7 @@ public:
   void write(const std::string& name, std::string_view bytes);
   /// Bytes written so far.
   std::uint64_t bytes() const { return bytes_; }
-  /// Throws Error(Write); the target is then as it was.
+  /// Throws Error(Write); the target is then unchanged.
   void commit();
 
 private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// libpng, which writes the program's pictures, takes whole rows of pixels.
+// Without libpng, which writes the program's pictures but requires whole rows of pixels.
 #include "tetvdb/print/LayerPng.h"
 
 #include "tetvdb/core/Error.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Layers one after the other, from below: what checks, containers and sums are made of.
+// Layers in order, from below: the input of checks, containers and sums.
 //
 //   forEachLayer(
 //       source, [&](std::int32_t k, Layer&& layer) { return encode(k, layer); },   // in parallel
@@ -21,29 +21,29 @@
 
 namespace tetvdb {
 
-/// Some consecutive layers, ready to be made. Thread-safe.
+/// Several consecutive layers, ready to be made. Thread-safe.
 class LayerBatch {
 public:
   virtual ~LayerBatch() = default;
   /// One past the last layer.
   virtual std::int32_t end() const = 0;
-  /// Makes a layer of the batch; `layer` is overwritten.
+  /// Makes a layer of the batch; overwrites `layer`.
   virtual void make(std::int32_t k, Layer& layer) const = 0;
 };
 
-/// A solid, cut into layers. Whatever the number of threads, the layers are the same.
+/// A solid cut into layers. The layers do not depend on the number of threads.
 class LayerSource {
 public:
   virtual ~LayerSource() = default;
   virtual const LayerFrame& frame() const = 0;
-  /// The batch that begins with layer `first`: layer 0, and then where the last one ended. For one
-  /// thread at a time; batches can be used while others are made, as long as the source lives.
+  /// Returns the batch that begins with layer `first`: layer 0, then the end of the previous batch.
+  /// Not thread-safe; batches can be used while others are made, as long as the source exists.
   virtual std::shared_ptr<const LayerBatch> batch(std::int32_t first) = 0;
 };
 
-/// For every layer k, from 0 upward, take(k, work(k, layer)): work() in parallel for different
-/// layers, take() for one after the other in order. About two layers a thread are in memory at a
-/// time. Throws what these throw, and Error(Cancelled).
+/// Calls take(k, work(k, layer)) for every layer k, from 0 upward: work() in parallel for different
+/// layers, take() for one layer at a time in order. About two layers per thread are in memory at a
+/// time. Throws the errors of these functions, and Error(Cancelled).
 template <typename Work, typename Take>
 void forEachLayer(LayerSource& source, const Work& work, const Take& take, Progress& progress) {
   using Made = std::decay_t<decltype(work(std::int32_t(0), std::declval<Layer&&>()))>;

@@ -18,7 +18,7 @@ public:
   }
 
   EncodedLayer encode(std::int32_t k, const Layer& layer) const override {
-    // No two layers share a byte.
+    // Layers have separate bytes.
     std::uint8_t* image = pixels_.data() + layerSize() * static_cast<std::size_t>(k);
     for (std::size_t i = 0; i < layer.rows.size(); ++i) {
       std::uint8_t* row = image + static_cast<std::size_t>(layer.rows[i].y) *

@@ -12,10 +12,10 @@
 
 namespace tetvdb {
 
-/// A writer into `pixels`, which it makes as large as all layers of the frame: the value of pixel
-/// (x, y) of layer k is at [(k * height + y) * width + x], and 0 where a layer has none. `pixels`
-/// must outlive it, and is complete once finish() has returned. Throws Error(Limit) where that does
-/// not fit into `maxMemory` bytes for the whole process (0: what the machine has available).
+/// A writer into `pixels`, which it resizes to all layers of the frame: the value of pixel (x, y)
+/// of layer k is at [(k * height + y) * width + x], and 0 without a run. `pixels` must outlive it,
+/// and is complete after finish(). Throws Error(Limit) if it does not fit into `maxMemory` bytes
+/// for the whole process (0: the available memory).
 std::unique_ptr<LayerWriter> layerStack(const LayerFrame& frame, std::size_t maxMemory,
                                         std::vector<std::uint8_t>& pixels);
 

@@ -22,8 +22,8 @@ double midpointOf(const LayerFrame& frame, std::int32_t k) {
   return frame.bottomOf(k) + frame.heightOf(k) / 2;
 }
 
-// The number of layers, from the lowest, for which below(k) holds; it holds for no layer above one
-// for which it does not. `guess` is near the answer.
+// The number of layers, from the lowest, for which below(k) holds; below(k) must be monotonic.
+// `guess` is close to the result.
 template <typename Below>
 std::int32_t countLayers(const LayerFrame& frame, double guess, const Below& below) {
   auto k = static_cast<std::int32_t>(std::clamp(guess, 0.0, static_cast<double>(frame.layers)));
@@ -111,8 +111,8 @@ private:
       addVolumeOfFace(cornersOf(*face), weight, heights, sums);
   }
 
-  // Calls visit(i, j, m, n) for each face: the plane passes from edge (i, j) to edge (m, n), each
-  // from the corner below to that above, with the solid on the left.
+  // Calls visit(i, j, m, n) for each face: the plane crosses from edge (i, j) to edge (m, n), each
+  // from the lower corner to the upper one, with the solid on the left.
   template <typename Visit>
   void forEachLine(double z, const std::uint32_t* begin, const std::uint32_t* end,
                    const Visit& visit) const {
@@ -191,7 +191,7 @@ private:
 
 namespace {
 
-// Some layers with their faces. `Maker` is MeshLayers::Impl, which is not known here.
+// Several layers with their faces. `Maker` is MeshLayers::Impl, which is incomplete here.
 template <typename Maker>
 class MeshBatch : public LayerBatch {
 public:

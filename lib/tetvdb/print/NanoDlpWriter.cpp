@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A layer's islands: pixels above 0 that are connected along rows and columns.
+// A layer's islands: pixels above 0 connected along rows and columns.
 struct LayerIslands {
   std::vector<double> pixels; ///< of each
   std::int32_t minX = std::numeric_limits<std::int32_t>::max(), minY = minX, maxX = -1, maxY = -1;

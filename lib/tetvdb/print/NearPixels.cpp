@@ -8,7 +8,7 @@
 namespace tetvdb {
 namespace {
 
-// `spans` without those of [near, end), each grown by `reach` to both sides.
+// Removes from `spans` those of [near, end), each grown by `reach` on both sides.
 void subtract(std::vector<Span>& spans, const Span* near, const Span* end, std::int32_t reach,
               std::vector<Span>& room) {
   room.clear();
@@ -27,7 +27,7 @@ void subtract(std::vector<Span>& spans, const Span* near, const Span* end, std::
   spans.swap(room);
 }
 
-// Which rows are as the row before them.
+// Marks rows that equal the previous row.
 std::vector<std::uint8_t> repeatedRows(const SpanRows& set) {
   std::vector<std::uint8_t> repeats(static_cast<std::size_t>(set.endRow() - set.firstRow()), 0);
   for (std::int32_t y = set.firstRow() + 1; y < set.endRow(); ++y) {
@@ -88,8 +88,8 @@ SpanRows withoutNear(const SpanRows& from, const SpanRows& other, const PixelDis
   for (std::int32_t y = from.firstRow(); y < from.endRow(); ++y) {
     const auto [begin, end] = from.of(y);
     spans.assign(begin, end);
-    // The nearest rows first, as their spans grow by more: a row that is as the one before it,
-    // nearer to y, changes nothing.
+    // The nearest rows first, since their spans grow by more: a row that equals the previous one,
+    // closer to y, has no effect.
     if (rows >= 0 && !spans.empty())
       leaveOut(y, disc.reach(0));
     for (std::int32_t dy = 1; dy <= rows && !spans.empty(); ++dy) {

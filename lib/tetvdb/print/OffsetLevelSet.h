@@ -6,14 +6,14 @@
 
 namespace tetvdb {
 
-/// Voxels on either side of a level set's surface at which its values are distances.
+/// Voxels on either side of a level set's surface within which its values are distances.
 constexpr double kOffsetBand = 1.05;
 
 enum class OffsetKept : std::uint8_t { Farther, Nearer };
 
-/// A level set "shape" in voxels, below 0 inside, of the places that are farther than `distance`
-/// world units, or nearer, by squared distances in voxels that SolidDistances::between() gave for a
-/// range that reaches kOffsetBand voxels to either side of it. Parallel by leaves.
+/// Returns a level set "shape" in voxels, below 0 inside, of the points that are farther than
+/// `distance` world units, or closer, by squared distances in voxels from SolidDistances::between()
+/// for a range that extends kOffsetBand voxels to either side of it. Parallel by leaves.
 openvdb::FloatGrid::Ptr offsetLevelSet(const openvdb::FloatGrid& squared, double distance,
                                        OffsetKept kept, const GridTransform& transform);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-// The part of a horizontal line at y that is within a distance of a segment; empty where low >
+// The part of a horizontal line at y within a distance of a segment; empty if low >
 // high.
 struct Span {
   double low = std::numeric_limits<double>::infinity();
@@ -22,7 +22,7 @@ struct Span {
   }
 };
 
-// The places within a distance of a segment are convex: two discs, and a rectangle between them.
+// The points within a distance of a segment are convex: two discs, and a rectangle between them.
 Span nearSegment(const Point& a, const Point& b, double distance, double y) {
   Span span;
   for (const Point& end : {a, b}) {

@@ -16,27 +16,27 @@
 
 namespace tetvdb {
 
-/// With S the places whose winding number is above 0, and d the distance: grown by d > 0 the region
-/// is what is within d of S, shrunk by d < 0 what of S is farther than |d| from its boundary lines.
-/// Every row of pixels is looked at along `lines` evenly spaced lines, along which shares are
-/// exact: the region is the union (or what remains without them) of the spans within S and, of each
-/// boundary line, the span within |d| of it. Distances are in millimetres, so pixels need not be
-/// square. Cost: about 50 ns for each boundary line and line that come within |d| of each other.
-/// For one thread at a time.
+/// With S the points whose winding number is above 0, and d the distance: grown by d > 0, the
+/// region is the set of points within d of S; shrunk by d < 0, the points of S farther than |d|
+/// from its boundary lines. Every row of pixels is sampled along `lines` evenly spaced lines, along
+/// which shares are exact: the region is the union (or the difference) of the spans within S and,
+/// for each boundary line, the span within |d| of it. Distances are in millimetres, so that pixels
+/// may be non-square. Cost: about 50 ns per pair of a boundary line and a line within |d| of each
+/// other. Not thread-safe.
 class OffsetRows {
 public:
   /// `distance` in millimetres, not 0.
   OffsetRows(const LayerFrame& frame, double distance, int lines)
       : frame_(frame), distance_(distance), lines_(lines) {}
 
-  /// A line of S's boundary in pixels, as addAreaOfLine() takes it.
+  /// Adds a line of S's boundary in pixels, as for addAreaOfLine().
   void addLine(const std::array<double, 2>& from, const std::array<double, 2>& to, int weight);
 
-  /// Adds the region to `sums`, each line with `part` of a pixel; the boundary is forgotten.
+  /// Adds the region to `sums`, each line with `part` of a pixel; clears the boundary.
   void finishPlane(double part, PixelSums& sums);
 
 private:
-  // Along a line: where the winding number or the number of boundary lines nearby changes.
+  // Along a line: a change of the winding number or of the number of boundary lines nearby.
   struct Change {
     std::int64_t line;
     double x; ///< pixels

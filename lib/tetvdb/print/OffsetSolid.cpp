@@ -21,9 +21,9 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMinVoxels = 2;
-constexpr double kBytesPerSquare = 500; // of all steps together, for a square voxel of the surface
+constexpr double kBytesPerSquare = 500; // of all steps together, per square voxel of the surface
 
-// Samples of an offset solid, whose surface passes between two voxels where the distance does.
+// Samples of an offset solid, whose surface passes between two voxels at the distance.
 class OffsetSamples : public SolidSamples {
 public:
   OffsetSamples(std::unique_ptr<SolidSamples> shape, const TriangleScene& scene, double distance,
@@ -38,8 +38,8 @@ public:
   }
   bool hasHeights() const override { return true; }
 
-  // Regula falsi with halved weights (Dowell and Jarratt's Illinois method), from ends on either
-  // side.
+  // Regula falsi with halved weights (Dowell and Jarratt's Illinois method), from points on both
+  // sides.
   double passage(const Vec3i& voxel, std::size_t axis, bool startInside) const override {
     constexpr int kSteps = 16;
     constexpr double kNear = 1e-6; // voxels
@@ -85,7 +85,7 @@ private:
   const bool grows_;
 };
 
-// The offset surface is at right angles to the way from the point of the solid next to it.
+// The offset surface is perpendicular to the direction to the nearest point of the solid.
 std::vector<ShapeContact> contactsOf(const TriangleMesh& offset, const TriangleScene& scene,
                                      double distance) {
   std::vector<ShapeContact> contacts(offset.points.size());

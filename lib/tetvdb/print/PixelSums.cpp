@@ -13,7 +13,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::int64_t kWhole = GreyLevels::kWhole;
-constexpr std::int64_t kSnap = kWhole >> 32; // as coverage grids, fields/Coverage.h
+constexpr std::int64_t kSnap = kWhole >> 32; // as in coverage grids, fields/Coverage.h
 
 std::int64_t snapped(std::int64_t share) {
   const std::int64_t nearest = (share + kWhole / 2) & -kWhole;

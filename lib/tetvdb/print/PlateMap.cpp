@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kRounding = 1e-9; // of a length: how far a model may leave the plate
+constexpr double kRounding = 1e-9; // relative to a length: how far a model may exceed the plate
 constexpr double kMaxLayers = 1 << 20;
 
 } // namespace
@@ -82,7 +82,7 @@ LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share)
   frame.pixelHeight = printer.display[1 - across] / frame.height;
   frame.layerHeight = printer.layerHeight;
   frame.firstLayerHeight = printer.firstHeight();
-  // What is above the last whole layer by rounding is no layer.
+  // A remainder above the last whole layer that is only rounding is not a layer.
   const double reached = top * (1 - kRounding);
   double count = std::ceil((reached - frame.firstLayerHeight) / frame.layerHeight) + 1;
   if (count > kMaxLayers)

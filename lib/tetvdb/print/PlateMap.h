@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where a model stands on the plate, and which pixel that is.
+// The position of a model on the plate, and in the image.
 #pragma once
 
 #include "tetvdb/print/Layer.h"
@@ -14,7 +14,7 @@
 
 namespace tetvdb {
 
-/// From the model to the plate: point * scale + offset, in millimetres. The plate's x and y run
+/// Maps the model to the plate: point * scale + offset, in millimetres. The plate's x and y are
 /// from 0 to the display's width and height, seen from above.
 struct PlateMap {
   std::array<double, 3> scale{1, 1, 1}, offset{0, 0, 0};
@@ -25,8 +25,8 @@ struct PlateMap {
   }
 };
 
-/// Wherever that is, on the plate or beside it. Throws Error(Usage) and Error(Invalid) for a scale
-/// and a box that are none.
+/// At any position, on the plate or beside it. Throws Error(Usage) and Error(Invalid) for an
+/// invalid scale or box.
 PlateMap mapToPlate(const WorldBox& model, const PrinterSettings& printer,
                     const PlaceOptions& options);
 
@@ -34,24 +34,24 @@ PlateMap mapToPlate(const WorldBox& model, const PrinterSettings& printer,
 PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
                       const PlaceOptions& options);
 
-/// The frame of a printer's images for a model that reaches up to `top` millimetres: as many layers
-/// as have a part of it (Volume), or whose middle is below its top, at least one. A portrait
+/// The frame of a printer's images for a model up to a height of `top` millimetres: as many layers
+/// as contain a part of it (Volume), or whose middle is below its top, at least one. A portrait
 /// display has its sides exchanged. Throws Error(Limit) beyond 2^20 layers.
 LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share);
 
-/// Whether the images of a printer show the plate as in a mirror, rows counted from the top.
+/// Whether the images of a printer show the plate mirrored, with rows counted from the top.
 bool isMirrored(const PrinterSettings& printer);
 
-/// A place on the plate, in millimetres, as x and y in pixels of the image: seen from above, row 0
-/// is at the plate's largest y; a portrait display is turned by a quarter to the right and
-/// mirrored; then the image is mirrored as the printer asks. As PrusaSlicer places them.
+/// Maps a point on the plate, in millimetres, to x and y in pixels of the image: seen from above,
+/// row 0 is at the plate's largest y; a portrait display is rotated by 90 degrees to the right and
+/// mirrored; then the image is mirrored by the printer's setting. The same as PrusaSlicer's.
 std::array<double, 2> pixelOf(const PrinterSettings& printer, double x, double y);
 
 /// The place on the plate that pixelOf() maps to a column and row of the image.
 std::array<double, 2> plateOf(const PrinterSettings& printer, double column, double row);
 
-/// Points of a model on the plate, then in the image; clamped to the frame, which placeOnPlate()
-/// lets them pass by rounding alone. Contours stay in millimetres.
+/// Maps points of a model to the plate, then to the image; limited to the frame, which they can
+/// exceed after placeOnPlate() only by rounding. Contours stay in millimetres.
 FrameFaces framedFaces(std::vector<Vec3d> points, std::vector<std::uint32_t> triangles,
                        const PlateMap& map, const PrinterSettings& printer, LayerShare share);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Keys: PrusaSlicer's print configuration for SLA, as it writes it into .ini and .sl1 files.
+// Keys: PrusaSlicer's print configuration for SLA, as written to .ini and .sl1 files.
 #include "tetvdb/print/PrinterSettings.h"
 
 #include "tetvdb/core/Error.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMaxPixels = 1 << 20;
 
-// One value of a file, and where it stands.
+// One value of a file, and its line.
 struct Entry {
   std::string_view value;
   const std::string& where;
@@ -124,15 +124,15 @@ PrinterSettings readPrinter(const std::string& path) {
       continue;
     const std::string where = path + ":" + std::to_string(number);
     if (line.front() == '[')
-      throw Error(Status::Invalid, where, "has sections, of several printers perhaps",
-                  "export the configuration of one");
+      throw Error(Status::Invalid, where, "has sections, possibly of several printers",
+                  "export the configuration of a single printer");
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos)
-      throw Error(Status::Invalid, where, "is no line 'key = value'");
+      throw Error(Status::Invalid, where, "is not a line 'key = value'");
     const std::string_view key = trimmed(line.substr(0, equals));
     const std::string_view value = trimmed(line.substr(equals + 1));
     if (!printer.keys.emplace(key, value).second)
-      throw Error(Status::Invalid, where, "'" + std::string(key) + "' comes twice");
+      throw Error(Status::Invalid, where, "'" + std::string(key) + "' is repeated");
     const auto setter = setters().find(key);
     if (setter != setters().end())
       setter->second(printer, Entry{value, where});

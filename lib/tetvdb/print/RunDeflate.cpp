@@ -15,7 +15,7 @@ constexpr std::uint64_t kLongest = 258;
 constexpr std::uint64_t kShortest = 3;
 constexpr std::size_t kLongestSymbol = 285;
 
-// The symbol of a match's length, and the bits behind it.
+// The symbol of a match's length, and its additional bits.
 struct LengthCode {
   std::uint16_t symbol;
   std::uint8_t bits;
@@ -39,7 +39,7 @@ const std::array<LengthCode, kLongest + 1>& lengthCodes() {
   return codes;
 }
 
-// A run as single bytes, matches of the greatest length and one other match.
+// A run as single bytes, matches of maximum length and one other match.
 struct Tokens {
   std::uint64_t singles, longest, other;
 };
@@ -65,7 +65,7 @@ public:
       count_ -= 8;
     }
   }
-  // Behind a first word, eight words take whole bytes, which then repeat.
+  // After the first word, eight words occupy whole bytes, which are then repeated.
   void repeat(std::uint32_t word, int bits, std::uint64_t times) {
     const auto period = static_cast<std::size_t>(bits);
     for (std::uint64_t single = times < 24 ? times : 8 + times % 8; single > 0; --single, --times)
@@ -91,7 +91,7 @@ private:
   int count_ = 0;
 };
 
-// The head of a block with codes of its own (RFC 1951, 3.2.7): lengths of the words for bytes and
+// The header of a block with dynamic codes (RFC 1951, 3.2.7): lengths of the words for bytes and
 // lengths, and 1 for the only distance.
 void writeCodes(const std::vector<std::uint8_t>& lengths, BitWriter& out) {
   constexpr std::array<std::size_t, 19> order = {16, 17, 18, 0, 8,  7, 9,  6, 10, 5,
@@ -164,12 +164,12 @@ std::string RunDeflate::finish() {
   out.write(0x78, 8); // deflate, window of 32 KB
   out.write(0x9c, 8);
   out.write(1, 1); // the last block
-  out.write(2, 2); // codes of its own
+  out.write(2, 2); // dynamic codes
   writeCodes(lengths, out);
   for (const Run& run : runs_) {
     const Tokens tokens = tokensOf(run.count);
     out.repeat(words[run.value], lengths[run.value], tokens.singles);
-    // The distance's word is a bit 0 behind the length.
+    // The distance's word is a 0 bit after the length.
     if (tokens.longest > 0)
       out.repeat(words[kLongestSymbol], lengths[kLongestSymbol] + 1, tokens.longest);
     if (tokens.other > 0) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// zlib streams (RFC 1950, RFC 1951) out of runs of equal bytes, in time that follows the runs and
-// not the bytes.
+// Makes zlib streams (RFC 1950, RFC 1951) from runs of equal bytes, in time proportional to the
+// runs, not the bytes.
 //
 //   tetvdb::RunDeflate stream;
 //   stream.add(0, 1000000);
@@ -16,10 +16,10 @@
 
 namespace tetvdb {
 
-/// One block with a code of its own: single bytes, and runs as matches one byte back, which the
-/// code makes as short as deflate allows (2 bits for 258 bytes). The same bytes for the same
-/// sequence, however it is cut into runs. Memory: 16 bytes a run, and the result. For one thread at
-/// a time.
+/// One block with a dynamic code: single bytes, and runs as matches one byte back, for which the
+/// code has the shortest words of deflate (2 bits for 258 bytes). The bytes depend on the
+/// sequence only, not on its division into runs. Memory: 16 bytes per run, and the result. Not
+/// thread-safe.
 class RunDeflate {
 public:
   /// `count` times `value`.
@@ -32,7 +32,7 @@ public:
       runs_.push_back({count, value});
   }
 
-  /// The whole stream; what was added is forgotten.
+  /// Returns the whole stream and clears the input.
   std::string finish();
 
 private:
@@ -43,7 +43,7 @@ private:
   std::vector<Run> runs_;
 };
 
-/// Adler's checksum (RFC 1950) of bytes that come in runs.
+/// Adler's checksum (RFC 1950) of bytes given as runs.
 class RunAdler {
 public:
   void add(std::uint8_t value, std::uint64_t count);

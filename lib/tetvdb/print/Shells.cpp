@@ -64,7 +64,7 @@ Shells findShells(const TriangleMesh& mesh) {
 
 namespace {
 
-// Drops shells for which `isAsked(volume)`, and what lies in them.
+// Removes shells for which `isAsked(volume)`, with their contents.
 template <typename IsAsked>
 FilledCavities dropShells(TriangleMesh& mesh, const IsAsked& isAsked) {
   FilledCavities filled;
@@ -79,7 +79,7 @@ FilledCavities dropShells(TriangleMesh& mesh, const IsAsked& isAsked) {
       points[shells.ofFace[face]] = p;
     }
   std::vector<char> goes(count, 0);
-  std::vector<std::vector<std::size_t>> within(count); // shells in the box of one that goes
+  std::vector<std::vector<std::size_t>> within(count); // shells in the box of a removed one
   for (std::size_t i = 0; i < count; ++i) {
     if (!isAsked(shells.volumes[i]))
       continue;

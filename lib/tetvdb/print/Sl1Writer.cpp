@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: as PrusaSlicer 2.5 writes it; what its reader and UVtools' need of it.
+// Format: as written by PrusaSlicer 2.5, with the content that its reader and UVtools' require.
 #include "tetvdb/core/Version.h"
 #include "tetvdb/print/ZipLayers.h"
 
@@ -29,7 +29,7 @@ private:
     return found == info_.printer.keys.end() ? other : found->second;
   }
 
-  // Bytes depend on the input alone: the date is always the same.
+  // Bytes depend on the input only: the date is constant.
   std::string config() const {
     const PrinterSettings& printer = info_.printer;
     const double tilt = std::strtod(keyOr("fast_tilt_time", "5").c_str(), nullptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: SVG 1.1 with a group a layer and the attributes of Slic3r.
+// Format: SVG 1.1 with one group per layer and the attributes of Slic3r.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/print/LayerFile.h"
 

@@ -22,8 +22,8 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-constexpr double kMargin = 2;              // voxels around what may be in the range
-constexpr double kSlack = 1e-9;            // relative: more than rounding makes of a distance
+constexpr double kMargin = 2;              // voxels around those that may be in the range
+constexpr double kSlack = 1e-9;            // relative: above the rounding error of a distance
 constexpr std::int32_t kParallel = 16;     // blocks of more voxels are halved in parallel
 constexpr std::int32_t kLongest = 1 << 28; // voxels along the box
 
@@ -32,12 +32,12 @@ struct Block {
   std::int32_t size = 0;
 };
 
-// Blocks of voxels, halved down to one voxel where distances of the range may be: those within a
-// block differ from its midpoint's by no more than the way to it.
+// Blocks of voxels, halved down to one voxel where distances may be in the range: distances within
+// a block differ from its midpoint's by at most the distance to it.
 class Descent {
 public:
   using LeafSink = std::function<void(std::unique_ptr<FloatLeaf>)>;
-  /// A block that is far from the surface throughout, near to it throughout, or on the other side.
+  /// A block that is entirely farther, entirely closer, or on the other side.
   using RestSink = std::function<void(const Block&, bool far, bool beside)>;
   using Side = std::function<bool(const openvdb::Coord& at)>;
 
@@ -62,7 +62,7 @@ private:
 
   struct Nearest {
     Vec3d point;
-    double distance; // voxels, from where it was asked for
+    double distance; // voxels, from the query point
   };
 
   Vec3d midpointOf(const Block& block) const {
@@ -75,7 +75,7 @@ private:
 
   double voxels(double length) const { return length / transform_.voxelSize[0]; }
 
-  // `near`, unless null: a point of the surface not far from the nearest one.
+  // `near`, unless null: a point of the surface close to the nearest one.
   Nearest nearestTo(const Vec3d& p, const Nearest* near) const {
     if (near == nullptr) {
       const TriangleScene::Closest closest = scene_.closest(p);
@@ -88,7 +88,7 @@ private:
     return {near->point, voxels(bound)};
   }
 
-  // `distance` is the midpoint's, and no voxel's centre is farther than `half` from that.
+  // `distance` is the midpoint's, and voxel centres are at most `half` from it.
   Place placeOf(double distance, double half) const {
     const double slack = kSlack * (distance + half);
     if (distance + half + slack < low_)
@@ -146,12 +146,12 @@ private:
     }
   }
 
-  // The voxels of a block within a leaf; values that are not written are 0.
+  // The voxels of a block within a leaf; the others are 0.
   void fill(const Block& block, const Nearest& nearest, float* leaf) const {
     for (int i = 0; i < 8; ++i) {
       const Block child = eighth(block, i);
       const Vec3d p = midpointOf(child);
-      // From the block's midpoint to that of an eighth: what is known without a search.
+      // From the block's midpoint to that of an eighth: bounds without a search.
       const double above = voxels(length(minus(nearest.point, p)));
       const double below = nearest.distance - std::sqrt(0.1875) * block.size;
       const double half = halfOf(child);
@@ -197,7 +197,7 @@ std::int32_t leafBelow(double voxel) {
   return static_cast<std::int32_t>(std::floor(voxel / kLeafSize)) * kLeafSize;
 }
 
-// Whole leaves around all that is within `reach` voxels of the mesh.
+// Whole leaves around the points within `reach` voxels of the mesh.
 VoxelBox boxAround(const TriangleMesh& mesh, const GridTransform& transform, double reach) {
   const WorldBox world = boxOf(mesh, {});
   VoxelBox box;
@@ -214,7 +214,7 @@ VoxelBox boxAround(const TriangleMesh& mesh, const GridTransform& transform, dou
   return box;
 }
 
-// Zero on the side that was not asked for.
+// Sets voxels on the other side to zero.
 void keepSide(FloatLeaf& leaf, const openvdb::BoolTree& inside, bool wanted) {
   const auto* mask = inside.probeConstLeaf(leaf.origin());
   const bool all = mask == nullptr && inside.isValueOn(leaf.origin());
@@ -247,7 +247,7 @@ openvdb::FloatGrid::Ptr SolidDistances::between(SolidSide side, double low, doub
   const bool inside = side == SolidSide::Inside;
   const openvdb::BoolTree& mask = inside_->constTree();
   tbb::concurrent_vector<std::unique_ptr<FloatLeaf>> leaves;
-  tbb::concurrent_vector<Block> blocks; // whose value is not the background
+  tbb::concurrent_vector<Block> blocks; // blocks with other values than the background
   const VoxelBox box = boxAround(mesh_, transform_, inside ? 0 : high / voxel + kMargin);
   const Descent::LeafSink sink = [&](std::unique_ptr<FloatLeaf> leaf) {
     keepSide(*leaf, mask, inside);
@@ -291,7 +291,7 @@ double areaOf(const TriangleMesh& mesh) {
 
 void requireMemory(const TriangleMesh& mesh, double voxel, double bytesPerSquare,
                    std::size_t maxMemory) {
-  constexpr double kRoom = 1.05; // so that the size that is named will do
+  constexpr double kRoom = 1.05; // margin, so that the reported size suffices
   const double bytes = bytesPerSquare * areaOf(mesh) / (voxel * voxel);
   const auto memory = static_cast<double>(maxMemory > 0 ? maxMemory : availableBytes());
   if (bytes > memory)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Exact distances to a closed surface from voxels on one side of it, kept near the distances that
-// are asked for alone.
+// Exact distances to a closed surface from voxels on one side of it, stored only close to the
+// requested distances.
 //
 //   const tetvdb::SolidDistances field(mesh, transform, 0, report, progress);
 //   auto squared = field.between(tetvdb::SolidSide::Inside, 1.9, 2.1, progress);
@@ -23,19 +23,19 @@ enum class SolidSide : std::uint8_t { Inside, Outside };
 /// The voxels of a solid and the distances to its surface. Refers to the mesh.
 class SolidDistances {
 public:
-  /// `mesh` is closed, oriented and without self-intersections, and has a face. Voxels of
-  /// `transform` are cubes. `maxMemory`, bytes, for the voxels inside; 0: what the machine has
-  /// available. Adds stage "voxelize" to `report`. Throws as voxelize() for triangles does; a solid
-  /// in which no voxel centre lies is none.
+  /// `mesh` must be closed, oriented, without self-intersections, and have a face. Voxels of
+  /// `transform` must be cubes. `maxMemory`, bytes, for the inside voxels; 0: the available memory.
+  /// Adds stage "voxelize" to `report`. Throws as voxelize() for triangles does; a solid without
+  /// voxel centres inside is empty.
   SolidDistances(const TriangleMesh& mesh, const GridTransform& transform, std::size_t maxMemory,
                  Report& report, Progress& progress);
 
-  /// Squared distances to the surface, in voxels, of the voxels on that side; 0 on the other. Where
+  /// Squared distances to the surface, in voxels, of the voxels on that side; 0 on the other. If
   /// the distance is from `low` to `high`, world units, the value is that of the nearest point of
-  /// the mesh (TriangleScene.h), rounded to a float; elsewhere it is a number that is not above it,
-  /// on the same side of the range. Leaves where some voxel's distance may be in the range, tiles
-  /// or the background where none is. Time and memory follow the area at which distances are in the
-  /// range: per square voxel of it three or four searches of 1 to 3 us, and 70 bytes.
+  /// the mesh (TriangleScene.h), rounded to a float; otherwise it is a lower bound on the same side
+  /// of the range. Leaves where some voxel's distance may be in the range, tiles or the background
+  /// elsewhere. Time and memory are proportional to the area at which distances are in the range:
+  /// three or four searches of 1 to 3 us, and 70 bytes, per square voxel.
   openvdb::FloatGrid::Ptr between(SolidSide side, double low, double high,
                                   Progress& progress) const;
 
@@ -49,16 +49,16 @@ private:
   openvdb::BoolGrid::Ptr inside_;
 };
 
-/// Voxels of that size for a solid: the sides of its box, and what is whole voxels away from them,
+/// Voxels of that size for a solid: the sides of its box, and planes at whole voxels from them,
 /// pass between their centres. Throws as chooseTransform() does.
 GridTransform offsetTransform(const TriangleMesh& mesh, double voxel);
 
 /// The area of all faces, world units squared.
 double areaOf(const TriangleMesh& mesh);
 
-/// Throws Error(Limit), with the voxel size that would do, where a surface of the mesh's area in
-/// voxels of that size, `bytesPerSquare` bytes for each square of one voxel by one, needs more than
-/// `maxMemory` bytes; 0: what the machine has available.
+/// Throws Error(Limit), with a sufficient voxel size, if a surface of the mesh's area in voxels of
+/// that size, with `bytesPerSquare` bytes per square voxel, needs more than `maxMemory` bytes; 0:
+/// the available memory.
 void requireMemory(const TriangleMesh& mesh, double voxel, double bytesPerSquare,
                    std::size_t maxMemory);
 

@@ -18,7 +18,7 @@ struct Span {
   std::int32_t begin = 0, end = 0;
 };
 
-/// Rows ascend; the spans of a row ascend and do not touch. Memory: 8 bytes a span and a row
+/// Rows ascend; the spans of a row ascend and do not touch. Memory: 8 bytes per span and per row
 /// between the first and the last.
 class SpanRows {
 public:
@@ -27,7 +27,7 @@ public:
     spans_.clear();
   }
 
-  /// Appends behind all that there are; a span that touches the last of its row is joined to it.
+  /// Appends after all existing spans; a span that touches the last of its row is merged with it.
   void add(std::int32_t y, std::int32_t begin, std::int32_t end) {
     if (begin >= end)
       return;
@@ -48,7 +48,7 @@ public:
   /// Of all rows, in order.
   const std::vector<Span>& spans() const { return spans_; }
 
-  /// Where the spans of row y begin and end in spans(); equal for rows without any.
+  /// The range of the spans of row y in spans(); empty for rows without any.
   std::pair<std::size_t, std::size_t> rangeOf(std::int32_t y) const {
     if (starts_.empty() || y < first_ || y >= endRow())
       return {0, 0};
@@ -67,7 +67,7 @@ private:
   std::vector<Span> spans_;
 };
 
-/// The pixels of both sets, and those of either. About 5 ns a span.
+/// The intersection and the union of two sets. About 5 ns per span.
 SpanRows intersectionOf(const SpanRows& a, const SpanRows& b);
 SpanRows unionOf(const SpanRows& a, const SpanRows& b);
 

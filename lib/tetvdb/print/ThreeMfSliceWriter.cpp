@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Format: 3MF Consortium, "3D Manufacturing Format Core Specification" and "Slice Extension" 1.0.2.
-// The object has its mesh at full resolution, so that readers without the extension have it all.
+// The object has its mesh at full resolution for readers without the extension.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/io/text/ZipWriter.h"
 #include "tetvdb/print/LayerFile.h"
@@ -25,7 +25,7 @@ constexpr std::string_view kRelations =
     "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"
     "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
     "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
-constexpr std::size_t kMaxOfXml = std::size_t(1) << 40; // with fields of 64 bits where it is long
+constexpr std::size_t kMaxOfXml = std::size_t(1) << 40; // long files have 64-bit fields
 
 class ThreeMfSliceWriter : public LayerWriter {
 public:

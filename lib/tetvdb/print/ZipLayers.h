@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What containers that are ZIP archives of PNG files share. Internal.
+// Common base of containers that are ZIP archives of PNG files. Internal.
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// Layers become PNG files, stored as they are: they are packed. A format says their names, and
+/// Layers become PNG files, stored without further compression. A format defines their names, and
 /// adds its other files in end().
 class ZipLayers : public LayerWriter {
 public:
@@ -55,7 +55,7 @@ private:
   std::uint64_t bytes_ = 0;
 };
 
-/// Seconds that all exposures take.
+/// Seconds of all exposures.
 inline double exposureTime(const PrintInfo& info) {
   double seconds = 0;
   for (std::int32_t k = 0; k < info.frame.layers; ++k)

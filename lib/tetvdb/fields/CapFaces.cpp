@@ -15,7 +15,7 @@
 namespace tetvdb {
 namespace {
 
-// Two neighbouring centres, the second one further along `axis`.
+// Two neighbouring centres, the second in the positive direction of `axis`.
 struct CentrePair {
   Vec3i first;
   int axis;
@@ -26,7 +26,7 @@ Vec3i stepped(Vec3i voxel, int axis, std::int32_t step) {
   return voxel;
 }
 
-// The pairs of a block that differ in side without a face between them.
+// Finds the pairs of a block on different sides without a face between them.
 void findPairs(const SolidSamples& solid, const openvdb::FloatGrid& levelSet, double voxel,
                const Vec3i& block, std::vector<CentrePair>& pairs) {
   const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> distances(
@@ -54,8 +54,8 @@ LatticePoint centreOf(const Vec3i& voxel) {
   return {voxel[0] * unit, voxel[1] * unit, voxel[2] * unit};
 }
 
-// How far along the pair the winding number passes a half. Whole numbers apart it is the
-// boundary's, and between the two it changes by less than a half.
+// The position along the pair at which the winding number passes 0.5. Up to integers it is that of
+// the boundary, and between the two centres it changes by less than 0.5.
 double crossingOf(const CentrePair& pair, const BoundaryWinding& boundary) {
   const double from = boundary.at(centreOf(pair.first));
   double to = boundary.at(centreOf(stepped(pair.first, pair.axis, 1)));
@@ -64,7 +64,7 @@ double crossingOf(const CentrePair& pair, const BoundaryWinding& boundary) {
   return from == to ? 0.5 : std::clamp((half - from) / (to - from), 0.0, 1.0);
 }
 
-// One of the four cells around a pair, by its lowest corner, and where the pair is crossed.
+// One of the four cells around a pair, by its lowest corner, and the crossing point of the pair.
 struct CellCrossing {
   Vec3i cell;
   std::size_t pair;
@@ -115,7 +115,7 @@ std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolG
   });
   std::sort(crossings.begin(), crossings.end());
 
-  // A corner for every cell; which one a pair's cell got.
+  // A corner for every cell; the corner of each pair's cell.
   std::vector<std::uint32_t> corner(4 * pairs.size());
   mesh.points.resize(mesh.pointCount);
   for (std::size_t i = 0; i < crossings.size();) {

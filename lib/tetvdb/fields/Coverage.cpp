@@ -32,8 +32,8 @@ constexpr int kLeavesInSlab = kLeavesAlong * kLeavesAlong; // y, z
 constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
 constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;
 
-// Volumes are summed as whole numbers of this part of a voxel: no order of faces, and no number of
-// threads, changes a sum. 2^17 solids can lie over each other.
+// Volumes are summed as integers of this part of a voxel, so that sums do not depend on the order
+// of faces or the number of threads. Up to 2^17 solids may overlap.
 constexpr std::int64_t kWhole = std::int64_t(1) << 46;
 constexpr std::int64_t kSnap = kWhole >> 32;
 
@@ -47,8 +47,8 @@ struct FaceInSlab {
   bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
 };
 
-// Points in coordinates in which the cube of voxel i is [i, i + 1]. Not snapped: nothing is decided
-// here, and the volume is the mesh's own.
+// Points in coordinates in which the cube of voxel i is [i, i + 1]. They are not snapped, since no
+// decisions are made here, and the volume is that of the mesh itself.
 using CubePoints = LargeVector<Vec3d>;
 
 CubePoints cubePoints(const std::vector<Vec3d>& points, const GridTransform& transform) {
@@ -62,7 +62,7 @@ CubePoints cubePoints(const std::vector<Vec3d>& points, const GridTransform& tra
   return result;
 }
 
-// Twice the area of a triangle seen along z: above 0 where it turns counter-clockwise.
+// Twice the area of a triangle seen along z: above 0 if it is counter-clockwise.
 double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
@@ -86,7 +86,7 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
           const auto high = [&](std::size_t k) {
             return static_cast<std::int64_t>(std::ceil(std::max({a[k], b[k], c[k]}))) - 1;
           };
-          // The plane's height, for faces of many slabs.
+          // The plane's height, for faces in many slabs.
           const double slopeX =
               ((b[2] - a[2]) * (c[1] - a[1]) - (c[2] - a[2]) * (b[1] - a[1])) / projected;
           const double slopeY =
@@ -98,7 +98,7 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
               const double dy = static_cast<double>(y) * kNodeSize + 64 - a[1];
               const double midpoint = a[2] + slopeX * dx + slopeY * dy;
               const double reach = 4 * std::abs(slopeX) + 64 * std::abs(slopeY) + 1;
-              // Steep planes, and slivers whose slopes say little, keep the whole range.
+              // Steep planes, and slivers with inaccurate slopes, keep the whole range.
               auto from = zLow, to = zHigh;
               if (reach < 4096) {
                 from = std::max(from, static_cast<std::int64_t>(std::floor(midpoint - reach)));
@@ -114,20 +114,20 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
   return all;
 }
 
-// What the faces in a slab of a node add to its voxels: of each voxel the volume above the faces
-// within its cube, and their area seen from above, which is a column of volume in every voxel
-// higher up. Cleared leaf by leaf, when a face first comes there.
+// The contributions of faces in a slab of a node: for each voxel the volume above the faces within
+// its cube, and their projected area, which is the volume added to each higher voxel. Cleared leaf
+// by leaf, when a face first enters a leaf.
 class SlabVolumes {
 public:
   SlabVolumes() : volume_(kLeavesInSlab * kVoxelsInLeaf), area_(kLeavesInSlab * kVoxelsInLeaf) {}
 
   void clear() { touched_.fill(false); }
   bool touched(int leaf) const { return touched_[static_cast<std::size_t>(leaf)]; }
-  /// Of voxel (x, y, z) of a leaf at [(x * 8 + y) * 8 + z].
+  /// For voxel (x, y, z) of a leaf at [(x * 8 + y) * 8 + z].
   const std::int64_t* volume(int leaf) const { return volume_.data() + leaf * kVoxelsInLeaf; }
   const std::int64_t* area(int leaf) const { return area_.data() + leaf * kVoxelsInLeaf; }
 
-  // Corners relative to the slab's first cube; `sign` as the sums change upward.
+  // Corners relative to the slab's first cube; `sign` is the change of the sums upward.
   void add(const Polygon& face, double sign) {
     cutAlong(face, 0, 0, kLeafSize - 1, [&](int x, const Polygon& slice) {
       cutAlong(slice, 1, 0, kNodeSize - 1, [&](int y, const Polygon& column) {
@@ -166,11 +166,11 @@ private:
   std::array<bool, kLeavesInSlab> touched_{};
 };
 
-// A slab's part of a node, finished.
+// The finished part of a node in a slab.
 struct SlabPart {
   NodeIndex node;
   int slab;
-  bool full = false;                                                        // every leaf is
+  bool full = false;                                                        // every leaf is full
   std::vector<std::pair<std::uint16_t, std::unique_ptr<FloatLeaf>>> leaves; // null: a full one
 };
 
@@ -179,7 +179,7 @@ std::int64_t snapped(std::int64_t volume) {
   return std::abs(volume - nearest) <= kSnap ? nearest : volume;
 }
 
-// Floats for fractions, rounded so that their sum keeps to the fractions' sum.
+// Rounds fractions to floats so that the sum is preserved.
 class Rounding {
 public:
   float operator()(double fraction) {
@@ -198,7 +198,7 @@ private:
   double off_ = 0;
 };
 
-// The slabs of one position in x and y, from below upward.
+// The slabs at one position in x and y, in order of z.
 class SlabStack {
 public:
   SlabStack(const CubePoints& points, const Boundary& boundary, std::vector<SlabPart>& parts)
@@ -221,7 +221,7 @@ public:
             static_cast<double>(overlap_) / static_cast<double>(kWhole), overlapVoxels_};
   }
 
-  /// Whether the faces close: nothing but rounding is carried beyond the last.
+  /// Whether the faces are closed: the value carried beyond the last is only rounding error.
   bool closes() const {
     return std::all_of(carry_.begin(), carry_.end(),
                        [](std::int64_t c) { return std::abs(c) < kWhole >> 20; });
@@ -231,7 +231,7 @@ private:
   void addFace(const FaceInSlab& at, SlabVolumes& volumes) const {
     const BoundaryFace& f = boundary_.faces[at.face];
     const Vec3d* p[3] = {&points_[f.a], &points_[f.b], &points_[f.c]};
-    // In order of position, so that a face gives the same numbers however it is written.
+    // In order of position, so that the numbers do not depend on the order of corners.
     double sign = -f.weight; // outside is above
     for (const auto& [i, k] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})
       if (*p[k] < *p[i]) {
@@ -300,7 +300,8 @@ private:
                        [value](std::int64_t c) { return c == value; });
   }
 
-  // Volumes of a column of a leaf; `carry` is what is below, and then what is below the next leaf.
+  // Volumes of a column of a leaf. `carry` is the sum below it, and is set to that below the next
+  // leaf.
   static void sumColumn(const std::int64_t* volume, const std::int64_t* area, std::int64_t& carry,
                         std::int64_t* out) {
     if (volume == nullptr) {
@@ -353,14 +354,14 @@ private:
   const CubePoints& points_;
   const Boundary& boundary_;
   std::vector<SlabPart>& parts_;
-  // Of column (x, y): [(y / 8) * 64 + x * 8 + y % 8], leaf by leaf.
+  // For column (x, y): [(y / 8) * 64 + x * 8 + y % 8], leaf by leaf.
   std::vector<std::int64_t> carry_;
   Rounding rounding_;
   Int128 filled_ = 0, overlap_ = 0;
   std::uint64_t overlapVoxels_ = 0;
 };
 
-// Hands the slabs of each node to `assembly` as one.
+// Passes the slabs of each node to `assembly` as one node.
 void assemble(std::vector<SlabPart>& parts, TreeAssembly<openvdb::FloatTree>& assembly) {
   tbb::parallel_sort(parts.begin(), parts.end(), [](const SlabPart& a, const SlabPart& b) {
     return std::tie(a.node, a.slab) < std::tie(b.node, b.slab);

@@ -14,7 +14,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
-// Vectors never cross a function that is not inlined.
+// Vectors are passed only to inlined functions.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace tetvdb {
@@ -22,7 +22,7 @@ namespace {
 
 typedef float Floats __attribute__((vector_size(kLeafSize * sizeof(float))));
 
-// Takes the minimum of the squared distances so far and those to `face`.
+// Sets the squared distances to their minimum with those to `face`.
 TETVDB_INLINE void addFace(const LeafFace& face, float reach, float* squared) {
   const Floats z = {-3.5f, -2.5f, -1.5f, -0.5f, 0.5f, 1.5f, 2.5f, 3.5f};
   FaceRow row;
@@ -47,7 +47,7 @@ struct LeafLists {
   std::vector<int> used; // leaves with faces
 };
 
-// The faces come near to which leaves.
+// Finds the leaves within reach of each face.
 LeafLists listFaces(const std::vector<FaceFrame>& faces, double radius) {
   std::vector<std::pair<std::uint16_t, std::uint32_t>> found;
   for (std::uint32_t i = 0; i < faces.size(); ++i)
@@ -151,8 +151,8 @@ void DistanceBand::rasterize(std::size_t node, const LeafSink& sink) const {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lists.used.size(), 64), leaves);
 }
 
-// A body of volume V and projections ax, ay, az onto the coordinate planes meets on average
-// (V + 8 (ax + ay + az) + 64 (...)) / 512 cubes of side 8; for a shell the first two terms matter.
+// A body of volume V and projections ax, ay, az onto the coordinate planes meets on average (V + 8
+// (ax + ay + az) + 64 (...)) / 512 cubes of side 8; for a shell the first two terms are relevant.
 double estimateBandLeaves(const SnappedMesh& mesh, const Boundary& faces, double radius) {
   double volume = 0, projections = 0;
   for (const BoundaryFace& f : faces.faces) {

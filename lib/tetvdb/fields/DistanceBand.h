@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Distances from voxel centres to the nearest of many faces, where that is within a radius.
+// Distances from voxel centres to the nearest of many faces, within a radius.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -17,21 +17,21 @@
 namespace tetvdb {
 
 /// Bound on the error of a distance, voxels: 2^-21 along each axis for the snapping of corners, and
-/// what single precision adds. It holds for radii up to kMaxHalfWidth.
+/// the error of single precision. It holds for radii up to kMaxHalfWidth.
 constexpr double kDistanceError = 1e-5;
 
-/// Faces placed among the 128^3 nodes that they come near to. Refers to mesh and faces. Voxels are
-/// taken for cubes; faces of no area count as the segments or points that they are.
+/// Faces assigned to the 128^3 nodes within reach. Refers to mesh and faces. Voxels are treated as
+/// cubes; faces without area as segments or points.
 class DistanceBand {
 public:
-  /// `radius` > 0, voxels. Parallel, 16 bytes for every face and node.
+  /// `radius` > 0, voxels. Parallel, 16 bytes per pair of a face and a node.
   DistanceBand(const SnappedMesh& mesh, const Boundary& faces, double radius, Progress& progress);
 
-  /// Nodes with voxels that may be within the radius: ascending, none twice.
+  /// Nodes with voxels that may be within the radius: ascending, distinct.
   const std::vector<NodeIndex>& nodes() const { return nodes_; }
 
-  /// The faces that come near to nodes()[i]: nodeFaces()[starts()[i]] to
-  /// nodeFaces()[starts()[i + 1]], that not included.
+  /// The faces within reach of nodes()[i]: nodeFaces()[starts()[i]] to nodeFaces()[starts()[i + 1]
+  /// - 1].
   const std::vector<NodeFace>& nodeFaces() const { return pairs_; }
   const std::vector<std::uint64_t>& starts() const { return starts_; }
   const SnappedMesh& mesh() const { return mesh_; }
@@ -39,14 +39,14 @@ public:
   double radius() const { return radius_; }
 
   /// Receives a leaf: its position in the node, (x * 16 + y) * 16 + z in leaves, and the squared
-  /// distance of every voxel, voxels, [(x * 8 + y) * 8 + z]; a number above the square of the
-  /// radius represents all that are farther.
+  /// distance of every voxel, voxels, [(x * 8 + y) * 8 + z]; numbers above the square of the radius
+  /// represent all larger distances.
   using LeafSink = std::function<void(int leaf, const float* squared)>;
 
-  /// Hands the leaves of nodes()[node] that may hold voxels within the radius to `sink`, each once,
+  /// Passes each leaf of nodes()[node] that may contain voxels within the radius to `sink` once,
   /// from several threads. A distance depends on the faces as a set: it is the minimum over faces
-  /// of numbers that each face gives alone, from its corners in order of position. Thread-safe.
-  /// Cost: about 5 ns for each row of eight voxels that comes near to a face.
+  /// of numbers that depend on each face only, with its corners in order of position. Thread-safe.
+  /// Cost: about 5 ns per face and row of eight voxels within reach.
   void rasterize(std::size_t node, const LeafSink& sink) const;
 
 private:
@@ -58,7 +58,7 @@ private:
   std::vector<std::uint64_t> starts_;
 };
 
-/// Leaves that a level set of these faces is expected to have.
+/// Expected number of leaves of a level set of these faces.
 double estimateBandLeaves(const SnappedMesh& mesh, const Boundary& faces, double radius);
 
 } // namespace tetvdb

@@ -12,18 +12,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-// Vectors never cross a function that is not inlined.
+// Vectors are passed only to inlined functions.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace tetvdb {
 namespace {
 
 constexpr std::int32_t kSmallest = 4;  ///< voxels along a block that is evaluated
-constexpr std::int32_t kFramed = 32;   ///< along a block whose faces get their frames
+constexpr std::int32_t kFramed = 32;   ///< along a block for which frames of its faces are made
 constexpr std::int32_t kParallel = 16; ///< blocks of more voxels are halved in parallel
 
-// Squared voxels: more than rounding can make of a difference of squares up to 1e6, so that faces
-// that tie are all evaluated, and the least does not depend on which one came first.
+// Squared voxels: above the rounding error of a difference of squares up to 1e6, so that all faces
+// at equal distance are evaluated, and the minimum does not depend on their order.
 constexpr double kSlack = 1e-7;
 
 typedef double Doubles __attribute__((vector_size(kSmallest * sizeof(double))));
@@ -37,7 +37,7 @@ TETVDB_INLINE Doubles smaller(Doubles a, Doubles b) {
   return a < b ? a : b;
 }
 
-// Values of a form at a block's row of voxels, that of the first being `start`.
+// Values of a form at a block's row of voxels; `start` is that of the first.
 TETVDB_INLINE Doubles rowOf(const LinearForm& form, double start) {
   const Doubles steps = {0, 1, 2, 3};
   return start + form.slope[2] * steps;
@@ -45,15 +45,15 @@ TETVDB_INLINE Doubles rowOf(const LinearForm& form, double start) {
 TETVDB_INLINE double startOf(const LinearForm& form, double x, double y, double z) {
   return form.slope[0] * x + form.slope[1] * y + (form.slope[2] * z + form.constant);
 }
-// To an edge: q outside of it, and beyond its ends by `along`.
+// Squared distance to an edge: q outside of it, and `along` beyond its end points.
 TETVDB_INLINE Doubles edgeSquares(Doubles q, Doubles along, double length) {
   const Doubles zero = {0, 0, 0, 0};
   const Doubles e = larger(larger(along - length, -along), zero);
   return q * q + e * e;
 }
 
-// The least squared distance of a block's voxels, [(x * 4 + y) * 4 + z], to the faces. `first`: the
-// block's first voxel as the frames see it.
+// The minimum of the squared distances of a block's voxels, [(x * 4 + y) * 4 + z], to the faces.
+// `first`: the block's first voxel relative to the frames.
 TETVDB_MULTIVERSION
 void leastSquares(const FaceFrame* frames, const std::uint32_t* list, std::size_t count,
                   const double* first, double* min) {
@@ -131,7 +131,7 @@ public:
   }
 
 private:
-  // What a framed block's parts share.
+  // Data shared by the parts of a framed block.
   struct Framed {
     Vec3d origin;
     std::vector<FaceFrame> frames;
@@ -158,8 +158,9 @@ private:
     return nearestOnTriangle(seen(f.a), seen(f.b), seen(f.c));
   }
 
-  // Of `list`, what can be nearest to a voxel of the block. `best` is a face that is near to the
-  // block's surroundings, and becomes the one nearest to its middle. `face(i)`: of list entry i.
+  // Selects from `list` the faces that can be nearest to a voxel of the block. `best` is a face
+  // close to the block's parent, and is set to the face nearest to its centre. `face(i)`: that of
+  // list entry i.
   template <typename FaceOf>
   std::vector<std::uint32_t> narrowed(const VoxelBox& voxels,
                                       const std::vector<std::uint32_t>& list, const FaceOf& face,
@@ -201,7 +202,7 @@ private:
     return kept;
   }
 
-  // Calls visit(child, voxels of it) for the eighths of a block that meet the box.
+  // Calls visit(child, its voxels) for the eighths of a block that meet the box.
   template <typename Visit>
   void forEighths(const Block& block, bool parallel, const Visit& visit) const {
     const auto one = [&](int i) {
@@ -245,7 +246,7 @@ private:
                [&](const Block& child) { descendFramed(child, framed, places, best); });
   }
 
-  // `list`: places in framed.faces.
+  // `list`: indices in framed.faces.
   void descendFramed(const Block& block, const Framed& framed,
                      const std::vector<std::uint32_t>& list, std::uint32_t best) const {
     const auto face = [&](std::uint32_t place) { return framed.faces[place]; };

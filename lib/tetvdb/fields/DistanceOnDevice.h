@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The distances of a level set on a GPU: nanovdb_kernels finds them, the trees are made on the CPU
-// as the leaves come down, by the code that makes them of the CPU's. Internal.
+// The distances of a level set on a GPU: nanovdb_kernels computes them, and the CPU makes the trees
+// while leaves are downloaded, by the code for its own distances. Internal.
 #pragma once
 
 #include "nanovdb_kernels/DistanceJob.h"
@@ -13,10 +13,10 @@
 
 namespace tetvdb {
 
-/// The job of a band, whose arrays, mesh and faces it refers to.
+/// The job of a band; refers to the band's arrays, mesh and faces.
 nano::DistanceJob distanceJobFor(const DistanceBand& band);
 
-/// Hands the nodes of a job's batches on.
+/// Forwards the nodes of a job's batches.
 class NodeReceiver : public nano::DistanceReceiver {
 public:
   explicit NodeReceiver(const NodeTaker& take) : take_(take) {}
@@ -24,10 +24,10 @@ public:
 
 private:
   const NodeTaker& take_;
-  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, for a device's thread too
+  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, also for a device
 };
 
-/// rasterizeBand() on `devices`. Throws what nano::DeviceVoxelizer::distances() throws.
+/// rasterizeBand() on `devices`. Throws the errors of nano::DeviceVoxelizer::distances().
 void rasterizeBandOn(DeviceSet& devices, const DistanceBand& band, const NodeTaker& take,
                      const Progress& progress);
 

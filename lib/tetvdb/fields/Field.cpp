@@ -44,7 +44,7 @@ std::string componentName(std::uint32_t count, std::uint32_t i) {
   return names.empty() ? std::to_string(i) : std::string(names[i]);
 }
 
-// Places of xx, xy, xz, yx, ... in a symmetric tensor of six.
+// Indices of xx, xy, xz, yx, ... in a symmetric tensor of six.
 constexpr std::array<std::uint32_t, 9> kSymmetric{0, 3, 5, 3, 1, 4, 5, 4, 2};
 
 std::string listComponents(std::uint32_t count) {
@@ -65,7 +65,7 @@ bool fitsInt32(const Attribute& array) {
          });
 }
 
-// An array as a request sees it: a tuple whose components lie in one array or in one each.
+// A requested array: a tuple whose components are in one array or in separate arrays.
 struct Tuple {
   std::string name;
   Attribute::On on = Attribute::On::Points;
@@ -104,7 +104,7 @@ public:
   }
 
 private:
-  // --- finding arrays ---
+  // --- Finding arrays.
 
   const Attribute* find(std::string_view name, Attribute::On on) const {
     for (const Attribute& array : mesh_.attributes)
@@ -149,14 +149,14 @@ private:
     return assemble(name, on);
   }
 
-  // The array of that name; nothing where there is none.
+  // The array of that name; none if it does not exist.
   std::optional<Tuple> known(const std::string& name) {
     const auto points = lookUp(name, Attribute::On::Points);
     const auto cells = lookUp(name, Attribute::On::Cells);
     if (points && cells)
       report_.warn("ambiguous-array",
                    fmt::format("points and cells both have an array '{}'; that of the points is "
-                               "taken, cells:{} names the other",
+                               "used, cells:{} selects the other",
                                name, name));
     if (points)
       return *points;
@@ -170,7 +170,7 @@ private:
     return {};
   }
 
-  // "stress.xx" or "stress:mises" as the part of an array; nothing where it is none.
+  // "stress.xx" or "stress:mises" as a part of an array; none if it is not one.
   std::optional<std::pair<Tuple, FieldRequest>> partOf(const FieldRequest& request) {
     const std::string& name = request.array;
     const auto mark = name.find_last_of(".:");
@@ -188,7 +188,7 @@ private:
     return std::pair(std::move(*tuple), std::move(part));
   }
 
-  // `mayBeGrid`: a grid of another kind could have been meant.
+  // `mayBeGrid`: the name may have been meant as a grid of another kind.
   [[noreturn]] void refuseUnknown(const std::string& name, bool mayBeGrid) {
     refuseUnknownPart(name);
     std::vector<std::string> names = arrayNames(mesh_);
@@ -203,7 +203,7 @@ private:
                 suggestName(name, names, advice));
   }
 
-  // "stress:foo" or "stress.foo" where there is an array "stress".
+  // "stress:foo" or "stress.foo" if there is an array "stress".
   void refuseUnknownPart(const std::string& name) const {
     const auto colon = name.find_last_of(".:");
     if (colon == std::string::npos)
@@ -211,14 +211,14 @@ private:
     const std::string array = name.substr(0, colon);
     if (!lookUp(array, Attribute::On::Points) && !lookUp(array, Attribute::On::Cells))
       return;
-    throw Error(Status::Usage, "",
-                fmt::format("'{}' is nothing that can be made of the array '{}'",
-                            name.substr(colon + 1), array),
-                "choose from magnitude, mises, trace, determinant, principal1, principal2, "
-                "principal3 and components such as x or xx");
+    throw Error(
+        Status::Usage, "",
+        fmt::format("'{}' cannot be computed from the array '{}'", name.substr(colon + 1), array),
+        "choose from magnitude, mises, trace, determinant, principal1, principal2, "
+        "principal3 and components such as x or xx");
   }
 
-  // --- making fields ---
+  // --- Making fields.
 
   void add(const FieldRequest& request) {
     if (const auto tuple = known(request.array))
@@ -250,7 +250,7 @@ private:
       std::string name = array.name;
       if (taken(name) || reserved(name)) {
         name += array.on == Attribute::On::Points ? "_points" : "_cells";
-        if (taken(name)) // it was asked for by name as well
+        if (taken(name)) // it was also requested by name
           continue;
         report_.warn("array-renamed",
                      fmt::format("the array '{}' of the {} becomes grid '{}': another grid has its "
@@ -348,7 +348,8 @@ private:
 
   [[noreturn]] static void refusePart(const Tuple& tuple, const std::string& part,
                                       const std::string& why) {
-    throw Error(Status::Usage, "", fmt::format("the array '{}' has not {}", tuple.name, part), why);
+    throw Error(Status::Usage, "", fmt::format("the array '{}' does not have {}", tuple.name, part),
+                why);
   }
 
   void checkLengths(const Tuple& tuple) const {
@@ -387,7 +388,7 @@ private:
   std::vector<Field> fields_;
 };
 
-// Which points and cells belong to a tet: others may hold whatever the writer left there.
+// Whether points and cells belong to a tet: the values of others are arbitrary.
 struct InUse {
   std::vector<std::uint8_t> points, cells;
 
@@ -399,7 +400,7 @@ struct InUse {
   }
 };
 
-// Range of what is derived at the points or cells themselves.
+// Range of derived values at the points or cells themselves.
 void measure(Field& field, const InUse& inUse) {
   struct Sum {
     ValueRange range;
@@ -437,7 +438,7 @@ void measure(Field& field, const InUse& inUse) {
   field.notFinite = sum.bad;
 }
 
-// The last of the entries that apply, those with the grid's own name before those for all.
+// The last applicable entry; entries with the grid's own name precede those for all.
 template <typename Entry>
 const Entry* entryFor(const std::vector<Entry>& entries, const Field& field) {
   const Entry* found = nullptr;
@@ -461,7 +462,7 @@ void setStorage(Field& field, const FieldOptions& options) {
     if (vector) {
       field.scale = from.high > 0 ? remap->high / from.high : 1;
     } else {
-      // One value throughout becomes the range's low end.
+      // A constant becomes the low end of the range.
       field.scale = from.high > from.low ? (remap->high - remap->low) / (from.high - from.low) : 0;
       field.offset = remap->low - field.scale * from.low;
     }

@@ -22,9 +22,10 @@
 namespace tetvdb {
 namespace {
 
-// What is read for one field in one leaf; kept between leaves.
+// The numbers read for one field in one leaf; reused between leaves.
 struct Reading {
-  // Of each tet (slot) and number: at the first corner, and how much more at the three others.
+  // By tet (slot) and number: the value at the first corner, and the differences at the three
+  // others.
   std::vector<std::array<double, 4>> corners;
   std::vector<double> cells;
 };
@@ -57,7 +58,7 @@ public:
   LeafValues(const Field& field, const TetMesh& mesh)
       : field_(field), mesh_(mesh), rule_(field.rule()) {}
 
-  /// `shapes` are those of the sample where the mesh has cells with shape functions.
+  /// `shapes` are those of the sample if the mesh has cells with shape functions.
   void evaluate(const LeafSample& sample, const LeafShapes& shapes, Reading& reading,
                 Value* out) const {
     if (field_.on == Attribute::On::Cells)
@@ -112,7 +113,7 @@ private:
       out[v] = ofSlot[sample.slot(v)];
   }
 
-  // Numbers of kinds are not mixed.
+  // Category numbers are not interpolated.
   void ofNearestCorner(const LeafSample& sample, Value* out) const {
     const Field::Source& source = field_.sources.front();
     for (std::size_t v = 0; v < sample.count(); ++v) {
@@ -123,7 +124,7 @@ private:
     }
   }
 
-  // By the shape functions of each voxel's cell, whatever it is.
+  // By the shape functions of each voxel's cell, of any type.
   void ofShapes(const LeafSample& sample, const LeafShapes& shapes, Value* out) const {
     for (std::size_t v = 0; v < sample.count(); ++v) {
       const std::uint32_t* points = shapes.points(v);
@@ -132,7 +133,7 @@ private:
       for (std::size_t k = 0; k < field_.sources.size(); ++k) {
         const Field::Source& source = field_.sources[k];
         const double base = source.array->number(points[0], source.component);
-        double sum = 0; // of differences, so that a constant stays itself
+        double sum = 0; // sum of differences, so that a constant is exact
         for (std::size_t i = 1; i < shapes.count(v); ++i)
           sum += weights[i] * (source.array->number(points[i], source.component) - base);
         read[k] = base + sum;
@@ -169,7 +170,7 @@ private:
           field_.sources[k].array->values);
   }
 
-  // Width 0: as many as the field has.
+  // Width 0: that of the field.
   template <int Width>
   void ofCorners(const LeafSample& sample, const Reading& reading, Value* out) const {
     const std::size_t width = Width == 0 ? field_.sources.size() : std::size_t(Width);
@@ -205,10 +206,10 @@ public:
   explicit GridBuilder(const Field& field) : field_(field) {}
   virtual ~GridBuilder() = default;
   virtual void* begin(const NodeIndex& node) = 0;
-  /// The leaf at `offset` in the node, with the voxels of `sample`.
+  /// Adds the leaf at `offset` in the node, with the voxels of `sample`.
   virtual void leaf(void* node, openvdb::Index offset, const LeafSample& sample,
                     const LeafShapes& shapes, Reading& reading) = 0;
-  /// The same of values that are there already: 512, of which those in `mask` count.
+  /// The same for existing values: 512, of which those in `mask` are used.
   virtual void leafOf(void* node, openvdb::Index offset, const std::array<std::int32_t, 3>& origin,
                       const std::uint64_t* mask, const void* values) = 0;
   virtual void end(void* node, const NodeIndex& index) = 0;
@@ -235,7 +236,7 @@ class FieldGrids::TypedBuilder : public FieldGrids::GridBuilder {
   using Value = typename TreeType::ValueType;
 
 public:
-  /// `packed`: null, or where leaves go, floats as 16 bits where `asHalf`.
+  /// `packed`: null, or the destination of leaves, with floats as 16 bits if `asHalf`.
   TypedBuilder(const Field& field, const TetMesh& mesh, bool asHalf, PackedGrid* packed)
       : GridBuilder(field), values_(field, mesh), background_(backgroundOf<Value>(field)),
         half_(asHalf && field.kind != FieldKind::Integer), packed_(packed), assembly_(background_) {
@@ -296,7 +297,7 @@ public:
   }
 
 private:
-  // The leaf of `count` voxels, at ascending `offsets`.
+  // Adds the leaf of `count` voxels, at ascending `offsets`.
   void put(Lower& lower, openvdb::Index offset, const std::array<std::int32_t, 3>& origin,
            std::size_t count, const std::uint16_t* offsets, const Value* values) {
     const bool finite =
@@ -355,7 +356,7 @@ struct FieldGrids::State {
   std::atomic<bool> any{false};
 };
 
-// One lower node a grid; null where the grid has a tile in its place.
+// One lower node per grid; null if the grid has a tile instead.
 struct FieldGrids::FieldNode : NodeSink::Node {
   FieldNode(State& owner, const NodeIndex& where, bool withCells) : state(owner), index(where) {
     nodes.reserve(owner.builders.size());
@@ -465,7 +466,7 @@ void FieldGrids::slab(Node& node, int index, const SlabBits& bits, const std::ui
 }
 
 void FieldGrids::take(const nano::LeafBatch& batch) {
-  // Leaves of a node follow one another, and in it those of a slab; slabs share no word of the
+  // Leaves of a node are consecutive, and within it those of a slab; slabs share no word of the
   // node's masks.
   struct Slab {
     FieldNode* node;
@@ -499,7 +500,7 @@ void FieldGrids::end(std::unique_ptr<Node> node) {
       state_->builders[i]->end(std::exchange(done.nodes[i], nullptr), done.index);
 }
 
-// Nodes without owners; rasterizeNodes() has none where it is asked for owners.
+// Nodes without owners; rasterizeNodes() has none if owners are requested.
 void FieldGrids::fullRun(std::int32_t, std::int32_t, std::int32_t, std::int32_t) {}
 
 void FieldGrids::fullNode(const NodeIndex& index, std::uint32_t owner) {

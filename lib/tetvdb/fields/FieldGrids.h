@@ -20,14 +20,14 @@ struct LeafBatch; // nanovdb_kernels/FieldJob.h
 
 namespace tetvdb {
 
-/// Bytes of a leaf of a field's grid, allocation included.
+/// Bytes of a leaf of a field's grid, including allocation.
 std::size_t leafBytes(FieldKind kind);
 
 class FieldGrids : public NodeSink {
 public:
   FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
              const std::vector<Field>& fields);
-  /// Packs every leaf at once: the grids go to `packed`, an entry a field with its store set.
+  /// Packs every leaf at once: grids are added to `packed`, an entry per field with its store set.
   FieldGrids(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
              const std::vector<Field>& fields, bool asHalf,
              const std::vector<std::unique_ptr<PackedGrid>>& packed);
@@ -39,15 +39,15 @@ public:
   void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
   void fullNode(const NodeIndex& node, std::uint32_t owner) override;
 
-  /// Leaves whose values were found elsewhere, a field an entry of `batch.values`; takes the place
-  /// of the sink's functions. Whole nodes at a time: no node's leaves come in two batches.
+  /// Adds leaves with values computed elsewhere, one entry of `batch.values` per field; replaces
+  /// the functions of the sink. Batches contain whole nodes.
   void take(const nano::LeafBatch& batch);
 
-  /// The finished grids, packed ones too; call once, after the last node.
+  /// Returns the finished grids, also packed ones. Is called once, after the last node.
   openvdb::GridPtrVec finish(const GridTransform& transform);
-  /// Voxels left out of field `i`, their values being no finite numbers.
+  /// Number of voxels omitted from field `i` because their values are not finite.
   std::size_t leftOut(std::size_t i) const;
-  /// Voxels in linear cells with shape functions that have the values of their tets (LeafShapes.h).
+  /// Voxels in linear cells with shape functions that have values of their tets (LeafShapes.h).
   std::size_t byTets() const;
   /// Whether any voxel had an owner.
   bool any() const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The active voxels of a leaf, the tets that own them, and where each lies in its tet: found once,
-// used for every field. Internal.
+// The active voxels of a leaf, the tets that own them, and their weights: computed once for all
+// fields. Internal.
 #pragma once
 
 #include "tetvdb/geometry/TetWeights.h"
@@ -18,7 +18,7 @@ class LeafSample {
 public:
   static constexpr std::size_t kVoxels = 512;
 
-  /// `weights`: whether anybody asks for slotWeights() and voxel weights.
+  /// `weights`: whether slotWeights() and voxel weights are used.
   LeafSample(const SnappedMesh& mesh, bool weights) : mesh_(&mesh), weights_(weights) {
     if (weights)
       frames_.resize(kVoxels);
@@ -52,19 +52,19 @@ public:
   }
 
   std::size_t count() const { return count_; } ///< voxels
-  std::size_t slots() const { return slots_; } ///< different tets
+  std::size_t slots() const { return slots_; } ///< distinct tets
   std::uint32_t offset(std::size_t voxel) const { return offsets_[voxel]; }
   /// Of all voxels, ascending.
   const std::uint16_t* offsets() const { return offsets_.data(); }
   std::size_t slot(std::size_t voxel) const { return slotOf_[voxel]; }
-  /// Of the tet's second to fourth corner by position.
+  /// Of the second to fourth corner of the tet by position.
   const std::array<double, 3>& weights(std::size_t voxel) const { return weightsOf_[voxel]; }
   std::uint32_t tet(std::size_t slot) const { return tets_[slot]; }
   /// Point `corner`, by position, of that tet.
   std::uint32_t point(std::size_t slot, std::size_t corner) const {
     return mesh_->tets[4 * std::size_t(tets_[slot]) + frames_[slot].corners()[corner]];
   }
-  /// Where in the tet, 0 to 3, its corner `corner` by position is.
+  /// The index in the tet, 0 to 3, of its corner `corner` by position.
   std::size_t place(std::size_t slot, std::size_t corner) const {
     return frames_[slot].corners()[corner];
   }
@@ -98,7 +98,7 @@ private:
   std::array<std::array<double, 3>, kVoxels> weightsOf_;
   std::array<std::uint32_t, kVoxels> tets_;
   std::vector<TetWeights> frames_;
-  // Tets seen in this leaf: an entry counts where its stamp is the leaf's.
+  // Tets of this leaf: an entry is valid if its stamp is that of the leaf.
   std::array<std::uint32_t, kTable> stamps_{};
   std::array<std::uint16_t, kTable> slotAt_;
   std::uint32_t stamp_ = 0, last_ = kNone;

@@ -7,12 +7,12 @@
 namespace tetvdb {
 namespace {
 
-// Of the cell's size: what rounding of the nodes leaves.
+// Relative to the cell's size: the rounding error of the nodes.
 constexpr double kAffineError = 1e-12;
 constexpr double kNewtonError = 1e-13;
 constexpr double kAcceptedError = 1e-9;
 constexpr int kMaxSteps = 12;
-// Beyond the reference cell: chords lie outside of arcs, by no more than this in sane cells.
+// Distance beyond the reference cell: chords lie outside of arcs by at most this in regular cells.
 constexpr double kMaxOutside = 0.3;
 
 bool isWithin(CurvedShape shape, const Vec3d& at, double margin) {
@@ -36,7 +36,7 @@ bool isWithin(CurvedShape shape, const Vec3d& at, double margin) {
   return false;
 }
 
-// Node numbers of an origin and three neighbours, whose places span the reference cell.
+// Indices of an origin and three neighbours that span the reference cell.
 std::array<std::size_t, 4> spanOf(CurvedShape shape) {
   switch (shape) {
   case CurvedShape::Hex20:
@@ -67,7 +67,7 @@ double largest(const Vec3d& a) {
 
 } // namespace
 
-// Whether every node is where an affine map has it that fits four of them.
+// Whether every node is at its position by the affine map of four of them.
 bool LeafShapes::isAffine(const CurvedCells::Cell& cell) const {
   const std::uint32_t* nodes = mesh_->curved.nodes.data() + cell.first;
   const auto span = spanOf(cell.shape);
@@ -88,7 +88,7 @@ bool LeafShapes::isAffine(const CurvedCells::Cell& cell) const {
     for (std::size_t k = 0; k < 3; ++k) {
       const double expected =
           origin[k] + (along[0] * edges[0][k] + along[1] * edges[1][k] + along[2] * edges[2][k]);
-      // Positions are rounded by their own size, not the cell's.
+      // The rounding error of positions is relative to their own size, not the cell's.
       const double error = kAffineError * (size + std::abs(origin[k]));
       if (!(std::abs(mesh_->points[nodes[i]][k] - expected) <= error))
         return false;
@@ -158,7 +158,7 @@ bool LeafShapes::solve(const CurvedCells::Cell& cell, double size, const Vec3d& 
     at[0] += dot(rest, cross(by[1], by[2])) / determinant;
     at[1] += dot(rest, cross(by[2], by[0])) / determinant;
     at[2] += dot(rest, cross(by[0], by[1])) / determinant;
-    if (!isWithin(cell.shape, at, kMaxOutside)) // not a number, too
+    if (!isWithin(cell.shape, at, kMaxOutside)) // true for NaN, too
       break;
   }
   return false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Points and weights that make up a value at each voxel of a leaf, in meshes with cells that have
-// shape functions of their own.
+// Points and weights that define the value at each voxel of a leaf,
+// in meshes with cells that have their own shape functions.
 // Internal.
 #pragma once
 
@@ -21,18 +21,18 @@ public:
   LeafShapes(const TetMesh& mesh, const GridTransform& transform)
       : mesh_(&mesh), transform_(transform) {}
 
-  /// Of a linear tet its corners by their weights; of a tet that is cut out of another cell the
-  /// cell's nodes by their shape functions, at the place in the reference cell that is mapped to
-  /// the voxel's centre. Where the cell is an affine image of the reference cell that place follows
-  /// from the tet's weights; elsewhere it is found by Newton's method, beginning there. Where that
-  /// does not end near the reference cell, as in cells that are turned inside out, it stays there
-  /// in quadratic cells; in linear ones the tet's corners are taken (see missed()).
+  /// For a linear tet, its corners and their weights. For a tet that is part of another cell, the
+  /// cell's nodes and their shape functions at the reference coordinates that are mapped to the
+  /// voxel's centre. If the cell is an affine image of the reference cell, these follow from the
+  /// tet's weights; otherwise they are found by Newton's method with this initial value. If it does
+  /// not converge near the reference cell, as in inverted cells, the initial value is used in
+  /// quadratic cells, and the tet's corners in linear ones (see missed()).
   void find(const LeafSample& sample);
 
-  /// Whether the voxel lies outside of its linear cell, between a warped face and the tets' flat
-  /// ones: values there go on by the shape functions, within the range of the cell's nodes.
+  /// Whether the voxel lies outside of its linear cell, between a warped face and the flat faces of
+  /// the tets: the shape functions are extrapolated there, within the range of the cell's nodes.
   bool beyond(std::size_t voxel) const { return beyond_[voxel] != 0; }
-  /// Voxels of linear cells, of all leaves so far, that have their tet's values.
+  /// Number of voxels of linear cells, in all leaves so far, that have their tet's values.
   std::size_t missed() const { return missed_; }
 
   std::size_t count(std::size_t voxel) const { return counts_[voxel]; }
@@ -46,16 +46,16 @@ public:
 private:
   struct Slot {
     bool curved = false, affine = false;
-    double size = 0;             ///< the cell's, along the axes, from its first node
-    std::array<Vec3d, 4> places; ///< in the reference cell, of the corners by position
+    double size = 0;             ///< of the cell, along the axes, from its first node
+    std::array<Vec3d, 4> places; ///< of the corners by position, in the reference cell
   };
 
   Slot slotOf(const LeafSample& sample, std::size_t slot) const;
   bool isAffine(const CurvedCells::Cell& cell) const;
   Vec3d centre(const LeafSample& sample, std::size_t voxel) const;
   double sizeOf(const CurvedCells::Cell& cell) const;
-  /// Finds where the cell maps to `target`, beginning at `at`, and the shape functions' values
-  /// there. Returns whether it does; else neither is of use.
+  /// Finds the reference coordinates that map to `target`, starting at `at`, and the shape
+  /// functions' values there. Returns false, with undefined results, if there are none.
   bool solve(const CurvedCells::Cell& cell, double size, const Vec3d& target, Vec3d& at,
              double* weights) const;
 

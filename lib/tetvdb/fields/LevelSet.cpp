@@ -26,7 +26,7 @@ using MaskLower = MaskUpper::ChildNodeType;
 
 constexpr std::int32_t kNodesAlong = kRootChildSize / kNodeSize;
 
-// Values and active voxels of a leaf from squared distances in voxels and the voxels inside.
+// Values and active voxels of a leaf from squared distances in voxels and the inside voxels.
 struct SignedLeaf {
   float values[kVoxelsInLeaf];
   std::uint64_t active[kLeafSize];
@@ -43,7 +43,7 @@ bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, f
     for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
       const float distance = std::abs(std::sqrt(row[i]) - shell);
       near[i] = distance < radius;
-      // A zero would be neither inside nor outside.
+      // Zero would be neither inside nor outside.
       const float value = std::max(distance * voxel, std::numeric_limits<float>::min());
       absolutes[i] = distance < radius ? std::min(value, background) : background;
     }
@@ -59,7 +59,7 @@ bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, f
   return any != 0;
 }
 
-// What is inside of a 128^3 node.
+// The inside voxels of a 128^3 node.
 class InsideOfNode {
 public:
   InsideOfNode(const openvdb::BoolTree& tree, const openvdb::Coord& origin)
@@ -69,7 +69,7 @@ public:
   bool full(openvdb::Index leaf) const {
     return node_ == nullptr ? full_ : !node_->isChildMaskOn(leaf) && node_->isValueMaskOn(leaf);
   }
-  /// Voxels inside of a leaf, eight words; returns whether some are and some are not.
+  /// Inside voxels of a leaf, eight words; returns whether both inside and outside voxels exist.
   bool words(openvdb::Index leaf, std::uint64_t* out) const {
     if (node_ == nullptr || !node_->isChildMaskOn(leaf)) {
       std::fill(out, out + kLeafSize, full(leaf) ? ~std::uint64_t(0) : 0);
@@ -99,14 +99,14 @@ FloatLeaf* makeLeaf(const openvdb::Coord& origin, const SignedLeaf& signs) {
   return leaf.release();
 }
 
-// One 128^3 node of the level set; null, and its one value, where it is all inside or outside.
+// One 128^3 node of the level set; null, with one value, if it is all inside or outside.
 struct Part {
   NodeIndex index;
   std::unique_ptr<FloatLower> node;
   bool inside = false;
 };
 
-// halfWidth * voxel, and where single precision rounds it down the next number: OpenVDB's checks
+// halfWidth * voxel, or the next larger float if single precision rounds it down: OpenVDB's checks
 // divide it by the voxel size.
 float backgroundOf(double halfWidth, double voxel) {
   const auto nearest = static_cast<float>(halfWidth * voxel);
@@ -123,7 +123,7 @@ public:
 
   float background() const { return background_; }
 
-  // `distances`: of the node's leaves; null where it has no part in the band.
+  // `distances`: of the node's leaves; null if the band does not reach it.
   void build(Part& part, const NodeLeaves* distances) const {
     const openvdb::Coord origin(part.index[0] * kNodeSize, part.index[1] * kNodeSize,
                                 part.index[2] * kNodeSize);
@@ -150,7 +150,7 @@ public:
       const auto leaf = static_cast<openvdb::Index>(i);
       FloatLeaf*& made = leaves[static_cast<std::size_t>(i)];
       if (made == nullptr && inside.mixed(leaf)) {
-        // The solid ends off the faces.
+        // The solid's boundary is away from faces.
         const std::vector<float> far(kVoxelsInLeaf, std::numeric_limits<float>::max());
         add(i, far.data());
       }
@@ -199,7 +199,7 @@ std::vector<NodeIndex> nodesOf(const DistanceBand& band, const openvdb::BoolTree
   return nodes;
 }
 
-// The tree of finished parts; what lies between them is a tile, by `inside`.
+// The tree of finished nodes; the gaps between them are tiles, by `inside`.
 openvdb::FloatTree::Ptr assemble(std::vector<Part>& parts, const openvdb::BoolTree& inside,
                                  float background) {
   std::map<NodeIndex, std::vector<Part*>> uppers;
@@ -210,7 +210,7 @@ openvdb::FloatTree::Ptr assemble(std::vector<Part>& parts, const openvdb::BoolTr
     if (uppers.find(upperOf(nodeAt(tile.getCoord()))) == uppers.end())
       tree->root().addTile(tile.getCoord(), -background, false);
   for (auto child = inside.root().cbeginChildOn(); child; ++child)
-    uppers.try_emplace(upperOf(nodeAt(child->origin()))); // of tiles alone
+    uppers.try_emplace(upperOf(nodeAt(child->origin()))); // of tiles only
 
   for (auto& [index, held] : uppers) {
     const openvdb::Coord origin = upperOrigin(index);
@@ -260,7 +260,7 @@ openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
   const Builder builder(inside.constTree(), halfWidth, shell, transform.voxelSize[0]);
   const std::vector<NodeIndex> nodes = nodesOf(band, inside.constTree());
   std::vector<Part> parts(nodes.size());
-  std::vector<std::size_t> ofBand, others; // parts of the band's nodes, in its order, and the rest
+  std::vector<std::size_t> ofBand, others; // nodes of the band, in its order, and the others
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     parts[i].index = nodes[i];
     const bool isIn =

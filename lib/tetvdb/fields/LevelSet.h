@@ -14,33 +14,33 @@
 
 namespace tetvdb {
 
-/// The half-widths that are allowed, voxels. From 1 on the voxels on either side of the surface are
+/// The permitted half-widths, voxels. With 1 or more, the voxels on either side of the surface are
 /// always in the band, so that the level set is closed.
 constexpr double kMinHalfWidth = 1, kMaxHalfWidth = 100;
 
-/// Hands a node's leaves of squared distances to a sink, as DistanceBand::rasterize() does.
+/// Passes a node's leaves of squared distances to a sink, as DistanceBand::rasterize() does.
 using NodeLeaves = std::function<void(const DistanceBand::LeafSink&)>;
-/// Takes node `node` of a band's nodes(); thread-safe.
+/// Receives node `node` of a band's nodes(); thread-safe.
 using NodeTaker = std::function<void(std::size_t node, const NodeLeaves& leaves)>;
-/// Hands every node of the band to `take`, each once, from several threads.
+/// Passes each node of the band to `take` once, from several threads.
 using BandRasterizer = std::function<void(const DistanceBand&, const NodeTaker& take, Progress&)>;
 
 /// By DistanceBand::rasterize(), parallel by nodes.
 void rasterizeBand(const DistanceBand& band, const NodeTaker& take, Progress& progress);
 
-/// A float level set "surface": negative inside. The sign is `inside`'s (active: inside), exactly;
-/// the absolute value is the distance to the nearest of `faces` in world units, within
-/// kDistanceError voxels, for voxels nearer than `halfWidth` voxels, which are active. All others,
-/// and tiles, are inactive with plus or minus the background, halfWidth * voxelSize. A voxel inside
-/// is below zero also where its centre lies on a face. `inside` must have `transform`, whose voxels
-/// must be cubes, and `faces` be snapped by it. The result depends on the faces as a set and on
-/// `inside` alone. Parallel by nodes and leaves.
+/// Returns a float level set "surface", negative inside. The sign is exactly that of `inside`
+/// (active: inside). The absolute value is the distance to the nearest of `faces` in world units,
+/// within kDistanceError voxels, for voxels closer than `halfWidth` voxels, which are active. All
+/// others, and tiles, are inactive with plus or minus the background, halfWidth * voxelSize. An
+/// inside voxel is negative also if its centre lies on a face. `inside` must have `transform`,
+/// whose voxels must be cubes, and `faces` must be snapped by it. The result depends on the faces
+/// as a set and on `inside` only. Parallel by nodes and leaves.
 ///
-/// `shell`, voxels: the solid is all that is within it of a face, and the absolute value is what
-/// the distance to the faces differs from it by. That is the distance to the shell's surface
-/// outside of the shell, and at most that within.
+/// `shell`, voxels: the solid is the set of points within it of a face, and the absolute value is
+/// the difference of the distance to the faces from it. Outside of the shell this is the distance
+/// to the shell's surface, inside at most that distance.
 ///
-/// `rasterize` finds the distances: rasterizeBand(), or a GPU (fields/DistanceOnDevice.h).
+/// `rasterize` computes the distances: rasterizeBand(), or a GPU (fields/DistanceOnDevice.h).
 openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
                                  const openvdb::BoolGrid& inside, const GridTransform& transform,
                                  double halfWidth, double shell, const BandRasterizer& rasterize,

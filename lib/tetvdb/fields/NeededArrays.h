@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which arrays of a file must be read for the grids and the warp that are asked for.
+// The arrays of a file that are required by the requested grids and the warp.
 #pragma once
 
 #include "tetvdb/fields/FieldRequest.h"
@@ -11,9 +11,9 @@
 
 namespace tetvdb {
 
-/// For ReadOptions::arrays: the names in all requests, with and without "points:", "cells:" and
-/// what follows the last colon, since names of arrays may have colons too. Empty, which represents
-/// all, where every array is asked for.
+/// For ReadOptions::arrays: the names in all requests, with and without "points:", "cells:" and the
+/// text after the last colon, since names of arrays may also contain colons. Empty, that is all, if
+/// every array is requested.
 std::vector<std::string> neededArrays(const FieldOptions& fields, const Warp& warp);
 
 } // namespace tetvdb

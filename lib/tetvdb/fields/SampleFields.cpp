@@ -20,7 +20,7 @@ double bytesOf(const TreeEstimate& tree, const FieldBytes& bytes) {
   return tree.leaves * bytes.leaf + tree.lowerNodes * bytes.lowerNode;
 }
 
-// The grids of `fields`, in `packed` where `pack` is not null.
+// The grids of `fields`, in `packed` if `pack` is not null.
 SnapCounts sample(const TetMesh& mesh, const GridTransform& transform,
                   const std::vector<Field>& fields, const SampleOptions& options,
                   const PackOptions* pack, std::vector<std::unique_ptr<PackedGrid>>& packed,

@@ -43,14 +43,14 @@ nano::ArrayView viewOf(const Attribute& array) {
   return view;
 }
 
-// Whether shape functions of cells other than linear tets are asked for.
+// Whether shape functions of cells other than linear tets are required.
 bool needsShapes(const TetMesh& mesh, const std::vector<Field>& fields) {
   return !mesh.curved.empty() && std::any_of(fields.begin(), fields.end(), [](const Field& field) {
     return field.on == Attribute::On::Points && field.kind != FieldKind::Integer;
   });
 }
 
-// Leaves of values on their way into the trees.
+// Receives leaves of values and adds them to the trees.
 class TreeMaker : public nano::LeafReceiver {
 public:
   TreeMaker(FieldGrids& grids, const FieldBytes& bytes, const SampleOptions& options,
@@ -77,7 +77,8 @@ private:
   VoxelizeOptions limits_;
   std::atomic<std::uint64_t> leaves_{0};
   std::atomic<bool> begun_{false};
-  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, for a device's thread too
+  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's arena, also for a device's
+                                                     // thread
 };
 
 SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform& transform,
@@ -85,7 +86,7 @@ SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform
                     const PackOptions* pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
                     Volume& volume, StageTimer& timer, Report& report, Progress& progress) {
   timer.part("on the device");
-  const SnappedMesh none; // the device's
+  const SnappedMesh none; // the device has its own
   SampledGrids grids(mesh, none, transform, fields, pack, packed);
   TreeMaker maker(grids.grids(), fieldBytes(fields, pack), options, timer);
   const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
@@ -148,7 +149,7 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
     return onCpu();
   DeviceQuestion question;
   if (needsShapes(mesh, fields))
-    question.unable = "values by the shape functions of cells are found on the CPU";
+    question.unable = "values by the shape functions of cells are computed on the CPU";
   question.cost = [&] {
     double numbers = 0;
     for (const Field& field : fields)

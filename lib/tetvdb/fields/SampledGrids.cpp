@@ -9,7 +9,7 @@
 namespace tetvdb {
 namespace {
 
-// A packed leaf is a mask, its place, and a tail that is kept while few are.
+// A packed leaf consists of a mask, its position, and a buffered tail.
 constexpr double kPackedLeafBytes = 240;
 
 void describeValues(const Field& field, openvdb::GridBase& grid) {
@@ -74,8 +74,8 @@ openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report&
   }
   if (const std::size_t count = grids_->byTets(); count > 0)
     report.warn("values-by-tets",
-                fmt::format("{} voxels lie in hexahedra, wedges or pyramids that are turned inside "
-                            "out or twisted; their values are interpolated in tetrahedra",
+                fmt::format("{} voxels lie in hexahedra, wedges or pyramids that are "
+                            "inverted or twisted; their values are interpolated in tetrahedra",
                             count));
   return made;
 }

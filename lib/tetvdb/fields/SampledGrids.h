@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The grids of a sampling, wherever values are found: what is made of FieldGrids in the end.
+// The grids of a sampling, for values computed on any device: finishes FieldGrids.
 // Internal.
 #pragma once
 
@@ -12,26 +12,26 @@
 
 namespace tetvdb {
 
-/// Of fields, as they are kept while leaves are made: of a leaf, and of a lower node.
+/// Memory per leaf and per lower node of fields while leaves are made.
 struct FieldBytes {
   double leaf = 0, lowerNode = 0;
 };
-/// `pack`: null where values stay in memory.
+/// `pack`: null if values are kept in memory.
 FieldBytes fieldBytes(const std::vector<Field>& fields, const PackOptions* pack);
 
 class SampledGrids {
 public:
-  /// `pack`, `packed`: null and unused, or where the grids go.
+  /// `pack`, `packed`: both null, or the destination of the grids.
   SampledGrids(const TetMesh& mesh, const SnappedMesh& snapped, const GridTransform& transform,
                const std::vector<Field>& fields, const PackOptions* pack,
                std::vector<std::unique_ptr<PackedGrid>>& packed);
 
   FieldGrids& grids() { return *grids_; }
 
-  /// Throws Error(Invalid) where no voxel has an owner, unless that is allowed.
+  /// Throws Error(Invalid) if no voxel has an owner, unless this is permitted.
   void requireAny(const SampleOptions& options) const;
 
-  /// The grids with their metadata; warns of values that were left out.
+  /// Returns the grids with their metadata; warns of omitted values.
   openvdb::GridPtrVec finish(const GridTransform& transform, Report& report);
 
 private:

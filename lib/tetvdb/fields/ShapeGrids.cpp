@@ -39,21 +39,22 @@ openvdb::BoolGrid::Ptr maskOf(const Voxelization& made) {
   throw Error(Status::Usage, "addShapeGrids()", "the volume has no grid 'mask'");
 }
 
-// A whole box is made without a band, but where holes are closed they are found in one.
+// A level set of a whole box needs no band, except to find closed holes.
 double bandOf(const ShapeOptions& options) {
   constexpr double kUsual = 3;
   return options.halfWidth == kWholeBox ? kUsual : options.halfWidth;
 }
 
-// The faces of a solid and what is known of it.
+// The faces of a solid and derived data.
 struct Solid {
   const std::vector<Vec3d>& points;
   SnappedMesh mesh; // the same points, snapped
   Boundary faces;
   std::optional<BoundaryWinding> boundary; // of an open soup
   double shell = 0;                        // half its thickness, voxels
-  std::optional<FillRule> rule;            // where faces close and windings say what is inside
-  openvdb::BoolGrid::Ptr filled;           // of a shell on one side of the faces: what they enclose
+  std::optional<FillRule> rule;            // if faces are closed and winding numbers decide
+  openvdb::BoolGrid::Ptr filled;           // of a shell on one side of the faces: the enclosed
+                                           // voxels
   double thickness = 0;                    // of that shell, voxels
   bool outward = false;
 };
@@ -61,7 +62,7 @@ struct Solid {
 // Voxels beyond the mesh on every side of its whole box.
 constexpr std::int32_t kBeyondMesh = 3;
 
-// The box in which a level set without a band is made.
+// The box of a level set without a band.
 VoxelBox wholeBox(const Solid& solid, const openvdb::BoolGrid& inside,
                   const ShapeOptions& options) {
   if (options.box)
@@ -89,7 +90,7 @@ VoxelBox wholeBox(const Solid& solid, const openvdb::BoolGrid& inside,
   return voxels;
 }
 
-// The memory of a level set that has every voxel of a box, and of the blocks that make it.
+// Checks the memory of a level set of a whole box and of the blocks that make it.
 void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOptions& options) {
   double leaves = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -101,12 +102,12 @@ void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOption
                 limit);
 }
 
-// For all grids that are asked for; of a whole box, for what is done before.
+// Checks the memory of all requested grids; for a whole box, of the preceding steps.
 void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
   const bool covers = contains(options.grids, GridKind::Coverage);
   const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
   double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
-  const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes a face
+  const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes per face
   if (bands > 0)
     leaves += (solid.filled ? bands + 1 : bands) *
               estimateBandLeaves(solid.mesh, solid.faces,
@@ -124,23 +125,24 @@ openvdb::FloatGrid::Ptr coverageOf(const Solid& solid, const GridTransform& tran
                                    CoverageSum& sum, Report& report, Progress& progress) {
   openvdb::FloatGrid::Ptr grid = coverage(solid.points, solid.faces, transform, sum, progress);
   if (sum.overlapVoxels > 0)
-    report.warn("overlap", fmt::format("parts of the mesh overlap: {} voxels are filled more than "
-                                       "once, by {:.6g} voxels' volume that is counted once",
-                                       sum.overlapVoxels, sum.overlap));
+    report.warn("overlap",
+                fmt::format("components of the mesh overlap: {} voxels are filled more than "
+                            "once; {:.6g} voxels' volume is counted once only",
+                            sum.overlapVoxels, sum.overlap));
   return grid;
 }
 
-// Leaves those parts of the faces that are the solid's boundary.
+// Keeps those parts of the faces that are the solid's boundary.
 void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) {
-  constexpr const char* kAllFaces =
-      "the level set's magnitudes are distances to all faces, those inside of the solid included";
+  constexpr const char* kAllFaces = "the level set's absolute values are distances to all faces, "
+                                    "including those inside the solid";
   if (!solid.rule) {
     counts.met = countMetFaces(solid.mesh, solid.faces, progress);
     if (counts.met > 0)
       report.warn(
           "untrimmed",
-          fmt::format("{} faces cross or touch others, and can only be cut along each other "
-                      "in a mesh without open edges whose inside is not found by flood: {}",
+          fmt::format("{} faces cross or touch others; they can only be cut "
+                      "in a mesh without open edges whose inside is not determined by flood: {}",
                       counts.met, kAllFaces));
     return;
   }
@@ -148,7 +150,7 @@ void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) 
   counts = trimmed.counts;
   if (!trimmed.complete)
     report.warn("untrimmed",
-                fmt::format("too many faces cross to be cut along each other: {}", kAllFaces));
+                fmt::format("too many faces cross one another to be cut: {}", kAllFaces));
   if (!trimmed.changed)
     return;
   solid.mesh = std::move(trimmed.mesh);
@@ -187,7 +189,7 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
         estimateBandLeaves(solid.mesh, solid.faces, bandOf(options) + solid.shell),
         static_cast<double>(solid.faces.faces.size()));
   };
-  // Distances in a whole box are the CPU's.
+  // Distances in a whole box are computed on the CPU.
   const DeviceChoice device =
       options.halfWidth == kWholeBox ? DeviceChoice{DeviceKind::Cpu, {0}} : options.device;
   return runOnDevice(
@@ -262,12 +264,12 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
 void requireCoverable(const SolidOptions& how, const SoupBoundary& boundary) {
   if (how.shell > 0 || how.inside != InsideRule::Winding)
     throw Error(Status::Usage, "`grid=coverage`",
-                "is found from the winding number alone: not with `shell` or `inside`",
+                "is computed from the winding number only, not with `shell` or `inside`",
                 "leave them out");
   if (!boundary.edges.empty())
     throw Error(
         Status::Invalid, "`grid=coverage`",
-        fmt::format("needs faces that close; the mesh has {} open edges", boundary.edges.size()),
+        fmt::format("requires closed faces; the mesh has {} open edges", boundary.edges.size()),
         "use `mesher=envelope`, which closes holes by tets, or repair the mesh first");
 }
 
@@ -276,13 +278,13 @@ void requireCoverable(const SolidOptions& how, const SoupBoundary& boundary) {
 void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
   if (options.halfWidth == kWholeBox) {
     if (contains(options.grids, GridKind::Fog))
-      throw Error(Status::Usage, "`grid=fog`", "rises to 1 at a half-width that is a number",
-                  "give `half_width` a number, or make 'surface' alone");
+      throw Error(Status::Usage, "`grid=fog`", "requires a number as half-width",
+                  "give `half_width` a number, or make only 'surface'");
   } else if (!(options.halfWidth >= kMinHalfWidth && options.halfWidth <= kMaxHalfWidth)) {
     throw Error(Status::Usage, "`half_width`",
                 fmt::format("{} voxels is not between {} and {}", options.halfWidth, kMinHalfWidth,
                             kMaxHalfWidth),
-                "'all' has every voxel of the mesh's box");
+                "'all' includes every voxel of the mesh's box");
   }
   if (!options.grids.empty())
     checkGridKinds(options.grids, {GridMaker::Distance, GridMaker::Share});
@@ -290,7 +292,7 @@ void checkShapes(const ShapeOptions& options, const Vec3d& voxelSize) {
   for (const GridKind kind : options.grids)
     if (infoOf(kind).needsCubes && !cubes)
       throw Error(Status::Usage, fmt::format("`grid={}`", infoOf(kind).name),
-                  "needs voxels that are cubes: a level set has one voxel size",
+                  "requires cubic voxels: a level set has one voxel size",
                   "give `voxel_size` one number");
 }
 
@@ -309,16 +311,16 @@ ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxeli
 
 namespace {
 
-// Of a closed mesh: what it encloses.
+// For a closed mesh: its enclosed voxels.
 void fillForShell(Solid& solid, const TriangleMesh& mesh, const SolidOptions& how,
                   const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
   const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
   if (!boundary.edges.empty())
     throw Error(Status::Invalid, "`grid=surface`",
-                fmt::format("of a shell on one side needs faces that close; the mesh has {} open "
+                fmt::format("of a shell on one side requires closed faces; the mesh has {} open "
                             "edges",
                             boundary.edges.size()),
-                "ask for density or mask, or leave `shell_side` out");
+                "choose density or mask, or leave `shell_side` out");
   const double wide = options.halfWidth + how.shell / transform.voxelSize[0];
   if (wide > kMaxHalfWidth)
     throw Error(Status::Usage, "`shell`",

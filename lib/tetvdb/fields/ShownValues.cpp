@@ -13,7 +13,7 @@ std::string whyHidden(const GridInfo& grid) {
   if (grid.maxValue < kMinShown)
     return fmt::format("ranges from {}: Blender shows nothing below {}", range, kMinShown);
   if (grid.minValue < 0)
-    return fmt::format("ranges from {}: renderers take negative densities for nothing", range);
+    return fmt::format("ranges from {}: renderers treat negative densities as empty", range);
   if (grid.maxValue > kMaxShown)
     return fmt::format("ranges from {}: renderers show such densities as a solid block", range);
   return {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which values renderers show as they stand.
+// The range of values that renderers show.
 #pragma once
 
 #include "tetvdb/volume/Volume.h"
@@ -9,18 +9,18 @@
 
 namespace tetvdb {
 
-/// Blender's Cycles takes what is below for nothing (volume.render.clipping, its default).
+/// Blender's Cycles omits smaller densities (volume.render.clipping, its default).
 constexpr double kMinShown = 0.001;
-/// Densities above are a solid block in any scene of ordinary size.
+/// Larger densities are opaque in scenes of usual size.
 constexpr double kMaxShown = 1000;
-/// Largest number that 16 bits hold.
+/// Largest number of 16 bits.
 constexpr double kLargestHalf = 65504;
 
 /// The warning's code.
 constexpr const char* kHiddenValues = "hidden-values";
 
-/// Why a renderer would not show the values of a grid of single numbers as they are: "has negative
-/// values, which renderers take for nothing". Empty where it would, or where the grid holds none.
+/// The reason why a renderer does not show the values of a scalar grid: "ranges from -1 to 2:
+/// renderers treat negative densities as empty". Empty if it does, or if the grid is empty.
 std::string whyHidden(const GridInfo& grid);
 
 } // namespace tetvdb

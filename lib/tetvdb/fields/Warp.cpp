@@ -16,7 +16,7 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
     return;
   FieldOptions options;
   options.requests = {{"", warp.array, FieldPart::Whole, ""}};
-  Report told; // of points without a finite vector: refused below
+  Report told; // points without a finite vector, refused below
   std::vector<Field> fields;
   try {
     fields = resolveFields(mesh, options, told);
@@ -45,7 +45,7 @@ void warpPoints(TetMesh& mesh, const Warp& warp) {
           for (std::size_t k = 0; k < 3; ++k) {
             const double moved =
                 warp.factor * field.sources[k].array->number(i, field.sources[k].component);
-            // Points in use have finite vectors; others stay where they are.
+            // Points in use have finite vectors; others do not move.
             if (std::isfinite(moved))
               mesh.points[i][k] += moved;
           }

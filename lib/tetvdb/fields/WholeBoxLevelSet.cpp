@@ -19,7 +19,7 @@ namespace {
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 using MaskAccessor = openvdb::tree::ValueAccessor<const openvdb::BoolTree>;
 
-// Bits z of the row of a leaf that lie in the box.
+// The bits z of a leaf's row that are in the box.
 std::uint64_t bitsInBox(const VoxelBox& box, const Vec3i& first, std::int32_t x) {
   std::uint64_t bits = 0;
   if (first[0] + x < box.low[0] || first[0] + x > box.high[0])
@@ -32,7 +32,7 @@ std::uint64_t bitsInBox(const VoxelBox& box, const Vec3i& first, std::int32_t x)
   return bits;
 }
 
-// The words of a leaf's voxels inside.
+// The words of a leaf's inside voxels.
 void insideOf(const openvdb::BoolTree& inside, const openvdb::Coord& first, std::uint64_t* words) {
   if (const auto* leaf = inside.probeConstLeaf(first)) {
     for (openvdb::Index x = 0; x < kLeafSize; ++x)
@@ -53,7 +53,7 @@ std::unique_ptr<FloatLeaf> makeLeaf(const VoxelBox& box, const Vec3i& first, con
         bitsInBox(box, first, x);
     for (std::int32_t i = 0; i < kLeafSize * kLeafSize; ++i) {
       const std::int32_t at = x * kLeafSize * kLeafSize + i;
-      // A zero would be neither inside nor outside.
+      // Zero would be neither inside nor outside.
       const float distance = std::max(std::abs(std::sqrt(squared[at]) - shell) * voxel,
                                       std::numeric_limits<float>::min());
       values[at] = (inside[x] >> i & 1) != 0 ? -distance : distance;

@@ -11,14 +11,14 @@
 
 namespace tetvdb {
 
-/// A float level set "surface" in which all voxels of `box` are active, and no others. The sign is
-/// `inside`'s (active: inside), exactly; the absolute value is the distance to the nearest of
+/// Returns a float level set "surface" in which exactly the voxels of `box` are active. The sign is
+/// exactly that of `inside` (active: inside). The absolute value is the distance to the nearest of
 /// `faces` in world units, within kDistanceError voxels and the rounding of single precision.
-/// Voxels outside of the box have the background, the largest absolute value within. `inside` must
-/// have `transform`, whose voxels must be cubes, and `faces`, of which there is one at least, be
-/// snapped by it. The result depends on the faces as a set and on `inside` alone. `shell`: as for
-/// levelSet(). Parallel; cost and method: fields/DistanceBlocks.h. Memory: the grid, about 4.3
-/// bytes a voxel, and 48 bytes a face.
+/// Voxels outside of the box have the background, the largest absolute value inside it. `inside`
+/// must have `transform`, whose voxels must be cubes, and `faces`, at least one, must be snapped by
+/// it. The result depends on the faces as a set and on `inside` only. `shell`: as for levelSet().
+/// Parallel; cost and method: fields/DistanceBlocks.h. Memory: the grid, about 4.3 bytes per voxel,
+/// and 48 bytes per face.
 openvdb::FloatGrid::Ptr wholeBoxLevelSet(const SnappedMesh& mesh, const Boundary& faces,
                                          const openvdb::BoolGrid& inside,
                                          const GridTransform& transform, const VoxelBox& box,

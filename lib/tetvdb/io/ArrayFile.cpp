@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Index space beyond it is refused: planes and boxes are counted in 32 bits.
+// Index space beyond this is refused: planes and boxes are counted in 32 bits.
 constexpr std::int32_t kFarthest = 1 << 30;
 
 const Format* rowOf(const std::string& path) {
@@ -38,7 +38,7 @@ bool isOne(const Format& format, unsigned thing) {
   return (format.arrays & thing) != 0;
 }
 
-// ".npz, .vti or .raw": formats that can be that.
+// ".npz, .vti or .raw": formats with this capability.
 std::string endingsWith(unsigned thing) {
   std::vector<std::string> endings;
   for (const Format& format : formats())
@@ -71,7 +71,7 @@ std::array<double, 16> matrixOf(const std::string& path, const openvdb::GridBase
   return rows;
 }
 
-// The cube of a volume that was made to fit one.
+// The cube of a volume that was made to fit it.
 std::optional<VoxelBox> fitBox(const Volume& volume) {
   const auto found = volume.metadata.find("fit");
   if (found == volume.metadata.end())
@@ -99,7 +99,7 @@ VoxelBox activeBox(const std::string& path, const Volume& volume) {
           {all.max().x(), all.max().y(), all.max().z()}};
 }
 
-// Names that files and programs take, none twice, none of those in `taken`.
+// Names that files and programs accept, distinct, and not in `taken`.
 std::vector<std::string> namesOf(const openvdb::GridPtrVec& grids) {
   std::set<std::string> taken{"transform", "origin", "voxel_size", "box"};
   std::vector<std::string> names;

@@ -8,10 +8,10 @@
 
 namespace tetvdb {
 
-/// What readCells() does with every mesh once it is read, and what meshes in memory need too: there
-/// have to be solid cells; regions are those of options.regionArray, or the mesh's own, or those of
-/// an array with a usual name; arrays that nobody asked for are left out. `where` is for messages.
-/// Throws Error(Invalid) without solid cells, Error(Usage) for a region array that is none.
+/// The last step of readCells() for every mesh, also for meshes in memory: requires solid cells;
+/// sets regions to those of options.regionArray, or the mesh's own, or those of an array with a
+/// usual name; removes arrays that were not requested. `where` is for messages. Throws
+/// Error(Invalid) without solid cells, Error(Usage) for an invalid region array.
 void finishCells(const std::string& where, CellMesh& mesh, const ReadOptions& options);
 
 } // namespace tetvdb

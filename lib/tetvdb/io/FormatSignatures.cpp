@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kLook = 4096; // bytes that are looked at
+constexpr std::size_t kLook = 4096; // bytes that are read
 
 bool startsWith(std::string_view text, std::string_view start) {
   return text.substr(0, start.size()) == start;
@@ -37,14 +37,14 @@ bool isVtkXml(const FileStart& file) {
          startsWith(file.start, "<!--");
 }
 
-/// By the name of a group, which stands near the beginning of most files, or by the file's ending.
+/// By the name of a group, which is near the beginning of most files, or by the file's ending.
 bool isHdf5With(const FileStart& file, std::string_view group, std::string_view ending) {
   constexpr std::size_t look = std::size_t(1) << 20;
   return startsWith(file.head, "\x89HDF\r\n") &&
          (file.ending == ending || contains(file.bytes.substr(0, look), group));
 }
 
-/// The first word of the file, comments that begin with '#' left out.
+/// The first word of the file, after comments that begin with '#'.
 std::string_view firstWord(const FileStart& file) {
   NumberParser words(file.head, "", '#');
   return words.word();
@@ -79,7 +79,7 @@ bool isStl(const FileStart& file) {
          (startsWith(file.start, "solid") && isTextStl(file.bytes));
 }
 
-/// Whether every line begins with a word of OBJ files, a vertex or a face among them.
+/// Whether every line begins with a word of OBJ files, including a vertex or a face.
 bool isObj(const FileStart& file) {
   constexpr std::string_view known[] = {"v", "vt", "vn", "vp",     "f",      "l", "p",
                                         "g", "o",  "s",  "mtllib", "usemtl", "mg"};
@@ -88,7 +88,7 @@ bool isObj(const FileStart& file) {
   while (!in.atEnd()) {
     const std::string_view word = in.word();
     if (std::find(std::begin(known), std::end(known), word) == std::end(known))
-      return found && in.atEnd(); // a word that was cut off where looking ends
+      return found && in.atEnd(); // the last word may be truncated
     double number = 0;
     found = found || ((word == "v" || word == "f") && in.tryReal(number));
     for (std::string_view rest = in.line(); !rest.empty() && rest.back() == '\\';)
@@ -108,7 +108,7 @@ bool isPly(const FileStart& file) {
   return startsWith(file.text, "ply\n") || startsWith(file.text, "ply\r");
 }
 
-/// A 3MF file is a ZIP archive that holds a model; names stand at its beginning and in its
+/// A 3MF file is a ZIP archive that contains a model; names are at its beginning and in its
 /// directory at the end.
 bool isThreeMf(const FileStart& file) {
   constexpr std::size_t directory = 65536;
@@ -163,8 +163,8 @@ bool isAbaqus(const FileStart& file) {
   return startsWith(file.text, "*");
 }
 
-/// The binary form by its first byte; the text by comments and then five whole numbers: nodes,
-/// cells, and data components of three kinds. Both need one of the usual names.
+/// The binary form by its first byte; the text by comments and then five integers: nodes, cells,
+/// and data components of three kinds. Both require one of the usual names.
 bool isUcd(const FileStart& file) {
   if (file.ending != ".inp" && file.ending != ".avs" && file.ending != ".ucd")
     return false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How formats are told by a file's content; the table io/Formats.h calls these.
+// Recognition of formats by a file's content; the table io/Formats.h calls these functions.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tetvdb {
 
-/// A file as the signatures see it.
+/// The beginning of a file, for the signatures.
 struct FileStart {
   FileStart(std::string_view bytes, const std::string& path);
 
@@ -51,14 +51,14 @@ bool isNeu(const FileStart& file);
 bool isXdmf(const FileStart& file);
 bool isExodus(const FileStart& file);
 
-// For names that have the format's ending: content that is damaged beyond its first words.
+// For names with the format's ending: content that is damaged after its first words.
 bool isAny(const FileStart& file);
 bool isDamagedGmsh(const FileStart& file);
 bool isDamagedMedit(const FileStart& file);
 bool isDamagedNetgen(const FileStart& file);
 bool isDamagedAbaqus(const FileStart& file);
 
-/// Whether `head` has no characters that texts do not have.
+/// Whether `head` has only characters of texts.
 bool isText(std::string_view head);
 
 } // namespace tetvdb

@@ -48,7 +48,7 @@ using namespace holds;
 
 using ReadCells = CellMesh (*)(const Source&, const ReadOptions&, Report&, Progress&);
 
-/// The polygons of a file that a reader of cells reads.
+/// The polygons of a file that a reader of cells supports.
 template <ReadCells read>
 TriangleMesh readFaces(const Source& source, Report& report, Progress& progress) {
   ReadOptions options;
@@ -72,7 +72,7 @@ Format row(FileFormat id, std::string_view name, std::string_view endings,
   return format;
 }
 
-/// Formats that hold triangles alone: their endings suffice where the content tells nothing.
+/// Formats that contain only triangles: their endings suffice if the content is ambiguous.
 Format triangles(FileFormat id, std::string_view name, std::string_view endings,
                  std::string_view description, bool (*isContent)(const FileStart&),
                  TriangleMesh (*read)(const Source&, Report&, Progress&),

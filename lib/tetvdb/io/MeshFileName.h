@@ -5,8 +5,8 @@
 
 namespace tetvdb {
 
-/// Whether a folder's search for meshes takes a file of that name: its ending is that of a format
-/// with triangles or solid cells. Of TetGen's two files the one with the cells represents both.
+/// Whether the search of a folder for meshes uses a file of that name: its ending is that of a
+/// format with triangles or solid cells. Of TetGen's two files, only the one with cells is used.
 bool isMeshFileName(const std::string& path);
 
 } // namespace tetvdb

@@ -29,7 +29,7 @@ std::string normalized(std::string_view name) {
   return text;
 }
 
-/// Names that programs give to arrays of material and region numbers, likeliest first.
+/// Usual names of arrays with material and region numbers, the most frequent first.
 constexpr std::array<std::string_view, 28> kRegionNames{
     "material",      "materials",    "materialid",     "materialids", "mat",         "matid",
     "matids",        "region",       "regions",        "regionid",    "regionids",   "gmshphysical",
@@ -37,7 +37,7 @@ constexpr std::array<std::string_view, 28> kRegionNames{
     "physicalid",    "physicaltag",  "celltags",       "subdomain",   "subdomainid", "domain",
     "meditref",      "tetgenref",    "attribute",      "partid"};
 
-/// The array as whole numbers; empty where it has several components or other values.
+/// The array as integers; empty if it has several components or other values.
 std::vector<std::int32_t> wholeNumbers(const Attribute& array) {
   std::vector<std::int32_t> numbers;
   if (array.components != 1)
@@ -97,7 +97,7 @@ void chooseRegions(CellMesh& mesh, const ReadOptions& options) {
       }
 }
 
-// Arrays that were read for regions alone, or by a reader that reads all.
+// Removes arrays that were read only for regions, or by a reader that reads all.
 void leaveOutUnwanted(CellMesh& mesh, const ReadOptions& options) {
   std::vector<Attribute> wanted;
   for (Attribute& array : mesh.attributes) {

@@ -16,7 +16,7 @@ bool holdsTriangles(const Source& source, Progress& progress) try {
   const Format& format = formatOf(sniffFormat(source.bytes, source.path));
   if (format.readTriangles == nullptr || format.readCells == nullptr)
     return format.readTriangles != nullptr;
-  Report unused; // the same warnings as of the mesh
+  Report unused; // the same warnings as those of the mesh
   return !format.hasSolidCells(source, unused, progress);
 } catch (const Error& error) {
   if (error.status() == Status::Cancelled)

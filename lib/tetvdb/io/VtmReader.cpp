@@ -18,7 +18,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxBlocks = 100000;
-constexpr int kDeepest = 16; ///< multi-block files that name others
+constexpr int kDeepest = 16; ///< levels of multi-block files that name others
 
 class MultiBlock {
 public:

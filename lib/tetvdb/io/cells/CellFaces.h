@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles of meshes that a file holds as cells without volume.
+// Triangles of meshes that a file stores as cells without volume.
 #pragma once
 
 #include "tetvdb/mesh/CellMesh.h"
@@ -17,7 +17,7 @@ bool hasSolidCells(const CellMesh& mesh);
 bool hasPolygons(const CellMesh& mesh);
 
 /// The polygons as fans from their first corner, in the file's order. Throws Error(Invalid) for
-/// `path` where the mesh has solid cells, whose faces these would be, or no polygons.
+/// `path` if the mesh has solid cells, whose faces these would be, or no polygons.
 TriangleMesh trianglesOfFaces(CellMesh&& mesh, const std::string& path);
 
 } // namespace tetvdb

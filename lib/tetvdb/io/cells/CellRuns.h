@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every reader does to the mesh that it builds.
+// Functions by which all readers build meshes.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -18,27 +18,27 @@
 
 namespace tetvdb {
 
-/// A kind of cell in some file format: its first `corners` nodes are the corners in VTK's order.
+/// A type of cell in a file format: its first `corners` nodes are the corners in VTK's order.
 struct CellKind {
-  const char* name; ///< in the file's own words
+  const char* name; ///< the name in the format
   CellType type;
   std::uint32_t corners; ///< 0 for Flat and OtherSolid
   std::uint32_t nodes;   ///< nodes in the file
-  /// Nodes that the reader keeps (mesh/CurvedShape.h); 0: the corners.
+  /// Number of nodes that the reader keeps (mesh/CurvedShape.h); 0: the corners.
   std::uint32_t kept = 0;
-  /// Of each kept node its place in the file; null: its own.
+  /// By kept node: its index in the file; null: the same.
   const std::uint8_t* order = nullptr;
 
   std::uint32_t stored() const { return kept != 0 ? kept : corners; }
   bool quadratic() const { return corners != 0 && nodes > corners; }
 };
 
-/// For CellKind::kept: all nodes of quadratic cells, 0 of others.
+/// For CellKind::kept: all nodes of quadratic cells, 0 for others.
 inline std::uint32_t keptNodes(CellType type, std::uint32_t nodes) {
   return curvedShape(type, nodes) ? nodes : 0;
 }
 
-/// Adds `count` cells of a kind, stored() nodes of each, to the last run or as a new one.
+/// Adds `count` cells of a type, stored() nodes each, to the last run or as a new one.
 inline void appendCells(CellMesh& mesh, const CellKind& kind, std::size_t count = 1) {
   if (count == 0)
     return;
@@ -47,7 +47,7 @@ inline void appendCells(CellMesh& mesh, const CellKind& kind, std::size_t count 
   mesh.runs.back().count += count;
 }
 
-/// Puts the last cell's nodes, which are in the file's order, in VTK's.
+/// Permutes the last cell's nodes from the file's order to VTK's.
 inline void orderLast(CellMesh& mesh, const CellKind& kind) {
   if (kind.order == nullptr)
     return;
@@ -58,7 +58,7 @@ inline void orderLast(CellMesh& mesh, const CellKind& kind) {
     nodes[i] = file[kind.order[i]];
 }
 
-/// Throws Error(Limit) where points could not be numbered with 32 bits.
+/// Throws Error(Limit) if points cannot be numbered with 32 bits.
 inline void checkPointCount(std::uint64_t count, const std::string& path) {
   if (count >= IdMap::kNone)
     throw Error(Status::Limit, path, "more than 4294967294 points", "split it into several files");

@@ -11,7 +11,7 @@ void FaceCollector::failTooManyPoints() const {
 
 void FaceCollector::removeBadSuspects() {
   std::vector<std::uint32_t>& triangles = mesh_.triangles;
-  std::size_t kept = 0, taken = 0; // numbers up to here are where they belong, or were looked at
+  std::size_t kept = 0, taken = 0; // numbers below these are in place, or processed
   const auto keepUntil = [&](std::size_t end) {
     if (kept != taken)
       std::copy(triangles.begin() + static_cast<std::ptrdiff_t>(taken),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Points and polygons, as a file has them, into a TriangleMesh.
+// Collects points and polygons of a file in a TriangleMesh.
 //
 //   tetvdb::FaceCollector faces(source.path);
 //   faces.addPoint({x, y, z});
@@ -21,11 +21,11 @@
 
 namespace tetvdb {
 
-/// Points may come before or after the polygons that use them. A polygon that names a point that
-/// does not exist or is not finite, or that has fewer than three corners, is left out and counted.
+/// Points may be added before or after the polygons that use them. A polygon with a point that does
+/// not exist or is not finite, or with fewer than three corners, is omitted and counted.
 class FaceCollector {
 public:
-  static constexpr std::uint32_t kNone = UINT32_MAX; ///< a corner that is no point
+  static constexpr std::uint32_t kNone = UINT32_MAX; ///< a corner that is not a point
 
   explicit FaceCollector(std::string path) : path_(std::move(path)) {}
 
@@ -34,16 +34,16 @@ public:
     mesh_.triangles.reserve(3 * triangles);
   }
   std::size_t pointCount() const { return mesh_.points.size(); }
-  /// Faces seen so far, those without meaning included.
+  /// Number of added faces, including invalid ones.
   std::size_t faceCount() const { return facesSeen_; }
 
-  /// Whether the file's end may have cut digits off this number: whether a longer one would be a
-  /// point as well.
+  /// Whether the end of the file may have truncated this number: whether a longer one would also be
+  /// a valid point.
   bool mayBeCut(std::uint32_t corner) const {
     return corner > 0 && std::uint64_t(corner) * 10 < pointCount();
   }
 
-  /// A point that is not finite keeps its place as (0, 0, 0).
+  /// A point that is not finite is replaced by (0, 0, 0).
   void addPoint(const Vec3d& p) {
     if (mesh_.points.size() >= kNone)
       failTooManyPoints();
@@ -54,10 +54,10 @@ public:
     badPoints_.push_back(static_cast<std::uint32_t>(mesh_.points.size()));
     mesh_.points.push_back({0, 0, 0});
   }
-  /// A point whose coordinates cannot be read.
+  /// Adds a point whose coordinates cannot be read.
   void addUnreadablePoint() { addPoint({NAN, NAN, NAN}); }
 
-  /// A polygon becomes a fan from its first corner.
+  /// Adds a polygon as a fan from its first corner.
   void addPolygon(const std::uint32_t* corners, std::size_t n) {
     ++facesSeen_;
     if (n < 3) {
@@ -72,11 +72,11 @@ public:
     for (std::size_t k = 1; k + 1 < n; ++k)
       mesh_.triangles.insert(mesh_.triangles.end(), {corners[0], corners[k], corners[k + 1]});
   }
-  /// A face that cannot be read.
+  /// Adds a face that cannot be read.
   void addUnreadableFace() { noteBadFace(++facesSeen_); }
 
-  /// Leaves out what has no meaning, with the warnings `bad-faces` (and report.partial) and
-  /// `bad-vertices`. Throws Error(Invalid) where no face is left.
+  /// Removes invalid faces, with the warnings `bad-faces` (and report.partial) and `bad-vertices`.
+  /// Throws Error(Invalid) if no face is left.
   TriangleMesh finish(Report& report);
 
 private:

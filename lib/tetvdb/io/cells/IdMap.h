@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files number their nodes and elements as they like; meshes here count from 0.
+// Maps arbitrary numbers of nodes and elements in a file to indices from 0.
 //
 //   tetvdb::IdMap ids;
 //   for (...) ids.add(number);              // element 0, element 1, ...
@@ -15,7 +15,7 @@
 
 namespace tetvdb {
 
-/// Index of an element by its number. Consecutive numbers, the usual case, take no memory; numbers
+/// Index of an element by its number. Consecutive numbers, the usual case, need no memory; numbers
 /// with gaps a table, and scattered ones a sorted list.
 class IdMap {
 public:
@@ -37,13 +37,13 @@ public:
   }
   /// Numbers the next `count` elements from `first` on.
   void addRange(std::int64_t first, std::size_t count);
-  /// Between the last add() and the first find().
+  /// To be called between the last add() and the first find().
   void finish();
 
   std::size_t size() const { return count_; }
   bool consecutive() const { return consecutive_; }
   std::int64_t first() const { return first_; }
-  /// Things whose number a later one has too; find() gives the later one.
+  /// Elements whose number a later one repeats; find() returns the later one.
   std::size_t duplicates() const { return duplicates_; }
 
   std::uint32_t find(std::int64_t id) const {
@@ -56,7 +56,7 @@ public:
   }
 
 private:
-  // Unsigned, since hostile numbers would overflow.
+  // Unsigned, since invalid numbers would overflow.
   std::int64_t number(std::size_t offset) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(first_) + offset);
   }

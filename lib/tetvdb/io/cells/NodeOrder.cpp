@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLook = 1000; // cells
 constexpr std::uint8_t kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
-using Order = std::array<std::uint8_t, 6>; ///< of each edge the place of its mid among the six
+using Order = std::array<std::uint8_t, 6>; ///< by edge: the index of its midpoint among the six
 
 std::optional<Order> orderIn(const std::uint32_t* nodes, const std::vector<Vec3d>& points) {
   Order order;

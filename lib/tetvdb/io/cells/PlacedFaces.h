@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Meshes that a scene places, perhaps several times, into one TriangleMesh.
+// Collects the meshes of a scene, with repetitions, in one TriangleMesh.
 #pragma once
 
 #include "tetvdb/core/Report.h"
@@ -36,7 +36,7 @@ struct Placement {
                              rows[i][2] * inner.rows[2][j] + (j == 3 ? rows[i][3] : 0);
     return product;
   }
-  /// Whether it turns solids inside out.
+  /// Whether it reverses orientations.
   bool mirrors() const {
     const auto& m = rows;
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -

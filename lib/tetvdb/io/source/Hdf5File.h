@@ -15,38 +15,38 @@
 
 namespace tetvdb {
 
-/// Every `stride`-th of `count` places along each dimension, from `start` on.
+/// Every `stride`-th of `count` positions along each dimension, starting at `start`.
 struct Slab {
   std::vector<std::uint64_t> start, stride, count;
 };
 
-/// Not thread-safe; one process opens files from one thread alone. Paths are those within the file:
-/// "/Mesh/geometry". Throws Error(Invalid) with "file:path".
+/// Not thread-safe; a process must open files from one thread only. Paths are those within the
+/// file: "/Mesh/geometry". Throws Error(Invalid) with "file:path".
 class Hdf5File {
 public:
-  /// Opens source.path where the source is a mapped file, else the bytes themselves.
+  /// Opens source.path if the source is a mapped file, else the bytes themselves.
   explicit Hdf5File(const Source& source);
   /// Opens the file `path`.
   explicit Hdf5File(const std::string& path);
   ~Hdf5File();
   Hdf5File(Hdf5File&&) noexcept;
 
-  /// Whether there is a dataset or group of that path within the file.
+  /// Whether a dataset or group of that path exists in the file.
   bool has(const std::string& path) const;
-  /// Names of the members of a group, in their alphabetical order; empty where there is no group.
+  /// Names of the members of a group, in alphabetical order; empty if there is no group.
   std::vector<std::string> members(const std::string& group) const;
-  /// Lengths of a dataset's dimensions. Throws where there is no dataset.
+  /// Lengths of a dataset's dimensions. Throws if there is no dataset.
   std::vector<std::uint64_t> shape(const std::string& dataset) const;
-  /// The numbers of a dataset, each of at most 64 bits (widened as mesh/Attribute.h says); with
-  /// `slab` those alone, whose dimensions are as many as the dataset's. No dataset may claim more
-  /// than the file can hold after decompression.
+  /// The numbers of a dataset, each of at most 64 bits (widened as in mesh/Attribute.h); with
+  /// `slab` only those, whose dimensions must be as many as the dataset's. Datasets must not be
+  /// larger than the file can hold after decompression.
   Attribute::Values read(const std::string& dataset, const Slab* slab = nullptr) const;
-  /// The first object, by its path, that is a link to another file or whose numbers lie in one; ""
-  /// where there is none. Looks at every object of the file.
+  /// The path of the first object that is a link to another file or whose numbers are stored in
+  /// one; "" if there is none. Reads every object of the file.
   std::string firstOutside() const;
-  /// A text attribute of a group; nothing where there is none.
+  /// A text attribute of a group; none if it does not exist.
   std::optional<std::string> text(const std::string& group, const char* attribute) const;
-  /// A whole-number attribute of a group: its first number; nothing where there is none.
+  /// An integer attribute of a group: its first number; none if it does not exist.
   std::optional<std::int64_t> integer(const std::string& group, const char* attribute) const;
 
 private:

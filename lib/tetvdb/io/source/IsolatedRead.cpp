@@ -29,7 +29,8 @@ namespace {
 
 enum class Outcome : std::uint8_t { Mesh = 0x4d, Failure = 0x46 };
 
-constexpr std::size_t kStep = std::size_t(16) << 20; ///< bytes taken on trust at a time
+constexpr std::size_t kStep = std::size_t(16) << 20; ///< bytes allocated at a time before they
+                                                     ///< arrive
 
 // --- the child's side ---
 
@@ -43,7 +44,7 @@ public:
       if (written < 0 && errno == EINTR)
         continue;
       if (written <= 0)
-        ::_exit(1); // nobody listens
+        ::_exit(1); // the reader is gone
       at += written;
       n -= static_cast<std::size_t>(written);
     }
@@ -134,12 +135,12 @@ private:
   int pipe_;
 };
 
-// What the handlers of the child's limits need, made before memory is short.
+// Data for the handlers of the child's limits, allocated before memory is short.
 int childPipe = -1;
 std::string childOutOfMemory, childOutOfTime;
 
-/// Allocations of the libraries fail in the midst of code that was never tested for it: the child
-/// ends at once.
+/// Failed allocations inside the libraries are untested: the child ends
+/// immediately.
 [[noreturn]] void endOutOfMemory() {
   Sender(childPipe).failure(Status::Limit, childOutOfMemory);
   ::_exit(0);
@@ -343,7 +344,7 @@ private:
     return all;
   }
 
-  // A child whose memory was overwritten may have said anything.
+  // A child with corrupted memory may have sent anything.
   void checkMesh(const CellMesh& mesh) const {
     std::uint64_t nodes = 0, cells = 0;
     for (const CellRun& run : mesh.runs) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reading through a library that crashes on damaged files.
+// Reads by a library that crashes on damaged files.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -23,17 +23,17 @@ namespace tetvdb {
 CellMesh readIsolated(const std::function<CellMesh(Report&, Progress&)>& read,
                       const std::string& path, Report& report, Progress& progress);
 
-/// What a child may take; Error(Limit) beyond.
+/// Limits of a child; Error(Limit) beyond.
 struct IsolationLimits {
   /// Bytes beyond what this process has, never more than 3/4 of the free; 0: these.
   std::uint64_t memory = 0;
   unsigned seconds = 0; ///< of processor time; 0: no limit
 };
 
-/// Arrays of numbers, whatever they are for.
+/// Arrays of numbers of any purpose.
 using NumberArrays = std::vector<Attribute::Values>;
 
-/// The same for arrays of numbers, with limits. What they hold is not checked.
+/// The same for arrays of numbers, with limits. Their content is not checked.
 NumberArrays readArraysIsolated(const std::function<NumberArrays(Report&, Progress&)>& read,
                                 const std::string& path, const IsolationLimits& limits,
                                 Report& report, Progress& progress);
@@ -43,7 +43,7 @@ std::vector<double>
 readTimesIsolated(const std::function<std::vector<double>(Report&, Progress&)>& read,
                   const std::string& path, Report& report, Progress& progress);
 
-/// The same for a question that is answered by yes or no.
+/// The same for a yes-or-no question.
 bool answerIsolated(const std::function<bool(Report&, Progress&)>& ask, const std::string& path,
                     Report& report, Progress& progress);
 

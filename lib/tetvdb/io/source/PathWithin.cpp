@@ -25,7 +25,7 @@ void allowReferencesOutside(bool allowed) {
 
 std::string pathWithin(const std::string& path, const std::string& name) {
   std::string slashes = name;
-  for (char& c : slashes) // of files that were written on Windows
+  for (char& c : slashes) // in files written on Windows
     c = c == '\\' ? '/' : c;
   const fs::path named = fs::path(slashes).lexically_normal();
   const fs::path folder = fs::path(path).parent_path();

@@ -25,7 +25,7 @@ constexpr std::array<std::string_view, 11> kLists{".pvd",  ".pvtu", ".pvtp", ".p
 
 std::string firstBytes(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) // to open a pipe takes away what is in it
+  if (!fs::is_regular_file(path, error)) // opening a pipe would consume its content
     return {};
   const auto size = fs::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
@@ -37,7 +37,7 @@ std::string firstBytes(const fs::path& path) {
   return text;
 }
 
-// Numbers are most of the content of such files.
+// Most of the content of such files is numbers.
 bool canBeName(std::string_view text) {
   return text.size() < 4096 && text.find('.') != text.npos &&
          std::any_of(text.begin(), text.end(), [](char c) {
@@ -45,7 +45,7 @@ bool canBeName(std::string_view text) {
          });
 }
 
-// What stands between separators; of "run.h5:/Mesh/points" the file alone.
+// The text between separators; of "run.h5:/Mesh/points" only the file.
 void addNames(std::string_view text, std::string_view separators, std::set<std::string>& names) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t begin = std::min(text.find_first_not_of(separators, at), text.size());

@@ -6,11 +6,11 @@
 
 namespace tetvdb {
 
-/// The files that are read along with the mesh `path`: the pieces of .pvd, .pvtu, .vtm and the
-/// like, the data of .xdmf, .gltf and .case files, the other half of .node and .ele; and what these
-/// refer to. Every name in the file that is a file beside it counts, whether a reader would open it
-/// or not. Files that are not there, and files that cannot be read, refer to none: never throws.
-/// Looks at the first 16 MB of a file.
+/// The files that are read together with the mesh `path`: the pieces of .pvd, .pvtu, .vtm and
+/// similar files, the data of .xdmf, .gltf and .case files, the other half of .node and .ele; and
+/// the files to which these refer. Every name in the file that is an existing file beside it
+/// counts, whether or not a reader would open it. Missing and unreadable files refer to none: does
+/// not throw. Reads the first 16 MB of a file.
 std::vector<std::string> referredFiles(const std::string& path);
 
 } // namespace tetvdb

@@ -28,7 +28,7 @@ struct Descriptor {
 
 } // namespace
 
-// The mapping begins on a page and ends with one; its pages are clean, so that nothing is lost.
+// The mapping begins and ends at page boundaries; its pages are clean, so that nothing is lost.
 void Source::release() const noexcept {
   if (isMapped)
     ::madvise(const_cast<char*>(bytes.data()), bytes.size(), MADV_DONTNEED);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a reader works on: bytes with a name. A file is mapped; a fuzzer passes its own bytes.
+// The input of a reader: bytes with a name. A file is mapped; a fuzzer passes its own bytes.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ struct Source {
   std::string path; ///< for messages, and for files that name others beside them
   bool isMapped = false;
 
-  /// Gives back the memory of what has been read of a mapped file; bytes that are read again come
-  /// from the system's cache. For readers to call now and then: nothing for other bytes.
+  /// Releases the memory of a mapped file that has been read; bytes that are read again come from
+  /// the system's cache. Readers call it periodically; it has no effect for other bytes.
   void release() const noexcept;
 };
 

@@ -56,11 +56,11 @@ inline T loadNumber(const char* at, bool swap) {
   return swap ? byteSwapped(value) : value;
 }
 
-/// Methods that throw throw Error(Invalid) with "path at byte N". Not thread-safe; several readers
-/// may share one source, whose bytes must outlive them.
+/// Methods throw Error(Invalid) with "path at byte N". Not thread-safe; several readers may share
+/// one source, whose bytes must outlive them.
 class ByteReader {
 public:
-  /// `swap`: numbers are in the order that is not this machine's.
+  /// `swap`: numbers are in the byte order opposite to this machine's.
   explicit ByteReader(const Source& source, bool swap = false, std::size_t begin = 0)
       : ByteReader(source.bytes, source.path, swap, begin) {}
   ByteReader(std::string_view bytes, std::string path, bool swap = false, std::size_t begin = 0)
@@ -109,8 +109,8 @@ public:
         out[i] = static_cast<U>(loadNumber<T>(from + i * sizeof(T), false));
   }
 
-  /// `n`, after a check that as many elements of `bytesEach` bytes are left. Safe to reserve for.
-  /// Takes signed numbers too, and refuses negative ones.
+  /// Returns `n` after checking that as many elements of `bytesEach` bytes are left. Safe for
+  /// reserve(). Also accepts signed numbers, and refuses negative ones.
   template <class Count>
   std::size_t checkCount(Count n, std::size_t bytesEach, std::string_view things) const {
     if constexpr (std::is_signed_v<Count>)

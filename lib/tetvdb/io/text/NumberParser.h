@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Numbers and words out of text, quickly, with line numbers for messages.
+// Parses numbers and words of a text, fast, with line numbers for messages.
 //
 //   tetvdb::NumberParser in(source, '#');             // '#' begins a comment
 //   const std::size_t n = in.count("vertices", 6);    // refused where the file cannot hold them
 //   for (std::size_t i = 0; i < n; ++i) points.push_back({in.real(), in.real(), in.real()});
 //
-// A number may have a leading '+', an exponent written with E, D or Q (Fortran), and no locale.
+// A number may have a leading '+' and an exponent with E, D or Q (Fortran); the locale is not used.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -23,8 +23,8 @@
 
 namespace tetvdb {
 
-/// A cursor over a text. White space (line breaks, '\0' and other control characters included) and
-/// comments are skipped before every number and word. Methods that throw throw Error(Invalid) with
+/// A cursor in a text. White space (including line breaks, '\0' and other control characters) and
+/// comments are skipped before every number and word. Methods throw Error(Invalid) with
 /// "path:line". Not thread-safe; several parsers may share one text.
 class NumberParser {
 public:
@@ -42,9 +42,9 @@ public:
     at_ = begin_ + std::min(position, static_cast<std::size_t>(end_ - begin_));
   }
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
-  /// Whether white space follows, or nothing: whether what was read is a whole word.
+  /// Whether white space or the end follows: whether the word has been read completely.
   bool atWordEnd() const { return at_ == end_ || static_cast<unsigned char>(*at_) <= ' '; }
-  /// Lines are added to message numbers: for a parser over an excerpt that begins at line `line`.
+  /// Added to line numbers in messages: for a parser of an excerpt that begins at line `line`.
   void setFirstLine(std::size_t line) { firstLine_ = line; }
 
   /// Skips white space and comments.
@@ -60,7 +60,7 @@ public:
         return;
     }
   }
-  /// Whether nothing but white space and comments is left; skips them.
+  /// Skips white space and comments; returns whether nothing else is left.
   bool atEnd() {
     skipSpace();
     return at_ == end_;
@@ -75,7 +75,7 @@ public:
       ++at_;
     return {start, static_cast<std::size_t>(at_ - start)};
   }
-  /// The next word, which stays to be read.
+  /// The next word, without consuming it.
   std::string_view peekWord() {
     skipSpace();
     const char* start = at_;
@@ -95,8 +95,8 @@ public:
     return found;
   }
 
-  /// The next number; throws where there is none or it is not finite. Numbers too small for a
-  /// double are 0.
+  /// The next number; throws if there is none or it is not finite. Numbers too small for a double
+  /// are 0.
   double real() {
     const char* start = at_;
     double value = 0;
@@ -108,21 +108,21 @@ public:
     }
     return value;
   }
-  /// As real(), but nan and inf are values too: for data arrays.
+  /// As real(), but accepts nan and inf: for data arrays.
   double value() {
     double value = 0;
     if (!tryReal(value))
       failNumber("a number");
     return value;
   }
-  /// The next whole number; throws where there is none. "3.0" is not one: see realInteger().
+  /// The next integer; throws if there is none. "3.0" is not an integer: see realInteger().
   std::int64_t integer() {
     std::int64_t value = 0;
     if (!tryInteger(value))
       failNumber("a whole number");
     return value;
   }
-  /// A whole number that may be written as 3.0 or 3e0.
+  /// An integer that may be written as 3.0 or 3e0.
   std::int64_t realInteger() {
     std::int64_t value = 0;
     if (tryInteger(value))
@@ -135,15 +135,15 @@ public:
     }
     return static_cast<std::int64_t>(number);
   }
-  /// A count of elements, each of which takes at least `bytesEach` bytes of the text that is left:
-  /// throws where it is negative or more than the text can hold. Safe to reserve for.
+  /// A count of elements, each of which has at least `bytesEach` bytes of the remaining text:
+  /// throws if it is negative or exceeds the text. Safe for reserve().
   std::size_t count(std::string_view things, std::size_t bytesEach = 2) {
     const std::int64_t n = integer();
     checkCount(n, things, bytesEach);
     return static_cast<std::size_t>(n);
   }
-  /// The check of count() for a number from elsewhere. The last element needs no separator after
-  /// it.
+  /// The check of count() for a number from another source. The last element needs no separator
+  /// after it.
   void checkCount(std::int64_t n, std::string_view things, std::size_t bytesEach = 2) const {
     if (n < 0)
       fail("negative number of " + std::string(things));
@@ -153,7 +153,7 @@ public:
            "the file is damaged or cut off; export it again");
   }
 
-  /// False, and the cursor stays behind the white space, where no number follows.
+  /// Returns false, with the cursor after the white space, if no number follows.
   bool tryReal(double& value) {
     skipSpace();
     const char* start = at_ != end_ && *at_ == '+' ? at_ + 1 : at_;
@@ -178,7 +178,7 @@ public:
     return true;
   }
 
-  /// Line of the cursor, from 1. Linear in the position: for messages.
+  /// Line of the cursor, from 1. Linear in the position: for messages only.
   std::size_t lineNumber() const {
     std::size_t line = firstLine_;
     for (const char* c = begin_; c < at_; ++c)
@@ -230,7 +230,7 @@ private:
         text[length++] = 'e';
       text[length++] = digitBefore && mark ? 'e' : c;
     }
-    // A longer number has no room for surprises but its size.
+    // A longer number may only exceed the range.
     const bool fits = endsNumber(stop);
     const char* first = fits ? text : start;
     const char* last = fits ? text + length : end_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Lines of numbers into a text file, doubles so that they read back the same.
+// Writes lines of numbers to a text file; doubles read back the same.
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
@@ -11,7 +11,7 @@
 
 namespace tetvdb {
 
-/// At most eight numbers and a short word a line.
+/// At most eight numbers and a short word per line.
 class TextLine {
 public:
   explicit TextLine(AtomicFile& file) : file_(file) {}

@@ -6,7 +6,7 @@
 namespace tetvdb {
 
 /// Text as the value of an XML attribute in double quotes: markup is escaped, and control
-/// characters, which XML has no way to write, become blanks.
+/// characters, which XML cannot represent, become blanks.
 inline std::string xmlAttributeText(const std::string& text) {
   std::string out;
   for (const char c : text) {

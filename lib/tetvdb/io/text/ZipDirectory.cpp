@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kEndBytes = 22; // the record at the end, without its comment
 constexpr std::size_t kLocatorBytes = 20;
-constexpr std::uint32_t kInZip64 = UINT32_MAX; // the number stands in a ZIP64 field
+constexpr std::uint32_t kInZip64 = UINT32_MAX; // the number is in a ZIP64 field
 constexpr std::uint64_t kFreeBytes = std::uint64_t(64) << 20;
 constexpr std::uint64_t kLargestRatio = 200;
 
@@ -58,7 +58,7 @@ Directory findDirectory(const Source& source) {
   return found;
 }
 
-/// Sizes of 64 bits, in this order, for those of 32 bits that say so.
+/// Replaces 32-bit sizes by 64-bit ones, in this order, if they are marked.
 void readZip64(ByteReader extra, ZipEntry& entry) {
   constexpr std::uint16_t zip64 = 1;
   while (extra.remaining() >= 4) {
@@ -164,7 +164,7 @@ std::string unpackZipEntry(const ZipEntry& entry, const Source& source, Progress
   Inflater inflater;
   int status = Z_OK;
   while (status == Z_OK) {
-    char beyond = 0; // one byte more than declared is one too many
+    char beyond = 0; // one byte more than declared is an error
     const bool full = done == bytes.size();
     const std::size_t in = std::min(packed.size(), kAtOnce);
     const std::size_t out = full ? 1 : std::min(bytes.size() - done, kAtOnce);

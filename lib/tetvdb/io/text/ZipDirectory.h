@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a ZIP archive says of its files, read before anything is unpacked.
+// The directory of a ZIP archive, read before anything is unpacked.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -20,16 +20,17 @@ struct ZipEntry {
   std::uint16_t method = 0;   ///< 0: stored, 8: deflated
 };
 
-/// The entries of the central directory (ZIP64 too). Throws Error(Invalid) where there is none or
-/// it is not whole.
+/// The entries of the central directory (also ZIP64). Throws Error(Invalid) if there is none or it
+/// is incomplete.
 std::vector<ZipEntry> readZipDirectory(const Source& source);
 
-/// Throws Error(Invalid) where entries overlap, Error(Limit) where more than 64 MiB and 200 times
-/// the archive's size are declared: meshes pack to about an eighth, bombs to a thousandth.
+/// Throws Error(Invalid) if entries overlap, Error(Limit) if they declare more than 64 MiB and 200
+/// times the archive's size: meshes are compressed to about an eighth, malicious archives to a
+/// thousandth.
 void checkZipSizes(const std::vector<ZipEntry>& entries, const Source& source);
 
-/// The bytes of an entry, stored or deflated. Throws Error(Invalid) where they are not as many as
-/// declared; more than that is never unpacked.
+/// The bytes of an entry, stored or deflated. Throws Error(Invalid) if their number differs from
+/// the declared one; never unpacks more than that.
 std::string unpackZipEntry(const ZipEntry& entry, const Source& source, Progress& progress);
 
 } // namespace tetvdb

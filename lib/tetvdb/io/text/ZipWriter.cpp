@@ -16,8 +16,8 @@ namespace {
 constexpr int kRaw = -15;  // zlib: deflate of the largest window, without a header
 constexpr int kMemory = 8; // zlib's default
 constexpr std::size_t kOnce = std::size_t(1) << 30;
-constexpr std::uint64_t kIn64 = 0xffffffff; ///< says that the number is in the extra field
-constexpr std::uint64_t kExtra64 = 1;       ///< that field's kind
+constexpr std::uint64_t kIn64 = 0xffffffff; ///< the number is in the extra field
+constexpr std::uint64_t kExtra64 = 1;       ///< type of that field
 
 std::string littleEndian(std::uint64_t number, std::size_t bytes) {
   std::string text;
@@ -44,7 +44,7 @@ ZipWriter::~ZipWriter() {
   deflateEnd(&stream_);
 }
 
-/// From the version to the extra field's length: what both kinds of headers have.
+/// From the version to the extra field's length: common to both kinds of headers.
 std::string ZipWriter::header(const Entry& entry, const std::string& extra) const {
   constexpr std::uint64_t firstDay = 0x21; // 1 January 1980
   const bool needs64 = !extra.empty();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files into a ZIP archive, stored or packed by zlib.
+// Writes files to a ZIP archive, stored or deflated.
 //
 //   tetvdb::ZipWriter zip(file);
 //   zip.begin("3D/3dmodel.model");
@@ -21,23 +21,23 @@ namespace tetvdb {
 
 enum class ZipMethod : std::uint8_t { Stored = 0, Deflated = 8 };
 
-/// Bytes depend on the content alone: all files have the same old date. What plain ZIP cannot hold
-/// (4 GiB) has the fields of ZIP64. Throws Error(Limit) where begin() was told too small a size,
+/// Bytes depend on the content only: all files have the same date. Sizes beyond plain ZIP's (4 GiB)
+/// have the fields of ZIP64. Throws Error(Limit) if the size given to begin() is too small,
 /// Error(Write) as AtomicFile does.
 class ZipWriter {
 public:
-  /// Appends to `file`, which is empty.
+  /// Appends to `file`, which must be empty.
   explicit ZipWriter(AtomicFile& file);
   ~ZipWriter();
   ZipWriter(const ZipWriter&) = delete;
   ZipWriter& operator=(const ZipWriter&) = delete;
 
-  /// `size`: the bytes that will be written, or more.
+  /// `size`: an upper bound of the bytes that will be written.
   void begin(const std::string& name, ZipMethod method = ZipMethod::Deflated,
              std::uint64_t size = 0);
   void write(std::string_view bytes);
   void end();
-  /// Writes the directory; nothing may follow.
+  /// Writes the directory; must be the last call.
   void finish();
 
 private:

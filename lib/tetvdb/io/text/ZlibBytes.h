@@ -8,7 +8,7 @@
 
 namespace tetvdb {
 
-/// A whole zlib stream of them.
+/// Compresses bytes to a whole zlib stream.
 std::string zlibBytes(const char* bytes, std::size_t size);
 
 } // namespace tetvdb

@@ -16,20 +16,20 @@ class AbaqusDeck {
 public:
   explicit AbaqusDeck(const Source& source) : in_(source) {}
 
-  /// Moves to the next keyword line, past comments and the data lines that are left; false at the
+  /// Moves to the next keyword line, skipping comments and remaining data lines; false at the
   /// end.
   bool nextKeyword();
   /// In capitals without blanks: "SOLIDSECTION".
   const std::string& keyword() const { return keyword_; }
-  /// Value of a parameter of the keyword line, "" for one without value; null where it is absent.
-  /// Parameter names are in capitals, values as in the file without blanks around them.
+  /// Value of a parameter of the keyword line, "" for one without value; null if it is absent.
+  /// Parameter names are in capitals, values as in the file without surrounding blanks.
   const std::string* parameter(const std::string& name) const;
 
-  /// Moves to the next data line; false where the next keyword begins.
+  /// Moves to the next data line; false at the next keyword.
   bool nextLine();
-  /// Takes the next field of the data line, without blanks; false where there is none left.
+  /// Reads the next field of the data line, without blanks; false if there is none left.
   bool nextField(std::string_view& field);
-  /// Whether the data line goes on in the next one (it ends with a comma).
+  /// Whether the data line continues in the next one (it ends with a comma).
   bool continues() const { return continues_; }
 
   std::int64_t integer(std::string_view field) const;
@@ -42,7 +42,7 @@ public:
 
 private:
   NumberParser in_;
-  NumberParser at_ = in_; ///< at the line that is being read, for messages
+  NumberParser at_ = in_; ///< at the current line, for messages
   std::string keyword_;
   std::map<std::string, std::string> parameters_;
   std::string_view line_;

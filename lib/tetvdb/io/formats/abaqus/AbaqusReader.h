@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Abaqus and CalculiX decks (.inp), the mesh in them.
+// The mesh of Abaqus and CalculiX decks (.inp).
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -12,10 +12,10 @@
 namespace tetvdb {
 
 /// Nodes and elements in file order, parts as placed by *INSTANCE. The element sets that a *SOLID
-/// SECTION names, or all where there is none, become regions, numbered from 1 and named; an element
-/// in several belongs to the one mentioned last. Steps, materials and loads are left out. Throws
-/// Error(Invalid) with line for *INCLUDE and INPUT= (data in other files), for generated nodes and
-/// elements, and for whatever is not a whole, consistent mesh.
+/// SECTION names, or all if there is none, become regions, numbered from 1 and named; an element in
+/// several belongs to the last one. Steps, materials and loads are ignored. Throws Error(Invalid)
+/// with line for *INCLUDE and INPUT= (data in other files), for generated nodes and elements, and
+/// for an incomplete or inconsistent mesh.
 CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

@@ -12,8 +12,8 @@
 namespace tetvdb {
 
 /// Nodes and cells in file order; the material number is the region. Node and cell data become
-/// attributes of floats in binary and doubles in text files. Throws Error(Invalid) with line or
-/// byte for whatever is not a whole, consistent mesh.
+/// attributes, of floats in binary and doubles in text files. Throws Error(Invalid) with line or
+/// byte for an incomplete or inconsistent mesh.
 CellMesh readUcd(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 

@@ -14,16 +14,16 @@
 
 namespace tetvdb {
 
-/// Nodes, elements of the types 1 to 12 and the arrays of step options.timeStep (the last where
-/// that is -1): every array that begins with the same step number and value belongs to one step.
-/// Nodes that an array leaves out have NaN. Regions are the material numbers where one is not 0,
-/// named where the file names its materials; materials that are names alone are numbered from 1.
-/// Throws Error(Invalid) for whatever is not a whole mesh, Error(Usage) for a step that the file
-/// does not have.
+/// Nodes, elements of the types 1 to 12 and the arrays of step options.timeStep (the
+/// last if it is -1): arrays with the same step number and value belong to one step.
+/// Nodes without a value have NaN. Regions are the material numbers if one is not 0,
+/// named if the file names its materials; materials with names only are numbered from 1.
+/// Throws Error(Invalid) for an incomplete mesh, Error(Usage) for a step that does not
+/// exist.
 CellMesh readFrd(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
-/// Whether the mesh has solid cells: the file is looked through up to the first one.
+/// Whether the mesh has solid cells: reads the file up to the first one.
 bool frdHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 /// The values (times, frequencies, load factors) of the steps, in the file's order.

@@ -8,8 +8,8 @@
 
 namespace tetvdb {
 
-/// A CGNS file, opened by libcgns for reading; for a process of its own (io/source/IsolatedRead.h).
-/// Links to other files and HDF5's external storage are refused before libcgns could follow them.
+/// A CGNS file, opened by libcgns for reading; for a separate process (io/source/IsolatedRead.h).
+/// Links to other files and HDF5's external storage are refused before libcgns can follow them.
 /// Throws Error(Invalid).
 class CgnsFile {
 public:
@@ -19,10 +19,10 @@ public:
   CgnsFile& operator=(const CgnsFile&) = delete;
 
   int id() const { return id_; }
-  /// Throws with libcgns's message where `status` is not CG_OK.
+  /// Throws with libcgns's message if `status` is not CG_OK.
   void check(int status, const char* what) const;
   [[noreturn]] void fail(const std::string& what, const char* advice = nullptr) const;
-  /// `n` numbers of `bytesEach` bytes, after a check that the file can hold them.
+  /// `n` numbers of `bytesEach` bytes, after checking that the file can hold them.
   std::size_t checked(double n, std::size_t bytesEach, const char* things) const;
 
 private:

@@ -14,32 +14,32 @@
 
 namespace tetvdb::ensight {
 
-/// A cursor. Throws Error(Invalid) with the place where the file ends early or a number is none.
+/// A cursor. Throws Error(Invalid) with the position if the file ends early or a number is invalid.
 class Input {
 public:
-  /// A geometry file: reads the record "C Binary" where it begins with that. Throws for Fortran's
-  /// binary files.
+  /// A geometry file: reads the record "C Binary" if it begins with it. Throws for Fortran's binary
+  /// files.
   explicit Input(const Source& source);
-  /// A variable's file, which is binary where the geometry is, without saying so.
+  /// A variable's file, which is binary if the geometry is, without a mark.
   Input(const Source& source, bool isBinary);
 
   bool isBinary() const { return binary_; }
-  /// Whether nothing but white space is left.
+  /// Whether only white space is left.
   bool atEnd();
-  /// The next line or record of 80 characters, trimmed; of a text also an empty one.
+  /// The next line or record of 80 characters, trimmed; for text also an empty one.
   std::string line();
   /// The next line that is not empty: a keyword.
   std::string keyword();
-  /// A whole number, and the rest of its line, which is passed over.
+  /// An integer; skips the rest of its line.
   std::int64_t integer();
-  /// A count of elements, each of which takes at least one number of the file.
+  /// A count of elements, each of which has at least one number in the file.
   std::size_t count(const char* things, std::size_t numbersEach = 1);
   std::vector<std::int64_t> integers(std::size_t n);
-  /// NaN and infinities are values too.
+  /// Accepts NaN and infinities.
   void reals(float* to, std::size_t n);
   void skipReals(std::size_t n);
 
-  /// The number before a file's first part tells the byte order.
+  /// The number before a file's first part, which determines the byte order.
   std::int64_t partNumber();
 
   [[noreturn]] void fail(const std::string& what, const char* advice) const;

@@ -14,16 +14,16 @@
 
 namespace tetvdb {
 
-/// The mesh of the step options.timeStep (the last where that is -1), parts as regions with their
-/// names. Variables that a part has not are NaN there. Ghost elements are passed over. Files are
-/// looked for in the case's folder and nowhere else. Throws Error(Invalid) for whatever is not a
-/// whole mesh, for EnSight 5 and 6 and Fortran's binary files, Error(Usage) for a step that the
-/// case does not have.
+/// The mesh of the step options.timeStep (the last if it is -1), parts as regions with their
+/// names. Variables that a part does not have are NaN there. Ghost elements are ignored.
+/// Files are searched only in the case's folder. Throws Error(Invalid) for an incomplete
+/// mesh, for EnSight 5 and 6 and Fortran's binary files, Error(Usage) for a step that does
+/// not exist.
 CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& report,
                      Progress& progress);
 
-/// Whether the geometry of the last step has solid cells: it is read up to the first section of
-/// such.
+/// Whether the geometry of the last step has solid cells: reads it up to the first section of
+/// these.
 bool ensightHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 /// The times of the steps, ascending.
@@ -31,7 +31,7 @@ std::vector<double> ensightTimes(const Source& source, Report& report, Progress&
 
 namespace ensight {
 
-/// The mesh of a geometry file alone.
+/// The mesh of a geometry file.
 CellMesh readGeometry(const Source& source, const ReadOptions& options, Progress& progress);
 
 } // namespace ensight

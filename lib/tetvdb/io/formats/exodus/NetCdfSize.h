@@ -5,8 +5,8 @@
 
 namespace tetvdb {
 
-/// Throws Error(Invalid) where a classic netCDF file (versions 1, 2 and 5) is shorter than its
-/// header says: the library reads what is missing as zeros. Does nothing for other files.
+/// Throws Error(Invalid) if a classic netCDF file (versions 1, 2 and 5) is shorter than its header
+/// declares: the library reads missing data as zeros. Does nothing for other files.
 void checkNetCdfSize(const Source& source);
 
 } // namespace tetvdb

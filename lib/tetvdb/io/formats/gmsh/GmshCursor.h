@@ -12,7 +12,7 @@
 namespace tetvdb {
 
 /// Reads a .msh file, whose section marks and names are text and whose numbers are text or binary.
-/// One of two cursors is in charge at any time; enterBinary() and leaveBinary() hand over.
+/// One of two cursors is active at any time; enterBinary() and leaveBinary() switch between them.
 class GmshCursor {
 public:
   explicit GmshCursor(const Source& source) : text(source), bytes(source) {}
@@ -23,7 +23,7 @@ public:
   NumberParser text;
   ByteReader bytes;
 
-  /// After a line that ends the text part of a section. No effect on ASCII files.
+  /// To be called after a line that ends the text part of a section. No effect on ASCII files.
   void enterBinary() {
     if (binary)
       bytes.seek(text.position());
@@ -45,7 +45,7 @@ public:
                           : static_cast<std::int64_t>(bytes.get<std::uint64_t>());
   }
   double real() { return inBinary_ ? bytes.get<double>() : text.real(); }
-  /// size() of elements that take at least so many bytes each in ASCII and in binary files.
+  /// size() of elements with at least these numbers of bytes each in ASCII and in binary files.
   std::size_t count(std::string_view things, std::size_t textBytes, std::size_t binaryBytes) {
     return checkCount(size(), things, textBytes, binaryBytes);
   }

@@ -19,14 +19,14 @@ public:
   GmshData(GmshCursor& in, std::size_t fileBytes, Report& report)
       : in_(in), fileBytes_(fileBytes), report_(report) {}
 
-  /// Reads a section, past its first line, into a new array of `attributes` or into that of another
-  /// time step. `ids` numbers the `things` nodes or elements; those without a value get NaN.
+  /// Reads a section, after its first line, into a new array of `attributes` or that of another
+  /// time step. `ids` numbers the `things` nodes or elements; those without a value have NaN.
   void read(Attribute::On on, const IdMap& ids, std::size_t things,
             std::vector<Attribute>& attributes);
 
 private:
   /// The array to fill: a new one, or that of an equal or earlier time step; empty for a time step
-  /// that is earlier than what is there.
+  /// before the existing one.
   std::vector<double>& array(std::vector<Attribute>& attributes, const std::string& name,
                              Attribute::On on, std::size_t components, std::size_t things,
                              std::int64_t step);

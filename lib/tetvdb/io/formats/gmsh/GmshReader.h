@@ -11,13 +11,13 @@
 
 namespace tetvdb {
 
-/// Nodes and elements in file order. A solid cell's region is its physical group where any solid
+/// Nodes and elements in file order. A solid cell's region is its physical group if any solid
 /// cell has one, named by $PhysicalNames, and its geometrical entity otherwise. $NodeData and
-/// $ElementData become attributes of doubles under their own names, the last time step of each; NaN
-/// where the file gives a node or element no value. $ElementNodeData and all other sections are
-/// left out. Elements of higher order keep their corners; elements without volume keep no nodes.
-/// Throws Error(Invalid) with line (ASCII) or byte (binary) for whatever is not a whole, consistent
-/// mesh.
+/// $ElementData become attributes of doubles with their names, the last time step of each; NaN
+/// for nodes and elements without a value. $ElementNodeData and all other sections are
+/// ignored. Elements of higher order keep their corners; elements without volume keep no
+/// nodes. Throws Error(Invalid) with line (ASCII) or byte (binary) for an incomplete or
+/// inconsistent mesh.
 CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
 

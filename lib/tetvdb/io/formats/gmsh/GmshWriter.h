@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra to Gmsh's format (.msh), version 4.1, binary.
+// Writes tetrahedra to Gmsh's format (.msh), version 4.1, binary.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,12 +10,12 @@
 
 namespace tetvdb {
 
-/// Writes points as nodes 1, 2, ... and tets as elements 1, 2, ...; a volume entity and a block of
-/// elements for each region in order of their numbers, in it the tets in their order; a physical
-/// group for each region above 0, and attributes as $NodeData and $ElementData: values
-/// that are all NaN are left out, two components are filled up to three and four to eight up to
-/// nine, as Gmsh wants them; more than nine are not written. Whole or absent. Throws Error(Write)
-/// where it cannot write.
+/// Writes points as nodes 1, 2, ... and tets as elements 1, 2, ...; a volume entity and a block
+/// of elements per region in order of their numbers, with its tets in order; a physical group
+/// per region above 0, and attributes as $NodeData and $ElementData: values that are all NaN
+/// are omitted, two components are extended to three and four to eight to nine, as Gmsh
+/// requires; more than nine are not written. Whole or absent. Throws Error(Write) if it cannot
+/// write.
 void writeGmsh(const std::string& path, const TetMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

@@ -11,10 +11,10 @@
 
 namespace tetvdb {
 
-/// Vertices and cells in file order; a cell's reference is its region, where any solid cell has one
-/// that is not 0. Cells of higher order keep their corners, which are taken to come first. Other
-/// keywords are left out, vertex references too. Throws Error(Invalid) with line or byte for
-/// whatever is not a whole, consistent mesh.
+/// Vertices and cells in file order; a cell's reference is its region, if any solid cell has one
+/// that is not 0. Cells of higher order keep their corners, which must come first. Other keywords
+/// and vertex references are ignored. Throws Error(Invalid) with line or byte for an incomplete or
+/// inconsistent mesh.
 CellMesh readMedit(const Source& source, const ReadOptions& options, Report& report,
                    Progress& progress);
 CellMesh readMeditBinary(const Source& source, const ReadOptions& options, Report& report,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra to Medit's text format (.mesh).
+// Writes tetrahedra to Medit's text format (.mesh).
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// Writes points, tets and their regions as references; there is no place for attributes. Numbers
-/// are the shortest that read back the same. Whole or absent. Throws Error(Write) where it cannot
+/// Writes points, tets and their regions as references; the format stores no attributes. Numbers
+/// are the shortest that read back the same. Whole or absent. Throws Error(Write) if it cannot
 /// write.
 void writeMedit(const std::string& path, const TetMesh& mesh, Progress& progress);
 

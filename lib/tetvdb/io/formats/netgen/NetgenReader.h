@@ -12,8 +12,8 @@
 namespace tetvdb {
 
 /// Points and volume elements with 4 to 20 nodes in file order; the material number is the region,
-/// named by `materials`. Surface elements keep no nodes. Other sections are left out. Throws
-/// Error(Invalid) with line for whatever is not a whole, consistent mesh.
+/// named by `materials`. Surface elements keep no nodes. Other sections are ignored. Throws
+/// Error(Invalid) with line for an incomplete or inconsistent mesh.
 CellMesh readNetgen(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles from Wavefront .obj.
+// Reads triangles from Wavefront .obj.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -11,8 +11,8 @@
 namespace tetvdb {
 
 /// Points and faces of all objects and groups; texture coordinates, normals, colours, materials,
-/// lines and points are passed over. See FaceCollector for faces that have no meaning. Throws
-/// Error(Invalid) where no face is left.
+/// lines and points are skipped. See FaceCollector for invalid faces. Throws Error(Invalid) if no
+/// face is left.
 TriangleMesh readObj(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles from Geomview .off, text and binary.
+// Reads triangles from Geomview .off, text and binary.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -12,12 +12,12 @@
 
 namespace tetvdb {
 
-/// Points and faces; normals, colours and texture coordinates ([ST][C][N]OFF) are passed over.
-/// Faces that the file declares but does not hold are missed with the warning `truncated`. Throws
-/// Error(Invalid) for more vertices than the file can hold and where no face is left.
+/// Points and faces; normals, colours and texture coordinates ([ST][C][N]OFF) are skipped. Missing
+/// faces of a truncated file give the warning `truncated`. Throws Error(Invalid) for more vertices
+/// than the file can hold, and if no face is left.
 TriangleMesh readOff(const Source& source, Report& report, Progress& progress);
 
-/// Whether a text begins with OFF, COFF, NOFF and so on, perhaps with counts glued to it.
+/// Whether a text begins with OFF, COFF, NOFF and so on, possibly with counts attached.
 bool hasOffKeyword(std::string_view text);
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a .ply file says of itself before its data.
+// The header of a .ply file.
 #pragma once
 
 #include "tetvdb/io/source/Source.h"
@@ -42,8 +42,8 @@ struct PlyHeader {
   std::size_t bodyBegin = 0; ///< byte at which the data begins
 };
 
-/// Throws Error(Invalid) with the line for a header that is not whole, of unknown types, without an
-/// element `vertex` with x, y and z, or without faces.
+/// Throws Error(Invalid) with the line for a header that is incomplete, has unknown types, no
+/// element `vertex` with x, y and z, or no faces.
 PlyHeader parsePlyHeader(const Source& source);
 
 constexpr std::size_t plyTypeSize(PlyType type) {

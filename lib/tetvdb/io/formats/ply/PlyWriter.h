@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles into .ply, binary_little_endian, doubles.
+// Writes triangles to .ply, binary_little_endian, doubles.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// Points and faces, numbers as they are. Throws Error(Limit) for more than 4294967295 faces or
-/// points, Error(Write).
+/// Points and faces, unchanged. Throws Error(Limit) for more than 4294967295 faces or points,
+/// Error(Write).
 void writePly(const std::string& path, const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

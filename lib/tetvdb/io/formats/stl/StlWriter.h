@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Triangles into binary .stl.
+// Writes triangles to binary .stl.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// As floats; coordinates beyond their range are written as the largest float. Throws Error(Limit)
-/// for more than 4294967295 faces, Error(Write).
+/// Coordinates are floats; those beyond the range are written as the largest float. Throws
+/// Error(Limit) for more than 4294967295 faces, Error(Write).
 void writeStl(const std::string& path, const TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

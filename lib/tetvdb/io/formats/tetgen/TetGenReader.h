@@ -11,11 +11,11 @@
 
 namespace tetvdb {
 
-/// Reads the file that `source` is, .node or .ele, and its partner beside it. Numbers count from 0
-/// or 1, as the first node tells. Attributes of nodes become point arrays `attribute1`, ...; the
-/// first attribute of the tetrahedra is their region where it is whole, the others are cell arrays.
-/// Boundary markers are left out. Throws Error(Invalid) with line for a partner that is missing and
-/// whatever is not a whole, consistent mesh.
+/// Reads the given file, .node or .ele, and its partner beside it. Numbers count from 0 or 1, as
+/// determined by the first node. Attributes of nodes become point arrays `attribute1`, ...; the
+/// first attribute of the tetrahedra is their region if it is an integer, the others are cell
+/// arrays. Boundary markers are ignored. Throws Error(Invalid) with line for a missing partner and
+/// an incomplete or inconsistent mesh.
 CellMesh readTetGen(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

@@ -14,7 +14,7 @@
 
 namespace tetvdb {
 
-/// An object that another one, or the build, places.
+/// A reference to an object by another one or the build.
 struct ThreeMfReference {
   std::string path; ///< of the model file; empty: the same
   std::string object;
@@ -23,10 +23,10 @@ struct ThreeMfReference {
 
 struct ThreeMfObject {
   std::string name;
-  std::vector<Vec3d> points; ///< NAN where they cannot be read
+  std::vector<Vec3d> points; ///< NAN if they cannot be read
   std::vector<std::uint32_t> triangles;
   std::vector<ThreeMfReference> components;
-  bool known = false; ///< holds a mesh or components
+  bool known = false; ///< has a mesh or components
 };
 
 struct ThreeMfModel {
@@ -36,8 +36,8 @@ struct ThreeMfModel {
   std::uint64_t beams = 0;
 };
 
-/// Reads the core and the production extension's paths; corners that are no numbers are
-/// FaceCollector::kNone. Throws Error(Invalid) with `path` and line for broken XML and transforms.
+/// Reads the core and the production extension's paths; invalid corners are FaceCollector::kNone.
+/// Throws Error(Invalid) with `path` and line for broken XML and transforms.
 ThreeMfModel parseThreeMfModel(std::string_view text, const std::string& path, Progress& progress);
 
 } // namespace tetvdb

@@ -13,18 +13,18 @@
 
 namespace tetvdb {
 
-/// All parts of the step options.timeStep (the last where that is -1), laid together; points are
-/// not merged. Read by a child process, since the HDF5 library crashes on damaged files; links to
-/// other files, external storage and plugins are refused. Throws Error(Invalid) for whatever is not
-/// a whole mesh, for images, AMR and collections; Error(Usage) for a step that the file does not
-/// have.
+/// Combines all parts of the step options.timeStep (the last if it is -1); points are not
+/// merged. Read by a child process, since the HDF5 library crashes on damaged files; links to
+/// other files, external storage and plugins are refused. Throws Error(Invalid) for an
+/// incomplete mesh, for images, AMR and collections; Error(Usage) for a step that does not
+/// exist.
 CellMesh readVtkHdf(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 
-/// Whether an unstructured grid has solid cells in any step: the types of cells alone are read.
+/// Whether an unstructured grid has solid cells in any step: reads only the types of cells.
 bool vtkHdfHasSolidCells(const Source& source, Report& report, Progress& progress);
 
-/// The times of the steps; empty for a file without.
+/// The times of the steps; empty for a file without steps.
 std::vector<double> vtkHdfTimes(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The markup of a VTK XML file without its data, so that an XML parser sees kilobytes only and no
-// raw bytes.
+// The markup of a VTK XML file without its data, so that the XML parser processes only kilobytes
+// and no raw bytes.
 #pragma once
 
 #include "tetvdb/io/source/Source.h"
@@ -27,9 +27,9 @@ public:
 
   /// <VTKFile>.
   pugi::xml_node root() const { return document_.child("VTKFile"); }
-  /// The text directly within `node`, without white space around it.
+  /// The text directly within `node`, without surrounding white space.
   Excerpt text(pugi::xml_node node) const;
-  /// What follows the '_' of <AppendedData>; empty where the file has none.
+  /// The data after the '_' of <AppendedData>; empty if the file has none.
   const Excerpt& appended() const { return appended_; }
   bool appendedIsRaw() const { return appendedIsRaw_; }
 

@@ -14,13 +14,13 @@ namespace tetvdb {
 
 /// The mesh of an UnstructuredGrid or PolyData: points, cells in file order (the Pieces one after
 /// the other, points not merged), and the point and cell arrays that every Piece has. Field data is
-/// left out. With `options.attributes` false only integer cell arrays are decoded besides the mesh.
-/// Throws Error(Invalid) with file and byte for whatever is not a whole, consistent mesh.
-/// Compressed blocks are decoded in parallel.
+/// ignored. With `options.attributes` false, only integer cell arrays are decoded besides the mesh.
+/// Throws Error(Invalid) with file and byte for an incomplete or inconsistent mesh. Compressed
+/// blocks are decoded in parallel.
 CellMesh readVtu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
-/// Whether an unstructured grid has solid cells: its cells' types alone are read.
+/// Whether an unstructured grid has solid cells: reads only the types of cells.
 bool vtuHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

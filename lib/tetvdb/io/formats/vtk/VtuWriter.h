@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra to VTK's XML unstructured grid (.vtu), data appended raw.
+// Writes tetrahedra to VTK's XML unstructured grid (.vtu), data appended raw.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -11,8 +11,8 @@
 namespace tetvdb {
 
 /// Writes points as Float64, tets, every attribute, and the regions as an Int32 cell array
-/// `region`. Cell arrays are spread from the mesh's solid cells to their tets. Little-endian with
-/// UInt64 block headers; reads back the same. Whole or absent. Throws Error(Write) where it cannot
+/// `region`. Cell arrays are copied from the mesh's solid cells to their tets. Little-endian with
+/// UInt64 block headers; reads back the same. Whole or absent. Throws Error(Write) if it cannot
 /// write.
 void writeVtu(const std::string& path, const TetMesh& mesh, Progress& progress);
 

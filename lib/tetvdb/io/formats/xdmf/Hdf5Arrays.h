@@ -18,16 +18,16 @@ namespace tetvdb {
 struct Hdf5Dataset {
   std::string file;
   std::string path;    ///< within the file: "/Mesh/geometry"
-  bool sliced = false; ///< take `slab` alone
-  Slab slab;           ///< as many dimensions as the dataset
-  std::size_t min = 0; ///< numbers that are needed; fewer are an error
+  bool sliced = false; ///< read only `slab`
+  Slab slab;           ///< with the number of dimensions of the dataset
+  std::size_t min = 0; ///< required numbers; fewer are an error
 };
 
 /// Reads the datasets, in their order, each of numbers of at most 64 bits (8- and 16-bit integers
-/// and unsigned ones widen as mesh/Attribute.h says). In a child process with limits on memory and
-/// time, since the HDF5 library crashes on damaged files; links to other files and plugins are not
-/// followed, and no dataset may claim more than its file can hold after decompression. `path` is
-/// for messages. Throws Error(Invalid), Error(Limit), Error(Cancelled).
+/// and unsigned ones are widened as in mesh/Attribute.h). Runs in a child process with limits of
+/// memory and time, since the HDF5 library crashes on damaged files. Links to other files and
+/// plugins are not followed, and datasets must not be larger than their file can hold after
+/// decompression. `path` is for messages. Throws Error(Invalid), Error(Limit), Error(Cancelled).
 NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::string& path,
                       Report& report, Progress& progress);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The numbers of XDMF's data items: first all that are needed are named, then they are read, so
-// that HDF5 files are opened once.
+// The numbers of XDMF's data items: all required items are registered first, then read, so that
+// HDF5 files are opened once.
 //
 //   tetvdb::XdmfData data(document, source, report, progress);
 //   data.need(item);
@@ -33,21 +33,21 @@ public:
   /// Throws Error(Invalid) for an item that cannot be read: functions, unknown formats, sizes
   /// beyond what the file holds.
   void need(pugi::xml_node item);
-  /// Reads what HDF5 files hold of the needed items; others are read by take().
+  /// Reads the required items in HDF5 files; others are read by take().
   void load();
-  /// The numbers of an item, as often as it was needed.
+  /// The numbers of an item; once per call of need().
   Attribute::Values take(pugi::xml_node item);
 
 private:
   struct Item {
-    pugi::xml_node node; ///< that has the numbers or the name of their file
+    pugi::xml_node node; ///< with the numbers or the name of their file
     std::size_t numbers = 0;
-    bool declared = false; ///< whether Dimensions say how many
+    bool declared = false; ///< whether Dimensions declares the count
     bool sliced = false;
     Slab slab;
     std::vector<std::uint64_t> extent; ///< of a sliced item
-    std::size_t dataset = 0;           ///< of an HDF item: its place in datasets_, from 1
-    std::size_t uses = 1;              ///< how often it is still to be taken
+    std::size_t dataset = 0;           ///< of an HDF item: its index in datasets_, from 1
+    std::size_t uses = 1;              ///< remaining calls of take()
   };
 
   [[noreturn]] void fail(pugi::xml_node item, const std::string& what,

@@ -12,7 +12,7 @@
 
 namespace tetvdb {
 
-/// Refers to the markup. What throws throws Error(Invalid).
+/// Refers to the markup. Methods throw Error(Invalid).
 class XdmfGrids {
 public:
   explicit XdmfGrids(const XdmfMarkup& markup) : markup_(markup) {}
@@ -21,7 +21,7 @@ public:
   std::vector<pugi::xml_node> children(pugi::xml_node grid) const {
     return markup_.children(grid, "Grid");
   }
-  /// The first temporal collection in or below `grid`; null where there is none.
+  /// The first temporal collection in or below `grid`; null if there is none.
   pugi::xml_node temporal(pugi::xml_node grid, std::size_t depth = 0) const;
   /// Adds the uniform grids of `grid` at a step. Throws for other grids, and for too many.
   void uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,

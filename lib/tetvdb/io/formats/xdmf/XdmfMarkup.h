@@ -14,16 +14,16 @@ namespace tetvdb {
 
 class XdmfMarkup {
 public:
-  /// Throws Error(Invalid) for text that is not well-formed or no XDMF file.
+  /// Throws Error(Invalid) for text that is not well-formed or not an XDMF file.
   explicit XdmfMarkup(const Source& source);
 
   /// The first <Domain>.
   pugi::xml_node domain() const { return domain_; }
-  /// The element itself, or the one that its Reference names.
+  /// The element itself, or the one named by its Reference.
   pugi::xml_node resolved(pugi::xml_node element) const;
-  /// The children of `grid` of that name, included ones too, resolved.
+  /// The children of `grid` of that name, including XIncludes, resolved.
   std::vector<pugi::xml_node> children(pugi::xml_node grid, std::string_view name) const;
-  /// The first of them; null where there is none.
+  /// The first of them; null if there is none.
   pugi::xml_node child(pugi::xml_node grid, std::string_view name) const;
   /// "path, <Grid> 'name' at byte N": for messages.
   std::string where(pugi::xml_node element) const;
@@ -37,9 +37,9 @@ private:
   pugi::xml_node domain_;
 };
 
-/// Whether two texts are equal but for the case of their letters.
+/// Whether two texts are equal except for case.
 bool sameWord(std::string_view a, std::string_view b);
-/// Where in "file.h5:/path" or "file.h5:path" the colon between file and dataset is; npos where
+/// The position of the colon between file and dataset in "file.h5:/path" or "file.h5:path"; npos if
 /// there is none.
 std::size_t datasetColon(std::string_view text);
 /// The text of an element without white space around it.

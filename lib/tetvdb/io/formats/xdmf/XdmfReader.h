@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// XDMF 2 and 3 (.xdmf, .xmf): XML that describes meshes and arrays, whose numbers lie in it, in
+// XDMF 2 and 3 (.xdmf, .xmf): XML that describes meshes and arrays, with numbers in the XML, in
 // binary files or in HDF5 files beside it.
 #pragma once
 
@@ -15,23 +15,23 @@
 
 namespace tetvdb {
 
-/// The uniform grids of the first domain, of spatial collections and trees all, of temporal
-/// collections the step options.timeStep (the last where that is -1), laid together. Grids with the
-/// same topology (by reference or XInclude) are one mesh with the attributes of all, as FEniCS
-/// writes one temporal collection a function; grids of the domain with other cells on the points of
-/// another grid are left out with a warning (FEniCS' mesh tags). Files are looked for where the
-/// XML's names say, beside the .xdmf file where these are relative; HDF5 is read by a child process
-/// (io/formats/xdmf/Hdf5Arrays.h).
-/// Throws Error(Invalid) for whatever is not a whole mesh, for structured grids and for data items
-/// that are functions; Error(Usage) for a time step that the file does not have.
+/// Combines the uniform grids of the first domain: all of spatial collections and trees, of
+/// temporal collections the step options.timeStep (the last if it is -1). Grids with the same
+/// topology (by reference or XInclude) are one mesh with the attributes of all, as FEniCS writes
+/// one temporal collection per function; grids of the domain with other cells on the points of
+/// another grid are omitted with a warning (FEniCS' mesh tags). Files are searched at the names
+/// in the XML, relative to the .xdmf file; HDF5 is read by a child process
+/// (io/formats/xdmf/Hdf5Arrays.h). Throws Error(Invalid) for an incomplete mesh, for structured
+/// grids and for data items that are functions; Error(Usage) for a time step that does not
+/// exist.
 CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
 
-/// The times of the steps: those of the first temporal collection, counted from 0 where it has
-/// none; empty where there is no temporal collection. Throws as readXdmf() does.
+/// The times of the steps: those of the first temporal collection, counted from 0 if it has none;
+/// empty without a temporal collection. Throws as readXdmf() does.
 std::vector<double> xdmfTimes(const Source& source);
 
-/// The files beside that hold its numbers, by name, each once; whether they exist or not.
+/// The names of the files with its numbers, without repetition, whether or not they exist.
 std::vector<std::string> xdmfFiles(const Source& source);
 
 } // namespace tetvdb

@@ -155,7 +155,7 @@ SliceJob sliceJobFrom(const PrinterOptions& options, const std::vector<std::stri
   job.place = placeFrom(options);
   job.units = options.units;
   if (!options.units.empty() && !(metresOf(options.units) > 0))
-    throw Error(Status::Usage, "--units", "'" + options.units + "' is no unit known here",
+    throw Error(Status::Usage, "--units", "'" + options.units + "' is not a known unit",
                 "choose from um, mm, cm, m, in and ft");
   return job;
 }

@@ -65,12 +65,12 @@ RepairJob makeJob(const Options& options, const CLI::App& command) {
     const MappedFile readable(input); // says so at once if the file is not there
     job.isVolume = signatureOf(input) != VolumeSignature::None;
     if (job.isVolume && options.inputs.size() > 1)
-      throw Error(Status::Usage, input, "is a volume; of several inputs all have to be meshes",
+      throw Error(Status::Usage, input, "is a volume; several inputs must be meshes",
                   "repair it by itself");
   }
   job.units = options.units;
   if (!options.units.empty() && !(metresOf(options.units) > 0))
-    throw Error(Status::Usage, "--units", "'" + options.units + "' is no unit known here",
+    throw Error(Status::Usage, "--units", "'" + options.units + "' is not a known unit",
                 "choose from um, mm, cm, m, in and ft");
   if (!std::isfinite(options.scale) || !(options.scale > 0))
     throw Error(Status::Usage, "--scale", "must be a number above zero");

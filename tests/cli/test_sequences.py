@@ -210,8 +210,8 @@ class Sequences(program.CommandLineTest):
         self.frames()
         ask = lambda status, *arguments, says: self.refuse(
             status, "voxelize", *arguments, "-o", "out.vdb", says=says)
-        ask(3, "g_*.vtu", says="no file has a name like that")
-        ask(2, "f_*.vtu", "f_0.vtu", says="stands alone")
+        ask(3, "g_*.vtu", says="no file matches")
+        ask(2, "f_*.vtu", "f_0.vtu", says="must be the only input")
         ask(2, "f_*.vtu", "--frames", "2:9", says="no frame 9")
         ask(2, "f_*.vtu", "--frames", "3:2", says="FIRST:LAST")
         ask(2, "f_*.vtu", "--frames", "x", says="FIRST:LAST")

@@ -391,8 +391,8 @@ class VoxelizeByWayOfTets(CommandLineTest):
 
     def test_which_method_is_taken(self):
         for options, method, word in (
-                (("--resolution", 40), "winding", "no output asks for tets"),
-                (("--resolution", 300), "winding", "no output asks for tets"),
+                (("--resolution", 40), "winding", "no output requires tets"),
+                (("--resolution", 300), "winding", "no output requires tets"),
                 (("--resolution", 40, "--grid", "material"), "winding", "no output"),
                 (("--resolution", 300, "--epsilon", "0.5v"), "envelope", "--epsilon"),
                 (("--resolution", 300, "--grid", "tet_id"), "envelope", "tet_id"),
@@ -409,7 +409,7 @@ class VoxelizeByWayOfTets(CommandLineTest):
                 self.assertEqual("tetrahedralize" in stages, method == "envelope")
                 self.assertEqual("tets" in report["mesh"], method == "envelope")
         said = self.succeed("voxelize", "box.off", "-o", "out.vdb", "--resolution", 40, "-v").err
-        self.assertIn("mesher: winding, since no output asks for tets", said)
+        self.assertIn("mesher: winding, since no output requires tets", said)
         self.assertIsNone(self.report_of("voxelize", "box.off", "--write-mesh",
                                          "out.stl")["mesh"]["mesher"])
 

@@ -10,7 +10,7 @@
 namespace tetvdb {
 namespace {
 
-// Voxels that a level set's band, a shell or a rule adds on every side.
+// Voxels by which a level set's band, a shell or a rule extends the mesh on every side.
 double marginOf(const VoxelizeJob& job, const GridTransform& transform) {
   double margin = 1;
   if (!madeBy(job.grids, {GridMaker::Distance}).empty())
@@ -21,7 +21,7 @@ double marginOf(const VoxelizeJob& job, const GridTransform& transform) {
 }
 
 VoxelBox grown(const WorldBox& box, const GridTransform& transform, double margin) {
-  // Index space ends there for arrays.
+  // End of index space for arrays.
   constexpr double kFarthest = 1 << 30;
   VoxelBox voxels;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -35,7 +35,7 @@ VoxelBox grown(const WorldBox& box, const GridTransform& transform, double margi
 }
 
 std::size_t gridsOf(const VoxelizeJob& job) {
-  // The arrays that `all` represents are known once the mesh is read: one at least.
+  // The number of arrays for `all` is known after reading the mesh: at least one.
   return job.grids.size() + job.fields.requests.size() + (job.fields.all ? 1 : 0);
 }
 
@@ -46,7 +46,7 @@ void checkArrayOutput(const VoxelizeJob& job) {
     return;
   checkArrayOptions(job.output, job.arrays, gridsOf(job));
   if (job.half)
-    throw Error(Status::Usage, "`half`", "is for .vdb and .nvdb; arrays have their values in full",
+    throw Error(Status::Usage, "`half`", "applies to .vdb and .nvdb only; arrays store full values",
                 "leave it out");
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a job that writes arrays checks before it works.
+// Checks of jobs that write arrays, before they start.
 #pragma once
 
 #include "tetvdb/pipeline/VoxelizeJob.h"
@@ -9,16 +9,16 @@
 
 namespace tetvdb {
 
-/// Throws Error(Usage) where job.output is an array file whose format has no place for what the job
-/// asks for. Volume files pass.
+/// Throws Error(Usage) if job.output is an array file whose format does not support the job's
+/// options. Accepts volume files.
 void checkArrayOutput(const VoxelizeJob& job);
 
-/// Voxels with values where the job's meshes are in `box`, and a few more: one box for all frames
-/// of a sequence.
+/// The voxels that have values if the job's meshes are in `box`, with a margin: one box for all
+/// frames of a sequence.
 VoxelBox arrayBox(const VoxelizeJob& job, const WorldBox& box, const GridTransform& transform);
 
-/// Throws Error(Limit) where job.output is an array file larger than what its disk has room for.
-/// `box`: of the meshes. Cost: none, so that it can be asked before the grids are made.
+/// Throws Error(Limit) if job.output is an array file that is larger than the free space of its
+/// disk. `box`: of the meshes. Fast, so that it can be called before the grids are made.
 void requireArrayRoom(const VoxelizeJob& job, const WorldBox& box, const GridTransform& transform);
 
 } // namespace tetvdb

@@ -18,9 +18,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kRounding = 1e-9; // of a length, as placeOnPlate()
+constexpr double kRounding = 1e-9; // relative to a length, as in placeOnPlate()
 
-// Fine enough for overhangs to be told within some degrees: half a pixel's diagonal is let pass.
+// Fine enough to resolve overhangs within several degrees: half a pixel's diagonal is the
+// tolerance.
 struct PixelSize {
   double pixel, layer;
 };
@@ -47,7 +48,7 @@ void setPixels(PrinterSettings& printer, std::size_t axis, double count, double 
   printer.display[axis] = count * pixel;
 }
 
-// A number at the front of `text`, which is taken off.
+// Removes a number from the front of `text` and returns it.
 double takeNumber(std::string_view& text, const char* key) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -57,7 +58,7 @@ double takeNumber(std::string_view& text, const char* key) {
   return number;
 }
 
-// Of "0x0,250x0,250x210,0x210".
+// Parses "0x0,250x0,250x210,0x210".
 std::array<double, 2> sizeOfBed(std::string_view shape) {
   constexpr const char* kKey = "bed_shape";
   std::array<double, 2> low{}, high{};
@@ -87,7 +88,7 @@ double firstLayerOf(std::string_view text, double layerHeight) {
   const double number = takeNumber(text, "first_layer_height");
   const double height = text == "%" ? number / 100 * layerHeight : number;
   if ((!text.empty() && text != "%") || !(height > 0))
-    throw Error(Status::Invalid, "first_layer_height", "is no height");
+    throw Error(Status::Invalid, "first_layer_height", "is not a height");
   return height;
 }
 
@@ -112,7 +113,7 @@ public:
     };
     OpenedLayers opened = openLayers(slice, options, report_, progress_);
     if (!job_.picture.empty() && opened.mesh.triangles.empty())
-      throw Error(Status::Usage, "`picture`", "voxels that are the printer's have no surface",
+      throw Error(Status::Usage, "`picture`", "voxels that match the printer's have no surface",
                   "leave it out, or draw the volume with render");
     result_.slice = std::move(opened.result);
     warnOfSize();
@@ -122,7 +123,7 @@ public:
   }
 
 private:
-  // Makes the plate as large as the model where that is needed.
+  // Enlarges the plate to the model if necessary.
   void fit(WorldBox box, PrinterSettings& printer, PlaceOptions& place) {
     if (!job_.plateKnown) {
       constexpr double kRoom = 1; // millimetres around it
@@ -143,7 +144,7 @@ private:
       if ((k < 2 || length > 0) && box.max[k] > length + slack)
         result_.beyond[k][1] = box.max[k] - length;
     }
-    // As many pixels more on either side, so that turns and mirrors stay.
+    // Adds equally many pixels on both sides, so that rotations and mirroring are preserved.
     std::array<double, 2> centre{};
     for (std::size_t k = 0; k < 2; ++k) {
       const double pixel = printer.display[k] / printer.pixels[k];
@@ -167,8 +168,8 @@ private:
     for (std::size_t k = 0; k < 3; ++k)
       longest = std::max(longest, result_.slice.box.max[k] - result_.slice.box.min[k]);
     if (longest < kSmall)
-      report_.warn("size", fmt::format("the model is {:.3g} mm long; where its numbers are no "
-                                       "millimetres say so with `units`",
+      report_.warn("size", fmt::format("the model is {:.3g} mm long; if its unit is not the "
+                                       "millimetre, give `units`",
                                        longest));
   }
 
@@ -191,7 +192,7 @@ private:
     writePng(job_.picture, printPicture(std::move(opened.mesh), result_, progress_));
   }
 
-  // Places of pixels, in millimetres on the plate that the model is looked at on, into the input's.
+  // Maps pixels, in millimetres on the enlarged plate, to the input's coordinates.
   static Vec3d modelOf(const OpenedLayers& opened, double column, double row, double z) {
     const auto [x, y] = plateOf(opened.printer, column, row);
     const Vec3d plate{x, y, z};
@@ -260,7 +261,7 @@ private:
   Report& report_;
   Progress& progress_;
   CheckPrintResult result_;
-  std::array<double, 2> margin_{}, marginPixels_{}; ///< that the plate was made larger by
+  std::array<double, 2> margin_{}, marginPixels_{}; ///< enlargement of the plate
 };
 
 } // namespace

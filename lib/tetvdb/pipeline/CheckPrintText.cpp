@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Findings of a print check in words.
+// Describes findings of a print check.
 #include "tetvdb/pipeline/CheckPrintJob.h"
 
 #include <array>
@@ -40,8 +40,8 @@ std::string sizeText(const CheckPrintResult& result, const PrintFinding& f) {
     std::string text = fmt::format("{:.4g} mm2 ({} pixels) begin in layer {} with nothing below",
                                    f.area, f.pixels, f.layer);
     if (f.joins < 0)
-      return text + " and never join what stands on the plate";
-    return text + fmt::format(", grow to {:.4g} mm2 and join the rest {} layer{} above",
+      return text + " and are never connected to the plate";
+    return text + fmt::format(", grow to {:.4g} mm2 and join other solid {} layer{} above",
                               f.largestArea, f.joins - f.layer, f.joins - f.layer == 1 ? "" : "s");
   }
   case PrintFault::Overhang:
@@ -101,15 +101,15 @@ std::string cureFor(PrintFault fault, PrintTarget target) {
   const char* inside = target == PrintTarget::Lpbf ? "powder" : "resin";
   switch (fault) {
   case PrintFault::Outside:
-    return "turn or scale it, or check `units`";
+    return "rotate or scale it, or check `units`";
   case PrintFault::EmptyLayer:
-    return "put what is above onto the rest, or onto the plate";
+    return "move the upper part onto the rest, or onto the plate";
   case PrintFault::Island:
-    return "support it, or turn the model";
+    return "support it, or rotate the model";
   case PrintFault::Overhang:
-    return "support it, or turn the model so that it is steeper";
+    return "support it, or rotate the model so that it is steeper";
   case PrintFault::Cup:
-    return "give it a vent near its bottom, or turn the model";
+    return "give it a vent near its bottom, or rotate the model";
   case PrintFault::Trap:
     return fmt::format("give it holes that let {} out, or fill it", inside);
   case PrintFault::Drain:

@@ -24,21 +24,21 @@ namespace {
 namespace fs = std::filesystem;
 using Weight = Finding::Weight;
 
-// VTK's writer never makes smaller voxels, since OpenVDB refuses a volume below 3e-15.
+// VTK's writer does not make smaller voxels, since OpenVDB refuses a volume below 3e-15.
 constexpr double kSmallVoxel = 1e-4;
-// Metres: what is smaller or larger is more likely in another unit.
+// Metres: smaller or larger models are probably in another unit.
 constexpr double kSmallModel = 0.01, kLargeModel = 1000;
 
-// What frames are compared by, and judged together.
+// Properties of a frame that are compared or assessed over all frames.
 struct FrameFacts {
   std::vector<GridInfo> infos;
-  std::string units;                                   ///< of length, as the file says
+  std::string units;                                   ///< of length, as given in the file
   std::set<std::pair<std::string, std::string>> grids; ///< name and type
   std::map<std::string, openvdb::math::Transform::ConstPtr> transforms;
 };
 
-// Whether voxels lie on each other: to a millionth of a voxel's size, since some programs keep
-// sizes as floats, and a thousandth of it from place to place.
+// Whether voxels coincide: to a millionth of a voxel's size, since some programs store sizes as
+// floats, and a thousandth of it in position.
 bool coincide(const openvdb::math::Transform& a, const openvdb::math::Transform& b) {
   if (!a.isLinear() || !b.isLinear())
     return canonicalBytes(a) == canonicalBytes(b);
@@ -59,7 +59,7 @@ std::string targetName(CheckTarget target) {
   return target == CheckTarget::Blender ? "Blender" : "Houdini";
 }
 
-// The background of a grid of single numbers.
+// The background of a scalar grid.
 std::optional<double> numberBackground(const openvdb::GridBase& base) {
   std::optional<double> background;
   base.apply<openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
@@ -76,7 +76,7 @@ double valueBytes(const std::string& type) {
   return type == "double" || type == "int64" ? 8 : 4;
 }
 
-// What the values and the size of grids say, in one file or in all frames of a sequence.
+// Checks the values and the size of grids, in one file or in all frames of a sequence.
 class ContentCheck {
 public:
   ContentCheck(const std::string& path, const CheckOptions& options, std::vector<Finding>& findings)
@@ -91,7 +91,7 @@ public:
     if (longest == 0 || (longest >= kSmallModel && longest <= kLargeModel))
       return;
     add(Weight::Warning, "extent", "",
-        fmt::format("is {:.4g} units long{}, and {} takes a unit for a metre", longest,
+        fmt::format("is {:.4g} units long{}, and in {} a unit is a metre", longest,
                     units.empty() ? "" : " (" + units + ")", targetName(options_.target)),
         "scale the object after import, or the mesh before");
   }
@@ -103,7 +103,7 @@ public:
     const bool number = info.type == "float" || info.type == "double";
     if (number && info.gridClass == "level set" && !(info.minValue < 0))
       add(Weight::Warning, "class", info.name,
-          "is called a level set but has no negative values" + where + ": nothing is inside",
+          "has the class level set but no negative values" + where + ": nothing is inside",
           "set its class to 'fog volume'");
     const std::string hidden = whyHidden(info);
     if (!hidden.empty())
@@ -128,7 +128,7 @@ private:
 
 class FileCheck {
 public:
-  /// `alone`: the file is no frame of a sequence, whose values and size are judged together.
+  /// `alone`: the file is not a frame of a sequence, whose values and size are assessed together.
   FileCheck(const std::string& path, bool alone, const CheckOptions& options,
             std::vector<Finding>& findings)
       : path_(path), alone_(alone), options_(options), content_(path, options, findings) {}
@@ -142,11 +142,11 @@ public:
     for (std::size_t i = 0; i < infos.size(); ++i) {
       grid_ = infos[i].name;
       if (infos[i].name.empty())
-        add(Weight::Error, "name", "has no name, so that no material can ask for it",
+        add(Weight::Error, "name", "has no name, so that no material can refer to it",
             "give it a name");
       else if (!names.insert(infos[i].name).second)
         add(Weight::Error, "name", "is the name of two grids: one of them hides the other",
-            "give each a name of its own");
+            "give each a unique name");
       checkTransform(grids[i]->transform(), grids.front()->transform());
       mask_ = grids[i]->isType<openvdb::MaskGrid>();
       background_ = numberBackground(*grids[i]).value_or(0);
@@ -186,16 +186,16 @@ private:
              (!forBlender() && info.name == "surface");
     });
     if (!usual)
-      add(Weight::Note, "usual-name", "no grid is named 'density', which default materials ask for",
+      add(Weight::Note, "usual-name", "no grid is named 'density', which default materials expect",
           "name the grid in the material (Blender: Principled Volume, Density Attribute)");
     const auto up = volume.metadata.find("up_axis");
     const bool yUp = up != volume.metadata.end() && up->second == "y";
     if (forBlender() && yUp)
-      add(Weight::Warning, "up-axis", "was made with y up, but in Blender z points up",
-          "voxelize without `up_axis=y`, or turn the object by 90 degrees about x");
+      add(Weight::Warning, "up-axis", "was made with y up, but in Blender z is up",
+          "voxelize without `up_axis=y`, or rotate the object by 90 degrees about x");
     if (!forBlender() && !yUp)
       add(Weight::Note, "up-axis",
-          "in Houdini y points up; the file does not say that it was "
+          "in Houdini y is up; the file does not state that it was "
           "made so",
           "if the model lies on its side, voxelize with `up_axis=y`");
   }
@@ -205,19 +205,19 @@ private:
     const std::string frustum = "has a transform that is not affine (a frustum), ";
     if (!transform.isLinear())
       add(forBlender() ? Weight::Error : Weight::Warning, "transform",
-          frustum + (forBlender() ? "of which Blender's Cycles draws nothing"
-                                  : "which not every program knows"),
+          frustum + (forBlender() ? "which Blender's Cycles does not draw"
+                                  : "which not every program supports"),
           "resample it to a linear transform");
     else if (!coincide(transform, first))
       add(Weight::Warning, "transform",
-          "has another transform than the file's first grid: their voxels do not lie on each "
-          "other, "
-          "and what combines the grids has to resample them",
+          "has a different transform from the file's first grid: their voxels do not "
+          "coincide, "
+          "and combining the grids requires resampling",
           "make all grids in one run of tetvdb voxelize");
   }
 
-  // Blender looks for the volume's velocity by these names, and shaders then know that grid by the
-  // first of them alone.
+  // Blender recognises the volume's velocity by these names; shaders then know that grid only by
+  // the first of them.
   void checkVelocity(const std::set<std::string>& names) {
     for (const char* name : {"velocity", "vel", "v"}) {
       if (names.count(name) == 0)
@@ -225,9 +225,9 @@ private:
       grid_ = name;
       if (grid_ != "velocity")
         add(Weight::Note, "velocity-name",
-            "is what Blender takes for the velocity: shaders find it as 'velocity', not by its "
+            "is used by Blender as the velocity: shaders find it as 'velocity', not by its "
             "name",
-            "ask for 'velocity' in the material, or voxelize with `derive=NAME=" + grid_ + "`");
+            "use 'velocity' in the material, or voxelize with `derive=NAME=" + grid_ + "`");
       return;
     }
   }
@@ -238,14 +238,13 @@ private:
     if (info.activeVoxels == 0)
       return;
     if (forBlender() && info.leaves == 0)
-      add(Weight::Error, "tiles-alone",
-          "holds tiles alone, of which Blender 3.4 and older draw nothing",
+      add(Weight::Error, "tiles-alone", "has only tiles, which Blender 3.4 and older do not draw",
           "make it with tetvdb voxelize, which opens one tile, or voxelize its tiles");
     checkType(info);
     checkClass(info);
     if (forBlender() && background_ != 0 && info.gridClass != "level set")
       add(background_ > 0 ? Weight::Warning : Weight::Note, "background",
-          fmt::format("has a background of {:.6g}, which Blender draws around the voxels as well",
+          fmt::format("has a background of {:.6g}, which Blender also draws around the voxels",
                       background_),
           background_ > 0 ? "give it the background 0, or multiply it by 'density' in the material"
                           : "where it is drawn as light, multiply it by 'density' in the material");
@@ -255,7 +254,7 @@ private:
     const double bytes = box * valueBytes(info.type);
     if (bytes > options_.denseBytes)
       add(Weight::Warning, "memory",
-          fmt::format("takes {:.1f} GB where it is uploaded densely, as by Blender without "
+          fmt::format("takes {:.1f} GB when uploaded as a dense array, as by Blender without "
                       "NanoVDB and by real-time renderers",
                       bytes / 1e9),
           "use larger voxels, or cut it in parts with `bbox`");
@@ -263,7 +262,7 @@ private:
     const double side = std::min({std::abs(size[0]), std::abs(size[1]), std::abs(size[2])});
     if (side < kSmallVoxel)
       add(Weight::Warning, "voxel-size",
-          fmt::format("has voxels of {:.3g} units, near the least that programs take (1.45e-5, or "
+          fmt::format("has voxels of {:.3g} units, near the minimum of programs (1.45e-5, or "
                       "1e-4 for some)",
                       side),
           "use a smaller unit of length, such as millimetres for metres");
@@ -275,13 +274,14 @@ private:
     if (mask_) // its value type is bool
       add(Weight::Error, "type",
           forBlender() ? "is a mask grid, which Blender builds with NanoVDB do not draw"
-                       : "is a mask grid, which Houdini's translation does not know",
+                       : "is a mask grid, which Houdini's translation does not support",
           "store it as bool, as voxelize does with `grid=mask`");
     else if (kDrawn.count(info.type) == 0)
       add(Weight::Error, "type", "is of type '" + info.type + "', which is not drawn as a volume",
           "convert it to float");
     else if (info.type == "double" || info.type == "int64" || info.type == "vec3d")
-      add(Weight::Note, "type", "is of type " + info.type + ", twice the memory for no more to see",
+      add(Weight::Note, "type",
+          "is of type " + info.type + ", with twice the memory and no visible difference",
           "store it as float, int32 or vec3s");
   }
 
@@ -299,7 +299,7 @@ private:
   const ContentCheck content_;
   std::string grid_;
   bool mask_ = false;     ///< the grid is a MaskGrid
-  double background_ = 0; ///< of a grid of single numbers
+  double background_ = 0; ///< of a scalar grid
 };
 
 void checkNames(const std::vector<std::string>& paths, CheckTarget target,
@@ -311,8 +311,9 @@ void checkNames(const std::vector<std::string>& paths, CheckTarget target,
     const NumberedPath name(path);
     if (!name.number || name.before != first.before || name.after != first.after) {
       findings.push_back({Weight::Error, "sequence-name", path, "",
-                          name.number ? "is not named like the first frame"
-                                      : "has no number in its name: it is no frame of a sequence",
+                          name.number
+                              ? "is not named like the first frame"
+                              : "has no number in its name: it is not a frame of a sequence",
                           rename});
       continue;
     }
@@ -322,11 +323,12 @@ void checkNames(const std::vector<std::string>& paths, CheckTarget target,
            "has '" + name.after + "' after its number: Blender shows the first file in all frames",
            rename});
     if (name.digits != fmt::format("{:0{}}", *name.number, first.digits.size()))
-      findings.push_back({Weight::Error, "sequence-name", path, "",
-                          fmt::format("has another number of zeros than '{}': players look for a "
-                                      "file that is not there",
-                                      first.digits),
-                          rename});
+      findings.push_back(
+          {Weight::Error, "sequence-name", path, "",
+           fmt::format("has a different number of zeros from '{}': players look for a "
+                       "file that does not exist",
+                       first.digits),
+           rename});
     numbers.emplace_back(*name.number, path);
   }
   std::sort(numbers.begin(), numbers.end());
@@ -335,7 +337,7 @@ void checkNames(const std::vector<std::string>& paths, CheckTarget target,
     const auto& [number, path] = numbers[i];
     if (number == before)
       findings.push_back({Weight::Error, "sequence-name", path, "",
-                          fmt::format("has the number {} a second time", number), rename});
+                          fmt::format("repeats the number {}", number), rename});
     else if (number != before + 1)
       findings.push_back(
           {Weight::Error, "sequence-gap", path, "",
@@ -365,17 +367,18 @@ void compareFrames(const std::vector<std::string>& paths, const std::vector<Fram
     for (const auto& [name, transform] : facts[i].transforms) {
       const auto first = facts.front().transforms.find(name);
       if (first != facts.front().transforms.end() && !coincide(*first->second, *transform)) {
-        findings.push_back({Weight::Warning, "sequence-transform", paths[i], name,
-                            "has another transform than in the first frame: voxels flicker",
-                            "make all frames in one run of tetvdb voxelize"});
+        findings.push_back(
+            {Weight::Warning, "sequence-transform", paths[i], name,
+             "has a different transform from that in the first frame: voxels flicker",
+             "make all frames in one run of tetvdb voxelize"});
         break;
       }
     }
   }
 }
 
-// The values of a grid, and the size of the model, are those of all frames: a frame in which
-// nothing is there yet is none that is wrong.
+// The values of a grid, and the size of the model, are those of all frames: an empty frame is not
+// an error.
 void checkContent(const std::vector<std::string>& paths, const CheckOptions& options,
                   const std::vector<FrameFacts>& facts, std::vector<Finding>& findings) {
   std::vector<std::vector<GridInfo>> infos;

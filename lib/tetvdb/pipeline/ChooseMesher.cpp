@@ -17,7 +17,7 @@ bool asksForTetFile(const VoxelizeJob& job) {
   return !job.meshOutput.empty() && !writesTriangles(job.meshOutput);
 }
 
-// What asks for tets; empty where nothing does.
+// The option that requires tets; empty if there is none.
 std::string tetsFor(const VoxelizeJob& job) {
   if (asksForGrid(job, GridKind::TetId))
     return "`grid=tet_id`";
@@ -26,7 +26,7 @@ std::string tetsFor(const VoxelizeJob& job) {
   return job.epsilon.value > 0 ? "`epsilon`" : "";
 }
 
-// What only the methods without tets can do; empty where nothing asks for it.
+// The option that requires a method without tets; empty if there is none.
 std::string noTetsFor(const VoxelizeJob& job) {
   if (job.solid.shell > 0)
     return "`shell`";
@@ -49,17 +49,17 @@ void checkMesher(const VoxelizeJob& job) {
   if (job.mesher == Mesher::Winding) {
     if (!tets.empty())
       throw Error(Status::Usage, tets,
-                  "is for tets, which `mesher=" + nameOf(job.mesher) + "` does not make",
+                  "requires tets, which `mesher=" + nameOf(job.mesher) + "` does not make",
                   "use `mesher=envelope`");
     return;
   }
   if (without.empty())
     return;
   if (!tets.empty())
-    throw Error(Status::Usage, tets, "is for tets, which " + without + " does not make",
+    throw Error(Status::Usage, tets, "requires tets, which " + without + " does not make",
                 "leave one of them out");
   if (job.mesher == Mesher::Envelope)
-    throw Error(Status::Usage, without, "does not go with `mesher=envelope`",
+    throw Error(Status::Usage, without, "cannot be combined with `mesher=envelope`",
                 "use `mesher=winding`");
 }
 
@@ -75,7 +75,7 @@ MesherChoice chooseMesher(const VoxelizeJob& job, double diagonal, const Vec3d& 
     return {Mesher::Envelope, tets + " needs tets", epsilon};
   if (const std::string without = noTetsFor(job); !without.empty())
     return {Mesher::Winding, without + " needs no tets", 0};
-  return {Mesher::Winding, "no output asks for tets", 0};
+  return {Mesher::Winding, "no output requires tets", 0};
 }
 
 } // namespace tetvdb

@@ -17,16 +17,16 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
                 "every face of the mesh is degenerate: two of its corners coincide");
   const std::string where = name.empty() ? "" : name + ": ";
   if (counts.insideOut)
-    report.warn("inside-out", where + "the mesh was inside out and was turned");
+    report.warn("inside-out", where + "the mesh was inside out and was reversed");
   else if (counts.flippedFaces > 0)
     report.warn("flipped-faces",
-                fmt::format("{}{} of {} faces looked the wrong way and were turned", where,
+                fmt::format("{}{} of {} faces were inverted and have been reversed", where,
                             counts.flippedFaces, mesh.triangleCount()));
   if (counts.doubtful) {
     report.warn("doubtful-orientation",
-                fmt::format("{}which way faces look is not clear: as they are, the mesh holds a "
-                            "volume of about {:.4g}, turned so that neighbours agree {:.4g}; look "
-                            "at the result, and see `keep_orientation`",
+                fmt::format("{}the orientation of faces is ambiguous: unchanged, the mesh has a "
+                            "volume of about {:.4g}, with consistent neighbours {:.4g}; check "
+                            "the result, or use `keep_orientation`",
                             where, counts.fileVolume, counts.turnedVolume));
     report.partial = true;
   }

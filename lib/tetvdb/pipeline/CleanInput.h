@@ -12,8 +12,8 @@
 
 namespace tetvdb {
 
-/// cleanTriangles(), with warnings ("inside-out", "flipped-faces") about what it turned. Messages
-/// begin with `name` where it is not empty. Throws Error(Invalid) where no face is left.
+/// cleanTriangles(), with warnings ("inside-out", "flipped-faces") about reversed faces. Messages
+/// begin with `name` unless it is empty. Throws Error(Invalid) if no face is left.
 CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanOptions& options,
                        Report& report, Progress& progress);
 

@@ -34,7 +34,7 @@ bool isCollection(const std::string& path) {
   return endingOf(path) == ".pvd";
 }
 
-// '*' for any characters, '?' for one.
+// '*' matches any characters, '?' one.
 bool matches(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0, star = std::string_view::npos, mark = 0;
   while (n < name.size()) {
@@ -61,13 +61,13 @@ struct NumberedFile {
   std::string path;
 };
 
-// The files whose names match, in no order.
+// The files whose names match, unordered.
 std::vector<std::string> filesLike(const std::string& pattern) {
   const fs::path path(pattern);
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   if (folder.string().find_first_of("*?") != std::string::npos)
     throw Error(Status::Usage, pattern, "has '*' or '?' in the name of a folder",
-                "put them in the file's name alone");
+                "use them in the file's name only");
   std::error_code error;
   fs::directory_iterator entries(folder, error);
   if (error)
@@ -79,11 +79,11 @@ std::vector<std::string> filesLike(const std::string& pattern) {
       found.push_back(path.has_parent_path() ? entry.path().string() : name);
   }
   if (found.empty())
-    throw Error(Status::Invalid, pattern, "no file has a name like that");
+    throw Error(Status::Invalid, pattern, "no file matches");
   return found;
 }
 
-// A frame a file, in the order of their numbers. `what` names the files in messages.
+// One frame per file, in the order of their numbers. `what` names the files in messages.
 std::vector<Frame> framesByNumber(const std::vector<std::string>& paths, const std::string& what,
                                   bool allowGaps) {
   std::vector<NumberedFile> files;
@@ -111,7 +111,7 @@ std::vector<Frame> framesByNumber(const std::vector<std::string>& paths, const s
       throw Error(Status::Invalid, what,
                   fmt::format("number {} is missing: '{}' follows '{}'", files[i - 1].number + step,
                               files[i].path, files[i - 1].path),
-                  "put it there, or use `allow_gaps` to go on with the next one");
+                  "add it, or use `allow_gaps` to continue with the next one");
   std::vector<Frame> frames;
   for (NumberedFile& file : files)
     frames.push_back({{std::move(file.path)}, -1, {}});
@@ -205,7 +205,7 @@ std::vector<Frame> findFrames(const std::vector<std::string>& inputs,
   if (!range && !numbered && std::none_of(inputs.begin(), inputs.end(), isSequence))
     return {};
   if (inputs.size() != 1 && !numbered)
-    throw Error(Status::Usage, "", "a sequence stands alone, but there are several inputs",
+    throw Error(Status::Usage, "", "a sequence must be the only input",
                 "quote the pattern: 'frame_*.vtu'");
   std::vector<Frame> frames;
   if (numbered)

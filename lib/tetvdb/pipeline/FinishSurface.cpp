@@ -42,9 +42,9 @@ void simplify(TriangleMesh& mesh, std::size_t faces, double tolerance, FinishRes
   simplifySurface(mesh, options, progress);
   if (faces > 0 && mesh.triangleCount() > faces) {
     report.warn("faces-not-reached",
-                fmt::format("{} faces are left, more than the {} asked for: fewer would {}",
+                fmt::format("{} faces remain, more than the {} requested: fewer would {}",
                             mesh.triangleCount(), faces,
-                            tolerance > 0 ? "pass the error allowed, cross or not be a manifold"
+                            tolerance > 0 ? "exceed the permitted error, cross or not be a manifold"
                                           : "cross or not be a manifold"));
     report.partial = true;
   }

@@ -15,7 +15,7 @@
 namespace tetvdb {
 namespace {
 
-// The text of every option, each with an end mark, so that no two jobs have one text.
+// The text of all options, each with an end mark, so that different jobs have different texts.
 class Text {
 public:
   template <typename T>
@@ -57,7 +57,7 @@ void addFields(Text& text, const VoxelizeJob& job) {
   text << fields.clamp << fields.remap << fields.background.size();
   for (const NamedNumber& number : fields.background)
     text << number.grid << number.value;
-  // The range of all frames matters where values are mapped by it.
+  // The range of all frames is relevant if values are mapped by it.
   if (!fields.remap.empty())
     for (const ValueRange& range : job.fieldRanges)
       text << range.low << range.high;

@@ -87,7 +87,7 @@ void append(TetMesh& to, TetMesh&& from, Report& report) {
   const auto firstPoint = static_cast<std::uint32_t>(to.points.size());
   const auto firstCell = static_cast<std::uint32_t>(to.cellCount);
 
-  // While every tet is its own cell in both, the short form (no cellOfTet) still says it all.
+  // If every tet is its own cell in both, the short form (no cellOfTet) is sufficient.
   const bool plain = to.cellOfTet.empty() && from.cellOfTet.empty() &&
                      to.tetCount() == to.cellCount && from.tetCount() == from.cellCount;
   if (!plain) {
@@ -148,7 +148,7 @@ bool haveOneUnit(const std::vector<TriangleMesh>& meshes, Report& report) {
   for (const TriangleMesh& mesh : meshes) {
     if (mesh.units == meshes.front().units)
       continue;
-    report.warn("mixed-units", "the inputs are in different units; lengths are taken as they are");
+    report.warn("mixed-units", "the inputs are in different units; lengths are not converted");
     return false;
   }
   return true;

@@ -16,7 +16,7 @@
 namespace tetvdb {
 namespace {
 
-// Points of one part and the faces that use them; parts without faces are left out.
+// Points of one part and the faces that use them; parts without faces are omitted.
 std::vector<NamedMesh> split(const TriangleMesh& whole, const std::vector<MeshPart>& parts,
                              std::size_t firstAssembly) {
   std::vector<NamedMesh> objects;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files of triangles as the objects that they keep apart.
+// Files of triangles as their separate objects.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -13,22 +13,22 @@
 
 namespace tetvdb {
 
-/// Reads one file of triangles, or triangles in `memory`: of .3mf every mesh that its build places,
-/// with its name; of other formats one object of the file's name without folder and ending.
-/// Assemblies are numbered from `firstAssembly` on. `info` as of readSoup(). Warnings and errors
-/// name the file.
+/// Reads one file of triangles, or triangles in `memory`: for .3mf every mesh of its build, with
+/// its name; for other formats one object named by the file without folder and ending. Assemblies
+/// are numbered from `firstAssembly`. `info` as for readSoup(). Warnings and errors name the
+/// file.
 std::vector<NamedMesh> readObjects(const std::string& path, std::size_t firstAssembly,
                                    InputInfo* info, Report& report, Progress& progress,
                                    const MemoryInputs& memory = {});
 
-/// All faces in one mesh, points not joined; the units are the first object's.
+/// All faces in one mesh, without merging points; the units are those of the first object.
 TriangleMesh joinObjects(const std::vector<NamedMesh>& objects);
 
-/// Whether a format, by the path's ending, keeps objects apart: .3mf.
+/// Whether a format, by the path's ending, stores separate objects: .3mf.
 bool keepsObjects(const std::string& path);
 
-/// How many metres a unit has, by the names of TriangleMesh::units or the abbreviations um, mm, cm,
-/// m, in and ft; 0 for others. `name`, unless null, becomes the name.
+/// The number of metres of a unit, by the names of TriangleMesh::units or the abbreviations um, mm,
+/// cm, m, in and ft; 0 for others. `name`, unless null, is set to the name.
 double metresOf(const std::string& unit, std::string* name = nullptr);
 
 } // namespace tetvdb

@@ -6,7 +6,7 @@
 namespace tetvdb {
 namespace {
 
-// Brings the deadline forward to half of the time that is left, while it lives.
+// Sets the deadline to half of the remaining time during its lifetime.
 class HalfOfTheTime {
 public:
   explicit HalfOfTheTime(Progress& progress) : progress_(progress), deadline_(progress.deadline()) {
@@ -24,7 +24,7 @@ private:
   Progress::Clock::time_point deadline_;
 };
 
-// What stopped the mesher, if another method may be tried then.
+// The reason why the mesher stopped, if another method may be used.
 std::string reasonOf(const Error& error) {
   switch (error.status()) {
   case Status::Cancelled:

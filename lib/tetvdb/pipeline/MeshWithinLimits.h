@@ -13,17 +13,17 @@
 
 namespace tetvdb {
 
-/// Why there are no tets.
+/// The reason why there are no tets.
 struct MesherStop {
   Status status = Status::Ok; ///< Cancelled: time; Limit: memory; Invalid: nothing inside
   std::string why;            ///< one clause
 };
 
-/// tetrahedralize() for a job that has another method: with half of the time that is left until the
-/// progress's deadline, so that the other half serves that method. Nothing, and `stop`, where the
-/// time or the memory does not suffice or nothing is inside; `report` then has the stage, but no
-/// warnings of it. Throws Error(Cancelled) where the job was cancelled, and what else the mesher
-/// throws.
+/// tetrahedralize() for a job with an alternative method: limited to half of the time until the
+/// progress's deadline, so that the other half remains for that method. Returns none, and sets
+/// `stop`, if time or memory do not suffice or nothing is inside; `report` then has the stage, but
+/// none of its warnings. Throws Error(Cancelled) if the job is cancelled, and the other errors of
+/// the mesher.
 std::optional<Tetrahedralization> meshWithinLimits(const std::vector<TriangleMesh>& inputs,
                                                    const TetrahedralizeOptions& options,
                                                    MesherStop& stop, Report& report,

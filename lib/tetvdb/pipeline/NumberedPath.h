@@ -8,8 +8,8 @@
 
 namespace tetvdb {
 
-/// A path around the last run of digits in its name: "out/a.", "0007", "" and ".vdb" of
-/// "out/a.0007.vdb". Without digits `before` is the whole path but for the extension.
+/// A path split around the last run of digits in its name: "out/a.", "0007", "" and ".vdb" of
+/// "out/a.0007.vdb". Without digits, `before` is the whole path without the extension.
 struct NumberedPath {
   std::string before, digits, after, extension;
   std::optional<unsigned long long> number; ///< empty without digits, or with too many

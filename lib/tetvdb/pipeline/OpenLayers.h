@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A solid ready to be cut into layers, and where it stands: what SliceJob writes and CheckPrintJob
-// looks at.
+// A placed solid, ready to be cut into layers: used by SliceJob and
+// CheckPrintJob.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -18,8 +18,8 @@
 namespace tetvdb {
 
 struct OpenOptions {
-  /// Called before the model is placed, with its box in millimetres, where it would stand by the
-  /// job's place; may change both. The sizes of pixels and layers are used before that.
+  /// Is called before the model is placed, with its box in millimetres at the position given by the
+  /// job; may change both arguments. The sizes of pixels and layers are used before the call.
   std::function<void(const WorldBox& box, PrinterSettings& printer, PlaceOptions& place)> fit;
   bool keepMesh = false; ///< OpenedLayers::mesh
 };
@@ -28,12 +28,12 @@ struct OpenedLayers {
   SliceResult result;      ///< of reading, cleaning and placing
   PrinterSettings printer; ///< of the frame
   PlateMap map;            ///< from the input's coordinates
-  TriangleMesh mesh;       ///< in them, where it is kept and there is one
+  TriangleMesh mesh;       ///< in the input's coordinates, if it is kept and exists
   std::unique_ptr<LayerSource> source;
 };
 
-/// As run() of a SliceJob up to its layers, whose output is not looked at. The job's printer must
-/// have pixels, display and layer height. Throws what run() throws.
+/// As run() of a SliceJob up to its layers; ignores its output. The job's printer must have pixels,
+/// display and layer height. Throws the errors of run().
 OpenedLayers openLayers(const SliceJob& job, const OpenOptions& options, Report& report,
                         Progress& progress);
 

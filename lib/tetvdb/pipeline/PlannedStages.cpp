@@ -45,7 +45,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job) {
   bool triangles = false;
   try {
     triangles = holdsTriangles(job.inputs.front(), job.memory);
-  } catch (const Error&) { // the job says it
+  } catch (const Error&) { // the job reports it
     return {};
   }
   const bool tets = job.mesher == Mesher::Envelope || needsTets(job) || job.epsilon.value > 0;
@@ -97,7 +97,7 @@ std::vector<PlannedStage> plannedStages(const CheckPrintJob& job) {
 }
 
 std::vector<PlannedStage> plannedSequence() {
-  return {{"first pass", 1}, {"frames", 6}}; // both read, the second makes volumes too
+  return {{"first pass", 1}, {"frames", 6}}; // both read; the second also makes volumes
 }
 
 } // namespace tetvdb

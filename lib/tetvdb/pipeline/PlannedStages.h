@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which stages a job will go through, for the time that is left.
+// The expected stages of a job, for the estimate of the remaining time.
 //
 //   tetvdb::TimeEstimate estimate;
 //   estimate.plan(tetvdb::plannedStages(job), seconds());
@@ -21,15 +21,15 @@
 
 namespace tetvdb {
 
-/// The stages that run() will report, with the shares of the job's time that they took over a dozen
-/// meshes of the wild at 256 voxels. Looks at what the first input holds; empty where that cannot
-/// be told.
+/// The stages that run() will report, with their shares of the time measured over a dozen meshes
+/// from practice at 256 voxels. Reads the kind of the first input; empty if it cannot be
+/// determined.
 std::vector<PlannedStage> plannedStages(const VoxelizeJob& job);
 std::vector<PlannedStage> plannedStages(const TetrahedralizeJob& job);
 std::vector<PlannedStage> plannedStages(const RenderJob& job);
 std::vector<PlannedStage> plannedStages(const SliceJob& job);
 std::vector<PlannedStage> plannedStages(const CheckPrintJob& job);
-/// Of runSequence(), whatever its frames are.
+/// The stages of runSequence(), for any frames.
 std::vector<PlannedStage> plannedSequence();
 
 } // namespace tetvdb

@@ -33,13 +33,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the solid's length that a voxel is by default.
+// Default voxels per length.
 constexpr double kVoxelsInWall = 20, kVoxelsInOffset = 8, kVoxelsInClose = 8;
 constexpr double kVoxelsInFilledWall = 8, kVoxelsInInfill = 4;
-constexpr double kInfillArea = 6; // of a cell's sides, both faces of a sheet through it
+constexpr double kInfillArea = 6; // area of a sheet, both sides, relative to a side of its cell
 constexpr std::size_t kMaxDrains = 256;
 constexpr double kMinVoxels = 2;      // of a wall, an offset or a radius
-constexpr double kMaxFaces = 4e6;     // of a surface that is made, about
+constexpr double kMaxFaces = 4e6;     // approximate limit for a surface
 constexpr double kFacesPerSquare = 2; // of voxels: marching cubes
 
 void appendFaces(TriangleMesh& mesh, const TriangleMesh& more) {
@@ -70,7 +70,7 @@ public:
     if (job_.wall > 0)
       hollow(solid);
     TriangleMesh outside;
-    if (asksDrains()) { // the input's faces come first
+    if (asksDrains()) { // faces of the input come first
       outside.points = solid.points;
       outside.triangles.assign(solid.triangles.begin(),
                                solid.triangles.begin() +
@@ -235,7 +235,7 @@ private:
     options.voxel = result_.voxel;
     options.maxMemory = memoryLeft(job_.maxMemory);
     std::optional<Infill> infill;
-    Volume array; // of the infill's amounts, while the cavity is made
+    Volume array; // amounts of the infill, while the cavity is made
     if (job_.infill) {
       infill.emplace(job_.infill->kind, job_.infill->cell);
       options.infill = &*infill;
@@ -255,7 +255,7 @@ private:
     appendFaces(solid, cavity.surface);
   }
 
-  // Where an infill's is the smallest; 0 without.
+  // The smallest thickness of the infill; 0 without an infill.
   double thinnestInfill() const {
     if (!job_.infill)
       return 0;
@@ -296,7 +296,7 @@ private:
     return amountFrom(static_cast<const openvdb::Int32Grid&>(grid), between, range.low);
   }
 
-  // Places where the array says nothing count as its minimum.
+  // Points without a value of the array count as its minimum.
   template <typename GridT, typename Between>
   static ThicknessAt amountFrom(const GridT& grid, const Between& between, double outside) {
     return [&grid, between, outside](const openvdb::Coord& voxel) {
@@ -381,7 +381,7 @@ private:
   const PrepareJob& job_;
   Report& report_;
   Progress& progress_;
-  TetMesh tets_; ///< where an array of it is asked for
+  TetMesh tets_; ///< if an array of it is requested
   PrepareResult result_;
 };
 
@@ -403,7 +403,7 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
   limit(std::abs(job.offset), kVoxelsInOffset);
   limit(job.close, kVoxelsInClose);
   const double large = std::sqrt(kFacesPerSquare * area / kMaxFaces);
-  if (!std::isfinite(voxel)) // nothing but a level set is asked for
+  if (!std::isfinite(voxel)) // only a level set is requested
     return large;
   coarse = large > voxel;
   if (kMinVoxels * large > shortest)

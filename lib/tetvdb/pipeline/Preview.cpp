@@ -16,12 +16,12 @@
 namespace tetvdb {
 namespace {
 
-// A glance beside the work, not the work: panels are small, few of their pixels are refined, and
-// each looks twice for the sky.
+// Low cost: panels are small, few of their pixels are refined, and each uses two samples of the
+// sky.
 constexpr int kWidth = 256, kHeight = 192; ///< of a panel
 constexpr double kRefinedShare = 0.06;
 constexpr std::uint32_t kSkyRays = 2;
-constexpr int kMaxArrays = 6; ///< that have a panel
+constexpr int kMaxArrays = 6; ///< panels of arrays
 
 PictureOptions optionsFor(bool yUp) {
   PictureOptions options;
@@ -97,7 +97,7 @@ void Preview::arrays(const Volume& volume, VolumeShow show, const PictureOptions
   const bool anyShape = std::any_of(grids.begin(), grids.end(), isShape);
   int shown = 0;
   for (std::size_t i = anyShape ? 0 : 1; i < grids.size();
-       ++i) { // without a shape 0 is the main one
+       ++i) { // without a shape, 0 is the main one
     if (isShape(grids[i]) || grids[i]->empty())
       continue;
     if (++shown > kMaxArrays) {

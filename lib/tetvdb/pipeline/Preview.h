@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a job did, side by side in one picture: --preview.
+// The input and results of a job side by side in one picture: --preview.
 //
 //   tetvdb::Preview preview;
 //   preview.input(mesh, report, progress);
@@ -25,35 +25,35 @@
 
 namespace tetvdb {
 
-/// Throws what is wrong with a preview's path before any work, as for other outputs; an empty one
-/// is in order.
+/// Throws the errors of a preview's path before the work starts, as for other outputs; an empty
+/// path is accepted.
 void checkPreviewPath(const std::string& path);
 
-/// Panels are drawn as soon as what they show is there, since jobs release it; every one takes a
-/// copy of its mesh while it is drawn, and adds to stage "preview". All look from the front, right
-/// and above, at z up, or y up where the output is.
+/// Panels are drawn as soon as their data is available, since jobs release it. Each uses a copy of
+/// its mesh while it is drawn, and adds to stage "preview". All views are from the front, right and
+/// above, with z up, or y up if the output has y up.
 class Preview {
 public:
   explicit Preview(bool yUp = false) : yUp_(yUp) {}
 
   /// With open edges in red, non-manifold ones in yellow, flipped faces in blue.
   void input(const TriangleMesh& mesh, Report& report, Progress& progress);
-  /// A surface that was made, with defects where it has any.
+  /// A surface made by the job, with its defects.
   void surface(const TriangleMesh& mesh, const std::string& panel, Report& report,
                Progress& progress);
-  /// Cut open across the middle, cells coloured by quality.
+  /// Cut open at the centre, cells coloured by quality.
   void tets(const TetMesh& mesh, Report& report, Progress& progress);
-  /// The volume's main grid as a solid, a slice through its middle, and the same slice of every
-  /// other grid that is no shape: arrays, materials, numbers of tets. Of more than six the first
-  /// six, with the warning "preview-arrays".
+  /// The volume's main grid as a solid, a slice through its centre, and the same slice of every
+  /// other grid that is not a shape: arrays, materials, numbers of tets. At most the first six,
+  /// with the warning "preview-arrays".
   void volume(const Volume& volume, Report& report, Progress& progress);
 
   bool isEmpty() const { return panels_.empty(); }
   PreviewInfo info() const;
-  /// All panels in a row, as a PNG; nothing where there are none. Throws Error(Write).
+  /// Writes all panels in a row, as a PNG; nothing if there are none. Throws Error(Write).
   void write(const std::string& path) const;
-  /// The same for a job whose only other output is written already: where the picture fails that
-  /// goes too. Nothing where there are no panels.
+  /// The same for a job whose only other output is already written: if the picture fails, that
+  /// output is removed too. Does nothing if there are no panels.
   std::optional<PreviewInfo> writeBeside(const std::string& output, const std::string& path) const;
 
 private:

@@ -18,10 +18,10 @@ namespace {
 
 constexpr int kPanelWidth = 760, kPanelHeight = 700, kFoot = 60;
 constexpr double kLinePixels = 2.5;
-constexpr float kHidden = 0.45F; // how much is seen of lines behind the model
+constexpr float kHidden = 0.45F; // opacity of lines behind the model
 constexpr std::size_t kMarked = 200;
 
-// By fault; far apart, and apart from the model's grey.
+// By fault; distinct from one another and from the model's grey.
 constexpr std::array<Rgb, kPrintFaults> kColors = {{{0.02F, 0.02F, 0.02F},
                                                     {0.02F, 0.02F, 0.02F},
                                                     {0.80F, 0.02F, 0.02F},
@@ -68,7 +68,7 @@ Image panel(const Scene& both, const Scene& marks, const char* view, Progress& p
   return image;
 }
 
-// The kinds of findings, each in its colour.
+// Lists the kinds of findings, each in its colour.
 void drawKinds(const CheckPrintResult& result, Image& image) {
   std::array<std::size_t, kPrintFaults> counts{};
   for (const PrintFinding& finding : result.checks.findings)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A model with what a check of its print has found, to look at.
+// A picture of a model with the findings of a print check.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,9 +10,9 @@
 
 namespace tetvdb {
 
-/// `mesh`, in the input's coordinates, from above and from below, with a box around each finding in
-/// its kind's colour: full where it is in view, paler where the model hides it. Of each kind the
-/// largest 200. The kinds and how many there are of each stand below. 1520 x 760 pixels.
+/// Draws `mesh`, in the input's coordinates, from above and from below, with a box around each
+/// finding in the colour of its kind: full if it is visible, paler if the model hides it. At most
+/// the 200 largest of each kind. The kinds and their counts are listed below. 1520 x 760 pixels.
 Image printPicture(TriangleMesh mesh, const CheckPrintResult& result, Progress& progress);
 
 } // namespace tetvdb

@@ -12,7 +12,7 @@
 namespace tetvdb {
 namespace {
 
-// An error about one input names its file.
+// Adds the file's name to an error about one input.
 Error withPath(const Error& error, const std::string& path) {
   std::string text = error.what();
   if (text.find(path) != std::string::npos)
@@ -22,7 +22,7 @@ Error withPath(const Error& error, const std::string& path) {
   return {error.status(), path, text};
 }
 
-// And so does every warning from number `first` on.
+// Adds the file's name to every warning from number `first` on.
 void nameFile(const std::string& path, std::size_t first, Report& report) {
   for (std::size_t i = first; i < report.warnings.size(); ++i)
     if (report.warnings[i].text.find(path) == std::string::npos)
@@ -98,7 +98,7 @@ bool holdsTriangles(const std::string& path, const MemoryInputs& memory) {
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
       !std::filesystem::is_directory(path, ignored))
-    return false; // what a pipe holds can be read only once
+    return false; // a pipe can be read only once
   const MappedFile file(path);
   Progress progress;
   return holdsTriangles(file.source(), progress);

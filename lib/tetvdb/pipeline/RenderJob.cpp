@@ -16,7 +16,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxPictures = 9999;
-// What drawing takes at its peak, on top of the mesh (TriangleDrawable.h, Renderer.h).
+// Peak memory of drawing, in addition to the mesh (TriangleDrawable.h, Renderer.h).
 constexpr std::size_t kBytesPerFace = 60, kBytesPerPixel = 100;
 
 void requireRoom(std::size_t bytes, std::size_t limit, const char* advice) {
@@ -81,7 +81,7 @@ private:
     requireWritable(outputs.front());
   }
 
-  // What a file holds, as a subject.
+  // The content of a file, as a subject.
   std::unique_ptr<Subject> open(const RenderInput& input) try {
     InputInfo& info = result_.inputs.emplace_back();
     info.path = input.path;

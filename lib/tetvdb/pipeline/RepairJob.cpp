@@ -26,8 +26,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kVolumeTolerance = 0.01; // of the solid's volume
-// Of a surface remade, before simplification: it takes some tens of seconds on one core.
+constexpr double kVolumeTolerance = 0.01; // relative to the solid's volume
+// Limit of a remade surface, before simplification: some tens of seconds on one core.
 constexpr std::size_t kMaxFaces = 4000000;
 constexpr std::size_t kBytesPerFace = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
@@ -46,7 +46,7 @@ double volumeOf(const TriangleMesh& mesh) {
   return sum / 6;
 }
 
-// One object.
+// Repairs one object.
 class Repair {
 public:
   Repair(const RepairJob& job, Report& report, Progress& progress)
@@ -81,7 +81,7 @@ private:
     return surface;
   }
 
-  // Whether `mesh` is in order, or could be made so where it was not.
+  // Whether `mesh` has no defects, or was repaired in place.
   bool repairInPlace(TriangleMesh& mesh) {
     {
       StageTimer timer(report_, "check");
@@ -99,14 +99,15 @@ private:
         result_.why.clear();
         if (const SheetCounts& sheets = result_.local->sheets; sheets.faces > 0)
           report_.warn("sheets",
-                       fmt::format("{} faces in {} open parts bound no volume and are left "
+                       fmt::format("{} faces in {} open components bound no volume and are left "
                                    "out; `shell` gives sheets a thickness",
                                    sheets.faces, sheets.parts));
         if (const SolidComparison& solids = result_.local->solids; result_.local->changesVolume)
-          report_.warn("volume-changed",
-                       fmt::format("of a solid of {:.4g}, as far as it is defined, repair in place "
-                                   "lost {:.2g} and added {:.2g}",
-                                   solids.before, solids.lost, solids.gained));
+          report_.warn(
+              "volume-changed",
+              fmt::format("of a solid of {:.4g}, where it is well defined, repair in place "
+                          "lost {:.2g} and added {:.2g}",
+                          solids.before, solids.lost, solids.gained));
         return true;
       }
       result_.why = result_.local->why;
@@ -123,12 +124,12 @@ private:
     if (!result_.why.empty())
       report_.warn("remeshed",
                    fmt::format("the surface was remade from voxels of {:.6g}, since repair in "
-                               "place left {}; details finer than that are lost",
+                               "place failed ({}); details finer than that are lost",
                                result_.transform.voxelSize[0], result_.why));
     return surface;
   }
 
-  // Between a mesh and what voxels made of it.
+  // Compares a mesh and the surface remade from voxels.
   void compareVolumes(const TriangleMesh& before, const TriangleMesh& after) {
     if (job_.solid.shell > 0 || job_.solid.inside != InsideRule::Winding)
       return;
@@ -187,7 +188,7 @@ private:
     return std::move(made.volume);
   }
 
-  // Sides of the box then pass between the voxels' centres, and with them most flat sides.
+  // The sides of the box then pass between the voxels' centres, and with them most flat sides.
   Vec3d originOffFaces(const TriangleMesh& mesh, const VoxelizeOptions& options) const {
     const Vec3d size = chooseTransform(mesh, options, job_.solid).voxelSize;
     Box box;
@@ -214,7 +215,7 @@ private:
   RepairResult result_;
 };
 
-// What two objects' results are together.
+// Combines the results of two objects.
 void addTo(RepairResult& sum, const RepairResult& object) {
   sum.remeshed = sum.remeshed || object.remeshed;
   sum.extracted += object.extracted;
@@ -236,7 +237,7 @@ void addTo(RepairResult& sum, const RepairResult& object) {
   }
 }
 
-// Files into objects, and these into a file.
+// Repairs the objects of files and writes them to one file.
 class RepairFiles {
 public:
   RepairFiles(const RepairJob& job, Report& report, Progress& progress)
@@ -256,7 +257,7 @@ public:
     requireSeparateFiles(filesAmong(inputs_, job_.memory), {job_.output, job_.preview});
     std::string unit = job_.units;
     if (!unit.empty() && !(metresOf(job_.units, &unit) > 0))
-      throw Error(Status::Usage, "units", "'" + job_.units + "' is no unit known here",
+      throw Error(Status::Usage, "units", "'" + job_.units + "' is not a known unit",
                   "choose from um, mm, cm, m, in and ft");
     if (!std::isfinite(job_.scale) || !(job_.scale > 0))
       throw Error(Status::Usage, "scale", "must be a number above zero");
@@ -292,7 +293,7 @@ private:
     if (objects.size() > 1 && !keepsObjects(job_.output)) {
       report_.warn("objects-joined",
                    fmt::format("the {} objects of the input are repaired as one: the output's "
-                               "format has no objects; .3mf keeps them apart",
+                               "format has no objects; .3mf keeps them separate",
                                objects.size()));
       NamedMesh all;
       all.mesh = joinObjects(objects);
@@ -356,7 +357,7 @@ private:
     for (const std::string& path : inputs_) {
       if (!holdsTriangles(path, job_.memory)) {
         if (inputs_.size() > 1)
-          throw Error(Status::Usage, path, "holds no triangles; of several inputs all have to",
+          throw Error(Status::Usage, path, "has no triangles, which several inputs require",
                       "repair it by itself");
         return {tetsOf(path, timer)};
       }
@@ -387,7 +388,7 @@ private:
     return object;
   }
 
-  // A file has one unit: objects of others are converted to the first one's that has any.
+  // A file has one unit: objects with others are converted to that of the first object with a unit.
   static void requireOneUnit(std::vector<NamedMesh>& objects) {
     std::string unit;
     for (const NamedMesh& object : objects)
@@ -431,11 +432,11 @@ private:
       if (result_.units.empty()) {
         const std::string likely = result_.before ? result_.before->likelyUnit : std::string();
         report_.warn("unit-guessed",
-                     "the input names no unit and 3MF has to: millimetres are written" +
+                     "the input has no unit, which 3MF requires: millimetres are written" +
                          (likely.empty() || likely == "millimetres"
                               ? std::string()
-                              : ", though by its size the model is in " + likely) +
-                         "; `units` says which they are");
+                              : ", although the size suggests " + likely) +
+                         "; `units` sets it");
       }
       writeThreeMf(job_.output, objects, progress_);
     } else {

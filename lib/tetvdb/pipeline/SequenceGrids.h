@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the grids of a sequence hold over all frames.
+// The content of a sequence's grids over all frames.
 #pragma once
 
 #include "tetvdb/volume/Volume.h"
@@ -12,15 +12,15 @@ namespace tetvdb {
 
 /// One grid of a sequence.
 struct SequenceGrid {
-  /// Of the first frame that has the grid; but activeVoxels is the sum, minValue, maxValue and the
-  /// box of active voxels are those of all frames.
+  /// Of the first frame that has the grid; but activeVoxels is the sum, and minValue, maxValue and
+  /// the box of active voxels are those of all frames.
   GridInfo all;
-  std::size_t minFrame = 0, maxFrame = 0; ///< where minValue and maxValue are, counted from 0
-  std::vector<std::size_t> emptyFrames;   ///< in which it has no active voxels, counted from 0
+  std::size_t minFrame = 0, maxFrame = 0; ///< frames of minValue and maxValue, counted from 0
+  std::vector<std::size_t> emptyFrames;   ///< frames without active voxels, counted from 0
 };
 
-/// The grids of all frames by name, in the order in which they first occur. Frames of which nothing
-/// is known are empty lists.
+/// The grids of all frames by name, in the order of their first occurrence. Unknown frames are
+/// empty lists.
 std::vector<SequenceGrid> gridsOfSequence(const std::vector<std::vector<GridInfo>>& frames);
 
 } // namespace tetvdb

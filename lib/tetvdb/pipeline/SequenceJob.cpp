@@ -27,14 +27,14 @@
 namespace tetvdb {
 namespace {
 
-// What the first pass learns of a frame.
+// The results of the first pass for a frame.
 struct Look {
   WorldBox box;
   std::vector<std::string> names; ///< of the grids made of arrays
   std::vector<ValueRange> ranges; ///< of the same
 };
 
-// A frame's own progress: it stops when the whole does.
+// Progress of one frame: it stops when the whole job stops.
 class FrameProgress {
 public:
   explicit FrameProgress(Progress& whole) {
@@ -61,7 +61,7 @@ Error inFrame(const Error& error, const Frame& frame, std::size_t i) {
   if (error.status() == Status::Cancelled)
     return Error(Status::Cancelled, "", "cancelled or out of time",
                  "frames that are finished are kept");
-  // An option that fits the first frame fits the others, unless they differ.
+  // An option that is valid for the first frame is valid for the others, unless they differ.
   const bool changed = i > 0 && error.status() == Status::Usage;
   return Error(changed ? Status::Invalid : error.status(), nameOf(frame, i), error.what());
 }
@@ -109,7 +109,7 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 // Calls work(i) for i in [begin, end) from `workers` threads, each with its share of the job's
-// threads; the first to fail ends all, and what it threw is thrown.
+// threads; the first failure ends all, and its exception is thrown.
 template <typename Work>
 void inParallel(std::size_t begin, std::size_t end, std::size_t workers, const Work& work) {
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
@@ -195,7 +195,7 @@ private:
     requireWritable(outputs.front());
   }
 
-  // Meshes are read and forgotten: as many at a time as there is memory for.
+  // Meshes are read and released: as many at a time as memory permits.
   void firstPass() {
     StageTimer timer(report_, "read");
     timer.part("all frames, for their box and arrays");
@@ -233,7 +233,7 @@ private:
       arrayBox_ = arrayBox(job_, box, result_.transform);
   }
 
-  // By what the process has taken so far, which is at least what one frame takes.
+  // By the memory of the process so far, which is at least that of one frame.
   std::size_t framesAtOnce() const {
     const std::size_t each = std::max<std::size_t>(peakResidentBytes(), 1);
     const std::size_t room = job_.maxMemory != 0 ? job_.maxMemory : availableBytes();
@@ -262,7 +262,7 @@ private:
     if (arrayBox_)
       job.arrays.box = arrayBox_;
     job.fieldRanges = looks_.front().ranges;
-    job.threads = 0; // those of the arena that this runs in
+    job.threads = 0; // those of the current arena
     job.metadata["frame"] = std::to_string(i + 1);
     job.metadata["frames"] = std::to_string(frames_.size());
     if (frames_[i].time)
@@ -285,7 +285,7 @@ private:
     progress_.update(static_cast<double>(++done_) / static_cast<double>(frames_.size()));
   }
 
-  // Stages of all frames by name; warnings once each.
+  // Sums the stages of all frames by name, and collects warnings once each.
   void sumUp() {
     std::vector<Stage> stages;
     std::map<std::string, std::pair<Warning, std::size_t>> warnings;
@@ -329,8 +329,8 @@ private:
     warnOfHiddenValues();
   }
 
-  // A grid shows if any frame of it does. Nothing is known of the values of frames that an earlier
-  // run has made.
+  // A grid is visible if any of its frames is. The values of frames from an earlier run are
+  // unknown.
   void warnOfHiddenValues() {
     std::vector<std::vector<GridInfo>> grids;
     bool allKnown = true;

@@ -52,14 +52,14 @@ double volumeOf(const TriangleMesh& mesh) {
   return six / 6;
 }
 
-// Far apart colours for materials, white first.
+// Distinct colours for materials, starting with white.
 std::vector<PngColor> paletteOf(std::size_t materials) {
   constexpr PngColor kColors[] = {{255, 255, 255}, {230, 159, 0}, {86, 180, 233}, {0, 158, 115},
                                   {240, 228, 66},  {0, 114, 178}, {213, 94, 0},   {204, 121, 167}};
   std::vector<PngColor> palette = {{0, 0, 0}};
   for (std::size_t i = 0; i < materials; ++i) {
     PngColor color = kColors[i % std::size(kColors)];
-    for (std::uint8_t& channel : color) // darker each time round
+    for (std::uint8_t& channel : color) // darker in each cycle
       channel = static_cast<std::uint8_t>(channel >> std::min<std::size_t>(i / 8, 3));
     palette.push_back(color);
   }
@@ -112,8 +112,8 @@ private:
   void checkOutput() {
     requireSeparateFiles(filesAmong(job_.inputs, job_.memory), {job_.output});
     if (job_.keep && (!job_.output.empty() || format_.contours))
-      throw Error(Status::Usage, "", "layers are handed out as pixels, in place of a file",
-                  "name an output alone, or none");
+      throw Error(Status::Usage, "", "layers are returned as pixels instead of a file",
+                  "give an output only, or none");
     if (!format_.endings.empty() && !job_.keep)
       requireWritable(job_.output);
     if (job_.materials && !format_.takesMaterials)
@@ -128,17 +128,18 @@ private:
     if (job_.inputs.empty())
       throw Error(Status::Usage, "", "no input was given");
     if (job_.isVolume && job_.inputs.size() > 1)
-      throw Error(Status::Usage, job_.inputs[1], "a volume is cut by itself",
+      throw Error(Status::Usage, job_.inputs[1], "a volume must be the only input",
                   "give one input at a time");
     if (job_.dither && (asksCentres() || format_.contours || job_.grey.table))
-      throw Error(Status::Usage, "`dither`",
-                  "spreads the rounding of grey levels: not with `aa=none`, `materials`, `lut` or "
-                  "contours",
-                  "leave it out");
+      throw Error(
+          Status::Usage, "`dither`",
+          "distributes the rounding of grey levels, not with `aa=none`, `materials`, `lut` or "
+          "contours",
+          "leave it out");
     const bool offsets = job_.printer.xyOffset != 0 || job_.printer.footOffset != 0;
     if (offsets && (asksCentres() || format_.contours))
       throw Error(Status::Usage, "`xy_offset`, `foot_offset`",
-                  "need grey levels: `aa=volume` or area, and a format of pixels",
+                  "require grey levels: `aa=volume` or area, and a format of pixels",
                   "set them to 0 (absolute_correction and elefant_foot_compensation in the "
                   "printer's file)");
     if (asksCentres() && job_.printer.firstHeight() != job_.printer.layerHeight)
@@ -153,7 +154,7 @@ private:
     return work();
   }
 
-  // Millimetres in a unit of the input.
+  // Millimetres per unit of the input.
   double scaleOf(const std::string& fileUnits) const {
     const std::string& units = job_.units.empty() ? fileUnits : job_.units;
     const double metres = metresOf(units);
@@ -165,7 +166,7 @@ private:
       std::vector<TriangleMesh> all;
       for (const std::string& input : job_.inputs) {
         if (!holdsTriangles(input, job_.memory))
-          throw Error(Status::Usage, input, "holds no triangles, the input before it does",
+          throw Error(Status::Usage, input, "has no triangles, unlike the previous input",
                       "slice them one by one");
         all.push_back(
             readSoup(input, &result_.inputs.emplace_back(), report_, progress_, job_.memory));
@@ -176,7 +177,7 @@ private:
     return meshes;
   }
 
-  // Whether the winding number of every voxel's centre is asked for, which needs no closed faces.
+  // Whether only the winding number of voxel centres is required, which needs no closed faces.
   bool asksCentres() const {
     return job_.materials || (job_.aa == SliceAa::None && !format_.contours);
   }
@@ -196,7 +197,7 @@ private:
                                          repair.holes.size()));
   }
 
-  // The surface of the voxels that the winding number says are inside.
+  // The surface of the voxels that are inside by the winding number.
   void remesh(TriangleMesh& mesh, const std::string& name, std::size_t open,
               const std::string& why) {
     const LayerFrame frame = frameOf(job_.printer, job_.printer.layerHeight, LayerShare::Volume);
@@ -223,8 +224,8 @@ private:
     result_.remeshed = true;
     report_.warn(
         "remeshed",
-        fmt::format("{}: had {} open edges, and mending them left {}: the surface was made "
-                    "anew from voxels of {:.6g}, and details finer than that are lost",
+        fmt::format("{}: had {} open edges, and repairing them failed ({}): the surface was "
+                    "remade from voxels of {:.6g}, and details finer than that are lost",
                     name, open, why, side));
   }
 
@@ -240,7 +241,7 @@ private:
   TetMesh readTetMesh() {
     result_.source = SolidSource::Tets;
     if (job_.inputs.size() > 1)
-      throw Error(Status::Usage, job_.inputs[1], "several inputs have to be triangles",
+      throw Error(Status::Usage, job_.inputs[1], "several inputs must be triangles",
                   "slice meshes of tets one by one");
     ReadOptions options;
     options.attributes = false;
@@ -258,7 +259,7 @@ private:
   PlateMap place(const WorldBox& box, const std::string& fileUnits) {
     PlaceOptions options = job_.place;
     options.scale = scaleOf(fileUnits);
-    WorldBox grown = box; // by what the outlines grow
+    WorldBox grown = box; // the outlines grow by this
     for (std::size_t k = 0; k < 2; ++k) {
       const double by =
           std::max(job_.printer.xyOffset, 0.0) / (options.scale * job_.printer.stretch[k]);
@@ -272,7 +273,7 @@ private:
     return map_;
   }
 
-  // Beside the mesh: faces in order of layers, a slab's pairs, the layers that are being made.
+  // In addition to the mesh: faces in order of layers, the pairs of a slab, the layers in progress.
   void requireRoom(const TriangleMesh& mesh) const {
     constexpr std::size_t kBytesPerFace = 24, kForLayers = std::size_t(64) << 20;
     const std::size_t needed = kBytesPerFace * mesh.triangleCount() + kForLayers;
@@ -313,7 +314,7 @@ private:
     return {job_.printer.xyOffset, job_.printer.footOffset, std::max(job_.printer.fadedLayers, 1)};
   }
 
-  // Voxels that are the pixels of the image, one unit each along x and y.
+  // Voxels that equal the image's pixels, one unit each along x and y.
   VoxelizeOptions pixelVoxels() const {
     VoxelizeOptions options;
     const double height = job_.printer.layerHeight;
@@ -323,7 +324,7 @@ private:
     return options;
   }
 
-  // Where a voxel of that grid lies; its origin may have been moved.
+  // The pixel of a voxel of that grid; its origin may have been moved.
   VoxelToPixel pixelsOf(const Voxelization& made) const {
     const auto moved = [&](std::size_t axis) {
       return std::llround(made.transform.origin[axis] / made.transform.voxelSize[axis] - 0.5);
@@ -413,7 +414,7 @@ private:
         framedFaces(std::move(mesh.points), {}, map, job_.printer, LayerShare::Area).points;
     VoxelizeOptions options = pixelVoxels();
     options.grids = {GridKind::Material};
-    Report told; // tets that the image mirrors are no news
+    Report told; // tets that are mirrored by the image need no warning
     return materialGrid(voxelize(mesh, options, told, progress_), names);
   }
 
@@ -457,7 +458,7 @@ private:
     return grid.isType<openvdb::FloatGrid>() && grid.getName() == "coverage";
   }
 
-  // Null where the voxels are not the printer's.
+  // Null if the voxels do not match the printer's.
   std::unique_ptr<LayerSource> directVoxels(const Volume& volume) {
     constexpr double kSame = 1e-6; // relative difference of sizes
     const openvdb::GridBase::Ptr grid = chooseGrid(volume);
@@ -485,7 +486,7 @@ private:
     const openvdb::CoordBBox active = grid.evalActiveVoxelBoundingBox();
     if (active.empty())
       throw Error(Status::Invalid, job_.inputs.front(), "the grid has no active voxels");
-    // In millimetres, as if voxel 0 began at 0; to keep coordinates that is where it begins.
+    // In millimetres, as if voxel 0 began at 0; with kept coordinates it begins there.
     WorldBox box;
     PlaceOptions options = job_.place;
     options.scale = 1;
@@ -566,25 +567,26 @@ private:
       report_.warn("empty-layers",
                    fmt::format("{} of {} layers are empty", result_.emptyLayers, frame.layers));
     if (result_.overlap > 1e-6 * result_.volume)
-      report_.warn("overlap", fmt::format("parts of the model overlap: {:.6g} mm3 that are filled "
-                                          "more than once count once",
-                                          result_.overlap));
+      report_.warn("overlap",
+                   fmt::format("components of the model overlap: {:.6g} mm3 that are filled "
+                               "more than once are counted once",
+                               result_.overlap));
   }
 
-  SliceJob job_; ///< its printer as OpenOptions::fit leaves it
+  SliceJob job_; ///< its printer is that of OpenOptions::fit
   Report& report_;
   Progress& progress_;
   const LayerFormat& format_;
-  GreyOptions grey_; ///< of the source; diffusion comes after it
+  GreyOptions grey_; ///< of the source; diffusion follows it
   PrintInfo info_;
-  TriangleMesh mesh_; ///< on the plate, where the format needs it
+  TriangleMesh mesh_; ///< on the plate, if the format requires it
   SliceResult result_;
   OpenOptions open_;
   PlateMap map_;      ///< from the input's coordinates
-  TriangleMesh kept_; ///< in them
+  TriangleMesh kept_; ///< in the input's coordinates
 };
 
-// As many threads as the job has, in work that all of it goes through.
+// Uses the job's number of threads.
 template <typename Work>
 auto withThreads(const SliceJob& job, const Work& work) {
   if (job.threads <= 0)

@@ -25,10 +25,10 @@ constexpr int kBoxBits = 38;            // lattice units along the box's longest
 constexpr double kMostLattice = 0x1p39; // coordinates stay below this
 constexpr std::size_t kPointsAtOnce = std::size_t(1) << 20, kPointsPerTask = 256;
 
-// World to lattice, centred on the box: the same number for a corner and a point at its place.
+// World to lattice, centred on the box: the same number for a corner and a point at its position.
 struct QueryLattice {
   Vec3d centre{0, 0, 0};
-  double scale = 1; ///< units in a world unit: a power of two
+  double scale = 1; ///< units per world unit: a power of two
 
   explicit QueryLattice(const Box& box) {
     double longest = 0;
@@ -37,7 +37,7 @@ struct QueryLattice {
       longest = std::max(longest, box.high[axis] - box.low[axis]);
     }
     if (!std::isfinite(longest))
-      throw Error(Status::Limit, "", "the mesh's box is too large for points to be looked up");
+      throw Error(Status::Limit, "", "the mesh's box is too large for point queries");
     int exponent = 0;
     std::frexp(longest, &exponent); // longest <= 2^exponent
     if (longest > 0)
@@ -109,7 +109,7 @@ struct SolidQuery::Impl {
     return edges;
   }
 
-  // Of some consecutive points.
+  // For several consecutive points.
   void insideOf(const Vec3d* points, std::size_t count, std::uint8_t* inside,
                 Progress& progress) const {
     std::vector<LatticePoint> near;

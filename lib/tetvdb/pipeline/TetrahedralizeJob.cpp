@@ -87,7 +87,7 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
   progress.check();
   Preview preview;
   if (!job.preview.empty()) {
-    Report told; // of mixed units, when the files were read
+    Report told; // mixed units were reported when the files were read
     preview.input(mergeMeshes(std::vector<TriangleMesh>(meshes), told), report, progress);
   }
   cleanAll(job, meshes, result, report, progress);

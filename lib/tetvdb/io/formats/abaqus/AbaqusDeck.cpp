@@ -9,7 +9,7 @@
 namespace tetvdb {
 namespace {
 
-/// Cuts the text up to the next comma off `rest`.
+/// Removes the text up to the next comma from `rest` and returns it.
 std::string_view cutField(std::string_view& rest) {
   const std::size_t comma = rest.find(',');
   const std::string_view field = trimmed(rest.substr(0, comma));

@@ -28,18 +28,18 @@ struct ElementSet {
   };
   std::vector<Range> ranges;
   std::vector<std::string> sets;
-  std::size_t lastMention = 0; ///< counts up through the file
+  std::size_t lastMention = 0; ///< increases through the file
 };
 
-/// What a *PART, or a deck without parts, holds. Node numbers take the place of indices in
-/// mesh.nodes until finish().
+/// The content of a *PART, or of a deck without parts. mesh.nodes contains node numbers instead of
+/// indices until finish().
 struct Part {
   CellMesh mesh;
   IdMap nodeIds;
   IdMap elementIds;
   std::vector<std::uint32_t> elementNumbers;
   std::map<std::string, ElementSet> sets;
-  std::vector<std::string> sections; ///< sets that a *SOLID SECTION names
+  std::vector<std::string> sections; ///< sets named by a *SOLID SECTION
 };
 
 /// A *INSTANCE: x -> rotation (x + translation).
@@ -51,7 +51,7 @@ struct Instance {
 };
 
 /// The kind of an element type such as C3D10M, DC3D8 or COH3D6; corners 0 for one without volume.
-/// The mids of C3D10, C3D20, C3D15 and C3D13 are in VTK's order (Abaqus Analysis User's Guide,
+/// The midpoints of C3D10, C3D20, C3D15 and C3D13 are in VTK's order (Abaqus Analysis User's Guide,
 /// "Three-dimensional solid element library", node ordering).
 CellKind elementKind(const std::string& type) {
   std::size_t digits = std::string::npos;
@@ -184,7 +184,7 @@ private:
       if (set != nullptr)
         addToSet(*set, id, id, 1);
       std::uint32_t got = 0;
-      // The corners may stand on several lines; after the last a comma may follow.
+      // The corners may be on several lines; a comma may follow the last.
       for (;;) {
         while (deck_.nextField(field)) {
           if (field.empty())
@@ -193,7 +193,7 @@ private:
             continue;
           part.mesh.nodes.push_back(static_cast<std::uint32_t>(checkId(deck_.integer(field))));
         }
-        const std::uint32_t min = kind.nodes == 27 ? 21 : kind.nodes; // nodes inside may lack
+        const std::uint32_t min = kind.nodes == 27 ? 21 : kind.nodes; // inner nodes may be missing
         const bool more = got < min || (deck_.continues() && got != kind.nodes);
         if (!more)
           break;
@@ -269,7 +269,7 @@ private:
     }
   }
 
-  /// Where a set's numbers count: the part of the instance it names, else where it stands.
+  /// The part to which a set's numbers refer: that of the named instance, else the current one.
   Part* setOwner(Part& part) {
     const auto instance = instanceParts_.find(name("INSTANCE"));
     if (instance == instanceParts_.end())
@@ -299,7 +299,7 @@ private:
           instance.degrees = deck_.real(field);
       }
     }
-    // An instance may hold its own mesh in place of a part's.
+    // An instance may contain its own mesh instead of a part's.
     if (instance.part.empty())
       instance.part = "\n" + own;
     if (instance.part[0] != '\n' && parts_.count(instance.part) == 0)
@@ -332,8 +332,8 @@ private:
     part.mesh.regions.assign(part.elementNumbers.size(), 0);
     std::vector<std::string> order = part.sections;
     if (order.empty()) {
-      // An element in several sets belongs to the one mentioned last, so that a set of all elements
-      // gives way to those made of it later.
+      // An element in several sets belongs to the last one, so that a set of all elements is
+      // overridden by later sets.
       for (const auto& [key, set] : part.sets)
         order.push_back(key);
       std::sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
@@ -345,7 +345,7 @@ private:
         paint(part, key, regionOf(set->second.shown));
   }
 
-  /// One number for all sets of one name, whatever their part.
+  /// One number for all sets of one name, in any part.
   std::int32_t regionOf(const std::string& shown) {
     const auto next = static_cast<std::int32_t>(regionNumbers_.size() + 1);
     const std::int32_t number = regionNumbers_.try_emplace(shown, next).first->second;
@@ -353,7 +353,7 @@ private:
     return number;
   }
 
-  /// Gives the elements of a set, and of the sets in it, their region.
+  /// Assigns the region to the elements of a set, and of the sets in it.
   void paint(Part& part, const std::string& first, std::int32_t region) {
     const std::size_t cells = part.elementNumbers.size();
     std::set<std::string> seen{first};
@@ -387,7 +387,7 @@ private:
     }
   }
 
-  /// Sets of sets and overlapping ranges could keep a reader busy for ever.
+  /// Limits the work for sets of sets and overlapping ranges.
   void spend(std::uint64_t steps) {
     steps_ += steps;
     if (steps_ > (std::uint64_t(1) << 26) + 64 * source_.bytes.size())
@@ -400,7 +400,7 @@ private:
     for (auto& [key, part] : parts_)
       finish(part);
     CellMesh mesh = std::move(root_.mesh);
-    if (instances_.empty()) // parts without an assembly stand where they are
+    if (instances_.empty()) // parts without an assembly are not moved
       for (const auto& [key, part] : parts_)
         append(mesh, part.mesh, {});
     for (const Instance& instance : instances_)
@@ -412,7 +412,7 @@ private:
   }
 
   void append(CellMesh& mesh, const CellMesh& part, const Instance& instance) {
-    // A small file with many instances of a large part asks for more memory than it should.
+    // A small file with many instances of a large part must not request too much memory.
     copied_ += part.points.size() + part.nodes.size();
     if (copied_ > (std::uint64_t(1) << 26) && copied_ / 256 > source_.bytes.size())
       throw Error(Status::Limit, source_.path, "instances make the mesh too large");

@@ -34,8 +34,8 @@ namespace {
 
 constexpr std::size_t kMaxNodes = std::size_t(1) << 22;
 constexpr std::size_t kMaxDepth = 1024;
-// assimp was seen to take 13 bytes a byte of binary, and text packs numbers less densely; buffers
-// may lie in files of their own.
+// assimp uses up to 13 bytes per byte of binary data, and text has fewer numbers per byte; buffers
+// may be in separate files.
 constexpr std::uint64_t kMemoryPerByte = 100, kMemory = std::uint64_t(4) << 30;
 constexpr std::uint64_t kBytesPerSecond = std::uint64_t(1) << 18;
 constexpr unsigned kSeconds = 60;
@@ -48,7 +48,7 @@ Placement toPlacement(const aiMatrix4x4& m) {
   return placement;
 }
 
-/// assimp's other importers crash on damaged files, and signatures are for us to tell.
+/// assimp's other importers crash on damaged files, and formats are recognised by our signatures.
 void keepImporters(Assimp::Importer& importer, std::string_view part) {
   std::vector<Assimp::BaseImporter*> others;
   for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
@@ -61,8 +61,8 @@ void keepImporters(Assimp::Importer& importer, std::string_view part) {
     importer.UnregisterLoader(other);
 }
 
-/// Hears of what assimp leaves out: it says so to its log alone. What is said of materials and the
-/// like means nothing here.
+/// Receives the log of assimp, in which it reports omissions. Messages about materials and similar
+/// content are ignored.
 class Listener : public Assimp::LogStream {
 public:
   void write(const char* message) override {
@@ -77,7 +77,7 @@ public:
     if (count_++ == 0)
       first_ = readable(kind == std::string_view::npos ? message : message + kind + 2);
   }
-  /// What was left out first; empty where nothing was.
+  /// The first omission; empty if there is none.
   const std::string& first() const { return first_; }
   void report(Report& report) const {
     if (count_ == 0)
@@ -136,7 +136,7 @@ public:
       : source_(source), format_(format), faces_(source.path) {}
 
   TriangleMesh read(Report& report) {
-    auto* listener = new Listener; // the logger's from now on
+    auto* listener = new Listener; // owned by the logger
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
     Assimp::DefaultLogger::get()->attachStream(listener,
                                                Assimp::Logger::Err | Assimp::Logger::Warn);
@@ -145,7 +145,7 @@ public:
     keepImporters(importer, format_ == FileFormat::Gltf  ? "glTF"
                             : format_ == FileFormat::Fbx ? "FBX"
                                                          : "Collada");
-    // Axes and points of rotation are what they are in the file; nothing but meshes is wanted.
+    // Axes and points of rotation are those of the file; only meshes are read.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
@@ -170,13 +170,13 @@ public:
     addNode(*scene_->mRootNode, world, 0);
     listener->report(report);
     TriangleMesh mesh = faces_.finish(report);
-    // assimp brings COLLADA's unit to metres by itself.
+    // assimp converts COLLADA's unit to metres.
     mesh.units = format_ == FileFormat::Fbx ? "centimetre" : "metre";
     return mesh;
   }
 
 private:
-  /// By the path, so that files beside it are found; assimp wants the usual name of a format.
+  /// By the path, so that files beside it are found; assimp requires the usual ending of a format.
   const aiScene* readBytes(Assimp::Importer& importer) const {
     const std::size_t dot = source_.path.find_last_of('.');
     const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
@@ -209,12 +209,12 @@ private:
     }
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
-      if (face.mNumIndices > 2) // lines and points are no faces
+      if (face.mNumIndices > 2) // lines and points are not faces
         faces_.addPolygon(face.mIndices, face.mNumIndices);
     }
   }
 
-  /// Centimetres in a unit of the file.
+  /// Centimetres per unit of the file.
   double fbxScale() const {
     double scale = 1;
     float single = 1;

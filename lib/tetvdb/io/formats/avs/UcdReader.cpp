@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: AVS Developer's Guide, "UCD file format"; the binary form as VTK's reader has it.
+// Format: AVS Developer's Guide, "UCD file format"; the binary form as in VTK's reader.
 #include "tetvdb/io/formats/avs/UcdReader.h"
 
 #include "tetvdb/io/cells/CellRuns.h"
@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 
 struct UcdKind {
-  const char* name; ///< in text files; its place is the number in binary files
+  const char* name; ///< in text files; its index is the number in binary files
   CellKind kind;
 };
 constexpr UcdKind kKinds[] = {
@@ -177,7 +177,7 @@ public:
       : source_(source), options_(options), progress_(progress), in_(source) {}
 
   CellMesh read() {
-    // Nothing tells the byte order but that the counts must fit the file.
+    // The byte order is known only from the condition that the counts fit the file.
     if (!readCounts(false) && !readCounts(true))
       in_.fail("its counts do not fit the file's size in either byte order",
                "the file is damaged or cut off; export it again");

@@ -27,7 +27,7 @@ namespace {
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 constexpr const char* kExport = "repair the file or export it again";
 
-// Of quadratic cells the mids of vertical edges come before those above.
+// In quadratic cells, the midpoints of vertical edges precede those above.
 constexpr std::uint8_t kHexahedronOrder[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,
                                              10, 11, 16, 17, 18, 19, 12, 13, 14, 15};
 constexpr std::uint8_t kWedgeOrder[] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11};
@@ -50,15 +50,15 @@ const CellKind* kindOf(std::int64_t type) {
   return type >= 1 && type <= 12 ? &kinds[type - 1] : nullptr;
 }
 
-/// Corners of the polygon that an element of types 7 to 10 is; 0 for others.
+/// Corners of the polygon of an element of types 7 to 10; 0 for others.
 std::uint32_t polygonCorners(std::int64_t type) {
   return type == 7 || type == 8 ? 3 : type == 9 || type == 10 ? 4 : 0;
 }
 
-/// How the numbers of a block are written.
+/// The representation of the numbers of a block.
 enum class Form : std::uint8_t { ShortText, LongText, Floats, Doubles };
 
-/// A block of values at nodes: its header and where its numbers begin.
+/// A block of values at nodes: its header and the position of its numbers.
 struct Result {
   double value = 0;
   std::int64_t step = 0;
@@ -68,7 +68,7 @@ struct Result {
   Form form = Form::LongText;
 };
 
-/// A block of values, the step that it belongs to and where its numbers begin.
+/// A block of values, its step and the position of its numbers.
 struct Block {
   Result result;
   std::size_t step = 0, at = 0, line = 0;
@@ -79,13 +79,13 @@ public:
   FrdFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
       : source_(source), options_(options), report_(report), progress_(progress) {}
 
-  /// The values of all steps. Arrays are not kept.
+  /// The values of all steps, without reading arrays.
   std::vector<double> times() {
     scan([&](const Result& result) { skipValues(result); });
     return times_;
   }
 
-  /// Looks through the file up to the first solid cell.
+  /// Reads the file up to the first solid cell.
   bool hasSolidCells() {
     kindsAlone_ = true;
     scan([&](const Result& result) { skipValues(result); });
@@ -93,7 +93,7 @@ public:
   }
 
   CellMesh read() {
-    // Which steps there are is known at the file's end: values are read after it.
+    // The steps are known at the end of the file: values are read afterwards.
     std::vector<Block> blocks;
     keepMesh_ = true;
     scan([&](const Result& result) {
@@ -205,7 +205,7 @@ private:
     }
   }
 
-  /// Text that names things: "    1UMAT    1STEEL".
+  /// Text that defines names: "    1UMAT    1STEEL".
   void readTitle(std::string_view line) {
     if (line.substr(0, 9) != "    1UMAT" || !keepMesh_)
       return;
@@ -236,7 +236,7 @@ private:
     at_ += bytes;
     return from;
   }
-  /// Whether a text block goes on with a record of this key: -1 or -2. -3 ends it.
+  /// Whether a text block continues with a record of this key: -1 or -2. -3 ends it.
   bool isRecord(std::string_view line, const char* key) const { return line.substr(0, 3) == key; }
   static std::size_t idWidth(Form form) { return form == Form::ShortText ? 5 : 10; }
   static bool isText(Form form) { return form <= Form::LongText; }
@@ -288,8 +288,8 @@ private:
     mesh_.points.push_back(p);
   }
 
-  /// CalculiX declares too few where it expands shells and beams; a text block has an end of its
-  /// own.
+  /// CalculiX declares too few if it expands shells and beams; a text block has its own end
+  /// mark.
   void warnOfCount(const char* things, std::uint64_t declared, std::uint64_t seen) const {
     if (keepMesh_ && declared != seen)
       report_.warn("wrong-count", std::to_string(declared) + " " + things +
@@ -340,7 +340,7 @@ private:
       report_.warn("duplicate-ids", std::to_string(ids_.duplicates()) +
                                         " nodes have a number that a later one has too");
   }
-  /// A material's number; names, which older files have there, are numbered from 1 as they come.
+  /// A material's number; names, which older files contain instead, are numbered from 1 in order.
   std::int64_t materialOf(std::string_view text) {
     if (text.empty() || text.find_first_not_of("+-0123456789") == text.npos)
       return text.empty() ? 0 : integer(text, "a material's number");
@@ -431,7 +431,7 @@ private:
       line = neededLine("the header of an array");
       if (!isRecord(line, " -5"))
         fail("expected the name of a component", kCut);
-      const std::string_view computed = field(line, 33, 5); // by the program that reads it
+      const std::string_view computed = field(line, 33, 5); // to be computed by readers
       result.components += computed.empty() || computed == "0" ? 1 : 0;
     }
     const std::size_t number = result.form == Form::Doubles ? 8 : 4;
@@ -521,8 +521,8 @@ private:
     if (next != components)
       fail("the last node of '" + result.name + "' has too few values", kCut);
   }
-  /// Where the values of a node belong; those of nodes that are not in the mesh, which CalculiX
-  /// writes too, go behind its end.
+  /// The index of a node's values; those of nodes that are not in the mesh, which CalculiX also
+  /// writes, follow the others.
   std::size_t placeOf(std::int64_t id) {
     const std::uint32_t node = ids_.find(id);
     if (node != IdMap::kNone)
@@ -543,7 +543,7 @@ private:
   std::vector<double> times_; ///< of the steps so far
   std::int64_t lastStep_ = 0;
   std::map<std::string, std::int32_t> materials_; ///< by names that elements have
-  std::uint64_t strangers_ = 0; ///< values of an array whose nodes are not in the mesh
+  std::uint64_t strangers_ = 0; ///< values of an array for nodes that are not in the mesh
   IdMap ids_;
   CellMesh mesh_;
 };

@@ -183,7 +183,7 @@ private:
     }
     return in.atEnd() && numbers->size() > before;
   }
-  /// Lists of numbers go over several lines.
+  /// Lists of numbers may continue on several lines.
   bool continueNumbers(std::string_view line) const {
     NumberParser in(line, in_.path());
     if (numbers_ != nullptr)

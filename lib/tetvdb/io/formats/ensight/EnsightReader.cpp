@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 constexpr const char* kExport = "repair the file or export it again";
 
-/// The element type of a name, without the "g_" of ghosts; null for names that are none.
+/// The element type of a name, without the "g_" of ghosts; null for unknown names.
 const CellKind* kindOf(const std::string& name) {
   static const CellKind kinds[] = {
       {"point", CellType::Flat, 0, 1},
@@ -88,7 +88,7 @@ public:
       in_.fail("the geometry has no nodes", kCut);
   }
 
-  /// Reads up to the first section of solid cells; the mesh is not kept.
+  /// Reads up to the first section of solid cells, without keeping the mesh.
   bool hasSolidCells() {
     kindsAlone_ = true;
     read();
@@ -109,7 +109,7 @@ private:
     return how == "given" || how == "ignore";
   }
 
-  /// The keyword behind the part; "" at the end.
+  /// The keyword after the part; "" at the end.
   std::string readPart() {
     const std::int64_t number = in_.partNumber();
     const std::string name = in_.line();
@@ -263,7 +263,7 @@ private:
       addRun("nsided", CellType::Flat, kept ? static_cast<std::uint32_t>(n) : 0);
     }
   }
-  /// One more cell, in the last run where that fits.
+  /// Adds a cell to the last run if possible.
   void addRun(const char* name, CellType type, std::uint32_t nodes) {
     if (mesh.runs.empty() || mesh.runs.back().fileType != name ||
         mesh.runs.back().nodesPerCell != nodes)
@@ -368,8 +368,8 @@ private:
     return {};
   }
 
-  // Components one after the other; "undef" is followed by the value of places that have none,
-  // "partial" by the places that have values.
+  // Components one after the other; "undef" is followed by the value that represents missing
+  // values, "partial" by the indices that have values.
   void readSection(const std::string& how, std::size_t first, std::size_t count) {
     float undefined = std::numeric_limits<float>::quiet_NaN();
     std::vector<std::int64_t> places;
@@ -384,7 +384,7 @@ private:
       in_.fail("unknown word '" + how + "'", kExport);
     }
     const std::size_t n = how == "partial" ? places.size() : count;
-    // Asymmetric tensors are stored row by row as VTK's are.
+    // Asymmetric tensors are stored by rows like VTK's.
     std::vector<float> numbers(n);
     for (std::uint32_t c = 0; c < variable_.components; ++c) {
       in_.reals(numbers.data(), n);

@@ -42,7 +42,7 @@ class NetCdf {
 public:
   explicit NetCdf(const Source& source) : source_(source) {
     checkNetCdfSize(source);
-    // The bytes are not written to: the file is opened for reading, in place.
+    // The file is opened for reading, in place: the bytes are not changed.
     void* bytes = const_cast<char*>(source.bytes.data());
     check(nc_open_mem(source.path.c_str(), NC_NOWRITE, source.bytes.size(), bytes, &file_),
           "not a netCDF file");
@@ -60,7 +60,7 @@ public:
     throw Error(Status::Invalid, source_.path, what, advice);
   }
 
-  /// Length of a dimension; nothing where there is none of that name.
+  /// Length of a dimension; none if it does not exist.
   std::optional<std::size_t> dimension(const std::string& name) const {
     int id = 0;
     std::size_t length = 0;
@@ -97,7 +97,7 @@ public:
     return trimmedRecord(text);
   }
 
-  /// Whether the file can hold `n` numbers of `variable`. HDF5's may be compressed.
+  /// Checks that the file can hold `n` numbers of `variable`. Those of HDF5 may be compressed.
   void checkSize(const Variable& variable, std::size_t n, const std::string& name) const {
     std::size_t size = 0;
     check(nc_inq_type(file_, variable.type, nullptr, &size), name);
@@ -124,7 +124,7 @@ public:
     check(nc_get_vara_text(file_, v.id, start, count, out), name);
   }
 
-  /// The rows of a table of characters; empty where there is none.
+  /// The rows of a table of characters; empty if there is none.
   std::vector<std::string> strings(const std::string& name) const {
     const auto found = variable(name);
     if (!found || found->type != NC_CHAR || found->shape.size() != 2)
@@ -155,10 +155,10 @@ private:
   bool packed_ = false;
 };
 
-/// Numbers read at a time, so that a long variable can be cancelled.
+/// Numbers read at a time, so that reading a long variable can be cancelled.
 constexpr std::size_t kChunk = 1 << 20;
 
-/// What an element type is, by its first three letters; its node count tells the rest.
+/// The kind of an element type, by its first three letters and its node count.
 CellKind kindOf(const std::string& elementType, std::size_t nodes) {
   struct Known {
     const char* prefix;
@@ -184,9 +184,9 @@ CellKind kindOf(const std::string& elementType, std::size_t nodes) {
   return {elementType.c_str(), CellType::OtherSolid, 0, each};
 }
 
-/// Of nodes in VTK's order their place in Exodus', whose mids of vertical edges come before those
-/// above, and the middle of the cell before those of its faces ("EXODUS II: A Finite Element Data
-/// Model", node ordering); null where the two agree.
+/// For nodes in VTK's order their index in Exodus', in which the midpoints of vertical edges
+/// precede those above, and the centre of the cell those of its faces ("EXODUS II: A Finite Element
+/// Data Model", node ordering); null if the two agree.
 const std::uint8_t* orderOf(CellType type, std::size_t nodes) {
   static constexpr std::uint8_t hexahedron[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,
                                                 9,  10, 11, 16, 17, 18, 19, 12, 13,
@@ -234,7 +234,7 @@ private:
     std::size_t cells = 0;
   };
 
-  /// The last `n` numbers' worth of dimensions of a variable: all of row `row` of its first ones.
+  /// The last `n` numbers of a variable's dimensions: all of row `row` of the first ones.
   template <class T, class Use>
   void readRow(const Variable& variable, const std::vector<std::size_t>& row, std::size_t n,
                const std::string& name, Use use) {
@@ -316,7 +316,7 @@ private:
     if (variable)
       readRow<long long>(*variable, {}, count, "eb_prop1",
                          [&](std::size_t, long long id) { ids.push_back(id); });
-    // Ids that are missing or too large give way to the blocks' numbers.
+    // Missing or too large ids are replaced by the blocks' numbers.
     const bool fit = std::all_of(ids.begin(), ids.end(), [](long long id) {
       return id >= std::numeric_limits<std::int32_t>::min() &&
              id <= std::numeric_limits<std::int32_t>::max();
@@ -342,7 +342,7 @@ private:
     if (type.empty())
       type = "unknown";
     const CellKind kind = kindOf(type, nodes);
-    // Even a cell whose nodes are not read takes a number in the file.
+    // Also cells whose nodes are not read have numbers in the file.
     file_.checkSize(*connect, cells, name);
     if (kind.corners == 0) {
       appendCells(mesh_, kind, cells);
@@ -355,7 +355,7 @@ private:
       file_.fail("elements of type " + type + " with " + std::to_string(nodes) + " nodes");
     file_.checkSize(*connect, cells > SIZE_MAX / nodes ? SIZE_MAX : cells * nodes, name);
     CellKind stored = kind;
-    // Of wedges with nodes in their faces the order is not written down.
+    // The order of wedges with nodes in their faces is not documented.
     if (curvedShape(kind.type, nodes) && !(kind.type == CellType::Wedge && nodes == 18) &&
         !(kind.type == CellType::Pyramid && nodes == 14)) {
       stored.kept = static_cast<std::uint32_t>(nodes);
@@ -396,7 +396,7 @@ private:
 
   // --- variables of one time step ---
 
-  /// Calls f(vector<T>) with the number type that `variable` has in the file.
+  /// Calls f(vector<T>) with the number type of `variable` in the file.
   template <class F>
   static void withType(const Variable& variable, F f) {
     if (variable.type == NC_FLOAT)
@@ -405,7 +405,7 @@ private:
       f(double{});
   }
 
-  /// The step whose variables are wanted; nothing where there are no steps.
+  /// The step whose variables are requested; none if there are no steps.
   std::optional<std::size_t> step() const {
     const std::size_t steps = file_.dimension("time_step").value_or(0);
     if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
@@ -469,7 +469,7 @@ private:
         }
         first += block.cells;
       }
-      if (values.empty()) // of blocks that are empty
+      if (values.empty()) // from empty blocks
         continue;
       Attribute::Values kept = std::move(values);
       if (!wide) {

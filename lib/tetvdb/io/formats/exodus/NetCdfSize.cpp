@@ -55,7 +55,7 @@ private:
   struct Variable {
     std::string name;
     bool record = false;
-    double begin = 0, size = 0, padded = 0; ///< bytes, of one record where there are several
+    double begin = 0, size = 0, padded = 0; ///< bytes, per record if there are several
   };
 
   static bool machineIsLittleEndian() {
@@ -121,7 +121,7 @@ private:
     v.size = numbers * static_cast<double>(bytesOf(in_.get<std::uint32_t>()));
     v.padded = v.size + static_cast<double>(
                             (4 - static_cast<std::uint64_t>(std::min(v.size, 9e15)) % 4) % 4);
-    count(); // the size as it was known to the writer
+    count(); // the size known to the writer
     v.begin =
         static_cast<double>(version_ == 1 ? in_.get<std::uint32_t>() : in_.get<std::uint64_t>());
     variables_.push_back(std::move(v));

@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 constexpr const char* kExport = "repair the file or export it again";
 
-/// An element type with so many nodes; null for types that the format does not have.
+/// An element type with this number of nodes; null for types that the format does not have.
 const CellKind* kindOf(std::int64_t type, std::int64_t nodes) {
   static const CellKind flat[] = {{"edge", CellType::Flat, 0, 2},
                                   {"quadrilateral", CellType::Flat, 0, 4},
@@ -68,7 +68,7 @@ public:
     return std::move(mesh_);
   }
 
-  /// Looks through the file up to the first solid cell.
+  /// Reads the file up to the first solid cell.
   bool hasSolidCells() {
     kindsAlone_ = true;
     readControl();
@@ -110,7 +110,7 @@ private:
     in_.fail("a section does not end with ENDOFSECTION", kCut);
   }
 
-  // Counts stand below the line that names them.
+  // Counts are below the line that names them.
   void readControl() {
     std::string_view line;
     do
@@ -172,7 +172,7 @@ private:
         continue;
       }
       CellKind kind = *known;
-      // Their other nodes lie between the corners in the file's order.
+      // Their other nodes are between the corners in the file's order.
       if (options_.faces && ((type == 2 && nodes == 4) || (type == 3 && nodes == 3)))
         kind.kept = kind.nodes;
       for (std::int64_t k = 0; k < nodes; ++k) {
@@ -203,8 +203,8 @@ private:
     const Vec3d &p = mesh_.points[a], &q = mesh_.points[b];
     return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
   }
-  /// Gambit's bricks and pyramids go through their bases row by row, other programs' around them:
-  /// two opposite sides of a quadrilateral are together shorter than its diagonals.
+  /// Gambit's bricks and pyramids number their bases row by row, other programs' around them: two
+  /// opposite sides of a quadrilateral together are shorter than its diagonals.
   void orderBases(std::uint32_t* nodes, std::size_t count) const {
     double around = 0, byRows = 0;
     for (const std::uint32_t* n = nodes; n + 4 <= nodes + count; n += 4) {

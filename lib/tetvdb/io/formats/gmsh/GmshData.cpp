@@ -42,7 +42,7 @@ void GmshData::read(Attribute::On on, const IdMap& ids, std::size_t things,
   const auto components = static_cast<std::size_t>(tags[1]);
   const std::size_t n = in_.checkCount(tags[2], "values", 2 * (1 + components), 4 + 8 * components);
 
-  // Nodes without a value cost memory too: a small file must not ask for a lot of it.
+  // Nodes without a value also use memory: a small file must not request much of it.
   size_ += things * components;
   if (size_ / 8 > fileBytes_)
     in_.fail("data sections such as '" + name + "' have values for too few nodes or elements");

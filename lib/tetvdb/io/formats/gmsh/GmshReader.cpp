@@ -147,7 +147,7 @@ private:
   }
 
   std::int32_t tag(std::int64_t number) const {
-    // Physical tags of entities are negative where their orientation is reversed.
+    // Physical tags of entities are negative if their orientation is reversed.
     constexpr std::int64_t max = std::numeric_limits<std::int32_t>::max();
     if (number < -max || number > max)
       in_.fail("a tag is out of range");
@@ -424,7 +424,7 @@ private:
     const std::size_t n = in_.bytes.checkCount(follow, stride, "elements");
     mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.stored()) * (n > 1 ? n : 0));
     std::int32_t physical = 0, geometrical = 0;
-    std::size_t alike = 0; // elements not yet counted, all with these tags
+    std::size_t alike = 0; // elements not yet counted with these tags
     for (std::size_t i = 0; i < n; ++i) {
       const char* at = in_.bytes.take(stride).data();
       const auto number = [&](std::size_t k) {

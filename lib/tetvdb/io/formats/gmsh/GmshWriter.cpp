@@ -13,7 +13,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kBlock = 8192; // elements gathered before they go to the file
+constexpr std::size_t kBlock = 8192; // elements buffered before they are written
 constexpr std::int32_t kTetrahedron = 4;
 
 void writeText(AtomicFile& file, std::string_view text) {
@@ -137,7 +137,7 @@ private:
     progress_.update(0.3);
   }
 
-  /// A block for every region, in order of their numbers; a tet's tag is its number from 1.
+  /// One block per region, in order of their numbers; a tet's tag is its number from 1.
   void writeElements() {
     const std::size_t n = mesh_.tetCount();
     std::map<std::int32_t, std::vector<std::size_t>> tets; // of each region, ascending

@@ -73,7 +73,7 @@ const CellKind* cellKind(std::string_view name) {
   return nullptr;
 }
 
-/// What the text and the binary form share: `In` is the cursor, for messages.
+/// Common part of the text and the binary form: `In` is the cursor, for messages.
 template <class In>
 class MeditMesh {
 public:
@@ -227,7 +227,7 @@ CellMesh readMedit(const Source& source, const ReadOptions&, Report& report, Pro
         warnOfOrdering(report);
       if (keyword == "Polyhedra" || keyword == "PolyhedraHeaders")
         mesh.skipCells(kPolyhedra, in.count("polyhedra", 4));
-      // Whatever follows, the next keyword is the next word that begins with a letter.
+      // The next keyword is the next word that begins with a letter.
       while (!in.atEnd() && !isLetter(in.peekWord()[0]))
         in.word();
     }
@@ -258,7 +258,7 @@ CellMesh readMeditBinary(const Source& source, const ReadOptions&, Report& repor
     if (code == kEnd)
       break;
     const std::int64_t next = version < 3 ? in.get<std::int32_t>() : in.get<std::int64_t>();
-    // A place before the present one would be a loop.
+    // A position before the current one would be a loop.
     if (next != 0 && next < static_cast<std::int64_t>(in.position()))
       in.fail("keyword " + std::to_string(code) + " is followed by one that lies before it",
               "the file is damaged; export it again");

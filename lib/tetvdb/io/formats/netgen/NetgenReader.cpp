@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: Netgen's "Neutral" successor .vol, as its mesh class writes it.
+// Format: .vol, the successor of Netgen's "Neutral" format, as written by its mesh class.
 #include "tetvdb/io/formats/netgen/NetgenReader.h"
 
 #include "tetvdb/io/cells/CellRuns.h"
@@ -18,8 +18,8 @@ constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr CellKind kTriangle{"triangle", CellType::Flat, 0, 0};
 constexpr CellKind kSegment{"segment", CellType::Flat, 0, 0};
 
-/// Netgen numbers the corners of tetrahedra, pyramids and prisms in reverse of VTK's sense, which
-/// does not matter here: a cell's orientation is free.
+/// Netgen numbers the corners of tetrahedra, pyramids and prisms in the orientation opposite to
+/// VTK's, which is irrelevant here: cells may have any orientation.
 const CellKind* volumeElement(std::int64_t nodes) {
   static const CellKind kinds[] = {{"tetra", CellType::Tetra, 4, 4},
                                    {"pyramid", CellType::Pyramid, 5, 5},
@@ -68,7 +68,7 @@ public:
       } else if (word == "edgesegments" || word == "edgesegmentsgi" || word == "edgesegmentsgi2") {
         skipLines(kSegment, in_.count("edge segments", 8));
       } else if (word == "bcnames" || word == "cd2names" || word == "cd3names") {
-        // Names that could read as sections.
+        // Names that could be mistaken for sections.
         for (std::size_t n = in_.count("names", 2); n > 0; --n) {
           in_.skipSpace();
           in_.line();
@@ -79,7 +79,7 @@ public:
         in_.fail("expected a section such as points or volumeelements",
                  "a count before it is too small, or the file is damaged");
       } else {
-        // A section that is not needed: its numbers and names pass by as words.
+        // A section that is not needed: its numbers and names are skipped as words.
         skipping_ = true;
         continue;
       }
@@ -170,7 +170,7 @@ private:
   Progress& progress_;
   NumberParser in_;
   CellMesh mesh_;
-  bool skipping_ = true; ///< words that are not sections pass, as those before the first
+  bool skipping_ = true; ///< skips words that are not sections, such as those before the first
 };
 
 } // namespace

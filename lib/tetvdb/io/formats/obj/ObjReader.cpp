@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: Wavefront, "Advanced Visualizer", appendix B1 (object files): a statement a line, a
+// Format: Wavefront, "Advanced Visualizer", appendix B1 (object files): one statement per line; a
 // backslash before a line break continues it.
 #include "tetvdb/io/formats/obj/ObjReader.h"
 
@@ -63,15 +63,15 @@ private:
       ++at_;
   }
 
-  /// To the statement's end, over what is not needed of it.
+  /// Moves to the end of the statement.
   void skipStatement() {
     while (at_ != end_ && !isLineBreak(*at_) && *at_ != '#')
       if (*at_ != '\\' || !skipContinuation())
         ++at_;
-    while (at_ != end_ && !isLineBreak(*at_)) // a comment does not continue
+    while (at_ != end_ && !isLineBreak(*at_)) // comments do not continue
       ++at_;
   }
-  /// Over a backslash and the line break behind it.
+  /// Skips a backslash and the following line break.
   bool skipContinuation() {
     const char* next = at_ + 1;
     while (next != end_ && isSpace(*next) && !isLineBreak(*next))
@@ -83,7 +83,7 @@ private:
     at_ = next;
     return true;
   }
-  /// False at the statement's end.
+  /// Returns false at the end of the statement.
   bool findWord() {
     while (at_ != end_) {
       if (*at_ == '\\' && skipContinuation())
@@ -111,7 +111,7 @@ private:
       at_ = stop;
       return true;
     }
-    // A leading '+', Fortran's exponents, numbers out of range: seldom.
+    // A leading '+', Fortran's exponents, numbers out of range: rare.
     const char* start = at_;
     while (!atWordEnd())
       ++at_;
@@ -125,15 +125,15 @@ private:
       corners_.push_back(readCorner());
     faces_.addPolygon(corners_.data(), corners_.size());
   }
-  /// The first of "7", "7/1", "7//3" and "7/1/3": the point, from 1, or from the last one backwards
-  /// where negative.
+  /// The first of "7", "7/1", "7//3" and "7/1/3": the point, from 1, or backward from the last one
+  /// if negative.
   std::uint32_t readCorner() {
     std::int64_t number = 0;
     const char* start = *at_ == '+' ? at_ + 1 : at_;
     const auto [stop, error] = std::from_chars(start, end_, number);
     at_ = stop;
     const bool whole = error == std::errc() && (atWordEnd() || *stop == '/');
-    if (!whole && at_ != end_ && *at_ == '\\') // one that continues nothing
+    if (!whole && at_ != end_ && *at_ == '\\') // a backslash that continues nothing
       ++at_;
     while (!atWordEnd())
       ++at_;

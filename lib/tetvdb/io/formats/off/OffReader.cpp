@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: Geomview manual, "OFF files". The keyword may have its counts glued to it, as ModelNet's
-// files do.
+// Format: Geomview manual, "OFF files". The keyword may have its counts attached, as in ModelNet's
+// files.
 #include "tetvdb/io/formats/off/OffReader.h"
 
 #include "tetvdb/core/Error.h"
@@ -20,11 +20,11 @@ constexpr std::uint32_t kNone = FaceCollector::kNone;
 
 struct Keyword {
   std::size_t length = 0; ///< 0: none
-  std::size_t width = 3;  ///< numbers a vertex has
+  std::size_t width = 3;  ///< numbers per vertex
   bool fourD = false, manyD = false;
 };
 
-/// [ST][C][N][4][n]OFF, in any case; counts may follow at once.
+/// [ST][C][N][4][n]OFF, in any case; counts may follow directly.
 Keyword parseKeyword(std::string_view text) {
   Keyword keyword;
   std::size_t at = 0;
@@ -80,7 +80,7 @@ public:
     if (faces < 0)
       in_.fail("negative number of faces");
     skipEdgeCount();
-    // What is declared beyond the file's size is not there: no more is reserved for.
+    // Declared faces beyond the file's size do not exist: no memory is reserved for them.
     const auto wanted = static_cast<std::uint64_t>(faces);
     faces_.reserve(points, static_cast<std::size_t>(
                                std::min<std::uint64_t>(wanted, in_.remaining() / (2 * 4))));
@@ -91,7 +91,7 @@ public:
   }
 
 private:
-  /// Numbers from the cursor to the end of the next line that holds any; the cursor stays.
+  /// Numbers from the cursor to the end of the next line that has any; the cursor does not move.
   std::size_t numbersOnLine() {
     const std::size_t start = in_.position();
     in_.skipSpace();
@@ -103,7 +103,7 @@ private:
     return n;
   }
 
-  /// Whether there are at least `n` more lines: otherwise several vertices stand on one.
+  /// Whether there are at least `n` more lines: otherwise several vertices share one.
   bool linesFollow(std::size_t n) {
     const std::size_t start = in_.position();
     for (; n > 0 && !in_.atEnd(); --n)
@@ -112,12 +112,12 @@ private:
     return n == 0;
   }
 
-  /// It may be missing, and may stand on a line of its own.
+  /// The edge count may be missing, or be on a separate line.
   void skipEdgeCount() {
     const std::size_t start = in_.position();
     NumberParser rest(in_.line(), source_.path, '#');
     if (!rest.atEnd()) {
-      // Everything may stand on this line, and the edge count is a whole number.
+      // All counts may be on this line, and the edge count is an integer.
       in_.seek(start);
       std::int64_t edges = 0;
       in_.tryInteger(edges);

@@ -54,7 +54,7 @@ public:
   }
 
 private:
-  /// The lines of a file all end in the way of its first: a '\n' after a '\r' may be data.
+  /// All lines of a file have the line end of the first: a '\n' after a '\r' may be data.
   std::string_view nextLine() {
     const std::string_view bytes = source_.bytes;
     const std::size_t end = std::min(bytes.find_first_of("\r\n", at_), bytes.size());

@@ -24,8 +24,8 @@ std::uint32_t toIndex(double value) {
   return value >= 0 && value < kNone ? static_cast<std::uint32_t>(value) : kNone;
 }
 
-/// Rows of numbers in text. One element stands on a line; what a line holds beyond the properties
-/// is passed over, unless all of the file stands on one line.
+/// Rows of numbers in text, one element per line. Further content of a line is skipped, unless the
+/// whole file is one line.
 class TextRows {
 public:
   static constexpr bool isText = true;
@@ -57,7 +57,7 @@ public:
     in_.word();
     return NAN;
   }
-  /// Whether `n` numbers of a type can be there.
+  /// Whether `n` numbers of a type can be present.
   bool holds(double n, PlyType) const { return n <= static_cast<double>(in_.remaining() / 2 + 1); }
   void skip(std::size_t n, PlyType type) {
     for (std::size_t i = 0; i < n && !in_.atEnd(); ++i)
@@ -65,7 +65,7 @@ public:
   }
   bool skipsRest() const { return lines_; }
   void skipRest() { in_.line(); }
-  /// Whether the file ends with the last number: half of it may be missing.
+  /// Whether the file ends with the last number, which may be truncated.
   bool atVeryEnd() const { return in_.remaining() == 0; }
 
 private:
@@ -139,7 +139,7 @@ private:
           (property.name == "vertex_indices" || property.name == "vertex_index"))
         list_ = i;
     }
-    // What follows the last one that is needed is skipped with the line.
+    // Properties after the last required one are skipped with the line.
     needed_ = *std::max_element(std::begin(axes_), std::end(axes_));
     kind_ = Kind::Other;
     if (element.name == "vertex" && needed_ != kNowhere) {
@@ -150,7 +150,7 @@ private:
     }
   }
 
-  /// False where the file ends first.
+  /// Returns false if the file ends first.
   bool readElement(const PlyElement& element) {
     if (element.properties.empty())
       return true;
@@ -179,7 +179,7 @@ private:
     return true;
   }
 
-  /// Whether the row ends with the file, and perhaps in the midst of a number.
+  /// Whether the row ends with the file, possibly within a number.
   bool isCut() const {
     if (!rows_.atVeryEnd())
       return false;
@@ -197,7 +197,7 @@ private:
         const double n = rows_.number(property.countType);
         if (!(n >= 0) || !rows_.holds(n, property.type)) {
           if (!rows_.skipsRest())
-            return false; // nothing tells where the next row begins
+            return false; // the begin of the next row is unknown
           rows_.skipRest();
           return !(n >= 0 && rows_.atEnd());
         }
@@ -240,7 +240,7 @@ private:
     }
   }
 
-  /// Every three successive corners are a triangle, every other one reversed; -1 begins again.
+  /// Three successive corners are a triangle, every second one reversed; -1 starts a new strip.
   void addStrips() {
     std::size_t length = 0;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -263,9 +263,9 @@ private:
   FaceCollector faces_;
   const Source& source_;
   Kind kind_ = Kind::Other;
-  std::size_t axes_[3] = {}; ///< places of x, y, z among the properties
-  std::size_t list_ = 0;     ///< place of the corners
-  std::size_t needed_ = 0;   ///< place of the last property that is needed
+  std::size_t axes_[3] = {}; ///< indices of x, y, z among the properties
+  std::size_t list_ = 0;     ///< index of the corners
+  std::size_t needed_ = 0;   ///< index of the last required property
   Vec3d point_{};
   std::vector<double> corners_;
   std::vector<std::uint32_t> polygon_;

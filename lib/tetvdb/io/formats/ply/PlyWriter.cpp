@@ -21,7 +21,7 @@ void writePly(const std::string& path, const TriangleMesh& mesh, Progress& progr
     throw Error(Status::Limit, path, "more points or faces than other programs read from .ply",
                 "write several files");
   AtomicFile file(path);
-  // More programs know int than uint.
+  // More programs support int than uint.
   const char* index = points <= std::size_t(INT32_MAX) ? "int" : "uint";
   const std::string header = "ply\nformat binary_little_endian 1.0\ncomment TetVDB\n"
                              "element vertex " +

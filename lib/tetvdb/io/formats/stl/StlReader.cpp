@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Format: 3D Systems, "StereoLithography Interface Specification" (1989). A binary file is a header
-// of 80 bytes, a count, and 50 bytes a facet: normal, three corners, two bytes of attributes.
+// of 80 bytes, a count, and 50 bytes per facet: normal, three corners, two bytes of attributes.
 #include "tetvdb/io/formats/stl/StlReader.h"
 
 #include "tetvdb/core/Error.h"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kHead = 84, kFacet = 50;
 constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
-constexpr std::size_t kLook = 4096; // bytes that are looked at to tell text
+constexpr std::size_t kLook = 4096; // bytes tested for text
 constexpr bool kBigEndian = false;  // numbers are stored least byte first
 constexpr std::size_t kMaxFacets = (UINT32_MAX - 1) / 3;
 
@@ -40,7 +40,7 @@ bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
          });
 }
 
-/// Corners one after the other are faces: the indices of a soup.
+/// Successive corners are faces: the indices of a soup.
 void numberCorners(TriangleMesh& mesh) {
   mesh.triangles.resize(mesh.points.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
@@ -50,8 +50,8 @@ void numberCorners(TriangleMesh& mesh) {
 
 // --- Binary -------------------------------------------------------------------------------------
 
-/// Whether bytes beyond the declared facets are facets as well: finite, with a normal of about unit
-/// length or none, and not all zero as padding is.
+/// Whether bytes after the declared facets are also facets: finite, with a normal of about unit
+/// length or zero, and not all zero like padding.
 bool areFacets(std::string_view bytes) {
   for (std::size_t at = 0; at < bytes.size(); at += kFacet) {
     std::array<float, 12> numbers;
@@ -71,7 +71,7 @@ bool areFacets(std::string_view bytes) {
   return true;
 }
 
-/// How many facets to read; warns where that is not what the header says.
+/// Number of facets to read; warns if it differs from the header.
 std::size_t binaryFacetCount(const Source& source, Report& report) {
   const std::size_t declared = loadNumber<std::uint32_t>(source.bytes.data() + 80, kBigEndian);
   const std::size_t room = source.bytes.size() - kHead;
@@ -111,7 +111,7 @@ TriangleMesh readBinary(const Source& source, Report& report, Progress& progress
       std::array<float, 9> corners;
       std::memcpy(corners.data(), from, sizeof corners);
       from += kFacet;
-      float check = 0; // NaN where a number is not finite
+      float check = 0; // NaN if a number is not finite
       for (std::size_t k = 0; k < 9; ++k) {
         to[k / 3][k % 3] = static_cast<double>(corners[k]);
         check += corners[k] * 0.0F;
@@ -137,7 +137,7 @@ TriangleMesh readBinary(const Source& source, Report& report, Progress& progress
 
 // --- Text ---------------------------------------------------------------------------------------
 
-/// Only `vertex` and what ends a facet are looked at: exporters differ in all other words.
+/// Only `vertex` and the end of a facet are evaluated, since exporters differ in all other words.
 class TextReader {
 public:
   TextReader(const Source& source, Report& report, Progress& progress)
@@ -176,7 +176,7 @@ private:
     }
   }
 
-  /// A name may hold any words; it ends with the line, or at the first facet of a text in one line.
+  /// A name may contain any words; it ends with the line, or at the first facet of a one-line text.
   void skipName() {
     const std::string_view text = source_.bytes;
     for (std::size_t at = in_.position(); at < text.size() && !isLineBreak(text[at]);) {
@@ -222,7 +222,7 @@ private:
 
   void finishText() {
     bool cut = solids_ > endedSolids_;
-    if (!corners_.empty()) { // the last number may be half of one
+    if (!corners_.empty()) { // the last number may be truncated
       cut = true;
       if (corners_.size() >= 3 && !bad_ && !touchesEnd_)
         endFacet();

@@ -16,7 +16,7 @@ constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr CellKind kTetra{"tetra", CellType::Tetra, 4, 4};
 constexpr CellKind kTetra10{"tetra10", CellType::Tetra, 4, 10, 10};
 
-/// One of the counts in the head line of a file; absent ones are 0.
+/// One of the counts in the header line of a file; absent ones are 0.
 std::int64_t headNumber(NumberParser& head, NumberParser& in, const char* things,
                         std::int64_t max) {
   std::int64_t n = 0;
@@ -27,7 +27,7 @@ std::int64_t headNumber(NumberParser& head, NumberParser& in, const char* things
   return n;
 }
 
-/// The head line, past blank and comment lines.
+/// The header line, after blank and comment lines.
 NumberParser headLine(NumberParser& in) {
   in.skipSpace();
   return NumberParser(in.line(), in.path(), '#');
@@ -64,7 +64,7 @@ Nodes readNodes(const Source& source, CellMesh& mesh, Progress& progress) {
     for (std::vector<double>& values : nodes.attributes)
       values.push_back(in.value());
     if (markers > 0)
-      in.value(); // whole by the format; meshio writes an array here
+      in.value(); // an integer in the format; meshio writes an array here
     if (i % kPerUpdate == 0)
       progress.update(0.5 * static_cast<double>(i) / static_cast<double>(n));
   }
@@ -75,7 +75,7 @@ Nodes readNodes(const Source& source, CellMesh& mesh, Progress& progress) {
   return nodes;
 }
 
-/// Whole numbers only: then the array is the region of every tet.
+/// Requires integers: the array is then the region of every tet.
 bool asRegions(const std::vector<double>& values, std::vector<std::int32_t>& regions) {
   regions.clear();
   regions.reserve(values.size());

@@ -58,7 +58,7 @@ public:
   }
 
 private:
-  /// Extensions use the same names in other places.
+  /// Extensions use the same names in other contexts.
   void readElement() {
     const std::string_view name = in_.name(), parent = in_.around(1);
     if (name == "vertex" && parent == "vertices" && in_.around(2) == "mesh") {
@@ -94,7 +94,7 @@ private:
     for (const auto& [theirs, ours] : names)
       if (name == theirs)
         return ours;
-    return "millimetre"; // where nothing is said
+    return "millimetre"; // the default
   }
 
   double real(std::string_view name) const {
@@ -118,7 +118,7 @@ private:
     NumberParser numbers(transform, "");
     if (numbers.atEnd())
       return result;
-    // Rows of the file multiply a row vector: they are columns here.
+    // Matrices in the file multiply row vectors: rows are columns here.
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t i = 0; i < 3; ++i) {
         double& value = result.placement.rows[i][j];
@@ -134,7 +134,7 @@ private:
   Progress& progress_;
   XmlScanner in_;
   ThreeMfModel model_;
-  ThreeMfObject* object_ = nullptr; ///< the one that is being read
+  ThreeMfObject* object_ = nullptr; ///< the current object
 };
 
 } // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: 3MF Consortium, "3D Manufacturing Format Core Specification"; the archive is one of the
+// Format: 3MF Consortium, "3D Manufacturing Format Core Specification"; the archive follows the
 // Open Packaging Conventions. lib3mf is not used: it refuses files with a face that names a point
-// twice or a coordinate beyond 1e9, rounds to floats, and takes for ever over nested components.
+// twice or a coordinate beyond 1e9, rounds to floats, and does not terminate for nested components.
 #include "tetvdb/io/formats/threemf/ThreeMfReader.h"
 
 #include "tetvdb/core/Error.h"
@@ -72,7 +72,7 @@ public:
   }
 
 private:
-  /// The relations of the package name its model.
+  /// The package's relations name its model.
   std::string rootPath() {
     const auto relations = entries_.find("_rels/.rels");
     if (relations != entries_.end()) {
@@ -86,7 +86,7 @@ private:
           return normalized(in.attribute("Target"));
       }
     }
-    return "3d/3dmodel.model"; // the usual place
+    return "3d/3dmodel.model"; // the usual path
   }
 
   const ThreeMfModel* model(const std::string& path) {
@@ -127,7 +127,7 @@ private:
 
   void addMesh(const ThreeMfObject& object, const Placement& placement) {
     const std::uint64_t corners = object.points.size() + object.triangles.size();
-    // A mesh may be as large as it is: repeating it is what needs a measure.
+    // The size of a single mesh is not limited, only that of its repetitions.
     if (corners_ > 0 && corners_ + corners > std::max(kMaxCorners, source_.bytes.size()))
       failRepeated();
     corners_ += corners;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: 3MF Consortium, "3D Manufacturing Format Core Specification". lib3mf would write six
-// digits behind the point, which flattens small models, and random identifiers.
+// Format: 3MF Consortium, "3D Manufacturing Format Core Specification". lib3mf is not used: it
+// writes six decimals, which flattens small models, and random identifiers.
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
@@ -43,7 +43,7 @@ std::string_view unitName(const std::string& units) {
   return "millimeter";
 }
 
-/// Text on its way into the archive.
+/// Buffers text for the archive.
 class Xml {
 public:
   explicit Xml(ZipWriter& zip) : zip_(zip) {}
@@ -136,7 +136,7 @@ private:
     xml_.text("</triangles></mesh>");
   }
 
-  // Objects of components for those that are placed together; returns what is to be built.
+  // Writes objects of components for meshes that are placed together; returns the objects to build.
   std::vector<std::size_t> writeAssemblies(std::size_t count, const std::vector<NamedMesh>* names) {
     std::vector<std::size_t> built;
     std::size_t id = count;

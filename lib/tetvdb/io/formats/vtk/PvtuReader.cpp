@@ -16,7 +16,7 @@ namespace tetvdb {
 
 namespace {
 
-/// Calls `use` with each piece's source, in the file's order, as long as it returns true.
+/// Calls `use` with each piece's source, in the file's order, while it returns true.
 template <class UsePiece>
 void forPieces(const Source& source, Progress& progress, UsePiece use) {
   const vtk::VtuMarkup markup(source);

@@ -25,7 +25,7 @@ auto withNumber(Number type, F&& f) {
   switch (type) {
   case Number::Int8:
     return f(std::int8_t{});
-  case Number::Bit: // the callers see to bits
+  case Number::Bit: // callers handle bits
   case Number::UInt8:
     return f(std::uint8_t{});
   case Number::Int16:
@@ -104,7 +104,7 @@ T parseOne(NumberParser& in) {
   }
 }
 
-// 64 bits of unsigned numbers beyond int64, which NumberParser does not know.
+// Unsigned 64-bit numbers beyond int64, which NumberParser does not support.
 template <>
 std::uint64_t parseOne<std::uint64_t>(NumberParser& in) {
   std::int64_t v = 0;
@@ -203,7 +203,7 @@ std::vector<Vec3d> toPoints(const Array& array) {
     using From = decltype(tag);
     const auto loop = [&](std::size_t begin, std::size_t end, auto swap) {
       const char* from = array.data + begin * 3 * sizeof(From);
-      double sum = 0; // 0 * x is nan where x is not finite
+      double sum = 0; // 0 * x is nan if x is not finite
       for (std::size_t i = begin; i < end; ++i)
         for (double& x : points[i]) {
           x = static_cast<double>(loadNumber<From>(from, swap));

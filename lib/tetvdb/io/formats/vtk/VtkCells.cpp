@@ -64,7 +64,7 @@ Kinds makeKinds() {
   solid(65, CellType::OtherSolid, 0, 0, "order-n wedge");
   solid(66, CellType::OtherSolid, 0, 0, "order-n pyramid");
   solid(67, CellType::OtherSolid, 0, 0, "order-n hexa");
-  // Corners come first in these, whatever the degree.
+  // Corners come first in these, for any degree.
   solid(71, CellType::Tetra, 4, 0, "Lagrange tetra");
   solid(72, CellType::Hexahedron, 8, 0, "Lagrange hexa");
   solid(73, CellType::Wedge, 6, 0, "Lagrange wedge");
@@ -127,7 +127,7 @@ private:
     return tbb::parallel_reduce(
         Range(begin, end, 1 << 16), end,
         [&](const Range& range, std::size_t first) {
-          bool any = false; // the whole range at first, so that it vectorises
+          bool any = false; // first the whole range, so that it vectorises
           for (std::size_t i = range.begin(); i < range.end(); ++i)
             any |= bad(i);
           for (std::size_t i = range.begin(); any && i < range.end() && i < first; ++i)
@@ -158,7 +158,7 @@ private:
     }
   }
 
-  // Nodes of cells [begin, end), all nodes and not only corners.
+  // Checks the nodes of cells [begin, end), all nodes and not only corners.
   void checkNodes(std::size_t beginCell, std::size_t endCell) const {
     const std::uint64_t first = begin(beginCell), last = cells_.ends[endCell - 1];
     const std::uint32_t* nodes = cells_.connectivity.data();
@@ -196,7 +196,7 @@ private:
                    " nodes in place of " + (exact ? "" : "at least ") + std::to_string(nodes));
   }
 
-  // One linear type throughout: the connectivity is the node array.
+  // Only one linear type: the connectivity is the node array.
   bool takeOver(std::size_t n) {
     if (n == 0)
       return true;
@@ -287,7 +287,7 @@ private:
       const std::size_t n = cells_.ends[cell] - begin(cell), corners = cornersOf(type);
       if (n < std::max<std::size_t>(corners, 1) || n > 0xffffffffu)
         failSize(cell, std::max<std::size_t>(corners, 1), false);
-      if (type == kStrip) { // every second triangle turns the other way round
+      if (type == kStrip) { // every second triangle is reversed
         for (std::size_t i = 0; i + 2 < n; ++i)
           addPolygon(kind, {nodes[i], nodes[i + 1 + i % 2], nodes[i + 2 - i % 2]});
       } else if (type == kPixel) {
@@ -358,13 +358,13 @@ void warnDropped(const Attribute& attribute, Report& report) {
   const std::string text =
       "the array '" + attribute.name +
       "' is left out: some piece lacks it or has it with another number of components";
-  for (const Warning& warning : report.warnings) // once, however many pieces there are
+  for (const Warning& warning : report.warnings) // once, for any number of pieces
     if (warning.text == text)
       return;
   report.warn("array-not-in-all-pieces", text);
 }
 
-// Appends, as the wider type where the two differ.
+// Appends, as the wider type if they differ.
 void appendValues(Attribute::Values& to, const Attribute::Values& from) {
   const auto widen = [&](auto tag) {
     using Wide = decltype(tag);
@@ -438,7 +438,7 @@ void appendCells(Cells&& cells, CellMesh& mesh, Progress& progress, bool faces) 
 }
 
 void appendPiece(CellMesh& whole, CellMesh&& piece, Report& report) {
-  if (piece.points.empty() && piece.runs.empty()) // nothing, and often without any array
+  if (piece.points.empty() && piece.runs.empty()) // empty, and often without any array
     return;
   if (whole.points.empty() && whole.runs.empty()) {
     whole = std::move(piece);
@@ -448,7 +448,7 @@ void appendPiece(CellMesh& whole, CellMesh&& piece, Report& report) {
   if (first + piece.points.size() >= 0xffffffffu)
     throw Error(Status::Limit, "", "the pieces together have more than 2^32 - 2 points",
                 "read them one by one");
-  appendAttributes(whole, piece, report); // of unread ones the first piece tells
+  appendAttributes(whole, piece, report); // unread arrays are those of the first piece
   whole.points.insert(whole.points.end(), piece.points.begin(), piece.points.end());
 
   const auto shift = static_cast<std::uint32_t>(first);

@@ -21,14 +21,14 @@ namespace {
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 const std::string kRoot = "/VTKHDF";
 
-/// The kinds of cells of a PolyData file in VTK's order, and the types that their cells get.
+/// The kinds of cells of a PolyData file in VTK's order, and the types of their cells.
 struct PolyKind {
   const char* group;
   std::uint8_t type;
 };
 constexpr PolyKind kPolyKinds[] = {{"Vertices", 2}, {"Lines", 4}, {"Polygons", 7}, {"Strips", 6}};
 
-/// Where a step's numbers begin.
+/// The positions of a step's numbers.
 struct StepStart {
   std::uint64_t firstPart = 0, parts = 0, point = 0;
   std::uint64_t cell[4] = {}, connectivity[4] = {}; ///< one kind, or four of PolyData
@@ -111,7 +111,7 @@ private:
 
   // --- numbers ---
 
-  /// A list of numbers of which none is negative.
+  /// A list of non-negative numbers.
   std::vector<std::uint64_t> numbers(const std::string& name, const Slab* slab = nullptr) const {
     std::vector<std::uint64_t> all;
     std::visit(
@@ -196,7 +196,7 @@ private:
       start_.connectivity[kind] = ofStep("ConnectivityIdOffsets", kind).value_or(0);
     }
   }
-  /// The number of the step in a list of Steps; of tables that in column `column`.
+  /// The number of the step in a list of Steps; for tables that in column `column`.
   std::optional<std::uint64_t> ofStep(const std::string& name, std::size_t column = 0) const {
     const std::string path = "Steps/" + name;
     if (!file_.has(kRoot + "/" + path))
@@ -238,7 +238,7 @@ private:
                   mesh);
   }
 
-  /// Cells of one kind; of type 0 they say what they are.
+  /// Cells of one kind; type 0: types are stored per cell.
   void readCells(const std::string& group, std::uint8_t type, std::uint64_t part, std::size_t kind,
                  CellMesh& mesh) {
     const std::vector<std::uint64_t> cellCounts = numbers(group + "NumberOfCells"),
@@ -263,7 +263,7 @@ private:
         cells.types.push_back(one < 255 ? static_cast<std::uint8_t>(one) : 255);
     if (std::find(cells.types.begin(), cells.types.end(), 42) != cells.types.end())
       fail("holds polyhedra, which are not read from this format", "save it as .vtu");
-    // Every part has one offset more than cells.
+    // Every part has one more offset than cells.
     cells.ends = someNumbers(group + "Offsets",
                              firstCell + partsBefore(cellCounts, start_.cell[kind]) + part, n + 1);
     if (cells.ends.front() != 0)
@@ -275,8 +275,8 @@ private:
     vtk::appendCells(std::move(cells), mesh, progress_, options_.faces);
   }
 
-  /// The number of parts whose cells stand before cell `cell` of the file. Steps that share one
-  /// mesh have parts of their own in the list, but the cells of the first step's.
+  /// The number of parts whose cells precede cell `cell` of the file. Steps that share one mesh
+  /// have their own parts in the list, but the cells of the first step's.
   std::uint64_t partsBefore(const std::vector<std::uint64_t>& cellCounts,
                             std::uint64_t cell) const {
     std::uint64_t cells = 0, found = cellCounts.size() + 1;

@@ -24,12 +24,12 @@ using namespace vtk;
 constexpr const char* kExport = "repair the file or export it again";
 constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
-/// A keyword; longer words are none.
+/// A keyword; longer words are not keywords.
 std::string lower(std::string_view word) {
   return lowerCase(word.substr(0, 64));
 }
 
-// Names hold %20 for a space, and so on.
+// Names contain %20 for a space, and so on.
 std::string percentDecoded(std::string_view name) {
   const auto digit = [](char c) {
     return c >= '0' && c <= '9'   ? c - '0'
@@ -150,7 +150,7 @@ private:
       fail("unknown number type '" + readable(word) + "'", kExport);
     return *found;
   }
-  /// Whether the next word is `keyword` (lower case), which is then read. Looks no further than
+  /// Whether the next word is `keyword` (lower case), which is then consumed. Reads no more than
   /// that many bytes, since binary data may follow.
   bool next(std::string_view keyword) {
     const std::size_t before = in_.position();
@@ -242,7 +242,7 @@ private:
       throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
   }
 
-  // Sections of polygonal data in VTK's order, and the types that their cells get.
+  // Sections of polygonal data in VTK's order, and the types of their cells.
   bool readPolygons(const std::string& keyword) {
     static constexpr std::pair<std::string_view, std::uint8_t> kinds[] = {
         {"vertices", 2}, {"lines", 4}, {"polygons", 7}, {"triangle_strips", 6}};
@@ -284,7 +284,7 @@ private:
       readStream(n, size);
   }
 
-  // Some writers leave the node counts out of the declared size: a text tells where it ends.
+  // Some writers do not include the node counts in the declared size: a text defines its own end.
   void readStream(std::size_t n, std::size_t size) {
     const Array array = numbers(binary_ ? Number::Int32 : Number::Int64, size);
     std::vector<std::uint32_t> stream = toIndices(array);
@@ -364,8 +364,8 @@ private:
     cells_.types = toTypes(numbers(Number::Int32, n));
   }
 
-  // Bullet's files end with "CELL_TYPES 10": the type of all cells. A file that was cut off there
-  // would have as many types as cells.
+  // Bullet's files end with "CELL_TYPES 10": the type of all cells. A file truncated there would
+  // have as many types as cells.
   bool isTypeOfAll(std::size_t n) {
     if (binary_ || !seenCells_ || n > 255 || n == cells_.ends.size() || !in_.atEnd())
       return false;
@@ -475,8 +475,8 @@ private:
     }
   }
 
-  // One on a line, or behind its length: the highest two bits of the first byte say how many bytes
-  // the length has.
+  // One per line, or after its length: the highest two bits of the first byte are the number of
+  // bytes of the length.
   void skipStrings(std::size_t n, bool binary) {
     for (std::size_t i = 0; i < n; ++i) {
       if (in_.remaining() == 0)
@@ -540,7 +540,7 @@ private:
   CellMesh mesh_;
   Cells cells_;
   std::array<Cells, 4> polygons_; ///< of polygonal data
-  // The section that arrays belong to; field data before it are the dataset's.
+  // The section to which arrays belong; preceding field data are the dataset's.
   bool inData_ = false;
   Attribute::On on_ = Attribute::On::Points;
   std::size_t elements_ = 0;
@@ -563,7 +563,7 @@ bool vtkHasSolidCells(const Source& source, Report& report, Progress& progress) 
   in.line();
   in.line();
   const bool binary = lower(in.word()) == "binary";
-  // The types stand behind the cells; arrays may follow.
+  // The types follow the cells; arrays may follow.
   const std::size_t at = source.bytes.rfind("CELL_TYPES");
   if (at == source.bytes.npos) {
     ReadOptions options;

@@ -38,13 +38,13 @@ constexpr std::array<std::uint8_t, 256> makeDigits() {
 }
 constexpr std::array<std::uint8_t, 256> kDigits = makeDigits();
 
-/// Bytes out of base64. Padding within the text is allowed, since some writers encode an array's
-/// header apart from its data and others do not.
+/// Decodes base64. Padding within the text is permitted, since some writers encode an array's
+/// header separately from its data and others do not.
 class Base64 {
 public:
   Base64(const Excerpt& text, const std::string& path) : text_(text), path_(path) {}
 
-  /// More bytes than that cannot follow.
+  /// An upper bound of the remaining bytes.
   std::uint64_t max() const { return carried_ + (text_.bytes.size() - at_) / 4 * 3; }
   std::size_t position() const { return text_.begin + at_; }
 
@@ -71,7 +71,7 @@ private:
     return carry_[3 - carried_--];
   }
 
-  // The next four digits, whatever white space is between them.
+  // The next four digits, skipping white space between them.
   void fill() {
     std::uint32_t bits = 0;
     unsigned digits = 0, padding = 0;
@@ -92,13 +92,13 @@ private:
       }
     }
     bits <<= 6 * padding;
-    // Kept at the end of carry_, so that the carried_ last of three are what is left.
+    // Stored at the end of carry_, so that the last carried_ of three are the remaining ones.
     carried_ = digits - 1;
     for (unsigned i = 0; i < carried_; ++i)
       carry_[3 - carried_ + i] = static_cast<char>(bits >> (16 - 8 * i) & 0xff);
   }
 
-  // False where there is anything but digits; nothing has then been read.
+  // Returns false, without reading, if there is anything except digits.
   bool readQuads(char* out, std::size_t quads) const {
     std::atomic<bool> clean{true};
     const char* text = text_.bytes.data() + at_;
@@ -135,7 +135,7 @@ std::uint64_t headerWord(const char* words, std::size_t i, const Encoding& encod
                              : loadNumber<std::uint32_t>(words + i * 4, encoding.swap);
 }
 
-/// The two encodings behind one face.
+/// A common interface of the two encodings.
 class Stream {
 public:
   Stream(const Excerpt& from, bool base64, const std::string& path)
@@ -149,7 +149,7 @@ public:
     return headerWord(word.data, 0, encoding);
   }
 
-  /// The next `n` bytes; a view where they are raw.
+  /// The next `n` bytes; a view if they are raw.
   Decoded take(std::uint64_t n) {
     if (n > max())
       fail(path_, position(),
@@ -176,7 +176,7 @@ private:
   const std::string& path_;
 };
 
-/// How many bytes `n` compressed ones can become at most.
+/// The maximum size of `n` compressed bytes after decompression.
 double maxExpansion(Compressor compressor) {
   switch (compressor) {
   case Compressor::Zlib:
@@ -215,8 +215,8 @@ bool decompress(Compressor compressor, const char* from, std::size_t size, char*
   return false;
 }
 
-// Blocks: their number, the size of each and of the last (0: as the others) before compression,
-// the size of each after it; then the blocks.
+// Blocks: their number, the size of each and of the last (0: as the others) before compression, the
+// size of each after compression; then the blocks.
 Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t min,
                      const std::string& path, Progress& progress) {
   const std::size_t start = stream.position();
@@ -250,7 +250,7 @@ Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t min
          "an array of " + std::to_string(out.size) + " bytes in place of " + std::to_string(min));
 
   const Decoded packed = stream.take(begins[count]);
-  out.owned.reset(new char[out.size]); // not cleared: only what is decompressed takes memory
+  out.owned.reset(new char[out.size]); // not cleared: only decompressed bytes use memory
   out.data = out.owned.get();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {

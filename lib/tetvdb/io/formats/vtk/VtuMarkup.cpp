@@ -11,14 +11,14 @@
 namespace tetvdb::vtk {
 namespace {
 
-// Markup of more than this is refused: it would need some gigabytes as a document.
+// Larger markup is refused: it would need several gigabytes as a document.
 constexpr std::size_t kMaxMarkup = std::size_t(1) << 27;
 
 bool isSpace(char c) {
   return static_cast<unsigned char>(c) <= ' ';
 }
 
-/// Copies tags, and in place of each text its "offset length". Comments and CDATA are left out.
+/// Copies tags, and replaces each text by its "offset length". Comments and CDATA are omitted.
 class Skeleton {
 public:
   explicit Skeleton(const Source& source) : path_(source.path), bytes_(source.bytes) {}
@@ -49,7 +49,7 @@ public:
   }
 
   std::string markup;
-  std::size_t appendedBegin = 0; ///< behind the tag <AppendedData ...>; 0: there is none
+  std::size_t appendedBegin = 0; ///< after the tag <AppendedData ...>; 0: there is none
 
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
     throw Error(Status::Invalid, path_ + " at byte " + std::to_string(at), what,
@@ -84,7 +84,7 @@ private:
     note();
   }
 
-  // True where nothing of interest follows.
+  // Returns true if nothing relevant follows.
   bool tag() {
     std::size_t end = at_ + 1;
     for (char quote = 0; end < bytes_.size() && (quote != 0 || bytes_[end] != '>'); ++end) {
@@ -144,7 +144,7 @@ VtuMarkup::VtuMarkup(const Source& source) : source_(source) {
   if (begin == source.bytes.size() || source.bytes[begin] != '_')
     skeleton.fail(begin, "appended data do not begin with '_'");
   ++begin;
-  // Raw data may hold anything: their end is the last closing tag of the file.
+  // Raw data may contain anything: it ends at the last closing tag of the file.
   const std::size_t end =
       appendedIsRaw_ ? source.bytes.rfind("</AppendedData") : source.bytes.find('<', begin);
   appended_ = {begin, source.bytes.substr(begin, end == source.bytes.npos || end < begin

@@ -51,7 +51,7 @@ public:
     return whole;
   }
 
-  /// Of the cells' types alone.
+  /// By the cells' types only.
   bool hasSolidCells() {
     readEncoding();
     for (const pugi::xml_node piece : markup_.root().child("UnstructuredGrid").children("Piece"))
@@ -67,7 +67,7 @@ private:
                          const char* advice = "repair the file or export it again") const {
     throw Error(Status::Invalid, where, what, advice);
   }
-  /// "file", with the piece where there are several.
+  /// "file", with the piece if there are several.
   std::string where() const {
     return piece_ == 0 ? source_.path : source_.path + ", piece " + std::to_string(piece_);
   }
@@ -126,7 +126,7 @@ private:
     return a * b;
   }
 
-  /// The `numbers` numbers of a <DataArray>. Those before have been taken over by now.
+  /// The `numbers` numbers of a <DataArray>. Previous ones have already been used.
   Array array(pugi::xml_node node, std::size_t numbers) {
     source_.release();
     const std::string name = node.attribute("Name").value();
@@ -197,7 +197,7 @@ private:
            "<" + std::string(isPoly_ ? "Polys" : "Cells") + "> has no array '" + name + "'");
     return node;
   }
-  /// An array of offsets, which ends with the length of another one.
+  /// An array of offsets, which ends with the length of another array.
   std::vector<std::uint64_t> offsets(pugi::xml_node node, std::size_t n) {
     return toOffsets(array(node, n));
   }
@@ -243,7 +243,7 @@ private:
     appendCells(std::move(cells), mesh, progress_, options_.faces);
   }
 
-  /// The kinds of cells of polygonal data in VTK's order, and the types that their cells get.
+  /// The kinds of cells of polygonal data in VTK's order, and the types of their cells.
   struct PolyKind {
     const char* section;
     const char* count;
@@ -290,7 +290,7 @@ private:
     const auto cellEnds = offsets(needed(node, "polyhedron_offsets"), n);
     const auto faceOfCell =
         toIndices(array(needed(node, "polyhedron_to_faces"), product(cellEnds.back(), 1)));
-    // The number of faces is nowhere told: one more than the highest that is used.
+    // The number of faces is not stored: it is one more than the highest used number.
     std::size_t faces = 0;
     for (const std::uint32_t face : faceOfCell)
       faces = std::max(faces, std::size_t(face) + 1);
@@ -299,7 +299,7 @@ private:
     const auto faceEnds = offsets(needed(node, "face_offsets"), faces);
     const auto nodes =
         toIndices(array(needed(node, "face_connectivity"), product(faceEnds.back(), 1)));
-    // A face belongs to two cells at most; far more would be an attempt to fill the memory.
+    // A face belongs to at most two cells; far more would be an attempt to exhaust the memory.
     const std::size_t max = 8 * (nodes.size() + faceOfCell.size() + n);
     cells.faceEnds.resize(n);
     for (std::size_t cell = 0; cell < n; ++cell) {

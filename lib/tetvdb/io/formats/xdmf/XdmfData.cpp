@@ -23,7 +23,7 @@ bool machineIsBigEndian() {
   return first == 1;
 }
 
-/// NumberType (version 2 also DataType) and Precision; nothing for what is unknown.
+/// NumberType (version 2 also DataType) and Precision; none if unknown.
 std::optional<vtk::Number> numberType(pugi::xml_node item) {
   std::string_view type = item.attribute("NumberType").value();
   if (type.empty())
@@ -193,7 +193,7 @@ Attribute::Values XdmfData::take(pugi::xml_node asked) {
     if (item.sliced)
       values = sliced(item, std::move(values));
   }
-  // What a dataset has beyond its declared size.
+  // Removes numbers beyond the declared size.
   if (item.declared)
     std::visit([&](auto& numbers) { numbers.resize(item.numbers); }, values);
   return values;

@@ -9,8 +9,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kMaxReferences = 16; // one after the other
-// Longer paths, or ones with more predicates, could take as long as they like.
+constexpr std::size_t kMaxReferences = 16; // successive references
+// The evaluation of longer paths, or of more predicates, could take very long.
 constexpr std::size_t kLongestPath = 400;
 constexpr auto kMaxPredicates = 8, kMaxDescents = 3; // each may visit the whole document
 
@@ -96,7 +96,7 @@ std::vector<pugi::xml_node> XdmfMarkup::children(pugi::xml_node grid, std::strin
       all.push_back(resolved(node));
   };
   for (const pugi::xml_node child : grid.children()) {
-    // Whatever the prefix: xi by custom, ns0 where Python's xml module chose it (meshio).
+    // For any prefix: usually xi, ns0 if Python's xml module chose it (meshio).
     std::string_view tag = child.name();
     tag.remove_prefix(std::min(tag.size(), tag.find(':') + 1));
     if (tag != "include") {

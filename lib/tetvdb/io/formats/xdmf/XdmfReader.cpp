@@ -48,7 +48,7 @@ std::string plainName(std::string_view name) {
   return text;
 }
 
-/// Number `i` of an array of integers or floats as an index; kNone where it is none.
+/// Number `i` of an array of integers or floats as an index; kNone if it is invalid.
 constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 template <typename T>
 std::uint64_t indexOf(T value) {
@@ -60,11 +60,11 @@ std::uint64_t indexOf(T value) {
     return value >= 0 ? static_cast<std::uint64_t>(value) : kNone;
 }
 
-/// A mesh: its topology and geometry, and the grids whose attributes lie on it.
+/// A mesh: its topology and geometry, and the grids with attributes on it.
 struct Piece {
   pugi::xml_node grid, topology, geometry;
   std::vector<pugi::xml_node> attributes;
-  pugi::xml_node function; ///< the domain's collection over time that the grid is of, if any
+  pugi::xml_node function; ///< the domain's temporal collection that contains the grid, if any
 };
 
 // --- Meshes -------------------------------------------------------------------------------------
@@ -105,7 +105,7 @@ private:
     CellMesh mesh;
   };
 
-  // A mesh that is there already, written once more for another function, gives its arrays alone.
+  // A repeated mesh, written again for another function, contributes only its arrays.
   static void addMesh(FunctionMesh&& added, std::vector<FunctionMesh>& meshes) {
     CellMesh& mesh = added.mesh;
     const auto sameRun = [](const CellRun& a, const CellRun& b) {
@@ -145,7 +145,7 @@ private:
     const std::size_t step =
         options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep) : steps - (steps > 0);
     for (const pugi::xml_node grid : all) {
-      // Beside collections over time stands the mesh that these refer to.
+      // The mesh to which temporal collections refer is beside them.
       if (temporal && !grids_.temporal(grid))
         continue;
       if (grids_.isTemporal(grid) && grids_.children(grid).size() != steps)
@@ -178,7 +178,7 @@ private:
     for (Piece& known : pieces_) {
       if (known.geometry != piece.geometry)
         continue;
-      // In a collection these are parts of one mesh; beside it they repeat some of its cells.
+      // In a collection these are parts of one mesh; outside they repeat some of its cells.
       if (known.topology != piece.topology && grid.parent() != markup_.domain())
         continue;
       if (known.topology != piece.topology)
@@ -195,7 +195,7 @@ private:
     const std::string_view centre = attribute.attribute("Center").value();
     return centre.empty() || sameWord(centre, "Node");
   }
-  // Those on nodes and cells that are asked for, or that could tell regions.
+  // Attributes on nodes and cells that are requested, or may define regions.
   bool isWanted(pugi::xml_node attribute) const {
     const std::string_view name = attribute.attribute("Name").value();
     if (isFunction(attribute))
@@ -235,7 +235,7 @@ private:
     return item;
   }
 
-  // That are to be read of an attribute: a function's are its cells' and its numbers.
+  // The data items of an attribute: for a function its cells' and its numbers.
   std::vector<pugi::xml_node> itemsOf(pugi::xml_node attribute) const {
     if (!isFunction(attribute))
       return {itemOf(attribute)};
@@ -382,7 +382,7 @@ private:
       cells.connectivity[i] = nodeOf(indexOf(numbers[i]), offset);
   }
 
-  // Each cell's number of its shape, the number of its nodes where that can differ, its nodes.
+  // For each cell the number of its shape, the number of its nodes if it varies, and its nodes.
   template <class Numbers>
   void mixedCells(pugi::xml_node topology, const Numbers& numbers, std::uint64_t offset,
                   vtk::Cells& cells) const {

@@ -36,19 +36,19 @@ const char* const kExamples = R"(Examples:
   tetvdb prepare figure.stl -o hollow.stl --hollow 2 --drain 12,0,3,-1,0,0,1.5
       a hole at (12, 0, 3), inward along -x
   tetvdb prepare part.stl -o part.vdb --hollow 1.5
-      a level set, which 'tetvdb slice part.vdb' takes
+      a level set, for 'tetvdb slice part.vdb'
   tetvdb prepare part.stl -o light.stl --hollow 1.5 --infill gyroid --cell-size 6 --density 0.15
       a gyroid in the cavity that fills 15 % of it
   tetvdb prepare beam.vtu -o beam.stl --hollow 1 --infill gyroid --cell-size 5
       --thickness stress:0.4:1.6
       sheets from 0.4 mm where 'stress' is at its minimum to 1.6 mm where it is at its maximum
   tetvdb prepare scan.stl -o solid.stl --fill-voids 1000
-      enclosed cavities of less than a cubic centimetre become solid
+      fills enclosed cavities of less than a cubic centimetre
   tetvdb prepare insert.stl -o loose.stl --offset -0.15
       shrunk by 0.15 mm on every side; convex edges stay sharp
 
-Lengths are in the input's units, volumes in cubes of them. A mesh that is not closed is mended
-first, as by 'repair'. docs/print.md says how and how exactly.)";
+Lengths are in the input's units, volumes in cubes of them. A mesh that is not closed is repaired
+first, as by 'repair'. docs/print.md has the methods and their accuracy.)";
 
 std::string infillNames() {
   std::string names;
@@ -268,28 +268,29 @@ Command addPrepare(CLI::App& program) {
   };
   add("--hollow", options->wall, "T", "Leave walls of this thickness, nowhere thinner");
   add("--close", options->close, "R",
-      "With --hollow: no place of the cavity is narrower than twice this");
+      "With --hollow: the cavity is nowhere narrower than twice this");
   add("--fill-voids", options->fillVoids, "V",
-      "Fill enclosed cavities of a volume below V, those that --hollow makes too");
+      "Fill enclosed cavities of a volume below V, including those that --hollow makes");
   add("--offset", options->offset, "D",
-      "Grow the solid by D, or shrink it where D is below zero, before all else");
+      "Grow the solid by D, or shrink it if D is negative, as the first step");
   add("--infill", options->infill, "KIND", "A lattice in the cavity: " + infillNames());
   add("--cell-size", options->cellSize, "L", "Of the infill: length of a cell");
   add("--thickness", options->thickness, "T",
       "Of the infill's sheets or struts: a length, or ARRAY:LOW:HIGH by an array of the "
       "tetrahedra, LOW at its minimum");
   add("--density", options->density, "D",
-      "In place of it the share of a cell that is filled, 0 to 1, or ARRAY:LOW:HIGH");
+      "Instead of the thickness: the filled share of a cell, 0 to 1, or ARRAY:LOW:HIGH");
   command
       ->add_option("--drain", options->drains,
-                   "A round hole into a cavity at X,Y,Z along DX,DY,DZ of radius R, as often as "
-                   "there are holes; auto or auto:R: one at the lowest point of every cavity (R: "
-                   "the wall). Plugs are written beside the output")
+                   "A round hole into a cavity at X,Y,Z along DX,DY,DZ of radius R; repeat it "
+                   "for several holes; auto or auto:R: one at the lowest point of every cavity (R: "
+                   "default the wall). Plugs are written beside the output")
       ->type_name("HOLE")
       ->allow_extra_args(false)
       ->check(notEmpty());
   add("--voxel-size", options->voxelSize, "H",
-      "Of the grid within (default: a 20th of the wall, an 8th of other lengths, larger for large "
+      "Of the intermediate grid (default: a 20th of the wall, an 8th of other lengths, larger for "
+      "large "
       "models)");
   add("--grid", options->grid, "NAME", "Grid of a volume (default: the first solid one)");
   addCleaningOptions(*command, *options);

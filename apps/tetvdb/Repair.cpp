@@ -33,24 +33,24 @@ struct Options : JobOptions {
 
 const char* const kExamples = R"(Examples:
   tetvdb repair broken.stl -o whole.stl
-      a closed, manifold surface; faces that are in order stay as they are
+      a closed, manifold surface; faces without defects are kept
   tetvdb repair scan.ply -o scan.3mf --resolution 768 --simplify 0.2
       finer voxels, and fewer triangles
   tetvdb repair cloth.obj -o cloth.stl --shell 0.4
       an open sheet as a solid, 0.4 units thick
   tetvdb repair scan.ply -o scan.3mf --smooth 0.05 --faces 20000
-      no vertex moved by more than 0.05, then at most 20,000 faces; says how far that is off
+      no vertex moves by more than 0.05, then at most 20,000 faces; prints the largest distance
   tetvdb repair bracket.stl -o light.stl --error 1e-3d
-      as few faces as stay within a thousandth of the diagonal, sharp edges kept
+      as few faces as possible within a thousandth of the diagonal, with sharp edges
   tetvdb repair lid.stl box.stl -o parts.3mf --units mm
-      two objects, each repaired by itself
+      two objects, repaired separately
   tetvdb repair part.msh -o part.stl        the surface of tetrahedra
   tetvdb repair smoke.vdb -o smoke.obj      the surface of a volume: mask, fog or level set
 
-Holes, gaps and touching edges are mended where they are. Only what cannot be is voxelized as a
-whole, with the warning 'remeshed': details below a voxel are lost then, so choose --resolution or
---voxel-size by the finest detail that matters. 'tetvdb compare' measures how far the result is from
-the input. Lengths are in the input's units.)";
+Holes, gaps and touching edges are repaired in place. If that fails, the whole mesh is voxelized,
+with the warning 'remeshed': details below a voxel are then lost, so choose --resolution or
+--voxel-size by the finest relevant detail. 'tetvdb compare' measures the distance of the result
+from the input. Lengths are in the input's units.)";
 
 constexpr std::int64_t kFewestFaces = 4;
 
@@ -128,7 +128,7 @@ std::string changesText(const RepairResult& result) {
     text += local.holes.size() > kMaxNamed ? ", ... edges\n" : " edges\n";
   }
   if (local.doubleFaces > 0)
-    text += fmt::format("  faces that were there twice, dropped: {}\n", local.doubleFaces);
+    text += fmt::format("  duplicated faces removed: {}\n", local.doubleFaces);
   if (local.stitched.joinedPoints + local.separatedPoints > 0)
     text += fmt::format("  vertices moved: {}, up to {:.4g}\n",
                         local.stitched.joinedPoints + local.separatedPoints, local.largestMove);
@@ -238,7 +238,7 @@ Command addRepair(CLI::App& program) {
       ->type_name("E");
   command
       ->add_option("--faces", options->faces,
-                   "At most N faces; says how far the surface is off by that")
+                   "At most N faces; prints the largest distance from the surface before")
       ->type_name("N");
   command
       ->add_option("--error", options->error,
@@ -248,7 +248,7 @@ Command addRepair(CLI::App& program) {
       ->check(notEmpty());
   command
       ->add_option("--smooth", options->smooth,
-                   "Even the surface out; no vertex moves farther than D, sharp edges stay")
+                   "Smooth the surface; no vertex moves farther than D, sharp edges are kept")
       ->type_name("D")
       ->check(notEmpty());
   command->add_option("--scale", options->scale, "Multiply coordinates by S in the end (default 1)")

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/core/Multiversion.h"
+#include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -141,20 +142,10 @@ void BoundaryWinding::build(Item* begin, Item* end, const std::vector<BoundaryEd
       for (const std::uint32_t e : item->edges)
         edges_.push(edges[e].a, edges[e].b, edges[e].weight);
   } else {
-    Vec3d low = begin->midpoint, high = begin->midpoint;
-    for (const Item* item = begin; item != end; ++item)
-      for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], item->midpoint[k]);
-        high[k] = std::max(high[k], item->midpoint[k]);
-      }
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k)
-      if (high[k] - low[k] > high[axis] - low[axis])
-        axis = k;
+    const auto position = [](const Item& item) -> const Vec3d& { return item.midpoint; };
     Item* const midpoint = begin + (end - begin) / 2;
-    std::nth_element(begin, midpoint, end, [axis](const Item& i, const Item& j) {
-      return std::tie(i.midpoint[axis], i.edges[0]) < std::tie(j.midpoint[axis], j.edges[0]);
-    });
+    splitAlongAxis(longestAxis(begin, end, position), begin, midpoint, end, position,
+                   [](const Item& item) { return item.edges[0]; });
     build(begin, midpoint, edges);
     build(midpoint, end, edges);
   }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/BoxTree.h"
 
+#include "tetvdb/geometry/SplitAlongAxis.h"
+#include "tetvdb/geometry/VectorMath.h"
+
 #include <numeric>
 #include <tbb/parallel_invoke.h>
 #include <utility>
@@ -49,17 +52,12 @@ void BoxTree::build(std::size_t node, std::uint32_t first, std::uint32_t last) {
     here.box.add(boxes_[order_[i]]);
   if (2 * node + 2 >= nodes_.size())
     return;
-  std::size_t axis = 0;
-  for (std::size_t other = 1; other < 3; ++other)
-    if (here.box.high[other] - here.box.low[other] > here.box.high[axis] - here.box.low[axis])
-      axis = other;
   const std::uint32_t midpoint = first + (last - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + midpoint, order_.begin() + last,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const double at = boxes_[a].low[axis] + boxes_[a].high[axis];
-                     const double bt = boxes_[b].low[axis] + boxes_[b].high[axis];
-                     return at != bt ? at < bt : a < b;
-                   });
+  splitAlongAxis(
+      longestAxis(here.box.low, here.box.high), order_.begin() + first, order_.begin() + midpoint,
+      order_.begin() + last,
+      [&](std::uint32_t item) { return plus(boxes_[item].low, boxes_[item].high); },
+      [](std::uint32_t item) { return item; });
   const auto left = [&] { build(2 * node + 1, first, midpoint); };
   const auto right = [&] { build(2 * node + 2, midpoint, last); };
   if (last - first > kBoxesPerTask) {

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/BoundaryEdgeSums.h"
+#include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -94,26 +95,12 @@ void TriangleClusters::build(std::uint32_t index, std::uint32_t begin, std::uint
   if (end - begin > kLeafTriangles) {
     FillTriangle* const first = triangles_.data() + begin;
     FillTriangle* const last = triangles_.data() + end;
-    Vec3d low = midpointOf(*first), high = low;
-    for (const FillTriangle* t = first; t != last; ++t) {
-      const Vec3d midpoint = midpointOf(*t);
-      for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], midpoint[k]);
-        high[k] = std::max(high[k], midpoint[k]);
-      }
-    }
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < 3; ++k)
-      if (high[k] - low[k] > high[axis] - low[axis])
-        axis = k;
     const std::uint32_t half = (end - begin) / 2;
-    std::nth_element(first, first + half, last, [axis](const auto& s, const auto& t) {
-      const auto key = [axis](const FillTriangle& u) {
-        return std::tuple(midpointOf(u)[axis], u.a.x, u.a.y, u.a.z, u.b.x, u.b.y, u.b.z, u.c.x,
-                          u.c.y, u.c.z, u.weight);
-      };
-      return key(s) < key(t);
-    });
+    splitAlongAxis(longestAxis(first, last, midpointOf), first, first + half, last, midpointOf,
+                   [](const FillTriangle& t) {
+                     return std::tie(t.a.x, t.a.y, t.a.z, t.b.x, t.b.y, t.b.z, t.c.x, t.c.y, t.c.z,
+                                     t.weight);
+                   });
     cluster.second = index + 1 + clustersOf(half);
     const std::uint32_t second = cluster.second;
     const auto buildFirst = [&] { build(index + 1, begin, begin + half); };

@@ -50,6 +50,7 @@ class BoxTree {
 public:
   explicit BoxTree(std::vector<Box> boxes);
 
+  std::size_t size() const { return boxes_.size(); }
   const Box& box(std::uint32_t item) const { return boxes_[item]; }
 
   /// Replaces the box of an item; an empty box removes the item. visit() remains correct, but

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/complex/TetParts.h"
 
+#include "tetvdb/geometry/SplitAlongAxis.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,23 +39,13 @@ void halve(Centres& centres, std::size_t first, std::size_t last, int levels,
     ends[base + 1] = last;
     return;
   }
-  float low[3], high[3];
-  std::fill(low, low + 3, std::numeric_limits<float>::infinity());
-  std::fill(high, high + 3, -std::numeric_limits<float>::infinity());
-  for (std::size_t i = first; i < last; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], centres[i].at[axis]);
-      high[axis] = std::max(high[axis], centres[i].at[axis]);
-    }
-  int axis = 0;
-  for (int other = 1; other < 3; ++other)
-    if (high[other] - low[other] > high[axis] - low[axis])
-      axis = other;
+  const auto position = [](const Centre& c) -> const auto& {
+    return c.at;
+  };
   const std::size_t median = first + (last - first) / 2;
   const auto at = [&](std::size_t i) { return centres.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(at(first), at(median), at(last), [axis](const Centre& a, const Centre& b) {
-    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.tet < b.tet;
-  });
+  splitAlongAxis(longestAxis(at(first), at(last), position), at(first), at(median), at(last),
+                 position, [](const Centre& c) { return c.tet; });
   const std::size_t half = std::size_t(1) << (levels - 1);
   tbb::parallel_invoke([&] { halve(centres, first, median, levels - 1, ends, base); },
                        [&] { halve(centres, median, last, levels - 1, ends, base + half); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/inside/ChainWinding.h"
 
+#include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/soup/WorkingLattice.h"
 
@@ -39,19 +40,11 @@ void findGroups(const std::vector<LatticePoint>& points, std::vector<std::uint32
     begins.push_back(static_cast<std::uint32_t>(begin));
     return;
   }
-  Box box;
-  for (std::ptrdiff_t i = begin; i < end; ++i)
-    box.add(vectorOf(points[order[static_cast<std::size_t>(i)]]));
-  std::size_t axis = 0;
-  for (std::size_t other = 1; other < 3; ++other)
-    if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
-      axis = other;
+  const auto position = [&](std::uint32_t i) { return vectorOf(points[i]); };
   const std::ptrdiff_t median = begin + (end - begin) / 2;
-  std::nth_element(order.begin() + begin, order.begin() + median, order.begin() + end,
-                   [&](std::uint32_t i, std::uint32_t j) {
-                     const double a = vectorOf(points[i])[axis], b = vectorOf(points[j])[axis];
-                     return a != b ? a < b : i < j;
-                   });
+  const auto first = order.begin() + begin, last = order.begin() + end;
+  splitAlongAxis(longestAxis(first, last, position), first, order.begin() + median, last, position,
+                 [](std::uint32_t i) { return i; });
   std::vector<std::uint32_t> later;
   const auto low = [&] { findGroups(points, order, begin, median, begins); };
   const auto high = [&] { findGroups(points, order, median, end, later); };

@@ -2,13 +2,13 @@
 #include "tetvdb/tetrahedralize/inside/Classify.h"
 
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/inside/ChainWinding.h"
 #include "tetvdb/tetrahedralize/inside/InputChains.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tbb/parallel_invoke.h>
 #include <utility>
 
@@ -158,19 +158,11 @@ void OpenInput::findCalm(std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_
     if (together < kMinTogether)
       return;
   }
-  Box box;
-  for (std::ptrdiff_t i = begin; i < end; ++i)
-    box.add(items_[static_cast<std::size_t>(i)].centre);
-  std::size_t axis = 0;
-  for (std::size_t other = 1; other < 3; ++other)
-    if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
-      axis = other;
+  const auto position = [](const Item& item) -> const Vec3d& { return item.centre; };
   const std::ptrdiff_t median = begin + (end - begin) / 2;
-  std::nth_element(items_.begin() + begin, items_.begin() + median, items_.begin() + end,
-                   [axis](const Item& s, const Item& t) {
-                     return s.centre[axis] != t.centre[axis] ? s.centre[axis] < t.centre[axis]
-                                                             : s.tet < t.tet;
-                   });
+  const auto first = items_.begin() + begin, last = items_.begin() + end;
+  splitAlongAxis(longestAxis(first, last, position), first, items_.begin() + median, last, position,
+                 [](const Item& item) { return item.tet; });
   tbb::parallel_invoke([&] { findCalm(begin, median, together); },
                        [&] { findCalm(median, end, together); });
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/soup/Landmarks.h"
 
-#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -12,7 +11,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;
 // Intervals between landmarks along all edges together, which are as long as the radius or longer.
 constexpr double kMaxIntervals = 500000;
 // Within an envelope of radius r along an edge that turns by an angle t a surface can be as far as
@@ -48,20 +46,17 @@ double squareTo(const Vec3d& p, const std::vector<Landmarks::Face>& faces) {
   return minSquared;
 }
 
-} // namespace
-
-Landmarks::Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more)
-    : radius_(radius), points_(more) {
+std::vector<Box> landmarksOf(const Envelope& surface, double radius, std::vector<Vec3d> points) {
   std::vector<EdgeOfFace> edges;
-  for (const Face& face : surface.faces())
+  for (const Landmarks::Face& face : surface.faces())
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d &a = face[k], &b = face[(k + 1) % 3];
-      points_.push_back(a);
+      points.push_back(a);
       if (a != b)
         edges.push_back({std::min(a, b), std::max(a, b), face[(k + 2) % 3]});
     }
-  std::sort(points_.begin(), points_.end());
-  points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
   std::sort(edges.begin(), edges.end());
   double total = 0;
   std::size_t count = 0; // of edges that are not flat, one record each
@@ -79,38 +74,21 @@ Landmarks::Landmarks(const Envelope& surface, double radius, const std::vector<V
     const Vec3d from = edges[i].from, edge = minus(edges[i].to, from);
     const double intervals = std::ceil(length(edge) / spacing);
     for (double k = 1; k < intervals; ++k)
-      points_.push_back(plus(from, times(edge, k / intervals)));
+      points.push_back(plus(from, times(edge, k / intervals)));
   }
-  if (!points_.empty())
-    addNode(0, static_cast<std::uint32_t>(points_.size()));
+  std::vector<Box> boxes;
+  boxes.reserve(points.size());
+  for (const Vec3d& p : points)
+    boxes.push_back({p, p});
+  return boxes;
 }
 
-std::uint32_t Landmarks::addNode(std::uint32_t begin, std::uint32_t end) {
-  Box box;
-  for (std::uint32_t i = begin; i < end; ++i)
-    box.add(points_[i]);
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({box.low, box.high, begin, end, 0});
-  if (end - begin <= kLeaf)
-    return number;
-  std::size_t axis = 0;
-  for (std::size_t other = 1; other < 3; ++other)
-    if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
-      axis = other;
-  const std::uint32_t median = begin + (end - begin) / 2;
-  std::nth_element(points_.begin() + begin, points_.begin() + median, points_.begin() + end,
-                   [axis](const Vec3d& a, const Vec3d& b) {
-                     return a[axis] != b[axis] ? a[axis] < b[axis] : a < b;
-                   });
-  addNode(begin, median);
-  const std::uint32_t second = addNode(median, end);
-  nodes_[number].second = second;
-  return number;
-}
+} // namespace
+
+Landmarks::Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more)
+    : radius_(radius), points_(landmarksOf(surface, radius, more)) {}
 
 bool Landmarks::keeps(const std::vector<Face>& before, const std::vector<Face>& after) const {
-  if (nodes_.empty())
-    return true;
   Box near;
   for (const Face& face : before)
     for (const Vec3d& p : face)
@@ -119,28 +97,20 @@ bool Landmarks::keeps(const std::vector<Face>& before, const std::vector<Face>& 
     near.low[axis] -= radius_;
     near.high[axis] += radius_;
   }
-  std::array<std::uint32_t, 64> stack{};
-  std::size_t depth = 1;
-  while (depth > 0) {
-    const std::uint32_t number = stack[--depth];
-    const Node& node = nodes_[number];
-    if (!near.meets({node.low, node.high}))
-      continue;
-    if (node.second == 0) {
-      for (std::uint32_t i = node.begin; i < node.end; ++i)
-        if (near.contains(points_[i]) && !keeps(points_[i], before, after))
-          return false;
-      continue;
-    }
-    const Vec3d centre = times(plus(node.low, node.high), 0.5);
-    const double reach = length(minus(node.high, centre));
-    if (std::sqrt(squareTo(centre, before)) > radius_ + reach ||
-        std::sqrt(squareTo(centre, after)) + reach < kShare * radius_)
-      continue;
-    stack[depth++] = number + 1;
-    stack[depth++] = node.second;
-  }
-  return true;
+  // Boxes of which every point is known to be kept are not looked into.
+  const auto isOpen = [&](const Box& box) {
+    if (!near.meets(box))
+      return false;
+    const Vec3d centre = times(plus(box.low, box.high), 0.5);
+    const double reach = length(minus(box.high, centre));
+    return reach == 0 || !(std::sqrt(squareTo(centre, before)) > radius_ + reach ||
+                           std::sqrt(squareTo(centre, after)) + reach < kShare * radius_);
+  };
+  bool isLost = false;
+  points_.visit(isOpen, [&](std::uint32_t point) {
+    return isLost = !keeps(points_.box(point).low, before, after);
+  });
+  return !isLost;
 }
 
 bool Landmarks::keeps(const Vec3d& p, const std::vector<Face>& before,

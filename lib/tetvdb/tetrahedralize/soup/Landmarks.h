@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/tetrahedralize/soup/Envelope.h"
 
 #include <array>
@@ -38,18 +39,10 @@ public:
   static constexpr double kShare = 0.98;
 
 private:
-  struct Node {
-    Vec3d low, high;
-    std::uint32_t begin, end; ///< of points
-    std::uint32_t second;     ///< child, the first one follows its parent; 0: a leaf
-  };
-
-  std::uint32_t addNode(std::uint32_t begin, std::uint32_t end);
   bool keeps(const Vec3d& p, const std::vector<Face>& before, const std::vector<Face>& after) const;
 
   double radius_;
-  std::vector<Vec3d> points_;
-  std::vector<Node> nodes_;
+  BoxTree points_; ///< a box each
 };
 
 } // namespace tetvdb

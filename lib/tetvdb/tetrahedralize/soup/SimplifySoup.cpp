@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/soup/SimplifySoup.h"
 
-#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/tetrahedralize/soup/SimplifyPart.h"
 #include "tetvdb/tetrahedralize/soup/SoupSurface.h"
 
@@ -30,17 +30,10 @@ void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::itera
     parts.emplace_back(first, last);
     return;
   }
-  Box box;
-  for (auto v = first; v != last; ++v)
-    box.add(points[*v]);
-  std::size_t axis = 0;
-  for (std::size_t other = 1; other < 3; ++other)
-    if (box.high[other] - box.low[other] > box.high[axis] - box.low[axis])
-      axis = other;
+  const auto position = [&](std::uint32_t v) -> const Vec3d& { return points[v]; };
   const auto median = first + static_cast<std::ptrdiff_t>(static_cast<double>(count) * share);
-  std::nth_element(first, median, last, [&](std::uint32_t a, std::uint32_t b) {
-    return points[a][axis] != points[b][axis] ? points[a][axis] < points[b][axis] : a < b;
-  });
+  splitAlongAxis(longestAxis(first, last, position), first, median, last, position,
+                 [](std::uint32_t v) { return v; });
   cut(points, first, median, share, parts);
   cut(points, median, last, share, parts);
 }

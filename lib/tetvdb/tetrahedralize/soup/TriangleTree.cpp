@@ -2,6 +2,7 @@
 #include "tetvdb/tetrahedralize/soup/TriangleTree.h"
 
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/SplitAlongAxis.h"
 
 #include <cmath>
 #include <limits>
@@ -63,12 +64,10 @@ struct TriangleTree::Builder {
 
   std::uint32_t median(std::uint32_t first, std::uint32_t last, std::size_t axis) {
     const std::uint32_t half = first + (last - first) / 2;
-    std::nth_element(order.begin() + first, order.begin() + half, order.begin() + last,
-                     [&](std::uint32_t x, std::uint32_t y) {
-                       return doubledCentres[x][axis] != doubledCentres[y][axis]
-                                  ? doubledCentres[x][axis] < doubledCentres[y][axis]
-                                  : x < y;
-                     });
+    splitAlongAxis(
+        axis, order.begin() + first, order.begin() + half, order.begin() + last,
+        [&](std::uint32_t item) -> const Vec3d& { return doubledCentres[item]; },
+        [](std::uint32_t item) { return item; });
     return half;
   }
 
@@ -77,10 +76,7 @@ struct TriangleTree::Builder {
     Box spread;
     for (std::uint32_t i = first; i < last; ++i)
       spread.add(doubledCentres[order[i]]);
-    std::size_t axis = 0;
-    for (std::size_t other = 1; other < 3; ++other)
-      if (spread.high[other] - spread.low[other] > spread.high[axis] - spread.low[axis])
-        axis = other;
+    const std::size_t axis = longestAxis(spread.low, spread.high);
     const double width = spread.high[axis] - spread.low[axis];
     if (last - first <= 4 || depth >= kDepthOfMedians || !(width > 0))
       return median(first, last, axis);

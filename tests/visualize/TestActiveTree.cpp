@@ -115,6 +115,59 @@ TEST(ActiveTree, firstIsTheNearestOfAllBoxes) {
   expectNearest<openvdb::Vec3SGrid>(4);
 }
 
+// Leaf nodes and active tiles whose inside a ray passes, from the tree's own iterators.
+TEST(ActiveTree, spansOfARayAreThoseOfTheNodesThatItPasses) {
+  initializeOpenVDB();
+  std::mt19937 random(11);
+  const auto grid = scattered<openvdb::FloatGrid>(random);
+  const ActiveTree tree(*grid);
+  const openvdb::CoordBBox active = grid->evalActiveVoxelBoundingBox();
+  std::vector<openvdb::CoordBBox> nodes;
+  const auto add = [&](openvdb::CoordBBox box) {
+    box.intersect(active);
+    nodes.push_back(box);
+  };
+  for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
+    add(leaf->getNodeBoundingBox());
+  for (auto value = grid->tree().cbeginValueOn(); value; ++value)
+    if (value.isTileValue())
+      add(value.getBoundingBox());
+  std::uniform_real_distribution<double> far(-400, 400), near(-80, 80);
+  std::size_t spans = 0;
+  for (int n = 0; n < 300; ++n) {
+    IndexRay ray;
+    ray.origin = {far(random), far(random), far(random)};
+    for (std::size_t a = 0; a < 3; ++a)
+      ray.direction[a] = near(random) - ray.origin[a];
+    ray.tMax = n % 3 == 0 ? 1 : 3;
+    std::vector<std::array<double, 2>> expected, found;
+    for (const openvdb::CoordBBox& node : nodes) {
+      double begin = 0, end = ray.tMax;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const int axis = static_cast<int>(a);
+        const double p = (node.min()[axis] - ray.origin[a]) / ray.direction[a];
+        const double q = (node.max()[axis] + 1 - ray.origin[a]) / ray.direction[a];
+        begin = std::max(begin, std::min(p, q));
+        end = std::min(end, std::max(p, q));
+      }
+      if (end - begin > 1e-9)
+        expected.push_back({begin, end});
+    }
+    std::sort(expected.begin(), expected.end());
+    tree.walk(ray, [&](double begin, double end) {
+      if (end - begin > 1e-9)
+        found.push_back({begin, end});
+      return false;
+    });
+    ASSERT_EQ(found.size(), expected.size()) << "ray " << n;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      for (std::size_t k = 0; k < 2; ++k)
+        EXPECT_NEAR(found[i][k], expected[i][k], 1e-9) << "ray " << n;
+    spans += found.size();
+  }
+  EXPECT_GT(spans, 2000u);
+}
+
 TEST(ActiveTree, statesAreTheTrees) {
   initializeOpenVDB();
   std::mt19937 random(7);

@@ -53,17 +53,9 @@ public:
   template <class F>
   void forCubes(const F& f) const;
 
-  /// A cube of voxels that a ray goes through.
-  struct Span {
-    Vec3i origin{0, 0, 0};
-    int log2Side = 0;
-    const openvdb::util::NodeMask<3>* mask = nullptr; ///< of a leaf; null: all active
-    double begin = 0, end = 0;                        ///< t
-    int axis = -1;                  ///< along which the ray entered; -1: it began inside
-    const Vec3d* inverse = nullptr; ///< of the ray's direction
-  };
-  /// Calls `stop(span)` for leaves and active tiles along the ray, in order, until it is true.
-  /// Returns whether it was.
+  /// Calls `stop(begin, end)` with the t at which the ray enters and leaves a leaf node or an
+  /// active tile, for all of them along the ray, in order, until it is true. Returns whether it
+  /// was.
   template <class Stop>
   bool walk(const IndexRay& ray, const Stop& stop) const;
 
@@ -138,11 +130,14 @@ private:
     const Upper* upper = nullptr;
     bool on = false;
   };
-  bool clip(const IndexRay& ray, const Vec3d& inverse, double& begin, double& end,
-            int& enteredBy) const;
-  struct Cells; ///< traversal of cells of one size
   struct Step;
-  bool enter(const IndexRay& ray, Step& step, std::uint32_t& octant) const;
+  enum class Onward;
+  bool enter(const IndexRay& ray, Step& step) const;
+  /// Calls atLeaf(step, leaf, ahead, leave) for leaf nodes along the ray and atTile(step, log2Side)
+  /// for active tiles, in order, until one says to stop; returns whether one did. atLeaf moves the
+  /// step on by leave(log2Side), which is false where the ray ends.
+  template <class AtLeaf, class AtTile>
+  bool descend(const IndexRay& ray, const AtLeaf& atLeaf, const AtTile& atTile) const;
 
   /// The number of the cell of side 2^log2Side around a voxel in a node of 2^kLog2Cells of them.
   template <int kLog2Cells>

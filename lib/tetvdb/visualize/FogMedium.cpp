@@ -156,9 +156,9 @@ public:
     const std::unique_ptr<GridValues::Reader> near = values_->reader();
     double before = 0; // a value and its result: equal values in a row are common
     float opacity = 0;
-    tree_.walk(space_.toIndex(ray), [&](const ActiveTree::Span& span) {
-      const double first = std::ceil(span.begin / step_ - jitter);
-      const double last = std::ceil(span.end / step_ - jitter);
+    tree_.walk(space_.toIndex(ray), [&](double begin, double end) {
+      const double first = std::ceil(begin / step_ - jitter);
+      const double last = std::ceil(end / step_ - jitter);
       for (double n = first; n < last; ++n) {
         const double t = (n + jitter) * step_;
         const Vec3d world = plus(ray.origin, times(ray.direction, t));

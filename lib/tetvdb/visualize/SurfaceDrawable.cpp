@@ -229,8 +229,8 @@ private:
     onCut = false;
     const double voxelsPerT = length(ray.direction);
     if constexpr (Field::kStride > 0) {
-      return tree_.walk(ray, [&](const ActiveTree::Span& span) {
-        return stepThrough(ray, sample, span.begin, span.end, voxelsPerT, t);
+      return tree_.walk(ray, [&](double begin, double end) {
+        return stepThrough(ray, sample, begin, end, voxelsPerT, t);
       });
     } else {
       // The surface lies within a voxel of active ones.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "Meshes.h"
+#include "SolidAngleOracle.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 
 #include <array>
@@ -287,29 +288,17 @@ inline double signedVolume(const TriangleMesh& mesh) {
   return sum / 6;
 }
 
-/// The generalised winding number at `p` by the faces' solid angles (van Oosterom and Strackee,
-/// The Solid Angle of a Plane Triangle, 1983), all of them: an oracle.
+/// The generalised winding number at `p` by the solid angles of all faces: an oracle.
 inline double windingNumberAt(const TriangleMesh& mesh, const Vec3d& p) {
-  double sum = 0;
+  long double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    std::array<Vec3d, 3> v;
-    std::array<double, 3> length;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d& q = mesh.points[mesh.triangles[i + k]];
-      v[k] = {q[0] - p[0], q[1] - p[1], q[2] - p[2]};
-      length[k] = std::sqrt(v[k][0] * v[k][0] + v[k][1] * v[k][1] + v[k][2] * v[k][2]);
-    }
-    const auto dot = [&](std::size_t a, std::size_t b) {
-      return v[a][0] * v[b][0] + v[a][1] * v[b][1] + v[a][2] * v[b][2];
-    };
-    const double triple = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-                          v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-                          v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-    const double below = length[0] * length[1] * length[2] + dot(0, 1) * length[2] +
-                         dot(1, 2) * length[0] + dot(2, 0) * length[1];
-    sum += 2 * std::atan2(triple, below);
+    std::array<std::array<long double, 3>, 3> v;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        v[k][axis] = mesh.points[mesh.triangles[i + k]][axis] - p[axis];
+    sum += test::solidAngle(v);
   }
-  return sum / (4 * kPi);
+  return static_cast<double>(sum / test::kSphere);
 }
 
 } // namespace tetvdb::meshes

@@ -5,11 +5,11 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 
 namespace tetvdb::cli {
 namespace {
@@ -20,33 +20,38 @@ double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-pid_t start(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words = {"tetvdb"};
-  words.insert(words.end(), arguments.begin(), arguments.end());
+} // namespace
+
+int startThisProgram(std::vector<std::string> words,
+                     const std::function<void(posix_spawn_file_actions_t&)>& addFiles,
+                     pid_t& child) {
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words)
     pointers.push_back(word.data());
   pointers.push_back(nullptr);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t child = -1;
+  addFiles(files);
   const int failed =
       posix_spawn(&child, "/proc/self/exe", &files, nullptr, pointers.data(), environ);
   posix_spawn_file_actions_destroy(&files);
-  return failed == 0 ? child : -1;
+  return failed;
 }
-
-} // namespace
 
 ChildEnd runThisProgram(const std::vector<std::string>& arguments, double maxSeconds,
                         const Progress& progress) {
   ChildEnd end;
   const Clock::time_point began = Clock::now();
-  const pid_t child = start(arguments);
-  if (child < 0)
+  std::vector<std::string> words = {"tetvdb"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const auto addFiles = [](posix_spawn_file_actions_t& files) {
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  };
+  pid_t child = -1;
+  if (startThisProgram(std::move(words), addFiles, child) != 0)
     return end;
   int status = 0;
   rusage usage{};

@@ -6,7 +6,10 @@
 #include "tetvdb/core/Progress.h"
 
 #include <cstddef>
+#include <functional>
+#include <spawn.h>
 #include <string>
+#include <sys/types.h>
 #include <vector>
 
 namespace tetvdb::cli {
@@ -17,6 +20,13 @@ struct ChildEnd {
   double seconds = 0;
   std::size_t peakBytes = 0; ///< highest resident memory
 };
+
+/// Starts this very program with `words`, its own name first; what it prints is thrown away.
+/// `addFiles` says what else its descriptors are. Returns the reason where that fails (errno), else
+/// 0.
+int startThisProgram(std::vector<std::string> words,
+                     const std::function<void(posix_spawn_file_actions_t&)>& addFiles,
+                     pid_t& child);
 
 /// Runs this very program with `arguments`; what it prints is thrown away. Kills it when `progress`
 /// is cancelled (and throws what Progress::check() does) or after `maxSeconds`.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DatasetWorkers.h"
 
+#include "ChildProgram.h"
+
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -13,7 +15,6 @@
 #include <iterator>
 #include <memory>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -131,25 +132,17 @@ public:
 
 private:
   void start() {
-    std::vector<std::string> words = workerWords();
-    std::vector<char*> pointers;
-    pointers.reserve(words.size() + 1);
-    for (std::string& word : words)
-      pointers.push_back(word.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t files;
-    posix_spawn_file_actions_init(&files);
-    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, items_.from(), STDIN_FILENO);
-    // Its own number would keep close-on-exec.
-    if (rows_.to() == kRowDescriptor)
-      ::fcntl(rows_.to(), F_SETFD, 0);
-    else
-      posix_spawn_file_actions_adddup2(&files, rows_.to(), kRowDescriptor);
-    const int failed =
-        posix_spawn(&child_, "/proc/self/exe", &files, nullptr, pointers.data(), environ);
-    posix_spawn_file_actions_destroy(&files);
+    const int failed = startThisProgram(
+        workerWords(),
+        [&](posix_spawn_file_actions_t& files) {
+          posix_spawn_file_actions_adddup2(&files, items_.from(), STDIN_FILENO);
+          // Its own number would keep close-on-exec.
+          if (rows_.to() == kRowDescriptor)
+            ::fcntl(rows_.to(), F_SETFD, 0);
+          else
+            posix_spawn_file_actions_adddup2(&files, rows_.to(), kRowDescriptor);
+        },
+        child_);
     if (failed != 0) {
       child_ = -1;
       throw Error(Status::Limit, "",

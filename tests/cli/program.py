@@ -184,4 +184,15 @@ def off(points, faces):
     return "\n".join(lines + [""])
 
 
+def write_obj(path, mesh):
+    """Triangles, as points and faces, into a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    points, faces = mesh
+    with open(path, "w") as out:
+        for p in points:
+            out.write("v %r %r %r\n" % tuple(p))
+        for f in faces:
+            out.write("f %d %d %d\n" % tuple(i + 1 for i in f))
+
+
 WRITERS = {"mesh": medit, "msh": gmsh, "vtu": vtu}

@@ -16,23 +16,12 @@ import time
 import unittest
 from pathlib import Path
 
-from program import PROGRAM, SANITIZED, ball, box_faces
+from program import PROGRAM, SANITIZED, ball, box_faces, write_obj
 
 try:
     import numpy as np
 except ImportError:
     sys.exit(77)
-
-
-
-def write_obj(path, mesh):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    points, faces = mesh
-    with open(path, "w") as out:
-        for p in points:
-            out.write("v %r %r %r\n" % tuple(p))
-        for f in faces:
-            out.write("f %d %d %d\n" % tuple(i + 1 for i in f))
 
 
 def run(*arguments, **more):

@@ -4,7 +4,6 @@ installed, or where this is not root, as the daemons want it. Slurm lets a reque
 minutes."""
 import getpass
 import hashlib
-import math
 import os
 import random
 import shutil
@@ -16,33 +15,20 @@ import time
 import unittest
 from pathlib import Path
 
-PROGRAM = os.environ["TETVDB_PROGRAM"]
+sys.path.append(str(Path(__file__).resolve().parents[1] / "cli"))
+from program import PROGRAM, ball, write_obj
+
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts" / "slurm"
 MODELS = int(os.environ.get("TETVDB_SLURM_MODELS", "200"))
 
 
 def write_models(folder, count):
     rng = random.Random(1)
-    folder.mkdir()
     for i in range(count):
-        n = 6 + i % 5
-        points, faces = [(0, 0, 1)], []
-        for r in range(1, n):
-            for s in range(2 * n):
-                a, b = math.pi * r / n, math.pi * s / n
-                bump = 1 + 0.2 * rng.random()
-                points.append((bump * math.sin(a) * math.cos(b), bump * math.sin(a) * math.sin(b),
-                               bump * math.cos(a)))
-        points.append((0, 0, -1))
-        at = lambda r, s: 1 + (r - 1) * 2 * n + s % (2 * n)
-        for s in range(2 * n):
-            faces.append((0, at(1, s), at(1, s + 1)))
-            faces.append((len(points) - 1, at(n - 1, s + 1), at(n - 1, s)))
-            for r in range(1, n - 1):
-                faces += [(at(r, s), at(r + 1, s), at(r + 1, s + 1)), (at(r, s), at(r + 1, s + 1), at(r, s + 1))]
-        with open(folder / ("m%05d.obj" % i), "w") as out:
-            out.writelines("v %r %r %r\n" % p for p in points)
-            out.writelines("f %d %d %d\n" % tuple(c + 1 for c in f) for f in faces)
+        points, faces = ball(6 + i % 5, 1, (0, 0, 0))
+        bumps = [1 + 0.2 * rng.random() for _ in points]
+        points = [tuple(b * c for c in p) for b, p in zip(bumps, points)]
+        write_obj(folder / ("m%05d.obj" % i), (points, faces))
     (folder / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
 
 

@@ -8,7 +8,6 @@
 #include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
-#include "tetvdb/voxelize/WindingBand.h"
 #include "voxelize/WindingOracle.h"
 
 #include <algorithm>
@@ -32,22 +31,9 @@ std::vector<EvaluatedVoxel> evaluated(const TriangleClusters& holes) {
   const Progress progress;
   const WindingBand band(holes, progress);
   std::vector<EvaluatedVoxel> voxels;
-  std::vector<double> values(std::size_t(kSlabRows) * kNodeSize);
-  SlabBits flags;
-  for (const NodeIndex& index : band.nodes()) {
-    const WindingBand::Node node = band.enter(index);
-    for (int slab = 0; slab < kSlabsPerNode; ++slab) {
-      if (!band.evaluate(node, slab, flags, values))
-        continue;
-      for (int row = 0; row < kSlabRows; ++row)
-        for (int z = 0; z < kNodeSize; ++z)
-          if ((flags.rows[row][z >> 6] >> (z & 63) & 1) != 0)
-            voxels.push_back(
-                {{double(index[0] * kNodeSize + slab * kLeafSize + row / kNodeSize),
-                  double(index[1] * kNodeSize + row % kNodeSize), double(index[2] * kNodeSize + z)},
-                 values[std::size_t(row) * kNodeSize + std::size_t(z)]});
-    }
-  }
+  test::forEvaluated(band, [&](const std::array<int, 3>& at, double winding) {
+    voxels.push_back({{double(at[0]), double(at[1]), double(at[2])}, winding});
+  });
   return voxels;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
+#include "SolidAngleOracle.h"
 #include "tetvdb/geometry/BoundaryWinding.h"
 
 #include <algorithm>
@@ -18,28 +19,17 @@ struct Surface {
   std::vector<std::array<int, 3>> faces;
 };
 
-// The definition: solid angles of all faces, in long double (Van Oosterom and Strackee 1983).
+// The definition.
 double windingBySolidAngles(const Surface& s, const Point& p) {
   long double total = 0;
   for (const auto& f : s.faces) {
-    long double v[3][3], l[3];
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k)
-        v[i][k] =
-            static_cast<long double>(s.points[std::size_t(f[std::size_t(i)])][std::size_t(k)]) -
-            p[std::size_t(k)];
-      l[i] = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
-    }
-    const auto dot = [&](int i, int j) {
-      return v[i][0] * v[j][0] + v[i][1] * v[j][1] + v[i][2] * v[j][2];
-    };
-    const long double det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-                            v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-                            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-    total += 2 * std::atan2(det, l[0] * l[1] * l[2] + dot(0, 1) * l[2] + dot(1, 2) * l[0] +
-                                     dot(2, 0) * l[1]);
+    std::array<std::array<long double, 3>, 3> v;
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        v[i][k] = static_cast<long double>(s.points[std::size_t(f[i])][k]) - p[k];
+    total += test::solidAngle(v);
   }
-  return static_cast<double>(total / (4 * 3.14159265358979323846L));
+  return static_cast<double>(total / test::kSphere);
 }
 
 // Signed faces that a ray down from p crosses. p is nowhere above or below an edge.

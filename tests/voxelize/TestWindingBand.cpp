@@ -47,21 +47,8 @@ Judged judge(const std::vector<FillTriangle>& triangles, int stride, int range) 
   const Progress progress;
   const WindingBand band(tree, progress);
   std::map<std::array<int, 3>, double> found;
-  std::vector<double> values(std::size_t(kSlabRows) * kNodeSize);
-  SlabBits flags;
-  for (const NodeIndex& index : band.nodes()) {
-    const WindingBand::Node node = band.enter(index);
-    for (int slab = 0; slab < kSlabsPerNode; ++slab) {
-      if (!band.evaluate(node, slab, flags, values))
-        continue;
-      for (int row = 0; row < kSlabRows; ++row)
-        for (int z = 0; z < kNodeSize; ++z)
-          if ((flags.rows[row][z >> 6] >> (z & 63) & 1) != 0)
-            found[{index[0] * kNodeSize + slab * kLeafSize + row / kNodeSize,
-                   index[1] * kNodeSize + row % kNodeSize, index[2] * kNodeSize + z}] =
-                values[std::size_t(row) * kNodeSize + std::size_t(z)];
-    }
-  }
+  test::forEvaluated(
+      band, [&](const std::array<int, 3>& voxel, double winding) { found[voxel] = winding; });
   Judged judged;
   judged.evaluated = found.size();
   int count = 0;

@@ -1,38 +1,51 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The winding number of triangles on the lattice, summed one by one.
+// The winding number of triangles on the lattice, summed one by one, and the voxels to judge by it.
 #pragma once
 
+#include "SolidAngleOracle.h"
 #include "tetvdb/geometry/FillHoles.h"
+#include "tetvdb/voxelize/WindingBand.h"
 
-#include <cmath>
+#include <array>
 #include <vector>
 
 namespace tetvdb::test {
 
-/// The definition, in long double (Van Oosterom and Strackee 1983). `voxel`: in index space.
+/// The definition. `voxel`: in index space.
 inline double windingOf(const std::vector<FillTriangle>& triangles, const Vec3d& voxel) {
   long double total = 0;
   for (const FillTriangle& t : triangles) {
     const LatticePoint* corners[3] = {&t.a, &t.b, &t.c};
-    long double v[3][3], l[3];
-    for (int i = 0; i < 3; ++i) {
-      v[i][0] = corners[i]->x - voxel[0] * static_cast<double>(kUnitsPerVoxel);
-      v[i][1] = corners[i]->y - voxel[1] * static_cast<double>(kUnitsPerVoxel);
-      v[i][2] = corners[i]->z - voxel[2] * static_cast<double>(kUnitsPerVoxel);
-      l[i] = std::sqrt(v[i][0] * v[i][0] + v[i][1] * v[i][1] + v[i][2] * v[i][2]);
-    }
-    const auto dot = [&](int i, int j) {
-      return v[i][0] * v[j][0] + v[i][1] * v[j][1] + v[i][2] * v[j][2];
-    };
-    const long double det = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-                            v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-                            v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-    total += t.weight * 2 *
-             std::atan2(det, l[0] * l[1] * l[2] + dot(0, 1) * l[2] + dot(1, 2) * l[0] +
-                                 dot(2, 0) * l[1]);
+    std::array<std::array<long double, 3>, 3> v;
+    for (std::size_t i = 0; i < 3; ++i)
+      v[i] = {corners[i]->x - voxel[0] * static_cast<double>(kUnitsPerVoxel),
+              corners[i]->y - voxel[1] * static_cast<double>(kUnitsPerVoxel),
+              corners[i]->z - voxel[2] * static_cast<double>(kUnitsPerVoxel)};
+    total += t.weight * solidAngle(v);
   }
-  return static_cast<double>(total / (4 * 3.14159265358979323846L));
+  return static_cast<double>(total / kSphere);
+}
+
+/// Calls found(voxel, winding number) for every voxel that the band evaluates.
+template <class Found>
+void forEvaluated(const WindingBand& band, const Found& found) {
+  std::vector<double> values(std::size_t(kSlabRows) * kNodeSize);
+  SlabBits flags;
+  for (const NodeIndex& index : band.nodes()) {
+    const WindingBand::Node node = band.enter(index);
+    for (int slab = 0; slab < kSlabsPerNode; ++slab) {
+      if (!band.evaluate(node, slab, flags, values))
+        continue;
+      for (int row = 0; row < kSlabRows; ++row)
+        for (int z = 0; z < kNodeSize; ++z)
+          if ((flags.rows[row][z >> 6] >> (z & 63) & 1) != 0)
+            found(std::array<int, 3>{index[0] * kNodeSize + slab * kLeafSize + row / kNodeSize,
+                                     index[1] * kNodeSize + row % kNodeSize,
+                                     index[2] * kNodeSize + z},
+                  values[std::size_t(row) * kNodeSize + std::size_t(z)]);
+    }
+  }
 }
 
 } // namespace tetvdb::test

@@ -9,21 +9,6 @@ namespace {
 
 constexpr std::size_t kTypes = 141;
 
-constexpr CellKind flat(const char* name, std::uint32_t nodes) {
-  return {name, CellType::Flat, 0, nodes};
-}
-constexpr CellKind tetra(const char* name, std::uint32_t nodes) {
-  return {name, CellType::Tetra, 4, nodes};
-}
-constexpr CellKind hexahedron(const char* name, std::uint32_t nodes) {
-  return {name, CellType::Hexahedron, 8, nodes};
-}
-constexpr CellKind wedge(const char* name, std::uint32_t nodes) {
-  return {name, CellType::Wedge, 6, nodes};
-}
-constexpr CellKind pyramid(const char* name, std::uint32_t nodes) {
-  return {name, CellType::Pyramid, 5, nodes};
-}
 // Of kept nodes in VTK's order their place in Gmsh's ("Node ordering" in its reference manual,
 // which gives each type's edges and faces).
 constexpr std::uint8_t kTetra10[] = {0, 1, 2, 3, 4, 5, 6, 7, 9, 8};
@@ -32,16 +17,71 @@ constexpr std::uint8_t kHexahedron27[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  11
 constexpr std::uint8_t kWedge18[] = {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16};
 constexpr std::uint8_t kPyramid14[] = {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12, 13};
 
-constexpr CellKind curved(CellKind kind, const std::uint8_t* order) {
-  kind.kept = kind.nodes;
-  kind.order = order;
-  return kind;
-}
-constexpr CellKind pointwise(const char* name) {
-  return {name, CellType::OtherSolid, 0, 1};
-}
+/// A type of elements: its number, name and nodes; `order`: of a curved one.
+struct Row {
+  std::uint8_t type;
+  const char* name;
+  std::uint32_t nodes;
+  const std::uint8_t* order = nullptr;
+};
+constexpr Row kFlats[] = {{1, "line", 2},   {2, "triangle", 3},  {3, "quad", 4},
+                          {8, "line3", 3},  {9, "triangle6", 6}, {10, "quad9", 9},
+                          {15, "point", 1}, {16, "quad8", 8}};
+constexpr Row kTetras[] = {
+    {4, "tetra", 4},       {11, "tetra10", 10, kTetra10}, {29, "tetra20", 20},
+    {30, "tetra35", 35},   {31, "tetra56", 56},           {32, "tetra22", 22},
+    {33, "tetra28", 28},   {71, "tetra84", 84},           {72, "tetra120", 120},
+    {73, "tetra165", 165}, {74, "tetra220", 220},         {75, "tetra286", 286},
+    {79, "tetra34", 34},   {80, "tetra40", 40},           {81, "tetra46", 46},
+    {82, "tetra52", 52},   {83, "tetra58", 58},           {137, "tetra16", 16},
+    {139, "tetra5", 5}};
+constexpr Row kHexahedra[] = {{5, "hexahedron", 8},
+                              {12, "hexahedron27", 27, kHexahedron27},
+                              {17, "hexahedron20", 20, kHexahedron27},
+                              {92, "hexahedron64", 64},
+                              {93, "hexahedron125", 125},
+                              {94, "hexahedron216", 216},
+                              {95, "hexahedron343", 343},
+                              {96, "hexahedron512", 512},
+                              {97, "hexahedron729", 729},
+                              {98, "hexahedron1000", 1000},
+                              {99, "hexahedron32", 32},
+                              {100, "hexahedron44", 44},
+                              {101, "hexahedron56", 56},
+                              {102, "hexahedron68", 68},
+                              {103, "hexahedron80", 80},
+                              {104, "hexahedron92", 92},
+                              {105, "hexahedron104", 104}};
+constexpr Row kWedges[] = {
+    {6, "wedge", 6},        {13, "wedge18", 18, kWedge18}, {18, "wedge15", 15, kWedge18},
+    {90, "wedge40", 40},    {91, "wedge75", 75},           {106, "wedge126", 126},
+    {107, "wedge196", 196}, {108, "wedge288", 288},        {109, "wedge405", 405},
+    {110, "wedge550", 550}, {111, "wedge24", 24},          {112, "wedge33", 33},
+    {113, "wedge42", 42},   {114, "wedge51", 51},          {115, "wedge60", 60},
+    {116, "wedge69", 69},   {117, "wedge78", 78}};
+constexpr Row kPyramids[] = {{7, "pyramid", 5},
+                             {14, "pyramid14", 14, kPyramid14},
+                             {19, "pyramid13", 13, kPyramid14},
+                             {118, "pyramid30", 30},
+                             {119, "pyramid55", 55},
+                             {120, "pyramid91", 91},
+                             {121, "pyramid140", 140},
+                             {122, "pyramid204", 204},
+                             {123, "pyramid285", 285},
+                             {124, "pyramid385", 385},
+                             {125, "pyramid21", 21},
+                             {126, "pyramid29", 29},
+                             {127, "pyramid37", 37},
+                             {128, "pyramid45", 45},
+                             {129, "pyramid53", 53},
+                             {130, "pyramid61", 61},
+                             {131, "pyramid69", 69}};
+constexpr Row kPoints[] = {{87, "tetra of order 0", 1},
+                           {88, "hexahedron of order 0", 1},
+                           {89, "wedge of order 0", 1},
+                           {132, "pyramid of order 0", 1}};
 
-/// Number of nodes of the flat types that have no name of their own below.
+/// Number of nodes of the flat types that have no name of their own.
 constexpr std::array<std::array<std::uint32_t, 2>, 46> kFlatNodes{
     {{1, 2},    {2, 3},   {3, 4},   {8, 3},   {9, 6},   {10, 9},  {15, 1},  {16, 8},
      {20, 9},   {21, 10}, {22, 12}, {23, 15}, {24, 15}, {25, 21}, {26, 4},  {27, 5},
@@ -52,99 +92,31 @@ constexpr std::array<std::array<std::uint32_t, 2>, 46> kFlatNodes{
 
 std::array<CellKind, kTypes> makeKinds() {
   std::array<CellKind, kTypes> kinds{};
+  const auto set = [&](std::size_t type, const char* name, std::uint32_t nodes, CellType shape,
+                       std::uint32_t corners) {
+    kinds[type] = {name, shape, corners, nodes};
+  };
+  const auto setAll = [&](const auto& rows, CellType shape, std::uint32_t corners) {
+    for (const Row& row : rows) {
+      set(row.type, row.name, row.nodes, shape, corners);
+      if (row.order != nullptr) {
+        kinds[row.type].kept = row.nodes;
+        kinds[row.type].order = row.order;
+      }
+    }
+  };
   for (const auto& [type, nodes] : kFlatNodes)
-    kinds[type] = flat("surface element of higher order", nodes);
-  kinds[1] = flat("line", 2);
-  kinds[2] = flat("triangle", 3);
-  kinds[3] = flat("quad", 4);
-  kinds[8] = flat("line3", 3);
-  kinds[9] = flat("triangle6", 6);
-  kinds[10] = flat("quad9", 9);
-  kinds[15] = flat("point", 1);
-  kinds[16] = flat("quad8", 8);
+    set(type, "surface element of higher order", nodes, CellType::Flat, 0);
   for (std::uint32_t i = 0; i < 5; ++i) // lines of order 6 to 10
-    kinds[62 + i] = flat("line of higher order", 7 + i);
+    set(62 + i, "line of higher order", 7 + i, CellType::Flat, 0);
   for (std::uint32_t i = 0; i < 3; ++i) // lines, triangles, quads of order 0
-    kinds[84 + i] = flat("element of order 0", 1);
-
-  kinds[4] = tetra("tetra", 4);
-  kinds[11] = curved(tetra("tetra10", 10), kTetra10);
-  kinds[29] = tetra("tetra20", 20);
-  kinds[30] = tetra("tetra35", 35);
-  kinds[31] = tetra("tetra56", 56);
-  kinds[32] = tetra("tetra22", 22);
-  kinds[33] = tetra("tetra28", 28);
-  kinds[71] = tetra("tetra84", 84);
-  kinds[72] = tetra("tetra120", 120);
-  kinds[73] = tetra("tetra165", 165);
-  kinds[74] = tetra("tetra220", 220);
-  kinds[75] = tetra("tetra286", 286);
-  kinds[79] = tetra("tetra34", 34);
-  kinds[80] = tetra("tetra40", 40);
-  kinds[81] = tetra("tetra46", 46);
-  kinds[82] = tetra("tetra52", 52);
-  kinds[83] = tetra("tetra58", 58);
-  kinds[137] = tetra("tetra16", 16);
-  kinds[139] = tetra("tetra5", 5);
-
-  kinds[5] = hexahedron("hexahedron", 8);
-  kinds[12] = curved(hexahedron("hexahedron27", 27), kHexahedron27);
-  kinds[17] = curved(hexahedron("hexahedron20", 20), kHexahedron27);
-  kinds[92] = hexahedron("hexahedron64", 64);
-  kinds[93] = hexahedron("hexahedron125", 125);
-  kinds[94] = hexahedron("hexahedron216", 216);
-  kinds[95] = hexahedron("hexahedron343", 343);
-  kinds[96] = hexahedron("hexahedron512", 512);
-  kinds[97] = hexahedron("hexahedron729", 729);
-  kinds[98] = hexahedron("hexahedron1000", 1000);
-  kinds[99] = hexahedron("hexahedron32", 32);
-  kinds[100] = hexahedron("hexahedron44", 44);
-  kinds[101] = hexahedron("hexahedron56", 56);
-  kinds[102] = hexahedron("hexahedron68", 68);
-  kinds[103] = hexahedron("hexahedron80", 80);
-  kinds[104] = hexahedron("hexahedron92", 92);
-  kinds[105] = hexahedron("hexahedron104", 104);
-
-  kinds[6] = wedge("wedge", 6);
-  kinds[13] = curved(wedge("wedge18", 18), kWedge18);
-  kinds[18] = curved(wedge("wedge15", 15), kWedge18);
-  kinds[90] = wedge("wedge40", 40);
-  kinds[91] = wedge("wedge75", 75);
-  kinds[106] = wedge("wedge126", 126);
-  kinds[107] = wedge("wedge196", 196);
-  kinds[108] = wedge("wedge288", 288);
-  kinds[109] = wedge("wedge405", 405);
-  kinds[110] = wedge("wedge550", 550);
-  kinds[111] = wedge("wedge24", 24);
-  kinds[112] = wedge("wedge33", 33);
-  kinds[113] = wedge("wedge42", 42);
-  kinds[114] = wedge("wedge51", 51);
-  kinds[115] = wedge("wedge60", 60);
-  kinds[116] = wedge("wedge69", 69);
-  kinds[117] = wedge("wedge78", 78);
-
-  kinds[7] = pyramid("pyramid", 5);
-  kinds[14] = curved(pyramid("pyramid14", 14), kPyramid14);
-  kinds[19] = curved(pyramid("pyramid13", 13), kPyramid14);
-  kinds[118] = pyramid("pyramid30", 30);
-  kinds[119] = pyramid("pyramid55", 55);
-  kinds[120] = pyramid("pyramid91", 91);
-  kinds[121] = pyramid("pyramid140", 140);
-  kinds[122] = pyramid("pyramid204", 204);
-  kinds[123] = pyramid("pyramid285", 285);
-  kinds[124] = pyramid("pyramid385", 385);
-  kinds[125] = pyramid("pyramid21", 21);
-  kinds[126] = pyramid("pyramid29", 29);
-  kinds[127] = pyramid("pyramid37", 37);
-  kinds[128] = pyramid("pyramid45", 45);
-  kinds[129] = pyramid("pyramid53", 53);
-  kinds[130] = pyramid("pyramid61", 61);
-  kinds[131] = pyramid("pyramid69", 69);
-
-  kinds[87] = pointwise("tetra of order 0");
-  kinds[88] = pointwise("hexahedron of order 0");
-  kinds[89] = pointwise("wedge of order 0");
-  kinds[132] = pointwise("pyramid of order 0");
+    set(84 + i, "element of order 0", 1, CellType::Flat, 0);
+  setAll(kFlats, CellType::Flat, 0);
+  setAll(kTetras, CellType::Tetra, 4);
+  setAll(kHexahedra, CellType::Hexahedron, 8);
+  setAll(kWedges, CellType::Wedge, 6);
+  setAll(kPyramids, CellType::Pyramid, 5);
+  setAll(kPoints, CellType::OtherSolid, 0);
   return kinds;
 }
 

@@ -1,38 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/formats/off/OffWriter.h"
 
-#include "tetvdb/io/text/TextLine.h"
+#include "tetvdb/io/text/TriangleLines.h"
 
 namespace tetvdb {
-namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 17;
-
-} // namespace
 
 void writeOff(const std::string& path, const TriangleMesh& mesh, Progress& progress) {
-  AtomicFile file(path);
-  TextLine line(file);
-  const std::size_t points = mesh.points.size(), faces = mesh.triangleCount();
-  const auto update = [&](std::size_t done) {
-    if (done % kPerUpdate == 0)
-      progress.update(static_cast<double>(done) / static_cast<double>(points + faces));
-  };
-  line.word("OFF").end();
-  line.number(points).number(faces).number(0).end();
-  for (std::size_t i = 0; i < points; ++i) {
-    const Vec3d& p = mesh.points[i];
-    line.number(p[0]).number(p[1]).number(p[2]).end();
-    update(i);
-  }
-  for (std::size_t t = 0; t < faces; ++t) {
-    line.number(3);
-    for (std::size_t k = 0; k < 3; ++k)
-      line.number(mesh.triangles[3 * t + k]);
-    line.end();
-    update(points + t);
-  }
-  file.commit();
+  const std::string counts =
+      std::to_string(mesh.points.size()) + " " + std::to_string(mesh.triangleCount()) + " 0\n";
+  writeTriangleLines(path, mesh, {"OFF\n" + counts, "", "3", 0}, progress);
 }
 
 } // namespace tetvdb

@@ -3,13 +3,10 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/Version.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
-#include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
-#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/volume/NanoFile.h"
 #include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/pipeline/ArrayOutput.h"
@@ -19,6 +16,7 @@
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
 #include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
@@ -31,7 +29,6 @@
 #include <fmt/format.h>
 #include <memory>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 #include <utility>
 
 namespace tetvdb {
@@ -124,31 +121,6 @@ void warnOfOtherSteps(const InputInfo& info, const ReadOptions& wanted, Report& 
                                        info.path, info.times.size(), info.times[info.step]));
 }
 
-std::string fileNames(const std::vector<std::string>& paths) {
-  std::string names;
-  for (const std::string& path : paths) {
-    if (!names.empty())
-      names += ", ";
-    names += fs::path(path).filename().string();
-  }
-  return names;
-}
-
-void describeOrigin(const VoxelizeJob& job, Volume& volume) {
-  volume.metadata = job.metadata;
-  volume.metadata["creator"] = std::string("TetVDB ") + version();
-  volume.metadata["source"] = fileNames(job.inputs);
-  if (!job.units.empty())
-    volume.metadata["units"] = job.units;
-  if (job.up == UpAxis::Y)
-    volume.metadata["up_axis"] = "y";
-  if (!job.half)
-    return;
-  for (const auto& grid : volume.grids().all)
-    if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>())
-      grid->setSaveFloatAsHalf(true);
-}
-
 // Reads every input by read(path, info).
 template <typename Mesh, typename Read>
 std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report& report,
@@ -167,25 +139,6 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
   }
   return meshes;
 }
-
-// What is made of arrays can have any values.
-void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {
-  for (std::size_t i = job.grids.size(); i < grids.size(); ++i) {
-    const GridInfo& grid = grids[i];
-    const double largest = std::max(std::abs(grid.minValue), std::abs(grid.maxValue));
-    if (job.half && grid.activeVoxels > 0 && grid.type != "int32" && largest > kLargestHalf)
-      throw Error(Status::Invalid, "`half`",
-                  fmt::format("'{}' has values up to {:.6g}, beyond {}, the largest of 16 bits",
-                              grid.name, largest, kLargestHalf),
-                  fmt::format("leave `half` out, or use `remap={}=0:1`", grid.name));
-    const std::string why = whyHidden(grid);
-    if (!why.empty())
-      report.warn(kHiddenValues, fmt::format("'{}' {}; `remap={}=0:1` makes it visible", grid.name,
-                                             why, grid.name));
-  }
-}
-
-using PackedGrids = std::vector<std::unique_ptr<PackedGrid>>;
 
 // `packed`: grids that come after the volume's.
 template <typename Voxelize>
@@ -244,60 +197,6 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   if (coverageOnly)
     requireVoxels(made, job.voxelize);
   return made;
-}
-
-// openFirstTile() changes a grid of tiles alone: then the tree is what counts.
-void dropStale(const Volume& volume, std::vector<NanoBytes>& nano) {
-  for (const auto& grid : volume.grids().all)
-    if (!nano.empty() && grid->constBaseTree().leafCount() == 1)
-      nano.clear();
-}
-
-template <typename WriteMesh>
-void writeOutputs(const VoxelizeJob& job, const WriteMesh& writeMesh, Volume& volume,
-                  const std::vector<NanoBytes>& nano, const PackedGrids& packed,
-                  const Preview& preview, VoxelizeResult& result, Report& report,
-                  Progress& progress) {
-  StageTimer timer(report, "write");
-  progress.stage("write");
-  if (!job.meshOutput.empty())
-    writeMesh();
-  if (!preview.isEmpty()) {
-    try {
-      preview.write(job.preview);
-    } catch (...) {
-      if (!job.meshOutput.empty())
-        ::unlink(job.meshOutput.c_str());
-      throw;
-    }
-    result.preview = preview.info();
-  }
-  if (!job.output.empty()) {
-    try {
-      if (!nano.empty())
-        writeNanoGrids(job.output, nano, progress);
-      else if (!packed.empty())
-        writeVdb(job.output, volume, packed, progress);
-      else if (isArrayFile(job.output))
-        writeArrays(job.output, volume, job.arrays, progress);
-      else
-        writeVolume(job.output, volume, progress);
-    } catch (...) {
-      if (!job.meshOutput.empty())
-        ::unlink(job.meshOutput.c_str()); // nothing, or everything
-      if (!preview.isEmpty())
-        ::unlink(job.preview.c_str());
-      throw;
-    }
-    for (const std::string& path : arrayFiles(job.output))
-      result.outputs.push_back(written(path));
-  }
-  if (!job.meshOutput.empty())
-    result.outputs.push_back(written(job.meshOutput));
-  if (!preview.isEmpty())
-    result.outputs.push_back(written(job.preview));
-  if (job.keep)
-    result.kept = std::move(volume);
 }
 
 // The grids that are named, those of the shape, then those of arrays, one transform. The last are
@@ -373,7 +272,6 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
       return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed, result, report,
                           progress);
     });
-    dropStale(volume, nano);
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
     if (!job.preview.empty())
@@ -381,7 +279,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   }
   progress.check();
   writeOutputs(
-      job, [&] { writeTetMesh(job.meshOutput, mesh, progress); }, volume, nano, packed, preview,
+      job, {volume, nano, packed, preview}, [&] { writeTetMesh(job.meshOutput, mesh, progress); },
       result, report, progress);
 }
 
@@ -423,12 +321,11 @@ public:
       if (job_.units.empty() && !units_.empty())
         volume.metadata["units"] = units_;
     }
-    dropStale(volume, nano_);
     if (!job_.preview.empty() && job_.makesVolume())
       preview_.volume(volume, report_, progress_);
     progress_.check();
     writeOutputs(
-        job_, [&] { writeMesh(); }, volume, nano_, {}, preview_, result_, report_, progress_);
+        job_, {volume, nano_, {}, preview_}, [&] { writeMesh(); }, result_, report_, progress_);
   }
 
 private:

@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/formats/cgns/CgnsElements.h"
 #include "tetvdb/io/formats/cgns/CgnsFile.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/source/IsolatedRead.h"
@@ -24,63 +25,6 @@ namespace {
 
 constexpr const char* kExport = "repair the file or export it again";
 constexpr std::size_t kName = 33; ///< characters of a name, the ending 0 included
-
-// SIDS, "unstructured grid element numbering conventions": the mids of vertical edges come before
-// those above, the middles of faces bottom, front, right, back, left, top.
-constexpr std::uint8_t kHexahedronOrder[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
-                                             18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26};
-constexpr std::uint8_t kWedgeOrder[] = {0,  1,  2,  3, 4,  5,  6,  7,  8,
-                                        12, 13, 14, 9, 10, 11, 15, 16, 17};
-
-CellKind quadratic(const char* name, CellType type, std::uint32_t corners, std::uint32_t nodes,
-                   const std::uint8_t* order = nullptr) {
-  const std::uint32_t kept = keptNodes(type, nodes);
-  return {name, type, corners, nodes, kept, kept != 0 ? order : nullptr};
-}
-
-/// What an element type with a fixed number of nodes is.
-CellKind kindOf(ElementType_t type) {
-  switch (type) {
-  case TETRA_4:
-    return {"TETRA_4", CellType::Tetra, 4, 4};
-  case TETRA_10:
-    return quadratic("TETRA_10", CellType::Tetra, 4, 10);
-  case PYRA_5:
-    return {"PYRA_5", CellType::Pyramid, 5, 5};
-  case PYRA_13:
-    return quadratic("PYRA_13", CellType::Pyramid, 5, 13);
-  case PYRA_14:
-    return quadratic("PYRA_14", CellType::Pyramid, 5, 14);
-  case PENTA_6:
-    return {"PENTA_6", CellType::Wedge, 6, 6};
-  case PENTA_15:
-    return quadratic("PENTA_15", CellType::Wedge, 6, 15, kWedgeOrder);
-  case PENTA_18:
-    return quadratic("PENTA_18", CellType::Wedge, 6, 18, kWedgeOrder);
-  case HEXA_8:
-    return {"HEXA_8", CellType::Hexahedron, 8, 8};
-  case HEXA_20:
-    return quadratic("HEXA_20", CellType::Hexahedron, 8, 20, kHexahedronOrder);
-  case HEXA_27:
-    return quadratic("HEXA_27", CellType::Hexahedron, 8, 27, kHexahedronOrder);
-  default:
-    break;
-  }
-  int nodes = 0;
-  if (cg_npe(type, &nodes) != CG_OK || nodes < 1)
-    return {"", CellType::OtherSolid, 0, 0};
-  const auto each = static_cast<std::uint32_t>(nodes);
-  const std::string name = cg_ElementTypeName(type);
-  const bool flat = name.rfind("NODE", 0) == 0 || name.rfind("BAR", 0) == 0 ||
-                    name.rfind("TRI_", 0) == 0 || name.rfind("QUAD_", 0) == 0;
-  return {cg_ElementTypeName(type), flat ? CellType::Flat : CellType::OtherSolid, 0, each};
-}
-
-/// Corners of the polygon that a flat element is; 0 for points and lines.
-std::uint32_t polygonCorners(const CellKind& kind) {
-  const std::string name = kind.name;
-  return name.rfind("TRI_", 0) == 0 ? 3 : name.rfind("QUAD_", 0) == 0 ? 4 : 0;
-}
 
 struct Section {
   int number = 0;
@@ -180,7 +124,7 @@ public:
         if (section.type == NFACE_n ||
             (section.type == MIXED
                  ? isMixedSolid(section)
-                 : section.type != NGON_n && kindOf(section.type).type != CellType::Flat))
+                 : section.type != NGON_n && cgnsElement(section.type).type != CellType::Flat))
           return true;
     }
     return false;
@@ -377,7 +321,7 @@ private:
   }
 
   void readFixed(const Section& section, CellMesh& mesh) {
-    const CellKind kind = kindOf(section.type);
+    const CellKind kind = cgnsElement(section.type);
     if (kind.nodes == 0)
       file_.fail("a section has elements of a type that is not known", kExport);
     const std::size_t count = countOf(section), size = sizeOf(section);
@@ -414,7 +358,7 @@ private:
       const std::size_t begin = static_cast<std::size_t>(offsets[i]),
                         end = static_cast<std::size_t>(offsets[i + 1]);
       const CellKind kind =
-          begin < end ? kindOf(static_cast<ElementType_t>(nodes[begin])) : CellKind{};
+          begin < end ? cgnsElement(static_cast<ElementType_t>(nodes[begin])) : CellKind{};
       if (begin == end || kind.nodes == 0 || end - begin - 1 != kind.nodes)
         file_.fail("element " + std::to_string(i + 1) + " of a mixed section has " +
                    std::to_string(end - begin) + " numbers, which its type does not have");

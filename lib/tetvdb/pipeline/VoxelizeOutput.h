@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a VoxelizeJob says about its grids, and its files.
+#pragma once
+
+#include "tetvdb/io/volume/NanoFile.h"
+#include "tetvdb/io/volume/PackedGrid.h"
+#include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+using PackedGrids = std::vector<std::unique_ptr<PackedGrid>>;
+
+/// Metadata, and which grids are written in 16 bits.
+void describeOrigin(const VoxelizeJob& job, Volume& volume);
+
+/// Grids that are made of arrays can have any values: throws Error(Invalid) for those beyond 16
+/// bits where these are asked for, warns of those that Blender would not show.
+void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report);
+
+struct VoxelizeOutput {
+  Volume& volume;
+  /// The device's grids of the volume, where these can be written as they are. They are not where
+  /// openFirstTile() has changed a grid of tiles alone.
+  const std::vector<NanoBytes>& nano;
+  const PackedGrids& packed; ///< that come after the volume's
+  const Preview& preview;
+};
+
+/// Writes the job's files: all of them, or none and what the failing one threw. writeMesh() writes
+/// the mesh. The volume moves to `result` where the job keeps it. Adds stage "write" to `report`.
+void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
+                  const std::function<void()>& writeMesh, VoxelizeResult& result, Report& report,
+                  Progress& progress);
+
+} // namespace tetvdb

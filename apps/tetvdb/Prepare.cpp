@@ -24,6 +24,7 @@ struct Options : JobOptions {
   std::string offset, wall, close, fillVoids;
   std::vector<std::string> drains;
   std::string infill, cellSize, thickness, density;
+  std::optional<double> simplify;
 };
 
 const char* const kExamples = R"(Examples:
@@ -153,6 +154,7 @@ PrepareJob makeJob(const Options& options) {
     job.wall = parseLength("--hollow", options.wall);
   if (!options.close.empty())
     job.close = parseLength("--close", options.close);
+  job.simplify = options.simplify;
   if (!options.fillVoids.empty())
     job.fillVolume = parseLength("--fill-voids", options.fillVoids);
   job.infill = infillOf(options);
@@ -187,6 +189,7 @@ Json preparedOf(const PrepareResult& result) {
           {"voxel_size", orNull(result.voxel > 0, result.voxel)},
           {"voxel_is_coarse", result.voxelIsCoarse},
           {"wall_min", orNull(result.wall > 0, result.wall)},
+          {"cavity_triangles", result.wall > 0 ? Json(result.cavityFaces) : Json()},
           {"volume_before", result.volumeBefore},
           {"volume", result.volumeAfter},
           {"volume_saved", result.volumeBefore - result.volumeAfter},
@@ -269,6 +272,12 @@ Command addPrepare(CLI::App& program) {
   add("--hollow", options->wall, "T", "Leave walls of this thickness, nowhere thinner");
   add("--close", options->close, "R",
       "With --hollow: the cavity is nowhere narrower than twice this");
+  command
+      ->add_option(
+          "--simplify", options->simplify,
+          "With --hollow: merge triangles of the cavity while walls get thicker by no more "
+          "than E voxels (default 0.25, with an infill 0; 0: keep all)")
+      ->type_name("E");
   add("--fill-voids", options->fillVoids, "V",
       "Fill enclosed cavities of a volume below V, including those that --hollow makes");
   add("--offset", options->offset, "D",

@@ -98,7 +98,8 @@ class PrepareTest(program.CommandLineTest):
 
     def test_a_hollow_ball_has_its_volume_and_its_faces(self):
         mesh = ball(40, 10, (0, 0, 0))
-        report = self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.1")
+        report = self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.1",
+                               "--simplify", "0")
         out = self.solid()
         self.assertEqual(out[1][:len(mesh[1])] and len(out[1]) > len(mesh[1]), True)
         single = {tuple(struct.unpack("<3f", struct.pack("<3f", *p))) for p in mesh[0]}
@@ -113,6 +114,24 @@ class PrepareTest(program.CommandLineTest):
         self.assertLess(report["wall_min"], 2.01)
         self.assertEqual(report["faces_kept"], len(mesh[1]))
         self.assertEqual(components(out), 2)
+
+    def test_the_cavity_has_few_faces_and_walls_are_no_thinner(self):
+        """Against the cavity as it was made: more solid, by less than what is allowed."""
+        mesh = ball(24, 10, (0, 0, 0))
+        whole = self.prepared("ball.off", mesh, "--hollow", "2", "--simplify", "0")
+        self.assertEqual(whole["cavity_triangles"], whole["triangles"] - len(mesh[1]))
+        for voxels, options, times in ((0.25, (), 10), (1, ("--simplify", "1"), 20)):
+            report = self.prepared("ball.off", mesh, "--hollow", "2", *options)
+            out = self.solid()
+            self.assertEqual(report["cavity_triangles"], whole["cavity_triangles"])
+            self.assertLess(times * (report["triangles"] - len(mesh[1])), whole["cavity_triangles"])
+            self.assertEqual(report["wall_min"], whole["wall_min"])
+            self.assertEqual(components(out), 2)
+            thicker = (report["volume"] - whole["volume"]) / (4 * math.pi * 8 ** 2)
+            self.assertLess(0, thicker)
+            self.assertLess(thicker, voxels * 0.1)
+            inner = [math.hypot(*p) for p in out[0] if math.hypot(*p) < 9]
+            self.assertLess(max(inner), 8)
 
     def test_the_voxel_follows_the_wall_and_is_said(self):
         report = self.prepared("ball.off", ball(12, 10, (0, 0, 0)), "--hollow", "4")
@@ -226,7 +245,7 @@ class PrepareTest(program.CommandLineTest):
 
     def test_holes_connect_cavities_with_the_outside(self):
         mesh = box_faces((0, 0, 0), (20, 20, 20))
-        options = ["--hollow", "2", "--voxel-size", "0.25"]
+        options = ["--hollow", "2", "--voxel-size", "0.25", "--simplify", "0"]
         closed = self.prepared("box.off", mesh, *options)
         report = self.prepared("box.off", mesh, *options, "--drain", "auto:1.5", "--drain",
                                "0,9.7,8.6,1,0,0,1")
@@ -282,7 +301,8 @@ class PrepareTest(program.CommandLineTest):
         self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.2", output="ball.vdb")
         grid, = self.report_of("info", "ball.vdb")["input"][0]["grids"]
         self.assertEqual((grid["name"], grid["class"]), ("surface", "level set"))
-        self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.2", output="ball.stl")
+        self.prepared("ball.off", mesh, "--hollow", "2", "--voxel-size", "0.2", "--simplify", "0",
+                      output="ball.stl")
         sums = []
         for name in ("ball.vdb", "ball.stl"):
             self.succeed("slice", name, "-o", "layers", *PLATE)
@@ -295,12 +315,14 @@ class PrepareTest(program.CommandLineTest):
     def test_tets_and_volumes_go_in(self):
         points, tets = lattice(2, side=10)
         self.write("block.vtu", program.vtu(points, tets))
-        report = self.report_of("prepare", "block.vtu", "-o", "a.stl", "--hollow", "1")["prepare"]
+        report = self.report_of("prepare", "block.vtu", "-o", "a.stl", "--hollow", "1",
+                                "--simplify", "0")["prepare"]
         self.assertEqual(report["source"], "tets")
         self.assertAlmostEqual(volume(self.solid("a.stl")), 1000 - 512, 0)
         self.succeed("voxelize", "block.vtu", "-o", "block.vdb", "--grid", "surface",
                      "--voxel-size", "0.25")
-        report = self.report_of("prepare", "block.vdb", "-o", "b.stl", "--hollow", "1")["prepare"]
+        report = self.report_of("prepare", "block.vdb", "-o", "b.stl", "--hollow", "1",
+                                "--simplify", "0")["prepare"]
         self.assertEqual(report["source"], "volume")
         self.assertAlmostEqual(volume(self.solid("b.stl")) / (1000 - 512), 1, 1)
 
@@ -314,6 +336,7 @@ class PrepareTest(program.CommandLineTest):
         refuse(2, "--hollow", "--hollow", "-1")
         refuse(2, "--hollow", "--close", "1")
         refuse(2, "--voxel-size", "--hollow", "1", "--voxel-size", "0.6")
+        refuse(2, "--simplify", "--hollow", "1", "--simplify", "-1")
         refuse(2, "--offset", "--offset", "0")
         refuse(3, "shrink it by less", "--offset", "-6")
         refuse(4, "--voxel-size", "--hollow", "0.001")

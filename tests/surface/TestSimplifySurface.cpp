@@ -127,6 +127,42 @@ TEST(SimplifySurface, BothLimitsHold) {
 }
 
 // Two walls nearer to each other than the tolerance.
+// Judged by winding numbers at random points near the surface, and by distances of points of both:
+// what was solid stays solid, also where the surface is dented or has saddles.
+TEST(SimplifySurface, OutwardTakesNothingFromTheSolid) {
+  const auto bumpy = [](const Vec3d& p) {
+    const double r = 1 + 0.1 * std::sin(5 * p[0]) * std::cos(4 * p[1] + p[2]);
+    return Vec3d{r * p[0], r * p[1], r * p[2]};
+  };
+  const double tolerance = 0.02;
+  SimplifyOptions options = within(tolerance);
+  options.outward = true;
+  for (const bool inward : {false, true})
+    for (TriangleMesh mesh : {moved(sphere({0, 0, 0}, 1, 24), bumpy), torus(1, 0.3, 60, 30)}) {
+      if (inward)
+        mesh = flipped(mesh); // a cavity: its solid is around it
+      const TriangleMesh made = simplified(mesh, options);
+      EXPECT_LT(made.triangleCount(), mesh.triangleCount() * 3 / 4);
+      EXPECT_EQ(crossingsOf(made), 0u);
+      EXPECT_LT(distanceBetween(mesh, made), tolerance);
+      EXPECT_GT(signedVolume(made), signedVolume(mesh));
+      Random random(3);
+      int kept = 0, grown = 0;
+      for (int i = 0; i < 600; ++i) {
+        Vec3d p = mesh.points[random.below(mesh.points.size())];
+        for (double& x : p)
+          x += random.between(-tolerance, tolerance);
+        const bool was = windingNumberAt(mesh, p) > (inward ? -0.5 : 0.5);
+        const bool is = windingNumberAt(made, p) > (inward ? -0.5 : 0.5);
+        EXPECT_TRUE(is || !was);
+        kept += was;
+        grown += is && !was;
+      }
+      EXPECT_GT(kept, 100);
+      EXPECT_GT(grown, 10);
+    }
+}
+
 TEST(SimplifySurface, NoCrossingsComeIn) {
   for (const double gap : {0.02, 0.004}) {
     TriangleMesh mesh = joined({sphere({0, 0, 0}, 1, 24), flipped(sphere({0, 0, 0}, 1 - gap, 31))});

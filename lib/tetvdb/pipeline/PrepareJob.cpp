@@ -16,6 +16,7 @@
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
+#include "tetvdb/surface/SimplifySurface.h"
 #include "tetvdb/surface/TetSurface.h"
 
 #include <algorithm>
@@ -108,6 +109,7 @@ private:
     requireLength("`hollow`", job_.wall, true);
     requireLength("`close`", job_.close, true);
     requireLength("`fill_voids`", job_.fillVolume, true);
+    requireLength("`simplify`", job_.simplify.value_or(0), true);
     requireLength("`voxel_size`", job_.voxelSize, true);
     if (job_.close > 0 && !(job_.wall > 0))
       throw Error(Status::Usage, "`close`", "is of the cavity that `hollow` makes",
@@ -252,7 +254,23 @@ private:
       return;
     }
     result_.wall = cavity.wall;
+    result_.cavityFaces = cavity.surface.triangleCount();
+    simplify(cavity.surface);
     appendFaces(solid, cavity.surface);
+  }
+
+  // The solid's faces look into the cavity: where these move that way alone no wall gets thinner.
+  void simplify(TriangleMesh& cavity) {
+    const double voxels =
+        job_.simplify.value_or(job_.infill || writesVolume() ? 0 : PrepareJob::kSimplify);
+    if (voxels == 0)
+      return;
+    StageTimer timer(report_, "simplify");
+    progress_.stage("simplify");
+    SimplifyOptions options;
+    options.tolerance = voxels * result_.voxel;
+    options.outward = true;
+    simplifySurface(cavity, options, progress_);
   }
 
   // The smallest thickness of the infill; 0 without an infill.

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CrossingGuard.h"
 
@@ -183,6 +184,7 @@ private:
     Mesh& mesh = this->mesh();
     const Vec3d& old = patch_->point(c.v0);
     const Vec3d& moved = patch_->point(c.v1);
+    const std::vector<Vec3d>& places = patch_->surface.mesh.points; // as they came, for exact signs
     faces_.clear();
     added_.clear();
     around_.clear();
@@ -195,6 +197,10 @@ private:
       const Vertex vb = mesh.to_vertex_handle(mesh.next_halfedge_handle(*h));
       const Vec3d& a = patch_->point(va);
       const Vec3d& b = patch_->point(vb);
+      // The tet between the old and the new face must not be taken from the solid.
+      if (patch_->surface.outward && orientation(places[vertexOf(c.v1)], places[vertexOf(va)],
+                                                 places[vertexOf(vb)], places[vertexOf(c.v0)]) > 0)
+        return false;
       const Vec3d before = cross(minus(a, old), minus(b, old));
       const Vec3d after = cross(minus(a, moved), minus(b, moved));
       if (!(dot(before, after) > kMinCosine * length(before) * length(after) &&

@@ -23,8 +23,8 @@ std::array<float, 3> unitOf(const Vec3d& v) {
 } // namespace
 
 SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& options)
-    : mesh(before), isGone(before.triangleCount(), 0), points(before.points),
-      normals(before.points.size()), quadrics(before.points.size()),
+    : mesh(before), outward(options.outward), isGone(before.triangleCount(), 0),
+      points(before.points), normals(before.points.size()), quadrics(before.points.size()),
       firstGone(before.triangleCount(), kNone), nextGone(before.points.size(), kNone) {
   const EdgeTable edges(mesh);
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
@@ -61,6 +61,8 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   if (!(options.tolerance > 0))
     return;
   original = std::make_unique<TriangleScene>(before);
+  if (outward)
+    return;
   points.reserve(points.size() + edges.edgeCount());
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
     const EdgeTable::Sides sides = edges.sides(edge);

@@ -47,6 +47,7 @@ struct SimplifyState {
   static constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
   TriangleMesh mesh;                         ///< points in world units; corners change
+  bool outward;                              ///< as SimplifyOptions::outward
   std::unique_ptr<TriangleScene> original;   ///< null without a tolerance
   std::vector<char> isGone;                  ///< by face
   std::vector<VertexPair> features;          ///< ascending

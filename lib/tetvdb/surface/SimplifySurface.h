@@ -17,6 +17,9 @@ struct SimplifyOptions {
   /// them only (FeatureEdges.h). They are released if `faces` cannot be reached otherwise. 180:
   /// none.
   double featureDegrees = 180;
+  /// The surface moves to the side alone that its faces look to, decided exactly: the solid behind
+  /// them grows, and loses nothing. Of the old surface only vertices are looked at then.
+  bool outward = false;
 };
 
 /// Merges triangles of a closed manifold by moving vertices onto neighbours, the cheapest first by

@@ -37,6 +37,10 @@ struct PrepareJob {
   double close = 0;   ///< as CavityOptions::close
   /// For the cavity made by `wall`; an array is one of tets, with a name as in FieldRequest.
   std::optional<InfillSettings> infill;
+  /// Voxels: faces of the cavity are merged while its surface moves by less, and away from the wall
+  /// alone; 0: they stay. By default kSimplify, and 0 with an infill or for a volume file.
+  std::optional<double> simplify;
+  static constexpr double kSimplify = 0.25;
   double fillVolume = 0; ///< fills cavities of less volume; those of the input are filled first
   std::vector<DrainHole> drains;
   /// Above 0: also a hole of this radius at the lowest point of every cavity.
@@ -68,8 +72,9 @@ struct PrepareResult {
   double filledVolume = 0;
   std::size_t islands = 0; ///< omitted components of the infill that touch nothing
   std::vector<PreparedDrain> drains;
-  double wall = 0;           ///< proven minimum of the wall thickness; 0: there is no cavity
-  std::size_t keptFaces = 0; ///< faces of the cleaned input that are unchanged in the output
+  std::size_t cavityFaces = 0; ///< of the cavity as it was made, before simplification
+  double wall = 0;             ///< proven minimum of the wall thickness; 0: there is no cavity
+  std::size_t keptFaces = 0;   ///< faces of the cleaned input that are unchanged in the output
   std::size_t vertices = 0, triangles = 0; ///< of the surface
   OutputInfo output;
 };
@@ -88,12 +93,13 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
 /// throws Error(Invalid). Tets are replaced by their surface, a volume by the result of
 /// extractSurface(). Then, as requested: small cavities are filled (print/Shells.h), the solid is
 /// offset (print/OffsetSolid.h), a cavity is made in it (print/Cavity.h; warning "no-cavity" if the
-/// wall fills the solid), of which small components are also filled, and holes are drilled into
+/// wall fills the solid), of which small components are also filled and whose faces are merged
+/// (surface/SimplifySurface.h), and holes are drilled into
 /// cavities (print/DrainHoles.h), whose plugs are written as .stl files beside the output. Faces of
 /// the input are unchanged if the solid is not offset. A volume file contains the grid "surface", a
 /// level set of three voxels to each side. Adds stages "read", "clean", "voxelize", "distance",
-/// "extract", "drill", "fields" and "write" to `report`. Throws the errors of its stages; nothing
-/// is written then.
+/// "extract", "simplify", "drill", "fields" and "write" to `report`. Throws the errors of its
+/// stages; nothing is written then.
 PrepareResult run(const PrepareJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

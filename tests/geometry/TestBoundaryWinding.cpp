@@ -135,7 +135,6 @@ constexpr double kSize = 3e7;
 TEST(BoundaryWinding, ClosedSurfaceHasNone) {
   EXPECT_TRUE(BoundaryWinding({}).empty());
   EXPECT_EQ(BoundaryWinding({}).at({1, 2, 3}), 0);
-  EXPECT_EQ(BoundaryWinding({}).reach().radius, 0);
 }
 
 TEST(BoundaryWinding, OneTriangle) {
@@ -321,71 +320,6 @@ TEST(BoundaryWinding, SlopePredictsWithinItsBounds) {
   EXPECT_GT(largest, 0.02) << "the bounds are far from sharp";
 }
 
-TEST(BoundaryWinding, JumpsAsItSays) {
-  meshes::Random random(12);
-  const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.95; });
-  const BoundaryWinding boundary(boundaryEdgesOf(s));
-  int quiet = 0, jumps = 0;
-  std::vector<std::uint32_t> curtains;
-  for (int i = 0; i < 3000; ++i) {
-    const Point c = anyPoint(random, 1.5 * kSize);
-    const double reach = 0.03 * kSize;
-    const LatticePoint here{c[0], c[1], c[2]};
-    const BoundaryWinding::Slope slope = boundary.slope(here, 1.8 * reach);
-    if (!(slope.bend * reach * reach < 0.1))
-      continue;
-    ASSERT_TRUE(boundary.curtains(here, reach, 1000, curtains));
-    quiet += curtains.empty();
-    for (int k = 0; k < 5; ++k) {
-      Point d{};
-      for (double& v : d)
-        v = std::round(random.between(-1, 1) * reach);
-      if (k == 0)
-        d[0] = 0; // and in line with an axis
-      const LatticePoint there{c[0] + d[0], c[1] + d[1], c[2] + d[2]};
-      const double change =
-          boundary.at(there) - boundary.at(here) -
-          (slope.gradient[0] * d[0] + slope.gradient[1] * d[1] + slope.gradient[2] * d[2]);
-      EXPECT_EQ(boundary.jump(here, there, curtains), std::lround(change));
-      jumps += std::lround(change) != 0;
-    }
-  }
-  EXPECT_GT(quiet, 100);
-  EXPECT_GT(jumps, 50);
-}
-
-// From the middle of the lattice to points straight above edges and corners.
-TEST(BoundaryWinding, JumpsAgreeWithTies) {
-  std::vector<BoundaryEdge> edges;
-  const auto add = [&](double x0, double y0, double x1, double y1) {
-    edges.push_back({{x0, y0, 0}, {x1, y1, 0}, 1});
-  };
-  // A diamond and a square, as closed loops.
-  for (const auto& [x0, y0, x1, y1] : {std::array<double, 4>{-4, 0, 0, -4},
-                                       {0, -4, 4, 0},
-                                       {4, 0, 0, 4},
-                                       {0, 4, -4, 0},
-                                       {-2, -2, 2, -2},
-                                       {2, -2, 2, 2},
-                                       {2, 2, -2, 2},
-                                       {-2, 2, -2, -2}})
-    add(x0, y0, x1, y1);
-  const BoundaryWinding boundary(edges);
-  std::vector<std::uint32_t> all(8);
-  for (std::uint32_t i = 0; i < 8; ++i)
-    all[i] = i;
-  // High above, s is all but a whole number.
-  const double high = 1e9;
-  for (int x0 = -5; x0 <= 5; ++x0)
-    for (int y0 = -5; y0 <= 5; ++y0)
-      for (int x = -5; x <= 5; ++x)
-        for (int y = -5; y <= 5; ++y) {
-          const LatticePoint from{double(x0), double(y0), high}, to{double(x), double(y), high};
-          EXPECT_EQ(boundary.jump(from, to, all), std::lround(boundary.at(to) - boundary.at(from)))
-              << x0 << ' ' << y0 << " to " << x << ' ' << y;
-        }
-}
-
 TEST(BoundaryWinding, OnABoundaryEdgeThePerturbedPointDecides) {
   // Points of the boundary of a square, and the same a little aside.
   const auto scaled = [](double f) {
@@ -400,24 +334,6 @@ TEST(BoundaryWinding, OnABoundaryEdgeThePerturbedPointDecides) {
     EXPECT_NEAR(boundary.at({p[0], p[1], p[2]}),
                 fine.at({p[0] * 1e9 + 1e6, p[1] * 1e9 + 1e3, p[2] * 1e9 + 1}), 2e-3)
         << p[0] << ' ' << p[1] << ' ' << p[2];
-}
-
-TEST(BoundaryWinding, NothingHappensOutOfReach) {
-  meshes::Random random(8);
-  const Surface s = wavySheet(12, kSize, [&] { return random.unit() < 0.5; });
-  const BoundaryWinding boundary(boundaryEdgesOf(s));
-  const BoundaryWinding::Ball ball = boundary.reach();
-  for (int i = 0; i < 300; ++i) {
-    Point d = anyPoint(random, 1);
-    for (double& c : d)
-      c = random.between(-1, 1);
-    const double l = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    const double r = ball.radius * (1.001 + random.unit()) / l;
-    const double w =
-        boundary.at({std::round(ball.centre.x + d[0] * r), std::round(ball.centre.y + d[1] * r),
-                     std::round(ball.centre.z + d[2] * r)});
-    EXPECT_LT(std::abs(w - std::round(w)), 0.45 + kBoundaryWindingError);
-  }
 }
 
 } // namespace

@@ -197,12 +197,6 @@ double turn(const Vec3d& a, const Vec3d& b) {
   return value != 0 ? value : signOfFirst(a[1] - b[1], b[0] - a[0]);
 }
 
-double turnFrom(const Vec3d& way, const Vec3d& a) {
-  const double value = exactTurn(way, a);
-  // way.x (a.y - e^2) - way.y (a.x - e)
-  return value != 0 ? value : signOfFirst(way[1], -way[0]);
-}
-
 // Van Oosterom and Strackee 1983, with one corner at infinity: the tangent of half the angle is
 // det(a, b, up) over |a||b| + a.b + |b| a.z + |a| b.z = (|a| + a.z)(|b| + b.z) + a.x b.x + a.y b.y.
 double angleUp(const Vec3d& a, const Vec3d& b) {

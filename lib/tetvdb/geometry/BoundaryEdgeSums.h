@@ -56,8 +56,6 @@ struct BoundaryEdgeBlock {
 /// e^2, e^3), e -> 0+; 0 only if a and b have the same x and y. Components are integers below
 /// 2^53.
 double turn(const Vec3d& a, const Vec3d& b);
-/// The same for a direction `way` that does not depend on the point: a is relative to it.
-double turnFrom(const Vec3d& way, const Vec3d& a);
 
 /// Solid angle of the spherical triangle of directions a, b and up, seen from 0 moved by (e, e^2,
 /// e^3), e -> 0+. Components are integers below 2^53.

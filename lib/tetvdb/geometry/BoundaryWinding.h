@@ -70,23 +70,6 @@ public:
   };
   Slope slope(const LatticePoint& centre, double reach) const;
 
-  /// Finds the edges whose curtain may intersect the upward square prism of points up to `reach`
-  /// from `centre` along every axis: s may jump by integers across them. Returns false, with only
-  /// some of them in `edges`, if there are more than `max`.
-  bool curtains(const LatticePoint& centre, double reach, std::size_t max,
-                std::vector<std::uint32_t>& edges) const;
-  /// The jump of s from `centre` to `p` across the curtains of `edges`, exactly; both are in such a
-  /// prism, which the boundary itself does not reach.
-  std::int32_t jump(const LatticePoint& centre, const LatticePoint& p,
-                    const std::vector<std::uint32_t>& edges) const;
-
-  /// Outside of this ball, N + s is within 0.45 of an integer.
-  struct Ball {
-    LatticePoint centre;
-    double radius;
-  };
-  Ball reach() const;
-
 private:
   // A cluster of edges about `centre`.
   struct Node {

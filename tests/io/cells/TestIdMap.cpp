@@ -26,19 +26,6 @@ TEST(IdMap, ConsecutiveNumbers) {
   EXPECT_EQ(mapOf({}).find(0), IdMap::kNone);
 }
 
-TEST(IdMap, RangesContinue) {
-  IdMap map;
-  map.addRange(1, 3);
-  map.addRange(4, 2);
-  map.addRange(10, 2);
-  map.addRange(3, 0);
-  map.finish();
-  EXPECT_EQ(map.size(), 7U);
-  EXPECT_EQ(map.find(5), 4U);
-  EXPECT_EQ(map.find(11), 6U);
-  EXPECT_EQ(map.find(6), IdMap::kNone);
-}
-
 TEST(IdMap, LaterDuplicatesCount) {
   EXPECT_EQ(mapOf({1, 2, 1}).find(1), 2U);
   EXPECT_EQ(mapOf({1, 2, 1}).duplicates(), 1U);

@@ -11,19 +11,6 @@ void IdMap::list() {
     listed_[i] = number(i);
 }
 
-void IdMap::addRange(std::int64_t first, std::size_t count) {
-  if (count == 0)
-    return;
-  add(first);
-  if (listed_.empty()) {
-    count_ += count - 1;
-    return;
-  }
-  for (std::size_t i = 1; i < count; ++i)
-    listed_.push_back(static_cast<std::int64_t>(static_cast<std::uint64_t>(first) + i));
-  count_ += count - 1;
-}
-
 void IdMap::finish() {
   if (listed_.empty())
     return;

@@ -35,8 +35,6 @@ public:
     listed_.push_back(id);
     ++count_;
   }
-  /// Numbers the next `count` elements from `first` on.
-  void addRange(std::int64_t first, std::size_t count);
   /// To be called between the last add() and the first find().
   void finish();
 

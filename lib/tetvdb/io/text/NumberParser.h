@@ -44,8 +44,6 @@ public:
   std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
   /// Whether white space or the end follows: whether the word has been read completely.
   bool atWordEnd() const { return at_ == end_ || static_cast<unsigned char>(*at_) <= ' '; }
-  /// Added to line numbers in messages: for a parser of an excerpt that begins at line `line`.
-  void setFirstLine(std::size_t line) { firstLine_ = line; }
 
   /// Skips white space and comments.
   void skipSpace() {
@@ -180,7 +178,7 @@ public:
 
   /// Line of the cursor, from 1. Linear in the position: for messages only.
   std::size_t lineNumber() const {
-    std::size_t line = firstLine_;
+    std::size_t line = 1;
     for (const char* c = begin_; c < at_; ++c)
       if (*c == '\n' || (*c == '\r' && (c + 1 == end_ || c[1] != '\n')))
         ++line;
@@ -255,7 +253,6 @@ private:
   const char* end_;
   const char* at_;
   std::string path_;
-  std::size_t firstLine_ = 1;
   char comment_;
 };
 

@@ -9,8 +9,6 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/BaseDecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -61,97 +59,34 @@ struct Patch {
 };
 
 // Orders collapses. OpenMesh's quadric module has no term for lengths and is reset by each pass.
-template <class Mesh>
-class CostModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
+class Cost {
 public:
-  using Self = CostModule;
-  using Handle = OpenMesh::Decimater::ModHandleT<Self>;
-  using Base = OpenMesh::Decimater::ModBaseT<Mesh>;
-  using CollapseInfo = typename Base::CollapseInfo;
-  DECIMATER_MODNAME(Cost)
+  explicit Cost(Patch& patch) : patch_(patch) {}
 
-  explicit CostModule(Mesh& mesh) : Base(mesh, false) {}
-  void use(Patch& patch) { patch_ = &patch; }
-
-  float collapse_priority(const CollapseInfo& c) override {
-    const Vec3d& to = patch_->point(c.v1);
-    const Vec3d step = minus(to, patch_->point(c.v0));
+  float of(const Collapse& c) const {
+    const Vec3d& to = patch_.point(c.v1);
+    const Vec3d step = minus(to, patch_.point(c.v0));
     return static_cast<float>(std::max(quadric(c.v0).at(to), 0.0) +
                               kLengthWeight * dot(step, step));
   }
-  void postprocess_collapse(const CollapseInfo& c) override { quadric(c.v1).add(quadric(c.v0)); }
+  void collapsed(const Collapse& c) { quadric(c.v1).add(quadric(c.v0)); }
 
 private:
-  Quadric& quadric(Vertex v) { return patch_->surface.quadrics[patch_->vertexOf[at(v)]]; }
-  Patch* patch_ = nullptr;
+  Quadric& quadric(Vertex v) const { return patch_.surface.quadrics[patch_.vertexOf[at(v)]]; }
+  Patch& patch_;
 };
 
 // Rejects collapses that exceed the tolerance, turn faces over, or make needles or intersections.
-template <class Mesh>
-class ToleranceModule : public OpenMesh::Decimater::ModBaseT<Mesh> {
+class Tolerance {
 public:
-  using Self = ToleranceModule;
-  using Handle = OpenMesh::Decimater::ModHandleT<Self>;
-  using Base = OpenMesh::Decimater::ModBaseT<Mesh>;
-  using CollapseInfo = typename Base::CollapseInfo;
-  DECIMATER_MODNAME(Tolerance)
-
-  explicit ToleranceModule(Mesh& mesh) : Base(mesh, true) {}
-  void use(Patch& patch) { patch_ = &patch; }
-
-  float collapse_priority(const CollapseInfo& c) override {
-    return isAllowed(c) ? float(Base::LEGAL_COLLAPSE) : float(Base::ILLEGAL_COLLAPSE);
-  }
-
-  // Every collapse follows a collapse_priority() of its own vertex; calls for other vertices may
-  // occur in between.
-  void preprocess_collapse(const CollapseInfo& c) override {
-    if (looked_ != c.v0v1)
-      isAllowed(c);
-    looked_.invalidate();
-    keepPoints();
-    if (CrossingGuard* guard = patch_->guard.get()) {
-      guard->remove(static_cast<std::uint32_t>(c.fl.idx()));
-      guard->remove(static_cast<std::uint32_t>(c.fr.idx()));
-      for (std::size_t i = 0; i < faces_.size(); ++i)
-        guard->change(faces_[i].number, added_[i]);
-    }
-    merged_ = {isFeature(c.v0vl) || isFeature(c.vlv1), isFeature(c.vrv0) || isFeature(c.v1vr)};
-  }
-
-  void postprocess_collapse(const CollapseInfo& c) override {
-    Mesh& mesh = this->mesh();
-    const std::array<Vertex, 2> others{c.vl, c.vr};
-    for (std::size_t i = 0; i < 2; ++i)
-      if (merged_[i])
-        mesh.status(mesh.edge_handle(mesh.find_halfedge(c.v1, others[i]))).set_feature(true);
-  }
-
-private:
-  struct Face {
-    std::uint32_t number; ///< in the patch
-    std::array<Vec3d, 3> corners;
-    Vec3d normal; ///< of unit length
-  };
-
-  bool isFeature(HalfEdge h) { return this->mesh().status(this->mesh().edge_handle(h)).feature(); }
-  std::uint32_t vertexOf(Vertex v) const { return patch_->vertexOf[at(v)]; }
-  std::uint32_t& firstGone(std::uint32_t face) {
-    return patch_->surface.firstGone[patch_->faceOf[face]];
-  }
-
-  static double shape(const Vec3d& twiceNormal, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-    const Vec3d ab = minus(b, a), bc = minus(c, b), ca = minus(a, c);
-    return length(twiceNormal) / std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
-  }
+  explicit Tolerance(Patch& patch) : patch_(patch) {}
 
   // Sets faces_ and added_ to the new faces, around_ to those around v0, and gone_ to the points
   // that the new faces represent.
-  bool isAllowed(const CollapseInfo& c) {
-    looked_.invalidate();
+  bool allows(const Collapse& c) {
     if (!isManifold(c) || !isUpright(c))
       return false;
-    const SimplifyState& s = patch_->surface;
+    const SimplifyState& s = patch_.surface;
     gone_.clear();
     owner_.clear();
     squares_.clear();
@@ -166,25 +101,61 @@ private:
                        [&](const Face& face) { return isNearOriginal(face); }))
         return false;
     }
-    if (patch_->guard != nullptr && patch_->guard->crosses(added_, around_))
-      return false;
-    looked_ = c.v0v1;
-    return true;
+    return patch_.guard == nullptr || !patch_.guard->crosses(added_, around_);
+  }
+
+  // Before a collapse, the one that was asked about last.
+  void prepare(const Collapse& c) {
+    keepPoints();
+    if (CrossingGuard* guard = patch_.guard.get()) {
+      guard->remove(static_cast<std::uint32_t>(c.fl.idx()));
+      guard->remove(static_cast<std::uint32_t>(c.fr.idx()));
+      for (std::size_t i = 0; i < faces_.size(); ++i)
+        guard->change(faces_[i].number, added_[i]);
+    }
+    merged_ = {isFeature(c.v0vl) || isFeature(c.vlv1), isFeature(c.vrv0) || isFeature(c.v1vr)};
+  }
+
+  // After it.
+  void collapsed(const Collapse& c) {
+    HalfEdgeMesh& mesh = patch_.mesh;
+    const std::array<Vertex, 2> others{c.vl, c.vr};
+    for (std::size_t i = 0; i < 2; ++i)
+      if (merged_[i])
+        mesh.status(mesh.edge_handle(mesh.find_halfedge(c.v1, others[i]))).set_feature(true);
+  }
+
+private:
+  struct Face {
+    std::uint32_t number; ///< in the patch
+    std::array<Vec3d, 3> corners;
+    Vec3d normal; ///< of unit length
+  };
+
+  bool isFeature(HalfEdge h) { return patch_.mesh.status(patch_.mesh.edge_handle(h)).feature(); }
+  std::uint32_t vertexOf(Vertex v) const { return patch_.vertexOf[at(v)]; }
+  std::uint32_t& firstGone(std::uint32_t face) {
+    return patch_.surface.firstGone[patch_.faceOf[face]];
+  }
+
+  static double shape(const Vec3d& twiceNormal, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    const Vec3d ab = minus(b, a), bc = minus(c, b), ca = minus(a, c);
+    return length(twiceNormal) / std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)});
   }
 
   // In addition to OpenMesh's tests: no vertex has fewer than three or more than kMaxFaces faces.
-  bool isManifold(const CollapseInfo& c) {
-    Mesh& mesh = this->mesh();
+  bool isManifold(const Collapse& c) {
+    HalfEdgeMesh& mesh = patch_.mesh;
     return mesh.valence(c.v0) + mesh.valence(c.v1) <= kMaxFaces + 4 && mesh.valence(c.vl) > 3 &&
            mesh.valence(c.vr) > 3;
   }
 
   // Whether the faces around v0 keep their orientation and shape when v0 moves to v1.
-  bool isUpright(const CollapseInfo& c) {
-    Mesh& mesh = this->mesh();
-    const Vec3d& old = patch_->point(c.v0);
-    const Vec3d& moved = patch_->point(c.v1);
-    const std::vector<Vec3d>& places = patch_->surface.mesh.points; // as they came, for exact signs
+  bool isUpright(const Collapse& c) {
+    HalfEdgeMesh& mesh = patch_.mesh;
+    const Vec3d& old = patch_.point(c.v0);
+    const Vec3d& moved = patch_.point(c.v1);
+    const std::vector<Vec3d>& places = patch_.surface.mesh.points; // as they came, for exact signs
     faces_.clear();
     added_.clear();
     around_.clear();
@@ -195,11 +166,11 @@ private:
         continue;
       const Vertex va = mesh.to_vertex_handle(*h);
       const Vertex vb = mesh.to_vertex_handle(mesh.next_halfedge_handle(*h));
-      const Vec3d& a = patch_->point(va);
-      const Vec3d& b = patch_->point(vb);
+      const Vec3d& a = patch_.point(va);
+      const Vec3d& b = patch_.point(vb);
       // The tet between the old and the new face must not be taken from the solid.
-      if (patch_->surface.outward && orientation(places[vertexOf(c.v1)], places[vertexOf(va)],
-                                                 places[vertexOf(vb)], places[vertexOf(c.v0)]) > 0)
+      if (patch_.surface.outward && orientation(places[vertexOf(c.v1)], places[vertexOf(va)],
+                                                places[vertexOf(vb)], places[vertexOf(c.v0)]) > 0)
         return false;
       const Vec3d before = cross(minus(a, old), minus(b, old));
       const Vec3d after = cross(minus(a, moved), minus(b, moved));
@@ -214,7 +185,7 @@ private:
 
   // Tests the centroid of a new face and the side that is new.
   bool isNearOriginal(const Face& face) const {
-    const SimplifyState& s = patch_->surface;
+    const SimplifyState& s = patch_.surface;
     const auto& [a, b, c] = face.corners;
     const Vec3d side = minus(b, a);
     if (!s.isNear(plus(a, times(side, 0.5))))
@@ -228,10 +199,10 @@ private:
 
   // Finds the nearest of faces_ whose normal agrees with that of a removed point.
   bool assign(std::uint32_t v) {
-    const Vec3d& p = patch_->surface.points[v];
+    const Vec3d& p = patch_.surface.points[v];
     double nearest = kHeldTolerance * kHeldTolerance;
     std::uint32_t owner = kNone;
-    const std::array<float, 3>& n = patch_->surface.normals[v];
+    const std::array<float, 3>& n = patch_.surface.normals[v];
     for (const Face& face : faces_) {
       if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] > kMinAgreement))
         continue;
@@ -254,7 +225,7 @@ private:
   }
 
   void keepPoints() {
-    if (patch_->surface.original == nullptr)
+    if (patch_.surface.original == nullptr)
       return;
     for (const std::uint32_t face : around_)
       firstGone(face) = kNone;
@@ -263,13 +234,12 @@ private:
     for (std::size_t i = 0; i < gone_.size(); ++i) {
       if (many && i % 2 == 1 && squares_[i] < kOnFace)
         continue;
-      patch_->surface.nextGone[gone_[i]] = firstGone(owner_[i]);
+      patch_.surface.nextGone[gone_[i]] = firstGone(owner_[i]);
       firstGone(owner_[i]) = gone_[i];
     }
   }
 
-  Patch* patch_ = nullptr;
-  HalfEdge looked_; ///< the collapse of faces_ and the others
+  Patch& patch_;
   std::array<bool, 2> merged_{};
   std::vector<Face> faces_;
   std::vector<CrossingGuard::Corners> added_;
@@ -279,20 +249,14 @@ private:
 
 // OpenMesh's DecimaterT tests all modules for every half-edge around the vertices near a collapse.
 // This class orders by cost alone and tests the tolerance when a vertex is first in the queue: the
-// same collapses with a fraction of the tests (docs/benchmarks.md).
+// same collapses with a fraction of the tests (docs/benchmarks.md). The base class tests the edges.
 class LazyDecimater : public OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh> {
 public:
   using Base = OpenMesh::Decimater::BaseDecimaterT<HalfEdgeMesh>;
 
   LazyDecimater(Patch& patch, Progress& progress)
-      : Base(patch.mesh), patch_(patch), progress_(progress) {
-    add(cost_);
-    add(tolerance_);
-    initialize();
-    module(cost_).use(patch);
-    module(tolerance_).use(patch);
-    stamp_.resize(patch.mesh.n_vertices(), 0);
-  }
+      : Base(patch.mesh), patch_(patch), progress_(progress), cost_(patch), tolerance_(patch),
+        stamp_(patch.mesh.n_vertices(), 0) {}
 
   /// Performs at most `max` collapses; returns their number.
   std::size_t decimate(std::size_t max) {
@@ -330,8 +294,8 @@ private:
     if (patch_.mesh.status(v).locked())
       return;
     for (auto h = patch_.mesh.voh_begin(v); h.is_valid(); ++h)
-      choices_.push_back({module(cost_).collapse_priority(Collapse(patch_.mesh, *h)), *h,
-                          patch_.mesh.to_vertex_handle(*h).idx()});
+      choices_.push_back(
+          {cost_.of(Collapse(patch_.mesh, *h)), *h, patch_.mesh.to_vertex_handle(*h).idx()});
   }
 
   void enqueue(Vertex v) {
@@ -354,11 +318,12 @@ private:
       if (tries++ == kTries)
         return false;
       Collapse collapse(patch_.mesh, choice.halfEdge);
-      if (!is_collapse_legal(collapse) || module(tolerance_).collapse_priority(collapse) < 0)
+      if (!is_collapse_legal(collapse) || !tolerance_.allows(collapse))
         continue;
-      preprocess_collapse(collapse);
+      tolerance_.prepare(collapse);
       patch_.mesh.collapse(choice.halfEdge);
-      postprocess_collapse(collapse);
+      cost_.collapsed(collapse);
+      tolerance_.collapsed(collapse);
       enqueue(collapse.v1);
       neighbours_.clear();
       for (auto n = patch_.mesh.vv_begin(collapse.v1); n.is_valid(); ++n)
@@ -372,8 +337,8 @@ private:
 
   Patch& patch_;
   Progress& progress_;
-  CostModule<HalfEdgeMesh>::Handle cost_;
-  ToleranceModule<HalfEdgeMesh>::Handle tolerance_;
+  Cost cost_;
+  Tolerance tolerance_;
   std::priority_queue<Entry> queue_;
   std::vector<std::uint32_t> stamp_; ///< by vertex: its newest entry in the queue
   std::vector<Choice> choices_;

@@ -163,6 +163,17 @@ def box_faces(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
     return points, [[q[0], q[k], q[k + 1]] for q in squares for k in (1, 2)]
 
 
+def volume(mesh):
+    """Of a closed mesh of triangles."""
+    points, faces = mesh
+    total = 0
+    for a, b, c in faces:
+        a, b, c = points[a], points[b], points[c]
+        total += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
+                  + a[2] * (b[0] * c[1] - b[1] * c[0]))
+    return total / 6
+
+
 def joined(*meshes):
     """One mesh of several: points, faces."""
     points, faces = [], []

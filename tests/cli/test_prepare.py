@@ -11,7 +11,7 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, inverted, joined, lattice, off
+from program import ball, box_faces, inverted, joined, lattice, off, volume
 
 PLATE = ["--pixels", "400,400", "--display", "40,40", "--layer-height", "0.1"]
 
@@ -32,16 +32,6 @@ def stl(path):
             face.append(numbers[p])
         faces.append(face)
     return points, faces
-
-
-def volume(mesh):
-    points, faces = mesh
-    total = 0
-    for a, b, c in faces:
-        a, b, c = points[a], points[b], points[c]
-        total += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
-                  + a[2] * (b[0] * c[1] - b[1] * c[0]))
-    return total / 6
 
 
 def volume_before(mesh, x):

@@ -12,22 +12,12 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, gmsh, inverted, joined, lattice, off
+from program import ball, box_faces, gmsh, inverted, joined, lattice, off, volume
 
 WIDTH, HEIGHT = 80, 60
 PLATE = (16.0, 12.0)
 LAYER = 0.25
 PRINTER = ["--pixels", "80,60", "--display", "16,12", "--layer-height", "0.25"]
-
-
-def volume(mesh):
-    points, faces = mesh
-    total = 0
-    for a, b, c in faces:
-        a, b, c = points[a], points[b], points[c]
-        total += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2])
-                  + a[2] * (b[0] * c[1] - b[1] * c[0]))
-    return total / 6
 
 
 # No two of its turns and mirror images are the same, it has a cavity, and nothing is on pixels.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/volume/Grids.h"
@@ -15,7 +16,6 @@
 #include <openvdb/io/File.h>
 #include <random>
 #include <sys/resource.h>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -25,22 +25,15 @@ namespace fs = std::filesystem;
 /// A folder of its own for each test, removed at its end.
 class VolumeFile : public ::testing::Test {
 protected:
-  void SetUp() override {
-    initializeOpenVDB();
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder =
-        fs::temp_directory_path() / ("tetvdb-" + std::to_string(::getpid()) + "-" + test->name());
-    fs::create_directories(folder);
-  }
-  void TearDown() override { fs::remove_all(folder); }
+  void SetUp() override { initializeOpenVDB(); }
 
-  std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::string path(const std::string& name) const { return folder / name; }
   std::size_t filesInFolder() const {
     return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+        std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
   }
 
-  fs::path folder;
+  TemporaryFolder folder;
   Progress progress;
 };
 

@@ -1,35 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/CheckVolumes.h"
 #include "tetvdb/volume/Grids.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/LevelSetSphere.h>
-#include <unistd.h>
 
 namespace {
 
 using namespace tetvdb;
-namespace fs = std::filesystem;
 
 // Files as OpenVDB's own writer makes them.
 class CheckVolumes : public testing::Test {
 protected:
-  void SetUp() override {
-    initializeOpenVDB();
-    folder_ =
-        fs::temp_directory_path() / ("tetvdb-check-" + std::to_string(::getpid()) + "-" +
-                                     testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
+  void SetUp() override { initializeOpenVDB(); }
 
   std::string save(const std::string& name, const openvdb::GridPtrVec& grids,
                    const openvdb::MetaMap& metadata = {}) const {
-    const std::string path = (folder_ / name).string();
+    const std::string path = folder_ / name;
     openvdb::io::File file(path);
     file.write(grids, metadata);
     file.close();
@@ -63,7 +54,7 @@ protected:
   using Set = std::set<std::string>;
 
 private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(CheckVolumes, NothingWrong) {

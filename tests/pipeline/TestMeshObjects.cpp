@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -7,7 +8,6 @@
 
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -17,18 +17,13 @@ using namespace tetvdb::meshes;
 
 class MeshObjectsTest : public ::testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tetvdb-objects-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
 
   std::vector<NamedMesh> read(const std::string& name, std::size_t firstAssembly = 0) {
     return readObjects(path(name), firstAssembly, &info_, report_, progress_);
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   Report report_;
   Progress progress_;
   InputInfo info_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
 #include "surface/ManifoldCheck.h"
 #include "tetvdb/io/MeshWriter.h"
@@ -13,7 +14,6 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <map>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -37,13 +37,7 @@ TriangleMesh welded(const TriangleMesh& soup) {
 
 class RepairJobTest : public ::testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tetvdb-repair-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   std::string write(const std::string& name, const TriangleMesh& mesh) {
     writeTriangles(path(name), mesh, progress_);
     return path(name);
@@ -78,7 +72,7 @@ protected:
     return "";
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   Report report_;
   Progress progress_;
   TriangleMesh made_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -9,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <iterator>
 #include <map>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -19,13 +19,7 @@ using namespace tetvdb::meshes;
 
 class TetrahedralizeJobTest : public ::testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tetvdb-tets-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   std::string write(const std::string& name, const TriangleMesh& mesh) {
     writeTriangles(path(name), mesh, progress_);
     return path(name);
@@ -49,7 +43,7 @@ protected:
     return Status::Ok;
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   Report report_;
   Progress progress_;
 };
@@ -95,7 +89,7 @@ TEST_F(TetrahedralizeJobTest, WritesTetsAndSaysWhatTheyAre) {
 
 TEST_F(TetrahedralizeJobTest, EveryFormatKeepsRegions) {
   TetrahedralizeJob wanted;
-  fs::create_directories(folder_ / "sub");
+  fs::create_directory(folder_ / "sub");
   wanted.inputs = {write("part.ply", box()), write("sub/part.ply", box({3, 0, 0}, {4, 1, 1}))};
   for (const char* name : {"out.msh", "out.mesh", "out.vtu"}) {
     wanted.output = path(name);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -15,18 +15,14 @@ namespace fs = std::filesystem;
 class VoxelizeJobTest : public ::testing::Test {
 protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("tetvdb-job-" + std::to_string(::getpid()));
-    fs::create_directories(folder_);
     std::ofstream(path("tet.mesh")) << "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n"
                                        "0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
                                        "Tetrahedra\n1\n1 2 3 4 5\nEnd\n";
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   std::size_t fileCount() const {
     return static_cast<std::size_t>(
-        std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
   }
   VoxelizeJob job() const {
     VoxelizeJob job;
@@ -44,7 +40,7 @@ protected:
     return Status::Ok;
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   Report report_;
   Progress progress_;
 };

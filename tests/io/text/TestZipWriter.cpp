@@ -1,36 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/text/ZipWriter.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
 #include <string>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
 
 class ZipFile : public ::testing::Test {
 protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("tetvdb-zip-" + std::to_string(::getpid()) + "-" +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-    path_ = (folder_ / "a.zip").string();
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string bytes() const {
     std::ifstream file(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
 
-  std::filesystem::path folder_;
-  std::string path_;
+  TemporaryFolder folder_;
+  std::string path_ = folder_ / "a.zip";
 };
 
 std::uint64_t number(const std::string& bytes, std::size_t at, std::size_t size) {

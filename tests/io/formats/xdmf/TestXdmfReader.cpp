@@ -2,27 +2,21 @@
 //
 // XDMF as meshio, FEniCS and others write it. HDF5 files are made here through the library's own
 // interface.
+#include "TemporaryFolder.h"
 #include "io/XdmfDocument.h"
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
 
 #include <cstring>
 #include <hdf5.h>
-#include <unistd.h>
 
 namespace tetvdb::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 // A folder for files that belong together.
 class XdmfFiles : public ::testing::Test {
 protected:
-  XdmfFiles() : folder_(fs::temp_directory_path() / ("tetvdb_xdmf_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~XdmfFiles() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string path(const std::string& name) const { return folder_ / name; }
   void write(const std::string& name, const std::string& bytes) const {
     std::ofstream(path(name), std::ios::binary) << bytes;
   }
@@ -41,7 +35,7 @@ protected:
     return {};
   }
 
-  fs::path folder_;
+  TemporaryFolder folder_;
   Report report_;
 };
 

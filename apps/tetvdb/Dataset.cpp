@@ -67,7 +67,8 @@ const Choices<NormalLength> kNormalLengths{{"longest", NormalLength::Longest},
 const Choices<DatasetFormat> kDatasetFormats{
     {"npz", DatasetFormat::Npz},        {"npy", DatasetFormat::Npy},
     {"binvox", DatasetFormat::Binvox},  {"vdb", DatasetFormat::Vdb},
-    {"nvdb", DatasetFormat::Nvdb},      {"occupancy-networks", DatasetFormat::OccupancyNetworks},
+    {"nvdb", DatasetFormat::Nvdb},      {"hdf5", DatasetFormat::Hdf5},
+    {"zarr", DatasetFormat::Zarr},      {"occupancy-networks", DatasetFormat::OccupancyNetworks},
     {"deepsdf", DatasetFormat::DeepSdf}};
 const Choices<bool DatasetContent::*> kContents{
     {"occupancy", &DatasetContent::occupancy}, {"distance", &DatasetContent::distance},
@@ -144,6 +145,10 @@ DatasetOptions datasetOptions(const Options& options) {
   limits.maxMemory = options.maxMemory;
   make.maxMemory = memoryLimit(limits);
   checkFormats(make);
+  if (options.archives > 0 && options.formats == std::vector<std::string>{"zarr"})
+    throw Error(Status::Usage, "--archives",
+                "packs no zarr stores: the folder is one store already",
+                "leave --archives out, or add another --format");
   return make;
 }
 
@@ -316,7 +321,8 @@ void addContentOptions(CLI::App& command, Options& options) {
       ->capture_default_str();
   command
       .add_option("--format", options.formats,
-                  "npz, npy, binvox, vdb, nvdb, occupancy-networks, deepsdf; several at once")
+                  "npz, npy, binvox, vdb, nvdb, hdf5, zarr, occupancy-networks, deepsdf; several "
+                  "at once")
       ->delimiter(',')
       ->check(oneOf(namesOf(kDatasetFormats)))
       ->type_name("NAME,...")
@@ -423,7 +429,8 @@ void addRunOptions(CLI::App& command, Options& options) {
   command.add_flag("--resume", options.resume, "Go on with a data set: models that are done stay");
   command
       .add_option("--archives", options.archives,
-                  "Pack the files into so many .tar files, as WebDataset reads them")
+                  "Pack the files into so many .tar files, as WebDataset reads them; HDF5 into so "
+                  "many .h5 files, a group a model")
       ->check(CLI::Range(1, 100'000).description(""))
       ->type_name("N");
   command.add_flag("--no-preview", options.noPreview, "Leave preview.png out");

@@ -14,6 +14,7 @@ import tarfile
 import tempfile
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 from program import PROGRAM, SANITIZED, ball, box_faces, write_obj
@@ -52,6 +53,35 @@ def content(folder, *leave_out):
         if path.is_file() and name.parts[0] not in skip:
             found[str(name)] = hashlib.sha256(path.read_bytes()).hexdigest()
     return found
+
+
+class ZarrStore:
+    """Arrays of a zarr store of version 2, read by its specification: judges where zarr is not
+    installed."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        assert json.loads((self.folder / ".zgroup").read_text()) == {"zarr_format": 2}
+        self.attrs = json.loads((self.folder / ".zattrs").read_text())
+
+    def keys(self):
+        return sorted(p.parent.name for p in self.folder.glob("*/.zarray"))
+
+    def attributes(self, name):
+        return json.loads((self.folder / name / ".zattrs").read_text())
+
+    def __getitem__(self, name):
+        about = json.loads((self.folder / name / ".zarray").read_text())
+        assert (about["zarr_format"], about["order"], about["filters"]) == (2, "C", None)
+        assert about["compressor"]["id"] == "zlib" and about["fill_value"] == 0
+        shape, sides = about["shape"], about["chunks"]
+        array = np.zeros(shape, about["dtype"])
+        for path in (self.folder / name).glob("[0-9]*"):
+            first = [int(i) * side for i, side in zip(path.name.split("."), sides)]
+            chunk = np.frombuffer(zlib.decompress(path.read_bytes()), array.dtype).reshape(sides)
+            place = tuple(slice(a, a + n) for a, n in zip(first, sides))
+            array[place] = chunk[tuple(slice(0, n) for n in array[place].shape)]
+        return array
 
 
 class Dataset(unittest.TestCase):
@@ -160,6 +190,132 @@ class Dataset(unittest.TestCase):
                                   capture_output=True, text=True)
             self.assertEqual(told.returncode, 0, told.stderr)
             self.assertIn('"mask"', told.stdout)
+
+    ALL = ("--content", "occupancy,distance,surface,coordinates,points,samples", "--points", 700,
+           "--near-points", 50, "--samples", 90, "--no-preview")
+
+    def npz_of_all(self, *more):
+        """The same arrays as .npz, a byte a boolean."""
+        out = self.folder / "npz"
+        self.succeed(self.models, "-o", out, "--no-pack", *self.ALL, *more)
+        return {r["name"]: (r, np.load(out / r["files"])) for r in rows(out / "success.csv")}
+
+    def same_arrays(self, arrays, expected, grid):
+        """Types, shapes and values; `grid`: a voxel array's transform."""
+        self.assertEqual(sorted(arrays.keys()), sorted(expected.keys()))
+        for name in expected.keys():
+            found, right = arrays[name], expected[name]
+            self.assertEqual((found.dtype, found.shape), (right.dtype, right.shape), name)
+            np.testing.assert_array_equal(found[()], right)
+            size = name.rpartition("_")[2]
+            if name.startswith(("occupancy_", "distance_", "surface_")) and right.ndim == 3:
+                np.testing.assert_array_equal(grid(name), expected["grid_" + size])
+
+    def test_hdf5(self):
+        """Judged by h5py: each model's file, and a group each in archives."""
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not installed")
+        expected = self.npz_of_all("--resolution", "20,136")
+        arguments = [self.models, "--format", "hdf5", "--resolution", "20,136", *self.ALL]
+        self.succeed(*arguments, "-o", self.out)
+        packed = self.folder / "packed"
+        self.succeed(*arguments, "-o", packed, "--archives", 2)
+        self.assertEqual([p.name for p in sorted(packed.glob("data-*"))],
+                         ["data-00000-of-00002.h5", "data-00001-of-00002.h5"])
+        self.assertEqual(list(packed.rglob("*.h5")), list(packed.glob("*.h5")))
+        halves = [h5py.File(p, "r") for p in sorted(packed.glob("*.h5"))]
+        for name, (row, arrays) in expected.items():
+            with h5py.File(self.out / (name + ".h5"), "r") as alone:
+                together = [half[name] for half in halves if name in half]
+                self.assertEqual(len(together), 1)
+                for group in (alone, together[0]):
+                    self.same_arrays(group, arrays, lambda n: group[n].attrs["transform"])
+                    self.assertEqual([group.attrs[k] for k in ("name", "id", "class", "split")],
+                                     [row["name"], row["id"], row["class"], row["split"]])
+                    np.testing.assert_array_equal(group.attrs["transform"], arrays["transform"])
+                    self.assertEqual(group["distance_136"].chunks, (128, 128, 128))
+        for half in halves:
+            half.close()
+
+    def test_half_floats_of_hdf5(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not installed")
+        arguments = [self.models / "ball", "--content", "points", "--points", 500, "--half-floats",
+                     "--no-preview", "--format", "npz,hdf5,zarr"]
+        self.succeed(*arguments, "-o", self.out)
+        right = np.load(self.out / "train" / "a.npz")["points"]
+        self.assertEqual(right.dtype, np.float16)
+        with h5py.File(self.out / "train" / "a.h5", "r") as file:
+            self.assertEqual(file["points"].dtype, np.float16)
+            np.testing.assert_array_equal(file["points"][()], right)
+        np.testing.assert_array_equal(ZarrStore(self.out / "train" / "a.zarr")["points"], right)
+
+    def test_zarr(self):
+        """Judged by the specification, and by zarr where it is installed; the whole folder is a
+        group."""
+        expected = self.npz_of_all("--resolution", "20,136")
+        self.succeed(self.models, "-o", self.out, "--format", "zarr", "--resolution", "20,136",
+                     *self.ALL)
+        for name, (row, arrays) in expected.items():
+            store = ZarrStore(self.out / (name + ".zarr"))
+            self.same_arrays(store, arrays, lambda n: store.attributes(n)["transform"])
+            self.assertEqual([store.attrs[k] for k in ("name", "id", "class", "split")],
+                             [row["name"], row["id"], row["class"], row["split"]])
+            np.testing.assert_array_equal(store.attrs["transform"], arrays["transform"])
+        # The box is flat: no voxel of the upper chunks is occupied, and these are not written.
+        chunks = {p.name for p in (self.out / "box/train/c.zarr/occupancy_136").glob("[0-9]*")}
+        self.assertEqual(chunks, {"0.0.0", "1.0.0"})
+        consolidated = json.loads((self.out / ".zmetadata").read_text())["metadata"]
+        for path in self.out.rglob(".z*"):
+            if path.name != ".zmetadata":
+                key = str(path.relative_to(self.out))
+                self.assertEqual(consolidated.pop(key), json.loads(path.read_text()), key)
+        self.assertEqual(consolidated, {})
+        try:
+            import zarr
+        except ImportError:
+            return
+        for opened in (zarr.open_group(str(self.out), mode="r"),
+                       zarr.open_consolidated(str(self.out))):
+            for name, (row, arrays) in expected.items():
+                group = opened[name + ".zarr"]
+                self.same_arrays(dict(group.arrays()), arrays,
+                                 lambda n: group[n].attrs["transform"])
+                self.assertEqual(group.attrs["id"], row["id"])
+
+    def test_hdf5_and_zarr_are_the_same_bytes_for_any_shards(self):
+        self.many(12)
+        arguments = ["--format", "npz,hdf5,zarr", "--resolution", 24, "--archives", 3, "--content",
+                     "occupancy,points", "--points", 100, "--no-preview"]
+        whole = self.folder / "whole"
+        self.succeed(self.models, "-o", whole, *arguments)
+        expected = content(whole)
+        self.assertEqual(len([n for n in expected if n.endswith(".h5")]), 3)
+        self.assertEqual(len([n for n in expected if n.endswith(".tar")]), 3)
+        self.assertIn("many/m03.zarr/occupancy_24/0.0.0", expected)
+        out = self.folder / "shards"
+        for shard in (2, 0, 1):
+            self.succeed(self.models, "-o", out, *arguments, "--shard", "%d/3" % shard)
+        self.succeed(self.models, "-o", out, *arguments, "--join")
+        self.assertEqual(content(out), expected)
+        killed = self.folder / "killed"
+        rng = random.Random(5)
+        for _ in range(4):
+            more = ["--resume"] if killed.exists() else []
+            process = subprocess.Popen([PROGRAM, "dataset", str(self.models), *map(str, arguments),
+                                        "-o", str(killed), *more], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+            try:
+                process.wait(rng.uniform(0.02, 0.3))
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+        self.succeed(self.models, "-o", killed, *arguments, "--resume")
+        self.assertEqual({n: h for n, h in content(killed).items() if ".tmp" not in n}, expected)
 
     def test_layouts_of_other_projects(self):
         self.succeed(self.models / "ball", "-o", self.out, "--content", "points,samples", "--format",

@@ -32,8 +32,8 @@ TEST(GridArrays, BitsAreTheActiveVoxels) {
   for (const int size : {1, 7, 8, 12, 16, 24, kReach}) {
     const Volume volume = sample(size);
     const auto& grid = static_cast<const openvdb::BoolGrid&>(*volume.grids().all.front());
-    const NamedArray packed = activeArray(volume, "mask", size, true, "a");
-    const NamedArray plain = activeArray(volume, "mask", size, false, "b");
+    const NamedArray packed = activeArray(volume, "mask", size, "a");
+    const NamedArray plain = unpacked(packed);
     const auto cubed = static_cast<std::size_t>(size) * size * size;
     ASSERT_EQ(packed.bytes.size(), (cubed + 7) / 8);
     ASSERT_EQ(plain.bytes.size(), cubed);
@@ -49,7 +49,7 @@ TEST(GridArrays, BitsAreTheActiveVoxels) {
         }
     EXPECT_EQ(coordinateArray(volume, "mask", size, "c").shape[0], count);
   }
-  EXPECT_THROW(activeArray(sample(8), "other", 8, true, "a"), Error);
+  EXPECT_THROW(activeArray(sample(8), "other", 8, "a"), Error);
 }
 
 } // namespace

@@ -2,11 +2,10 @@
 #include "tetvdb/io/source/Hdf5File.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Hdf5Handle.h"
 
 #include <cstdlib>
-#include <hdf5.h>
 #include <type_traits>
-#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -16,27 +15,7 @@ constexpr const char* kCut = "the file is damaged or cut off; export it again";
 /// How many bytes one byte of a file can become at most: zlib's limit.
 constexpr double kMaxExpansion = 1100;
 
-/// Identifiers of the library's objects.
-class Handle {
-public:
-  using Close = herr_t (*)(hid_t);
-  Handle(hid_t id, Close close) : id_(id), close_(close) {}
-  ~Handle() {
-    if (id_ >= 0)
-      close_(id_);
-  }
-  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  Handle& operator=(Handle&&) = delete;
-
-  hid_t get() const { return id_; }
-  explicit operator bool() const { return id_ >= 0; }
-
-private:
-  hid_t id_;
-  Close close_;
-};
+using Handle = Hdf5Handle;
 
 herr_t refuseLink(const char*, const char*, const char*, const char*, unsigned*, hid_t, void*) {
   return -1;

@@ -37,6 +37,8 @@ enum class DatasetFormat : std::uint8_t {
   Binvox,            ///< ID_N.binvox: occupancy
   Vdb,               ///< ID_N.vdb: grids mask, surface and shell
   Nvdb,              ///< ID_N.nvdb: the same
+  Hdf5,              ///< ID.h5: everything; joined, a group a model in each archive
+  Zarr,              ///< ID.zarr: everything; joined, the folder is one group
   OccupancyNetworks, ///< ID/points.npz, ID/pointcloud.npz
   DeepSdf            ///< ID.sdf.npz: pos, neg
 };
@@ -50,8 +52,8 @@ struct DatasetOptions {
   bool yUp = false; ///< models' y becomes z, -z becomes y
   DatasetContent content;
   std::vector<DatasetFormat> formats{DatasetFormat::Npz};
-  bool packBits = true;  ///< of arrays of booleans in .npz and .npy, as numpy.packbits()
-  double bandVoxels = 3; ///< of distances; infinity: in the whole cube
+  bool packBits = true;               ///< of booleans in .npz and .npy, as numpy.packbits()
+  double bandVoxels = 3;              ///< of distances; infinity: in the whole cube
   std::size_t uniformPoints = 100000; ///< query points, uniform in the cube
   std::size_t nearPoints = 0;         ///< near the surface
   double nearDistance = 0.01;         ///< standard deviation from it, lengths as normalised

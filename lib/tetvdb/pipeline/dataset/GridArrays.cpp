@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/arrays/MakeDenseGrid.h"
+#include "tetvdb/pipeline/dataset/PackedBits.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
@@ -21,20 +22,14 @@ const openvdb::GridBase& gridNamed(const Volume& volume, const std::string& name
   throw Error(Status::Invalid, "", "the volume has no grid '" + name + "'");
 }
 
-std::uint8_t reversed(std::uint8_t byte) {
-  byte = static_cast<std::uint8_t>((byte & 0xF0) >> 4 | (byte & 0x0F) << 4);
-  byte = static_cast<std::uint8_t>((byte & 0xCC) >> 2 | (byte & 0x33) << 2);
-  return static_cast<std::uint8_t>((byte & 0xAA) >> 1 | (byte & 0x55) << 1);
-}
-
-// Sets the bits of voxels (x, y, z0) to (x, y, z1), the highest bit of a byte first.
-void setRun(std::vector<char>& bits, Side size, Side x, Side y, Side z0, Side z1) {
+// Sets voxels (x, y, z0) to (x, y, z1).
+void setRun(PackedBits& bits, Side size, Side x, Side y, Side z0, Side z1) {
   for (Side at = (x * size + y) * size + z0, last = (x * size + y) * size + z1; at <= last; ++at)
-    bits[at / 8] = static_cast<char>(static_cast<std::uint8_t>(bits[at / 8]) | 0x80u >> at % 8);
+    bits.set(at);
 }
 
 // Adds the part of a box of voxels that is in the cube.
-void setBox(std::vector<char>& bits, Side size, const openvdb::CoordBBox& box) {
+void setBox(PackedBits& bits, Side size, const openvdb::CoordBBox& box) {
   std::array<Side, 3> low{}, high{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto last = static_cast<std::int64_t>(size) - 1;
@@ -51,7 +46,7 @@ void setBox(std::vector<char>& bits, Side size, const openvdb::CoordBBox& box) {
 }
 
 std::vector<char> packedBits(const openvdb::BoolGrid& grid, Side size) {
-  std::vector<char> bits((size * size * size + 7) / 8, 0);
+  PackedBits bits(size * size * size);
   const bool wholeBytes = size % 8 == 0;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const openvdb::Coord origin = leaf->origin();
@@ -68,7 +63,7 @@ std::vector<char> packedBits(const openvdb::BoolGrid& grid, Side size) {
       for (Side y = 0; y < 8 && word != 0; ++y) {
         const Side at =
             ((Side(origin.x()) + x) * size + Side(origin.y()) + y) * size + Side(origin.z());
-        bits[at / 8] = static_cast<char>(reversed(static_cast<std::uint8_t>(word >> 8 * y)));
+        bits.setEight(at, static_cast<std::uint8_t>(word >> 8 * y));
       }
     }
   }
@@ -76,7 +71,7 @@ std::vector<char> packedBits(const openvdb::BoolGrid& grid, Side size) {
   tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
   for (; tile; ++tile)
     setBox(bits, size, tile.getBoundingBox());
-  return bits;
+  return std::move(bits).takeBytes();
 }
 
 VoxelBox cubeOf(int size) {
@@ -85,19 +80,14 @@ VoxelBox cubeOf(int size) {
 
 } // namespace
 
-NamedArray activeArray(const Volume& volume, const std::string& grid, int size, bool packed,
-                       std::string name) {
+NamedArray activeArray(const Volume& volume, const std::string& grid, int size, std::string name) {
   const auto side = static_cast<Side>(size);
   const auto* mask = dynamic_cast<const openvdb::BoolGrid*>(&gridNamed(volume, grid));
   if (mask == nullptr)
     throw Error(Status::Invalid, "", "'" + grid + "' is no grid of booleans");
-  std::vector<char> bits = packedBits(*mask, side);
-  if (packed)
-    return {std::move(name), "|u1", {bits.size()}, std::move(bits)};
-  std::vector<char> bytes(side * side * side);
-  for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] = static_cast<char>(static_cast<std::uint8_t>(bits[i / 8]) >> (7 - i % 8) & 1);
-  return {std::move(name), "|b1", {side, side, side}, std::move(bytes)};
+  NamedArray array{std::move(name), "|b1", {side, side, side}, packedBits(*mask, side)};
+  array.packed = true;
+  return array;
 }
 
 NamedArray coordinateArray(const Volume& volume, const std::string& grid, int size,

@@ -10,11 +10,9 @@
 
 namespace tetvdb {
 
-/// The active voxels of the grid `grid` of `volume` as booleans, shape (N, N, N), or packed as
-/// numpy.packbits() does, shape (ceil(N^3 / 8)): the first voxel is the highest bit of the first
-/// byte. A byte a time of leaf nodes where N is a multiple of 8.
-NamedArray activeArray(const Volume& volume, const std::string& grid, int size, bool packed,
-                       std::string name);
+/// The active voxels of the grid `grid` of `volume` as booleans, shape (N, N, N), packed. A byte a
+/// time of leaf nodes where N is a multiple of 8.
+NamedArray activeArray(const Volume& volume, const std::string& grid, int size, std::string name);
 /// Coordinates of the active voxels, int32, shape (M, 3), ascending by x, y, z.
 NamedArray coordinateArray(const Volume& volume, const std::string& grid, int size,
                            std::string name);

@@ -5,7 +5,9 @@
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/pipeline/dataset/Hdf5Arrays.h"
 #include "tetvdb/pipeline/dataset/TarWriter.h"
+#include "tetvdb/pipeline/dataset/ZarrArrays.h"
 #include "tetvdb/visualize/PictureMaker.h"
 #include "tetvdb/visualize/WritePng.h"
 
@@ -100,6 +102,8 @@ public:
     tables();
     if (how_.archives > 0)
       archives();
+    if (writes(DatasetFormat::Zarr))
+      joinStores();
     if (how_.preview)
       preview();
     card();
@@ -199,8 +203,20 @@ private:
     return csvLine(fields);
   }
 
-  std::string archiveName(unsigned index) const {
-    return fmt::format("data-{:05}-of-{:05}.tar", index, how_.archives);
+  bool writes(DatasetFormat format) const {
+    return std::find(options_.formats.begin(), options_.formats.end(), format) !=
+           options_.formats.end();
+  }
+
+  static bool endsWith(const std::string& name, const std::string& ending) {
+    return name.size() >= ending.size() &&
+           name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+  }
+  static bool isStore(const std::string& file) { return endsWith(file, ".zarr"); }
+  static bool isHdf5(const std::string& file) { return endsWith(file, ".h5"); }
+
+  std::string archiveName(unsigned index, const char* ending) const {
+    return fmt::format("data-{:05}-of-{:05}{}", index, how_.archives, ending);
   }
 
   void archives() {
@@ -209,26 +225,68 @@ private:
     for (const DatasetItem& item : items_)
       if (isSuccess(rowOf(item)))
         of[hashOfId(item.entry.id) % how_.archives].push_back(&item);
+    const bool packsTar =
+        std::any_of(options_.formats.begin(), options_.formats.end(), [](DatasetFormat format) {
+          return format != DatasetFormat::Hdf5 && format != DatasetFormat::Zarr;
+        });
     for (unsigned index = 0; index < how_.archives; ++index) {
       progress_.check();
       progress_.update(double(index) / how_.archives);
-      const fs::path path = folder_ / archiveName(index);
-      summary_.files.push_back(archiveName(index));
-      std::error_code error;
-      if (!fs::exists(path, error)) {
-        AtomicFile file(path.string());
-        TarWriter tar(file);
-        for (const DatasetItem* item : of[index])
-          pack(*item, tar);
-        tar.finish();
-        file.commit();
-      }
+      if (packsTar)
+        packTar(archiveName(index, ".tar"), of[index]);
+      if (writes(DatasetFormat::Hdf5))
+        packHdf5(archiveName(index, ".h5"), of[index]);
       for (const DatasetItem* item : of[index])
-        for (const DatasetRow& name : rowOf(*item).at("files")) {
-          fs::remove(folder_ / name.get<std::string>(), error);
-          removeEmptyFolders((folder_ / name.get<std::string>()).parent_path());
-        }
+        for (const DatasetRow& name : rowOf(*item).at("files"))
+          removePacked(name.get<std::string>());
     }
+  }
+
+  void packTar(const std::string& archive, const std::vector<const DatasetItem*>& items) {
+    summary_.files.push_back(archive);
+    const fs::path path = folder_ / archive;
+    std::error_code error;
+    if (fs::exists(path, error))
+      return;
+    AtomicFile file(path.string());
+    TarWriter tar(file);
+    for (const DatasetItem* item : items)
+      pack(*item, tar);
+    tar.finish();
+    file.commit();
+  }
+
+  void packHdf5(const std::string& archive, const std::vector<const DatasetItem*>& items) {
+    summary_.files.push_back(archive);
+    const fs::path path = folder_ / archive;
+    std::error_code error;
+    if (fs::exists(path, error))
+      return;
+    std::vector<std::pair<std::string, std::string>> members;
+    for (const DatasetItem* item : items)
+      for (const DatasetRow& one : rowOf(*item).at("files"))
+        if (const std::string name = one; isHdf5(name))
+          members.emplace_back(item->name(), (folder_ / name).string());
+    joinHdf5Files(path.string(), members, progress_);
+  }
+
+  void removePacked(const std::string& name) const {
+    if (isStore(name))
+      return;
+    std::error_code error;
+    fs::remove(folder_ / name, error);
+    removeEmptyFolders((folder_ / name).parent_path());
+  }
+
+  void joinStores() {
+    std::vector<std::string> stores;
+    for (const DatasetItem& item : items_)
+      if (isSuccess(rowOf(item)))
+        for (const DatasetRow& one : rowOf(item).at("files"))
+          if (const std::string name = one; isStore(name))
+            stores.push_back(name);
+    joinZarrStores(folder_.string(), stores);
+    summary_.files.emplace_back(".zmetadata");
   }
 
   void removeEmptyFolders(fs::path path) const {
@@ -244,6 +302,8 @@ private:
     std::replace(key.begin(), key.end(), '.', '_');
     for (const DatasetRow& one : row.at("files")) {
       const std::string name = one;
+      if (isStore(name) || isHdf5(name))
+        continue;
       const std::size_t at = name.rfind(item.name());
       std::string ending = at == name.npos ? name : name.substr(at + item.name().size());
       if (!ending.empty() && (ending[0] == '_' || ending[0] == '/'))

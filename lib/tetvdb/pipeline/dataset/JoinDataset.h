@@ -22,7 +22,7 @@ struct DatasetSummary {
 };
 
 struct JoinOptions {
-  unsigned archives = 0; ///< .tar files that the models' files go into; 0: they stay files
+  unsigned archives = 0; ///< .tar and .h5 files that the models' files go into; 0: they stay files
   bool preview = true;   ///< a picture of up to 24 models
 };
 
@@ -32,8 +32,10 @@ std::vector<DatasetItem> itemsOf(const std::vector<DatasetEntry>& entries, int v
 /// Writes into `folder` success.csv and failed.csv (every item is in exactly one), card.md,
 /// preview.png, and the archives: data-00000-of-00008.tar and so on, each model in the one that
 /// hashOfId() says, with NAME.json for its class, split and transform, as WebDataset reads them;
-/// the files go once their archive is whole. All but card.md and times depend on the models and the
-/// options alone. Throws Error(Invalid), and writes nothing, where an item has no row yet.
+/// HDF5 files go into data-00000-of-00008.h5 and so on, a group a model. The files go once their
+/// archive is whole. Zarr stores stay, and the folder becomes a group of them (joinZarrStores()).
+/// All but card.md and times depend on the models and the options alone. Throws Error(Invalid), and
+/// writes nothing, where an item has no row yet.
 DatasetSummary joinDataset(const std::vector<DatasetItem>& items,
                            const std::map<std::string, DatasetRow>& rows,
                            const DatasetOptions& options, const JoinOptions& how,

@@ -15,7 +15,9 @@
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/SolidQuery.h"
 #include "tetvdb/pipeline/dataset/GridArrays.h"
+#include "tetvdb/pipeline/dataset/Hdf5Arrays.h"
 #include "tetvdb/pipeline/dataset/NamedArray.h"
+#include "tetvdb/pipeline/dataset/ZarrArrays.h"
 #include "tetvdb/surface/TetSurface.h"
 #include "tetvdb/tetrahedralize/Tetrahedralize.h"
 #include "tetvdb/volume/Grids.h"
@@ -44,9 +46,11 @@ struct PointSet {
 
 class ItemMaker {
 public:
+  /// Files into `folder`, or arrays alone into `kept`.
   ItemMaker(const DatasetItem& item, const DatasetOptions& options, const std::string& folder,
-            Report& report, Progress& progress)
-      : item_(item), options_(options), folder_(folder), report_(report), progress_(progress) {}
+            std::vector<NamedArray>* kept, Report& report, Progress& progress)
+      : item_(item), options_(options), folder_(folder), kept_(kept), report_(report),
+        progress_(progress) {}
 
   ItemResult make() {
     read();
@@ -65,16 +69,22 @@ public:
       grids(size);
     if (options_.content.points || options_.content.samples)
       points(random);
-    writeArrayFiles();
+    if (kept_ != nullptr)
+      *kept_ = std::move(arrays_);
+    else
+      writeArrayFiles();
     return std::move(result_);
   }
 
 private:
   bool writes(DatasetFormat format) const {
-    return std::find(options_.formats.begin(), options_.formats.end(), format) !=
-           options_.formats.end();
+    return kept_ == nullptr && std::find(options_.formats.begin(), options_.formats.end(),
+                                         format) != options_.formats.end();
   }
-  bool writesArrays() const { return writes(DatasetFormat::Npz) || writes(DatasetFormat::Npy); }
+  bool makesArrays() const {
+    return kept_ != nullptr || writes(DatasetFormat::Npz) || writes(DatasetFormat::Npy) ||
+           writes(DatasetFormat::Hdf5) || writes(DatasetFormat::Zarr);
+  }
 
   void read() {
     const StageTimer timer(report_, "read");
@@ -189,21 +199,22 @@ private:
     progress_.stage("write");
     const DatasetContent& content = options_.content;
     const std::string suffix = fmt::format("_{}", size);
-    if (writesArrays()) {
+    if (makesArrays()) {
       const double voxel = normal_.side / size;
       const Vec3d origin = cubeOf(size).origin;
-      arrays_.push_back(
-          NamedArray::of("grid" + suffix, "<f8", {4, 4},
-                         std::vector<double>{voxel, 0, 0, origin[0], 0, voxel, 0, origin[1], 0, 0,
-                                             voxel, origin[2], 0, 0, 0, 1}));
+      const std::vector<double> matrix{voxel, 0, 0,     origin[0], 0, voxel, 0, origin[1],
+                                       0,     0, voxel, origin[2], 0, 0,     0, 1};
+      arrays_.push_back(NamedArray::of("grid" + suffix, "<f8", {4, 4}, matrix));
+      const auto addVoxels = [&](NamedArray array) {
+        array.transform = matrix;
+        arrays_.push_back(std::move(array));
+      };
       if (content.occupancy)
-        arrays_.push_back(
-            activeArray(volume, "mask", size, options_.packBits, "occupancy" + suffix));
+        addVoxels(activeArray(volume, "mask", size, "occupancy" + suffix));
       if (content.distance)
-        arrays_.push_back(valueArray(volume, "surface", size, "distance" + suffix));
+        addVoxels(valueArray(volume, "surface", size, "distance" + suffix));
       if (content.surface)
-        arrays_.push_back(
-            activeArray(volume, kSurfaceVoxels, size, options_.packBits, "surface" + suffix));
+        addVoxels(activeArray(volume, kSurfaceVoxels, size, "surface" + suffix));
       if (content.coordinates && (content.occupancy || !content.surface))
         arrays_.push_back(coordinateArray(volume, "mask", size, "coordinates" + suffix));
       if (content.coordinates && content.surface)
@@ -266,7 +277,7 @@ private:
       set = evaluated(SolidQuery(mesh_, progress_), std::move(asked));
     }
     const StageTimer timer(report_, "write");
-    if (writesArrays())
+    if (makesArrays())
       addPointArrays(set, surface);
     if (writes(DatasetFormat::OccupancyNetworks))
       writeOccupancyNetworks(set, surface);
@@ -289,23 +300,12 @@ private:
                 : NamedArray::of(std::move(name), "<f4", std::move(shape), values);
   }
 
-  // As numpy.packbits() does.
-  static std::vector<std::uint8_t> packed(const std::vector<std::uint8_t>& flags) {
-    std::vector<std::uint8_t> bits((flags.size() + 7) / 8, 0);
-    for (std::size_t i = 0; i < flags.size(); ++i)
-      bits[i / 8] = static_cast<std::uint8_t>(bits[i / 8] | (flags[i] != 0 ? 0x80 >> i % 8 : 0));
-    return bits;
-  }
-
   void addPointArrays(const PointSet& set, const SurfacePoints& surface) {
     const bool half = options_.halfFloats;
     if (options_.content.points) {
       const std::uint64_t n = set.points.size();
       arrays_.push_back(numbers("points", {n, 3}, flat(set.points), half));
-      arrays_.push_back(
-          options_.packBits
-              ? NamedArray::of("points_occupancy", "|u1", {(n + 7) / 8}, packed(set.inside))
-              : NamedArray::of("points_occupancy", "|b1", {n}, set.inside));
+      arrays_.push_back(flagArray("points_occupancy", {n}, set.inside));
       const std::vector<float> distance(set.distance.begin(), set.distance.end());
       arrays_.push_back(numbers("points_distance", {n}, distance, half));
     }
@@ -331,8 +331,7 @@ private:
     if (options_.content.points)
       writeNpzArrays(target("/points.npz"),
                      {numbers("points", {n, 3}, flat(set.points), true),
-                      NamedArray::of("occupancies", "|u1", {(n + 7) / 8}, packed(set.inside)),
-                      place, size});
+                      asBytes(flagArray("occupancies", {n}, set.inside)), place, size});
     if (options_.content.samples)
       writeNpzArrays(target("/pointcloud.npz"),
                      {numbers("points", {m, 3}, flat(surface.points), true),
@@ -375,6 +374,19 @@ private:
 
   void writeArrayFiles() {
     const StageTimer timer(report_, "write");
+    const ArrayAttributes about{{{"name", item_.name()},
+                                 {"id", item_.entry.id},
+                                 {"class", item_.entry.className},
+                                 {"split", item_.entry.split}},
+                                {normal_.transform.begin(), normal_.transform.end()}};
+    if (writes(DatasetFormat::Hdf5))
+      writeHdf5Arrays(target(".h5"), arrays_, about);
+    if (writes(DatasetFormat::Zarr))
+      writeZarrArrays(target(".zarr"), arrays_, about);
+    if (!writes(DatasetFormat::Npz) && !writes(DatasetFormat::Npy))
+      return;
+    for (NamedArray& array : arrays_)
+      array = options_.packBits ? asBytes(std::move(array)) : unpacked(std::move(array));
     if (writes(DatasetFormat::Npz))
       writeNpzArrays(target(".npz"), arrays_);
     if (writes(DatasetFormat::Npy))
@@ -385,6 +397,7 @@ private:
   const DatasetItem& item_;
   const DatasetOptions& options_;
   const std::string& folder_;
+  std::vector<NamedArray>* const kept_;
   Report& report_;
   Progress& progress_;
   TriangleMesh mesh_;
@@ -402,7 +415,12 @@ std::string DatasetItem::name() const {
 
 ItemResult makeItem(const DatasetItem& item, const DatasetOptions& options,
                     const std::string& folder, Report& report, Progress& progress) {
-  return ItemMaker(item, options, folder, report, progress).make();
+  return ItemMaker(item, options, folder, nullptr, report, progress).make();
+}
+
+ItemResult makeItemArrays(const DatasetItem& item, const DatasetOptions& options,
+                          std::vector<NamedArray>& arrays, Report& report, Progress& progress) {
+  return ItemMaker(item, options, {}, &arrays, report, progress).make();
 }
 
 } // namespace tetvdb

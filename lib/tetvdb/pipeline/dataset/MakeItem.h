@@ -10,6 +10,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/dataset/DatasetOptions.h"
 #include "tetvdb/pipeline/dataset/Manifest.h"
+#include "tetvdb/pipeline/dataset/NamedArray.h"
 #include "tetvdb/pipeline/dataset/NormalizeModel.h"
 
 #include <cstddef>
@@ -49,5 +50,10 @@ struct ItemResult {
 /// Error(Invalid) for a mesh without an inside where one is needed.
 ItemResult makeItem(const DatasetItem& item, const DatasetOptions& options,
                     const std::string& folder, Report& report, Progress& progress);
+
+/// The arrays of makeItem() in memory, booleans packed; no file is written, and formats do not
+/// count.
+ItemResult makeItemArrays(const DatasetItem& item, const DatasetOptions& options,
+                          std::vector<NamedArray>& arrays, Report& report, Progress& progress);
 
 } // namespace tetvdb

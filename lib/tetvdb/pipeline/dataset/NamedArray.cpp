@@ -4,10 +4,39 @@
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/io/text/ZipWriter.h"
 #include "tetvdb/io/volume/arrays/NpyHeader.h"
+#include "tetvdb/pipeline/dataset/PackedBits.h"
 
+#include <functional>
+#include <numeric>
 #include <openvdb/math/Half.h>
 
 namespace tetvdb {
+
+NamedArray flagArray(std::string name, std::vector<std::uint64_t> shape,
+                     const std::vector<std::uint8_t>& flags) {
+  NamedArray array{std::move(name), "|b1", std::move(shape), PackedBits(flags).takeBytes()};
+  array.packed = true;
+  return array;
+}
+
+NamedArray asBytes(NamedArray array) {
+  if (array.packed) {
+    array.type = "|u1";
+    array.shape = {array.bytes.size()};
+    array.packed = false;
+  }
+  return array;
+}
+
+NamedArray unpacked(NamedArray array) {
+  if (array.packed) {
+    const std::uint64_t count = std::accumulate(array.shape.begin(), array.shape.end(),
+                                                std::uint64_t(1), std::multiplies<>());
+    array.bytes = PackedBits::unpacked(array.bytes, count);
+    array.packed = false;
+  }
+  return array;
+}
 
 void writeNpzArrays(const std::string& path, const std::vector<NamedArray>& arrays) {
   AtomicFile file(path);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Arrays in memory as .npz and .npy files.
+// Arrays in memory, and as .npz and .npy files.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,11 @@ struct NamedArray {
   std::string type; ///< as NumPy names it: "<f4", "|b1", ...
   std::vector<std::uint64_t> shape;
   std::vector<char> bytes; ///< C order
+  /// The bytes are eight booleans each, as PackedBits has them; type and shape are those of the
+  /// booleans.
+  bool packed = false;
+  /// Of voxels: 4 x 4, row by row, from an element's numbers to the coordinates of points.
+  std::vector<double> transform{};
 
   template <typename T>
   static NamedArray of(std::string name, std::string type, std::vector<std::uint64_t> shape,
@@ -24,9 +29,18 @@ struct NamedArray {
   }
 };
 
-/// Deflated. The bytes depend on the arrays alone. Whole or absent; throws Error(Write).
+/// Booleans, packed.
+NamedArray flagArray(std::string name, std::vector<std::uint64_t> shape,
+                     const std::vector<std::uint8_t>& flags);
+/// As numpy.packbits() returns it where it is packed, else as it is.
+NamedArray asBytes(NamedArray array);
+/// A byte a boolean where it is packed, else as it is.
+NamedArray unpacked(NamedArray array);
+
+/// Deflated; no array is packed. The bytes depend on the arrays alone. Whole or absent; throws
+/// Error(Write).
 void writeNpzArrays(const std::string& path, const std::vector<NamedArray>& arrays);
-/// One array.
+/// One array, not packed.
 void writeNpyArray(const std::string& path, const NamedArray& array);
 
 /// Numbers as IEEE 754 half-precision, rounded to nearest, ties to even.

@@ -1,38 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Hdf5Handle.h"
 #include "tetvdb/io/volume/arrays/ArrayWriters.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <hdf5.h>
-#include <utility>
 #include <vector>
 
 namespace tetvdb {
 namespace {
 
-/// An identifier of the library's objects.
-class Handle {
-public:
-  using Close = herr_t (*)(hid_t);
-  Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
-  ~Handle() {
-    if (id_ >= 0)
-      close_(id_);
-  }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-
-  hid_t get() const { return id_; }
-  /// Whether all that waits has been written.
-  bool close() { return close_(std::exchange(id_, -1)) >= 0; }
-
-private:
-  hid_t id_;
-  Close close_;
-};
+using Handle = Hdf5Handle;
 
 hid_t typeOf(ElementType element) {
   switch (element) {

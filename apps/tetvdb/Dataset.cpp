@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Commands.h"
+#include "DatasetNames.h"
 #include "DatasetWorkers.h"
 #include "JobOptions.h"
 #include "OptionNames.h"
@@ -58,28 +59,19 @@ struct Options {
 };
 
 template <typename Value>
-using Choices = std::vector<std::pair<std::string, Value>>;
+using Choices = std::vector<std::pair<const char*, Value>>;
 
-const Choices<NormalLength> kNormalLengths{{"longest", NormalLength::Longest},
-                                           {"diagonal", NormalLength::Diagonal},
-                                           {"sphere", NormalLength::Sphere},
-                                           {"none", NormalLength::None}};
 const Choices<DatasetFormat> kDatasetFormats{
     {"npz", DatasetFormat::Npz},        {"npy", DatasetFormat::Npy},
     {"binvox", DatasetFormat::Binvox},  {"vdb", DatasetFormat::Vdb},
     {"nvdb", DatasetFormat::Nvdb},      {"hdf5", DatasetFormat::Hdf5},
     {"zarr", DatasetFormat::Zarr},      {"occupancy-networks", DatasetFormat::OccupancyNetworks},
     {"deepsdf", DatasetFormat::DeepSdf}};
-const Choices<bool DatasetContent::*> kContents{
-    {"occupancy", &DatasetContent::occupancy}, {"distance", &DatasetContent::distance},
-    {"surface", &DatasetContent::surface},     {"coordinates", &DatasetContent::coordinates},
-    {"points", &DatasetContent::points},       {"samples", &DatasetContent::samples}};
-
 template <typename Value>
 std::vector<std::string> namesOf(const Choices<Value>& choices) {
   std::vector<std::string> names;
   for (const auto& [name, value] : choices)
-    names.push_back(name);
+    names.emplace_back(name);
   return names;
 }
 
@@ -113,16 +105,13 @@ void checkFormats(const DatasetOptions& make) {
 
 DatasetOptions datasetOptions(const Options& options) {
   DatasetOptions make = options.make;
-  make.resolutions = options.resolutions;
-  std::sort(make.resolutions.begin(), make.resolutions.end());
-  make.resolutions.erase(std::unique(make.resolutions.begin(), make.resolutions.end()),
-                         make.resolutions.end());
+  make.resolutions = sortedResolutions(options.resolutions);
   make.normalize = valueOf(kNormalLengths, options.normalize);
   make.yUp = options.up == "y";
   make.content = {};
   make.content.occupancy = false;
   for (const std::string& name : options.content)
-    make.content.*valueOf(kContents, name) = true;
+    make.content.*valueOf(kDatasetContents, name) = true;
   make.formats.clear();
   for (const std::string& name : options.formats)
     make.formats.push_back(valueOf(kDatasetFormats, name));
@@ -316,7 +305,7 @@ void addContentOptions(CLI::App& command, Options& options) {
                   "that faces pass through), coordinates (numbers of voxels), points (query points "
                   "with occupancy and distance), samples (of the surface, with normals)")
       ->delimiter(',')
-      ->check(oneOf(namesOf(kContents)))
+      ->check(oneOf(namesOf(kDatasetContents)))
       ->type_name("NAME,...")
       ->capture_default_str();
   command

@@ -16,5 +16,6 @@ void addQuery(nb::module_& module);
 void addRender(nb::module_& module);
 void addSlice(nb::module_& module);
 void addInfo(nb::module_& module);
+void addDataset(nb::module_& module);
 
 } // namespace tetvdb::python

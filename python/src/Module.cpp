@@ -25,4 +25,5 @@ NB_MODULE(_tetvdb, module) {
   addInfo(module);
   addRender(module);
   addSlice(module);
+  addDataset(module);
 }

@@ -12,20 +12,11 @@
 
 #include <memory>
 #include <nanobind/stl/string.h>
-#include <tbb/task_arena.h>
 #include <utility>
 #include <vector>
 
 namespace tetvdb::python {
 namespace {
-
-template <typename Work>
-auto inArena(int threads, const Work& work) {
-  if (threads <= 0)
-    return work();
-  tbb::task_arena arena(threads);
-  return arena.execute(work);
-}
 
 struct PySolid {
   std::unique_ptr<const SolidQuery> query;

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <nanobind/nanobind.h>
 #include <optional>
+#include <tbb/task_arena.h>
 #include <thread>
 
 namespace tetvdb::python {
@@ -68,9 +69,19 @@ inline Status statusOf(const Report& report) {
 /// Gives every warning of `report` from number `first` on to Python's warnings.
 void issueWarnings(const Report& report, std::size_t first = 0);
 
+/// Runs `work()` with so many threads; 0: as many as there are.
+template <typename Work>
+auto inArena(int threads, const Work& work) {
+  if (threads <= 0)
+    return work();
+  tbb::task_arena arena(threads);
+  return arena.execute(work);
+}
+
 class JobRun {
 public:
-  explicit JobRun(const JobLimits& limits) {
+  /// `warns`: what the report has of warnings becomes Python's.
+  explicit JobRun(const JobLimits& limits, bool warns = true) : warns_(warns) {
     if (limits.maxTime > 0) // a year is as good as for ever, and fits the clock
       progress_.setDeadline(Progress::Clock::now() +
                             std::chrono::duration_cast<Progress::Clock::duration>(
@@ -86,7 +97,8 @@ public:
         const nb::gil_scoped_release released;
         return work(report_, progress_);
       }();
-      issueWarnings(report_);
+      if (warns_)
+        issueWarnings(report_);
       return result;
     } catch (const Error&) {
       signals.rethrow();
@@ -97,6 +109,7 @@ public:
   Report& report() { return report_; }
 
 private:
+  bool warns_;
   Report report_;
   Progress progress_;
 };

@@ -92,6 +92,18 @@ void Settings::take(const char* name, int& value) {
   value = static_cast<int>(number);
 }
 
+void Settings::takeWhole(const char* name, std::uint64_t low, std::uint64_t high,
+                         std::uint64_t& value) {
+  if (!has(name))
+    return;
+  const double number = numberOf(name);
+  if (number != std::floor(number) || number < static_cast<double>(low) ||
+      number > static_cast<double>(high))
+    refuse(name, shown(get(name)) + " cannot be used",
+           "give a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  value = static_cast<std::uint64_t>(number);
+}
+
 void Settings::take(const char* name, double& value) {
   if (has(name))
     value = numberOf(name);

@@ -14,6 +14,7 @@
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
+#include <cstdint>
 #include <initializer_list>
 #include <nanobind/nanobind.h>
 #include <string>
@@ -33,6 +34,8 @@ public:
   void take(const char* name, bool& value);
   void take(const char* name, int& value);
   void take(const char* name, double& value); ///< finite
+  /// A whole number from `low` to `high`, at most 2^53.
+  void takeWhole(const char* name, std::uint64_t low, std::uint64_t high, std::uint64_t& value);
   void take(const char* name, std::string& value);
   /// A text with commas, or a sequence of texts and numbers.
   void take(const char* name, std::vector<std::string>& value);
@@ -45,17 +48,24 @@ public:
   void takeRelative(const char* name, RelativeLength& value, bool voxels);
   /// One of the words, as its number in the list.
   template <typename Enum>
+  void takeWord(const char* name, const std::vector<std::pair<const char*, Enum>>& words,
+                Enum& value) {
+    if (has(name))
+      value = numberOfWord(name, textOf(name), words);
+  }
+  template <typename Enum>
   void takeWord(const char* name, std::initializer_list<std::pair<const char*, Enum>> words,
                 Enum& value) {
-    if (!has(name))
-      return;
-    const std::string word = textOf(name);
+    takeWord(name, std::vector<std::pair<const char*, Enum>>(words), value);
+  }
+  /// The number of `word`; refuses one that is not in the list.
+  template <typename Enum>
+  static Enum numberOfWord(const char* name, const std::string& word,
+                           const std::vector<std::pair<const char*, Enum>>& words) {
     std::string known;
     for (const auto& [text, number] : words) {
-      if (word == text) {
-        value = number;
-        return;
-      }
+      if (word == text)
+        return number;
       known += (known.empty() ? "" : ", ") + std::string(text);
     }
     refuse(name, "'" + word + "' is none of its values", "choose from " + known);

@@ -18,13 +18,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
 from . import _tetvdb
+from ._dataset import Batch, Dataset
 from ._inputs import GRID_KINDS as _GRID_KINDS
 from ._inputs import _array
 from ._inputs import inputs_of as _inputs_of
 from ._tetvdb import Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __version__, read
 
-__all__ = ["Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid", "TetMesh", "TriangleMesh",
-           "Volume", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
+__all__ = ["Batch", "Dataset", "Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid",
+           "TetMesh", "TriangleMesh", "Volume", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
            "voxelize", "__version__"]
 
 _Length = Union[float, str]

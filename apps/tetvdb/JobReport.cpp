@@ -159,6 +159,29 @@ Json regionsOf(const TetrahedralizeResult& result) {
 
 } // namespace
 
+void addSections(const SequenceResult& result, Json& sections) {
+  sections["transform"] = worldFromIndex(result.transform);
+  Json frames = Json::array(), outputs = Json::array();
+  for (std::size_t i = 0; i < result.frames.size(); ++i) {
+    const FrameResult& frame = result.frames[i];
+    frames.push_back({{"frame", i + 1},
+                      {"input", frame.frame.inputs},
+                      {"time", frame.frame.time ? Json(*frame.frame.time) : Json()},
+                      {"output", frame.output.path},
+                      {"skipped", frame.skipped},
+                      {"grids", toJson(frame.grids)}});
+    outputs.push_back({{"path", frame.output.path}, {"bytes", frame.output.bytes}});
+  }
+  sections["frames"] = std::move(frames);
+  sections["frames_at_once"] = result.atOnce;
+  sections["output"] = std::move(outputs);
+  for (const FrameResult& frame : result.frames)
+    if (!frame.grids.empty()) {
+      sections["grids"] = toJson(frame.grids);
+      break;
+    }
+}
+
 int threadsOf(int asked) {
   return asked > 0 ? asked : tbb::this_task_arena::max_concurrency();
 }

@@ -8,6 +8,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/pipeline/RenderJob.h"
 #include "tetvdb/pipeline/RepairJob.h"
+#include "tetvdb/pipeline/SequenceJob.h"
 #include "tetvdb/pipeline/SliceJob.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
@@ -59,6 +60,9 @@ nlohmann::ordered_json sectionsOf(const RepairJob& job, const RepairResult& resu
                                   TextOf textOf = plainText);
 nlohmann::ordered_json sectionsOf(const RenderJob& job, const RenderResult& result);
 nlohmann::ordered_json sectionsOf(const SliceJob& job, const SliceResult& result);
+/// "transform", "frames", "frames_at_once", "output" and, of the first frame that was made,
+/// "grids" of a sequence.
+void addSections(const SequenceResult& result, nlohmann::ordered_json& sections);
 
 /// The threads that a job takes where it asks for that many; 0: as many as the arena has.
 int threadsOf(int asked);

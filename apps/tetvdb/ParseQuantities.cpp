@@ -142,4 +142,65 @@ double parseSeconds(const std::string& option, const std::string& text) {
   return number;
 }
 
+DeviceChoice parseDevice(const std::string& option, const std::string& text) {
+  if (text == "auto")
+    return {DeviceKind::Auto, {0}};
+  if (text == "cpu")
+    return {DeviceKind::Cpu, {}};
+  if (text == "cuda")
+    return {DeviceKind::Cuda, {0}};
+  const auto refuse = [&](const std::string& why) {
+    throw Error(Status::Usage, option, "'" + text + "' " + why,
+                "name one of auto, cpu, cuda, cuda:N and cuda:N,M,...");
+  };
+  if (text.substr(0, 5) != "cuda:")
+    refuse("is no device");
+  DeviceChoice choice{DeviceKind::Cuda, {}};
+  for (std::size_t begin = 5; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string digits = text.substr(begin, end - begin);
+    if (digits.empty() || digits.size() > 3 ||
+        digits.find_first_not_of("0123456789") != std::string::npos)
+      refuse("is no device");
+    const int number = std::stoi(digits);
+    if (std::find(choice.numbers.begin(), choice.numbers.end(), number) != choice.numbers.end())
+      refuse("names a device twice");
+    choice.numbers.push_back(number);
+    begin = end + 1;
+  }
+  return choice;
+}
+
+std::optional<FrameRange> parseFrames(const std::string& option, const std::string& text) {
+  if (text.empty())
+    return {};
+  FrameRange range;
+  if (text == "all")
+    return range;
+  const auto refuse = [&] {
+    throw Error(Status::Usage, option, "'" + text + "' cannot be used",
+                "give all, FIRST:LAST or FIRST:LAST:STRIDE, counted from 1");
+  };
+  std::size_t* const places[3] = {&range.first, &range.last, &range.stride};
+  std::string_view left = text;
+  std::size_t place = 0;
+  while (true) {
+    const std::string_view digits = left.substr(0, left.find(':'));
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), *places[place]);
+    const bool leftOut = place == 1 && digits.empty();
+    if (!leftOut &&
+        (error != std::errc() || end != digits.data() + digits.size() || *places[place] == 0))
+      refuse();
+    if (digits.size() == left.size())
+      break;
+    left.remove_prefix(digits.size() + 1);
+    if (++place == 3)
+      refuse();
+  }
+  if (place == 0) // one frame
+    range.last = range.first;
+  return range;
+}
+
 } // namespace tetvdb::cli

@@ -4,11 +4,14 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/pipeline/FindFrames.h"
 #include "tetvdb/pipeline/Mesher.h"
 #include "tetvdb/pipeline/RelativeLength.h"
+#include "tetvdb/voxelize/DeviceChoice.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,5 +46,12 @@ Mesher parseMesher(const std::string& name);
 
 /// Seconds, above zero.
 double parseSeconds(const std::string& option, const std::string& text);
+
+/// "auto", "cpu", "cuda", "cuda:1" or "cuda:0,1".
+DeviceChoice parseDevice(const std::string& option, const std::string& text);
+
+/// "all", "FIRST:LAST" or "FIRST:LAST:STRIDE", counted from 1; LAST may be left out. Nothing of an
+/// empty text.
+std::optional<FrameRange> parseFrames(const std::string& option, const std::string& text);
 
 } // namespace tetvdb::cli

@@ -131,35 +131,6 @@ void parseBox(const std::string& text, CellFilter& filter) {
   }
 }
 
-DeviceChoice parseDevice(const std::string& text) {
-  if (text == "auto")
-    return {DeviceKind::Auto, {0}};
-  if (text == "cpu")
-    return {DeviceKind::Cpu, {}};
-  if (text == "cuda")
-    return {DeviceKind::Cuda, {0}};
-  const auto refuse = [&](const std::string& why) {
-    throw Error(Status::Usage, "--device", "'" + text + "' " + why,
-                "name one of auto, cpu, cuda, cuda:N and cuda:N,M,...");
-  };
-  if (text.substr(0, 5) != "cuda:")
-    refuse("is no device");
-  DeviceChoice choice{DeviceKind::Cuda, {}};
-  for (std::size_t begin = 5; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    const std::string digits = text.substr(begin, end - begin);
-    if (digits.empty() || digits.size() > 3 ||
-        digits.find_first_not_of("0123456789") != std::string::npos)
-      refuse("is no device");
-    const int number = std::stoi(digits);
-    if (std::find(choice.numbers.begin(), choice.numbers.end(), number) != choice.numbers.end())
-      refuse("names a device twice");
-    choice.numbers.push_back(number);
-    begin = end + 1;
-  }
-  return choice;
-}
-
 VoxelizeJob makeJob(const Options& options) {
   VoxelizeJob job;
   job.inputs = options.inputs;
@@ -185,9 +156,10 @@ VoxelizeJob makeJob(const Options& options) {
   job.voxelize.fit = {options.fit, options.padding};
   const std::vector<std::string> usual{isMaskFile(options.output) ? "mask" : "density"};
   parseGrids(options.grids.empty() ? usual : options.grids, job);
-  setFields(options.fields, job.fields);
+  const SettingName optionName = [](const char* setting) { return "--" + std::string(setting); };
+  setFields(options.fields, optionName, job.fields);
   if (!options.fields.warp.empty())
-    job.warp = parseWarp(options.fields.warp);
+    job.warp = parseWarp("--warp", options.fields.warp);
   job.read.attributes =
       !options.writeMesh.empty() || !job.fields.empty() || !job.warp.array.empty();
   job.shapes.halfWidth =
@@ -197,7 +169,7 @@ VoxelizeJob makeJob(const Options& options) {
   job.maxMemory = memoryLimit(options);
   job.units = options.units;
   job.half = options.half;
-  job.device = parseDevice(options.device);
+  job.device = parseDevice("--device", options.device);
   job.threads = threadCount(options);
   return job;
 }

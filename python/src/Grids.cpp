@@ -232,12 +232,25 @@ std::vector<std::string> namesOf(const PyVolume& self) {
   return names;
 }
 
-void write(const PyVolume& self, nb::handle where) {
+void write(const PyVolume& self, nb::handle where, const std::optional<Corners>& corners,
+           bool sparse, bool compress) {
   const std::string path = pathOf(where);
+  ArrayOptions arrays;
+  arrays.sparse = sparse;
+  arrays.compress = compress;
+  if (corners)
+    arrays.box = VoxelBox{corners->first, corners->second};
+  if ((sparse || compress || arrays.box) && !isArrayFile(path))
+    throw Error(Status::Usage,
+                arrays.box ? "`box`"
+                : compress ? "`compress`"
+                           : "`sparse`",
+                "is for arrays, and the file is none",
+                "leave it out, or end the name with " + arrayEndings());
   JobRun run({});
   run([&](Report&, Progress& progress) {
     if (isArrayFile(path))
-      writeArrays(path, self.volume, {}, progress);
+      writeArrays(path, self.volume, arrays, progress);
     else
       writeVolume(path, self.volume, progress);
     return true;
@@ -346,9 +359,12 @@ void addGrids(nb::module_& module) {
           "report", [](const PyVolume& self) { return reportDict(self.report); },
           "What the job did that made the volume, a dict: the object that the command line writes "
           "with --json. Empty for a volume that was read.")
-      .def("write", &write, nb::arg("path"),
+      .def("write", &write, nb::arg("path"), nb::arg("box").none() = nb::none(),
+           nb::arg("sparse") = false, nb::arg("compress") = false,
            "Writes .vdb or .nvdb, or dense arrays: .npy, .npz, .vti, .nrrd, .h5, .tif, .raw, "
-           ".binvox. The file is whole or absent.")
+           ".binvox. The file is whole or absent. Of arrays: box, two corners in index "
+           "coordinates, both included; sparse, coordinates and values of active voxels (.npz); "
+           "compress, by deflate.")
       .def(
           "hash",
           [](const PyVolume& self) {

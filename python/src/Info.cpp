@@ -32,14 +32,14 @@ Json aboutVolume(const std::string& name, const MemoryInputs& memory, bool withH
 }
 
 Json aboutMesh(const std::string& name, const MemoryInputs& memory, const DefectOptions& defects,
-               Report& report, Progress& progress) {
+               const ReadOptions& read, Report& report, Progress& progress) {
   InputInfo info;
   if (holdsTriangles(name, memory)) {
     const TriangleMesh mesh = readSoup(name, &info, report, progress, memory);
     return cli::sectionOf(info, mesh, surfaceDefects(mesh, defects, progress),
                           defects.maxIntersections > 0);
   }
-  const TetMesh mesh = readTets(name, {}, {}, &info, report, progress, memory);
+  const TetMesh mesh = readTets(name, read, {}, &info, report, progress, memory);
   return cli::sectionOf(info, mesh);
 }
 
@@ -53,6 +53,8 @@ nb::object infoOf(const nb::list& given, const nb::dict& keywords) {
     Settings::refuse("max_intersections", "is below 0", "give a number of pairs, 0: do not count");
   DefectOptions defects;
   defects.maxIntersections = static_cast<std::size_t>(intersections);
+  ReadOptions read;
+  settings.take("region_array", read.regionArray);
   const JobLimits limits = settings.takeLimits();
   settings.finish();
   const Inputs inputs = inputsOf(given);
@@ -61,7 +63,7 @@ nb::object infoOf(const nb::list& given, const nb::dict& keywords) {
   const std::string text = work([&](Report& report, Progress& progress) {
     const Json section = isVolume(name, inputs.memory)
                              ? aboutVolume(name, inputs.memory, withHash, report, progress)
-                             : aboutMesh(name, inputs.memory, defects, report, progress);
+                             : aboutMesh(name, inputs.memory, defects, read, report, progress);
     return section.dump(-1, ' ', false, Json::error_handler_t::replace);
   });
   return reportDict([&] { return text; });

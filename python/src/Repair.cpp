@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Functions.h"
 #include "Inputs.h"
-#include "JobReport.h"
+#include "KeptResult.h"
 #include "Meshes.h"
 #include "Settings.h"
 #include "VolumeSignature.h"
 #include "tetvdb/pipeline/RepairJob.h"
 
-#include <memory>
 #include <nanobind/stl/string.h>
 #include <utility>
 
@@ -46,24 +45,8 @@ nb::object repairInputs(const nb::list& given, const nb::dict& keywords) {
   job.input = inputs.names.front();
   job.more.assign(inputs.names.begin() + 1, inputs.names.end());
   job.memory = std::move(inputs.memory);
-
-  struct Done {
-    RepairJob job;
-    RepairResult result;
-    Report report;
-  };
-  auto done = std::make_shared<Done>();
-  JobRun work(limits);
-  done->result =
-      work([&](Report& report, Progress& progress) { return run(job, report, progress); });
-  TriangleMesh mesh = std::move(*done->result.kept);
-  done->result.kept.reset();
-  job.memory.clear(); // the caller's arrays
-  done->job = std::move(job);
-  done->report = std::move(work.report());
-  return meshObject(std::move(mesh), [done] {
-    return cli::reportText("repair", statusOf(done->report), "", done->report,
-                           cli::sectionsOf(done->job, done->result));
+  return keptResult("repair", std::move(job), limits, [](TriangleMesh mesh, ReportText report) {
+    return meshObject(std::move(mesh), std::move(report));
   });
 }
 

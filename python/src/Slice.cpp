@@ -35,9 +35,39 @@ void takePrinter(Settings& settings, PrinterSettings& printer) {
   settings.takeLength("first_layer_height", printer.firstLayerHeight);
 }
 
+// A number of zero or more.
+void takeNumber(Settings& settings, const char* name, double& value) {
+  settings.take(name, value);
+  if (settings.has(name) && value < 0)
+    Settings::refuse(name, "is below 0", "give a number, zero or more");
+}
+
+void takeLayers(Settings& settings, const char* name, int& value) {
+  std::uint64_t count = 0;
+  settings.takeWhole(name, 0, 1 << 20, count);
+  if (settings.has(name))
+    value = static_cast<int>(count);
+}
+
+void takeExposure(Settings& settings, PrinterSettings& printer) {
+  takeNumber(settings, "exposure", printer.exposure);
+  takeNumber(settings, "bottom_exposure", printer.firstExposure);
+  takeLayers(settings, "bottom_layers", printer.bottomLayers);
+  takeLayers(settings, "transition_layers", printer.fadedLayers);
+  takeNumber(settings, "lift_height", printer.liftHeight);
+  if (settings.has("lift_height"))
+    printer.bottomLiftHeight = printer.liftHeight;
+  takeNumber(settings, "lift_speed", printer.liftSpeed);
+  if (settings.has("lift_speed"))
+    printer.bottomLiftSpeed = printer.liftSpeed;
+  takeNumber(settings, "retract_speed", printer.retractSpeed);
+  takeNumber(settings, "light_off_delay", printer.lightOffDelay);
+}
+
 SliceJob jobOf(Settings& settings) {
   SliceJob job;
   takePrinter(settings, job.printer);
+  takeExposure(settings, job.printer);
   settings.take("grid", job.grid);
   settings.take("format", job.format);
   settings.take("units", job.units);

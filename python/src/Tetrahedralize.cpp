@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Functions.h"
 #include "Inputs.h"
-#include "JobReport.h"
+#include "KeptResult.h"
 #include "Meshes.h"
 #include "Settings.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 
-#include <memory>
 #include <nanobind/stl/string.h>
 #include <utility>
 
@@ -45,24 +44,8 @@ nb::object tetrahedralizeInputs(const nb::list& given, const nb::dict& keywords)
   Inputs inputs = inputsOf(given);
   job.inputs = std::move(inputs.names);
   job.memory = std::move(inputs.memory);
-
-  struct Done {
-    TetrahedralizeJob job;
-    TetrahedralizeResult result;
-    Report report;
-  };
-  auto done = std::make_shared<Done>();
-  JobRun work(limits);
-  done->result =
-      work([&](Report& report, Progress& progress) { return run(job, report, progress); });
-  TetMesh mesh = std::move(*done->result.kept);
-  done->result.kept.reset();
-  job.memory.clear(); // the caller's arrays
-  done->job = std::move(job);
-  done->report = std::move(work.report());
-  return meshObject(std::move(mesh), [done] {
-    return cli::reportText("tetrahedralize", statusOf(done->report), "", done->report,
-                           cli::sectionsOf(done->job, done->result));
+  return keptResult("tetrahedralize", std::move(job), limits, [](TetMesh mesh, ReportText report) {
+    return meshObject(std::move(mesh), std::move(report));
   });
 }
 

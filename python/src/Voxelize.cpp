@@ -2,13 +2,16 @@
 #include "Functions.h"
 #include "Grids.h"
 #include "Inputs.h"
-#include "JobReport.h"
+#include "KeptResult.h"
+#include "ParseFields.h"
+#include "ParseQuantities.h"
 #include "Settings.h"
+#include "tetvdb/pipeline/SequenceJob.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <limits>
-#include <memory>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 #include <utility>
 
 namespace tetvdb::python {
@@ -70,9 +73,23 @@ void takeHalfWidth(Settings& settings, double& halfWidth) {
     settings.takeLength("half_width", halfWidth);
 }
 
+void takeFields(Settings& settings, VoxelizeJob& job) {
+  cli::FieldTexts texts;
+  settings.take("derive", texts.derive);
+  settings.take("remap", texts.remap);
+  settings.take("clamp", texts.clamp);
+  settings.take("background", texts.background);
+  settings.take("warp", texts.warp);
+  const cli::SettingName settingName = [](const char* name) {
+    return "`" + std::string(name) + "`";
+  };
+  cli::setFields(texts, settingName, job.fields);
+  if (!texts.warp.empty())
+    job.warp = cli::parseWarp("`warp`", texts.warp);
+}
+
 VoxelizeJob jobOf(Settings& settings) {
   VoxelizeJob job;
-  job.keep = true;
   settings.takeSize(job.voxelize.voxelSize, job.voxelize.resolution);
   settings.takePoint("origin", job.voxelize.origin);
   settings.take("fit", job.voxelize.fit.voxels);
@@ -102,41 +119,57 @@ VoxelizeJob jobOf(Settings& settings) {
       {{"both", ShellSide::Both}, {"outward", ShellSide::Outward}, {"inward", ShellSide::Inward}},
       job.solid.side);
   settings.takeCleaning(job.clean);
-  settings.takeWord(
-      "device", {{"auto", DeviceKind::Auto}, {"cpu", DeviceKind::Cpu}, {"cuda", DeviceKind::Cuda}},
-      job.device.kind);
-  if (job.device.kind != DeviceKind::Cpu)
-    job.device.numbers = {0};
-  job.read.attributes = !job.fields.empty();
+  std::string device = "auto";
+  settings.take("device", device);
+  job.device = cli::parseDevice("`device`", device);
+  takeFields(settings, job);
+  if (settings.has("write_mesh"))
+    job.meshOutput = pathOf(settings.get("write_mesh"));
+  if (settings.has("preview"))
+    job.preview = pathOf(settings.get("preview"));
+  job.read.attributes = !job.meshOutput.empty() || !job.fields.empty() || !job.warp.array.empty();
   return job;
 }
 
 nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
   VoxelizeJob job = jobOf(settings);
+  job.keep = true;
   const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.inputs = std::move(inputs.names);
   job.memory = std::move(inputs.memory);
-
-  struct Done {
-    VoxelizeJob job;
-    VoxelizeResult result;
-    Report report;
-  };
-  auto done = std::make_shared<Done>();
-  JobRun work(limits);
-  done->result =
-      work([&](Report& report, Progress& progress) { return run(job, report, progress); });
-  Volume volume = std::move(*done->result.kept);
-  done->result.kept.reset();
-  job.memory.clear(); // the caller's arrays
-  done->job = std::move(job);
-  done->report = std::move(work.report());
-  return volumeObject(std::move(volume), [done] {
-    return cli::reportText("voxelize", statusOf(done->report), "", done->report,
-                           cli::sectionsOf(done->job, done->result));
+  return keptResult("voxelize", std::move(job), limits, [](Volume volume, ReportText report) {
+    return volumeObject(std::move(volume), std::move(report));
   });
+}
+
+// Files into files: the report alone is handed out.
+nb::object voxelizeFrames(const std::vector<std::string>& inputs, nb::handle output,
+                          const nb::dict& keywords) {
+  Settings settings(keywords);
+  VoxelizeJob job = jobOf(settings);
+  std::string range;
+  settings.take("frames", range);
+  bool allowGaps = false;
+  settings.take("allow_gaps", allowGaps);
+  SequenceOptions options;
+  settings.take("again", options.again);
+  const JobLimits limits = settings.finish(job);
+  job.inputs = inputs;
+  job.output = pathOf(output);
+  JobRun work(limits);
+  const std::string text = work([&](Report& report, Progress& progress) {
+    const std::vector<Frame> frames =
+        findFrames(inputs, cli::parseFrames("`frames`", range), allowGaps, report, progress);
+    if (frames.empty())
+      throw Error(Status::Usage, inputs.empty() ? "" : inputs.front(), "is no sequence",
+                  "give `frames`, or use voxelize()");
+    nlohmann::ordered_json sections = {{"stages", nullptr}};
+    cli::addSections(runSequence(job, frames, options, report, progress), sections);
+    return cli::reportText("voxelize", statusOf(report), "", report, sections);
+  });
+  return reportDict([&] { return text; });
 }
 
 } // namespace
@@ -144,6 +177,8 @@ nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
 void addVoxelize(nb::module_& module) {
   module.def("voxelize", &voxelizeInputs, nb::arg("inputs"), nb::arg("settings"),
              "Internal: tetvdb.voxelize() with its inputs told apart.");
+  module.def("voxelize_frames", &voxelizeFrames, nb::arg("inputs"), nb::arg("output"),
+             nb::arg("settings"), "Internal: tetvdb.voxelize_frames() with paths as texts.");
 }
 
 } // namespace tetvdb::python

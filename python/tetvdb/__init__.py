@@ -26,7 +26,7 @@ from ._tetvdb import Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __
 
 __all__ = ["Batch", "Dataset", "Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid",
            "TetMesh", "TriangleMesh", "Volume", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
-           "voxelize", "__version__"]
+           "voxelize", "voxelize_frames", "__version__"]
 
 _Length = Union[float, str]
 
@@ -41,7 +41,9 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
              shell: Optional[float] = None, shell_side: Optional[str] = None,
              weld: Optional[float] = None, keep_orientation: bool = False,
              region: Any = None, exclude: Any = None, region_array: Optional[str] = None,
-             bbox: Optional[Sequence[float]] = None, device: Optional[str] = None,
+             bbox: Optional[Sequence[float]] = None, derive: Any = None, remap: Any = None,
+             clamp: Any = None, background: Any = None, warp: Optional[str] = None,
+             write_mesh: Any = None, preview: Any = None, device: Optional[str] = None,
              threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
              max_time: Optional[float] = None) -> Volume:
     """Turns meshes, of triangles or of solid cells, into a sparse volume.
@@ -58,16 +60,63 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
     mesher: "auto", "winding" or "envelope", the last within epsilon: a length, "1e-3d", "0.5v".
     weld, keep_orientation: how triangles are cleaned.
     region, exclude, region_array, bbox: which cells are kept.
+    derive: grids made of arrays, {"speed": "vel:magnitude"}: magnitude, mises, trace, determinant,
+        principal1 to 3, a component; remap, clamp: ranges, "0:1" or {"temperature": (0, 1)};
+        background: values outside, 0 or {"temperature": 293}; as the command line has them.
+    warp: move points by a vector array first, "disp" or "disp*2".
+    write_mesh: a file for the tets, or the cleaned triangles; preview: a .png of what was done.
+    device: "auto", "cpu", "cuda", "cuda:1" or "cuda:0,1".
     threads, max_memory, max_time: limits.
 
     Raises tetvdb.Error. Warns with tetvdb.MeshWarning. The volume's `report` says what was done.
     """
     settings = locals()
     del settings["mesh"], settings["cells"]
+    _spell_fields(settings)
     names = grid.split(",") if isinstance(grid, str) else grid
     attributes = (not _GRID_KINDS.issuperset(names) or "material" in names
-                  or any(s is not None for s in (region, exclude, region_array)))
+                  or any(s is not None for s in (region, exclude, region_array, derive, warp,
+                                                 write_mesh)))
     return _tetvdb.voxelize(_inputs_of(mesh, cells, attributes), settings)
+
+
+def _spell_fields(settings: dict) -> None:
+    """What is said of arrays by dicts and tuples, as the command line has it."""
+
+    def text(value):
+        return ":".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
+
+    for name in ("derive", "remap", "clamp", "background"):
+        given = settings[name]
+        if hasattr(given, "items"):
+            settings[name] = [f"{grid}={text(value)}" for grid, value in given.items()]
+        elif name != "derive" and isinstance(given, tuple):
+            settings[name] = text(given)
+
+
+def voxelize_frames(inputs: Any, output: Any, *, frames: Optional[str] = None,
+                    allow_gaps: bool = False, again: bool = False, **settings: Any) -> dict:
+    """Turns the frames of a sequence into files that play: name.0001.vdb, name.0002.vdb, ...
+
+    inputs: a .pvd collection, a pattern such as "run_*.vtu", files that differ in one number, or with
+        `frames` a file that holds several steps.
+    output: "name.vdb"; or .nvdb or an array file.
+    frames: "all", "FIRST:LAST" or "FIRST:LAST:STRIDE", counted from 1. allow_gaps: although numbers
+        are missing. again: those too that an earlier run has finished.
+    settings: as of voxelize(), but for write_mesh and preview.
+
+    All frames have one transform and one range of values to be remapped. Returns the report, whose
+    "frames" has each one's input and file. Raises tetvdb.Error.
+    """
+    import os
+
+    paths = [inputs] if isinstance(inputs, (str, bytes)) or hasattr(inputs, "__fspath__") else inputs
+    settings = {**dict.fromkeys(("derive", "remap", "clamp", "background")), **settings}
+    _spell_fields(settings)
+    settings.update(frames=frames, allow_gaps=allow_gaps, again=again)
+    settings.setdefault("grid", "density")
+    return _tetvdb.voxelize_frames([os.fsdecode(os.fspath(path)) for path in paths],
+                                   os.fspath(output), settings)
 
 
 def tetrahedralize(mesh: Any, cells: Any = None, *, epsilon: Optional[_Length] = None,
@@ -161,13 +210,16 @@ def repair(mesh: Any, cells: Any = None, *, grid: Optional[str] = None,
 
 
 def info(mesh: Any, cells: Any = None, *, hash: bool = False,
-         max_intersections: Optional[int] = None, threads: Optional[int] = None) -> dict:
+         max_intersections: Optional[int] = None, region_array: Optional[str] = None,
+         threads: Optional[int] = None) -> dict:
     """Says what a mesh or a volume holds: counts, box, volume, the defects of triangles.
 
     A dict, an element of "input" in the report of 'tetvdb info --json'. hash: of a volume, its hash.
     max_intersections: stop counting pairs of faces that cross there; 0: do not count.
+    region_array: the cell array that holds region numbers.
     """
-    settings = {"hash": hash, "max_intersections": max_intersections, "threads": threads}
+    settings = {"hash": hash, "max_intersections": max_intersections,
+                "region_array": region_array, "threads": threads}
     return _tetvdb.info(_inputs_of(mesh, cells, True), settings)
 
 
@@ -205,7 +257,12 @@ def slice(mesh: Any, cells: Any = None, *, output: Any = None, printer: Any = No
           place: Union[None, str, Sequence[float]] = None, scale: Optional[float] = None,
           units: Optional[str] = None, grid: Optional[str] = None, aa: Optional[str] = None,
           levels: Optional[int] = None, gamma: Optional[float] = None, dither: bool = False,
-          materials: bool = False, format: Optional[str] = None, weld: Optional[float] = None,
+          materials: bool = False, format: Optional[str] = None,
+          exposure: Optional[float] = None, bottom_exposure: Optional[float] = None,
+          bottom_layers: Optional[int] = None, transition_layers: Optional[int] = None,
+          lift_height: Optional[float] = None, lift_speed: Optional[float] = None,
+          retract_speed: Optional[float] = None, light_off_delay: Optional[float] = None,
+          weld: Optional[float] = None,
           keep_orientation: bool = False, threads: Optional[int] = None,
           max_memory: Union[None, int, str] = None, max_time: Optional[float] = None) -> Sliced:
     """Cuts a mesh or a volume into a printer's layers.
@@ -214,6 +271,8 @@ def slice(mesh: Any, cells: Any = None, *, output: Any = None, printer: Any = No
     printer: a file of settings; or pixels, display (mm) and layer_height (mm).
     place: "centre", "keep" or (x, y) in mm on the plate.
     aa: what a pixel's level is the share of: "volume", "area", or "none".
+    exposure, bottom_exposure (seconds), bottom_layers, transition_layers, lift_height (mm), lift_speed,
+        retract_speed (mm a minute), light_off_delay (seconds): in place of the printer's.
     """
     settings = locals()
     del settings["mesh"], settings["cells"]

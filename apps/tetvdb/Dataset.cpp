@@ -18,6 +18,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <set>
+#include <sys/resource.h>
 #include <tbb/task_arena.h>
 #include <thread>
 
@@ -196,7 +197,17 @@ void requireSameSettings(const Options& options, const Json& settings, bool goes
   file.commit();
 }
 
-DatasetRow makeRow(const DatasetItem& item, const DatasetOptions& make, const std::string& folder) {
+// Of this process so far, all its threads.
+double processorSeconds() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  const auto of = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return of(used.ru_utime) + of(used.ru_stime);
+}
+
+DatasetRow tryItem(const DatasetItem& item, const DatasetOptions& make, const std::string& folder) {
   const auto began = std::chrono::steady_clock::now();
   const auto seconds = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -217,6 +228,14 @@ DatasetRow makeRow(const DatasetItem& item, const DatasetOptions& make, const st
   } catch (const std::exception& error) {
     return failed(Status::Invalid, error.what());
   }
+}
+
+// In a process that makes no other item meanwhile.
+DatasetRow makeRow(const DatasetItem& item, const DatasetOptions& make, const std::string& folder) {
+  const double before = processorSeconds();
+  DatasetRow row = tryItem(item, make, folder);
+  row["processor_seconds"] = processorSeconds() - before;
+  return row;
 }
 
 std::string summaryOf(const DatasetSummary& summary, const std::string& output) {

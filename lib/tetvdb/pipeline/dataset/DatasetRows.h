@@ -15,7 +15,7 @@ namespace tetvdb {
 
 using DatasetRow = nlohmann::ordered_json;
 
-/// Of a model that is done.
+/// Of a model that is done. Who makes it may add "processor_seconds".
 DatasetRow successRow(const DatasetItem& item, const ItemResult& result, const Report& report,
                       double seconds);
 /// Of one that is not; `stage`: the one in which it ended, empty where that is not known.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CheckPrint.h"
+#include "CheckReport.h"
 #include "Commands.h"
 #include "JsonReport.h"
 #include "OptionNames.h"
@@ -43,18 +44,6 @@ lengths are in millimetres. docs/print.md says what is found and how.
 Exit status: 0 where nothing is wrong (notes do not count), 8 where something is, 3 for a file that
 cannot be read.)";
 
-std::string wordFor(Finding::Weight weight) {
-  switch (weight) {
-  case Finding::Weight::Error:
-    return "error";
-  case Finding::Weight::Warning:
-    return "warning";
-  case Finding::Weight::Note:
-    break;
-  }
-  return "note";
-}
-
 bool isPrinter(const std::string& target) {
   return target == "sla" || target == "lpbf" || target == "fdm";
 }
@@ -77,12 +66,7 @@ void runCheck(const Options& options, Session& session) {
   const std::vector<Finding> findings = checkVolumes(options.files, check, session.progress);
   std::size_t wrong = 0;
   for (const Finding& finding : findings) {
-    session.sections["findings"].push_back({{"weight", wordFor(finding.weight)},
-                                            {"code", finding.code},
-                                            {"file", finding.file},
-                                            {"grid", finding.grid},
-                                            {"text", withOptionNames(finding.text)},
-                                            {"cure", withOptionNames(finding.cure)}});
+    session.sections["findings"].push_back(toJson(finding, withOptionNames));
     session.text +=
         fmt::format("{}: {}{} {}; {} [{}]\n", wordFor(finding.weight), oneLine(finding.file),
                     finding.grid.empty() ? ":" : ": '" + oneLine(finding.grid) + "'",

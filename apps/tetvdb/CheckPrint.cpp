@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CheckPrint.h"
 
+#include "CheckReport.h"
 #include "JsonReport.h"
 #include "OptionNames.h"
 #include "ProcessLimits.h"
@@ -12,8 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
-#include <functional>
-#include <map>
 #include <set>
 
 namespace tetvdb::cli {
@@ -25,36 +24,6 @@ constexpr std::size_t kShown = 10; // findings of a kind, as text
 
 PrintTarget targetNamed(const std::string& name) {
   return name == "lpbf" ? PrintTarget::Lpbf : name == "fdm" ? PrintTarget::Fdm : PrintTarget::Sla;
-}
-
-// Leaves out of `job` what `list` does not name.
-void chooseChecks(const std::string& list, const PrintLimits& usual, CheckPrintJob& job) {
-  PrintLimits& limits = job.limits;
-  const PrintLimits sla = limitsFor(PrintTarget::Sla);
-  const std::map<std::string, std::function<void(PrintLimits&)>> checks = {
-      {"outside", [&](PrintLimits&) { job.outside = true; }},
-      {"empty", [](PrintLimits& l) { l.emptyLayers = true; }},
-      {"islands", [](PrintLimits& l) { l.islands = true; }},
-      {"overhangs", [&](PrintLimits& l) { l.overhangAngle = usual.overhangAngle; }},
-      {"cups", [](PrintLimits& l) { l.cups = true; }},
-      {"traps", [](PrintLimits& l) { l.traps = true; }},
-      {"drains", [&](PrintLimits& l) { l.drain = usual.drain > 0 ? usual.drain : sla.drain; }},
-      {"walls", [&](PrintLimits& l) { l.minWall = usual.minWall; }},
-      {"floors", [&](PrintLimits& l) { l.minFloor = usual.minFloor; }},
-      {"gaps", [&](PrintLimits& l) { l.minGap = usual.minGap; }}};
-  limits.emptyLayers = limits.islands = limits.cups = limits.traps = job.outside = false;
-  limits.overhangAngle = limits.minWall = limits.minGap = limits.minFloor = limits.drain = 0;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    const std::string name = list.substr(begin, end - begin);
-    const auto check = checks.find(name);
-    if (check == checks.end())
-      throw Error(Status::Usage, "--checks", "'" + name + "' is no check",
-                  "choose from outside, empty, islands, overhangs, cups, traps, drains, walls, "
-                  "floors and gaps, with commas between them");
-    check->second(limits);
-    begin = end + 1;
-  }
 }
 
 CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::string>& files,
@@ -74,7 +43,7 @@ CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::s
   job.slice.threads = threadCount(options);
   job.limits = limitsFor(job.target);
   if (!options.checks.empty())
-    chooseChecks(options.checks, limitsFor(job.target), job);
+    chooseChecks("--checks", options.checks, job);
   PrintLimits& limits = job.limits;
   limits.neighbours = options.connectivity == 4 ? Neighbours::Four : Neighbours::Eight;
   takeNumber("--overhang-angle", options.overhangAngle, limits.overhangAngle);
@@ -88,95 +57,6 @@ CheckPrintJob makeJob(const CheckPrintOptions& options, const std::vector<std::s
     requireExtension(options.picture, {".png"}, "name it .png");
   job.picture = options.picture;
   return job;
-}
-
-Json toJson(const PrintLimits& limits, bool outside) {
-  const auto limit = [](double value) { return value > 0 ? Json(value) : Json(); };
-  return {{"outside", outside},
-          {"empty_layers", limits.emptyLayers},
-          {"islands", limits.islands},
-          {"cups", limits.cups},
-          {"traps", limits.traps},
-          {"overhang_angle", limit(limits.overhangAngle)},
-          {"min_wall_mm", limit(limits.minWall)},
-          {"min_floor_mm", limit(limits.minFloor)},
-          {"min_gap_mm", limit(limits.minGap)},
-          {"drain_mm", limit(limits.drain)},
-          {"min_area_mm2", limits.minArea},
-          {"min_volume_mm3", limits.minVolume},
-          {"connectivity", limits.neighbours == Neighbours::Four ? 4 : 8}};
-}
-
-Json printOf(const CheckPrintResult& result, const CheckPrintJob& job) {
-  const LayerFrame& frame = result.slice.frame;
-  Json leftOut = Json::object();
-  for (std::size_t i = 0; i < kPrintFaults; ++i)
-    if (result.checks.leftOut[i] > 0)
-      leftOut[nameOf(static_cast<PrintFault>(i))] = result.checks.leftOut[i];
-  return {{"layers", frame.layers},
-          {"empty_layers", result.checks.emptyLayers},
-          {"pixels", result.printer.pixels},
-          {"pixel_mm", {frame.pixelWidth, frame.pixelHeight}},
-          {"layer_height_mm", frame.layerHeight},
-          {"first_layer_height_mm", frame.firstLayerHeight},
-          {"plate_known", job.plateKnown},
-          {"box_mm", {{"min", result.slice.box.min}, {"max", result.slice.box.max}}},
-          {"volume_mm3", result.checks.volume},
-          {"repaired", result.slice.repaired},
-          {"remeshed", result.slice.remeshed},
-          {"limits", toJson(job.limits, job.outside)},
-          {"left_out", leftOut}};
-}
-
-Json findingOf(const CheckPrintResult& result, std::size_t i, PrintTarget target) {
-  const PrintFinding& f = result.checks.findings[i];
-  Json finding = {{"code", nameOf(f.fault)},
-                  {"text", withOptionNames(textOf(result, i))},
-                  {"cure", withOptionNames(cureFor(f.fault, target))},
-                  {"layer", f.layer},
-                  {"first_layer", f.first},
-                  {"last_layer", f.last},
-                  {"height_mm", f.height},
-                  {"plate_mm", result.places[i].plate},
-                  {"model", result.places[i].model},
-                  {"model_box", {{"min", result.places[i].low}, {"max", result.places[i].high}}}};
-  if (f.fault == PrintFault::Outside) {
-    finding["beyond_mm"] = result.beyond;
-    return finding;
-  }
-  if (f.fault == PrintFault::EmptyLayer)
-    return finding;
-  finding["pixel"] = f.pixel;
-  finding["box_px"] = {{"min", {f.box.minX, f.box.minY}}, {"max", {f.box.maxX, f.box.maxY}}};
-  finding["pixels"] = f.pixels;
-  finding["area_mm2"] = f.area;
-  switch (f.fault) {
-  case PrintFault::Island:
-    finding["largest_area_mm2"] = f.largestArea;
-    finding["joins_layer"] = f.joins < 0 ? Json() : Json(f.joins);
-    break;
-  case PrintFault::Overhang:
-    finding["total_area_mm2"] = f.totalArea;
-    break;
-  case PrintFault::Cup:
-    finding["volume_mm3"] = f.volume;
-    finding["on_plate"] = f.onPlate;
-    finding["opens_layer"] = f.joins < 0 ? Json() : Json(f.joins);
-    break;
-  case PrintFault::Trap:
-  case PrintFault::Drain:
-    finding["volume_mm3"] = f.volume;
-    break;
-  case PrintFault::ThinWall:
-  case PrintFault::ThinGap:
-    finding["width_mm"] = f.width;
-    break;
-  case PrintFault::Outside:
-  case PrintFault::EmptyLayer:
-  case PrintFault::ThinFloor:
-    break;
-  }
-  return finding;
 }
 
 std::string linesOf(const CheckPrintResult& result, PrintTarget target) {
@@ -266,10 +146,8 @@ void runCheckPrint(const CheckPrintOptions& options, const std::vector<std::stri
   session.estimate.plan(plannedStages(job), secondsNow());
   const AllowThreads allowed(job.slice.threads);
   const CheckPrintResult result = run(job, session.report, session.progress);
-  session.sections["print"] = printOf(result, job);
-  const bool wanted = !session.options.json.empty(); // some kB each
-  for (std::size_t i = 0; wanted && i < result.checks.findings.size(); ++i)
-    session.sections["findings"].push_back(findingOf(result, i, job.target));
+  const bool wanted = !session.options.json.empty(); // some kB a finding
+  addSections(job, result, withOptionNames, wanted, session.sections);
   session.text = linesOf(result, job.target) + summaryOf(result, job.plateKnown);
   session.textIsSummary = true;
   if (!result.checks.findings.empty())

@@ -17,5 +17,6 @@ void addRender(nb::module_& module);
 void addSlice(nb::module_& module);
 void addInfo(nb::module_& module);
 void addDataset(nb::module_& module);
+void addCheck(nb::module_& module);
 
 } // namespace tetvdb::python

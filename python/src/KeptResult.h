@@ -19,8 +19,7 @@ template <typename Job, typename ObjectOf>
 nb::object keptResult(const char* command, Job job, const JobLimits& limits,
                       const ObjectOf& objectOf) {
   JobRun work(limits);
-  auto made =
-      work([&](Report& report, Progress& progress) { return run(job, report, progress); });
+  auto made = work([&](Report& report, Progress& progress) { return run(job, report, progress); });
   auto kept = std::move(*made.kept);
   made.kept.reset();
   job.memory.clear();

@@ -26,4 +26,5 @@ NB_MODULE(_tetvdb, module) {
   addRender(module);
   addSlice(module);
   addDataset(module);
+  addCheck(module);
 }

@@ -25,7 +25,7 @@ from ._inputs import inputs_of as _inputs_of
 from ._tetvdb import Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __version__, read
 
 __all__ = ["Batch", "Dataset", "Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid",
-           "TetMesh", "TriangleMesh", "Volume", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
+           "TetMesh", "TriangleMesh", "Volume", "check", "info", "query", "read", "render", "repair", "slice", "tetrahedralize",
            "voxelize", "voxelize_frames", "__version__"]
 
 _Length = Union[float, str]
@@ -277,3 +277,40 @@ def slice(mesh: Any, cells: Any = None, *, output: Any = None, printer: Any = No
     settings = locals()
     del settings["mesh"], settings["cells"]
     return Sliced(*_tetvdb.slice(_inputs_of(mesh, cells), settings))
+
+
+def check(model: Any, cells: Any = None, *, target: str = "blender", printer: Any = None,
+          pixels: Optional[Sequence[int]] = None, display: Optional[Sequence[float]] = None,
+          layer_height: Optional[float] = None, first_layer_height: Optional[float] = None,
+          place: Union[None, str, Sequence[float]] = None, scale: Optional[float] = None,
+          units: Optional[str] = None, grid: Optional[str] = None, aa: Optional[str] = None,
+          checks: Union[None, str, Sequence[str]] = None, overhang_angle: Optional[float] = None,
+          min_wall: Optional[float] = None, min_floor: Optional[float] = None,
+          min_gap: Optional[float] = None, drain: Optional[float] = None,
+          min_area: Optional[float] = None, min_volume: Optional[float] = None,
+          connectivity: Optional[int] = None, picture: Any = None, weld: Optional[float] = None,
+          keep_orientation: bool = False, threads: Optional[int] = None,
+          max_memory: Union[None, int, str] = None, max_time: Optional[float] = None) -> dict:
+    """Says whether volumes will show in a program, or what will fail when a model is printed.
+
+    target: "blender" or "houdini": model is a volume's file, or a list of them, the frames of a
+        sequence; or a kind of printer, "sla" (resin), "lpbf" (metal powder) or "fdm" (filament): model
+        is a mesh or a volume. The settings that follow are those of printers, as on the command line.
+    checks: only these: "islands,cups". picture: a .png of the model with what was found.
+
+    Returns the report: "findings" has an element each, with "code", "text" and "cure"; "status" is
+    8 where there are any that count. Raises tetvdb.Error.
+    """
+    settings = locals()
+    del settings["model"], settings["cells"]
+    if target not in ("blender", "houdini"):
+        return _tetvdb.check_print(_inputs_of(model, cells), settings)
+    import os
+
+    given = {name: value for name, value in settings.items() if value not in (None, False)}
+    settings = {name: given[name] for name in ("target", "threads", "max_time") if name in given}
+    for name in given:
+        if name not in settings and name != "max_memory":
+            raise TypeError(f"{name} is for printers, not for {target}")
+    paths = [model] if isinstance(model, (str, bytes)) or hasattr(model, "__fspath__") else model
+    return _tetvdb.check_volumes([os.fsdecode(os.fspath(path)) for path in paths], settings)

@@ -94,13 +94,13 @@ class Bench:
         return json.loads(done.stdout) if done.stdout else {}
 
 
-def run_tetgen(bench, path):
+def run_tetgen(bench, path, switches="-pQ"):
     """What TetGen makes of the cleaned triangles: outcome, seconds, megabytes, tets."""
     cleaned = bench.path("cleaned.off")
     bench.run("voxelize", path, "--mesher", "winding", "--write-mesh", cleaned)
     if not cleaned.exists():
         return {"outcome": ""}
-    status, seconds, megabytes = measure(bench.tetgen_limit, [bench.tetgen, "-pQ", cleaned])
+    status, seconds, megabytes = measure(bench.tetgen_limit, [bench.tetgen, switches, cleaned])
     elements = bench.path("cleaned.1.ele")
     tets = int(elements.open().readline().split()[0]) if status == 0 and elements.exists() else 0
     outcome = "ok" if tets else "empty" if status == 0 else "too late" if status == TOO_LATE else \

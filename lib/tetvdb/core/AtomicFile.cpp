@@ -221,6 +221,20 @@ void AtomicFile::writeAt(std::uint64_t offset, const void* data, std::size_t siz
   }
 }
 
+void AtomicFile::readAt(std::uint64_t offset, void* data, std::size_t size) const {
+  char* bytes = static_cast<char*>(data);
+  while (size > 0) {
+    const ssize_t got = ::pread(descriptor_, bytes, size, static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR)
+      continue;
+    if (got <= 0)
+      fail("cannot read back what was written", got < 0 ? errno : EIO);
+    bytes += got;
+    offset += static_cast<std::uint64_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+}
+
 std::string AtomicFile::nameForLibraries() {
   flush();
   foreign_ = true;

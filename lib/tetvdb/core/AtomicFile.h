@@ -17,7 +17,7 @@
 
 namespace tetvdb {
 
-/// One writer thread at a time.
+/// One writer thread at a time, any number that read back.
 class AtomicFile {
 public:
   /// Creates the temporary file, next to the file that `path` refers to: a symbolic link stays, and
@@ -33,6 +33,11 @@ public:
   void write(const void* data, std::size_t size);
   /// Overwrites `size` bytes at `offset`, all of them written before; throws Error(Write).
   void writeAt(std::uint64_t offset, const void* data, std::size_t size);
+  /// Hands what is buffered to the system; throws Error(Write).
+  void flush();
+  /// Reads `size` bytes at `offset` back, all of them written before the last flush(), from any
+  /// thread, also while others are appended. Throws Error(Write).
+  void readAt(std::uint64_t offset, void* data, std::size_t size) const;
   /// Bytes appended so far.
   std::uint64_t size() const noexcept { return size_; }
   const std::string& path() const noexcept { return path_; }
@@ -47,7 +52,6 @@ public:
 
 private:
   void createBeside(const std::string& target, bool exists);
-  void flush();
   void send();
   void replace();
   [[noreturn]] void fail(const char* what, int error) const;

@@ -72,19 +72,24 @@ private:
   std::ostream stream_;
 };
 
-/// The tree's structure: root and its tiles, then every internal node before its children, of
-/// leaves the masks.
+/// The tree's structure: the root with its tiles, then the pieces: every internal node before its
+/// children, of leaves the masks.
 template <class TreeT>
 class TopologyPieces {
 public:
   TopologyPieces(const TreeT& tree, bool asHalf, std::uint32_t compression)
       : tree_(tree), asHalf_(asHalf), compression_(compression), background_(tree.background()) {
-    nodes_.push_back({});
     for (auto child = tree.root().cbeginChildOn(); child; ++child) {
       nodes_.push_back({&*child, nullptr, child.getCoord()});
       for (auto below = child->cbeginChildOn(); below; ++below)
         nodes_.push_back({nullptr, &*below, {}});
     }
+  }
+
+  std::string root() const {
+    NodeStream out(compression_, &background_);
+    writeRoot(out.stream());
+    return std::move(out.bytes());
   }
 
   std::size_t size() const { return (nodes_.size() + kNodesAPiece - 1) / kNodesAPiece; }
@@ -96,10 +101,8 @@ public:
     for (std::size_t i = begin; i < end; ++i) {
       if (nodes_[i].lower)
         nodes_[i].lower->writeTopology(out.stream(), asHalf_);
-      else if (nodes_[i].upper)
-        writeUpper(out.stream(), nodes_[i]);
       else
-        writeRoot(out.stream());
+        writeUpper(out.stream(), nodes_[i]);
     }
     return std::move(out.bytes());
   }
@@ -109,7 +112,7 @@ private:
   using T = typename TreeT::ValueType;
   using Upper = typename NodeLists<TreeT>::Upper;
   using Lower = typename NodeLists<TreeT>::Lower;
-  struct Node { // neither: the root
+  struct Node { // one of the two
     const Upper* upper = nullptr;
     const Lower* lower = nullptr;
     openvdb::Coord origin;

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A .vdb file on its way to the disk, and what all writers of .vdb files share.
+//
+// Layout of the file: magic, file version, library version, "has offsets", UUID, file metadata,
+// number of grids; for each grid its head (name, type, instance parent, three offsets, compression
+// flags, metadata, transform, root node), then the topology of the root's children, then their
+// buffers.
+//
+// The UUID is derived from the content, so that equal content gives equal files. What is large is
+// hashed as it is written; heads are hashed after their grids, since a writer that streams knows
+// them only then.
+#pragma once
+
+#include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Progress.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <openvdb/openvdb.h>
+#include <string>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+#include <xxhash.h>
+
+namespace tetvdb {
+
+/// The most leaves of a grid that the metadata entry file_delayed_load is written for. It comes
+/// before the topology, so that until then a writer that streams keeps the topology: 64 bytes a
+/// leaf. Readers work without it; delayed loading is slower then.
+constexpr std::uint64_t kDelayedLoadLeaves = std::uint64_t(1) << 20;
+
+/// What a grid begins with in the file.
+struct VdbHead {
+  std::string bytes;
+  std::size_t offsetsAt = 0; ///< in `bytes`: place of the offsets of grid, buffers and end
+};
+
+/// `metadata` with the statistics and all; `root`: of grids that are no instances.
+VdbHead makeVdbHead(const std::string& name, const std::string& type, const std::string& parent,
+                    const openvdb::MetaMap& metadata, const openvdb::GridBase& transform,
+                    const std::string& root);
+
+/// The grid, its tree shared, with its creator named if it says nothing else.
+openvdb::GridBase::Ptr withCreator(const openvdb::GridBase::Ptr& grid);
+
+/// How the file calls the grid's type.
+std::string vdbTypeOf(const openvdb::GridBase& grid);
+
+class VdbOutput {
+public:
+  /// Writes what comes before the grids. Throws as AtomicFile does.
+  VdbOutput(const std::string& path, const std::map<std::string, std::string>& metadata,
+            std::size_t grids);
+
+  /// Appends to topology or buffers.
+  void write(const void* data, std::size_t size) {
+    XXH3_128bits_update(state_.get(), data, size);
+    file_.write(data, size);
+  }
+  void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
+
+  /// Appends a head; finishGrid() can replace it by one of the same size.
+  void beginGrid(const VdbHead& head);
+  /// Ends the grid. `buffersAt`: where its buffers begin, 0 for an instance.
+  void finishGrid(const VdbHead& head, std::uint64_t buffersAt);
+
+  std::uint64_t position() const { return file_.size(); }
+  AtomicFile& file() { return file_; }
+
+  /// Adds the UUID; the file is whole then.
+  void commit(Progress& progress);
+
+private:
+  struct Free {
+    void operator()(XXH3_state_t* state) const { XXH3_freeState(state); }
+  };
+  void hash(const std::string& bytes) {
+    XXH3_128bits_update(state_.get(), bytes.data(), bytes.size());
+  }
+
+  AtomicFile file_;
+  std::unique_ptr<XXH3_state_t, Free> state_;
+  std::uint64_t uuidAt_ = 0, headAt_ = 0;
+};
+
+/// Maps work done in one grid to the whole job's fraction.
+class ProgressShare {
+public:
+  ProgressShare(Progress& progress, double from, double to)
+      : progress_(progress), from_(from), to_(to) {}
+  void update(double fraction) const { progress_.update(from_ + (to_ - from_) * fraction); }
+  ProgressShare part(double from, double to) const {
+    return {progress_, from_ + (to_ - from_) * from, from_ + (to_ - from_) * to};
+  }
+
+private:
+  Progress& progress_;
+  double from_, to_;
+};
+
+/// Makes pieces in parallel, a window at a time, and takes them in order: `next(piece)` gives the
+/// next one to make, false at the end; `make(piece)` returns its result, `take(result)` uses it.
+template <class Piece, class Result, class Next, class Make, class Take>
+void makeInOrder(const Next& next, const Make& make, const Take& take) {
+  const auto window = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) * 4;
+  tbb::parallel_pipeline(
+      window, tbb::make_filter<void, Piece>(tbb::filter_mode::serial_in_order,
+                                            [&](tbb::flow_control& flow) {
+                                              Piece piece{};
+                                              if (!next(piece))
+                                                flow.stop();
+                                              return piece;
+                                            }) &
+                  tbb::make_filter<Piece, Result>(tbb::filter_mode::parallel,
+                                                  [&](const Piece& piece) { return make(piece); }) &
+                  tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order,
+                                                 [&](const Result& result) { take(result); }));
+}
+
+/// Makes pieces 0 to `count` in parallel and writes them in order.
+template <class Make>
+void writePieces(std::size_t count, const Make& make, VdbOutput& output,
+                 const ProgressShare& share) {
+  std::size_t next = 0, written = 0;
+  makeInOrder<std::size_t, std::string>(
+      [&](std::size_t& piece) {
+        piece = next++;
+        return piece < count;
+      },
+      make,
+      [&](const std::string& bytes) {
+        output.write(bytes);
+        share.update(double(++written) / double(count));
+      });
+}
+
+} // namespace tetvdb

@@ -39,6 +39,8 @@ Command addRender(CLI::App& program);
 Command addCheck(CLI::App& program);
 Command addReport(CLI::App& program);
 Command addDataset(CLI::App& program);
+Command addPlan(CLI::App& program);
+Command addMerge(CLI::App& program);
 Command addFormats(CLI::App& program);
 Command addGrids(CLI::App& program);
 Command addCompletions(CLI::App& program);

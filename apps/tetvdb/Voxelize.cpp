@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <set>
 #include <string_view>
@@ -45,6 +46,8 @@ struct Options : JobOptions {
   int fit = 0, padding = 0;
   std::string shellSide = "both";
   std::string rule = "centre";
+  std::string maskType = "bool", shard;
+  unsigned shards = 0; // of `plan`
 };
 
 const char* const kExamples = R"(Examples:
@@ -84,10 +87,21 @@ const char* const kExamples = R"(Examples:
       an open sheet as a shell, 0.4 units thick, 0.2 on either side
   tetvdb voxelize part.stl -o hollow.vdb --shell 2 --shell-side inward
       a hollow part with walls of 2 units
+  tetvdb voxelize ship.stl -o ship.vdb --voxel-size 0.5 --grid mask --shard 3/16
+      the fourth of 16 parts, into ship.3-of-16.vdb; see 'tetvdb help plan' and 'tetvdb help merge'
 
 Lengths are in the inputs' own units. Several inputs are laid together into one volume: cells that
 overlap count once, and cells of the second file are numbered on from those of the first. Files
 whose names differ in one number alone are the frames of a sequence, unless --union is given.)";
+
+const char* const kPlanExamples = R"(Examples:
+  tetvdb plan ship.stl --shards 16 --voxel-size 0.5
+      which 4096^3 cubes of voxels each of 16 shards would make, and its share of the work
+  for i in $(seq 0 15); do tetvdb voxelize ship.stl -o ship.vdb --voxel-size 0.5 --shard $i/16; done
+  tetvdb merge ship.*-of-16.vdb -o ship.vdb
+      makes the shards one by one, or on as many machines, and joins them
+
+Give the same options as to 'tetvdb voxelize'.)";
 
 // Names that are no grid of ours are arrays of the mesh.
 void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
@@ -131,6 +145,15 @@ void parseBox(const std::string& text, CellFilter& filter) {
   }
 }
 
+// A shard's own file: "out.3-of-16.vdb".
+std::string shardPath(const std::string& output, const Shard& shard) {
+  if (shard.isWhole() || output.empty())
+    return output;
+  const std::filesystem::path path(output);
+  return (path.parent_path() / (path.stem().string() + "." + shard.name())).string() +
+         path.extension().string();
+}
+
 VoxelizeJob makeJob(const Options& options) {
   VoxelizeJob job;
   job.inputs = options.inputs;
@@ -169,6 +192,11 @@ VoxelizeJob makeJob(const Options& options) {
   job.maxMemory = memoryLimit(options);
   job.units = options.units;
   job.half = options.half;
+  job.maskType = options.maskType == "mask" ? MaskType::Mask : MaskType::Bool;
+  if (!options.shard.empty())
+    job.shard = parseShard(options.shard);
+  job.output = shardPath(job.output, job.shard);
+  job.plan = options.shards;
   job.device = parseDevice("--device", options.device);
   job.threads = threadCount(options);
   return job;
@@ -228,11 +256,13 @@ void runVoxelize(const Options& options, Session& session) {
     session.sections["fit"] = {{"voxels", options.fit}, {"padding", options.padding}};
   limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
-  if (runAsSequence(job, options.sequence, session))
+  if (job.shard.isWhole() && runAsSequence(job, options.sequence, session))
     return;
   session.estimate.plan(plannedStages(job), secondsNow());
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections = sectionsOf(job, result, withOptionNames);
+  if (!job.shard.isWhole())
+    session.sections["shard"] = {{"index", job.shard.index}, {"count", job.shard.count}};
   session.text = summaryOf(job, result, session.report);
   noteDevices(job, result, session);
   if (result.mesher)
@@ -241,10 +271,41 @@ void runVoxelize(const Options& options, Session& session) {
   session.textIsSummary = true;
 }
 
+void runPlan(const Options& options, Session& session) {
+  VoxelizeJob job = makeJob(options);
+  job.output = "plan.vdb"; // is not written
+  session.sections = {{"threads", job.threads}, {"input", Json::array()}, {"shards", nullptr}};
+  for (const std::string& path : options.inputs)
+    session.sections["input"].push_back({{"path", path}});
+  limitProcess(options, session.progress);
+  const AllowThreads allowed(job.threads);
+  const VoxelizeResult result = run(job, session.report, session.progress);
+  Json shards = Json::array();
+  session.text = fmt::format("{:>6} {:>8} {:>8} {:>7}  voxels\n", "shard", "cubes", "full", "work");
+  for (std::size_t i = 0; i < result.plan.size(); ++i) {
+    const ShardPlan& one = result.plan[i];
+    shards.push_back({{"index", i},
+                      {"cubes", one.cubes},
+                      {"full", one.fullCubes},
+                      {"share", one.share},
+                      {"box", {{"min", one.boxMin}, {"max", one.boxMax}}}});
+    session.text +=
+        fmt::format("{:>6} {:>8} {:>8} {:>6.1f}%", i, one.cubes, one.fullCubes, 100 * one.share);
+    if (one.cubes > 0)
+      session.text += fmt::format("  {},{},{} to {},{},{}", one.boxMin[0], one.boxMin[1],
+                                  one.boxMin[2], one.boxMax[0], one.boxMax[1], one.boxMax[2]);
+    session.text += "\n";
+  }
+  session.sections["shards"] = std::move(shards);
+}
+
 FileNames filesOf(const Options& options) {
   std::vector<std::string> written = frameNames(options.inputs, options.output, options.sequence);
+  if (!options.shard.empty())
+    written = {shardPath(options.output, parseShard(options.shard))};
   for (const std::string& path : arrayFiles(options.output))
-    written.push_back(path);
+    if (options.shard.empty())
+      written.push_back(path);
   written.insert(written.end(), {options.writeMesh, options.preview});
   return {options.inputs, std::move(written)};
 }
@@ -273,6 +334,12 @@ void addGridOptions(CLI::App& command, Options& options) {
                   "their cube, or all of it")
       ->check(oneOf({"centre", "any", "all"}))
       ->type_name("centre|any|all");
+  command
+      .add_option("--mask-type", options.maskType,
+                  "OpenVDB's type of the grid mask: bool (default), which Blender and Houdini "
+                  "show, or mask, a third smaller")
+      ->check(oneOf({"bool", "mask"}))
+      ->type_name("bool|mask");
   command.add_flag("--half", options.half, "Store float grids with 16 bits a value");
   command
       .add_option("--up-axis", options.upAxis,
@@ -324,19 +391,46 @@ void addFilterOptions(CLI::App& command, Options& options) {
       ->check(notEmpty());
 }
 
+void addInputs(CLI::App& command, Options& options) {
+  command
+      .add_option("IN", options.inputs,
+                  "Meshes: of triangles: " + endingList(FormatUse::ReadTriangles, "and") +
+                      "; of solid cells: " + endingList(FormatUse::ReadCells, "and") +
+                      "; a sequence: .pvd or 'frame_*.vtu'")
+      ->required()
+      ->type_name("");
+}
+
+// Where voxels lie.
+void addPlacing(CLI::App& command, Options& options) {
+  addSizeOptions(command, options);
+  CLI::Option* origin =
+      command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
+          ->type_name("X,Y,Z")
+          ->check(notEmpty());
+  CLI::Option* fit =
+      command
+          .add_option("--fit", options.fit,
+                      "A cube of N x N x N voxels numbered from 0, the model in its middle")
+          ->type_name("N")
+          ->check(CLI::Range(1, 1 << 30).description(""))
+          ->excludes("--resolution", "--voxel-size")
+          ->excludes(origin);
+  command
+      .add_option("--padding", options.padding,
+                  "Voxels on each side of the cube that --fit leaves free (default 0)")
+      ->type_name("P")
+      ->check(CLI::Range(0, 1 << 29).description(""))
+      ->needs(fit);
+}
+
 } // namespace
 
 Command addVoxelize(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "voxelize", "Turn meshes, of tetrahedra or triangles, into a sparse volume");
   auto options = std::make_shared<Options>();
-  command
-      ->add_option("IN", options->inputs,
-                   "Meshes: of triangles: " + endingList(FormatUse::ReadTriangles, "and") +
-                       "; of solid cells: " + endingList(FormatUse::ReadCells, "and") +
-                       "; a sequence: .pvd or 'frame_*.vtu'")
-      ->required()
-      ->type_name("");
+  addInputs(*command, *options);
   command
       ->add_option("-o,--output", options->output,
                    "Volume to write: " + endingList(FormatUse::WriteVolume) +
@@ -350,25 +444,7 @@ Command addVoxelize(CLI::App& program) {
       ->type_name("FILE")
       ->check(notEmpty());
   addPreviewOption(*command, *options, "the input, its tets if there are, the volume and a slice");
-  addSizeOptions(*command, *options);
-  CLI::Option* origin =
-      command->add_option("--origin", options->origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
-          ->type_name("X,Y,Z")
-          ->check(notEmpty());
-  CLI::Option* fit =
-      command
-          ->add_option("--fit", options->fit,
-                       "A cube of N x N x N voxels numbered from 0, the model in its middle")
-          ->type_name("N")
-          ->check(CLI::Range(1, 1 << 30).description(""))
-          ->excludes("--resolution", "--voxel-size")
-          ->excludes(origin);
-  command
-      ->add_option("--padding", options->padding,
-                   "Voxels on each side of the cube that --fit leaves free (default 0)")
-      ->type_name("P")
-      ->check(CLI::Range(0, 1 << 29).description(""))
-      ->needs(fit);
+  addPlacing(*command, *options);
   addGridOptions(*command, *options);
   addArrayFlags(*command, options->arrays);
   addFieldOptions(*command, options->fields);
@@ -377,11 +453,41 @@ Command addVoxelize(CLI::App& program) {
   addFilterOptions(*command, *options);
   command->add_option("--device", options->device, "Where to voxelize tets (default auto)")
       ->type_name("auto|cpu|cuda[:N[,M...]]");
+  command
+      ->add_option(
+          "--shard", options->shard,
+          "Make part I of N, from 0 on, of a .vdb of density and mask, into "
+          "OUT.I-of-N.vdb; auto: as Slurm's arrays, mpirun or srun say; tetvdb merge joins "
+          "them")
+      ->type_name("I/N|auto")
+      ->check(notEmpty());
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runVoxelize(*options, session); };
   result.files = [options] { return filesOf(*options); };
+  return result;
+}
+
+Command addPlan(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("plan", "Say what the shards of a volume would have to do");
+  auto options = std::make_shared<Options>();
+  addInputs(*command, *options);
+  command->add_option("--shards", options->shards, "Shards to plan")
+      ->required()
+      ->check(CLI::Range(1, 1 << 20).description(""))
+      ->type_name("N");
+  addPlacing(*command, *options);
+  addGridOptions(*command, *options);
+  addInsideOptions(*command, *options);
+  addCleaningOptions(*command, *options);
+  addFilterOptions(*command, *options);
+  addLimitOptions(*command, *options);
+  Command result{command, addCommonOptions(*command), {}};
+  command->footer(kPlanExamples);
+  result.run = [options](Session& session) { runPlan(*options, session); };
+  result.files = [options] { return FileNames{options->inputs, {}}; };
   return result;
 }
 

@@ -51,6 +51,7 @@ const char* const kExamples = R"(Examples:
   tetvdb check part.vdb --target blender
   tetvdb report models/ -o report.html
   tetvdb dataset models/ -o voxels --resolution 64
+  tetvdb merge part.*-of-16.vdb -o part.vdb
   tetvdb formats
   tetvdb grids
 
@@ -89,12 +90,11 @@ int runProgram(const std::vector<std::string>& arguments) {
   program.require_subcommand(1);
   program.footer(kExamples);
   const std::vector<Command> commands = {
-      addVoxelize(program), addTetrahedralize(program), addInfo(program),
-      addCompare(program),  addRepair(program),         addConvert(program),
-      addPrepare(program),  addSlice(program),          addRender(program),
-      addCheck(program),    addReport(program),         addDataset(program),
-      addFormats(program),  addGrids(program),          addCompletions(program),
-      addManual(program)};
+      addVoxelize(program),    addTetrahedralize(program), addInfo(program),    addCompare(program),
+      addRepair(program),      addConvert(program),        addPrepare(program), addSlice(program),
+      addRender(program),      addCheck(program),          addReport(program),  addDataset(program),
+      addPlan(program),        addMerge(program),          addFormats(program), addGrids(program),
+      addCompletions(program), addManual(program)};
   const std::vector<std::string> words = withoutHelp(arguments);
   // Before '--help', which there is for the program as a whole.
   if (words.size() == 2 && words != arguments && findCommand(words[0], commands) == nullptr) {

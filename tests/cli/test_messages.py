@@ -12,7 +12,7 @@ from program import PROGRAM, CommandLineTest, box_faces, gmsh, lattice, medit, o
 
 GRIDS = ("density", "mask", "surface", "fog", "coverage", "tet_id", "material")
 COMMANDS = ("voxelize", "tetrahedralize", "info", "compare", "repair", "render", "check", "report",
-            "formats", "grids")
+            "plan", "merge", "formats", "grids")
 LIBRARY = pathlib.Path(__file__).resolve().parents[2] / "lib" / "tetvdb"
 
 

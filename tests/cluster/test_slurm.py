@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Data sets by a real slurmctld and slurmd on this host, and by mpirun; skipped where they are not
+"""Data sets and shards of a volume by a real slurmctld and slurmd on this host, and by mpirun; skipped where they are not
 installed, or where this is not root, as the daemons want it. Slurm lets a requeued task wait for two
 minutes."""
 import getpass
@@ -110,6 +110,55 @@ class Cluster:
                 process.kill()
 
 
+NO_SLURM = (any(shutil.which(p) is None for p in ("munged", "slurmctld", "slurmd", "sbatch"))
+            or getpass.getuser() != "root")
+MPIRUN = ["mpirun", *(["--allow-run-as-root"] if getpass.getuser() == "root" else []), "--oversubscribe"]
+
+
+class ShardsOnACluster(unittest.TestCase):
+    """A rod through several cubes of 4096^3 voxels, in parts."""
+
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="tetvdb-slurm-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        corners = [(x, y, z) for x in (0, 9000) for y in (0, 60) for z in (0, 60)]
+        faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+        with open(self.folder / "rod.obj", "w") as out:
+            for x, y, z in corners:
+                out.write("v %r %r %r\n" % (x * 0.8 - y * 0.6 - 4600, x * 0.48 + y * 0.64 - z * 0.6 - 4000,
+                                            x * 0.36 + y * 0.48 + z * 0.8 - 3000))
+            out.writelines("f %d %d %d %d\n" % tuple(c + 1 for c in f) for f in faces)
+        self.options = ["--voxel-size", "1", "--grid", "mask"]
+        subprocess.run([PROGRAM, "voxelize", "rod.obj", "-o", "alone.vdb", *self.options], check=True,
+                       capture_output=True, cwd=self.folder)
+
+    def expect_merged(self):
+        self.assertTrue((self.folder / "rod.vdb").read_bytes() == (self.folder / "alone.vdb").read_bytes())
+
+    @unittest.skipIf(NO_SLURM, "Slurm is not installed, or this is not root")
+    def test_array(self):
+        cluster = Cluster(self.folder)
+        self.addCleanup(cluster.stop)
+        job = cluster.call("sbatch", "--parsable", "--array=0-3", SCRIPTS / "shards.sh", "rod.obj", "rod.vdb",
+                           *self.options)
+        self.assertEqual(job.returncode, 0, job.stderr)
+        end = cluster.call("sbatch", "--parsable", "--wait", "--dependency=afterok:" + job.stdout.strip(),
+                           SCRIPTS / "merge.sh", "rod.vdb", "4")
+        logs = "".join(p.read_text() for p in self.folder.glob("slurm-*.out"))
+        self.assertEqual(end.returncode, 0, end.stderr + logs)
+        self.expect_merged()
+
+    @unittest.skipIf(shutil.which("mpirun") is None, "there is no mpirun")
+    def test_mpirun(self):
+        done = subprocess.run([*MPIRUN, "-n", "4", PROGRAM, "voxelize", "rod.obj", "-o", "rod.vdb", *self.options,
+                               "--shard", "auto"], capture_output=True, text=True, cwd=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        parts = sorted(p.name for p in self.folder.glob("rod.*-of-4.vdb"))
+        self.assertEqual(len(parts), 4)
+        subprocess.run([PROGRAM, "merge", *parts, "-o", "rod.vdb"], check=True, capture_output=True, cwd=self.folder)
+        self.expect_merged()
+
+
 class DatasetOnACluster(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -121,8 +170,7 @@ class DatasetOnACluster(unittest.TestCase):
         subprocess.run([PROGRAM, "dataset", cls.folder / "models", "-o", cls.alone, *cls.options],
                        check=True, capture_output=True)
 
-    @unittest.skipIf(any(shutil.which(p) is None for p in ("munged", "slurmctld", "slurmd", "sbatch"))
-                     or getpass.getuser() != "root", "Slurm is not installed, or this is not root")
+    @unittest.skipIf(NO_SLURM, "Slurm is not installed, or this is not root")
     def test_array_with_a_task_that_is_killed_and_requeued(self):
         cluster = Cluster(self.folder)
         self.addCleanup(cluster.stop)
@@ -148,8 +196,7 @@ class DatasetOnACluster(unittest.TestCase):
     @unittest.skipIf(shutil.which("mpirun") is None, "there is no mpirun")
     def test_mpirun(self):
         out = self.folder / "mpi"
-        root = ["--allow-run-as-root"] if getpass.getuser() == "root" else []
-        done = subprocess.run(["mpirun", *root, "--oversubscribe", "-n", "4", PROGRAM, "dataset",
+        done = subprocess.run([*MPIRUN, "-n", "4", PROGRAM, "dataset",
                                self.folder / "models", "-o", out, *self.options, "--shard", "auto",
                                "--workers", "1"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -15,7 +15,9 @@
 #include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
+#include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/pipeline/StreamJob.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -140,6 +142,20 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
   return meshes;
 }
 
+// BoolGrids as MaskGrids.
+void makeMaskGrids(openvdb::GridPtrVec& grids) {
+  for (openvdb::GridBase::Ptr& grid : grids) {
+    if (!grid->isType<openvdb::BoolGrid>())
+      continue;
+    const auto& tree = static_cast<const openvdb::BoolGrid&>(*grid).constTree();
+    const auto mask = openvdb::MaskGrid::create(
+        std::make_shared<openvdb::MaskTree>(tree, false, true, openvdb::TopologyCopy()));
+    mask->insertMeta(*grid);
+    mask->setTransform(grid->transformPtr());
+    grid = mask;
+  }
+}
+
 // `packed`: grids that come after the volume's.
 template <typename Voxelize>
 Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
@@ -150,7 +166,10 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
   Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
   result.transform = made.transform;
-  describeOrigin(job, made.volume);
+  if (job.maskType == MaskType::Mask)
+    makeMaskGrids(made.volume.grids().all);
+  made.volume.metadata = originMetadata(job);
+  setHalf(job, made.volume.grids().all);
   fitVolume(made.volume, made.transform, job.voxelize.fit, report);
   for (const auto& grid : made.volume.grids().all)
     openFirstTile(*grid);
@@ -264,6 +283,8 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   Preview preview(job.up == UpAxis::Y);
   if (!job.preview.empty())
     preview.tets(mesh, report, progress);
+  if (job.makesVolume() && streamTets(job, mesh, result, report, progress))
+    return;
   Volume volume;
   std::vector<NanoBytes> nano;
   PackedGrids packed;
@@ -314,12 +335,18 @@ public:
     clean();
     if (job_.makesVolume() || needsTets(job_))
       chooseMethod();
+    if ((!job_.shard.isWhole() || job_.plan > 0) && byTets())
+      throw Error(Status::Usage, "`shard`", "is for the winding number, not for tets made here",
+                  "make the tets first, or leave `mesher=envelope` and `epsilon` out");
+    if (job_.makesVolume() && !byTets() && !asMaterials() &&
+        streamTriangles(job_, meshes_.front(), unitsFound(), result_, report_, progress_))
+      return;
     Volume volume;
     if (job_.makesVolume()) {
       volume = makeVolume(job_, {}, result_, report_,
                           [&](const VoxelizeOptions& options) { return makeGrids(options); });
-      if (job_.units.empty() && !units_.empty())
-        volume.metadata["units"] = units_;
+      for (const auto& [key, text] : unitsFound())
+        volume.metadata.emplace(key, text);
     }
     if (!job_.preview.empty() && job_.makesVolume())
       preview_.volume(volume, report_, progress_);
@@ -395,6 +422,13 @@ private:
       result_.openEdges += soupBoundary(mesh.triangles, progress_).edges.size();
     if (job_.meshOutput.empty() || !writesTriangles(job_.meshOutput))
       meshes_ = {}; // their memory serves the grids
+  }
+
+  // Where the job names none.
+  std::map<std::string, std::string> unitsFound() const {
+    if (!job_.units.empty() || units_.empty())
+      return {};
+    return {{"units", units_}};
   }
 
   // Each input is then cleaned for itself.
@@ -483,6 +517,7 @@ void refuseMesherForTets(const VoxelizeJob& job) {
 VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progress) {
   VoxelizeResult result;
   checkOutputs(job);
+  requireStreamable(job);
   requireDevice(job.device);
   result.holdsTriangles = inputsHoldTriangles(job);
   if (job.device.kind == DeviceKind::Cuda)

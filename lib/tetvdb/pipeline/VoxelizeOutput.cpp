@@ -2,7 +2,6 @@
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/Version.h"
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/VolumeFile.h"
@@ -10,25 +9,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
 
 namespace tetvdb {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string fileNames(const std::vector<std::string>& paths) {
-  std::string names;
-  for (const std::string& path : paths) {
-    if (!names.empty())
-      names += ", ";
-    names += fs::path(path).filename().string();
-  }
-  return names;
-}
 
 bool isCurrent(const std::vector<NanoBytes>& nano, const Volume& volume) {
   const auto& grids = volume.grids().all;
@@ -38,21 +24,6 @@ bool isCurrent(const std::vector<NanoBytes>& nano, const Volume& volume) {
 }
 
 } // namespace
-
-void describeOrigin(const VoxelizeJob& job, Volume& volume) {
-  volume.metadata = job.metadata;
-  volume.metadata["creator"] = std::string("TetVDB ") + version();
-  volume.metadata["source"] = fileNames(job.inputs);
-  if (!job.units.empty())
-    volume.metadata["units"] = job.units;
-  if (job.up == UpAxis::Y)
-    volume.metadata["up_axis"] = "y";
-  if (!job.half)
-    return;
-  for (const auto& grid : volume.grids().all)
-    if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>())
-      grid->setSaveFloatAsHalf(true);
-}
 
 // What is made of arrays can have any values.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {

@@ -16,9 +16,6 @@ namespace tetvdb {
 
 using PackedGrids = std::vector<std::unique_ptr<PackedGrid>>;
 
-/// Metadata, and which grids are written in 16 bits.
-void describeOrigin(const VoxelizeJob& job, Volume& volume);
-
 /// Grids that are made of arrays can have any values: throws Error(Invalid) for those beyond 16
 /// bits where these are asked for, warns of those that Blender would not show.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report);

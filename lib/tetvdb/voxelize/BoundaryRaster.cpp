@@ -317,17 +317,18 @@ struct Scratch {
 
 class Stack {
 public:
-  Stack(const AllFaces& faces, const WindingBand* band, FillRule rule, NodeSink& sink,
+  Stack(const AllFaces& faces, const WindingBand* band, FillRule rule, NodeSink* sink,
         bool splitNodes)
       : faces_(faces), band_(band), rule_(rule), sink_(sink), carries_(kSlabsPerNode),
         grain_(splitNodes ? 1 : kSlabsPerNode) {}
 
   using Pairs = const FaceInNode*;
 
-  void run(Pairs begin, Pairs end, tbb::enumerable_thread_specific<Scratch>& scratch) {
-    const std::int32_t x = begin->x, y = begin->y;
-    std::int32_t z = begin->z;
-    while (begin != end) {
+  // `begin` to `end`: from zBegin on, up to the top of the column.
+  void run(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd, Pairs begin,
+           Pairs end, tbb::enumerable_thread_specific<Scratch>& scratch) {
+    std::int32_t z = zBegin;
+    while (begin != end && begin->z < zEnd) {
       fill(x, y, z, begin->z);
       z = begin->z;
       Pairs nodeEnd = begin;
@@ -337,6 +338,8 @@ public:
       begin = nodeEnd;
       ++z;
     }
+    if (begin != end)
+      return fill(x, y, z, zEnd);
     // Above the last face nothing is inside: the faces close, or the winding number ends far from
     // the holes.
     const std::int32_t open = rule_ == FillRule::Odd ? 1 : ~0;
@@ -346,10 +349,68 @@ public:
         throw std::logic_error("the boundary does not close: crossings were lost");
   }
 
+  void resume(const BoundaryCarry& carry) {
+    for (std::size_t s = 0; s < carries_.size(); ++s) {
+      SlabCarry& slab = carries_[s];
+      for (std::size_t r = 0; r < kSlabRows; ++r) {
+        const std::size_t column = s * kSlabRows + r;
+        slab.sums[r] = !carry.sums.empty() ? carry.sums[column]
+                       : !carry.bits.empty()
+                           ? static_cast<std::int32_t>(carry.bits[column / 64] >> (column % 64) & 1)
+                           : carry.sum;
+      }
+      const auto take = [&](const std::vector<std::int32_t>& all, std::vector<std::int32_t>& own) {
+        if (!all.empty())
+          own.assign(all.begin() + static_cast<std::ptrdiff_t>(s * kSlabRows),
+                     all.begin() + static_cast<std::ptrdiff_t>((s + 1) * kSlabRows));
+      };
+      take(carry.rests, slab.rests);
+      take(carry.holes, slab.holes);
+      slab.refreshUniform();
+    }
+  }
+
+  BoundaryCarry carry() const {
+    BoundaryCarry result;
+    bool uniform = true, bits = true;
+    for (const SlabCarry& slab : carries_) {
+      uniform = uniform && slab.uniform && slab.sums[0] == carries_[0].sums[0];
+      for (const std::int32_t sum : slab.sums)
+        bits = bits && (sum & ~1) == 0;
+    }
+    if (uniform) {
+      result.sum = carries_[0].sums[0];
+    } else if (bits) {
+      result.bits.resize(kSlabsPerNode * kSlabRows / 64);
+      for (std::size_t s = 0; s < carries_.size(); ++s)
+        for (std::size_t r = 0; r < kSlabRows; ++r)
+          result.bits[(s * kSlabRows + r) / 64] |= static_cast<std::uint64_t>(carries_[s].sums[r])
+                                                   << (r % 64);
+    } else {
+      for (const SlabCarry& slab : carries_)
+        result.sums.insert(result.sums.end(), slab.sums.begin(), slab.sums.end());
+    }
+    const auto keep = [&](std::vector<std::int32_t> SlabCarry::*member,
+                          std::vector<std::int32_t>& all) {
+      if (std::all_of(carries_.begin(), carries_.end(), [&](const SlabCarry& slab) {
+            return std::all_of((slab.*member).begin(), (slab.*member).end(),
+                               [](std::int32_t v) { return v == 0; });
+          }))
+        return;
+      all.resize(carries_.size() * kSlabRows);
+      for (std::size_t s = 0; s < carries_.size(); ++s)
+        std::copy((carries_[s].*member).begin(), (carries_[s].*member).end(),
+                  all.begin() + static_cast<std::ptrdiff_t>(s * kSlabRows));
+    };
+    keep(&SlabCarry::rests, result.rests);
+    keep(&SlabCarry::holes, result.holes);
+    return result;
+  }
+
 private:
   // Nodes that no face meets, from zBegin to zEnd.
   void fill(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) {
-    if (zBegin == zEnd)
+    if (zBegin == zEnd || sink_ == nullptr)
       return;
     bool uniform = true;
     for (const SlabCarry& carry : carries_)
@@ -357,22 +418,24 @@ private:
                 isInside(carry.sums[0], rule_) == isInside(carries_[0].sums[0], rule_);
     if (uniform) {
       if (isInside(carries_[0].sums[0], rule_))
-        sink_.fullRun(x, y, zBegin, zEnd);
+        sink_->fullRun(x, y, zBegin, zEnd);
       return;
     }
     const auto bits = std::make_unique<SlabBits>();
     for (std::int32_t z = zBegin; z < zEnd; ++z) {
-      std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
+      std::unique_ptr<NodeSink::Node> node = sink_->begin({x, y, z});
       for (int s = 0; s < kSlabsPerNode; ++s)
         if (extendRows(carries_[static_cast<std::size_t>(s)], rule_, *bits))
-          sink_.slab(*node, s, *bits, nullptr);
-      sink_.end(std::move(node));
+          sink_->slab(*node, s, *bits, nullptr);
+      sink_->end(std::move(node));
     }
   }
 
   void node(std::int32_t x, std::int32_t y, std::int32_t z, Pairs begin, Pairs end,
             tbb::enumerable_thread_specific<Scratch>& scratch) {
-    std::unique_ptr<NodeSink::Node> node = sink_.begin({x, y, z});
+    std::unique_ptr<NodeSink::Node> node;
+    if (sink_ != nullptr)
+      node = sink_->begin({x, y, z});
     std::vector<FaceRaster> faces, overHoles;
     faces.reserve(static_cast<std::size_t>(end - begin));
     bool inBand = false;
@@ -419,20 +482,21 @@ private:
                 : extendRows(carry, rule_, crossings.entering);
         if (holes)
           addHoles(local.holes->crossings, carry);
-        if (any)
-          sink_.slab(*node, s, crossings.entering, nullptr);
+        if (any && sink_ != nullptr)
+          sink_->slab(*node, s, crossings.entering, nullptr);
       }
     };
     // Nothing inside a slab's work waits for other tasks, so the scratch stays this thread's own.
     tbb::parallel_for(tbb::blocked_range<int>(0, kSlabsPerNode, grain_), slabs,
                       tbb::simple_partitioner());
-    sink_.end(std::move(node));
+    if (sink_ != nullptr)
+      sink_->end(std::move(node));
   }
 
   const AllFaces& faces_;
   const WindingBand* band_;
   FillRule rule_;
-  NodeSink& sink_;
+  NodeSink* sink_; // null: the sums alone
   std::vector<SlabCarry> carries_;
   std::size_t grain_;
 };
@@ -454,31 +518,74 @@ std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& bo
   return static_cast<std::uint64_t>(leaves * kVoxelsPerUnit * kVoxelsPerUnit / 64) + 64;
 }
 
+struct BoundaryStacks::Parts {
+  Parts(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill)
+      : faces(mesh, boundary, fill.holes), rule(fill.rule) {}
+
+  AllFaces faces;
+  FillRule rule;
+  std::optional<WindingBand> band;
+  std::vector<FaceInNode> pairs;
+  tbb::enumerable_thread_specific<Scratch> scratch;
+
+  const WindingBand* bandOrNull() const { return band ? &*band : nullptr; }
+};
+
+BoundaryStacks::BoundaryStacks(const SnappedMesh& mesh, const Boundary& boundary,
+                               const FillOptions& fill, Progress& progress)
+    : parts_(std::make_unique<Parts>(mesh, boundary, fill)) {
+  if (fill.holes != nullptr)
+    parts_->band.emplace(*fill.holes, progress);
+  parts_->pairs = binFaces(parts_->faces, parts_->bandOrNull(), progress);
+  const std::vector<FaceInNode>& pairs = parts_->pairs;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (columns_.empty() || pairs[i].x != columns_.back().x || pairs[i].y != columns_.back().y)
+      columns_.push_back({pairs[i].x, pairs[i].y, pairs[i].z, pairs[i].z + 1, i, i});
+    columns_.back().zEnd = pairs[i].z + 1;
+    columns_.back().end = i + 1;
+  }
+}
+
+BoundaryStacks::~BoundaryStacks() = default;
+
+std::size_t BoundaryStacks::countNodes(const Column& column, std::int32_t zBegin,
+                                       std::int32_t zEnd) const {
+  std::size_t count = 0;
+  for (std::size_t i = column.begin; i < column.end; ++i) {
+    const std::int32_t z = parts_->pairs[i].z;
+    if (z >= zBegin && z < zEnd && (i == column.begin || parts_->pairs[i - 1].z != z))
+      ++count;
+  }
+  return count;
+}
+
+void BoundaryStacks::rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd,
+                               BoundaryCarry& carry, NodeSink* sink, bool splitNodes) const {
+  const FaceInNode* const end = parts_->pairs.data() + column.end;
+  const FaceInNode* const begin =
+      std::lower_bound(std::as_const(parts_->pairs).data() + column.begin, end, zBegin,
+                       [](const FaceInNode& pair, std::int32_t z) { return pair.z < z; });
+  Stack stack(parts_->faces, parts_->bandOrNull(), parts_->rule, sink, splitNodes);
+  stack.resume(carry);
+  stack.run(column.x, column.y, zBegin, zEnd, begin, end, parts_->scratch);
+  carry = stack.carry();
+}
+
 void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill,
                        NodeSink& sink, Progress& progress) {
-  const AllFaces faces(mesh, boundary, fill.holes);
-  std::optional<WindingBand> band;
-  if (fill.holes != nullptr)
-    band.emplace(*fill.holes, progress);
-  const WindingBand* const bandOrNull = band ? &*band : nullptr;
-  const std::vector<FaceInNode> pairs = binFaces(faces, bandOrNull, progress);
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || pairs[i].x != pairs[i - 1].x || pairs[i].y != pairs[i - 1].y)
-      starts.push_back(i);
-  starts.push_back(pairs.size());
-
+  const BoundaryStacks stacks(mesh, boundary, fill, progress);
+  const std::vector<BoundaryStacks::Column>& columns = stacks.columns();
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const bool splitNodes = starts.size() - 1 < 8 * threads;
-  tbb::enumerable_thread_specific<Scratch> scratch;
+  const bool splitNodes = columns.size() < 8 * threads;
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, starts.size() - 1, 1),
+      tbb::blocked_range<std::size_t>(0, columns.size(), 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          Stack stack(faces, bandOrNull, fill.rule, sink, splitNodes);
-          stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], scratch);
-          progress.update(static_cast<double>(++done) / static_cast<double>(starts.size()));
+          BoundaryCarry carry;
+          stacks.rasterize(columns[i], columns[i].zBegin, columns[i].zEnd, carry, &sink,
+                           splitNodes);
+          progress.update(static_cast<double>(++done) / static_cast<double>(columns.size() + 1));
         }
       },
       tbb::simple_partitioner());

@@ -15,6 +15,8 @@
 #include "tetvdb/voxelize/SnappedMesh.h"
 
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace tetvdb {
 
@@ -26,6 +28,51 @@ struct FillOptions {
   /// The triangles that fill the holes of an open soup (fillHoles()); null where the faces close.
   /// With FillRule::Odd they have no meaning: then every edge must have an even number of faces.
   const TriangleClusters* holes = nullptr;
+};
+
+/// The sums of a stack of nodes at some height, as small as they can be kept.
+struct BoundaryCarry {
+  std::int32_t sum = 0;            ///< of all columns, where the following are empty
+  std::vector<std::uint64_t> bits; ///< of each column: 0 or 1
+  std::vector<std::int32_t> sums;  ///< of each column
+  std::vector<std::int32_t> rests; ///< of each column (SlabCarry), where there are any
+  std::vector<std::int32_t> holes;
+};
+
+/// Stacks of 128^3 nodes along z, each to be rasterised by itself, and from any height on.
+class BoundaryStacks {
+public:
+  /// Finds the nodes that faces meet, in parallel: 16 bytes a pair of face and node. All must
+  /// outlive it. Throws as progress.check() does, and Error(Limit) for 2^32 faces or more.
+  BoundaryStacks(const SnappedMesh& mesh, const Boundary& boundary, const FillOptions& fill,
+                 Progress& progress);
+  ~BoundaryStacks();
+  BoundaryStacks(const BoundaryStacks&) = delete;
+  BoundaryStacks& operator=(const BoundaryStacks&) = delete;
+
+  /// A stack that faces meet: its place in units of nodes.
+  struct Column {
+    std::int32_t x, y;
+    std::int32_t zBegin, zEnd; ///< above zEnd nothing is inside, below zBegin neither
+    std::size_t begin, end;    ///< in the pairs of faces and nodes
+  };
+  /// By x, then y.
+  const std::vector<Column>& columns() const { return columns_; }
+
+  /// Hands the nodes zBegin <= z < zEnd of a column to `sink`: those that faces meet slab by slab,
+  /// full ones between them as runs. `carry` holds the sums at zBegin, which are 0 up to the
+  /// column's zBegin, and receives those at zEnd. Without a sink the sums alone are found.
+  /// `splitNodes`: the slabs of a node are tasks of their own. Thread-safe.
+  void rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd, BoundaryCarry& carry,
+                 NodeSink* sink, bool splitNodes) const;
+
+  /// Nodes of a column that faces meet, zBegin <= z < zEnd.
+  std::size_t countNodes(const Column& column, std::int32_t zBegin, std::int32_t zEnd) const;
+
+private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+  std::vector<Column> columns_;
 };
 
 /// Hands every node that is not empty to `sink`: those that faces meet slab by slab, full ones

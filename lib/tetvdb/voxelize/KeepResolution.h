@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Report.h"
+#include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <algorithm>
@@ -13,9 +14,18 @@
 
 namespace tetvdb {
 
-/// The factor by which voxels must become larger for what `made` holds to have no more voxels than
+/// The factor by which voxels must become larger for a solid in `box` to have no more voxels than
 /// options.resolution along any axis, or to keep to the voxels of options.fit; 1: they need not.
+double tooFine(const VoxelBox& box, const VoxelizeOptions& options);
+/// The same of what `made` holds, which lies within the mesh's box where its faces close.
 double tooFine(const Voxelization& made, const VoxelizeOptions& options);
+
+/// Whether voxels may become larger: where their size and rule are not given.
+inline bool mayCoarsen(const VoxelizeOptions& options) {
+  return options.voxelSize[0] == 0 && options.rule == VoxelRule::Centre;
+}
+/// Makes the voxels of `used` larger than those of `transform`.
+void coarsen(const GridTransform& transform, double factor, VoxelizeOptions& used);
 
 /// The result of make(options, report). Holes of open meshes that are not flat are closed by
 /// surfaces that can lie outside of the mesh's box: where the result has more voxels than
@@ -26,14 +36,8 @@ Voxelization keepResolution(const VoxelizeOptions& options, Report& report, cons
   Report own;
   VoxelizeOptions used = options;
   Voxelization made = make(used, own);
-  const bool asked = options.voxelSize[0] != 0 || options.rule != VoxelRule::Centre;
-  for (double factor = 1; !asked && (factor = tooFine(made, options)) > 1;) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double size = made.transform.voxelSize[k], larger = size * factor;
-      used.voxelSize[k] = larger;
-      if (options.fit.voxels > 0) // about the same middle
-        used.origin[k] = made.transform.origin[k] + (size - larger) * (options.fit.voxels - 1) / 2;
-    }
+  for (double factor = 1; mayCoarsen(options) && (factor = tooFine(made, options)) > 1;) {
+    coarsen(made.transform, factor, used);
     own.warnings.clear();
     own.partial = false;
     made = make(used, own);

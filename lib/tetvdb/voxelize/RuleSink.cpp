@@ -22,9 +22,8 @@ struct RuleSink::RuledNode : NodeSink::Node {
   std::array<bool, kSlabsPerNode> done{}; // slabs, each by one thread
 };
 
-RuleSink::RuleSink(NodeSink& next, const SnappedMesh& mesh, const Boundary& faces, VoxelRule rule,
-                   Progress& progress)
-    : next_(next), mesh_(mesh), faces_(faces), adds_(rule == VoxelRule::Any) {
+RuledFaces::RuledFaces(const SnappedMesh& mesh, const Boundary& faces, Progress& progress)
+    : mesh_(mesh), faces_(faces) {
   tbb::enumerable_thread_specific<std::vector<Pair>> locals;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, faces.faces.size(), 4096), [&](const auto& range) {
@@ -49,17 +48,32 @@ RuleSink::RuleSink(NodeSink& next, const SnappedMesh& mesh, const Boundary& face
   for (std::size_t i = 0; i < pairs_.size(); ++i)
     if (i == 0 || pairs_[i].node != pairs_[i - 1].node)
       starts_.push_back(i);
-  seen_.assign(starts_.size(), 0);
   starts_.push_back(pairs_.size());
 }
 
-std::size_t RuleSink::find(const NodeIndex& node) const {
+std::size_t RuledFaces::lowerBound(const NodeIndex& node) const {
   const auto at = std::lower_bound(
       starts_.begin(), starts_.end() - 1, node,
       [&](std::size_t start, const NodeIndex& wanted) { return pairs_[start].node < wanted; });
-  return at != starts_.end() - 1 && pairs_[*at].node == node
-             ? static_cast<std::size_t>(at - starts_.begin())
-             : kNoFaces;
+  return static_cast<std::size_t>(at - starts_.begin());
+}
+
+void RuledFaces::prepare(std::size_t at, std::vector<TouchedFace>& faces) const {
+  faces.reserve(starts_[at + 1] - starts_[at]);
+  for (std::size_t i = starts_[at]; i != starts_[at + 1]; ++i) {
+    const BoundaryFace& f = faces_.faces[pairs_[i].face];
+    faces.emplace_back(mesh_.points[f.a], mesh_.points[f.b], mesh_.points[f.c]);
+  }
+}
+
+RuleSink::RuleSink(NodeSink& next, const RuledFaces& faces, VoxelRule rule, std::size_t first,
+                   std::size_t end)
+    : next_(next), faces_(faces), adds_(rule == VoxelRule::Any), first_(first),
+      seen_(end - first, 0) {}
+
+std::size_t RuleSink::find(const NodeIndex& node) const {
+  const std::size_t at = faces_.lowerBound(node);
+  return at < first_ + seen_.size() && faces_.node(at) == node ? at : kNoFaces;
 }
 
 std::unique_ptr<NodeSink::Node> RuleSink::begin(const NodeIndex& index) {
@@ -67,12 +81,8 @@ std::unique_ptr<NodeSink::Node> RuleSink::begin(const NodeIndex& index) {
   node->next = next_.begin(index);
   node->index = index;
   if (const std::size_t at = find(index); at != kNoFaces) {
-    seen_[at] = 1;
-    node->faces.reserve(starts_[at + 1] - starts_[at]);
-    for (std::size_t i = starts_[at]; i != starts_[at + 1]; ++i) {
-      const BoundaryFace& f = faces_.faces[pairs_[i].face];
-      node->faces.emplace_back(mesh_.points[f.a], mesh_.points[f.b], mesh_.points[f.c]);
-    }
+    seen_[at - first_] = 1;
+    faces_.prepare(at, node->faces);
   }
   return node;
 }
@@ -138,7 +148,7 @@ void RuleSink::fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std:
     if (at == kNoFaces)
       continue;
     if (adds_) { // full as it is
-      seen_[at] = 1;
+      seen_[at - first_] = 1;
       continue;
     }
     passRun(z);
@@ -162,7 +172,7 @@ void RuleSink::finish() {
     return;
   tbb::parallel_for(std::size_t(0), seen_.size(), [&](std::size_t i) {
     if (seen_[i] == 0)
-      end(begin(pairs_[starts_[i]].node));
+      end(begin(faces_.node(first_ + i)));
   });
 }
 

@@ -17,15 +17,41 @@
 
 namespace tetvdb {
 
+/// The faces that pass through the cubes of each 128^3 node's voxels.
+class RuledFaces {
+public:
+  /// Both must outlive it. Parallel, 16 bytes for each face and node.
+  RuledFaces(const SnappedMesh& mesh, const Boundary& faces, Progress& progress);
+
+  /// Nodes with faces, numbered by x, then y, then z.
+  std::size_t size() const { return starts_.size() - 1; }
+  const NodeIndex& node(std::size_t i) const { return pairs_[starts_[i]].node; }
+  /// The number of the first node that is not before `node`.
+  std::size_t lowerBound(const NodeIndex& node) const;
+  void prepare(std::size_t i, std::vector<TouchedFace>& faces) const;
+
+private:
+  struct Pair {
+    NodeIndex node;
+    std::uint32_t face;
+    bool operator<(const Pair& o) const { return node != o.node ? node < o.node : face < o.face; }
+  };
+  const SnappedMesh& mesh_;
+  const Boundary& faces_;
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> starts_; ///< of each node's faces in pairs_, and the end
+};
+
 /// Hands on what it receives, with the voxels whose cubes a face passes through (TouchedFace.h)
 /// added, for VoxelRule::Any, or taken away, for VoxelRule::All. In a cube that no face passes
 /// through the number of tets is the same everywhere, and so the centre's answer holds for all of
 /// it; a face that does pass through has more tets on one side than on the other.
 class RuleSink : public NodeSink {
 public:
-  /// All must outlive it. Bins the faces to nodes: parallel, 16 bytes for each face and node.
-  RuleSink(NodeSink& next, const SnappedMesh& mesh, const Boundary& faces, VoxelRule rule,
-           Progress& progress);
+  /// Both must outlive it. What comes is among the faces' nodes from number `first` to `end`, or
+  /// is a node without faces.
+  RuleSink(NodeSink& next, const RuledFaces& faces, VoxelRule rule, std::size_t first,
+           std::size_t end);
 
   std::unique_ptr<Node> begin(const NodeIndex& node) override;
   void slab(Node& node, int index, const SlabBits& bits, const std::uint32_t* owners) override;
@@ -34,14 +60,10 @@ public:
   void fullNode(const NodeIndex& node, std::uint32_t owner) override;
 
   /// Call after the last node: hands on the nodes that faces pass through but no centre is in.
+  /// Parallel.
   void finish();
 
 private:
-  struct Pair {
-    NodeIndex node;
-    std::uint32_t face;
-    bool operator<(const Pair& o) const { return node != o.node ? node < o.node : face < o.face; }
-  };
   struct RuledNode;
   static constexpr std::size_t kNoFaces = ~std::size_t(0);
 
@@ -50,12 +72,10 @@ private:
   void passOn(RuledNode& node, int index, const SlabBits* inside);
 
   NodeSink& next_;
-  const SnappedMesh& mesh_;
-  const Boundary& faces_;
+  const RuledFaces& faces_;
   bool adds_;
-  std::vector<Pair> pairs_;
-  std::vector<std::size_t> starts_; ///< of each node's faces in pairs_, and the end
-  std::vector<std::uint8_t> seen_;  ///< each written by the task of its node
+  std::size_t first_;
+  std::vector<std::uint8_t> seen_; ///< from first_ on, each written by the task of its node
 };
 
 } // namespace tetvdb

@@ -63,7 +63,11 @@ void reportTets(const SnapCounts& counts, std::size_t tets, Report& report) {
 }
 
 void requireVoxels(const Voxelization& result, const VoxelizeOptions& options) {
-  if (!options.allowEmpty && result.volume.grids().all.front()->empty())
+  requireVoxels(result.volume.grids().all.front()->empty(), options);
+}
+
+void requireVoxels(bool empty, const VoxelizeOptions& options) {
+  if (!options.allowEmpty && empty)
     throw Error(Status::Invalid, "",
                 options.rule == VoxelRule::All ? "no voxel lies wholly inside the mesh"
                                                : "no voxel centre lies inside the mesh",
@@ -130,7 +134,8 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
     if (byCentre) {
       rasterizeBoundary(snapped, boundary, {}, builder, progress);
     } else {
-      RuleSink sink(builder, snapped, boundary, options.rule, progress);
+      const RuledFaces faces(snapped, boundary, progress);
+      RuleSink sink(builder, faces, options.rule, 0, faces.size());
       rasterizeBoundary(snapped, boundary, {}, sink, progress);
       sink.finish();
     }

@@ -15,6 +15,7 @@
 #include "tetvdb/voxelize/ShellRaster.h"
 #include "tetvdb/voxelize/ShellSide.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SolidFaces.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
@@ -48,39 +49,6 @@ void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the mesh has no triangles");
 }
-
-std::string whyEmpty(const SoupBoundary& boundary, const SolidOptions& solid) {
-  if (solid.shell > 0)
-    return "no voxel centre lies in the shell";
-  if (boundary.edges.empty())
-    return "no voxel centre lies inside the mesh";
-  if (solid.inside == InsideRule::Flood)
-    return "the outside reaches every voxel: the mesh leaks at this voxel size";
-  return fmt::format("the mesh is open ({} open edges) and holds no inside: its winding number is "
-                     "above 0.5 at no voxel centre",
-                     boundary.edges.size());
-}
-
-// An open mesh whose inside is next to nothing beside its faces is rather a sheet.
-void warnIfThin(std::uint64_t inside, double surface, Report& report) {
-  if (static_cast<double>(inside) < 0.02 * surface)
-    report.warn("nearly-empty",
-                fmt::format("only {} voxels are inside faces that pass through about {:.0f}: the "
-                            "mesh is rather a sheet, which `shell=T` gives a thickness",
-                            inside, surface));
-}
-
-std::string emptyAdvice(const SoupBoundary& boundary, const SolidOptions& solid) {
-  if (solid.shell > 0 || boundary.edges.empty())
-    return "use smaller voxels, or `allow_empty` to write an empty grid";
-  if (solid.inside == InsideRule::Flood)
-    return "use `inside=winding`, which closes holes, or larger voxels";
-  return "give the sheet a thickness with `shell=T`, or use smaller voxels";
-}
-
-} // namespace
-
-namespace {
 
 // How far a shell reaches beyond the faces, world units.
 double reachOf(const TriangleMesh& mesh, const SolidOptions& solid) {
@@ -175,33 +143,16 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   timer.part("transform");
   result.transform = chooseTransform(mesh, options, solid);
   reportOrigin(result.transform, options, report);
-  timer.part("snap");
-  const SnappedMesh snapped = snapPoints(mesh.points, result.transform, progress);
-  const Boundary chain = soupFaces(mesh, snapped);
-  result.counts.boundaryFaces = chain.faces.size();
-
+  const SolidFaces faces = solidFaces(mesh, solid, result.transform, timer, progress);
+  const SnappedMesh& snapped = faces.snapped;
+  const Boundary& chain = faces.chain;
+  const SoupBoundary& boundary = faces.boundary;
+  result.counts = faces.counts;
   const bool onSide = solid.shell > 0 && solid.side != ShellSide::Both;
-  SoupBoundary boundary;
-  if (solid.shell == 0 || onSide) {
-    timer.part("boundary");
-    boundary = soupBoundary(mesh.triangles, progress);
-    result.counts.openEdges = boundary.edges.size();
-  }
   const bool flood = solid.inside == InsideRule::Flood;
-  const FillRule rule = fillRuleOf(solid).value_or(FillRule::Positive);
-  std::optional<TriangleClusters> holes;
-  const bool fills = solid.shell == 0;
-  if (fills && rule == FillRule::Odd && boundary.oddEdges > 0)
-    throw Error(Status::Invalid, "",
-                fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
-                            boundary.oddEdges),
-                "use `inside=winding`, which closes holes");
-  else if (fills && !flood && rule != FillRule::Odd && !boundary.edges.empty())
-    holes.emplace(fillHoles(boundaryEdges(boundary.edges, snapped)));
 
   timer.part("estimate");
-  double working = 24.0 * static_cast<double>(snapped.pointCount) +
-                   64.0 * static_cast<double>(chain.faces.size());
+  double working = bytesOf(faces);
   if (flood) // columns of cells, with a margin of nodes
     working += 96.0 * ((snapped.boxMax.x - snapped.boxMin.x) * kVoxelsPerUnit + 3 * kNodeSize) *
                ((snapped.boxMax.y - snapped.boxMin.y) * kVoxelsPerUnit + 3 * kNodeSize);
@@ -226,13 +177,12 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   } else if (flood) {
     rasterizeFlood(snapped, chain, TriangleScene(mesh), result.transform, builder, progress);
   } else {
-    FillOptions fill;
-    fill.rule = rule;
-    fill.holes = holes ? &*holes : nullptr;
+    const FillOptions fill = faces.fill();
     if (options.rule == VoxelRule::Centre) {
       rasterizeBoundary(snapped, chain, fill, builder, progress);
     } else {
-      RuleSink sink(builder, snapped, chain, options.rule, progress);
+      const RuledFaces ruled(snapped, chain, progress);
+      RuleSink sink(builder, ruled, options.rule, 0, ruled.size());
       rasterizeBoundary(snapped, chain, fill, sink, progress);
       sink.finish();
     }
@@ -242,10 +192,8 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   grids->all = builder.finish(result.transform);
   result.volume = Volume(std::move(grids));
 
-  if (!options.allowEmpty && result.volume.grids().all.front()->empty())
-    throw Error(Status::Invalid, "", whyEmpty(boundary, solid), emptyAdvice(boundary, solid));
-  if (solid.shell == 0 && !boundary.edges.empty())
-    warnIfThin(result.volume.grids().all.front()->activeVoxelCount(), surfaceVoxels, report);
+  const openvdb::GridBase& first = *result.volume.grids().all.front();
+  checkSolid(boundary, solid, first.activeVoxelCount(), surfaceVoxels, options, report);
   return result;
 }
 

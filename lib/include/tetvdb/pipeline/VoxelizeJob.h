@@ -25,6 +25,7 @@
 #include "tetvdb/pipeline/PreviewInfo.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RelativeLength.h"
+#include "tetvdb/pipeline/Shard.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/DeviceChoice.h"
@@ -39,6 +40,17 @@
 #include <vector>
 
 namespace tetvdb {
+
+/// Whether grids become trees in memory on their way into a .vdb file. The file is the same.
+enum class Streaming : std::uint8_t {
+  Auto,   ///< trees, unless they would not fit into memory
+  Always, ///< never trees, where that is possible: density and mask alone
+  Never
+};
+
+/// OpenVDB's type of the grid mask. A MaskGrid takes a third less of a file and half of the memory;
+/// Blender and Houdini show BoolGrids alone.
+enum class MaskType : std::uint8_t { Bool, Mask };
 
 struct VoxelizeJob {
   /// Mesh files or meshes in `memory`, of tets or of triangles; several are combined in one volume.
@@ -70,13 +82,26 @@ struct VoxelizeJob {
   /// Ranges that replace those of the fields (resolveFields()); empty: their own.
   std::vector<ValueRange> fieldRanges;
   std::map<std::string, std::string> metadata; ///< additional metadata of the file
-  std::string units;         ///< stored as metadata "units"; lengths do not change
-  DeviceChoice device;       ///< voxelizes tets and computes distances; replaces that of `shapes`
+  std::string units;   ///< stored as metadata "units"; lengths do not change
+  DeviceChoice device; ///< voxelizes tets and computes distances; replaces that of `shapes`
+  Streaming streaming = Streaming::Auto;
+  Shard shard; ///< the part of the grids to make; if not whole, it is streamed in any case
+  unsigned plan =
+      0; ///< above 0: makes and writes nothing but VoxelizeResult::plan of as many shards
+  MaskType maskType = MaskType::Bool;
   bool half = false;         ///< stores float grids with 16 bits per value
   int threads = 0;           ///< 0: as many as the calling thread's TBB arena has
   std::size_t maxMemory = 0; ///< bytes for the whole process; 0: the available memory
 
   bool makesVolume() const { return keep || !output.empty(); }
+};
+
+/// What a shard would have to do.
+struct ShardPlan {
+  std::size_t cubes = 0;                     ///< children of the root node, 4096^3 voxels each
+  std::size_t fullCubes = 0;                 ///< those that are one tile
+  double share = 0;                          ///< of all the work, about: 1 over all shards
+  Vec3i boxMin{0, 0, 0}, boxMax{-1, -1, -1}; ///< of its cubes, voxels, inclusive
 };
 
 struct VoxelizeResult {
@@ -95,6 +120,7 @@ struct VoxelizeResult {
   DeviceUsed device;       ///< of the grids except fields; if there are only fields, of those
   DeviceUsed fieldsDevice; ///< of the fields
   std::vector<GridInfo> grids;
+  std::vector<ShardPlan> plan; ///< where VoxelizeJob::plan asks for it
   std::vector<OutputInfo> outputs;
   std::optional<PreviewInfo> preview;
   std::optional<Volume> kept; ///< if VoxelizeJob::keep is set

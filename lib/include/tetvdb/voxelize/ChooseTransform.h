@@ -59,5 +59,7 @@ void reportTets(const SnapCounts& counts, std::size_t tets, Report& report);
 
 /// Throws Error(Invalid) where no voxel is active and options.allowEmpty is not set.
 void requireVoxels(const Voxelization& result, const VoxelizeOptions& options);
+/// The same, where it is known whether one is.
+void requireVoxels(bool empty, const VoxelizeOptions& options);
 
 } // namespace tetvdb

@@ -5,6 +5,7 @@
 #include "tetvdb/io/volume/VdbPieces.h"
 
 #include <new>
+#include <stdexcept>
 
 namespace tetvdb {
 namespace {
@@ -47,7 +48,7 @@ std::string uuidOf(const XXH128_hash_t& hash) {
 } // namespace
 
 VdbHead makeVdbHead(const std::string& name, const std::string& type, const std::string& parent,
-                    const openvdb::MetaMap& metadata, const openvdb::GridBase& transform,
+                    const openvdb::MetaMap& metadata, const openvdb::math::Transform& transform,
                     const std::string& root) {
   VdbHead head;
   addText(head.bytes, name);
@@ -58,7 +59,7 @@ VdbHead makeVdbHead(const std::string& name, const std::string& type, const std:
   addValue(head.bytes, vdbCompression());
   head.bytes += metadataBytes(metadata);
   NodeStream out(0, nullptr);
-  transform.writeTransform(out.stream());
+  transform.write(out.stream());
   head.bytes += out.bytes();
   head.bytes += root;
   return head;
@@ -100,10 +101,13 @@ VdbOutput::VdbOutput(const std::string& path, const std::map<std::string, std::s
 
 void VdbOutput::beginGrid(const VdbHead& head) {
   headAt_ = file_.size();
+  headSize_ = head.bytes.size();
   file_.write(head.bytes.data(), head.bytes.size());
 }
 
 void VdbOutput::finishGrid(const VdbHead& head, std::uint64_t buffersAt) {
+  if (head.bytes.size() != headSize_)
+    throw std::logic_error("the head of a grid has changed its size");
   hash(head.bytes);
   std::string bytes = head.bytes;
   const std::uint64_t offsets[3] = {headAt_ + head.offsetsAt + kOffsetsSize, buffersAt,

@@ -39,7 +39,7 @@ struct VdbHead {
 
 /// `metadata` with the statistics and all; `root`: of grids that are no instances.
 VdbHead makeVdbHead(const std::string& name, const std::string& type, const std::string& parent,
-                    const openvdb::MetaMap& metadata, const openvdb::GridBase& transform,
+                    const openvdb::MetaMap& metadata, const openvdb::math::Transform& transform,
                     const std::string& root);
 
 /// The grid, its tree shared, with its creator named if it says nothing else.
@@ -83,6 +83,7 @@ private:
   AtomicFile file_;
   std::unique_ptr<XXH3_state_t, Free> state_;
   std::uint64_t uuidAt_ = 0, headAt_ = 0;
+  std::size_t headSize_ = 0;
 };
 
 /// Maps work done in one grid to the whole job's fraction.
@@ -102,9 +103,11 @@ private:
 
 /// Makes pieces in parallel, a window at a time, and takes them in order: `next(piece)` gives the
 /// next one to make, false at the end; `make(piece)` returns its result, `take(result)` uses it.
+/// `window`: pieces at a time; 0: four a thread.
 template <class Piece, class Result, class Next, class Make, class Take>
-void makeInOrder(const Next& next, const Make& make, const Take& take) {
-  const auto window = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) * 4;
+void makeInOrder(const Next& next, const Make& make, const Take& take, std::size_t window = 0) {
+  if (window == 0)
+    window = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) * 4;
   tbb::parallel_pipeline(
       window, tbb::make_filter<void, Piece>(tbb::filter_mode::serial_in_order,
                                             [&](tbb::flow_control& flow) {

@@ -48,7 +48,8 @@ public:
     const std::pair<const void*, bool> tree(&grid->baseTree(), grid->saveFloatAsHalf());
     const auto found = trees_.find(tree);
     if (found != trees_.end()) {
-      const VdbHead head = makeVdbHead(name_, vdbTypeOf(*grid), found->second, *grid, *grid, "");
+      const VdbHead head =
+          makeVdbHead(name_, vdbTypeOf(*grid), found->second, *grid, grid->transform(), "");
       output_.beginGrid(head);
       output_.finishGrid(head, 0);
       return;
@@ -118,7 +119,8 @@ private:
                   const ProgressShare& share) {
     const TopologyPieces<typename GridT::TreeType> topology(
         grid.constTree(), grid.saveFloatAsHalf(), vdbCompression());
-    const VdbHead head = makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid, topology.root());
+    const VdbHead head =
+        makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), topology.root());
     output_.beginGrid(head);
     writePieces(
         topology.size(), [&](std::size_t i) { return topology.make(i); }, output_,
@@ -132,7 +134,7 @@ private:
 
   /// A grid of a type that has no typed code: straight through, on one thread.
   void writeOther(const openvdb::GridBase& grid, const openvdb::GridBase& copy) {
-    const VdbHead head = makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid, "");
+    const VdbHead head = makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), "");
     output_.beginGrid(head);
     SinkBuffer<VdbOutput> buffer(output_);
     std::ostream stream(&buffer);

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/MergeVdb.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/BitCodec.h"
+#include "tetvdb/io/volume/VdbOutput.h"
+#include "tetvdb/io/volume/VdbPart.h"
+#include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <limits>
+#include <openvdb/io/DelayedLoadMetadata.h>
+#include <optional>
+#include <unistd.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kCopyBytes = std::size_t(4) << 20;
+using Base = openvdb::GridBase;
+
+/// In order of their numbers.
+std::vector<VdbPart> readParts(const std::vector<std::string>& paths, Progress& progress) {
+  if (paths.empty())
+    throw Error(Status::Usage, "", "no part was given");
+  std::vector<VdbPart> parts;
+  for (const std::string& path : paths) {
+    progress.check();
+    parts.push_back(readVdbPart(path));
+  }
+  const VdbPart& first = parts.front();
+  for (const VdbPart& part : parts)
+    if (part.part.job != first.part.job || part.part.count != first.part.count ||
+        part.grids.size() != first.grids.size())
+      throw Error(Status::Invalid, part.path, "is a part of another volume than " + first.path,
+                  "merge the parts of one job, made with the same inputs and options");
+  std::vector<const VdbPart*> found(first.part.count);
+  for (const VdbPart& part : parts) {
+    const VdbPart*& place = found[part.part.index];
+    if (place != nullptr)
+      throw Error(
+          Status::Invalid, part.path,
+          fmt::format("is part {} of {}, as {} is", part.part.index, part.part.count, place->path),
+          "give every part once");
+    place = &part;
+  }
+  std::string missing;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (found[i] == nullptr)
+      missing += fmt::format("{}{}/{}", missing.empty() ? "" : ", ", i, found.size());
+  if (!missing.empty())
+    throw Error(Status::Invalid, "", "parts are missing: " + missing,
+                "make them with `shard`, or give them too");
+  std::sort(parts.begin(), parts.end(),
+            [](const VdbPart& a, const VdbPart& b) { return a.part.index < b.part.index; });
+  for (const VdbPart& part : parts)
+    for (std::size_t g = 0; g < part.grids.size(); ++g) {
+      const PartGrid &one = part.grids[g], &other = parts.front().grids[g];
+      if (one.name != other.name || one.type != other.type ||
+          one.transformBytes != other.transformBytes)
+        throw Error(Status::Invalid, part.path, "has other grids than " + parts.front().path);
+    }
+  return parts;
+}
+
+template <class T>
+T metadataOf(const PartGrid& grid, const char* name, const VdbPart& part) {
+  const auto value = grid.metadata.getMetadata<openvdb::TypedMetadata<T>>(name);
+  if (!value)
+    throw Error(Status::Invalid, part.path, std::string("a grid lacks the metadata ") + name,
+                "write this part again");
+  return value->value();
+}
+
+openvdb::GridBase::Ptr emptyGridOf(const PartGrid& grid) {
+  if (grid.type == "Tree_bool_5_4_3")
+    return openvdb::BoolGrid::create(false);
+  if (grid.type == "Tree_mask_5_4_3")
+    return openvdb::MaskGrid::create();
+  return openvdb::FloatGrid::create(0.0F);
+}
+
+// The entries of leaves of all parts.
+void joinDelayedLoad(const std::vector<VdbPart>& parts, std::size_t g, std::uint64_t leaves,
+                     openvdb::MetaMap& metadata) {
+  using Delayed = openvdb::io::DelayedLoadMetadata;
+  Delayed all;
+  all.resizeMask(leaves);
+  all.resizeCompressedSize(leaves);
+  std::size_t l = 0;
+  for (const VdbPart& part : parts) {
+    const auto own = part.grids[g].metadata.getMetadata<Delayed>(Base::META_FILE_DELAYED_LOAD);
+    if (!own)
+      throw Error(Status::Invalid, part.path,
+                  std::string("a grid lacks the metadata ") + Base::META_FILE_DELAYED_LOAD,
+                  "write this part again");
+    for (std::size_t i = 0; i < part.grids[g].leaves; ++i, ++l) {
+      all.setMask(l, own->getMask(i));
+      all.setCompressedSize(l, own->getCompressedSize(i));
+    }
+  }
+  metadata.insertMeta(Base::META_FILE_DELAYED_LOAD, all);
+}
+
+VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
+  const PartGrid& first = parts.front().grids[g];
+  const std::unique_ptr<BitCodec> codec = makeBitCodec(*emptyGridOf(first));
+  const std::size_t root = codec->openvdbBytes().root;
+  openvdb::MetaMap metadata(first.metadata);
+  openvdb::Vec3i low = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MIN, parts.front());
+  openvdb::Vec3i high = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MAX, parts.front());
+  std::int64_t voxels = 0, bytes = static_cast<std::int64_t>(root);
+  std::uint64_t leaves = 0, children = 0;
+  std::vector<Vec3i> tiles;
+  for (const VdbPart& part : parts) {
+    const PartGrid& grid = part.grids[g];
+    const auto own = metadataOf<openvdb::Int64>(grid, Base::META_FILE_VOXEL_COUNT, part);
+    const auto min = metadataOf<openvdb::Vec3i>(grid, Base::META_FILE_BBOX_MIN, part);
+    const auto max = metadataOf<openvdb::Vec3i>(grid, Base::META_FILE_BBOX_MAX, part);
+    for (int k = 0; k < 3 && own > 0; ++k) {
+      low[k] = voxels == 0 ? min[k] : std::min(low[k], min[k]);
+      high[k] = voxels == 0 ? max[k] : std::max(high[k], max[k]);
+    }
+    voxels += own;
+    bytes += metadataOf<openvdb::Int64>(grid, Base::META_FILE_MEM_BYTES, part) -
+             static_cast<std::int64_t>(root);
+    leaves += grid.leaves;
+    children += grid.children;
+    tiles.insert(tiles.end(), grid.tiles.begin(), grid.tiles.end());
+  }
+  if (leaves >= std::numeric_limits<std::uint32_t>::max())
+    throw Error(Status::Limit, "", "the grid would have 2^32 leaves or more",
+                "OpenVDB cannot count them: use the parts as they are");
+  metadata.insertMeta(Base::META_FILE_BBOX_MIN, openvdb::Vec3IMetadata(low));
+  metadata.insertMeta(Base::META_FILE_BBOX_MAX, openvdb::Vec3IMetadata(high));
+  metadata.insertMeta(Base::META_FILE_MEM_BYTES, openvdb::Int64Metadata(bytes));
+  metadata.insertMeta(Base::META_FILE_VOXEL_COUNT, openvdb::Int64Metadata(voxels));
+  metadata.removeMeta(Base::META_FILE_DELAYED_LOAD);
+  if (codec->hasDelayedLoad() && leaves <= kDelayedLoadLeaves)
+    joinDelayedLoad(parts, g, leaves, metadata);
+  return makeVdbHead(first.name, first.type, "", metadata, *first.transform,
+                     codec->root(tiles, static_cast<std::uint32_t>(children)));
+}
+
+class Copier {
+public:
+  Copier(VdbOutput& output, std::uint64_t total, Progress& progress)
+      : output_(output), buffer_(kCopyBytes), total_(total), progress_(progress) {}
+
+  void copy(const std::string& path, std::uint64_t from, std::uint64_t to) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+      fail(path, errno);
+    try {
+      while (from < to) {
+        const auto wanted =
+            static_cast<std::size_t>(std::min<std::uint64_t>(to - from, kCopyBytes));
+        const ssize_t got = ::pread(file, buffer_.data(), wanted, static_cast<off_t>(from));
+        if (got < 0 && errno == EINTR)
+          continue;
+        if (got <= 0)
+          fail(path, got < 0 ? errno : EIO);
+        output_.write(buffer_.data(), static_cast<std::size_t>(got));
+        from += static_cast<std::uint64_t>(got);
+        done_ += static_cast<std::uint64_t>(got);
+        progress_.update(static_cast<double>(done_) / static_cast<double>(total_ + 1));
+      }
+    } catch (...) {
+      ::close(file);
+      throw;
+    }
+    ::close(file);
+  }
+
+private:
+  [[noreturn]] static void fail(const std::string& path, int error) {
+    throw Error(Status::Invalid, path, std::string("cannot be read: ") + std::strerror(error));
+  }
+
+  VdbOutput& output_;
+  std::vector<char> buffer_;
+  std::uint64_t total_, done_ = 0;
+  Progress& progress_;
+};
+
+// Of tiles alone: one of them is opened, which changes nodes.
+void mergeTiles(const std::vector<VdbPart>& parts, const std::string& output, Progress& progress) {
+  Volume whole;
+  for (const VdbPart& part : parts) {
+    const Volume volume = readVolume(part.path, progress);
+    for (std::size_t g = 0; g < part.grids.size(); ++g) {
+      // OpenVDB gives grids by name.
+      const auto& read = volume.grids().all;
+      const auto found = std::find_if(read.begin(), read.end(), [&](const auto& one) {
+        return one->getName() == part.grids[g].name;
+      });
+      if (found == read.end())
+        throw Error(Status::Invalid, part.path, "lacks the grid " + part.grids[g].name);
+      const openvdb::GridBase::Ptr& grid = *found;
+      if (whole.grids().all.size() == g) {
+        whole.grids().all.push_back(grid);
+        continue;
+      }
+      withKnownGrid(*whole.grids().all[g], [&](auto& typed) {
+        using GridT = std::decay_t<decltype(typed)>;
+        if constexpr (std::is_same_v<GridT, openvdb::FloatGrid> ||
+                      std::is_same_v<GridT, openvdb::BoolGrid> ||
+                      std::is_same_v<GridT, openvdb::MaskGrid>)
+          typed.tree().merge(static_cast<GridT&>(*grid).tree(), openvdb::MERGE_ACTIVE_STATES);
+      });
+    }
+  }
+  whole.metadata = parts.front().metadata;
+  for (std::size_t g = 0; g < whole.grids().all.size(); ++g) {
+    openvdb::GridBase& grid = *whole.grids().all[g];
+    grid.setTransform(parts.front().grids[g].transform);
+    grid.removeMeta(kPartLeaves);
+    for (const char* name :
+         {Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX, Base::META_FILE_MEM_BYTES,
+          Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION, Base::META_FILE_DELAYED_LOAD})
+      grid.removeMeta(name);
+    openFirstTile(grid);
+  }
+  writeVolume(output, whole, progress);
+}
+
+} // namespace
+
+MergeResult mergeVdb(const std::vector<std::string>& paths, const std::string& output,
+                     const MergeOptions& options, Progress& progress) {
+  progress.stage("merge");
+  const std::vector<VdbPart> parts = readParts(paths, progress);
+  MergeResult result;
+  result.parts = parts.size();
+  std::uint64_t total = 0;
+  for (const PartGrid& grid : parts.front().grids)
+    result.grids.push_back(grid.name);
+  for (const VdbPart& part : parts) {
+    result.leaves += part.grids.front().leaves;
+    result.activeVoxels += static_cast<std::uint64_t>(
+        metadataOf<openvdb::Int64>(part.grids.front(), Base::META_FILE_VOXEL_COUNT, part));
+    for (const PartGrid& grid : part.grids)
+      total += grid.end - grid.topologyAt;
+  }
+  if (result.activeVoxels == 0 && !options.allowEmpty)
+    throw Error(Status::Invalid, "", "none of the parts has a voxel",
+                "use smaller voxels, or `allow_empty` to write an empty grid");
+  if (result.activeVoxels > 0 && result.leaves == 0) {
+    mergeTiles(parts, output, progress);
+    result.leaves = 1;
+    return result;
+  }
+  VdbOutput file(output, parts.front().metadata, parts.front().grids.size());
+  Copier copier(file, total, progress);
+  for (std::size_t g = 0; g < parts.front().grids.size(); ++g) {
+    const VdbHead head = headOf(parts, g);
+    file.beginGrid(head);
+    for (const VdbPart& part : parts)
+      copier.copy(part.path, part.grids[g].topologyAt, part.grids[g].buffersAt);
+    const std::uint64_t buffersAt = file.position();
+    for (const VdbPart& part : parts)
+      copier.copy(part.path, part.grids[g].buffersAt, part.grids[g].end);
+    file.finishGrid(head, buffersAt);
+  }
+  file.commit(progress);
+  return result;
+}
+
+} // namespace tetvdb

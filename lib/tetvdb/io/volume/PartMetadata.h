@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a .vdb file that is a part of a volume says of itself, in the file's metadata. Its grids say
+// how many leaves they have (kPartLeaves), which the whole needs.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace tetvdb {
+
+/// Metadata of a grid: an int64.
+constexpr const char* kPartLeaves = "part_leaves";
+
+struct PartMetadata {
+  unsigned index = 0, count = 0; ///< part `index` of `count`
+  std::string job;               ///< equal for the parts of one volume, and only for these
+
+  /// Entries of the file's metadata.
+  void add(std::map<std::string, std::string>& metadata) const;
+  /// Takes them out again. False where there are none, or none that can be.
+  bool take(std::map<std::string, std::string>& metadata);
+};
+
+} // namespace tetvdb

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The header of a .vdb file that is a part of a volume.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/io/volume/PartMetadata.h"
+
+#include <cstdint>
+#include <map>
+#include <openvdb/openvdb.h>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// A grid of it.
+struct PartGrid {
+  std::string name, type, parent;
+  openvdb::MetaMap metadata;
+  openvdb::math::Transform::Ptr transform;
+  std::string transformBytes;
+  std::vector<Vec3i> tiles; ///< of the root, all of them full
+  std::uint32_t children = 0;
+  std::uint64_t topologyAt = 0, buffersAt = 0, end = 0; ///< of the children, in the file
+  std::uint64_t leaves = 0;
+};
+
+struct VdbPart {
+  std::string path;
+  PartMetadata part;
+  std::map<std::string, std::string> metadata; ///< of the file, but for those
+  std::vector<PartGrid> grids;
+};
+
+/// Reads the header and checks that the file is as long as it says. Throws Error(Invalid).
+VdbPart readVdbPart(const std::string& path);
+
+} // namespace tetvdb

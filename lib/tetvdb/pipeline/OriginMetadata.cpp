@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/OriginMetadata.h"
+
+#include "tetvdb/core/Version.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string fileNames(const std::vector<std::string>& paths) {
+  std::string names;
+  for (const std::string& path : paths) {
+    if (!names.empty())
+      names += ", ";
+    names += fs::path(path).filename().string();
+  }
+  return names;
+}
+
+} // namespace
+
+std::map<std::string, std::string> originMetadata(const VoxelizeJob& job) {
+  std::map<std::string, std::string> metadata = job.metadata;
+  metadata["creator"] = std::string("TetVDB ") + version();
+  metadata["source"] = fileNames(job.inputs);
+  if (!job.units.empty())
+    metadata["units"] = job.units;
+  if (job.up == UpAxis::Y)
+    metadata["up_axis"] = "y";
+  return metadata;
+}
+
+void setHalf(const VoxelizeJob& job, const openvdb::GridPtrVec& grids) {
+  if (!job.half)
+    return;
+  for (const auto& grid : grids)
+    if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>())
+      grid->setSaveFloatAsHalf(true);
+}
+
+} // namespace tetvdb

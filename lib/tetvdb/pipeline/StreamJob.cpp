@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/StreamJob.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/volume/BitVdbWriter.h"
+#include "tetvdb/io/volume/PartMetadata.h"
+#include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/pipeline/ShardRanges.h"
+#include "tetvdb/volume/VoxelBounds.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/KeepResolution.h"
+#include "tetvdb/voxelize/OccupancySource.h"
+#include "tetvdb/voxelize/SolidFaces.h"
+#include "tetvdb/voxelize/TreeEstimate.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <iterator>
+#include <optional>
+#include <tbb/task_arena.h>
+#include <utility>
+#include <xxhash.h>
+
+namespace tetvdb {
+namespace {
+
+// What a stack of 128^3 nodes takes on its way if it is full of mixed leaves.
+constexpr std::size_t kStackBytes = std::size_t(20) << 20;
+
+openvdb::GridPtrVec emptyGrids(const VoxelizeJob& job, const GridTransform& transform) {
+  openvdb::GridPtrVec grids;
+  for (const GridKind kind : job.grids) {
+    const GridKindInfo& info = infoOf(kind);
+    openvdb::GridBase::Ptr grid;
+    if (kind == GridKind::Density)
+      grid = openvdb::FloatGrid::create(0.0F);
+    else if (job.maskType == MaskType::Mask)
+      grid = openvdb::MaskGrid::create();
+    else
+      grid = openvdb::BoolGrid::create(false);
+    grid->setName(std::string(info.name));
+    grid->setGridClass(openvdb::GridBase::stringToGridClass(std::string(info.gridClass)));
+    grid->setTransform(makeTransform(transform));
+    grids.push_back(std::move(grid));
+  }
+  setHalf(job, grids);
+  return grids;
+}
+
+// A way to the file by one voxel size.
+class Stream {
+public:
+  Stream(const VoxelizeJob& job, const GridTransform& transform, std::size_t limit)
+      : job_(job), transform_(transform), limit_(limit) {}
+
+  // Whether trees of the job's grids would be too large, or streaming is asked for.
+  bool isNeeded(const SolidFaces& faces) {
+    estimate_ = estimateByBoundary(faces.snapped, faces.chain);
+    return mustStream() ||
+           bytesOf(faces) + estimate_.bytes(job_.grids) > static_cast<double>(limit_);
+  }
+  // The same, of a box that bounds everything.
+  bool mayBeNeeded(const WorldBox& box) const {
+    double leaves = 1, lowers = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double voxels = (box.max[k] - box.min[k]) / transform_.voxelSize[k];
+      leaves *= voxels / kLeafSize + 2;
+      lowers *= voxels / kNodeSize + 2;
+    }
+    return mustStream() ||
+           TreeEstimate{leaves, lowers}.bytes(job_.grids) > static_cast<double>(limit_) / 4;
+  }
+  double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
+
+  void write(const SolidFaces& faces, std::map<std::string, std::string> metadata,
+             VoxelizeResult& result, StageTimer& timer, Progress& progress) {
+    timer.part("cubes");
+    result.counts = faces.counts;
+    result.transform = transform_;
+    OccupancySource source(faces.snapped, faces.chain, faces.fill(), job_.voxelize.rule, progress);
+    if (job_.plan > 0) {
+      result.plan = planOf(source);
+      return;
+    }
+    timer.part("stream");
+    BitVdbOptions options;
+    if (!job_.shard.isWhole()) {
+      options.part = true;
+      options.openFirstTile = false; // that of the whole volume
+      partOf(faces).add(metadata);
+      const CubeRange own = shardRanges(source.weights(), job_.shard.count)[job_.shard.index];
+      source.restrict(own.begin, own.end);
+    }
+    const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    options.spoolBytes = std::clamp(limit_ / 16, std::size_t(1) << 20, std::size_t(64) << 20);
+    options.window = std::clamp(limit_ / 2 / kStackBytes, std::size_t(2), 4 * threads);
+    writer_.emplace(job_.output, std::move(metadata), emptyGrids(job_, transform_), options);
+    result.grids = writer_->write(source, progress);
+  }
+  void commit(VoxelizeResult& result, Progress& progress) {
+    if (job_.plan > 0)
+      return;
+    progress.check();
+    writer_->commit(progress);
+    result.outputs.push_back(written(job_.output));
+  }
+
+private:
+  bool mustStream() const {
+    return job_.streaming == Streaming::Always || !job_.shard.isWhole() || job_.plan > 0;
+  }
+
+  std::vector<ShardPlan> planOf(const OccupancySource& source) const {
+    const std::vector<std::uint64_t> weights = source.weights();
+    double total = 0;
+    for (const std::uint64_t weight : weights)
+      total += static_cast<double>(weight);
+    std::vector<ShardPlan> plan;
+    for (const CubeRange& range : shardRanges(weights, job_.plan)) {
+      ShardPlan& one = plan.emplace_back();
+      VoxelBounds box;
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        ++one.cubes;
+        one.fullCubes += source.cubes()[i].full ? 1 : 0;
+        one.share += static_cast<double>(weights[i]) / total;
+        box.add(source.cubes()[i].origin, kRootChildSize);
+      }
+      if (one.cubes > 0) {
+        one.boxMin = box.min;
+        one.boxMax = box.max;
+      }
+    }
+    return plan;
+  }
+
+  // Equal for the shards of one job alone.
+  PartMetadata partOf(const SolidFaces& faces) const {
+    std::string what = markOf(faces) + fmt::format(" {} {} {} {}", int(job_.voxelize.rule),
+                                                   int(job_.maskType), job_.half, job_.shard.count);
+    for (const GridKind kind : job_.grids)
+      what += fmt::format(" {}", infoOf(kind).name);
+    for (std::size_t k = 0; k < 3; ++k)
+      what += fmt::format(" {} {}", transform_.voxelSize[k], transform_.origin[k]);
+    const XXH128_hash_t hash = XXH3_128bits(what.data(), what.size());
+    return {job_.shard.index, job_.shard.count,
+            fmt::format("{:016x}{:016x}", hash.high64, hash.low64)};
+  }
+
+  const VoxelizeJob& job_;
+  GridTransform transform_;
+  std::size_t limit_;
+  TreeEstimate estimate_;
+  std::optional<BitVdbWriter> writer_;
+};
+
+// Reports what is told where the job is done.
+void take(Report& told, Report& report) {
+  std::move(told.stages.begin(), told.stages.end(), std::back_inserter(report.stages));
+  std::move(told.warnings.begin(), told.warnings.end(), std::back_inserter(report.warnings));
+  report.partial = report.partial || told.partial;
+}
+
+VoxelizeOptions optionsOf(const VoxelizeJob& job) {
+  VoxelizeOptions options = job.voxelize;
+  options.grids = job.grids;
+  return options;
+}
+
+std::size_t limitOf(const VoxelizeJob& job) {
+  return job.maxMemory != 0 ? memoryLeft(job.maxMemory) : availableBytes();
+}
+
+} // namespace
+
+void requireStreamable(const VoxelizeJob& job) {
+  if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job))
+    throw Error(Status::Usage, "`shard`",
+                "is for .vdb files of density and mask, of solids, found on the CPU, without a "
+                "preview, a mesh output or `fit`",
+                "leave the rest out");
+}
+
+bool canStream(const VoxelizeJob& job) {
+  const bool occupancy = std::all_of(job.grids.begin(), job.grids.end(), [](GridKind kind) {
+    return kind == GridKind::Density || kind == GridKind::Mask;
+  });
+  return (job.streaming != Streaming::Never || !job.shard.isWhole() || job.plan > 0) && occupancy &&
+         !job.grids.empty() && job.fields.empty() && !job.keep && job.preview.empty() &&
+         job.meshOutput.empty() && std::filesystem::path(job.output).extension() == ".vdb" &&
+         job.voxelize.fit.voxels == 0 && job.solid.shell == 0 &&
+         job.solid.inside != InsideRule::Flood && job.device.kind != DeviceKind::Cuda &&
+         job.voxelize.path != OccupancyPath::Tets;
+}
+
+bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
+                Progress& progress) {
+  if (!canStream(job) || mesh.tets.empty())
+    return false;
+  const VoxelizeOptions options = optionsOf(job);
+  const GridTransform transform = chooseTransform(mesh, options);
+  Stream stream(job, transform, limitOf(job));
+  const bool whole = job.shard.isWhole();
+  if (!stream.mayBeNeeded(boxOfUsed(mesh.points, mesh.tets)))
+    return false;
+  checkMesh(mesh);
+  progress.stage("voxelize");
+  initializeOpenVDB();
+  Report told;
+  const std::size_t tets = mesh.tetCount();
+  {
+    StageTimer timer(told, "voxelize");
+    SolidFaces faces = solidFaces(mesh, transform, timer, progress);
+    if (!stream.isNeeded(faces))
+      return false;
+    mesh = TetMesh(); // its memory serves the rasteriser
+    faces.snapped.tets = nullptr;
+    reportOrigin(transform, options, told);
+    stream.write(faces, originMetadata(job), result, timer, progress);
+    reportTets(result.counts, tets, told);
+    if (job.plan == 0)
+      requireVoxels(whole && result.grids.front().activeVoxels == 0, options);
+  }
+  {
+    StageTimer timer(told, "write");
+    stream.commit(result, progress);
+  }
+  take(told, report);
+  result.device.name = "cpu";
+  return true;
+}
+
+bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
+                     const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
+                     Report& report, Progress& progress) {
+  if (!canStream(job) || mesh.triangles.empty())
+    return false;
+  const VoxelizeOptions options = optionsOf(job);
+  VoxelizeOptions used = options;
+  std::map<std::string, std::string> all = originMetadata(job);
+  for (const auto& [key, text] : metadata)
+    all.emplace(key, text);
+  for (bool first = true;; first = false) {
+    const GridTransform transform = chooseTransform(mesh, used, job.solid);
+    Stream stream(job, transform, limitOf(job));
+    if (first && !stream.mayBeNeeded(boxOf(mesh, job.solid)))
+      return false;
+    checkMesh(mesh);
+    progress.stage("voxelize");
+    initializeOpenVDB();
+    Report told;
+    double factor = 1;
+    {
+      StageTimer timer(told, "voxelize");
+      const SolidFaces faces = solidFaces(mesh, job.solid, transform, timer, progress);
+      if (!stream.isNeeded(faces) && first)
+        return false;
+      const bool coarsens = mayCoarsen(options) && faces.counts.openEdges > 0;
+      if (coarsens && (!job.shard.isWhole() || job.plan > 0))
+        throw Error(Status::Usage, "`resolution`",
+                    "of an open mesh is only known when the whole of it is voxelized",
+                    "give shards `voxel_size`");
+      reportOrigin(transform, used, told);
+      stream.write(faces, all, result, timer, progress);
+      if (job.plan > 0) {
+        result.openEdges = result.counts.openEdges;
+        return true;
+      }
+      const GridInfo& grid = result.grids.front();
+      if (coarsens && grid.activeVoxels > 0)
+        factor = tooFine(VoxelBox{grid.boxMin, grid.boxMax}, options);
+      if (factor == 1 && job.shard.isWhole())
+        checkSolid(faces.boundary, job.solid, grid.activeVoxels, stream.surfaceVoxels(), options,
+                   told);
+    }
+    if (factor == 1) {
+      StageTimer timer(told, "write");
+      stream.commit(result, progress);
+    } else {
+      coarsen(transform, factor, used);
+      told.warnings.clear();
+    }
+    take(told, report);
+    result.openEdges = result.counts.openEdges;
+    if (factor == 1)
+      return true;
+  }
+}
+
+} // namespace tetvdb

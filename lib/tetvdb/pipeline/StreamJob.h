@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A job's occupancy straight into a .vdb file, without a tree in memory (io/volume/BitVdbWriter.h).
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <map>
+#include <string>
+
+namespace tetvdb {
+
+/// Whether the job's output can be streamed: a .vdb file of density and mask alone, and nothing
+/// that needs a volume in memory or a mesh besides (a preview, VoxelizeJob::keep, `fit`, shells, a
+/// flood, a mesh output).
+bool canStream(const VoxelizeJob& job);
+
+/// Throws Error(Usage) for a shard of a job that cannot be streamed.
+void requireStreamable(const VoxelizeJob& job);
+
+/// Writes job.output where job.streaming says so, or where the grids' trees would not fit into
+/// memory; the bytes are the same. False, with nothing done and nothing said, where the job is left
+/// to the trees. `metadata`: more of it for the file. Memory: the mesh, which is released where
+/// it is not needed any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB.
+/// Throws as voxelize() and BitVdbWriter do.
+bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
+                Progress& progress);
+bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
+                     const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
+                     Report& report, Progress& progress);
+
+} // namespace tetvdb

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Voxels that are inside or not, node by node in the order of a .vdb file: what a writer takes that
+// never has a whole tree in memory.
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace tetvdb {
+
+constexpr int kStackNodes = 32;                           ///< 128^3 nodes along a 4096^3 cube
+constexpr int kStacksPerCube = kStackNodes * kStackNodes; ///< stacks of them along z
+
+/// A 128^3 node. Bits are numbered as OpenVDB numbers the entries of an internal node and the
+/// voxels of a leaf: x slowest, z fastest.
+struct BitNode {
+  std::array<std::uint64_t, 64> children{}; ///< entries that are leaves: neither full nor empty
+  std::array<std::uint64_t, 64> tiles{};    ///< entries that are full
+  std::vector<std::uint64_t> leaves;        ///< eight words a leaf, in order of the entries
+};
+
+enum class NodeState : std::uint8_t { Empty, Full, Mixed };
+
+/// The 32 nodes of a 4096^3 cube that have the same x and y.
+struct BitStack {
+  std::array<NodeState, kStackNodes> states{};             ///< by z
+  std::array<std::unique_ptr<BitNode>, kStackNodes> nodes; ///< of mixed ones
+};
+
+/// A 4096^3 cube of the root node.
+struct RootCube {
+  Vec3i origin;      ///< voxels
+  bool full = false; ///< all of its voxels are inside
+};
+
+class BitSource {
+public:
+  virtual ~BitSource() = default;
+  /// All cubes that may hold a voxel, by x, then y, then z. One that is not full can turn out to be
+  /// empty, but not to be full.
+  virtual const std::vector<RootCube>& cubes() const = 0;
+  /// The stacks of a cube that is not full which may hold a voxel: x * 32 + y, ascending. To be
+  /// called before fill(); cubes are cheapest in their order, one after the other.
+  virtual std::vector<int> begin(std::size_t cube) = 0;
+  /// Thread-safe for different stacks of the cube that was begun last.
+  virtual void fill(int stack, BitStack& out) = 0;
+};
+
+} // namespace tetvdb

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/voxelize/SolidFaces.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/FillHoles.h"
+#include "tetvdb/voxelize/SoupChain.h"
+
+#include <fmt/format.h>
+#include <utility>
+#include <xxhash.h>
+
+namespace tetvdb {
+namespace {
+
+std::string whyEmpty(const SoupBoundary& boundary, const SolidOptions& solid) {
+  if (solid.shell > 0)
+    return "no voxel centre lies in the shell";
+  if (boundary.edges.empty())
+    return "no voxel centre lies inside the mesh";
+  if (solid.inside == InsideRule::Flood)
+    return "the outside reaches every voxel: the mesh leaks at this voxel size";
+  return fmt::format("the mesh is open ({} open edges) and holds no inside: its winding number is "
+                     "above 0.5 at no voxel centre",
+                     boundary.edges.size());
+}
+
+// An open mesh whose inside is next to nothing beside its faces is rather a sheet.
+void warnIfThin(std::uint64_t inside, double surface, Report& report) {
+  if (static_cast<double>(inside) < 0.02 * surface)
+    report.warn("nearly-empty",
+                fmt::format("only {} voxels are inside faces that pass through about {:.0f}: the "
+                            "mesh is rather a sheet, which `shell=T` gives a thickness",
+                            inside, surface));
+}
+
+std::string emptyAdvice(const SoupBoundary& boundary, const SolidOptions& solid) {
+  if (solid.shell > 0 || boundary.edges.empty())
+    return "use smaller voxels, or `allow_empty` to write an empty grid";
+  if (solid.inside == InsideRule::Flood)
+    return "use `inside=winding`, which closes holes, or larger voxels";
+  return "give the sheet a thickness with `shell=T`, or use smaller voxels";
+}
+
+} // namespace
+
+SolidFaces solidFaces(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const GridTransform& transform, StageTimer& timer, Progress& progress) {
+  SolidFaces result;
+  timer.part("snap");
+  result.snapped = snapPoints(mesh.points, transform, progress);
+  result.chain = soupFaces(mesh, result.snapped);
+  result.counts.boundaryFaces = result.chain.faces.size();
+  result.rule = fillRuleOf(solid).value_or(FillRule::Positive);
+
+  const bool fills = solid.shell == 0;
+  SoupBoundary& boundary = result.boundary;
+  if (fills || solid.side != ShellSide::Both) {
+    timer.part("boundary");
+    boundary = soupBoundary(mesh.triangles, progress);
+    result.counts.openEdges = boundary.edges.size();
+  }
+  if (fills && result.rule == FillRule::Odd && boundary.oddEdges > 0)
+    throw Error(Status::Invalid, "",
+                fmt::format("{} edges have an odd number of faces, so that parity has no meaning",
+                            boundary.oddEdges),
+                "use `inside=winding`, which closes holes");
+  if (fills && solid.inside != InsideRule::Flood && result.rule != FillRule::Odd &&
+      !boundary.edges.empty())
+    result.holes.emplace(fillHoles(boundaryEdges(boundary.edges, result.snapped)));
+  return result;
+}
+
+SolidFaces solidFaces(const TetMesh& mesh, const GridTransform& transform, StageTimer& timer,
+                      Progress& progress) {
+  SolidFaces result;
+  timer.part("snap");
+  result.snapped = snapMesh(mesh, transform, progress);
+  timer.part("boundary");
+  result.chain = boundaryFaces(result.snapped, progress);
+  result.counts.flipped = result.chain.flipped;
+  result.counts.dropped = result.chain.dropped;
+  result.counts.boundaryFaces = result.chain.faces.size();
+  return result;
+}
+
+void checkSolid(const SoupBoundary& boundary, const SolidOptions& solid, std::uint64_t activeVoxels,
+                double surfaceVoxels, const VoxelizeOptions& options, Report& report) {
+  if (!options.allowEmpty && activeVoxels == 0)
+    throw Error(Status::Invalid, "", whyEmpty(boundary, solid), emptyAdvice(boundary, solid));
+  if (solid.shell == 0 && !boundary.edges.empty())
+    warnIfThin(activeVoxels, surfaceVoxels, report);
+}
+
+std::string markOf(const SolidFaces& faces) {
+  XXH128_hash_t mark{static_cast<std::uint64_t>(faces.rule), faces.chain.faces.size()};
+  const auto add = [&](const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                       std::int32_t weight) {
+    const double numbers[12] = {a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, double(weight), 0, 0};
+    const XXH128_hash_t own = XXH3_128bits_withSeed(numbers, sizeof numbers, mark.low64);
+    mark = XXH3_128bits_withSeed(&own, sizeof own, mark.high64);
+  };
+  for (const BoundaryFace& f : faces.chain.faces)
+    add(faces.snapped.points[f.a], faces.snapped.points[f.b], faces.snapped.points[f.c], f.weight);
+  for (std::size_t i = 0; faces.holes && i < faces.holes->triangleCount(); ++i) {
+    const FillTriangle& t = faces.holes->triangle(i);
+    add(t.a, t.b, t.c, t.weight);
+  }
+  return fmt::format("{:016x}{:016x}", mark.high64, mark.low64);
+}
+
+double bytesOf(const SolidFaces& faces) {
+  return 24.0 * static_cast<double>(faces.snapped.pointCount) +
+         64.0 * static_cast<double>(faces.chain.faces.size());
+}
+
+} // namespace tetvdb

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Volumes that are streamed, and shards of them: the bytes of one process, in bounded memory."""
+
+import math
+import os
+import random
+import resource
+import signal
+import subprocess
+import time
+import unittest
+
+from program import PROGRAM, SANITIZED, CommandLineTest, box_faces, off
+
+
+def ball(radius, n, centre=(0, 0, 0)):
+    points, faces = [(0, 0, 1)], []
+    for r in range(1, n):
+        for s in range(2 * n):
+            a, b = math.pi * r / n, math.pi * s / n
+            points.append((math.sin(a) * math.cos(b), math.sin(a) * math.sin(b), math.cos(a)))
+    points.append((0, 0, -1))
+    at = lambda r, s: 1 + (r - 1) * 2 * n + s % (2 * n)
+    for s in range(2 * n):
+        faces.append((0, at(1, s), at(1, s + 1)))
+        faces.append((len(points) - 1, at(n - 1, s + 1), at(n - 1, s)))
+        for r in range(1, n - 1):
+            faces += [(at(r, s), at(r + 1, s), at(r + 1, s + 1)), (at(r, s), at(r + 1, s + 1), at(r, s + 1))]
+    return [tuple(radius * c + o for c, o in zip(p, centre)) for p in points], faces
+
+
+def rod(length, width):
+    """A box that is turned: it passes through several cubes of 4096^3."""
+    points, faces = box_faces()
+    turned = []
+    for x, y, z in points:
+        x, y, z = x * length, y * width, z * width
+        turned.append((x * 0.8 - y * 0.6 - 4600, x * 0.48 + y * 0.64 - z * 0.6 - 4000,
+                       x * 0.36 + y * 0.48 + z * 0.8 - 3000))
+    return turned, faces
+
+
+class Streams(CommandLineTest):
+    def setUp(self):
+        super().setUp()
+        self.write("ball.off", off(*ball(1000, 60)))
+        self.write("rod.off", off(*rod(9000, 60)))
+
+    def peak_of(self, *arguments):
+        """Of the program's resident memory, in bytes."""
+        done = subprocess.run(["/usr/bin/env", "python3", "-c", """
+import resource, subprocess, sys
+status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
+print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""", PROGRAM,
+                               *map(str, arguments)], cwd=self.folder, capture_output=True, text=True)
+        status, peak = map(int, done.stdout.split())
+        self.assertEqual(status, 0, done.stderr)
+        return peak
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_budgets(self):
+        options = ("ball.off", "--voxel-size", "1", "--grid", "density")
+        self.succeed("voxelize", *options, "-o", "trees.vdb")
+        expected = self.path("trees.vdb").read_bytes()
+        for budget in (128, 200):  # trees take 450 MB
+            peak = self.peak_of("voxelize", *options, "-o", "out.vdb", "--max-memory", "%dM" % budget)
+            self.assertLess(peak, budget << 20)
+            self.assertTrue(self.path("out.vdb").read_bytes() == expected, budget)
+
+    def test_a_full_disk_leaves_nothing(self):
+        before = sorted(os.listdir(self.folder))
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3 << 20, 3 << 20))
+
+        result = self.run_program("voxelize", "ball.off", "-o", "out.vdb", "--voxel-size", "1", "--grid", "mask",
+                                  "--shard", "0/1", preexec_fn=limit)
+        self.assertEqual(result.status, 7, result.err)
+        result = self.run_program("voxelize", "ball.off", "-o", "out.vdb", "--voxel-size", "1", "--grid", "mask",
+                                  "--shard", "0/2", preexec_fn=limit)
+        self.assertEqual(result.status, 7, result.err)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def test_a_signal_leaves_nothing(self):
+        self.write("large.off", off(*ball(8000, 60)))
+        before = sorted(os.listdir(self.folder))
+        process = subprocess.Popen([PROGRAM, "voxelize", "large.off", "-o", "out.vdb", "--voxel-size", "1",
+                                    "--grid", "mask", "--shard", "1/2"], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 60
+        while len(os.listdir(self.folder)) == len(before) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertGreater(len(os.listdir(self.folder)), len(before))
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(60), 5)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def test_mask_type(self):
+        types = {}
+        for name in ("bool", "mask"):
+            report = self.report_of("voxelize", "rod.off", "-o", name + ".vdb", "--voxel-size", "1", "--grid",
+                                    "mask", "--mask-type", name)
+            grid = report["grids"][0]
+            types[name] = (b"Tree_%s_5_4_3" % name.encode() in self.path(name + ".vdb").read_bytes(),
+                           grid["active_voxels"], report["output"][0]["bytes"])
+        self.assertTrue(types["bool"][0] and types["mask"][0])
+        self.assertEqual(types["bool"][1], types["mask"][1])
+        self.assertLess(types["mask"][2], 0.75 * types["bool"][2])
+
+
+class Shards(CommandLineTest):
+    OPTIONS = ("--voxel-size", "1", "--grid", "mask,density")
+
+    def setUp(self):
+        super().setUp()
+        self.write("rod.off", off(*rod(9000, 60)))
+        self.succeed("voxelize", "rod.off", "-o", "one.vdb", *self.OPTIONS)
+        self.one = self.path("one.vdb").read_bytes()
+
+    def shard(self, index, count, *more, status=0):
+        return self.succeed("voxelize", "rod.off", "-o", "part.vdb", *self.OPTIONS, "--shard",
+                            "%d/%d" % (index, count), *more, status=status)
+
+    def parts(self, count):
+        return ["part.%d-of-%d.vdb" % (i, count) for i in range(count)]
+
+    def test_any_number_in_any_order(self):
+        for count in (2, 3, 7, 16):
+            order = list(range(count))
+            random.Random(count).shuffle(order)
+            for i in order:
+                self.shard(i, count, "--threads", 1 + i % 2)
+            names = self.parts(count)
+            random.Random(-count).shuffle(names)
+            self.succeed("merge", *names, "-o", "merged.vdb")
+            self.assertTrue(self.path("merged.vdb").read_bytes() == self.one, count)
+
+    def test_parts_are_volumes(self):
+        whole = self.report_of("info", "one.vdb")["input"][0]["grids"][0]["active_voxels"]
+        for i in range(3):
+            self.shard(i, 3)
+        parts = [self.report_of("info", name)["input"][0]["grids"][0]["active_voxels"] for name in self.parts(3)]
+        self.assertEqual(sum(parts), whole)
+
+    def test_one_killed_and_run_again(self):
+        self.shard(0, 2)
+        process = subprocess.Popen([PROGRAM, "voxelize", "rod.off", "-o", "part.vdb", *self.OPTIONS, "--shard",
+                                    "1/2"], cwd=self.folder, stderr=subprocess.DEVNULL)
+        time.sleep(0.05)
+        process.kill()
+        process.wait()
+        self.shard(1, 2)
+        self.succeed("merge", *self.parts(2), "-o", "merged.vdb")
+        self.assertTrue(self.path("merged.vdb").read_bytes() == self.one)
+
+    def test_tiles_alone(self):
+        points, faces = box_faces()
+        self.write("box.off", off([tuple(c * 4096 - 0.5 for c in p) for p in points], faces))
+        self.succeed("voxelize", "box.off", "-o", "one.vdb", *self.OPTIONS)
+        for i in range(2):
+            self.succeed("voxelize", "box.off", "-o", "tile.vdb", *self.OPTIONS, "--shard", "%d/2" % i)
+        self.succeed("merge", "tile.0-of-2.vdb", "tile.1-of-2.vdb", "-o", "merged.vdb")
+        self.succeed("compare", "one.vdb", "merged.vdb")
+        self.assertEqual(self.succeed("info", "one.vdb", "--hash").out.split()[-1],
+                         self.succeed("info", "merged.vdb", "--hash").out.split()[-1])
+
+    def test_what_is_wrong_is_refused_by_name(self):
+        for i in range(3):
+            self.shard(i, 3)
+        names = self.parts(3)
+        self.refuse(3, "merge", *names[:2], "-o", "m.vdb", says=("2/3",))
+        self.refuse(3, "merge", *names, names[1], "-o", "m.vdb", says=(names[1],))
+        self.refuse(3, "merge", names[0], "one.vdb", "-o", "m.vdb", says=("one.vdb",))
+        self.succeed("voxelize", "rod.off", "-o", "other.vdb", "--voxel-size", "1.25", "--grid", "mask,density",
+                     "--shard", "2/3")
+        self.refuse(3, "merge", *names[:2], "other.2-of-3.vdb", "-o", "m.vdb", says=("other.2-of-3.vdb",))
+        whole = self.path(names[1]).read_bytes()
+        for size in (len(whole) - 1, len(whole) // 2, 2000, 100, 10, 0):
+            self.write("cut.vdb", whole[:size])
+            self.refuse(3, "merge", names[0], "cut.vdb", names[2], "-o", "m.vdb", says=("cut.vdb",))
+        self.write("rod.mesh", "MeshVersionFormatted 2\nDimension 3\n")
+        self.refuse(3, "merge", "rod.mesh", "-o", "m.vdb", says=("rod.mesh",))
+
+    def test_what_cannot_be_a_shard(self):
+        for options in (("-o", "a.vdb", "--grid", "surface"), ("-o", "a.nvdb"), ("-o", "a.npz"),
+                        ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope")):
+            self.refuse(2, "voxelize", "rod.off", "--voxel-size", "1", "--shard", "0/2", *options,
+                        says=("--shard",))
+        for shard in ("2/2", "-1/2", "1", "auto"):
+            self.refuse(2, "voxelize", "rod.off", "-o", "a.vdb", "--voxel-size", "1", "--shard", shard,
+                        says=("--shard",))
+
+    def test_plan(self):
+        shards = self.report_of("plan", "rod.off", "--shards", "4", *self.OPTIONS)["shards"]
+        self.assertEqual(len(shards), 4)
+        self.assertAlmostEqual(sum(s["share"] for s in shards), 1)
+        text = self.succeed("plan", "rod.off", "--shards", "4", *self.OPTIONS).out
+        self.assertEqual(len(text.splitlines()), 5)
+        # What is planned is what is made.
+        low, high = [], []
+        for i, planned in enumerate(shards):
+            self.shard(i, 4)
+            grid = self.report_of("info", "part.%d-of-4.vdb" % i)["input"][0]["grids"][0]
+            if grid["active_voxels"] == 0:
+                continue
+            self.assertTrue(all(a <= b for a, b in zip(planned["box"]["min"], grid["box"]["min"])), grid)
+            self.assertTrue(all(a >= b for a, b in zip(planned["box"]["max"], grid["box"]["max"])), grid)
+
+    def test_tasks_of_launchers(self):
+        for i in range(2):
+            self.succeed("voxelize", "rod.off", "-o", "part.vdb", *self.OPTIONS, "--shard", "auto",
+                         env={**os.environ, "SLURM_ARRAY_TASK_ID": str(5 + i), "SLURM_ARRAY_TASK_MIN": "5",
+                              "SLURM_ARRAY_TASK_COUNT": "2", "SLURM_PROCID": "0"})
+        self.succeed("merge", *self.parts(2), "-o", "merged.vdb")
+        self.assertTrue(self.path("merged.vdb").read_bytes() == self.one)
+
+
+if __name__ == "__main__":
+    unittest.main()

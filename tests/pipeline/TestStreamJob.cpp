@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A file that is streamed has the bytes of one that is made by OpenVDB's nodes in memory.
+#include "Meshes.h"
+#include "TemporaryFolder.h"
+#include "TriangleMeshes.h"
+#include "tetvdb/io/MergeVdb.h"
+#include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/StreamJob.h"
+#include "tetvdb/volume/Grids.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <gtest/gtest.h>
+#include <openvdb/io/File.h>
+#include <random>
+
+namespace tetvdb {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace meshes;
+
+std::string bytesOf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+bool wasStreamed(const Report& report) {
+  for (const Stage& stage : report.stages)
+    for (const StagePart& part : stage.parts)
+      if (part.name == "stream")
+        return true;
+  return false;
+}
+
+class StreamJob : public ::testing::Test {
+protected:
+  VoxelizeJob job(const TriangleMesh& mesh) {
+    VoxelizeJob job;
+    job.inputs = {folder_ / "mesh.obj"};
+    writeTriangles(job.inputs.front(), mesh, progress_);
+    job.voxelize.voxelSize = {1, 1, 1};
+    job.output = folder_ / "a.vdb";
+    job.clean.orient = false;
+    return job;
+  }
+  VoxelizeJob job(const TetMesh& mesh) {
+    VoxelizeJob job;
+    job.inputs = {folder_ / "mesh.msh"};
+    writeTetMesh(job.inputs.front(), mesh, progress_);
+    job.voxelize.voxelSize = {1, 1, 1};
+    job.output = folder_ / "a.vdb";
+    return job;
+  }
+
+  std::string make(VoxelizeJob job, Streaming streaming, VoxelizeResult* result = nullptr) {
+    job.streaming = streaming;
+    Report report;
+    VoxelizeResult made = run(job, report, progress_);
+    EXPECT_EQ(wasStreamed(report), streaming == Streaming::Always);
+    if (result != nullptr)
+      *result = std::move(made);
+    return bytesOf(job.output);
+  }
+
+  // Makes the job both ways.
+  void expectSame(VoxelizeJob job, const std::string& what,
+                  const std::vector<int>& threadCounts = {1, 2, 8}) {
+    VoxelizeResult tree, stream;
+    const std::string expected = make(job, Streaming::Never, &tree);
+    for (const int threads : threadCounts) {
+      job.threads = threads;
+      EXPECT_TRUE(make(job, Streaming::Always, &stream) == expected)
+          << what << ", " << threads << " threads";
+    }
+    ASSERT_EQ(stream.grids.size(), tree.grids.size());
+    for (std::size_t g = 0; g < tree.grids.size(); ++g) {
+      const GridInfo &a = stream.grids[g], &b = tree.grids[g];
+      EXPECT_EQ(a.name, b.name);
+      EXPECT_EQ(a.type, b.type);
+      EXPECT_EQ(a.gridClass, b.gridClass);
+      EXPECT_EQ(a.activeVoxels, b.activeVoxels) << what;
+      EXPECT_EQ(a.activeTiles, b.activeTiles) << what;
+      EXPECT_EQ(a.leaves, b.leaves) << what;
+      EXPECT_EQ(a.bytes, b.bytes) << what;
+      EXPECT_EQ(a.volume, b.volume) << what;
+      EXPECT_EQ(a.boxMin, b.boxMin) << what;
+      EXPECT_EQ(a.boxMax, b.boxMax) << what;
+      EXPECT_EQ(a.minValue, b.minValue) << what;
+      EXPECT_EQ(a.maxValue, b.maxValue) << what;
+      EXPECT_EQ(a.metadata, b.metadata) << what;
+      EXPECT_EQ(a.transform.voxelSize, b.transform.voxelSize) << what;
+    }
+    EXPECT_EQ(stream.openEdges, tree.openEdges);
+    EXPECT_EQ(stream.counts.boundaryFaces, tree.counts.boundaryFaces);
+    // Nothing is left beside the mesh and the volume.
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+  }
+
+  // All kinds of grids and rules.
+  void expectSameOfAll(VoxelizeJob job, const std::string& what) {
+    using Kinds = std::vector<GridKind>;
+    for (const Kinds& kinds : {Kinds{GridKind::Mask}, Kinds{GridKind::Density},
+                               Kinds{GridKind::Density, GridKind::Mask}}) {
+      job.grids = kinds;
+      expectSame(job, what);
+    }
+    job.half = true;
+    job.maskType = MaskType::Mask;
+    expectSame(job, what + ", half and MaskGrid");
+    job.half = false;
+    job.maskType = MaskType::Bool;
+    for (const VoxelRule rule : {VoxelRule::Any, VoxelRule::All}) {
+      job.voxelize.rule = rule;
+      expectSame(job, what + (rule == VoxelRule::Any ? ", any" : ", all"));
+    }
+  }
+
+  TemporaryFolder folder_;
+  Progress progress_;
+};
+
+// A rod that is turned, about so many voxels long.
+TriangleMesh rod(double length, double width, const Vec3d& shift) {
+  return moved(box({0, 0, 0}, {length, width, width}), [&](const Vec3d& p) {
+    return Vec3d{p[0] * 0.8 - p[1] * 0.6 + shift[0],
+                 p[0] * 0.48 + p[1] * 0.64 - p[2] * 0.6 + shift[1],
+                 p[0] * 0.36 + p[1] * 0.48 + p[2] * 0.8 + shift[2]};
+  });
+}
+
+TEST_F(StreamJob, ClosedMeshesInOneCubeAndAcrossZero) {
+  expectSameOfAll(job(sphere({200, 210, 220}, 150, 24)), "a ball");
+  expectSameOfAll(job(joined({sphere({0, 0, 0}, 140, 16), sphere({60, 30, -20}, 120, 16)})),
+                  "two balls that overlap, about zero");
+}
+
+TEST_F(StreamJob, RodsThroughSeveralCubes) {
+  VoxelizeJob wanted = job(rod(9000, 60, {-4600, -4000, -3000}));
+  wanted.grids = {GridKind::Density, GridKind::Mask};
+  expectSame(wanted, "a rod");
+  wanted.grids = {GridKind::Mask};
+  wanted.voxelize.rule = VoxelRule::Any;
+  expectSame(wanted, "a rod, any", {2});
+}
+
+TEST_F(StreamJob, TetsThatOverlap) {
+  const TetMesh mesh = joined(ball(6, 130, {10, -20, 4080}), ball(5, 90, {60, -20, 4100}));
+  expectSameOfAll(job(mesh), "two balls of tets");
+}
+
+TEST_F(StreamJob, OpenMeshesAndOtherFillRules) {
+  const TriangleMesh open =
+      without(sphere({10, 20, 4090}, 100, 20), [](std::size_t face) { return face % 40 < 5; });
+  expectSameOfAll(job(open), "a ball with holes");
+  VoxelizeJob byResolution = job(open);
+  byResolution.voxelize.voxelSize = {0, 0, 0};
+  byResolution.voxelize.resolution = 150;
+  expectSame(byResolution, "of which voxels may become larger");
+  VoxelizeJob other =
+      job(joined({sphere({0, 0, 0}, 100, 16), flipped(sphere({40, 0, 0}, 100, 16))}));
+  for (const InsideRule rule : {InsideRule::NonZero, InsideRule::Parity}) {
+    other.solid.inside = rule;
+    expectSame(other, "two balls, one of them flipped");
+  }
+}
+
+// Boxes whose sides lie between voxels.
+TEST_F(StreamJob, TilesAloneAreOpenedAtTheFirst) {
+  const auto aligned = [](const Vec3d& low, const Vec3d& high) {
+    return box({low[0] - 0.5, low[1] - 0.5, low[2] - 0.5},
+               {high[0] - 0.5, high[1] - 0.5, high[2] - 0.5});
+  };
+  expectSame(job(aligned({-8, 0, 8}, {16, 24, 16})), "tiles of leaves");
+  expectSame(job(aligned({-128, 0, 128}, {256, 256, 384})), "tiles of 128");
+  expectSame(job(aligned({-4096, 0, 4096}, {0, 4096, 12288})), "tiles of 4096", {2});
+  expectSame(
+      job(joined({aligned({-4096, 0, 4096}, {0, 4096, 8192}), rod(9000, 40, {100, -4000, -3000})})),
+      "a tile of 4096 and leaves", {2});
+  // Inside everywhere, but with faces in it.
+  expectSame(
+      job(joined({aligned({0, 0, 0}, {4096, 4096, 4096}), sphere({2000, 1000, 2000}, 90, 8)})),
+      "a full tile of 4096 with a ball in it", {2});
+}
+
+TEST_F(StreamJob, EmptyResultsAreRefusedAndLeaveNothing) {
+  VoxelizeJob nothing = job(sphere({0.5, 0.5, 0.5}, 0.1, 4));
+  EXPECT_THROW(make(nothing, Streaming::Always), Error);
+  EXPECT_FALSE(fs::exists(nothing.output));
+  nothing.voxelize.allowEmpty = true;
+  expectSame(nothing, "nothing");
+}
+
+TEST_F(StreamJob, CancelLeavesNothing) {
+  VoxelizeJob long_ = job(rod(20000, 300, {0, 0, 0}));
+  long_.streaming = Streaming::Always;
+  Progress progress;
+  progress.onReport([&](std::string_view, double fraction) {
+    if (fraction > 0.2)
+      progress.cancel();
+  });
+  Report report;
+  EXPECT_THROW(run(long_, report, progress), Error);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(StreamJob, OpenVDBReadsIt) {
+  VoxelizeJob wanted = job(rod(9000, 60, {-5000, -4000, -3000}));
+  wanted.grids = {GridKind::Density, GridKind::Mask};
+  VoxelizeResult result;
+  make(wanted, Streaming::Always, &result);
+  openvdb::initialize();
+  openvdb::io::File file(wanted.output);
+  file.open(false);
+  const auto density = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid("density"));
+  const auto mask = openvdb::gridPtrCast<openvdb::BoolGrid>(file.readGrid("mask"));
+  EXPECT_EQ(density->activeVoxelCount(), result.grids[0].activeVoxels);
+  EXPECT_EQ(mask->activeVoxelCount(), result.grids[1].activeVoxels);
+  EXPECT_TRUE(mask->tree().hasSameTopology(density->tree()));
+  EXPECT_EQ(density->evalActiveVoxelBoundingBox().min().x(), result.grids[0].boxMin[0]);
+}
+
+// Parts of a job, merged in some order.
+class Shards : public StreamJob {
+protected:
+  std::vector<std::string> makeParts(const VoxelizeJob& whole, unsigned count) {
+    std::vector<std::string> parts;
+    for (unsigned i = 0; i < count; ++i) {
+      VoxelizeJob job = whole;
+      job.shard = {i, count};
+      job.threads = static_cast<int>(1 + i % 3);
+      job.output = folder_ / ("part" + std::to_string(i) + ".vdb");
+      Report report;
+      run(job, report, progress_);
+      parts.push_back(job.output);
+    }
+    return parts;
+  }
+  std::string merged(std::vector<std::string> parts, unsigned seed) {
+    std::shuffle(parts.begin(), parts.end(), std::mt19937(seed));
+    mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);
+    return bytesOf(folder_ / "merged.vdb");
+  }
+  Status statusOf(const std::vector<std::string>& parts, std::string& text) {
+    try {
+      mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);
+    } catch (const Error& error) {
+      text = error.what();
+      return error.status();
+    }
+    return Status::Ok;
+  }
+};
+
+TEST_F(Shards, AnyNumberInAnyOrderIsTheWhole) {
+  VoxelizeJob wanted =
+      job(joined({rod(9000, 60, {-4600, -4000, -3000}), sphere({0, 0, 0}, 50, 8)}));
+  wanted.grids = {GridKind::Density, GridKind::Mask};
+  const std::string whole = make(wanted, Streaming::Never);
+  for (const unsigned count : {2u, 3u, 7u, 16u})
+    EXPECT_TRUE(merged(makeParts(wanted, count), count) == whole) << count;
+}
+
+TEST_F(Shards, TilesAloneAreOpenedInTheWhole) {
+  VoxelizeJob wanted = job(box({-4096.5, -0.5, -0.5}, {8191.5, 4095.5, 4095.5}));
+  wanted.grids = {GridKind::Mask, GridKind::Density};
+  const std::string whole = make(wanted, Streaming::Never);
+  const std::vector<std::string> parts = makeParts(wanted, 2);
+  EXPECT_TRUE(merged(parts, 1) == whole);
+  for (const std::string& part : parts)
+    EXPECT_GT(describe(readVolume(part, progress_)).front().activeVoxels, 0u);
+}
+
+// More leaves than the metadata entry for delayed loading is written for.
+TEST_F(Shards, AndStreamsOfManyLeaves) {
+  TriangleMesh slabs;
+  for (int i = 0; i < 9; ++i)
+    append(slabs, box({-1500.2, -1500.2, i * 20.0}, {1500.3, 1500.3, i * 20.0 + 10.1}));
+  VoxelizeJob many = job(slabs);
+  many.grids = {GridKind::Density};
+  VoxelizeResult result;
+  const std::string expected = make(many, Streaming::Never, &result);
+  ASSERT_GT(result.grids.front().leaves, std::uint64_t(1) << 20);
+  EXPECT_TRUE(make(many, Streaming::Always) == expected);
+  EXPECT_TRUE(merged(makeParts(many, 3), 3) == expected);
+}
+
+TEST_F(Shards, AreRefusedByNameWhereTheyDoNotFit) {
+  VoxelizeJob wanted = job(rod(9000, 60, {-4600, -4000, -3000}));
+  const std::vector<std::string> parts = makeParts(wanted, 3);
+  std::string text;
+  EXPECT_EQ(statusOf({parts[0], parts[2]}, text), Status::Invalid);
+  EXPECT_NE(text.find("1/3"), std::string::npos) << text;
+  EXPECT_EQ(statusOf({parts[0], parts[1], parts[2], parts[1]}, text), Status::Invalid);
+  EXPECT_NE(text.find("part1.vdb"), std::string::npos) << text;
+  const std::string bytes = bytesOf(parts[1]);
+  for (const std::size_t size :
+       {bytes.size() - 1, bytes.size() / 2, std::size_t(700), std::size_t(60), std::size_t(0)}) {
+    std::ofstream(folder_ / "cut.vdb", std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(size));
+    EXPECT_EQ(statusOf({parts[0], folder_ / "cut.vdb", parts[2]}, text), Status::Invalid);
+    EXPECT_NE(text.find("cut.vdb"), std::string::npos) << text;
+  }
+  wanted.voxelize.voxelSize = {1.25, 1.25, 1.25};
+  fs::rename(parts[1], folder_ / "kept.vdb");
+  const std::vector<std::string> others = makeParts(wanted, 3);
+  EXPECT_EQ(statusOf({others[0], folder_ / "kept.vdb", others[2]}, text), Status::Invalid);
+  EXPECT_NE(text.find("kept.vdb"), std::string::npos) << text;
+  make(wanted, Streaming::Always);
+  EXPECT_EQ(statusOf({wanted.output}, text), Status::Invalid);
+  EXPECT_FALSE(fs::exists(folder_ / "merged.vdb"));
+}
+
+TEST_F(Shards, PlansAreWhatIsMade) {
+  VoxelizeJob wanted = job(rod(9000, 60, {-4600, -4000, -3000}));
+  wanted.plan = 4;
+  Report report;
+  const VoxelizeResult planned = run(wanted, report, progress_);
+  EXPECT_FALSE(fs::exists(wanted.output));
+  ASSERT_EQ(planned.plan.size(), 4u);
+  wanted.plan = 0;
+  const std::vector<std::string> parts = makeParts(wanted, 4);
+  double sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    sum += planned.plan[i].share;
+    const GridInfo made = describe(readVolume(parts[i], progress_)).front();
+    for (std::size_t k = 0; made.activeVoxels > 0 && k < 3; ++k) {
+      EXPECT_GE(made.boxMin[k], planned.plan[i].boxMin[k]);
+      EXPECT_LE(made.boxMax[k], planned.plan[i].boxMax[k]);
+    }
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+}
+
+TEST_F(Shards, OfOtherJobsAreRefused) {
+  VoxelizeJob wanted = job(sphere({0, 0, 0}, 50, 8));
+  wanted.shard = {0, 2};
+  std::vector<VoxelizeJob> jobs(4, wanted);
+  jobs[0].grids = {GridKind::Surface};
+  jobs[1].output = folder_ / "a.nvdb";
+  jobs[2].solid.shell = 3;
+  jobs[3].keep = true;
+  for (const VoxelizeJob& one : jobs) {
+    Report report;
+    try {
+      run(one, report, progress_);
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), Status::Usage);
+    }
+  }
+}
+
+} // namespace
+} // namespace tetvdb

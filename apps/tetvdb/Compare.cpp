@@ -6,6 +6,7 @@
 #include "VolumeSignature.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/VolumeStream.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
@@ -113,6 +114,17 @@ void runCompare(const Options& options, Session& session) {
   }
   if (!volumes) {
     compareMeshFiles(options.a, options.b, options.tolerance, options.output, session);
+    return;
+  }
+  if (options.output.empty() && isLargeVolume(options.a) && isLargeVolume(options.b)) {
+    session.progress.stage("compare");
+    const VolumeComparison comparison = compareVolumeFiles(options.a, options.b, session.progress);
+    const bool same = within(comparison, options.tolerance);
+    session.sections["compare"] = sectionOf(comparison, same);
+    session.text = textOf(comparison, options, same);
+    session.textIsSummary = true;
+    if (!same)
+      session.status = Status::Found;
     return;
   }
   session.progress.stage("read");

@@ -8,6 +8,7 @@
 #include "ProcessLimits.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/VolumeStream.h"
 #include "tetvdb/pipeline/ReadInput.h"
 
 #include <cmath>
@@ -81,8 +82,15 @@ std::string gridText(const GridInfo& grid) {
   return text + fmt::format("    memory    {}\n", bytesText(grid.bytes));
 }
 
+StreamedInfo readInfo(const std::string& path, bool withHash, Progress& progress) {
+  if (isLargeVolume(path))
+    return describeVolumeFile(path, withHash, progress);
+  const Volume volume = readVolume(path, progress);
+  return {volume.metadata, describe(volume), withHash ? hash(volume) : ""};
+}
+
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
-  const Volume volume = readVolume(path, session.progress);
+  const StreamedInfo volume = readInfo(path, withHash, session.progress);
   section["format"] =
       signatureOf(path) == VolumeSignature::NanoVDB ? "NanoVDB .nvdb" : "OpenVDB .vdb";
   section["kind"] = "volume";
@@ -94,7 +102,7 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
   }
   section["metadata"] = std::move(metadata);
   Json grids = Json::array();
-  for (const GridInfo& grid : describe(volume)) {
+  for (const GridInfo& grid : volume.grids) {
     grids.push_back(sectionOf(grid));
     session.text += gridText(grid);
   }
@@ -106,8 +114,8 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
   }
   if (!withHash)
     return;
-  section["hash"] = hash(volume);
-  session.text += fmt::format("  hash        {}\n", section["hash"].get<std::string>());
+  section["hash"] = volume.hash;
+  session.text += fmt::format("  hash        {}\n", volume.hash);
 }
 
 void describeFile(const std::string& path, const Options& options, Json& section,

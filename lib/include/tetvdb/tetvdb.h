@@ -23,6 +23,7 @@
 #include "tetvdb/io/TriangleReader.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/VolumeStream.h"
 #include "tetvdb/mesh/CellMesh.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/TetMesh.h"

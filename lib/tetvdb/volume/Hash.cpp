@@ -5,12 +5,16 @@
 // node and none are the same. Each 128^3 node is hashed by itself, the 4096^3 nodes over the hashes
 // below them, the grid over these, so that any number of threads gives the same result.
 #include "tetvdb/core/Error.h"
+#include "tetvdb/volume/GridHash.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <memory>
+#include <utility>
+#include <vector>
 #include <xxhash.h>
 
 namespace tetvdb {
@@ -51,9 +55,8 @@ bool sameBits(const T& a, const T& b) {
 }
 
 /// Adds the tile at `offset` unless it is inactive background; true if it was added.
-template <class T>
-bool addTile(Hasher& hasher, std::uint32_t offset, const T& value, bool active,
-             const T& background) {
+template <class Sink, class T>
+bool addTile(Sink& hasher, std::uint32_t offset, const T& value, bool active, const T& background) {
   if (!active && sameBits(value, background))
     return false;
   hasher.value(Tag::Tile);
@@ -100,8 +103,26 @@ NodeHash hashLower(Hasher& hasher, const Lower& node, const T& background) {
   return result;
 }
 
+/// What the hash takes of an entry of the root node.
+struct RootEntry {
+  openvdb::Coord origin;
+  std::string bytes;
+};
+
+/// A hasher's face over bytes that wait.
+struct Bytes {
+  std::string text;
+  void bytes(const void* data, std::size_t size) {
+    text.append(static_cast<const char*>(data), size);
+  }
+  template <class T>
+  void value(const T& x) {
+    bytes(&x, sizeof x);
+  }
+};
+
 template <class TreeT>
-void hashTree(Hasher& hasher, const TreeT& tree) {
+std::vector<RootEntry> rootEntries(const TreeT& tree) {
   using T = typename TreeT::ValueType;
   const T background = tree.background();
   const NodeLists<TreeT> nodes(tree);
@@ -138,63 +159,102 @@ void hashTree(Hasher& hasher, const TreeT& tree) {
     uppers[u].hash = own.digest();
   });
 
-  hasher.value(background);
-  // The root's table is sorted by coordinates; children are met in the order of nodes.uppers.
+  // Children are met in the order of nodes.uppers.
+  std::vector<RootEntry> entries;
   std::size_t next = 0;
   for (auto entry = tree.root().cbeginChildAll(); entry; ++entry) {
-    const openvdb::Coord origin = entry.getCoord();
     T value = background;
+    RootEntry one{entry.getCoord(), {}};
+    Bytes bytes;
     if (entry.probeChild(value)) {
       const NodeHash& child = uppers[next++];
       if (child.empty)
         continue;
-      hasher.value(Tag::Upper);
-      hasher.bytes(origin.data(), 3 * sizeof(openvdb::Int32));
-      hasher.value(child.hash);
-    } else if (addTile(hasher, 0, value, entry.isValueOn(), background)) {
-      hasher.bytes(origin.data(), 3 * sizeof(openvdb::Int32));
+      bytes.value(Tag::Upper);
+      bytes.bytes(one.origin.data(), 3 * sizeof(openvdb::Int32));
+      bytes.value(child.hash);
+    } else if (addTile(bytes, 0, value, entry.isValueOn(), background)) {
+      bytes.bytes(one.origin.data(), 3 * sizeof(openvdb::Int32));
+    } else {
+      continue;
     }
+    one.bytes = std::move(bytes.text);
+    entries.push_back(std::move(one));
   }
+  return entries;
 }
 
-XXH128_hash_t hashGrid(const openvdb::GridBase& grid) {
-  Hasher hasher;
+void addHead(Hasher& hasher, const openvdb::GridBase& grid) {
   hasher.text(grid.getName());
   hasher.text(grid.type());
   hasher.text(openvdb::GridBase::gridClassToString(grid.getGridClass()));
   hasher.text(canonicalBytes(grid.transform()));
-  const bool known =
-      withKnownGrid(grid, [&](const auto& typed) { hashTree(hasher, typed.constTree()); });
-  if (!known)
-    throw Error(Status::Usage, grid.getName(), "grids of type " + grid.type() + " have no hash");
-  return hasher.digest();
+}
+
+std::string textOf(const XXH128_hash_t& hash) {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, hash);
+  return {reinterpret_cast<const char*>(canonical.digest), sizeof canonical.digest};
 }
 
 } // namespace
 
-std::string hash(const Volume& volume) {
-  std::vector<std::pair<std::string, XXH128_canonical_t>> parts;
-  for (const auto& grid : volume.grids().all) {
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, hashGrid(*grid));
-    parts.emplace_back(grid->getName(), canonical);
-  }
-  std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) {
+struct GridHash::Entries {
+  Hasher hasher;
+  std::vector<RootEntry> all;
+};
+
+GridHash::GridHash(const openvdb::GridBase& grid) : entries_(std::make_unique<Entries>()) {
+  addHead(entries_->hasher, grid);
+  if (!withKnownGrid(
+          grid, [&](const auto& typed) { entries_->hasher.value(typed.constTree().background()); }))
+    throw Error(Status::Usage, grid.getName(),
+                "grids of type " + grid.type() + " are not supported");
+}
+
+GridHash::~GridHash() = default;
+
+void GridHash::add(const openvdb::GridBase& part) {
+  withKnownGrid(part, [&](const auto& typed) {
+    std::vector<RootEntry> own = rootEntries(typed.constTree());
+    std::move(own.begin(), own.end(), std::back_inserter(entries_->all));
+  });
+}
+
+std::string GridHash::finish() {
+  std::sort(entries_->all.begin(), entries_->all.end(),
+            [](const RootEntry& a, const RootEntry& b) { return a.origin < b.origin; });
+  for (const RootEntry& entry : entries_->all)
+    entries_->hasher.bytes(entry.bytes.data(), entry.bytes.size());
+  return textOf(entries_->hasher.digest());
+}
+
+std::string hashOfGrids(std::vector<std::pair<std::string, std::string>> grids) {
+  std::sort(grids.begin(), grids.end(), [](const auto& a, const auto& b) {
     if (a.first != b.first)
       return a.first < b.first;
-    return std::memcmp(&a.second, &b.second, sizeof a.second) < 0;
+    return std::memcmp(a.second.data(), b.second.data(), a.second.size()) < 0;
   });
   Hasher hasher;
-  for (const auto& part : parts)
-    hasher.value(part.second);
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, hasher.digest());
+  for (const auto& grid : grids)
+    hasher.bytes(grid.second.data(), grid.second.size());
   std::string text;
-  for (const unsigned char byte : canonical.digest) {
+  for (const char c : textOf(hasher.digest())) {
+    const auto byte = static_cast<unsigned char>(c);
     text += "0123456789abcdef"[byte >> 4];
     text += "0123456789abcdef"[byte & 15];
   }
   return text;
+}
+
+std::string hash(const Volume& volume) {
+  std::vector<std::pair<std::string, std::string>> grids;
+  for (const auto& grid : volume.grids().all) {
+    GridHash whole(*grid);
+    whole.add(*grid);
+    grids.emplace_back(grid->getName(), whole.finish());
+  }
+  return hashOfGrids(std::move(grids));
 }
 
 } // namespace tetvdb

@@ -63,8 +63,8 @@ std::vector<VdbPart> readParts(const std::vector<std::string>& paths, Progress& 
   for (const VdbPart& part : parts)
     for (std::size_t g = 0; g < part.grids.size(); ++g) {
       const PartGrid &one = part.grids[g], &other = parts.front().grids[g];
-      if (one.name != other.name || one.type != other.type ||
-          one.transformBytes != other.transformBytes)
+      if (one.header.name != other.header.name || one.header.type != other.header.type ||
+          one.header.half != other.header.half || one.transformBytes != other.transformBytes)
         throw Error(Status::Invalid, part.path, "has other grids than " + parts.front().path);
     }
   return parts;
@@ -72,7 +72,7 @@ std::vector<VdbPart> readParts(const std::vector<std::string>& paths, Progress& 
 
 template <class T>
 T metadataOf(const PartGrid& grid, const char* name, const VdbPart& part) {
-  const auto value = grid.metadata.getMetadata<openvdb::TypedMetadata<T>>(name);
+  const auto value = grid.header.metadata.getMetadata<openvdb::TypedMetadata<T>>(name);
   if (!value)
     throw Error(Status::Invalid, part.path, std::string("a grid lacks the metadata ") + name,
                 "write this part again");
@@ -80,9 +80,9 @@ T metadataOf(const PartGrid& grid, const char* name, const VdbPart& part) {
 }
 
 openvdb::GridBase::Ptr emptyGridOf(const PartGrid& grid) {
-  if (grid.type == "Tree_bool_5_4_3")
+  if (grid.header.type == "Tree_bool_5_4_3")
     return openvdb::BoolGrid::create(false);
-  if (grid.type == "Tree_mask_5_4_3")
+  if (grid.header.type == "Tree_mask_5_4_3")
     return openvdb::MaskGrid::create();
   return openvdb::FloatGrid::create(0.0F);
 }
@@ -96,7 +96,8 @@ void joinDelayedLoad(const std::vector<VdbPart>& parts, std::size_t g, std::uint
   all.resizeCompressedSize(leaves);
   std::size_t l = 0;
   for (const VdbPart& part : parts) {
-    const auto own = part.grids[g].metadata.getMetadata<Delayed>(Base::META_FILE_DELAYED_LOAD);
+    const auto own =
+        part.grids[g].header.metadata.getMetadata<Delayed>(Base::META_FILE_DELAYED_LOAD);
     if (!own)
       throw Error(Status::Invalid, part.path,
                   std::string("a grid lacks the metadata ") + Base::META_FILE_DELAYED_LOAD,
@@ -113,7 +114,7 @@ VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
   const PartGrid& first = parts.front().grids[g];
   const std::unique_ptr<BitCodec> codec = makeBitCodec(*emptyGridOf(first));
   const std::size_t root = codec->openvdbBytes().root;
-  openvdb::MetaMap metadata(first.metadata);
+  openvdb::MetaMap metadata(first.header.metadata);
   openvdb::Vec3i low = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MIN, parts.front());
   openvdb::Vec3i high = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MAX, parts.front());
   std::int64_t voxels = 0, bytes = static_cast<std::int64_t>(root);
@@ -145,7 +146,8 @@ VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
   metadata.removeMeta(Base::META_FILE_DELAYED_LOAD);
   if (codec->hasDelayedLoad() && leaves <= kDelayedLoadLeaves)
     joinDelayedLoad(parts, g, leaves, metadata);
-  return makeVdbHead(first.name, first.type, "", metadata, *first.transform,
+  return makeVdbHead(first.header.name, first.header.type + (first.header.half ? "_HalfFloat" : ""),
+                     "", metadata, *first.header.transform,
                      codec->root(tiles, static_cast<std::uint32_t>(children)));
 }
 
@@ -199,10 +201,10 @@ void mergeTiles(const std::vector<VdbPart>& parts, const std::string& output, Pr
       // OpenVDB gives grids by name.
       const auto& read = volume.grids().all;
       const auto found = std::find_if(read.begin(), read.end(), [&](const auto& one) {
-        return one->getName() == part.grids[g].name;
+        return one->getName() == part.grids[g].header.name;
       });
       if (found == read.end())
-        throw Error(Status::Invalid, part.path, "lacks the grid " + part.grids[g].name);
+        throw Error(Status::Invalid, part.path, "lacks the grid " + part.grids[g].header.name);
       const openvdb::GridBase::Ptr& grid = *found;
       if (whole.grids().all.size() == g) {
         whole.grids().all.push_back(grid);
@@ -220,7 +222,7 @@ void mergeTiles(const std::vector<VdbPart>& parts, const std::string& output, Pr
   whole.metadata = parts.front().metadata;
   for (std::size_t g = 0; g < whole.grids().all.size(); ++g) {
     openvdb::GridBase& grid = *whole.grids().all[g];
-    grid.setTransform(parts.front().grids[g].transform);
+    grid.setTransform(parts.front().grids[g].header.transform);
     grid.removeMeta(kPartLeaves);
     for (const char* name :
          {Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX, Base::META_FILE_MEM_BYTES,
@@ -241,13 +243,13 @@ MergeResult mergeVdb(const std::vector<std::string>& paths, const std::string& o
   result.parts = parts.size();
   std::uint64_t total = 0;
   for (const PartGrid& grid : parts.front().grids)
-    result.grids.push_back(grid.name);
+    result.grids.push_back(grid.header.name);
   for (const VdbPart& part : parts) {
     result.leaves += part.grids.front().leaves;
     result.activeVoxels += static_cast<std::uint64_t>(
         metadataOf<openvdb::Int64>(part.grids.front(), Base::META_FILE_VOXEL_COUNT, part));
     for (const PartGrid& grid : part.grids)
-      total += grid.end - grid.topologyAt;
+      total += grid.header.end - grid.topologyAt;
   }
   if (result.activeVoxels == 0 && !options.allowEmpty)
     throw Error(Status::Invalid, "", "none of the parts has a voxel",
@@ -263,10 +265,10 @@ MergeResult mergeVdb(const std::vector<std::string>& paths, const std::string& o
     const VdbHead head = headOf(parts, g);
     file.beginGrid(head);
     for (const VdbPart& part : parts)
-      copier.copy(part.path, part.grids[g].topologyAt, part.grids[g].buffersAt);
+      copier.copy(part.path, part.grids[g].topologyAt, part.grids[g].header.buffersAt);
     const std::uint64_t buffersAt = file.position();
     for (const VdbPart& part : parts)
-      copier.copy(part.path, part.grids[g].buffersAt, part.grids[g].end);
+      copier.copy(part.path, part.grids[g].header.buffersAt, part.grids[g].header.end);
     file.finishGrid(head, buffersAt);
   }
   file.commit(progress);

@@ -5,10 +5,10 @@
 
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/io/volume/PartMetadata.h"
+#include "tetvdb/io/volume/VdbHeader.h"
 
 #include <cstdint>
 #include <map>
-#include <openvdb/openvdb.h>
 #include <string>
 #include <vector>
 
@@ -16,13 +16,11 @@ namespace tetvdb {
 
 /// A grid of it.
 struct PartGrid {
-  std::string name, type, parent;
-  openvdb::MetaMap metadata;
-  openvdb::math::Transform::Ptr transform;
+  VdbGridHeader header; ///< without kPartLeaves
   std::string transformBytes;
   std::vector<Vec3i> tiles; ///< of the root, all of them full
   std::uint32_t children = 0;
-  std::uint64_t topologyAt = 0, buffersAt = 0, end = 0; ///< of the children, in the file
+  std::uint64_t topologyAt = 0; ///< of the children, in the file
   std::uint64_t leaves = 0;
 };
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What volume/Volume.h says of volumes, of .vdb files that need not fit into memory: one child of a
+// root node, 4096^3 voxels, is read at a time.
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/volume/Volume.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+/// Whether `path` is a .vdb file whose grids can be read child by child: of version 222 and above,
+/// of types that have typed code, none an instance of another.
+bool canStreamVolume(const std::string& path);
+
+/// The same, of a file of 256 MB or more: its grids take some times as much memory.
+bool isLargeVolume(const std::string& path);
+
+struct StreamedInfo {
+  std::map<std::string, std::string> metadata; ///< of the file
+  std::vector<GridInfo> grids;                 ///< as describe() gives them
+  std::string hash;                            ///< as hash() gives it, where it was asked for
+};
+
+/// Reads the file once. The sum of a coverage grid may differ from describe()'s by rounding. Throws
+/// Error(Invalid) for a file that is not whole, Error(Usage) where canStreamVolume() is false.
+StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress& progress);
+
+/// As compareVolumes(), of files. Reads both twice: once for the hashes.
+VolumeComparison compareVolumeFiles(const std::string& a, const std::string& b, Progress& progress);
+
+} // namespace tetvdb

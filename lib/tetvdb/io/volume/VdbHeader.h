@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What stands before the nodes of a .vdb file's grids.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <openvdb/openvdb.h>
+#include <string>
+#include <vector>
+
+namespace tetvdb {
+
+struct VdbGridHeader {
+  std::string name, type, parent;
+  bool half = false; ///< `type` is without its suffix for that
+  std::uint32_t compression = 0;
+  openvdb::MetaMap metadata;
+  openvdb::math::Transform::Ptr transform;          ///< exact
+  std::uint64_t rootAt = 0, buffersAt = 0, end = 0; ///< in the file
+};
+
+struct VdbHeader {
+  std::uint32_t fileVersion = 0, libraryMajor = 0, libraryMinor = 0;
+  std::map<std::string, std::string> metadata;
+  std::vector<VdbGridHeader> grids;
+};
+
+/// Reads the headers and checks that the file is as long as they say. For files with offsets of
+/// version 222 and above. Throws Error(Invalid).
+VdbHeader readVdbHeader(const std::string& path);
+
+} // namespace tetvdb

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/VolumeStream.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/VdbCheck.h"
+#include "tetvdb/io/volume/VdbChildren.h"
+#include "tetvdb/volume/GridHash.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <type_traits>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+// Calls f(grid type's tag) with the type of a known grid; false for others.
+template <class F>
+bool withGridType(const std::string& type, const F& f) {
+  bool known = false;
+  KnownGrids::foreach ([&](const auto& grid) {
+    using GridT = std::decay_t<decltype(grid)>;
+    if (!known && GridT::gridType() == type) {
+      known = true;
+      f(grid);
+    }
+  });
+  return known;
+}
+
+GridInfo describeOne(const openvdb::GridBase::Ptr& grid) {
+  Volume volume;
+  volume.grids().all.push_back(grid);
+  return describe(volume).front();
+}
+
+// Adds what a part of a grid has; `base`: of the grid without voxels. Volumes are summed in whole
+// voxels where they are whole.
+void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& sum) {
+  const double voxel =
+      base.transform.voxelSize[0] * base.transform.voxelSize[1] * base.transform.voxelSize[2];
+  double inside = part.volume / voxel;
+  if (std::abs(inside - std::round(inside)) < 1e-6 * std::max(1.0, inside))
+    inside = std::round(inside);
+  voxels += inside;
+  sum.activeTiles += part.activeTiles;
+  sum.leaves += part.leaves;
+  sum.bytes += part.bytes - base.bytes;
+  if (part.activeVoxels == 0)
+    return;
+  const bool first = sum.activeVoxels == 0;
+  sum.activeVoxels += part.activeVoxels;
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum.boxMin[k] = first ? part.boxMin[k] : std::min(sum.boxMin[k], part.boxMin[k]);
+    sum.boxMax[k] = first ? part.boxMax[k] : std::max(sum.boxMax[k], part.boxMax[k]);
+  }
+  sum.minValue = first ? part.minValue : std::min(sum.minValue, part.minValue);
+  sum.maxValue = first ? part.maxValue : std::max(sum.maxValue, part.maxValue);
+}
+
+VdbHeader headerOf(const std::string& path) {
+  VdbHeader header = readVdbHeader(path);
+  for (const VdbGridHeader& grid : header.grids)
+    if (!grid.parent.empty() || !withGridType(grid.type, [](const auto&) {}))
+      throw Error(Status::Usage, path, "has grids that cannot be read part by part");
+  return header;
+}
+
+// The header of a file that is whole.
+VdbHeader checkedHeaderOf(const std::string& path) {
+  VdbHeader header = headerOf(path);
+  const MappedFile file(path);
+  checkVdb(file.bytes(), path);
+  return header;
+}
+
+using Hashes = std::vector<std::pair<std::string, std::string>>;
+
+// One pass over a grid.
+GridInfo describeGrid(const std::string& path, const VdbHeader& header, const VdbGridHeader& grid,
+                      bool withHash, Hashes& hashes, Progress& progress) {
+  GridInfo sum;
+  withGridType(grid.type, [&](const auto& tag) {
+    using GridT = std::decay_t<decltype(tag)>;
+    VdbChildren<GridT> children(path, header, grid);
+    const openvdb::GridBase::Ptr empty = children.empty();
+    const GridInfo base = describeOne(empty);
+    sum = base;
+    double voxels = 0;
+    GridHash hash(*empty);
+    openvdb::Coord origin;
+    while (const auto part = children.next(origin)) {
+      progress.check();
+      add(describeOne(part), base, voxels, sum);
+      if (withHash)
+        hash.add(*part);
+    }
+    sum.volume = voxels * empty->transform().voxelVolume();
+    hashes.emplace_back(grid.name, hash.finish());
+  });
+  return sum;
+}
+
+void add(const GridComparison& part, GridComparison& sum) {
+  sum.activeA += part.activeA;
+  sum.activeB += part.activeB;
+  sum.activeBoth += part.activeBoth;
+  sum.stateDiffers += part.stateDiffers;
+  sum.valueDiffers += part.valueDiffers;
+  sum.largestDifference = std::max(sum.largestDifference, part.largestDifference);
+}
+
+template <class GridT>
+GridComparison compareGrids(VdbChildren<GridT>& a, VdbChildren<GridT>& b, Progress& progress) {
+  GridComparison sum;
+  openvdb::Coord originA, originB;
+  typename GridT::Ptr partA = a.next(originA), partB = b.next(originB);
+  while (partA || partB) {
+    progress.check();
+    const bool takesA = partA && (!partB || !(originB < originA));
+    const bool takesB = partB && (!partA || !(originA < originB));
+    Volume one, other;
+    one.grids().all.push_back(takesA ? partA : a.empty());
+    other.grids().all.push_back(takesB ? partB : b.empty());
+    add(compareVolumes(one, other).grids.front(), sum);
+    if (takesA)
+      partA = a.next(originA);
+    if (takesB)
+      partB = b.next(originB);
+  }
+  return sum;
+}
+
+std::string hashOf(const std::string& path, const VdbHeader& header, Progress& progress) {
+  Hashes hashes;
+  for (const VdbGridHeader& grid : header.grids)
+    describeGrid(path, header, grid, true, hashes, progress);
+  return hashOfGrids(std::move(hashes));
+}
+
+} // namespace
+
+bool canStreamVolume(const std::string& path) {
+  try {
+    headerOf(path);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+bool isLargeVolume(const std::string& path) {
+  constexpr std::uintmax_t kLarge = std::uintmax_t(256) << 20;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  return !error && size >= kLarge && canStreamVolume(path);
+}
+
+StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress& progress) {
+  const VdbHeader header = checkedHeaderOf(path);
+  StreamedInfo result;
+  result.metadata = header.metadata;
+  Hashes hashes;
+  for (const VdbGridHeader& grid : header.grids)
+    result.grids.push_back(describeGrid(path, header, grid, withHash, hashes, progress));
+  // As OpenVDB gives them.
+  std::stable_sort(
+      result.grids.begin(), result.grids.end(),
+      [](const GridInfo& one, const GridInfo& other) { return one.name < other.name; });
+  if (withHash)
+    result.hash = hashOfGrids(std::move(hashes));
+  return result;
+}
+
+VolumeComparison compareVolumeFiles(const std::string& a, const std::string& b,
+                                    Progress& progress) {
+  const VdbHeader headerA = checkedHeaderOf(a), headerB = checkedHeaderOf(b);
+  VolumeComparison result;
+  std::vector<const VdbGridHeader*> unmatched;
+  for (const VdbGridHeader& grid : headerB.grids)
+    unmatched.push_back(&grid);
+  for (const VdbGridHeader& gridA : headerA.grids) {
+    const auto found = std::find_if(unmatched.begin(), unmatched.end(),
+                                    [&](const auto* grid) { return grid->name == gridA.name; });
+    if (found == unmatched.end()) {
+      result.onlyA.push_back(gridA.name);
+      continue;
+    }
+    const VdbGridHeader& gridB = **found;
+    unmatched.erase(found);
+    if (gridA.type != gridB.type) {
+      result.incomparable.push_back(gridA.name);
+      continue;
+    }
+    withGridType(gridA.type, [&](const auto& tag) {
+      using GridT = std::decay_t<decltype(tag)>;
+      VdbChildren<GridT> childrenA(a, headerA, gridA), childrenB(b, headerB, gridB);
+      result.grids.push_back(compareGrids(childrenA, childrenB, progress));
+    });
+    result.grids.back().name = gridA.name;
+    if (canonicalBytes(*gridA.transform) != canonicalBytes(*gridB.transform))
+      result.sameTransform = false;
+  }
+  for (const VdbGridHeader* grid : unmatched)
+    result.onlyB.push_back(grid->name);
+  result.sameHash = hashOf(a, headerA, progress) == hashOf(b, headerB, progress);
+  return result;
+}
+
+} // namespace tetvdb

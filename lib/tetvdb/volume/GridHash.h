@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The hash of a grid from its parts, and of a volume from its grids: what hash() makes.
+#pragma once
+
+#include "tetvdb/volume/Grids.h"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tetvdb {
+
+/// Of a grid that comes in parts, each with other entries of the root node, in any order.
+class GridHash {
+public:
+  /// `grid`: with name, class, transform and background. Throws Error(Usage) for a grid type that
+  /// is unknown.
+  explicit GridHash(const openvdb::GridBase& grid);
+  ~GridHash();
+  GridHash(const GridHash&) = delete;
+  GridHash& operator=(const GridHash&) = delete;
+
+  void add(const openvdb::GridBase& part);
+  /// 16 bytes; call once.
+  std::string finish();
+
+private:
+  struct Entries;
+  std::unique_ptr<Entries> entries_;
+};
+
+/// 32 hexadecimal digits of grids by name and hash.
+std::string hashOfGrids(std::vector<std::pair<std::string, std::string>> grids);
+
+} // namespace tetvdb

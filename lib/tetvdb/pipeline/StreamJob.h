@@ -22,11 +22,12 @@ bool canStream(const VoxelizeJob& job);
 /// Throws Error(Usage) for a shard of a job that cannot be streamed.
 void requireStreamable(const VoxelizeJob& job);
 
-/// Writes job.output where job.streaming says so, or where the grids' trees would not fit into
-/// memory; the bytes are the same. False, with nothing done and nothing said, where the job is left
-/// to the trees. `metadata`: more of it for the file. Memory: the mesh, which is released where
-/// it is not needed any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB.
-/// Throws as voxelize() and BitVdbWriter do.
+/// Writes job.output where job.streaming says so, where the grids' trees would not fit into memory,
+/// or where that is faster: from 2^17 leaves on, unless a GPU could voxelize tets. The bytes are
+/// the same. False, with nothing done and nothing said, where the job is left to the trees.
+/// `metadata`: more of it for the file. Memory: the mesh, which is released where it is not needed
+/// any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB. Throws as
+/// voxelize() and BitVdbWriter do.
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
                 Progress& progress);
 bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,

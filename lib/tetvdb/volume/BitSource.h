@@ -25,6 +25,15 @@ struct BitNode {
   std::vector<std::uint64_t> leaves;        ///< eight words a leaf, in order of the entries
 };
 
+/// Bits that are set.
+template <std::size_t N>
+std::size_t countBits(const std::array<std::uint64_t, N>& words) {
+  std::size_t bits = 0;
+  for (const std::uint64_t word : words)
+    bits += static_cast<std::size_t>(__builtin_popcountll(word));
+  return bits;
+}
+
 enum class NodeState : std::uint8_t { Empty, Full, Mixed };
 
 /// The 32 nodes of a 4096^3 cube that have the same x and y.

@@ -43,7 +43,7 @@ namespace tetvdb {
 
 /// Whether grids become trees in memory on their way into a .vdb file. The file is the same.
 enum class Streaming : std::uint8_t {
-  Auto,   ///< trees, unless they would not fit into memory
+  Auto,   ///< whichever is faster; never trees where they would not fit into memory
   Always, ///< never trees, where that is possible: density and mask alone
   Never
 };

@@ -46,14 +46,14 @@ public:
     add(out, origin);
     add(out, masks.children);
     add(out, masks.tiles);
-    out += values<Upper>(count(masks.tiles));
+    out += values<Upper>(countBits(masks.tiles));
     return out;
   }
 
   void addLower(const BitNode& node, std::string& out) const override {
     add(out, node.children);
     add(out, node.tiles);
-    out += valuesOfLower(count(node.tiles));
+    out += valuesOfLower(countBits(node.tiles));
     out.append(reinterpret_cast<const char*>(node.leaves.data()), node.leaves.size() * 8);
   }
 
@@ -116,14 +116,6 @@ private:
   static void add(std::string& out, const V& value) {
     out.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  template <std::size_t N>
-  static std::size_t count(const std::array<std::uint64_t, N>& words) {
-    std::size_t bits = 0;
-    for (const std::uint64_t word : words)
-      bits += static_cast<std::size_t>(__builtin_popcountll(word));
-    return bits;
-  }
-
   // What a node with so many tiles writes, the others being leaves or background.
   template <class Node>
   std::string values(std::size_t tiles) const {

@@ -2,17 +2,6 @@
 #include "tetvdb/io/volume/BitTopology.h"
 
 namespace tetvdb {
-namespace {
-
-template <std::size_t N>
-std::size_t count(const std::array<std::uint64_t, N>& words) {
-  std::size_t bits = 0;
-  for (const std::uint64_t word : words)
-    bits += static_cast<std::size_t>(__builtin_popcountll(word));
-  return bits;
-}
-
-} // namespace
 
 bool BitTopology::next(Piece& piece) {
   while (word_ < upper_.children.size() && upper_.children[word_] == 0)
@@ -23,7 +12,7 @@ bool BitTopology::next(Piece& piece) {
     --uppers_;
     read(&upperOrigin_, 1);
     read(&upper_, 1);
-    at_ += codec_.upperValues(count(upper_.tiles));
+    at_ += codec_.upperValues(countBits(upper_.tiles));
     word_ = 0;
     piece.origin = upperOrigin_;
     piece.upper = std::make_unique<UpperMasks>(upper_);
@@ -38,8 +27,8 @@ bool BitTopology::next(Piece& piece) {
   BitNode& node = piece.node;
   read(node.children.data(), node.children.size());
   read(node.tiles.data(), node.tiles.size());
-  at_ += codec_.lowerValues(count(node.tiles));
-  node.leaves.resize(count(node.children) * 8);
+  at_ += codec_.lowerValues(countBits(node.tiles));
+  node.leaves.resize(countBits(node.children) * 8);
   read(node.leaves.data(), node.leaves.size());
   return true;
 }

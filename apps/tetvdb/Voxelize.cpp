@@ -256,7 +256,7 @@ void runVoxelize(const Options& options, Session& session) {
     session.sections["fit"] = {{"voxels", options.fit}, {"padding", options.padding}};
   limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
-  if (job.shard.isWhole() && runAsSequence(job, options.sequence, session))
+  if (runAsSequence(job, options.sequence, session))
     return;
   session.estimate.plan(plannedStages(job), secondsNow());
   const VoxelizeResult result = run(job, session.report, session.progress);
@@ -279,6 +279,7 @@ void runPlan(const Options& options, Session& session) {
     session.sections["input"].push_back({{"path", path}});
   limitProcess(options, session.progress);
   const AllowThreads allowed(job.threads);
+  runAsSequence(job, options.sequence, session); // which is refused
   const VoxelizeResult result = run(job, session.report, session.progress);
   Json shards = Json::array();
   session.text = fmt::format("{:>6} {:>8} {:>8} {:>7}  voxels\n", "shard", "cubes", "full", "work");

@@ -186,6 +186,10 @@ class Shards(CommandLineTest):
                         ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope")):
             self.refuse(2, "voxelize", "rod.off", "--voxel-size", "1", "--shard", "0/2", *options,
                         says=("--shard",))
+        self.write("rod_1.off", off(*rod(900, 60)))
+        self.write("rod_2.off", off(*rod(900, 60)))
+        self.refuse(2, "voxelize", "rod_1.off", "rod_2.off", "-o", "a.vdb", "--voxel-size", "1", "--shard", "0/2",
+                    says=("--shard", "sequence"))
         for shard in ("2/2", "-1/2", "1", "auto"):
             self.refuse(2, "voxelize", "rod.off", "-o", "a.vdb", "--voxel-size", "1", "--shard", shard,
                         says=("--shard",))

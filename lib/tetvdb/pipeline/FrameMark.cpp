@@ -88,7 +88,7 @@ std::string frameMark(const VoxelizeJob& job) {
   for (const GridKind kind : job.grids)
     text << static_cast<int>(kind);
   addFields(text, job);
-  text << job.units << job.half;
+  text << job.units << job.half << (job.maskType == MaskType::Mask ? " MaskGrid" : "");
   for (const auto& [key, value] : job.metadata)
     text << key << value;
   return textOf(XXH3_128bits(text.text().data(), text.text().size()));

@@ -9,16 +9,17 @@
 
 namespace tetvdb::test {
 
-/// `v`: its corners, seen from the point (Van Oosterom and Strackee, The Solid Angle of a Plane
-/// Triangle, 1983).
-inline long double solidAngle(const std::array<std::array<long double, 3>, 3>& v) {
+/// In double for many points, else in long double. `v`: its corners, seen from the point (Van
+/// Oosterom and Strackee, The Solid Angle of a Plane Triangle, 1983).
+template <class Real>
+Real solidAngle(const std::array<std::array<Real, 3>, 3>& v) {
   const auto dot = [&](std::size_t i, std::size_t j) {
     return v[i][0] * v[j][0] + v[i][1] * v[j][1] + v[i][2] * v[j][2];
   };
-  const long double l[3] = {std::sqrt(dot(0, 0)), std::sqrt(dot(1, 1)), std::sqrt(dot(2, 2))};
-  const long double triple = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
-                             v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
-                             v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+  const Real l[3] = {std::sqrt(dot(0, 0)), std::sqrt(dot(1, 1)), std::sqrt(dot(2, 2))};
+  const Real triple = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) -
+                      v[0][1] * (v[1][0] * v[2][2] - v[1][2] * v[2][0]) +
+                      v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
   return 2 * std::atan2(triple, l[0] * l[1] * l[2] + dot(0, 1) * l[2] + dot(1, 2) * l[0] +
                                     dot(2, 0) * l[1]);
 }

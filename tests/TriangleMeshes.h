@@ -290,15 +290,15 @@ inline double signedVolume(const TriangleMesh& mesh) {
 
 /// The generalised winding number at `p` by the solid angles of all faces: an oracle.
 inline double windingNumberAt(const TriangleMesh& mesh, const Vec3d& p) {
-  long double sum = 0;
+  double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    std::array<std::array<long double, 3>, 3> v;
+    std::array<Vec3d, 3> v;
     for (std::size_t k = 0; k < 3; ++k)
       for (std::size_t axis = 0; axis < 3; ++axis)
         v[k][axis] = mesh.points[mesh.triangles[i + k]][axis] - p[axis];
     sum += test::solidAngle(v);
   }
-  return static_cast<double>(sum / test::kSphere);
+  return sum / static_cast<double>(test::kSphere);
 }
 
 } // namespace tetvdb::meshes

@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <fcntl.h>
+#include <string_view>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
@@ -15,6 +18,8 @@ namespace tetvdb::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+const char* const kParent = "TETVDB_PARENT"; ///< in a child's environment: the parent's number
 
 double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -30,15 +35,31 @@ int startThisProgram(std::vector<std::string> words,
   for (std::string& word : words)
     pointers.push_back(word.data());
   pointers.push_back(nullptr);
+  std::string parent = kParent + ("=" + std::to_string(::getpid()));
+  std::vector<char*> environment{parent.data()};
+  for (char** one = environ; *one != nullptr; ++one)
+    if (std::string_view(*one).substr(0, parent.find('=') + 1) !=
+        std::string_view(parent).substr(0, parent.find('=') + 1))
+      environment.push_back(*one);
+  environment.push_back(nullptr);
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   addFiles(files);
   const int failed =
-      posix_spawn(&child, "/proc/self/exe", &files, nullptr, pointers.data(), environ);
+      posix_spawn(&child, "/proc/self/exe", &files, nullptr, pointers.data(), environment.data());
   posix_spawn_file_actions_destroy(&files);
   return failed;
+}
+
+void endWithParent() {
+  const char* parent = std::getenv(kParent);
+  if (parent == nullptr)
+    return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (std::to_string(::getppid()) != parent) // it has ended, or the variable came from elsewhere
+    ::prctl(PR_SET_PDEATHSIG, 0);
 }
 
 ChildEnd runThisProgram(const std::vector<std::string>& arguments, double maxSeconds,

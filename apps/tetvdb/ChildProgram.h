@@ -21,12 +21,16 @@ struct ChildEnd {
   std::size_t peakBytes = 0; ///< highest resident memory
 };
 
-/// Starts this very program with `words`, its own name first; what it prints is thrown away.
-/// `addFiles` says what else its descriptors are. Returns the reason where that fails (errno), else
-/// 0.
+/// Starts this very program with `words`, its own name first; its output is discarded. `addFiles`
+/// sets its other descriptors. Returns 0, or errno if it fails. The child is cancelled when the
+/// calling thread ends (endWithParent()).
 int startThisProgram(std::vector<std::string> words,
                      const std::function<void(posix_spawn_file_actions_t&)>& addFiles,
                      pid_t& child);
+
+/// In a child that startThisProgram() has started: SIGTERM when its parent ends, also by SIGKILL.
+/// Nothing in other processes.
+void endWithParent();
 
 /// Runs this very program with `arguments`; what it prints is thrown away. Kills it when `progress`
 /// is cancelled (and throws what Progress::check() does) or after `maxSeconds`.

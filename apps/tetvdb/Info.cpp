@@ -82,15 +82,18 @@ std::string gridText(const GridInfo& grid) {
   return text + fmt::format("    memory    {}\n", bytesText(grid.bytes));
 }
 
-StreamedInfo readInfo(const std::string& path, bool withHash, Progress& progress) {
-  if (isLargeVolume(path))
+StreamedInfo readInfo(const std::string& path, bool withHash, std::vector<UnreadGrid>& unread,
+                      Progress& progress) {
+  if (isLargeVolume(path)) // all of its grids are of types that are read
     return describeVolumeFile(path, withHash, progress);
   const Volume volume = readVolume(path, progress);
+  unread = volume.unread;
   return {volume.metadata, describe(volume), withHash ? hash(volume) : ""};
 }
 
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {
-  const StreamedInfo volume = readInfo(path, withHash, session.progress);
+  std::vector<UnreadGrid> unread;
+  const StreamedInfo volume = readInfo(path, withHash, unread, session.progress);
   section["format"] =
       signatureOf(path) == VolumeSignature::NanoVDB ? "NanoVDB .nvdb" : "OpenVDB .vdb";
   section["kind"] = "volume";
@@ -108,7 +111,7 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
   }
   section["grids"] = std::move(grids);
   section["unread"] = Json::array();
-  for (const UnreadGrid& grid : volume.unread) {
+  for (const UnreadGrid& grid : unread) {
     section["unread"].push_back({{"name", grid.name}, {"type", grid.type}});
     session.text += fmt::format("  not read    {} ({})\n", oneLine(grid.name), oneLine(grid.type));
   }

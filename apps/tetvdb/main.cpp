@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ChildProgram.h"
 #include "Commands.h"
 #include "OptionNames.h"
 #include "ParseError.h"
@@ -123,6 +124,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   tetvdb::cli::openClosedStreams();
+  tetvdb::cli::endWithParent();
   try {
     return tetvdb::cli::runProgram({argv + std::min(argc, 1), argv + argc});
   } catch (const std::exception& error) {

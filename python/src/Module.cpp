@@ -7,6 +7,7 @@
 #include "Meshes.h"
 #include "RunJob.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/volume/Grids.h"
 
 NB_MODULE(_tetvdb, module) {
@@ -27,4 +28,7 @@ NB_MODULE(_tetvdb, module) {
   addSlice(module);
   addDataset(module);
   addCheck(module);
+  module.def("allow_outside", &tetvdb::allowReferencesOutside, nanobind::arg("allowed") = true,
+             "Whether files that are read may refer to files outside of their folders, for this "
+             "process; False from the start.");
 }

@@ -4,6 +4,7 @@
 // end before the end.
 #include "tetrahedralize/MadeTets.h"
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <limits>
 #include <map>
@@ -66,11 +67,25 @@ TEST(TetrahedralizeOptions, EpsilonFromTheDiagonal) {
   EXPECT_NEAR(made.result.edgeLength, 0.15, 1e-15);
 }
 
+std::size_t facesOfOneTet(const TetMesh& mesh) {
+  std::map<std::set<std::uint32_t>, int> tets;
+  for (std::size_t i = 0; i < mesh.tets.size(); ++i) {
+    std::set<std::uint32_t> face;
+    for (std::size_t k = 0; k < 4; ++k)
+      if (k != i % 4)
+        face.insert(mesh.tets[i - i % 4 + k]);
+    ++tets[face];
+  }
+  return static_cast<std::size_t>(
+      std::count_if(tets.begin(), tets.end(), [](const auto& face) { return face.second == 1; }));
+}
+
 TEST(TetrahedralizeOptions, SmallAndLargeEpsilon) {
   const TriangleMesh mesh = sphere({0, 0, 0}, 1, 10);
   std::size_t faces = std::numeric_limits<std::size_t>::max();
   for (const double epsilon : {1e-6, 1e-4, 1e-2, 0.1}) {
     const MadeTets made = expectSolid(mesh, signedVolume(mesh), withEpsilon(epsilon));
+    EXPECT_EQ(made.result.boundaryFaces, facesOfOneTet(made.result.mesh)) << epsilon;
     EXPECT_LE(made.result.boundaryFaces, faces) << epsilon;
     faces = made.result.boundaryFaces;
   }

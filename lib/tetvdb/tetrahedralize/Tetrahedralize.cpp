@@ -190,6 +190,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   LostSurface lost =
       checkBothSides(made.mesh, work.inputs, options.boolean, work.lengths.epsilon, progress);
   made.check = lost.figures;
+  made.boundaryFaces = lost.boundaryFaces;
   return lost;
 }
 

@@ -274,6 +274,7 @@ LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>&
   LostSurface found;
   const JoinedInputs input = joined(inputs);
   const RegionSurface surface = regionSurface(mesh, progress);
+  found.boundaryFaces = surface.outerFaces;
   Box box;
   for (const TriangleMesh* part : {&input.mesh, &surface.mesh})
     for (const std::uint32_t corner : part->triangles)

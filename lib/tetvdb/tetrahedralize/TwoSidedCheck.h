@@ -16,6 +16,7 @@ namespace tetvdb {
 /// The result of checkBothSides(): TwoSidedCheck and the lost points.
 struct LostSurface {
   TwoSidedCheck figures;
+  std::size_t boundaryFaces = 0; ///< of the tets, with the outside
   /// Owed input points that are farther than epsilon from the tets' surface, world, with the
   /// triangle (input, number) each lies on.
   struct Point {

@@ -18,6 +18,7 @@ namespace {
 using Origin = std::array<std::int32_t, 3>;
 
 constexpr std::uint32_t kFirstVersion = 222;
+constexpr std::size_t kRelease = std::size_t(64) << 20; ///< bytes of the file in memory at a time
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
 /// What a grid's values look like in the file.
@@ -81,7 +82,7 @@ std::uint64_t mapSize(const std::string& type) {
 
 class VdbChecker {
 public:
-  VdbChecker(std::string_view bytes, const std::string& path) : bytes_(bytes), path_(path) {}
+  explicit VdbChecker(const Source& file) : file_(file), bytes_(file.bytes), path_(file.path) {}
 
   std::vector<VdbGridEntry> run() {
     take(8, "the header");
@@ -125,6 +126,10 @@ private:
       fail(std::string("ends within ") + what);
     const char* at = bytes_.data() + position_;
     position_ += static_cast<std::size_t>(size);
+    if (position_ - released_ > kRelease) {
+      file_.release();
+      released_ = position_;
+    }
     return at;
   }
 
@@ -363,9 +368,10 @@ private:
     const char* children; ///< the mask
   };
 
+  const Source& file_;
   std::string_view bytes_;
   const std::string& path_;
-  std::size_t position_ = 0;
+  std::size_t position_ = 0, released_ = 0;
   std::uint32_t compression_ = 0;
   bool hasOffsets_ = false; ///< false: the file was written as a stream
   ValueType type_;
@@ -374,8 +380,8 @@ private:
 
 } // namespace
 
-std::vector<VdbGridEntry> checkVdb(std::string_view bytes, const std::string& path) {
-  return VdbChecker(bytes, path).run();
+std::vector<VdbGridEntry> checkVdb(const Source& file) {
+  return VdbChecker(file).run();
 }
 
 } // namespace tetvdb

@@ -5,8 +5,9 @@
 // beforehand, header by header, without decompressing anything. Internal to the .vdb reader.
 #pragma once
 
+#include "tetvdb/io/source/Source.h"
+
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tetvdb {
@@ -19,10 +20,10 @@ struct VdbGridEntry {
 };
 
 /// The grids of a .vdb file in the order of the file. Grids of other types than KnownGrids are
-/// checked only so far as their place in the file. Throws Error(Invalid) where `bytes` are not a
+/// checked only so far as their place in the file. Throws Error(Invalid) where `file` is not a
 /// whole .vdb file, for files before version 222 (OpenVDB 3, 2015), for versions that the linked
 /// OpenVDB does not know, and where a grid of an unknown type cannot be skipped (a stream without
 /// offsets). Cost: a few dozen nanoseconds a leaf.
-std::vector<VdbGridEntry> checkVdb(std::string_view bytes, const std::string& path);
+std::vector<VdbGridEntry> checkVdb(const Source& file);
 
 } // namespace tetvdb

@@ -19,7 +19,7 @@ Volume readVdb(const std::string& path, Progress& progress) {
   std::vector<VdbGridEntry> entries;
   {
     const MappedFile file(path);
-    entries = checkVdb(file.bytes(), path);
+    entries = checkVdb(file.source());
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const auto& a, const auto& b) { return a.name < b.name; });

@@ -73,7 +73,7 @@ VdbHeader headerOf(const std::string& path) {
 VdbHeader checkedHeaderOf(const std::string& path) {
   VdbHeader header = headerOf(path);
   const MappedFile file(path);
-  checkVdb(file.bytes(), path);
+  checkVdb(file.source());
   return header;
 }
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <iostream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -123,6 +124,7 @@ int main(int argc, char** argv) {
   // Errors of write() are reported as such: a closed pipe, a file-size limit.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  std::cout.rdbuf(nullptr); // OpenVDB's log; results go by printResult()
   tetvdb::cli::openClosedStreams();
   tetvdb::cli::endWithParent();
   try {

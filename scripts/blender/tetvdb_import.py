@@ -117,7 +117,7 @@ def inputs_of(paths, sequence, folder, program):
         listed = os.path.join(folder, "frames.pvd")
         with open(listed, "w", encoding="utf-8") as file:
             file.write(collection_of(paths))
-        return [listed], []
+        return [listed], ["--allow-outside"] # of the folder that the list is in
     if len(paths) > 1:
         return list(paths), ["--union"]
     if sequence and os.path.splitext(paths[0])[1].lower() in mesh_endings(program, stepped=True):

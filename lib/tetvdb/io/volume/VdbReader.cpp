@@ -13,6 +13,26 @@
 
 namespace tetvdb {
 
+namespace {
+
+void addGrids(openvdb::io::File& file, const std::vector<VdbGridEntry>& entries, Volume& volume) {
+  openvdb::GridPtrVec& grids = volume.grids().all;
+  if (std::all_of(entries.begin(), entries.end(),
+                  [](const VdbGridEntry& entry) { return entry.known; })) {
+    grids = *file.getGrids();
+    grids.erase(std::remove(grids.begin(), grids.end(), nullptr), grids.end());
+    return;
+  }
+  using openvdb::io::GridDescriptor;
+  for (const VdbGridEntry& entry : entries)
+    if (entry.known)
+      grids.push_back(file.readGrid(GridDescriptor::nameAsString(entry.name)));
+    else
+      volume.unread.push_back({GridDescriptor::stripSuffix(entry.name), entry.type});
+}
+
+} // namespace
+
 Volume readVdb(const std::string& path, Progress& progress) {
   initializeOpenVDB();
   progress.check();
@@ -31,14 +51,9 @@ Volume readVdb(const std::string& path, Progress& progress) {
     const openvdb::MetaMap::Ptr metadata = file.getMetadata();
     for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
       volume.metadata[entry->first] = entry->second->str();
-    for (const VdbGridEntry& entry : entries) {
-      progress.check();
-      const openvdb::GridBase::Ptr grid = entry.known ? file.readGrid(entry.name) : nullptr;
-      if (grid)
-        volume.grids().all.push_back(grid);
-      else
-        volume.unread.push_back({openvdb::io::GridDescriptor::stripSuffix(entry.name), entry.type});
-    }
+    addGrids(file, entries, volume);
+    if (volume.grids().all.empty() && volume.unread.empty())
+      throw Error(Status::Invalid, path, "holds no grid, or was cut short");
     if (volume.grids().all.empty())
       throw Error(Status::Invalid, path,
                   "holds no grid of a type that is read: the type of '" +

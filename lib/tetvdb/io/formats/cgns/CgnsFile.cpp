@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/cgns/CgnsFile.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/TemporaryFile.h"
 #include "tetvdb/io/source/Hdf5File.h"
 
 #include <cgns_io.h>
@@ -42,40 +43,38 @@ bool hasLinks(int file, double node, int depth, std::size_t& nodesLeft) {
   return false;
 }
 
-/// The bytes of a source that is no file, in one.
-class TemporaryFile {
-public:
-  explicit TemporaryFile(const Source& source) {
-    if (source.isMapped)
-      return;
-    path_ = (std::filesystem::temp_directory_path() / "tetvdb-XXXXXX").string();
-    const int file = ::mkstemp(path_.data());
-    const bool whole = file >= 0 && ::write(file, source.bytes.data(), source.bytes.size()) ==
-                                        static_cast<ssize_t>(source.bytes.size());
-    if (file >= 0)
-      ::close(file);
-    if (!whole)
-      throw Error(Status::Limit, source.path, "its bytes do not fit into the temporary folder",
-                  "name a file in place of a pipe");
-  }
-  ~TemporaryFile() {
-    if (!path_.empty())
-      ::unlink(path_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
-
-private:
-  std::string path_;
-};
-
 } // namespace
 
-CgnsFile::CgnsFile(const Source& source) : source_(source) {
+CgnsBytes::CgnsBytes(const Source& source) : path_(source.path) {
+  if (source.isMapped)
+    return;
+  const std::string folder = std::filesystem::temp_directory_path().string();
+  const int file = createTemporaryFile(folder, "tetvdb", 0600, temporary_);
+  std::string_view left = source.bytes;
+  while (file >= 0 && !left.empty()) {
+    const ssize_t written = ::write(file, left.data(), left.size());
+    if (written <= 0)
+      break;
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (file >= 0)
+    ::close(file);
+  if (!left.empty()) {
+    if (file >= 0)
+      ::unlink(temporary_.c_str());
+    throw Error(Status::Limit, source.path, "its bytes do not fit into the temporary folder",
+                "name a file in place of a pipe");
+  }
+  path_ = temporary_;
+}
+
+CgnsBytes::~CgnsBytes() {
+  if (!temporary_.empty())
+    ::unlink(temporary_.c_str());
+}
+
+CgnsFile::CgnsFile(const Source& source, const std::string& path) : source_(source) {
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
-  const TemporaryFile copy(source); // stays readable once it is open
-  const std::string& path = source.isMapped ? source.path : copy.path();
   refuseLinks(path);
   check(cg_open(path.c_str(), CG_MODE_READ, &id_), "the file");
 }

@@ -8,12 +8,28 @@
 
 namespace tetvdb {
 
+/// A path by which libcgns can open a source: its own, or while this lives that of a temporary file
+/// that has its bytes. Made before the separate process, which writes no files.
+/// Throws Error(Limit) if the bytes do not fit into the temporary folder.
+class CgnsBytes {
+public:
+  explicit CgnsBytes(const Source& source);
+  ~CgnsBytes();
+  CgnsBytes(const CgnsBytes&) = delete;
+  CgnsBytes& operator=(const CgnsBytes&) = delete;
+  const std::string& path() const { return path_; }
+
+private:
+  std::string path_, temporary_;
+};
+
 /// A CGNS file, opened by libcgns for reading; for a separate process (io/source/IsolatedRead.h).
 /// Links to other files and HDF5's external storage are refused before libcgns can follow them.
 /// Throws Error(Invalid).
 class CgnsFile {
 public:
-  explicit CgnsFile(const Source& source);
+  /// `path`: that of CgnsBytes for `source`.
+  CgnsFile(const Source& source, const std::string& path);
   ~CgnsFile();
   CgnsFile(const CgnsFile&) = delete;
   CgnsFile& operator=(const CgnsFile&) = delete;

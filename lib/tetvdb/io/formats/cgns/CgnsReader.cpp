@@ -34,8 +34,10 @@ struct Section {
 
 class CgnsMesh {
 public:
-  CgnsMesh(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), file_(source) {
+  CgnsMesh(const Source& source, const std::string& path, const ReadOptions& options,
+           Report& report, Progress& progress)
+      : source_(source), options_(options), report_(report), progress_(progress),
+        file_(source, path) {
     int bases = 0;
     file_.check(cg_nbases(file_.id(), &bases), "the bases");
     for (base_ = 1; base_ <= bases; ++base_) {
@@ -565,25 +567,28 @@ private:
 
 CellMesh readCgns(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
+  const CgnsBytes file(source);
   const auto read = [&](Report& childReport, Progress& childProgress) {
-    return CgnsMesh(source, options, childReport, childProgress).read();
+    return CgnsMesh(source, file.path(), options, childReport, childProgress).read();
   };
   return readIsolated(read, source.path, report, progress);
 }
 
 bool cgnsHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  const CgnsBytes file(source);
   return answerIsolated(
       [&](Report& childReport, Progress& childProgress) {
         const ReadOptions options;
-        return CgnsMesh(source, options, childReport, childProgress).hasSolidCells();
+        return CgnsMesh(source, file.path(), options, childReport, childProgress).hasSolidCells();
       },
       source.path, report, progress);
 }
 
 std::vector<double> cgnsTimes(const Source& source, Report& report, Progress& progress) {
+  const CgnsBytes file(source);
   const auto read = [&](Report& childReport, Progress& childProgress) {
     const ReadOptions options;
-    return CgnsMesh(source, options, childReport, childProgress).times();
+    return CgnsMesh(source, file.path(), options, childReport, childProgress).times();
   };
   return readTimesIsolated(read, source.path, report, progress);
 }

@@ -99,3 +99,19 @@ def test_nothing_is_left_of_a_file_that_cannot_be_written(cube, tmp_path):
 def test_time_limit(cube):
     error = failure(*cube, voxel_size=1 / 4096, grid="surface", max_time=0.05)
     assert (error.status, error.code) == (5, "cancelled")
+
+
+def test_references_outside(tmp_path):
+    tetvdb.tetrahedralize(*cube_triangles()).write(tmp_path / "piece.vtu")
+    folder = tmp_path / "run"
+    folder.mkdir()
+    whole = folder / "whole.pvtu"
+    whole.write_text('<VTKFile type="PUnstructuredGrid"><PUnstructuredGrid>'
+                     '<Piece Source="../piece.vtu"/></PUnstructuredGrid></VTKFile>')
+    with pytest.raises(tetvdb.Error, match="outside its folder"):
+        tetvdb.voxelize(str(whole), resolution=8)
+    tetvdb.allow_outside()
+    try:
+        assert tetvdb.voxelize(str(whole), resolution=8)["density"].active_voxels > 400
+    finally:
+        tetvdb.allow_outside(False)

@@ -56,7 +56,7 @@ struct Tetrahedralization {
   std::size_t insertedFaces = 0, notInserted = 0;
   int passes = 0;                         ///< of improvement
   double worstEnergy = 0, meanEnergy = 0; ///< AMIPS, of the tets of `mesh`
-  std::size_t boundaryFaces = 0; ///< between the tets inside and the outside
+  std::size_t boundaryFaces = 0;          ///< between the tets inside and the outside
   TwoSidedCheck check;
 };
 

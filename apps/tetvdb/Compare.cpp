@@ -97,6 +97,15 @@ std::string textOf(const VolumeComparison& comparison, const Options& options, b
   return text + (same ? "same\n" : "different\n");
 }
 
+void report(const VolumeComparison& comparison, const Options& options, Session& session) {
+  const bool same = within(comparison, options.tolerance);
+  session.sections["compare"] = sectionOf(comparison, same);
+  session.text = textOf(comparison, options, same);
+  session.textIsSummary = true;
+  if (!same)
+    session.status = Status::Found;
+}
+
 void runCompare(const Options& options, Session& session) {
   limitProcess(options.limits, session.progress);
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
@@ -118,14 +127,7 @@ void runCompare(const Options& options, Session& session) {
   }
   if (options.output.empty() && isLargeVolume(options.a) && isLargeVolume(options.b)) {
     session.progress.stage("compare");
-    const VolumeComparison comparison = compareVolumeFiles(options.a, options.b, session.progress);
-    const bool same = within(comparison, options.tolerance);
-    session.sections["compare"] = sectionOf(comparison, same);
-    session.text = textOf(comparison, options, same);
-    session.textIsSummary = true;
-    if (!same)
-      session.status = Status::Found;
-    return;
+    return report(compareVolumeFiles(options.a, options.b, session.progress), options, session);
   }
   session.progress.stage("read");
   const Volume a = readVolume(options.a, session.progress);
@@ -134,18 +136,13 @@ void runCompare(const Options& options, Session& session) {
   warnOfUnread(b, options.b, session.report);
   session.progress.stage("compare");
   const VolumeComparison comparison = compareVolumes(a, b);
-  const bool same = within(comparison, options.tolerance);
-  session.sections["compare"] = sectionOf(comparison, same);
-  session.text = textOf(comparison, options, same);
+  report(comparison, options, session);
   if (!options.output.empty()) {
     session.progress.stage("draw");
     writeComparison(
         comparePicture(a, b, comparison, namesOf(options.a, options.b), session.progress),
         options.output, session);
   }
-  session.textIsSummary = true;
-  if (!same)
-    session.status = Status::Found;
 }
 
 } // namespace

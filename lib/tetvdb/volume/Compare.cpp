@@ -5,6 +5,7 @@
 // background.
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/SumComparisons.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,15 +75,6 @@ public:
   }
 
 private:
-  static void add(GridComparison& sum, const GridComparison& part) {
-    sum.activeA += part.activeA;
-    sum.activeB += part.activeB;
-    sum.activeBoth += part.activeBoth;
-    sum.stateDiffers += part.stateDiffers;
-    sum.valueDiffers += part.valueDiffers;
-    sum.largestDifference = std::max(sum.largestDifference, part.largestDifference);
-  }
-
   std::pair<const Upper*, Cell<T>> entryAt(const TreeT& tree, const openvdb::Coord& origin) const {
     const Upper* node = tree.template probeConstNode<Upper>(origin);
     Cell<T> cell;

@@ -6,6 +6,7 @@
 #include "tetvdb/io/volume/VdbCheck.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/volume/GridHash.h"
+#include "tetvdb/volume/SumComparisons.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,15 +105,6 @@ GridInfo describeGrid(const std::string& path, const VdbHeader& header, const Vd
   return sum;
 }
 
-void add(const GridComparison& part, GridComparison& sum) {
-  sum.activeA += part.activeA;
-  sum.activeB += part.activeB;
-  sum.activeBoth += part.activeBoth;
-  sum.stateDiffers += part.stateDiffers;
-  sum.valueDiffers += part.valueDiffers;
-  sum.largestDifference = std::max(sum.largestDifference, part.largestDifference);
-}
-
 template <class GridT>
 GridComparison compareGrids(VdbChildren<GridT>& a, VdbChildren<GridT>& b, Progress& progress) {
   GridComparison sum;
@@ -125,7 +117,7 @@ GridComparison compareGrids(VdbChildren<GridT>& a, VdbChildren<GridT>& b, Progre
     Volume one, other;
     one.grids().all.push_back(takesA ? partA : a.empty());
     other.grids().all.push_back(takesB ? partB : b.empty());
-    add(compareVolumes(one, other).grids.front(), sum);
+    add(sum, compareVolumes(one, other).grids.front());
     if (takesA)
       partA = a.next(originA);
     if (takesB)

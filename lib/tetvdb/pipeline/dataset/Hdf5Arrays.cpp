@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/dataset/Hdf5Arrays.h"
 
-#include "tetvdb/core/AtomicFile.h"
-#include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Hdf5Handle.h"
-
-#include <cerrno>
-#include <cstring>
+#include "tetvdb/io/volume/arrays/NewHdf5File.h"
 
 namespace tetvdb {
 namespace {
@@ -14,47 +10,6 @@ namespace {
 using Handle = Hdf5Handle;
 
 constexpr std::size_t kContiguousBytes = 1024; // smaller arrays are not worth a chunk
-
-/// A new file under its temporary name.
-class NewFile {
-public:
-  explicit NewFile(const std::string& path) : atomic_(path), file_(create(atomic_), H5Fclose) {
-    check(file_.get());
-  }
-
-  hid_t id() const { return file_.get(); }
-  hid_t check(hid_t id) const {
-    if (id < 0)
-      fail();
-    return id;
-  }
-  void commit() {
-    errno = 0;
-    if (!file_.close())
-      fail();
-    atomic_.commit();
-  }
-  [[noreturn]] void fail() const {
-    throw Error(Status::Write, atomic_.path(),
-                std::string("cannot write") +
-                    (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)),
-                "free some space or write elsewhere; nothing was left behind");
-  }
-
-private:
-  // The library is kept from printing, and from closing at the program's end what could not be
-  // written.
-  static hid_t create(AtomicFile& file) {
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    H5PLset_loading_state(0);
-    errno = 0;
-    return H5Fcreate(file.nameForLibraries().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  }
-
-  AtomicFile atomic_;
-  Handle file_;
-};
 
 // As NumPy names types; booleans and halves as h5py stores them.
 Handle typeOf(const std::string& name) {
@@ -79,7 +34,7 @@ Handle typeOf(const std::string& name) {
   return {H5Tcopy(known), H5Tclose};
 }
 
-void writeText(const NewFile& file, const std::string& name, const std::string& value) {
+void writeText(const NewHdf5File& file, const std::string& name, const std::string& value) {
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), H5T_VARIABLE); // h5py has these as str, others as bytes
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
@@ -92,7 +47,7 @@ void writeText(const NewFile& file, const std::string& name, const std::string& 
   file.check(H5Awrite(made.get(), type.get(), &text));
 }
 
-void writeTransform(const NewFile& file, hid_t object, const std::vector<double>& matrix) {
+void writeTransform(const NewHdf5File& file, hid_t object, const std::vector<double>& matrix) {
   const hsize_t shape[2] = {4, 4};
   const Handle space(H5Screate_simple(2, shape, nullptr), H5Sclose);
   const Handle made(
@@ -102,7 +57,7 @@ void writeTransform(const NewFile& file, hid_t object, const std::vector<double>
   file.check(H5Awrite(made.get(), H5T_NATIVE_DOUBLE, matrix.data()));
 }
 
-void writeDataset(const NewFile& file, const NamedArray& array) {
+void writeDataset(const NewHdf5File& file, const NamedArray& array) {
   const std::vector<hsize_t> shape(array.shape.begin(), array.shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                      H5Sclose);
@@ -132,7 +87,7 @@ void writeDataset(const NewFile& file, const NamedArray& array) {
 
 void writeHdf5Arrays(const std::string& path, const std::vector<NamedArray>& arrays,
                      const ArrayAttributes& about) {
-  NewFile file(path);
+  NewHdf5File file(path);
   for (const auto& [name, value] : about.texts)
     writeText(file, name, value);
   writeTransform(file, file.id(), about.transform);
@@ -144,7 +99,7 @@ void writeHdf5Arrays(const std::string& path, const std::vector<NamedArray>& arr
 void joinHdf5Files(const std::string& path,
                    const std::vector<std::pair<std::string, std::string>>& members,
                    Progress& progress) {
-  NewFile file(path);
+  NewHdf5File file(path);
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links.get(), 1);
   H5Pset_char_encoding(links.get(), H5T_CSET_UTF8);

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tetvdb/core/AtomicFile.h"
-#include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Hdf5Handle.h"
 #include "tetvdb/io/volume/arrays/ArrayWriters.h"
+#include "tetvdb/io/volume/arrays/NewHdf5File.h"
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <vector>
 
 namespace tetvdb {
@@ -33,11 +31,9 @@ hid_t typeOf(ElementType element) {
 class Writer {
 public:
   Writer(const ArrayContent& content, Progress& progress)
-      : content_(content), atomic_(content.path), stream_(content, progress),
-        file_(create(atomic_), H5Fclose) {}
+      : content_(content), stream_(content, progress), file_(content.path) {}
 
   void write() {
-    check(file_.get());
     const VoxelBox& box = content_.box;
     attribute("transform", H5T_IEEE_F64LE, {4, 4}, content_.transform.data());
     attribute("origin", H5T_STD_I32LE, {3}, box.low.data());
@@ -47,49 +43,24 @@ public:
       text(key, value);
     for (std::size_t i = 0; i < content_.grids.size(); ++i)
       dataset(*content_.grids[i], content_.names[i]);
-    errno = 0;
-    if (!file_.close())
-      fail();
-    atomic_.commit();
+    file_.commit();
   }
 
 private:
-  // The library is kept from printing, and from closing at the program's end what could not be
-  // written.
-  static hid_t create(AtomicFile& file) {
-    H5dont_atexit();
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    H5PLset_loading_state(0);
-    errno = 0;
-    return H5Fcreate(file.nameForLibraries().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  }
-
-  [[noreturn]] void fail() const {
-    throw Error(Status::Write, content_.path,
-                std::string("cannot write") +
-                    (errno == 0 ? std::string() : std::string(": ") + std::strerror(errno)),
-                "free some space or write elsewhere; nothing was left behind");
-  }
-  hid_t check(hid_t id) const {
-    if (id < 0)
-      fail();
-    return id;
-  }
-
   void attribute(const std::string& name, hid_t type, const std::vector<hsize_t>& shape,
                  const void* values) const {
     const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
                        H5Sclose);
     const Handle made(
-        H5Acreate2(file_.get(), name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Acreate2(file_.id(), name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
-    check(made.get());
+    file_.check(made.get());
     if (H5Awrite(made.get(), type, values) < 0)
-      fail();
+      file_.fail();
   }
 
   void text(const std::string& name, const std::string& value) const {
-    if (name.empty() || H5Aexists(file_.get(), name.c_str()) > 0)
+    if (name.empty() || H5Aexists(file_.id(), name.c_str()) > 0)
       return;
     const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
     H5Tset_size(type.get(), std::max<std::size_t>(value.size(), 1));
@@ -97,11 +68,11 @@ private:
     H5Tset_cset(type.get(), H5T_CSET_UTF8);
     const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
     const Handle made(
-        H5Acreate2(file_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
+        H5Acreate2(file_.id(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
         H5Aclose);
-    check(made.get());
+    file_.check(made.get());
     if (H5Awrite(made.get(), type.get(), value.empty() ? "" : value.data()) < 0)
-      fail();
+      file_.fail();
   }
 
   void dataset(const DenseGrid& grid, const std::string& name) {
@@ -126,10 +97,10 @@ private:
       H5Pset_deflate(creation.get(), kLevel);
     }
     const hid_t type = typeOf(grid.element());
-    const Handle made(H5Dcreate2(file_.get(), name.c_str(), type, space.get(), H5P_DEFAULT,
+    const Handle made(H5Dcreate2(file_.id(), name.c_str(), type, space.get(), H5P_DEFAULT,
                                  creation.get(), H5P_DEFAULT),
                       H5Dclose);
-    check(made.get());
+    file_.check(made.get());
     std::vector<hsize_t> start(shape.size(), 0), count = shape;
     stream_.send(grid, kXSlowest, [&](const char* bytes, std::size_t size) {
       count[0] = size / grid.planeBytes(kXSlowest);
@@ -139,15 +110,14 @@ private:
                           nullptr);
       errno = 0;
       if (H5Dwrite(made.get(), type, part.get(), space.get(), H5P_DEFAULT, bytes) < 0)
-        fail();
+        file_.fail();
       start[0] += count[0];
     });
   }
 
   const ArrayContent& content_;
-  AtomicFile atomic_;
   ArrayStream stream_;
-  Handle file_;
+  NewHdf5File file_;
 };
 
 } // namespace

@@ -79,7 +79,8 @@ void addLimitOptions(CLI::App& command, JobOptions& options) {
 void addProcessLimitOptions(CLI::App& command, JobOptions& options) {
   command
       .add_option("--max-memory", options.maxMemory,
-                  "Refuse what needs more, such as 500M or 4G (default: what is free)")
+                  "Take no more than 500M, 4G, ...: stream or refuse what needs more (default: "
+                  "what is free)")
       ->type_name("BYTES")
       ->check(notEmpty());
   command.add_option("--max-time", options.maxTime, "Stop after so many seconds, without output")

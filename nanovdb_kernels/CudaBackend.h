@@ -185,7 +185,7 @@ public:
     pinned_->number = 0;
     for (cudaEvent_t* e : {&pointsHere_, &fieldsHere_, &made_})
       check(cudaEventCreateWithFlags(e, cudaEventDisableTiming), "event");
-    for (cudaEvent_t& e : tetsHere_)
+    for (cudaEvent_t& e : cellsHere_)
       check(cudaEventCreateWithFlags(&e, cudaEventDisableTiming), "event");
   }
   ~CudaBackend() {
@@ -194,7 +194,7 @@ public:
     cudaEventDestroy(pointsHere_);
     cudaEventDestroy(fieldsHere_);
     cudaEventDestroy(made_);
-    for (cudaEvent_t e : tetsHere_)
+    for (cudaEvent_t e : cellsHere_)
       cudaEventDestroy(e);
     cudaFreeHost(pinned_);
     cudaFreeHost(staging_);
@@ -214,23 +214,23 @@ public:
 
   cudaStream_t stream() const { return stream_; }
 
-  /// The mesh arrives by another stream: its points first, then its tets in parts.
+  /// The mesh arrives by another stream: its points first, then its cells in parts.
   static constexpr int kParts = 8;
   int parts() const { return arriving_ == 0 ? 1 : arriving_; }
   void awaitPoints() {
     if (arriving_ != 0)
       check(cudaStreamWaitEvent(stream_, pointsHere_, 0), "upload");
   }
-  void awaitTets(int part) {
+  void awaitCells(int part) {
     if (arriving_ != 0)
-      check(cudaStreamWaitEvent(stream_, tetsHere_[part], 0), "upload");
+      check(cudaStreamWaitEvent(stream_, cellsHere_[part], 0), "upload");
   }
   /// What comes after the mesh.
   void awaitFields() { check(cudaStreamWaitEvent(stream_, fieldsHere_, 0), "upload"); }
   void recordFields(cudaStream_t upload) { check(cudaEventRecord(fieldsHere_, upload), "upload"); }
   void recordPoints(cudaStream_t upload) { check(cudaEventRecord(pointsHere_, upload), "upload"); }
-  void recordTets(int part, cudaStream_t upload) {
-    check(cudaEventRecord(tetsHere_[part], upload), "upload");
+  void recordCells(int part, cudaStream_t upload) {
+    check(cudaEventRecord(cellsHere_[part], upload), "upload");
   }
   /// 0: the mesh is there.
   void setArriving(int parts) { arriving_ = parts; }
@@ -507,7 +507,7 @@ private:
   };
   int arriving_ = 0;           // parts
   cudaEvent_t made_ = nullptr; // what lands next
-  cudaEvent_t pointsHere_ = nullptr, fieldsHere_ = nullptr, tetsHere_[kParts] = {};
+  cudaEvent_t pointsHere_ = nullptr, fieldsHere_ = nullptr, cellsHere_[kParts] = {};
   std::vector<Stage> stages_;
   std::size_t used_ = 0;
   cudaStream_t stream_ = nullptr, down_ = nullptr;

@@ -4,7 +4,7 @@
 // are found in floats with a bound on their error; where these do not decide, TetColumns.h does.
 #pragma once
 
-#include "KeySpace.h"
+#include "BuildLevels.h"
 #include "TetColumns.h"
 
 namespace tetvdb::nano {

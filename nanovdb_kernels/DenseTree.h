@@ -63,7 +63,7 @@ struct NumberShared {
 /// What is found, to be read by the host.
 struct DenseCounts {
   u64 leaves, lowers, uppers;
-  u64 flipped, flat;
+  u64 tallies[2]; ///< the sums of those given
   u32 errors, unused;
 };
 
@@ -85,7 +85,7 @@ public:
   DenseTree(Backend& backend, const KeySpace& space, const DenseBox& box, const RootShare& share)
       : b_(backend), space_(space), box_(box), order_(box), share_(share) {}
 
-  /// Finds and numbers the lower and upper nodes.
+  /// Finds and numbers the lower and upper nodes. `tallies`: two times kTallies numbers.
   DenseNodes number(const u64* tallies, const u32* errors) {
     DenseNodes n;
     n.max = box_.nodes();
@@ -279,7 +279,7 @@ public:
             u64 sum = 0;
             for (u64 i = 0; i < kTallies; ++i)
               sum += tallies[static_cast<u64>(which) * kTallies + i];
-            (which == 0 ? counts->flipped : counts->flat) = sum;
+            counts->tallies[which] = sum;
           }
           team.sync();
           for (int p = team.rank(); p < kPieces; p += team.size()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BandLeaves.h"
 #include "CudaBackend.h"
+#include "ExpandGrid.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
 
@@ -190,7 +191,8 @@ struct Device {
   MeshView begin(const MeshView& mesh, const Job& job, const Progress* progress) {
     begin(progress);
     // Parts of some megabytes: smaller ones are launches for little.
-    const u64 parts = std::min<u64>(mesh.tetCount / 200000 + 1, CudaBackend::kParts);
+    const u64 cells = std::max(mesh.tetCount, mesh.triangleCount);
+    const u64 parts = std::min<u64>(cells / 200000 + 1, CudaBackend::kParts);
     backend->setArriving(job.resident ? 0 : static_cast<int>(parts));
     const MeshView view = job.resident ? mesh : arrive(mesh);
     events->record(1, upload);
@@ -234,17 +236,17 @@ struct Device {
     view.points = static_cast<const double*>(place(mesh.points, mesh.pointCount * 24));
     view.tets = static_cast<const std::uint32_t*>(place(mesh.tets, mesh.tetCount * 16));
     view.values = static_cast<const std::int32_t*>(place(mesh.values, mesh.tetCount * 4));
+    view.triangles =
+        static_cast<const std::uint32_t*>(place(mesh.triangles, mesh.triangleCount * 12));
     check(cudaStreamSynchronize(upload), "upload");
     return view;
   }
 
-  // Starts the upload of a mesh, tets in parts, and returns where it will be.
+  // Starts the upload of a mesh, cells in parts, and returns where it will be.
   MeshView arrive(const MeshView& mesh) {
     MeshView view = mesh;
     double* points = backend->alloc<double>(3 * mesh.pointCount);
-    std::uint32_t* tets = backend->alloc<std::uint32_t>(4 * mesh.tetCount);
     view.points = points;
-    view.tets = tets;
     copyUp(points, mesh.points, 24 * mesh.pointCount);
     backend->recordPoints(upload);
     if (mesh.values != nullptr) {
@@ -252,13 +254,22 @@ struct Device {
       view.values = values;
       copyUp(values, mesh.values, 4 * mesh.tetCount);
     }
-    for (int part = 0; part < backend->parts(); ++part) {
-      const u64 k = static_cast<u64>(part), parts = static_cast<u64>(backend->parts());
-      const u64 first = mesh.tetCount * k / parts, end = mesh.tetCount * (k + 1) / parts;
-      copyUp(tets + 4 * first, mesh.tets + 4 * first, 16 * (end - first));
-      backend->recordTets(part, upload);
-    }
+    if (mesh.triangles != nullptr)
+      view.triangles = arriveCells(mesh.triangles, 3, mesh.triangleCount);
+    else
+      view.tets = arriveCells(mesh.tets, 4, mesh.tetCount);
     return view;
+  }
+  const u32* arriveCells(const u32* cells, u64 corners, u64 count) {
+    u32* there = backend->alloc<u32>(corners * count);
+    const u64 parts = static_cast<u64>(backend->parts());
+    for (u64 part = 0; part < parts; ++part) {
+      const u64 first = corners * (count * part / parts),
+                end = corners * (count * (part + 1) / parts);
+      copyUp(there + first, cells + first, (end - first) * sizeof(u32));
+      backend->recordCells(static_cast<int>(part), upload);
+    }
+    return there;
   }
 
   // Samples this device's share of a job.
@@ -341,7 +352,7 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
     result.device = result.bytes;
     result.bytes = nullptr;
     s.events->record(2, stream);
-    if (job.download) {
+    if (job.download && result.device != nullptr) {
       unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
       s.backend->fetch(host, result.device, result.counts.bufferBytes);
       result.bytes = host;
@@ -355,6 +366,17 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
     s.settle();
     throw;
   }
+}
+
+void DeviceVoxelizer::expand(const Result& result, GridType type, const VoxelRange& range,
+                             DeviceArray& to, std::uint64_t at) {
+  State& s = *state_;
+  const u64 bytes = u64(range.size[0]) * range.size[1] * range.size[2];
+  if (to.device() != s.device || at > to.bytes() || bytes > to.bytes() - at)
+    throw Error(Status::Usage, "", "the array is too small or another device's");
+  check(cudaSetDevice(s.device), "device");
+  expandActive(*s.backend, kindOf(type), result.device, range, static_cast<u8*>(to.data()) + at);
+  s.backend->await();
 }
 
 Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
@@ -439,6 +461,11 @@ Result SharedVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
         ShareOf{static_cast<int>(k), static_cast<int>(count)});
     nodes[k] = pipelines[k]->build();
   });
+  if (!pipelines[0]->closed()) {
+    Result open;
+    open.counts = pipelines[0]->countsOf({}, 0);
+    return open;
+  }
   const SharedLayout layout(pipelines[0]->kind(), nodes);
   Pipeline<CudaBackend>::checkCount(layout.all.leaves);
   u8* grid = job.download ? s.grid.atLeast(layout.whole.size) : nullptr;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra into NanoVDB grids on a GPU: plain arrays in, a NanoVDB buffer out. The grid is bit
-// for bit the one that voxelize/Voxelize.h makes on the CPU. No type of CUDA or NanoVDB is in here.
+// Tetrahedra and closed triangle meshes into NanoVDB grids on a GPU: plain arrays in, a NanoVDB
+// buffer out. The grid is bit for bit the one that voxelize/Voxelize.h and VoxelizeTriangles.h make
+// on the CPU. No type of CUDA or NanoVDB is in here.
 //
 //   tetvdb::nano::DeviceVoxelizer voxelizer(0);
 //   tetvdb::nano::Job job;
@@ -11,8 +12,10 @@
 //   // result.bytes: a NanoVDB grid
 #pragma once
 
+#include "DeviceArray.h"
 #include "DistanceJob.h"
 #include "FieldJob.h"
+#include "tetvdb/geometry/FillRule.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -27,13 +30,15 @@ class Progress; // core/Progress.h
 
 namespace tetvdb::nano {
 
-/// A mesh in host memory, or in the device's (Job::resident).
+/// A mesh of tets or of triangles in host memory, or in the device's (Job::resident).
 struct MeshView {
   const double* points = nullptr; ///< x, y, z each, world units
   std::uint64_t pointCount = 0;
   const std::uint32_t* tets = nullptr; ///< four indices each; on the device aligned to 16 bytes
   std::uint64_t tetCount = 0;
-  const std::int32_t* values = nullptr; ///< of every tet, for GridType::Owner; null: its number
+  const std::int32_t* values = nullptr;     ///< of every tet, for GridType::Owner; null: its number
+  const std::uint32_t* triangles = nullptr; ///< three indices each; null: the mesh is one of tets
+  std::uint64_t triangleCount = 0;
 };
 
 enum class GridType : std::uint8_t {
@@ -47,30 +52,35 @@ enum class GridType : std::uint8_t {
 /// How occupancy is found; the grid is the same.
 enum class Method : std::uint8_t {
   Auto,     ///< whichever a cost estimate finds faster
-  Boundary, ///< signed crossings of the boundary faces
-  Tets      ///< every tet rasterised into a dense array of leaf masks; for small grids
+  Boundary, ///< signed crossings of the boundary faces, or of all triangles
+  Tets,     ///< every tet rasterised into a dense array of leaf masks; for small grids
+  Dense     ///< signed crossings of all triangles in a dense array; for small grids
 };
 
 struct Job {
   GridType type = GridType::Fog;
   Method method = Method::Auto;
-  double voxelSize[3] = {1, 1, 1}; ///< world units
-  double origin[3] = {0, 0, 0};    ///< world units: the centre of voxel (0, 0, 0)
-  std::string name = "density";    ///< at most 255 bytes
-  bool resident = false;           ///< the mesh's arrays are in the device's memory
-  bool download = true;            ///< false: the buffer stays on the device
+  FillRule rule = FillRule::Positive; ///< winding numbers that are inside; of triangles
+  double voxelSize[3] = {1, 1, 1};    ///< world units
+  double origin[3] = {0, 0, 0};       ///< world units: the centre of voxel (0, 0, 0)
+  std::string name = "density";       ///< at most 255 bytes
+  bool resident = false;              ///< the mesh's arrays are in the device's memory
+  bool download = true;               ///< false: the buffer stays on the device
 };
 
 struct Counts {
   std::uint64_t flipped = 0;       ///< tets of negative volume, taken as reversed
   std::uint64_t dropped = 0;       ///< tets without volume on the lattice
   std::uint64_t boundaryFaces = 0; ///< 0 where the boundary was not needed
+  std::uint64_t openEdges = 0;     ///< of triangles: edges along which they do not cancel
+  std::uint64_t oddEdges = 0;      ///< of triangles: edges of an odd number of them
   std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;
   std::uint64_t bufferBytes = 0;
   Method method = Method::Tets; ///< the one taken
 };
 
-/// Valid until the voxelizer that made it runs again or is destroyed.
+/// Valid until the voxelizer that made it runs again or is destroyed. Of triangles that do not
+/// close (openEdges, for FillRule::Odd oddEdges) nothing is made: both pointers are null.
 struct Result {
   const unsigned char* bytes =
       nullptr; ///< the grid in host memory, aligned to 64 bytes; null where not downloaded
@@ -82,6 +92,12 @@ struct Result {
 struct Times {
   double upload = 0, build = 0, download = 0;
   std::vector<std::pair<std::string, double>> parts; ///< of `build`, by name
+};
+
+/// Voxels min .. min + size - 1.
+struct VoxelRange {
+  std::int32_t min[3];
+  std::uint32_t size[3];
 };
 
 /// Bytes a second.
@@ -98,6 +114,7 @@ public:
   ~HostTwin();
   /// `shares`: as a SharedVoxelizer of so many devices does it.
   Result run(const MeshView& mesh, const Job& job, int shares = 1);
+  void expand(const Result& result, GridType type, const VoxelRange& range, unsigned char* to);
   /// `shares`: likewise, one after another.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
@@ -174,6 +191,13 @@ public:
   /// level or more and grids beyond 2^63 leaves across, Error(Device) where the device fails,
   /// Error(Cancelled) soon after `progress` says so.
   Result run(const MeshView& mesh, const Job& job, const Progress* progress = nullptr);
+
+  /// The active voxels of the last result's grid, which may not have been downloaded, as bytes 0
+  /// and 1, [x][y][z], into `to` from byte `at` on: a byte a voxel of `range`. Returns when they
+  /// are there. `type`: that of the job. Throws Error(Usage) where they go beyond the end of `to`
+  /// or that is another device's.
+  void expand(const Result& result, GridType type, const VoxelRange& range, DeviceArray& to,
+              std::uint64_t at = 0);
 
   /// Values of arrays at the voxels that tets own, where tets overlap of the one of lowest number;
   /// bit for bit those of fields/SampleFields.h. `receiver` gets them leaf by leaf, on the calling

@@ -34,10 +34,10 @@ public:
     temporaries_.clear();
   }
   void stage(const char*) {}
-  // Parts in which a mesh's tets arrive.
+  // Parts in which a mesh's cells arrive.
   int parts() const { return 3; }
   void awaitPoints() {}
-  void awaitTets(int) {}
+  void awaitCells(int) {}
   u8* output(u64 bytes) { return alloc<u8>(bytes); }
 
   void zero(void* p, u64 bytes) { std::memset(p, 0, bytes); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "BandLeaves.h"
+#include "ExpandGrid.h"
 #include "HostBackend.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
@@ -73,6 +74,11 @@ u64 HostTwin::distances(const DistanceJob& job, DistanceReceiver& receiver, int 
   return leaves;
 }
 
+void HostTwin::expand(const Result& result, GridType type, const VoxelRange& range,
+                      unsigned char* to) {
+  expandActive(state_->backend, kindOf(type), result.bytes, range, to);
+}
+
 Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {
   State& s = *state_;
   s.backend.release();
@@ -85,6 +91,11 @@ Result HostTwin::run(const MeshView& mesh, const Job& job, int shares) {
     s.shares.push_back(std::make_unique<HostBackend>());
     pipelines.emplace_back(*s.shares.back(), mesh, job, ShareOf{k, shares});
     counts.push_back(pipelines.back().build());
+  }
+  if (!pipelines[0].closed()) {
+    Result open;
+    open.counts = pipelines[0].countsOf({}, 0);
+    return open;
   }
   const SharedLayout layout(pipelines[0].kind(), counts);
   Pipeline<HostBackend>::checkCount(layout.all.leaves);

@@ -45,6 +45,10 @@ template <typename Mask>
 TETVDB_HD u64* wordsOf(Mask& mask) {
   return reinterpret_cast<u64*>(&mask);
 }
+template <typename Mask>
+TETVDB_HD const u64* wordsOf(const Mask& mask) {
+  return reinterpret_cast<const u64*>(&mask);
+}
 
 /// Statistics of a node's active values, as float and int grids have them.
 struct NodeValues {

@@ -40,6 +40,10 @@ MeshView DeviceVoxelizer::keep(const MeshView&) {
 Result DeviceVoxelizer::run(const MeshView&, const Job&, const Progress*) {
   refuse();
 }
+void DeviceVoxelizer::expand(const Result&, GridType, const VoxelRange&, DeviceArray&,
+                             std::uint64_t) {
+  refuse();
+}
 Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
   refuse();
 }
@@ -57,6 +61,24 @@ std::uint64_t DeviceVoxelizer::allocations() const {
 }
 std::uint64_t DeviceVoxelizer::deviceBytes() const {
   return 0;
+}
+
+DeviceArray::DeviceArray(int device, std::uint64_t bytes) : device_(device), bytes_(bytes) {
+  refuse();
+}
+DeviceArray::~DeviceArray() = default;
+void DeviceArray::readBy(std::uint64_t) {}
+void DeviceArray::setBits(std::uint64_t, const char*, std::uint64_t) {
+  refuse();
+}
+void DeviceArray::set(std::uint64_t, const void*, std::uint64_t) {
+  refuse();
+}
+void DeviceArray::set(std::uint64_t, const DeviceArray&) {
+  refuse();
+}
+void DeviceArray::download(void*) const {
+  refuse();
 }
 
 SharedVoxelizer::SharedVoxelizer(const std::vector<int>&) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // One model from arrays to a NanoVDB buffer, on any backend:
-// snap -> orient -> (boundary -> faces' leaves | tets' leaves) -> lower nodes -> upper nodes ->
-// write.
+// snap -> (orient -> boundary | edges) -> (faces' leaves | tets' leaves) -> lower nodes -> upper
+// nodes -> write.
 #pragma once
 
+#include "DenseFaces.h"
 #include "DenseTree.h"
 #include "DeviceVoxelizer.h"
+#include "SoupFaces.h"
 #include "WriteGrid.h"
 #include "tetvdb/core/Error.h"
 
@@ -20,10 +22,21 @@ namespace tetvdb::nano {
 
 constexpr double kMaxVoxel = 2147475456.0; // as SnappedMesh.cpp has it
 
+/// Up to here crossings in a dense array, 2 kB a leaf, are faster than sorted ones: about 512^3.
+constexpr u64 kMaxDenseLeaves = u64(1) << 18;
+
+inline Kind kindOf(GridType type) {
+  return type == GridType::Mask   ? Kind::Mask
+         : type == GridType::Bool ? Kind::Boolean
+         : type == GridType::Fog  ? Kind::Float
+                                  : Kind::Int32;
+}
+
 /// What the first steps find, read together.
 struct Findings {
   i64 low[3], high[3]; ///< box of the points, lattice units
   u64 flipped, flat;
+  u64 openEdges, oddEdges;
   u32 errors, unused;
 };
 
@@ -47,6 +60,12 @@ public:
   /// Builds; the buffer is the backend's memory.
   Result run() {
     const NodeCounts nodes = build();
+    if (!closed()) {
+      b_.stage("");
+      Result open;
+      open.counts = counts_;
+      return open;
+    }
     const BufferLayout layout = layoutOf(kind_, nodes);
     u8* buffer = b_.output(layout.size);
     write(buffer, layout);
@@ -63,16 +82,24 @@ public:
     placeMesh();
     writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind_, valuesOf(job_.type));
     const bool owners = job_.type == GridType::Owner;
+    const Method denseMethod = soup() ? Method::Dense : Method::Tets;
     const bool dense =
-        !owners && (job_.method == Method::Tets ? denseFits()
-                                                : job_.method == Method::Auto && denseIsFaster());
-    if (!owners && job_.method == Method::Tets && !dense)
-      throw Error(Status::Limit, "", "the grid is too large for the road by tets on the device",
-                  "take the road by the boundary");
-    counts_.method = owners || dense ? Method::Tets : Method::Boundary;
-    const NodeCounts nodes = dense ? buildDense() : buildSparse(owners);
+        !owners &&
+        (job_.method == denseMethod ? denseFits() : job_.method == Method::Auto && denseIsFaster());
+    if (!owners && job_.method == denseMethod && !dense)
+      throw Error(Status::Limit, "", "the grid is too large for a dense array on the device",
+                  "take the method by the boundary");
+    counts_.method = dense ? denseMethod : owners ? Method::Tets : Method::Boundary;
+    const NodeCounts nodes = !dense   ? buildSparse(owners)
+                             : soup() ? buildDenseFaces()
+                                      : buildDense();
     checkCount(nodes.leaves);
     return nodes;
+  }
+
+  /// Whether the mesh has an inside: after build().
+  bool closed() const {
+    return (job_.rule == FillRule::Odd ? counts_.oddEdges : counts_.openEdges) == 0;
   }
 
   /// Second part: the nodes into `buffer`, of layout.sizeHere bytes.
@@ -139,6 +166,7 @@ public:
             findings->high[k] = -(i64(1) << 62);
           }
           findings->flipped = findings->flat = 0;
+          findings->openEdges = findings->oddEdges = 0;
           findings->errors = findings->unused = 0;
         });
   }
@@ -204,35 +232,90 @@ public:
   void forArriving(const F& f) {
     const u64 parts = static_cast<u64>(b_.parts());
     for (u64 part = 0; part < parts; ++part) {
-      b_.awaitTets(static_cast<int>(part));
+      b_.awaitCells(static_cast<int>(part));
       f(mesh_.tetCount * part / parts, mesh_.tetCount * (part + 1) / parts);
     }
   }
+  // Once all triangles are there.
+  void awaitTriangles() {
+    for (int part = 0; part < b_.parts(); ++part)
+      b_.awaitCells(part);
+  }
 
-  NodeCounts buildDense() {
-    b_.stage("rasterize");
+  DenseBox denseBox() const {
     DenseBox box{};
     for (int k = 0; k < 3; ++k) {
       box.first[k] = nodeMin_[k];
       box.size[k] = nodeMax_[k] - nodeMin_[k] + 1;
       box.voxel[k] = (space_.base[k] + static_cast<i64>(nodeMin_[k]) * 16) * 8;
     }
-    DenseRasterizer<Backend> tets(b_, box, points_, mesh_.pointCount, mesh_.tets, mesh_.tetCount);
+    return box;
+  }
+
+  NodeCounts buildDense() {
+    b_.stage("rasterize");
+    DenseRasterizer<Backend> tets(b_, denseBox(), points_, mesh_.pointCount, mesh_.tets,
+                                  mesh_.tetCount);
     tets.begin();
     forArriving([&](u64 begin, u64 end) { tets.add(begin, end, errors_); });
     tets.addMany();
+    u64 tallies[2];
+    const NodeCounts nodes = takeDense(tets.box(), tets.tallies(), tallies);
+    counts_.flipped = tallies[0];
+    counts_.dropped = tallies[1];
+    return nodes;
+  }
+
+  NodeCounts buildDenseFaces() {
+    b_.stage("edges");
+    u64* tallies = b_.template alloc<u64>(2 * kTallies);
+    b_.zero(tallies, 2 * kTallies * sizeof(u64));
+    awaitTriangles();
+    countSoupEdges(b_, points_, mesh_.pointCount, mesh_.triangles, mesh_.triangleCount, tallies,
+                   tallies + kTallies, errors_);
+    b_.stage("rasterize");
+    const DenseBox box = denseBox();
+    u64 first[3], size[3];
+    crossedLeaves(first, size);
+    DenseFaces<Backend> faces(b_, box, first, size, points_, mesh_.pointCount, mesh_.triangles,
+                              mesh_.triangleCount);
+    faces.begin();
+    faces.add(errors_);
+    faces.addMany();
+    faces.sum(job_.rule, errors_);
+    counts_.boundaryFaces = mesh_.triangleCount;
+    u64 edges[2];
+    const NodeCounts nodes = takeDense(faces.box(), tallies, edges);
+    counts_.openEdges = edges[0];
+    counts_.oddEdges = edges[1];
+    if (closed())
+      refuseLoss();
+    return nodes;
+  }
+
+  // The leaves that crossings may lie in, counted from the first of the DenseBox.
+  void crossedLeaves(u64 (&first)[3], u64 (&size)[3]) const {
+    for (int k = 0; k < 3; ++k) {
+      first[k] = leafMin_[k] - nodeMin_[k] * 16;
+      size[k] = leafMax_[k] - leafMin_[k] + 1;
+    }
+  }
+
+  // The tree of the masks; `sums` receives those of the tallies.
+  NodeCounts takeDense(const DenseBox& box, const u64* tallies, u64 (&sums)[2]) {
     b_.stage("levels");
-    DenseTree<Backend> tree(b_, space_, tets.box(), evenShare());
-    DenseNodes nodes = tree.number(tets.tallies(), errors_);
+    DenseTree<Backend> tree(b_, space_, box, evenShare());
+    DenseNodes nodes = tree.number(tallies, errors_);
     const DenseCounts found = b_.read(nodes.counts);
-    refuseTets(found.errors);
-    counts_.flipped = found.flipped;
-    counts_.dropped = found.flat;
+    refuseCells(found.errors);
+    found_.errors = found.errors;
+    sums[0] = found.tallies[0];
+    sums[1] = found.tallies[1];
     tree.list(nodes, found.leaves);
     writer_->take(nodes.leaf, nodes.lowers, nodes.uppers, nodes.roots, found.uppers);
     lowerMasks_ = nodes.lower;
     upperMasks_ = nodes.upper;
-    masks_.mask = tets.box().mask;
+    masks_.mask = box.mask;
     return {found.uppers, found.uppers, found.lowers, found.leaves};
   }
 
@@ -245,7 +328,7 @@ public:
                  errors_);
     });
     found_ = b_.read(findings_);
-    refuseTets(found_.errors);
+    refuseCells(found_.errors);
     counts_.flipped = found_.flipped;
     counts_.dropped = found_.flat;
   }
@@ -255,16 +338,38 @@ public:
     leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
   }
 
+  // The faces of a soup; null where it is not closed.
+  const Face* closedSoup() {
+    b_.stage("edges");
+    awaitTriangles();
+    countSoupEdges(b_, points_, mesh_.pointCount, mesh_.triangles, mesh_.triangleCount,
+                   &findings_->openEdges, &findings_->oddEdges, errors_);
+    b_.dropTemporaries();
+    found_ = b_.read(findings_);
+    refuseCells(found_.errors);
+    counts_.openEdges = found_.openEdges;
+    counts_.oddEdges = found_.oddEdges;
+    return closed() ? soupFaces(b_, mesh_.triangles, mesh_.triangleCount) : nullptr;
+  }
+
   NodeCounts buildSparse(bool owners) {
-    orient();
+    if (!soup())
+      orient();
     if (owners) {
       rasterizeOwners();
     } else {
-      b_.stage("boundary");
-      u64 faceCount = 0;
-      const Face* faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
+      u64 faceCount = mesh_.triangleCount;
+      const Face* faces = nullptr;
+      if (soup()) {
+        faces = closedSoup();
+        if (faces == nullptr)
+          return {};
+      } else {
+        b_.stage("boundary");
+        faces = boundaryFaces(b_, mesh_.tets, mesh_.tetCount, signs_, faceCount);
+      }
       counts_.boundaryFaces = faceCount;
-      leaves_ = FaceRasterizer<Backend>(b_, space_)
+      leaves_ = FaceRasterizer<Backend>(b_, space_, job_.rule)
                     .run(points_, faces, faceCount, shareByFaces(faces, faceCount), leafSize(kind_),
                          masks_);
     }
@@ -280,16 +385,23 @@ public:
     uppers_ = levels.template parents<5>(1, lowers_, upperMasks_);
     const GrowNodes<Backend, 5> growUppers{b_, upperMasks_};
     levels.template closeGaps<16>(2, uppers_, upperMasks_.top, growUppers);
-    if (!owners && (b_.read(errors_) & kNotClosed) != 0)
-      throw std::logic_error("the boundary does not close: crossings were lost");
+    if (!owners) {
+      found_.errors = b_.read(errors_);
+      refuseLoss();
+    }
     return writer_->number(leaves_, lowers_, uppers_);
   }
 
-  void refuseTets(u32 errors) const {
+  void refuseLoss() const {
+    if (found_.errors & kNotClosed)
+      throw std::logic_error("the boundary does not close: crossings were lost");
+  }
+  void refuseCells(u32 errors) const {
+    const std::string cell = soup() ? "a triangle" : "a tet";
     if (errors & kBadIndex)
-      throw Error(Status::Invalid, "", "a tet refers to a point that is not there");
+      throw Error(Status::Invalid, "", cell + " refers to a point that is not there");
     if (errors & kLongTet)
-      throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
+      throw Error(Status::Limit, "", cell + " is longer than 2^20 voxels", "use larger voxels");
   }
 
   void chooseSpace() {
@@ -308,8 +420,10 @@ public:
       space_.bits[k] = 9;
       while (u64(1) << space_.bits[k] < leaves)
         ++space_.bits[k];
-      nodeMin_[k] = static_cast<u64>(first - space_.base[k]) >> 4;
-      nodeMax_[k] = static_cast<u64>(last - space_.base[k]) >> 4;
+      leafMin_[k] = static_cast<u64>(first - space_.base[k]);
+      leafMax_[k] = static_cast<u64>(last - space_.base[k]);
+      nodeMin_[k] = leafMin_[k] >> 4;
+      nodeMax_[k] = leafMax_[k] >> 4;
     }
     if (space_.total() > 63)
       throw Error(Status::Limit, "", "the grid is too wide for the device",
@@ -328,6 +442,11 @@ public:
   bool denseIsFaster() const {
     if (!denseFits())
       return false;
+    if (soup()) {
+      u64 first[3], size[3];
+      crossedLeaves(first, size);
+      return size[0] * size[1] * size[2] <= kMaxDenseLeaves;
+    }
     double voxels = 1, surface = 0;
     double side[3];
     for (int k = 0; k < 3; ++k) {
@@ -448,23 +567,22 @@ public:
     return share;
   }
 
+  bool soup() const { return mesh_.triangles != nullptr; }
+
   void checkJob() const {
+    if (soup() && job_.type == GridType::Owner)
+      throw Error(Status::Usage, "", "triangles own no voxels", "use a mesh of tets");
     for (int k = 0; k < 3; ++k)
       if (!(job_.voxelSize[k] > 0) || !std::isfinite(job_.voxelSize[k]) ||
           !std::isfinite(job_.origin[k]))
         throw Error(Status::Usage, "", "voxel size and origin must be finite, the size positive");
     if (job_.name.size() > 255)
       throw Error(Status::Usage, "", "the grid's name is longer than 255 bytes");
-    if (mesh_.tetCount >= u64(1) << 32 || mesh_.pointCount >= u64(1) << 32)
-      throw Error(Status::Limit, "", "the mesh has 2^32 tets or points or more");
+    if (mesh_.tetCount >= u64(1) << 32 || mesh_.pointCount >= u64(1) << 32 ||
+        mesh_.triangleCount >= u64(1) << 31)
+      throw Error(Status::Limit, "", "the mesh has 2^32 tets or points or 2^31 triangles or more");
   }
 
-  static Kind kindOf(GridType type) {
-    return type == GridType::Mask   ? Kind::Mask
-           : type == GridType::Bool ? Kind::Boolean
-           : type == GridType::Fog  ? Kind::Float
-                                    : Kind::Int32;
-  }
   static GridValues valuesOf(GridType type) {
     if (type == GridType::Fog)
       return {0x3F800000u, 0}; // 1 and 0 as floats
@@ -503,6 +621,8 @@ private:
   ShareOf shareOf_;
   Kind kind_;
   KeySpace space_{};
+  // In units of leaves and lower nodes from the space's base, inclusive.
+  u64 leafMin_[3] = {0, 0, 0}, leafMax_[3] = {0, 0, 0};
   u64 nodeMin_[3] = {0, 0, 0}, nodeMax_[3] = {0, 0, 0};
   LatticePoint* points_ = nullptr;
   std::int8_t* signs_ = nullptr;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "BoundaryFaces.h"
+#include "tetvdb/geometry/FillRule.h"
 
 namespace tetvdb::nano {
 
@@ -50,7 +51,7 @@ constexpr u64 kBytesPerLeaf = 140;
 struct WalkShared {
   static constexpr int kThreads = 256, kOccupancy = 32;
   i32 delta[512];        // signed crossings at a voxel: [8][64 columns], so that banks differ
-  i32 count[64];         // tets around, below the leaf
+  i32 count[64];         // the winding number below the leaf
   alignas(8) u8 run[64]; // the column's bits
   alignas(8) u8 inside[64];
 };
@@ -58,7 +59,8 @@ struct WalkShared {
 template <typename Backend>
 class FaceRasterizer {
 public:
-  FaceRasterizer(Backend& backend, const KeySpace& space) : b_(backend), space_(space) {}
+  FaceRasterizer(Backend& backend, const KeySpace& space, FillRule rule)
+      : b_(backend), space_(space), rule_(rule) {}
 
   /// The leaves of `share` that faces cross. `leafBytes`: of one in the buffer to come.
   Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, const RootShare& share,
@@ -226,6 +228,7 @@ public:
     u8* states = e.state;
     u64 *masks = leaves.mask, *tops = leaves.top;
     const KeySpace space = space_;
+    const FillRule rule = rule_;
     b_.template forTeams<WalkShared>(
         columnCount, teamSize, TETVDB_KERNEL(const Team& team, u64 column, WalkShared& s) {
           for (int c = team.rank(); c < 64; c += team.size())
@@ -262,11 +265,11 @@ public:
               u32 run = 0;
               for (int z = 0; z < 8; ++z) {
                 count += s.delta[z * 64 + c];
-                run |= u32(count > 0) << z;
+                run |= u32(isInside(count, rule)) << z;
               }
               s.count[c] = count;
               s.run[c] = static_cast<u8>(run);
-              s.inside[c] = count > 0;
+              s.inside[c] = isInside(count, rule);
             }
             team.sync();
             // Eight columns' bytes are a mask's word.
@@ -320,6 +323,7 @@ public:
 private:
   Backend& b_;
   KeySpace space_;
+  FillRule rule_;
   CrossedFace* columns_ = nullptr;
   u64* pairKey_ = nullptr;
   u32* pairFace_ = nullptr;

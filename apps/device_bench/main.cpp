@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the GPU does in how long, with the floor beside it: the time its least transfers would take
-// at the speeds measured in the same run. Medians of --repeat runs after warming up.
+// How long jobs take on the GPU, with the floor beside it: the time that the fewest transfers would
+// take at the speeds measured in the same run. Medians of several runs after warming up.
 #include "FieldsOnDevice.h"
 #include "LevelSetOnDevice.h"
 #include "Measure.h"
 #include "Meshes.h"
 #include "PaperOnDevice.h"
+#include "SoupsOnDevice.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/NanoGrids.h"
@@ -33,7 +34,7 @@ using bench::now;
 using nano::GridType;
 using nano::Method;
 
-int repeats = 20;
+constexpr int repeats = 20;
 
 // A mesh in pinned memory.
 struct Pinned {
@@ -284,10 +285,36 @@ void onCpu(const std::string& name, const TetMesh& mesh, int resolution, GridKin
   std::fflush(stdout);
 }
 
+constexpr const char* kHelp =
+    R"(tetvdb_device_bench [CASE...]   measures jobs on the GPU; without cases all but "soups FILE"
+
+paper, paper5, paper6, paper7   10^5, 10^6, 10^7 tets at 256^3, by each method and by the paper's
+owners                          who owns each voxel, at 1024^3
+fields                          arrays of tets sampled at voxels
+levelset                        distances around tets and triangles
+dataset                         1000 models of tets, 1 to 4 at a time
+soups [FILE...]                 1000 closed triangle meshes, 1 to 8 at a time, against the CPU's
+shared                          one grid by all GPUs of the host
+auto                            what --device auto goes by
+large                           up to 65536^3
+)";
+
 } // namespace
 
 int main(int argc, char** argv) {
-  std::set<std::string> cases(argv + 1, argv + argc);
+  std::set<std::string> cases;
+  std::vector<std::string> files;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--help" || argument == "-h") {
+      std::printf("%s", kHelp);
+      return 0;
+    }
+    if (cases.count("soups") != 0)
+      files.push_back(argument);
+    else
+      cases.insert(argument);
+  }
   const auto wanted = [&](const char* name) { return cases.empty() || cases.count(name) != 0; };
   try {
     std::string why;
@@ -343,6 +370,11 @@ int main(int argc, char** argv) {
     if (wanted("dataset"))
       for (int workers : {1, 2, 3, 4})
         dataSet(1000, workers);
+    if (wanted("soups")) {
+      bench::soupTable(device, speeds, repeats);
+      if (bench::manySoups(speeds, files, 1000) != 0)
+        return 1;
+    }
     if (wanted("shared"))
       for (int resolution : {32768, 65536})
         for (int count = 1; count <= static_cast<int>(devices.size()); ++count)

@@ -51,7 +51,7 @@ struct Options {
   std::vector<int> resolutions{64};
   std::vector<std::string> content{"occupancy"}, formats{"npz"};
   std::string normalize = "longest", up = "z", band = "3", shard, maxMemory, epsilonRange,
-              turn = "vertical";
+              turn = "vertical", device = "cpu";
   DatasetOptions make;
   bool noPack = false, resume = false, join = false, noPreview = false, worker = false;
   unsigned archives = 0;
@@ -134,6 +134,7 @@ DatasetOptions datasetOptions(const Options& options) {
   JobOptions limits;
   limits.maxMemory = options.maxMemory;
   make.maxMemory = memoryLimit(limits);
+  make.device = parseDevice("--device", options.device);
   checkFormats(make);
   if (options.archives > 0 && options.formats == std::vector<std::string>{"zarr"})
     throw Error(Status::Usage, "--archives",
@@ -433,6 +434,14 @@ void addRunOptions(CLI::App& command, Options& options) {
                   "says. Models are shared out by their identifiers")
       ->check(notEmpty())
       ->type_name("I/N|auto");
+  command
+      .add_option(
+          "--device", options.device,
+          "cpu, or cuda, cuda:1: the GPU that closed models become voxels on; the files are "
+          "the same")
+      ->check(notEmpty())
+      ->type_name("cpu|cuda|cuda:N")
+      ->capture_default_str();
   command.add_flag("--join", options.join, "Once all shares are done: tables, archives, card");
   command.add_flag("--resume", options.resume, "Go on with a data set: models that are done stay");
   command

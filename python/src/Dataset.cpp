@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DatasetNames.h"
+#include "DeviceTensor.h"
 #include "Functions.h"
 #include "MeshArrays.h"
+#include "ParseQuantities.h"
 #include "Report.h"
 #include "Settings.h"
 #include "tetvdb/pipeline/Shard.h"
 #include "tetvdb/pipeline/dataset/JoinDataset.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <limits>
 #include <nanobind/stl/string.h>
@@ -57,20 +60,13 @@ std::vector<int> resolutionsOf(Settings& settings) {
   return cli::sortedResolutions(resolutions.empty() ? std::vector<int>{64} : resolutions);
 }
 
-void refuseDevice(Settings& settings) {
-  std::string device = "cpu";
-  settings.take("device", device);
-  if (device.compare(0, 4, "cuda") == 0)
-    throw Error(Status::Device, "`device`", "data sets are made by the CPU",
-                "leave `device` out and move batches: torch.from_dlpack(batch.dense).cuda()");
-  if (device != "cpu" && device != "auto")
-    Settings::refuse("device", "'" + device + "' is no device", "give cpu");
-}
-
 DatasetOptions optionsOf(Settings& settings) {
   DatasetOptions options;
   options.formats.clear();
-  refuseDevice(settings);
+  std::string device = "cpu";
+  settings.take("device", device);
+  options.device = cli::parseDevice("`device`", device);
+  requireDevice(options.device);
   options.resolutions = resolutionsOf(settings);
   settings.takeWord("normalize", cli::kNormalLengths, options.normalize);
   takeShare(settings, "padding", 0, 10, options.padding);
@@ -171,13 +167,18 @@ public:
         std::vector<NamedArray> made;
         makeItemArrays(item, options_, made, report, progress);
         for (NamedArray& array : made)
-          array = unpacked(std::move(array));
+          if (array.device == nullptr)
+            array = unpacked(std::move(array));
         return made;
       });
     });
     nb::dict named;
     for (NamedArray& array : arrays) {
       const std::vector<std::size_t> shape(array.shape.begin(), array.shape.end());
+      if (array.device != nullptr) {
+        named[array.name.c_str()] = deviceTensor(std::move(array.device), shape);
+        continue;
+      }
       named[array.name.c_str()] = arrayObject(std::move(array.bytes), shape, dtypeOf(array.type));
     }
     return named;

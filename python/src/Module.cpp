@@ -2,6 +2,7 @@
 //
 // The module tetvdb._tetvdb: the library's jobs on plain arrays. The package tetvdb gives them
 // their signatures.
+#include "DeviceTensor.h"
 #include "Functions.h"
 #include "Grids.h"
 #include "Meshes.h"
@@ -26,6 +27,7 @@ NB_MODULE(_tetvdb, module) {
   addInfo(module);
   addRender(module);
   addSlice(module);
+  addDeviceTensor(module);
   addDataset(module);
   addCheck(module);
   module.def("allow_outside", &tetvdb::allowReferencesOutside, nanobind::arg("allowed") = true,

@@ -22,11 +22,11 @@ from ._dataset import Batch, Dataset
 from ._inputs import GRID_KINDS as _GRID_KINDS
 from ._inputs import _array
 from ._inputs import inputs_of as _inputs_of
-from ._tetvdb import (Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __version__,
+from ._tetvdb import (DeviceTensor, Error, Grid, MeshWarning, TetMesh, TriangleMesh, Volume, __version__,
                       allow_outside, read)
 
-__all__ = ["Batch", "Dataset", "Error", "Grid", "MeshWarning", "Queried", "Sliced", "Solid",
-           "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "info", "query", "read",
+__all__ = ["Batch", "Dataset", "DeviceTensor", "Error", "Grid", "MeshWarning", "Queried", "Sliced",
+           "Solid", "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "info", "query", "read",
            "render", "repair", "slice", "tetrahedralize", "voxelize", "voxelize_frames",
            "__version__"]
 

@@ -30,6 +30,9 @@ class Batch:
         self._arrays = {}
         for name in models[0]:
             arrays = [model[name] for model in models]
+            if isinstance(arrays[0], _tetvdb.DeviceTensor):
+                self._arrays[name] = _tetvdb.DeviceTensor.stack(arrays)
+                continue
             alike = all(array.shape == arrays[0].shape for array in arrays)
             ragged = "coordinates_" in name or not alike
             self._arrays[name] = arrays if ragged else numpy.stack(arrays)
@@ -58,8 +61,11 @@ class Batch:
     @property
     def dense(self) -> Any:
         """(B, N, N, N) of the highest resolution: occupancy as uint8, else surface voxels as uint8,
-        else distances as float32. torch.from_dlpack() takes it without a copy."""
+        else distances as float32. torch.from_dlpack() takes it without a copy. With device="cuda"
+        occupancy is a tetvdb.DeviceTensor, in the GPU's memory."""
         array = self._arrays[self._voxels()]
+        if isinstance(array, _tetvdb.DeviceTensor):
+            return array
         return array.view("uint8") if array.dtype == bool else array
 
     @property
@@ -68,7 +74,9 @@ class Batch:
         import numpy
 
         array = self._arrays[self._voxels()]
-        if array.dtype != bool:
+        if isinstance(array, _tetvdb.DeviceTensor):
+            array = array.to_numpy()
+        elif array.dtype != bool:
             array = array < 0
         return numpy.argwhere(array).astype(numpy.int32)
 
@@ -129,7 +137,9 @@ class Dataset:
     errors: of a model that cannot be made: "warn" and go on without it, "raise", or "ignore". Those
         that failed are in `failures`, as pairs of name and tetvdb.Error.
     threads: of one model (1). max_time: seconds for one model (300). max_memory: bytes for one.
-    device: "cpu"; there is no other for data sets, and "cuda" raises tetvdb.Error.
+    device: "cpu", or "cuda" or "cuda:1": closed models become voxels on that GPU, and occupancy stays
+        in its memory, a tetvdb.DeviceTensor in place of an array. The values are the same. A process
+        that was forked once CUDA runs has no GPU: give `workers`, which are threads.
 
     data[i] is one model: a dict of its arrays, "name", "id", "class" and "split". So a DataLoader of
     PyTorch takes the data set as it is (map-style), or torch() as an IterableDataset of whole

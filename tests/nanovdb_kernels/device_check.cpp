@@ -8,11 +8,15 @@
 #include "FieldCases.h"
 #include "Grids.h"
 #include "Meshes.h"
+#include "SoupCases.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/io/MeshReader.h"
+#include "tetvdb/io/TriangleReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/pipeline/ReadInput.h"
+#include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
 
 #include <chrono>
 #include <cstdio>
@@ -230,6 +234,53 @@ void madeMeshes(nano::DeviceVoxelizer& device, bool small) {
   expect(device.allocations() == before, "no allocation for a model of the same size");
 }
 
+// Triangles: the device's grids against those of the CPU, and the twin's bytes.
+template <typename Device>
+void compareSoups(Device& device, const SoupCase& c, bool twinToo) {
+  for (const FillRule rule : {FillRule::Positive, FillRule::NonZero, FillRule::Odd})
+    for (const Method method : {Method::Boundary, Method::Dense, Method::Auto}) {
+      if (method == Method::Dense && !c.dense)
+        continue;
+      nano::Job job = jobFor(GridType::Fog, method, c.transform);
+      job.rule = rule;
+      const std::string what = c.name + ", triangles, rule " + std::to_string(int(rule)) +
+                               ", method " + std::to_string(int(method));
+      try {
+        const nano::Result result = device.run(viewOf(c.mesh), job);
+        expect(result.bytes != nullptr &&
+                   hashOf(result) == cpuHash(c.mesh, rule, GridKind::Density, c.transform),
+               what + ": CPU");
+        if (!twinToo || method == Method::Auto)
+          continue;
+        nano::HostTwin twin;
+        expect(sameBytes(twin.run(viewOf(c.mesh), job), result), what + ": twin");
+      } catch (const std::exception& e) {
+        expect(false, what + ": " + e.what());
+      }
+    }
+}
+
+void madeSoups(nano::DeviceVoxelizer& device, bool small) {
+  for (const SoupCase& c : soupCases(small))
+    compareSoups(device, c, small);
+  const TriangleMesh sphere = meshes::sphere({0, 0, 0}, 20, 8);
+  const TriangleMesh holed = meshes::without(sphere, [](std::size_t f) { return f == 3; });
+  for (const Method method : {Method::Boundary, Method::Dense}) {
+    const nano::Result open = device.run(viewOf(holed), jobFor(GridType::Mask, method, {}));
+    expect(open.bytes == nullptr && open.counts.openEdges == 3, "an open soup");
+  }
+  TriangleMesh bad = sphere;
+  bad.triangles[5] = 1u << 30;
+  nano::Job job;
+  try {
+    device.run(viewOf(bad), job);
+    expect(false, "a triangle with a bad index");
+  } catch (const Error& e) {
+    expect(e.status() == Status::Invalid, e.what());
+  }
+  compareSoups(device, {"after refusals", sphere}, true);
+}
+
 template <typename F>
 bool refuses(Status status, const F& f) {
   try {
@@ -355,13 +406,30 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
   std::printf("\n");
 }
 
+void corpusSoup(nano::DeviceVoxelizer& device, const std::string& path) {
+  Report report;
+  Progress progress;
+  SoupCase c{path, readTriangles(path, report, progress)};
+  cleanTriangles(c.mesh, {}, progress);
+  if (c.mesh.triangles.empty() || !soupBoundary(c.mesh.triangles, progress).edges.empty())
+    return;
+  for (const int resolution : {64, 300, 700}) {
+    VoxelizeOptions options;
+    options.resolution = resolution;
+    c.transform = chooseTransform(c.mesh, options);
+    compareSoups(device, c, false);
+  }
+}
+
 void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
   TetMesh mesh;
   try {
     Report report;
     Progress progress;
-    if (holdsTriangles(path))
+    if (holdsTriangles(path)) {
+      corpusSoup(device, path);
       return;
+    }
     mesh = readTets(path, {}, {}, nullptr, report, progress);
   } catch (const Error&) {
     return; // not a mesh of tets, or a broken one
@@ -411,6 +479,7 @@ int main(int argc, char** argv) {
   madeMeshes(device, small);
   madeArrays(device, small);
   madeBands(device, small);
+  madeSoups(device, small);
   if (!small) {
     refusals(device);
     stopping(device);

@@ -164,8 +164,8 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
         packed.clear();
         StageTimer timer(report, "fields");
         timer.part("start");
-        DeviceSet devices = start();
-        return sampleOn(devices, mesh, transform, fields, options, pack, packed, volume, timer,
+        const BorrowedDevices devices = start();
+        return sampleOn(*devices, mesh, transform, fields, options, pack, packed, volume, timer,
                         report, progress);
       },
       onCpu);

@@ -196,9 +196,9 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
       device, question, used, report,
       [&](const auto& start) {
         timer.part("start");
-        DeviceSet devices = start();
+        const BorrowedDevices devices = start();
         return make([&](const DistanceBand& band, const NodeTaker& take, Progress& seen) {
-          rasterizeBandOn(devices, band, take, seen);
+          rasterizeBandOn(*devices, band, take, seen);
         });
       },
       [&] { return make(rasterizeBand); });

@@ -457,13 +457,13 @@ private:
 
   Voxelization voxelizeSolid(VoxelizeOptions options) {
     if (!byTets()) {
-      if (job_.device.kind == DeviceKind::Cuda)
-        report_.warn("device-unused", "the winding number is found on the CPU; `mesher=envelope` "
-                                      "makes tets, which the GPU takes");
+      if (asMaterials() && job_.device.kind == DeviceKind::Cuda)
+        report_.warn("device-unused", "materials of triangles are found on the CPU");
       Voxelization made =
           asMaterials()
               ? voxelizeMaterials(meshes_, job_.inputs, job_.solid, options, report_, progress_)
-              : voxelize(meshes_.front(), job_.solid, options, report_, progress_);
+              : voxelize(meshes_.front(), job_.solid, options, job_.device, result_.device,
+                         nanoPlace(job_, nano_), report_, progress_);
       result_.openEdges = made.counts.openEdges;
       return made;
     }

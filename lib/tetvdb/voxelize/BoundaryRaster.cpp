@@ -111,18 +111,6 @@ struct SlabCarry {
   }
 };
 
-bool isInside(std::int32_t sum, FillRule rule) {
-  switch (rule) {
-  case FillRule::Positive:
-    break;
-  case FillRule::NonZero:
-    return sum != 0;
-  case FillRule::Odd:
-    return (sum & 1) != 0;
-  }
-  return sum > 0;
-}
-
 // What is known of the triangles over holes in a slab: their crossings, and their solid angles over
 // 4 pi where these matter.
 struct SlabHoles {

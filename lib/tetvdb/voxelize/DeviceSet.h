@@ -43,6 +43,11 @@ public:
                            : several_->distances(job, receiver, &progress);
   }
 
+  /// The device's voxelizer where there is one device; else null.
+  nano::DeviceVoxelizer* single() const { return one_.get(); }
+  /// Held on the device where there is one; else 0.
+  std::uint64_t deviceBytes() const { return one_ != nullptr ? one_->deviceBytes() : 0; }
+
   /// Of the last job; the slowest device's.
   nano::Times times() const {
     if (one_ != nullptr)

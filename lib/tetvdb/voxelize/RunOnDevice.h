@@ -5,7 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Report.h"
-#include "tetvdb/voxelize/DeviceSet.h"
+#include "tetvdb/voxelize/BorrowedDevices.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <functional>
@@ -27,7 +27,7 @@ struct DeviceQuestion {
 bool takesDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
                  std::vector<std::string>& names, Report& report);
 
-/// Returns onDevice(start) or onCpu(), as takesDevice() says; start() returns the DeviceSet of the
+/// Returns onDevice(start) or onCpu(), as takesDevice() says; start() returns the devices of the
 /// choice. Where that is Auto and the device fails or has too little memory onCpu() takes over,
 /// with the warning "device-left"; it must not rest on what onDevice() left behind.
 template <typename OnDevice, typename OnCpu>
@@ -37,11 +37,7 @@ auto runOnDevice(const DeviceChoice& choice, const DeviceQuestion& question, Dev
   if (!takesDevice(choice, question, used, names, report))
     return onCpu();
   try {
-    return onDevice([&] {
-      DeviceSet devices(choice, names);
-      used.name = devices.name();
-      return devices;
-    });
+    return onDevice([&] { return BorrowedDevices(choice, names, used.name); });
   } catch (const Error& e) {
     if (choice.kind != DeviceKind::Auto ||
         (e.status() != Status::Device && e.status() != Status::Limit))

@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/FillHoles.h"
 #include "tetvdb/voxelize/SoupChain.h"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 #include <xxhash.h>
@@ -42,6 +43,23 @@ std::string emptyAdvice(const SoupBoundary& boundary, const SolidOptions& solid)
 }
 
 } // namespace
+
+void checkSolidOptions(const TriangleMesh& mesh, const SolidOptions& solid,
+                       const VoxelizeOptions& options) {
+  checkGridKinds(options.grids, {GridMaker::Occupancy});
+  if (options.rule != VoxelRule::Centre && (solid.shell > 0 || solid.inside == InsideRule::Flood))
+    throw Error(Status::Usage, "`rule`", "any and all do not go with `shell` or `inside=flood`",
+                "leave one of them out");
+  if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
+    throw Error(Status::Usage, "`shell`", fmt::format("{} is not a thickness", solid.shell));
+  if (solid.shell > 0 && solid.side != ShellSide::Both && solid.inside == InsideRule::Flood)
+    throw Error(Status::Usage, "`shell_side`", "does not go with `inside=flood`",
+                "leave one of them out");
+  if (mesh.triangleCount() >= 0xFFFFFFFFu)
+    throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
+  if (mesh.triangles.empty())
+    throw Error(Status::Invalid, "", "the mesh has no triangles");
+}
 
 SolidFaces solidFaces(const TriangleMesh& mesh, const SolidOptions& solid,
                       const GridTransform& transform, StageTimer& timer, Progress& progress) {

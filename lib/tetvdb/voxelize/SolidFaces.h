@@ -29,6 +29,11 @@ struct SolidFaces {
   FillOptions fill() const { return {rule, holes ? &*holes : nullptr}; }
 };
 
+/// Throws Error(Usage) for options that do not go together or do not go with triangles,
+/// Error(Limit) for 2^32 triangles or more, Error(Invalid) for none.
+void checkSolidOptions(const TriangleMesh& mesh, const SolidOptions& solid,
+                       const VoxelizeOptions& options);
+
 /// Of triangles. Adds parts to `timer`. Throws as voxelize() does, among others Error(Invalid) for
 /// parity where edges have an odd number of faces.
 SolidFaces solidFaces(const TriangleMesh& mesh, const SolidOptions& solid,

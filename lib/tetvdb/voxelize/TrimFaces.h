@@ -9,8 +9,8 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/FillRule.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
-#include "tetvdb/voxelize/FillRule.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TrimCounts.h"
 

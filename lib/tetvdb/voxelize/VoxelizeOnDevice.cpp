@@ -7,6 +7,7 @@
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
+#include "tetvdb/voxelize/SolidFaces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tbb/task_arena.h>
 #include <utility>
@@ -25,8 +27,9 @@ bool needsOwners(GridKind kind) {
   return infoOf(kind).maker == GridMaker::Owner;
 }
 
-nano::Job jobFor(GridKind kind, const GridTransform& transform) {
+nano::Job jobFor(GridKind kind, const GridTransform& transform, FillRule rule) {
   nano::Job job;
+  job.rule = rule;
   for (std::size_t k = 0; k < 3; ++k) {
     job.voxelSize[k] = transform.voxelSize[k];
     job.origin[k] = transform.origin[k];
@@ -36,6 +39,15 @@ nano::Job jobFor(GridKind kind, const GridTransform& transform) {
              : kind == GridKind::Mask ? nano::GridType::Bool
                                       : nano::GridType::Fog;
   return job;
+}
+
+nano::MeshView viewOf(const TriangleMesh& mesh) {
+  nano::MeshView view;
+  view.points = mesh.points[0].data();
+  view.pointCount = mesh.points.size();
+  view.triangles = mesh.triangles.data();
+  view.triangleCount = mesh.triangleCount();
+  return view;
 }
 
 // Value of every tet; empty where it is the tet's number.
@@ -71,6 +83,7 @@ constexpr double kDeviceStart = 0.42 + 0.05, kDevicePerTet = 2e-9, kDevicePerByt
 constexpr double kDevicePerValueByte = 0.03e-9;
 // Of the CPU: of a core. Leaves of values are bound by memory.
 constexpr double kCpuStart = 2e-3, kCpuPerTet = 90e-9, kCpuPerOwnedTet = 450e-9;
+constexpr double kCpuPerTriangle = 150e-9;
 constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;
 // Of sampling fields, a core's seconds a tet and a number of a voxel, beside its leaf of values;
 // on the device making pinned memory, and tets and arrays from pageable memory.
@@ -88,12 +101,16 @@ double threadsThatGain() {
   return all <= kFullThreads ? all : (all + kFullThreads) / 2;
 }
 
+// On the device, with its share of the lower nodes.
+double bytesOfLeaf(GridKind kind) {
+  return kind == GridKind::Mask ? 310 : 2300;
+}
+
 // Of a body that fills half of its box.
 struct LeafCounts {
   double surface, volume;
 };
-LeafCounts leavesOf(const TetMesh& mesh, const GridTransform& transform) {
-  const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
+LeafCounts leavesOf(const WorldBox& box, const GridTransform& transform) {
   double leaves[3];
   for (std::size_t k = 0; k < 3; ++k)
     leaves[k] = (box.max[k] - box.min[k]) / transform.voxelSize[k] / 8 + 1;
@@ -104,7 +121,7 @@ LeafCounts leavesOf(const TetMesh& mesh, const GridTransform& transform) {
 } // namespace
 
 DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers) {
-  const double leaves = leavesOf(mesh, transform).volume;
+  const double leaves = leavesOf(boxOfUsed(mesh.points, mesh.tets), transform).volume;
   const auto tets = static_cast<double>(mesh.tetCount());
   // The host makes the leaves either way.
   const double trees = leaves * numbers * kCpuPerValueLeaf / threadsThatGain();
@@ -125,7 +142,7 @@ DeviceCost estimateBandCost(double leaves, double faces) {
 
 DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options) {
-  const auto [surface, volume] = leavesOf(mesh, transform);
+  const auto [surface, volume] = leavesOf(boxOfUsed(mesh.points, mesh.tets), transform);
   const auto tets = static_cast<double>(mesh.tetCount());
   const double threads = threadsThatGain();
   DeviceCost cost{kCpuStart, kDeviceStart};
@@ -135,18 +152,34 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
     cost.cpu += (tets * (owners ? kCpuPerOwnedTet : kCpuPerTet) +
                  count * (mask ? kCpuPerMaskLeaf : kCpuPerValueLeaf)) /
                 threads;
-    // With their share of the lower nodes.
-    cost.device += tets * kDevicePerTet + count * (mask ? 310 : 2300) * kDevicePerByte;
+    cost.device += tets * kDevicePerTet + count * bytesOfLeaf(kind) * kDevicePerByte;
+  }
+  return cost;
+}
+
+DeviceCost estimateCost(const TriangleMesh& mesh, const GridTransform& transform,
+                        const VoxelizeOptions& options) {
+  const double surface = leavesOf(boxOfUsed(mesh.points, mesh.triangles), transform).surface;
+  const auto triangles = static_cast<double>(mesh.triangleCount());
+  DeviceCost cost{kCpuStart, kDeviceStart};
+  for (const GridKind kind : options.grids) {
+    cost.cpu += (triangles * kCpuPerTriangle +
+                 surface * (kind == GridKind::Mask ? kCpuPerMaskLeaf : kCpuPerValueLeaf)) /
+                threadsThatGain();
+    cost.device += triangles * kDevicePerTet + surface * bytesOfLeaf(kind) * kDevicePerByte;
   }
   return cost;
 }
 
 namespace {
 
-Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeOptions& options,
+// The grids of meshOf(kind), of world coordinates; no volume where it does not close.
+template <typename MeshOf>
+Voxelization voxelizeOn(DeviceSet& devices, const GridTransform& transform,
+                        const std::vector<GridKind>& kinds, FillRule rule, const MeshOf& meshOf,
                         std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
   Voxelization result;
-  result.transform = chooseTransform(mesh, options);
+  result.transform = transform;
   const auto timed = [&](const char* name, double seconds, Stage stage = {}) {
     stage.name = name;
     stage.seconds = seconds;
@@ -158,14 +191,16 @@ Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeO
   Stage parts;
   nano::Counts counts;
   StageTimer download(report, "download"); // written last
-  for (const GridKind kind : options.grids) {
+  for (const GridKind kind : kinds) {
     progress.check();
-    const std::vector<std::int32_t> values = valuesOf(kind, mesh);
-    const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
-                              mesh.tetCount(), values.empty() ? nullptr : values.data()};
-    download.part(jobFor(kind, result.transform).name + " on the device");
-    const nano::Result made = devices.run(view, jobFor(kind, result.transform), progress);
-    download.part(jobFor(kind, result.transform).name);
+    const nano::Job job = jobFor(kind, transform, rule);
+    download.part(job.name + " on the device");
+    const nano::Result made = devices.run(meshOf(kind), job, progress);
+    counts = made.counts;
+    result.counts.openEdges = counts.openEdges;
+    if (made.bytes == nullptr)
+      return result;
+    download.part(job.name);
     grids->all.push_back(gridOfNano(made.bytes));
     if (nanoGrids != nullptr)
       nanoGrids->push_back(copyOf(made.bytes, made.counts.bufferBytes));
@@ -174,7 +209,6 @@ Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeO
     sum.build += times.build;
     for (const auto& [name, seconds] : times.parts)
       parts.parts.push_back({name, seconds});
-    counts = made.counts;
   }
   timed("upload", sum.upload);
   timed("voxelize", sum.build, std::move(parts));
@@ -182,8 +216,7 @@ Voxelization voxelizeOn(DeviceSet& devices, const TetMesh& mesh, const VoxelizeO
   result.counts.flipped = counts.flipped;
   result.counts.dropped = counts.dropped;
   result.counts.boundaryFaces = counts.boundaryFaces;
-  result.path =
-      counts.method == nano::Method::Boundary ? OccupancyPath::Boundary : OccupancyPath::Tets;
+  result.path = counts.method == nano::Method::Tets ? OccupancyPath::Tets : OccupancyPath::Boundary;
   return result;
 }
 
@@ -256,8 +289,15 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
       [&](const auto& start) {
         progress.stage("voxelize");
         initializeOpenVDB();
-        DeviceSet devices = start();
-        Voxelization result = voxelizeOn(devices, mesh, options, nanoGrids, report, progress);
+        const BorrowedDevices devices = start();
+        std::vector<std::int32_t> values;
+        const auto viewOf = [&](GridKind kind) {
+          values = valuesOf(kind, mesh);
+          return nano::MeshView{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
+                                mesh.tetCount(), values.empty() ? nullptr : values.data()};
+        };
+        Voxelization result = voxelizeOn(*devices, chooseTransform(mesh, options), options.grids,
+                                         FillRule::Positive, viewOf, nanoGrids, report, progress);
         reportOrigin(result.transform, options, report);
         reportTets(result.counts, mesh.tetCount(), report);
         requireVoxels(result, options);
@@ -268,6 +308,79 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
           nanoGrids->clear();
         return onCpu();
       });
+}
+
+Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const VoxelizeOptions& options, const DeviceChoice& choice, DeviceUsed& used,
+                      std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
+  used = {};
+  const auto onCpu = [&] {
+    if (nanoGrids != nullptr)
+      nanoGrids->clear();
+    return voxelize(mesh, solid, options, report, progress);
+  };
+  if (choice.kind == DeviceKind::Cpu)
+    return onCpu();
+  checkSolidOptions(mesh, solid, options);
+  checkMesh(mesh);
+  const std::optional<FillRule> rule = fillRuleOf(solid);
+  DeviceQuestion question;
+  if (options.rule != VoxelRule::Centre)
+    question.unable = "`rule=any` and all are the CPU's";
+  else if (!rule)
+    question.unable = "shells and `inside=flood` are the CPU's";
+  question.cost = [&] {
+    return estimateCost(mesh, chooseTransform(mesh, options, solid), options);
+  };
+  return runOnDevice(
+      choice, question, used, report,
+      [&](const auto& start) {
+        progress.stage("voxelize");
+        initializeOpenVDB();
+        const BorrowedDevices devices = start();
+        Voxelization result = voxelizeOn(
+            *devices, chooseTransform(mesh, options, solid), options.grids, *rule,
+            [&](GridKind) { return viewOf(mesh); }, nanoGrids, report, progress);
+        if (result.volume.grids().all.empty()) {
+          used = {"cpu", "the mesh is open: its winding number is found on the CPU"};
+          if (choice.kind == DeviceKind::Cuda)
+            report.warn("device-unused", used.why);
+          return onCpu();
+        }
+        reportOrigin(result.transform, options, report);
+        checkSolid({}, solid, result.volume.grids().all.front()->activeVoxelCount(), 0, options,
+                   report);
+        return result;
+      },
+      onCpu);
+}
+
+std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
+                                                  const GridTransform& transform,
+                                                  const VoxelBox& box, const DeviceChoice& choice,
+                                                  Report& report, Progress& progress) {
+  const StageTimer timer(report, "voxelize");
+  progress.stage("voxelize");
+  requireDevice(choice);
+  std::string why, name;
+  const BorrowedDevices devices({DeviceKind::Cuda, {choice.numbers.front()}},
+                                nano::listDevices(why), name);
+  nano::Job job = jobFor(GridKind::Mask, transform, FillRule::Positive);
+  job.type = nano::GridType::Mask;
+  job.download = false;
+  const nano::Result made = devices->run(viewOf(mesh), job, progress);
+  if (made.device == nullptr)
+    return nullptr;
+  nano::VoxelRange range{};
+  std::uint64_t voxels = 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    range.min[k] = box.min[k];
+    range.size[k] = static_cast<std::uint32_t>(std::int64_t(box.max[k]) - box.min[k] + 1);
+    voxels *= range.size[k];
+  }
+  auto array = std::make_shared<nano::DeviceArray>(choice.numbers.front(), voxels);
+  devices->single()->expand(made, job.type, range, *array);
+  return array;
 }
 
 } // namespace tetvdb

@@ -4,20 +4,28 @@
 #pragma once
 
 #include "tetvdb/volume/NanoBytes.h"
+#include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/DeviceChoice.h"
-#include "tetvdb/voxelize/Voxelize.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace tetvdb {
+
+namespace nano {
+class DeviceArray;
+}
 
 /// Seconds that a job is expected to take; from making the device ready to OpenVDB's trees.
 struct DeviceCost {
   double cpu = 0, device = 0;
 };
 DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+                        const VoxelizeOptions& options);
+DeviceCost estimateCost(const TriangleMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options);
 /// The same of fields/SampleOnDevice.h, for fields of so many numbers a voxel in all.
 DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers);
@@ -36,5 +44,19 @@ void requireDevice(const DeviceChoice& choice);
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
                       const DeviceChoice& choice, DeviceUsed& used, std::vector<NanoBytes>* nano,
                       Report& report, Progress& progress);
+
+/// The same for triangles. What the GPU cannot do (soups that do not close, shells, `flood`, rules
+/// but Centre) the CPU does, with the warning "device-unused" where a GPU was asked for.
+Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
+                      const VoxelizeOptions& options, const DeviceChoice& choice, DeviceUsed& used,
+                      std::vector<NanoBytes>* nano, Report& report, Progress& progress);
+
+/// The voxels of `box` inside a soup (InsideRule::Winding) as bytes 0 and 1 in the memory of the
+/// first device of `choice`, [x][y][z]; null where the soup is open. Throws Error(Device) where
+/// there is none or it fails.
+std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
+                                                  const GridTransform& transform,
+                                                  const VoxelBox& box, const DeviceChoice& choice,
+                                                  Report& report, Progress& progress);
 
 } // namespace tetvdb

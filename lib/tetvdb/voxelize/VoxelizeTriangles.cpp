@@ -33,23 +33,6 @@
 namespace tetvdb {
 namespace {
 
-void checkOptions(const TriangleMesh& mesh, const SolidOptions& solid,
-                  const VoxelizeOptions& options) {
-  checkGridKinds(options.grids, {GridMaker::Occupancy});
-  if (options.rule != VoxelRule::Centre && (solid.shell > 0 || solid.inside == InsideRule::Flood))
-    throw Error(Status::Usage, "`rule`", "any and all do not go with `shell` or `inside=flood`",
-                "leave one of them out");
-  if (!(solid.shell >= 0) || !std::isfinite(solid.shell))
-    throw Error(Status::Usage, "`shell`", fmt::format("{} is not a thickness", solid.shell));
-  if (solid.shell > 0 && solid.side != ShellSide::Both && solid.inside == InsideRule::Flood)
-    throw Error(Status::Usage, "`shell_side`", "does not go with `inside=flood`",
-                "leave one of them out");
-  if (mesh.triangleCount() >= 0xFFFFFFFFu)
-    throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
-  if (mesh.triangles.empty())
-    throw Error(Status::Invalid, "", "the mesh has no triangles");
-}
-
 // How far a shell reaches beyond the faces, world units.
 double reachOf(const TriangleMesh& mesh, const SolidOptions& solid) {
   if (solid.side == ShellSide::Both)
@@ -202,7 +185,7 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
 Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                       const VoxelizeOptions& options, Report& report, Progress& progress) {
   progress.stage("voxelize");
-  checkOptions(mesh, solid, options);
+  checkSolidOptions(mesh, solid, options);
   checkMesh(mesh);
   initializeOpenVDB();
   return keepResolution(options, report, [&](const VoxelizeOptions& used, Report& told) {

@@ -8,9 +8,9 @@
 //   tetvdb::Voxelization result = tetvdb::voxelize(mesh, {}, {}, report, progress);
 #pragma once
 
+#include "tetvdb/geometry/FillRule.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
-#include "tetvdb/voxelize/FillRule.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <optional>

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/voxelize/DeviceChoice.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -69,6 +70,9 @@ struct DatasetOptions {
   double epsilonLow = 0, epsilonHigh = 0;
   std::uint64_t seed = 0;
   CleanOptions clean;
+  /// Where closed models become voxels and distances near the surface are found; the data are the
+  /// same. What the GPU cannot do the CPU does, with the warning "device-unused".
+  DeviceChoice device{DeviceKind::Cpu, {0}};
   std::size_t maxMemory = 0; ///< bytes for one model; 0: what the machine has available
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/dataset/MakeItem.h"
 
+#include "nanovdb_kernels/DeviceArray.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
@@ -22,7 +23,7 @@
 #include "tetvdb/tetrahedralize/Tetrahedralize.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
-#include "tetvdb/voxelize/VoxelizeTriangles.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -132,19 +133,27 @@ private:
     return how;
   }
 
+  static VoxelBox boxOf(int size) { return {{0, 0, 0}, {size - 1, size - 1, size - 1}}; }
+
   void grids(int size) {
     const DatasetContent& content = options_.content;
     const bool solid =
         content.occupancy || content.distance || (content.coordinates && !content.surface);
+    if (keepsOnDevice() && content.occupancy && !content.distance && !content.coordinates &&
+        !content.surface && occupancyOnDevice(size))
+      return;
     Volume volume;
     if (solid) {
-      Voxelization made = voxelize(mesh_, SolidOptions{}, cubeOf(size), report_, progress_);
+      DeviceUsed used;
+      Voxelization made = voxelize(mesh_, SolidOptions{}, cubeOf(size), options_.device, used,
+                                   nullptr, report_, progress_);
       if (content.distance) {
         ShapeOptions shapes;
         shapes.grids = {GridKind::Surface};
         shapes.halfWidth = options_.bandVoxels;
-        shapes.box = VoxelBox{{0, 0, 0}, {size - 1, size - 1, size - 1}};
+        shapes.box = boxOf(size);
         shapes.maxMemory = options_.maxMemory;
+        shapes.device = options_.device;
         addShapeGrids(mesh_, SolidOptions{}, shapes, made, report_, progress_);
       }
       volume = made.volume;
@@ -156,6 +165,29 @@ private:
     volume.metadata["creator"] = std::string("TetVDB ") + version();
     volume.metadata["source"] = fs::path(item_.entry.path).filename().string();
     write(volume, size);
+  }
+
+  bool keepsOnDevice() const {
+    return kept_ != nullptr && options_.device.kind == DeviceKind::Cuda;
+  }
+
+  // From the mesh to the array within the GPU; false where the mesh is open.
+  bool occupancyOnDevice(int size) {
+    const VoxelizeOptions cube = cubeOf(size);
+    const auto side = static_cast<std::uint32_t>(size);
+    auto voxels = insideOnDevice(mesh_, {cube.voxelSize, cube.origin}, boxOf(size), options_.device,
+                                 report_, progress_);
+    if (voxels == nullptr)
+      return false;
+    addGridMatrix(size);
+    NamedArray array;
+    array.name = fmt::format("occupancy_{}", size);
+    array.type = "|b1";
+    array.shape = {side, side, side};
+    array.transform = gridMatrix(size);
+    array.device = std::move(voxels);
+    arrays_.push_back(std::move(array));
+    return true;
   }
 
   // Cubes that faces pass through: those that the solid meets less those that lie in it.
@@ -194,23 +226,43 @@ private:
     result_.grids.push_back(std::move(grid));
   }
 
+  // From a voxel's numbers to coordinates as normalised.
+  std::vector<double> gridMatrix(int size) const {
+    const double voxel = normal_.side / size;
+    const Vec3d origin = cubeOf(size).origin;
+    return {voxel, 0, 0, origin[0], 0, voxel, 0, origin[1], 0, 0, voxel, origin[2], 0, 0, 0, 1};
+  }
+  void addGridMatrix(int size) {
+    arrays_.push_back(
+        NamedArray::of("grid" + fmt::format("_{}", size), "<f8", {4, 4}, gridMatrix(size)));
+  }
+
+  // Packed booleans to the GPU, a byte each.
+  void moveToDevice(NamedArray& array) const {
+    std::uint64_t count = 1;
+    for (const std::uint64_t side : array.shape)
+      count *= side;
+    array.device = std::make_shared<nano::DeviceArray>(options_.device.numbers.front(), count);
+    array.device->setBits(0, array.bytes.data(), count);
+    array.bytes.clear();
+    array.packed = false;
+  }
+
   void write(const Volume& volume, int size) {
     const StageTimer timer(report_, "write");
     progress_.stage("write");
     const DatasetContent& content = options_.content;
     const std::string suffix = fmt::format("_{}", size);
     if (makesArrays()) {
-      const double voxel = normal_.side / size;
-      const Vec3d origin = cubeOf(size).origin;
-      const std::vector<double> matrix{voxel, 0, 0,     origin[0], 0, voxel, 0, origin[1],
-                                       0,     0, voxel, origin[2], 0, 0,     0, 1};
-      arrays_.push_back(NamedArray::of("grid" + suffix, "<f8", {4, 4}, matrix));
+      addGridMatrix(size);
       const auto addVoxels = [&](NamedArray array) {
-        array.transform = matrix;
+        array.transform = gridMatrix(size);
         arrays_.push_back(std::move(array));
       };
       if (content.occupancy)
         addVoxels(activeArray(volume, "mask", size, "occupancy" + suffix));
+      if (content.occupancy && keepsOnDevice())
+        moveToDevice(arrays_.back());
       if (content.distance)
         addVoxels(valueArray(volume, "surface", size, "distance" + suffix));
       if (content.surface)
@@ -226,7 +278,7 @@ private:
       mask.metadata = volume.metadata;
       mask.grids().all.push_back(volume.grids().all.front());
       ArrayOptions box;
-      box.box = VoxelBox{{0, 0, 0}, {size - 1, size - 1, size - 1}};
+      box.box = boxOf(size);
       writeArrays(target(suffix + ".binvox"), mask, box, progress_);
     }
     if (writes(DatasetFormat::Vdb))

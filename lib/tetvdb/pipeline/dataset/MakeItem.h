@@ -52,7 +52,8 @@ ItemResult makeItem(const DatasetItem& item, const DatasetOptions& options,
                     const std::string& folder, Report& report, Progress& progress);
 
 /// The arrays of makeItem() in memory, booleans packed; no file is written, and formats do not
-/// count.
+/// count. With DeviceKind::Cuda occupancy stays in the GPU's memory (NamedArray::device), and where
+/// it is the only content the result has no grids.
 ItemResult makeItemArrays(const DatasetItem& item, const DatasetOptions& options,
                           std::vector<NamedArray>& arrays, Report& report, Progress& progress);
 

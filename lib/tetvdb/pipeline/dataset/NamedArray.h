@@ -4,10 +4,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace tetvdb {
+
+namespace nano {
+class DeviceArray; // nanovdb_kernels/DeviceArray.h
+}
 
 struct NamedArray {
   std::string name;
@@ -17,6 +22,8 @@ struct NamedArray {
   /// The bytes are eight booleans each, as PackedBits has them; type and shape are those of the
   /// booleans.
   bool packed = false;
+  /// In place of `bytes`, for makeItemArrays() with a GPU: in its memory, booleans a byte each.
+  std::shared_ptr<nano::DeviceArray> device{};
   /// Of voxels: 4 x 4, row by row, from an element's numbers to the coordinates of points.
   std::vector<double> transform{};
 

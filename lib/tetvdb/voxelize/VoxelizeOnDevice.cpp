@@ -374,8 +374,8 @@ std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
   nano::VoxelRange range{};
   std::uint64_t voxels = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    range.min[k] = box.min[k];
-    range.size[k] = static_cast<std::uint32_t>(std::int64_t(box.max[k]) - box.min[k] + 1);
+    range.min[k] = box.low[k];
+    range.size[k] = static_cast<std::uint32_t>(box.size(k));
     voxels *= range.size[k];
   }
   auto array = std::make_shared<nano::DeviceArray>(choice.numbers.front(), voxels);

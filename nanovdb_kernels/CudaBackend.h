@@ -4,8 +4,8 @@
 // scanning. For .cu files.
 #pragma once
 
+#include "CudaCheck.h"
 #include "Team.h"
-#include "tetvdb/core/Error.h"
 #include "tetvdb/core/Progress.h"
 
 #include <atomic>
@@ -20,16 +20,6 @@
 #include <vector>
 
 namespace tetvdb::nano {
-
-inline void check(cudaError_t status, const char* what) {
-  if (status == cudaSuccess)
-    return;
-  cudaGetLastError(); // so that it does not show up again
-  const std::string text = std::string(what) + ": " + cudaGetErrorString(status);
-  if (status == cudaErrorMemoryAllocation)
-    throw Error(Status::Limit, "device", text, "use larger voxels or `device=cpu`");
-  throw Error(Status::Device, "device", text, "use `device=cpu`");
-}
 
 inline std::string gigabytes(u64 bytes) {
   const u64 tenths = (bytes + 50000000) / 100000000;

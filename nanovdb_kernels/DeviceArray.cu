@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "CudaBackend.h"
+#include "CudaCheck.h"
+#include "Team.h"
 #include "DeviceArray.h"
 
 #include <algorithm>

@@ -195,16 +195,26 @@ void shared(const TetMesh& ball, int resolution, int times, int count) {
 // What --device auto goes by, beside what jobs of the program take.
 void automatic(const TetMesh& ball, const char* name, int resolution, GridKind kind) {
   const VoxelizeOptions options = optionsAt(resolution, kind);
-  const char* grid = kind == GridKind::TetId  ? "tet_id"
-                     : kind == GridKind::Mask ? "mask"
-                                              : "density";
-  bench::besideCpu(fmt::format("{}, {} at {}^3", name, grid, resolution),
+  bench::besideCpu(fmt::format("{}, {} at {}^3", name, infoOf(kind).name, resolution),
                    estimateCost(ball, chooseTransform(ball, options), options), 3,
                    [&](const DeviceChoice& choice) {
                      DeviceUsed used;
                      Report report;
                      Progress progress;
                      voxelize(ball, options, choice, used, nullptr, report, progress);
+                   });
+}
+
+void automatic(const TriangleMesh& sphere, const char* name, int resolution, GridKind kind) {
+  const VoxelizeOptions options = optionsAt(resolution, kind);
+  bench::besideCpu(fmt::format("{}, {} at {}^3", name, infoOf(kind).name, resolution),
+                   estimateCost(sphere, chooseTransform(sphere, options), options), 3,
+                   [&](const DeviceChoice& choice) {
+                     DeviceUsed used;
+                     Report report;
+                     Progress progress;
+                     voxelize(sphere, SolidOptions(), options, choice, used, nullptr, report,
+                              progress);
                    });
 }
 
@@ -380,6 +390,10 @@ int main(int argc, char** argv) {
         for (int count = 1; count <= static_cast<int>(devices.size()); ++count)
           shared(ball5, resolution, resolution == 32768 ? 5 : 3, count);
     if (wanted("auto")) {
+      const TriangleMesh sphere = meshes::sphere({0, 0, 0}, 1, 289);
+      automatic(sphere, "668,168 triangles", 256, GridKind::Mask);
+      automatic(sphere, "668,168 triangles", 1024, GridKind::Density);
+      automatic(sphere, "668,168 triangles", 4096, GridKind::Mask);
       automatic(ball5, "10^5 tets", 256, GridKind::Density);
       automatic(ball5, "10^5 tets", 1024, GridKind::Density);
       automatic(ball5, "10^5 tets", 4096, GridKind::Mask);

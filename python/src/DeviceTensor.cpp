@@ -4,6 +4,7 @@
 #include "MeshArrays.h"
 #include "nanovdb_kernels/DeviceArray.h"
 
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <string>
 #include <utility>
@@ -34,7 +35,7 @@ public:
         kept, [](void* p) noexcept { delete static_cast<std::shared_ptr<nano::DeviceArray>*>(p); });
     const nb::ndarray<> view(array_->data(), shape_.size(), shape_.data(), owner, nullptr,
                              nb::dtype<std::uint8_t>(), nb::device::cuda::value, array_->device());
-    return nb::cast(view).attr("__dlpack__")();
+    return nb::cast(view); // without a framework: the capsule
   }
   nb::tuple dlpackDevice() const {
     return nb::make_tuple(int(nb::device::cuda::value), array_->device());

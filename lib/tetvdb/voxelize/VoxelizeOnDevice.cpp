@@ -83,7 +83,7 @@ constexpr double kDeviceStart = 0.42 + 0.05, kDevicePerTet = 2e-9, kDevicePerByt
 constexpr double kDevicePerValueByte = 0.03e-9;
 // Of the CPU: of a core. Leaves of values are bound by memory.
 constexpr double kCpuStart = 2e-3, kCpuPerTet = 90e-9, kCpuPerOwnedTet = 450e-9;
-constexpr double kCpuPerTriangle = 150e-9;
+constexpr double kCpuPerTriangle = 700e-9;
 constexpr double kCpuPerMaskLeaf = 2e-6, kCpuPerValueLeaf = 8.5e-6;
 // Of sampling fields, a core's seconds a tet and a number of a voxel, beside its leaf of values;
 // on the device making pinned memory, and tets and arrays from pageable memory.

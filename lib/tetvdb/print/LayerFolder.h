@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A folder of files that is whole or absent.
+// A folder of layers that is whole or absent.
 #pragma once
+
+#include "tetvdb/core/AtomicFolder.h"
 
 #include <cstdint>
 #include <string>
@@ -9,19 +11,11 @@
 
 namespace tetvdb {
 
-/// Files are written into a folder with a temporary name beside the target, which is then renamed.
-/// An existing folder is replaced if all of its files have names of this class's files
-/// (manifest.json, and digits after `stem` with the ending) and manifest.json is among them, or if
-/// it is empty. Not thread-safe.
+/// Layers have digits after `stem`, and the ending; manifest.json is the index. Not thread-safe.
 class LayerFolder {
 public:
-  /// `ending` includes its dot. Throws Error(Usage) if the existing target cannot be replaced,
-  /// Error(Write) if no folder can be created.
+  /// `ending` includes its dot. Throws as AtomicFolder does.
   LayerFolder(std::string path, std::string_view stem, std::string_view ending);
-  /// Removes the temporary folder.
-  ~LayerFolder();
-  LayerFolder(const LayerFolder&) = delete;
-  LayerFolder& operator=(const LayerFolder&) = delete;
 
   /// The name of layer k: "layer00012.png".
   std::string nameOf(std::int32_t k) const;
@@ -30,12 +24,13 @@ public:
   /// Bytes written so far.
   std::uint64_t bytes() const { return bytes_; }
   /// Throws Error(Write); the target is then unchanged.
-  void commit();
+  void commit() { folder_.commit(); }
 
 private:
-  bool isOurs(const std::string& name) const;
+  [[noreturn]] void fail(const char* what) const;
 
-  std::string path_, stem_, ending_, temporary_;
+  std::string stem_, ending_;
+  AtomicFolder folder_;
   std::uint64_t bytes_ = 0;
 };
 

@@ -96,7 +96,8 @@ whose names differ in one number alone are the frames of a sequence, unless --un
 
 const char* const kPlanExamples = R"(Examples:
   tetvdb plan ship.stl --shards 16 --voxel-size 0.5
-      which 4096^3 cubes of voxels each of 16 shards would make, and its share of the work
+      which children of the root node, 4096^3 voxels each, every one of 16 shards would make,
+      and its share of the work
   for i in $(seq 0 15); do tetvdb voxelize ship.stl -o ship.vdb --voxel-size 0.5 --shard $i/16; done
   tetvdb merge ship.*-of-16.vdb -o ship.vdb
       makes the shards one by one, or on as many machines, and joins them
@@ -282,17 +283,18 @@ void runPlan(const Options& options, Session& session) {
   runAsSequence(job, options.sequence, session); // which is refused
   const VoxelizeResult result = run(job, session.report, session.progress);
   Json shards = Json::array();
-  session.text = fmt::format("{:>6} {:>8} {:>8} {:>7}  voxels\n", "shard", "cubes", "full", "work");
+  session.text =
+      fmt::format("{:>6} {:>13} {:>8} {:>7}  voxels\n", "shard", "root children", "full", "work");
   for (std::size_t i = 0; i < result.plan.size(); ++i) {
     const ShardPlan& one = result.plan[i];
     shards.push_back({{"index", i},
-                      {"cubes", one.cubes},
-                      {"full", one.fullCubes},
+                      {"root_children", one.rootChildren},
+                      {"full", one.fullRootChildren},
                       {"share", one.share},
                       {"box", {{"min", one.boxMin}, {"max", one.boxMax}}}});
-    session.text +=
-        fmt::format("{:>6} {:>8} {:>8} {:>6.1f}%", i, one.cubes, one.fullCubes, 100 * one.share);
-    if (one.cubes > 0)
+    session.text += fmt::format("{:>6} {:>13} {:>8} {:>6.1f}%", i, one.rootChildren,
+                                one.fullRootChildren, 100 * one.share);
+    if (one.rootChildren > 0)
       session.text += fmt::format("  {},{},{} to {},{},{}", one.boxMin[0], one.boxMin[1],
                                   one.boxMin[2], one.boxMax[0], one.boxMax[1], one.boxMax[2]);
     session.text += "\n";

@@ -198,8 +198,11 @@ class Shards(CommandLineTest):
         shards = self.report_of("plan", "rod.off", "--shards", "4", *self.OPTIONS)["shards"]
         self.assertEqual(len(shards), 4)
         self.assertAlmostEqual(sum(s["share"] for s in shards), 1)
+        self.assertTrue(all(s["root_children"] >= s["full"] >= 0 for s in shards))
+        self.assertGreaterEqual(sum(s["root_children"] for s in shards), 4)
         text = self.succeed("plan", "rod.off", "--shards", "4", *self.OPTIONS).out
         self.assertEqual(len(text.splitlines()), 5)
+        self.assertIn("root children", text)
         # What is planned is what is made.
         low, high = [], []
         for i, planned in enumerate(shards):

@@ -140,12 +140,12 @@ private:
       ShardPlan& one = plan.emplace_back();
       VoxelBounds box;
       for (std::size_t i = range.begin; i < range.end; ++i) {
-        ++one.cubes;
-        one.fullCubes += source.cubes()[i].full ? 1 : 0;
+        ++one.rootChildren;
+        one.fullRootChildren += source.cubes()[i].full ? 1 : 0;
         one.share += static_cast<double>(weights[i]) / total;
         box.add(source.cubes()[i].origin, kRootChildSize);
       }
-      if (one.cubes > 0) {
+      if (one.rootChildren > 0) {
         one.boxMin = box.min;
         one.boxMax = box.max;
       }

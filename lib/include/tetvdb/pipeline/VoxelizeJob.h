@@ -98,10 +98,10 @@ struct VoxelizeJob {
 
 /// What a shard would have to do.
 struct ShardPlan {
-  std::size_t cubes = 0;                     ///< children of the root node, 4096^3 voxels each
-  std::size_t fullCubes = 0;                 ///< those that are one tile
+  std::size_t rootChildren = 0;              ///< children of the root node, 4096^3 voxels each
+  std::size_t fullRootChildren = 0;          ///< those that are one tile
   double share = 0;                          ///< of all the work, about: 1 over all shards
-  Vec3i boxMin{0, 0, 0}, boxMax{-1, -1, -1}; ///< of its cubes, voxels, inclusive
+  Vec3i boxMin{0, 0, 0}, boxMax{-1, -1, -1}; ///< of them, voxels, inclusive
 };
 
 struct VoxelizeResult {

@@ -4,6 +4,7 @@
 #include "JobOptions.h"
 #include "JsonReport.h"
 #include "ProcessLimits.h"
+#include "TileOptions.h"
 #include "VolumeSignature.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/io/Formats.h"
@@ -22,6 +23,7 @@ struct Options : JobOptions {
   std::string input, output;
   std::vector<std::string> grids;
   ArrayTexts arrays;
+  TileTexts tiles;
   double simplify = 0;
 };
 
@@ -39,6 +41,11 @@ const char* const kExamples = R"(Examples:
   tetvdb convert mask.vdb -o mask.binvox
   tetvdb convert smoke.vdb -o smoke.obj --simplify 0.1
       the surface of a volume: a mask, a fog at 0.5 or a level set at 0
+  tetvdb convert smoke.vdb --tiles smoke --tile-size 512
+      one .vdb file for every 512^3 voxels that hold any: smoke/tile_0.vdb and so on, and
+      smoke/tiles.json
+  tetvdb convert smoke.vdb -o coarser.vdb --lod 1:4
+      the volume, and means of every 2^3, 4^3, 8^3 and 16^3 voxels
 
 Meshes become volumes by 'tetvdb voxelize', triangles tetrahedra by 'tetvdb tetrahedralize'. Arrays
 are dense: 1000 voxels a side take 4 GB a grid of floats. docs/formats.md has the order of axes.)";
@@ -47,6 +54,9 @@ ConvertJob makeJob(const Options& options) {
   ConvertJob job;
   job.input = options.input;
   job.output = options.output;
+  setTiles(options.tiles, job.output, job.tileSize, job.levels);
+  if (job.output.empty())
+    throw Error(Status::Usage, "", "no output was given", "name one with -o FILE");
   const MappedFile readable(options.input); // says so at once if the file is not there
   job.isVolume = signatureOf(options.input) != VolumeSignature::None;
   for (const std::string& name : options.grids)
@@ -93,6 +103,8 @@ void runConvert(const Options& options, Session& session) {
   Json outputs = Json::array();
   for (const OutputInfo& output : result.outputs)
     outputs.push_back({{"path", output.path}, {"bytes", output.bytes}});
+  if (job.tileSize > 0)
+    outputs[0]["tiles"] = result.tileFiles;
   if (result.triangles > 0)
     outputs[0]["triangles"] = result.triangles;
   if (result.tets > 0)
@@ -117,7 +129,6 @@ Command addConvert(CLI::App& program) {
                        "; tets: " + endingList(FormatUse::WriteTets) +
                        "; a volume: " + endingList(FormatUse::WriteVolume) +
                        "; arrays: " + endingList(FormatUse::WriteArrays))
-      ->required()
       ->type_name("FILE")
       ->check(notEmpty());
   command
@@ -128,6 +139,7 @@ Command addConvert(CLI::App& program) {
       ->type_name("NAME")
       ->delimiter(',')
       ->allow_extra_args(false);
+  addTileOptions(*command, options->tiles);
   addArrayFlags(*command, options->arrays);
   command
       ->add_option("--simplify", options->simplify,
@@ -138,7 +150,12 @@ Command addConvert(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kExamples);
   result.run = [options](Session& session) { runConvert(*options, session); };
-  result.files = [options] { return FileNames{{options->input}, arrayFiles(options->output)}; };
+  result.files = [options] {
+    FileNames names{{options->input}, arrayFiles(options->output)};
+    if (!options->tiles.folder.empty())
+      names.written.push_back(options->tiles.folder + "/tiles.json");
+    return names;
+  };
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "ParseQuantities.h"
 #include "ProcessLimits.h"
 #include "ProgressDisplay.h"
+#include "TileOptions.h"
 #include "VoxelizeSequence.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/pipeline/PlannedStages.h"
@@ -37,6 +38,7 @@ struct Options : JobOptions {
   FieldTexts fields;
   SequenceTexts sequence;
   ArrayTexts arrays;
+  TileTexts tiles;
   std::string device = "auto", upAxis = "z";
   std::string regionArray, units;
   std::vector<std::string> regions, exclude;
@@ -89,6 +91,10 @@ const char* const kExamples = R"(Examples:
       a hollow part with walls of 2 units
   tetvdb voxelize ship.stl -o ship.vdb --voxel-size 0.5 --grid mask --shard 3/16
       the fourth of 16 parts, into ship.3-of-16.vdb; see 'tetvdb help plan' and 'tetvdb help merge'
+  tetvdb voxelize ship.stl --tiles ship --tile-size 1024 --voxel-size 0.5
+      one .vdb file for every 1024^3 voxels: ship/tile_0.vdb and so on, and ship/tiles.json
+  tetvdb voxelize ship.stl -o ship.vdb --resolution 4096 --lod 3:6
+      the volume, and how much of every 8^3, 16^3, 32^3 and 64^3 voxels is inside
 
 Lengths are in the inputs' own units. Several inputs are laid together into one volume: cells that
 overlap count once, and cells of the second file are numbered on from those of the first. Files
@@ -197,6 +203,7 @@ VoxelizeJob makeJob(const Options& options) {
   if (!options.shard.empty())
     job.shard = parseShard(options.shard);
   job.output = shardPath(job.output, job.shard);
+  setTiles(options.tiles, job.output, job.tileSize, job.levels);
   job.plan = options.shards;
   job.device = parseDevice("--device", options.device);
   job.threads = threadCount(options);
@@ -212,6 +219,8 @@ std::string summaryOf(const VoxelizeJob& job, const VoxelizeResult& result, cons
     text += fmt::format("{}: {}, {} {}, {:.2f} s\n", oneLine(output.path), bytesText(output.bytes),
                         result.holdsTriangles ? result.triangles : result.tets,
                         result.holdsTriangles ? "triangles" : "tets", seconds);
+  if (job.tileSize > 0)
+    text += fmt::format("  {} tiles of {}^3 voxels\n", result.tileFiles, job.tileSize);
   if (result.made)
     text += textOf(*result.made);
   if (result.holdsTriangles && result.openEdges > 0 && job.solid.shell == 0)
@@ -262,6 +271,8 @@ void runVoxelize(const Options& options, Session& session) {
   session.estimate.plan(plannedStages(job), secondsNow());
   const VoxelizeResult result = run(job, session.report, session.progress);
   session.sections = sectionsOf(job, result, withOptionNames);
+  if (job.tileSize > 0)
+    session.sections["output"][0]["tiles"] = result.tileFiles;
   if (!job.shard.isWhole())
     session.sections["shard"] = {{"index", job.shard.index}, {"count", job.shard.count}};
   session.text = summaryOf(job, result, session.report);
@@ -309,6 +320,8 @@ FileNames filesOf(const Options& options) {
   for (const std::string& path : arrayFiles(options.output))
     if (options.shard.empty())
       written.push_back(path);
+  if (!options.tiles.folder.empty())
+    written.push_back(options.tiles.folder + "/tiles.json");
   written.insert(written.end(), {options.writeMesh, options.preview});
   return {options.inputs, std::move(written)};
 }
@@ -449,6 +462,7 @@ Command addVoxelize(CLI::App& program) {
   addPreviewOption(*command, *options, "the input, its tets if there are, the volume and a slice");
   addPlacing(*command, *options);
   addGridOptions(*command, *options);
+  addTileOptions(*command, options->tiles);
   addArrayFlags(*command, options->arrays);
   addFieldOptions(*command, options->fields);
   addSequenceOptions(*command, options->sequence);

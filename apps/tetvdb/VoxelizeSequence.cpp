@@ -77,6 +77,9 @@ bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& sessio
   if (!job.shard.isWhole() || job.plan > 0)
     throw Error(Status::Usage, "--shard", "is for one volume; the inputs are a sequence",
                 "give one frame, or --union");
+  if (job.tileSize > 0)
+    throw Error(Status::Usage, "--tiles", "is for one volume; the inputs are a sequence",
+                "give one frame, or --union");
   if (job.output.empty())
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
   SequenceOptions options;

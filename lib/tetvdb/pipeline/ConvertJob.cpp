@@ -4,8 +4,11 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/TileFiles.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/VolumeStream.h"
+#include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/TetSurface.h"
 #include "tetvdb/volume/Grids.h"
@@ -23,7 +26,7 @@ public:
   Conversion(const ConvertJob& job, Report& report, Progress& progress)
       : job_(job), report_(report), progress_(progress), toVolume_(writes(FormatUse::WriteVolume)),
         toArrays_(writes(FormatUse::WriteArrays)), toTriangles_(writes(FormatUse::WriteTriangles)),
-        toTets_(writes(FormatUse::WriteTets)) {}
+        toTets_(writes(FormatUse::WriteTets)), toTiles_(job.tileSize > 0) {}
 
   ConvertResult run() {
     check();
@@ -33,13 +36,17 @@ public:
       fromTriangles();
     else
       fromTets();
-    for (const std::string& path : arrayFiles(job_.output))
-      result_.outputs.push_back(written(path));
+    if (!toTiles_)
+      for (const std::string& path : arrayFiles(job_.output))
+        result_.outputs.push_back(written(path));
     return std::move(result_);
   }
 
 private:
   void check() const {
+    checkLevelsAndTiles();
+    if (toTiles_)
+      return;
     requireFormat(job_.output, {FormatUse::WriteTets, FormatUse::WriteTriangles,
                                 FormatUse::WriteVolume, FormatUse::WriteArrays});
     const std::vector<std::string> outputs = arrayFiles(job_.output);
@@ -59,6 +66,19 @@ private:
       throw Error(Status::Usage, "`grid`", "the surface is that of one grid", "name one");
     if (toArrays_)
       checkArrayOptions(job_.output, job_.arrays, std::max<std::size_t>(job_.grids.size(), 1));
+  }
+
+  void checkLevelsAndTiles() const {
+    if (!job_.isVolume && (toTiles_ || !job_.levels.isEmpty()))
+      throw Error(Status::Usage, toTiles_ ? "`tiles`" : "`lod`",
+                  "is of a volume; the input is a mesh", "leave it out");
+    if (toTiles_)
+      requireTileFolder(job_.output, job_.tileSize, {job_.input});
+    if (job_.levels.isEmpty())
+      return;
+    checkLevels(job_.levels);
+    if (toTiles_ || !toVolume_)
+      throw Error(Status::Usage, "`lod`", "is for one .vdb or .nvdb file", "leave it out");
   }
 
   bool writes(FormatUse use) const { return formatForEnding(job_.output, use) != nullptr; }
@@ -96,6 +116,12 @@ private:
 
   void fromVolume() {
     result_.source = SolidSource::Volume;
+    if (toTiles_ && isLargeVolume(job_.input)) {
+      take(stage("write", [&] {
+        return splitVolumeFile(job_.input, job_.grids, job_.output, job_.tileSize, progress_);
+      }));
+      return;
+    }
     Volume volume = stage("read", [&] { return readVolumeInput(job_.input, report_, progress_); });
     choose(volume);
     if (!volume.unread.empty() && job_.grids.empty())
@@ -107,6 +133,15 @@ private:
       options.maxMemory = memoryLeft(job_.maxMemory);
       return write(stage("extract", [&] { return extractSurface(volume, options, progress_); }));
     }
+    if (toTiles_) {
+      take(stage("write",
+                 [&] { return writeTileFiles(job_.output, job_.tileSize, volume, progress_); }));
+      return;
+    }
+    if (!job_.levels.isEmpty())
+      stage("levels", [&] {
+        addDescribedLevels(volume, job_.levels, memoryLeft(job_.maxMemory), progress_);
+      });
     result_.grids = describe(volume);
     stage("write", [&] {
       if (toArrays_)
@@ -114,6 +149,12 @@ private:
       else
         writeVolume(job_.output, volume, progress_);
     });
+  }
+
+  void take(TileFilesInfo&& files) {
+    result_.grids = std::move(files.grids);
+    result_.tileFiles = files.files;
+    result_.outputs.push_back({job_.output, files.bytes});
   }
 
   void choose(Volume& volume) const {
@@ -147,7 +188,7 @@ private:
   const ConvertJob& job_;
   Report& report_;
   Progress& progress_;
-  bool toVolume_, toArrays_, toTriangles_, toTets_;
+  bool toVolume_, toArrays_, toTriangles_, toTets_, toTiles_;
   ConvertResult result_;
 };
 

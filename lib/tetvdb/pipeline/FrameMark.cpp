@@ -89,6 +89,8 @@ std::string frameMark(const VoxelizeJob& job) {
     text << static_cast<int>(kind);
   addFields(text, job);
   text << job.units << job.half << (job.maskType == MaskType::Mask ? " MaskGrid" : "");
+  if (!job.levels.isEmpty())
+    text << " levels" << job.levels.first << job.levels.last;
   for (const auto& [key, value] : job.metadata)
     text << key << value;
   return textOf(XXH3_128bits(text.text().data(), text.text().size()));

@@ -5,9 +5,12 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/BitVdbWriter.h"
 #include "tetvdb/io/volume/PartMetadata.h"
+#include "tetvdb/io/volume/TileFolder.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/pipeline/ShardRanges.h"
+#include "tetvdb/pipeline/VoxelizeOutput.h"
+#include "tetvdb/volume/BitLevels.h"
 #include "tetvdb/volume/VoxelBounds.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/KeepResolution.h"
@@ -107,18 +110,43 @@ public:
     const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     options.spoolBytes = std::clamp(limit_ / 16, std::size_t(1) << 20, std::size_t(64) << 20);
     options.window = std::clamp(limit_ / 2 / kStackBytes, std::size_t(2), 4 * threads);
-    writer_.emplace(job_.output, std::move(metadata), emptyGrids(job_, transform_), options);
-    result.grids = writer_->write(source, progress);
+    const openvdb::GridPtrVec grids = emptyGrids(job_, transform_);
+    if (job_.tileSize > 0) {
+      tiles_.emplace(job_.output, job_.tileSize, std::move(metadata), grids);
+      tiles_->add(source, options, progress);
+      result.grids = tiles_->grids();
+      return;
+    }
+    std::optional<BitLevels> levels;
+    if (!job_.levels.isEmpty()) {
+      levels.emplace(source, job_.levels, limit_ / 2 / grids.size());
+      options.moreGrids =
+          grids.size() * static_cast<std::size_t>(job_.levels.last - job_.levels.first + 1);
+    }
+    writer_.emplace(job_.output, std::move(metadata), grids, options);
+    BitSource& passed = levels ? static_cast<BitSource&>(*levels) : source;
+    result.grids = writer_->write(passed, progress, [&] { return finished(*levels, grids); });
   }
   void commit(VoxelizeResult& result, Progress& progress) {
     if (job_.plan > 0)
       return;
     progress.check();
+    if (tiles_) {
+      addTileFiles(tiles_->commit(progress), job_.output, result);
+      return;
+    }
     writer_->commit(progress);
     result.outputs.push_back(written(job_.output));
   }
 
 private:
+  static openvdb::GridPtrVec finished(BitLevels& levels, const openvdb::GridPtrVec& grids) {
+    openvdb::GridPtrVec coarser = levels.finish(grids);
+    for (const auto& grid : coarser)
+      openFirstTile(*grid);
+    return coarser;
+  }
+
   // A GPU may be faster still.
   bool fasterWins() const {
     std::string why;
@@ -172,6 +200,7 @@ private:
   bool tets_; // rather than triangles
   TreeEstimate estimate_;
   std::optional<BitVdbWriter> writer_;
+  std::optional<TileFolder> tiles_;
 };
 
 // Reports what is told where the job is done.
@@ -203,7 +232,8 @@ bool canStream(const VoxelizeJob& job) {
   });
   return (job.streaming != Streaming::Never || !job.shard.isWhole() || job.plan > 0) && occupancy &&
          !job.grids.empty() && job.fields.empty() && !job.keep && job.preview.empty() &&
-         job.meshOutput.empty() && std::filesystem::path(job.output).extension() == ".vdb" &&
+         job.meshOutput.empty() &&
+         (job.tileSize > 0 || std::filesystem::path(job.output).extension() == ".vdb") &&
          job.voxelize.fit.voxels == 0 && job.solid.shell == 0 &&
          job.solid.inside != InsideRule::Flood && job.device.kind != DeviceKind::Cuda &&
          job.voxelize.path != OccupancyPath::Tets;

@@ -6,6 +6,7 @@
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/io/MeshWriter.h"
+#include "tetvdb/io/TileFiles.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/volume/NanoFile.h"
 #include "tetvdb/io/volume/PackedGrid.h"
@@ -50,6 +51,23 @@ ShapeOptions shapesOf(const VoxelizeJob& job) {
   return shapes;
 }
 
+// Before the work starts; arrays of the mesh are looked at when they are known.
+void checkLevelsOf(const VoxelizeJob& job) {
+  if (job.levels.isEmpty())
+    return;
+  checkLevels(job.levels);
+  for (const GridKind kind : job.grids)
+    requireLevels(std::string(infoOf(kind).name), infoOf(kind).type, infoOf(kind).gridClass);
+  if (isArrayFile(job.output))
+    throw Error(Status::Usage, "`lod`", "is for .vdb and .nvdb files", "leave it out");
+  if (job.tileSize > 0)
+    throw Error(Status::Usage, "`lod`", "is for one file, not for `tiles`",
+                "write the levels into a file of their own");
+  if (!job.shard.isWhole() || job.plan > 0)
+    throw Error(Status::Usage, "`lod`", "is for whole volumes, not for shards",
+                "add levels to the merged volume");
+}
+
 void checkOutputs(const VoxelizeJob& job) {
   const ShapeOptions shapes = shapesOf(job);
   checkShapes(shapes, job.voxelize.voxelSize);
@@ -63,17 +81,25 @@ void checkOutputs(const VoxelizeJob& job) {
     throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
   std::vector<std::string> outputs;
   if (!job.output.empty()) {
-    requireFormat(job.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
-    checkArrayOutput(job);
-    outputs = arrayFiles(job.output);
-    for (const std::string& path : outputs)
-      requireWritable(path);
+    if (job.tileSize > 0) {
+      requireTileFolder(job.output, job.tileSize, job.inputs);
+      if (!job.shard.isWhole() || job.plan > 0)
+        throw Error(Status::Usage, "`tiles`", "are of whole volumes, not of shards",
+                    "cut the merged volume into tiles");
+    } else {
+      requireFormat(job.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
+      checkArrayOutput(job);
+      outputs = arrayFiles(job.output);
+      for (const std::string& path : outputs)
+        requireWritable(path);
+    }
   }
   checkPreviewPath(job.preview);
   if (!job.meshOutput.empty()) {
     requireFormat(job.meshOutput, {FormatUse::WriteTets, FormatUse::WriteTriangles});
     requireWritable(job.meshOutput);
   }
+  checkLevelsOf(job);
   outputs.insert(outputs.end(), {job.meshOutput, job.preview});
   requireSeparateFiles(filesAmong(job.inputs, job.memory), outputs);
 }
@@ -159,7 +185,7 @@ void makeMaskGrids(openvdb::GridPtrVec& grids) {
 // `packed`: grids that come after the volume's.
 template <typename Voxelize>
 Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
-                  Report& report, const Voxelize& voxelizeMesh) {
+                  Report& report, Progress& progress, const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
   options.grids = voxelizedOf(job);
   options.maxMemory = memoryLeft(job.maxMemory);
@@ -179,13 +205,17 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
     result.grids.push_back(describe(*one));
   }
   checkValues(job, result.grids, report);
+  if (!job.levels.isEmpty())
+    for (GridInfo& info :
+         addDescribedLevels(made.volume, job.levels, memoryLeft(job.maxMemory), progress))
+      result.grids.push_back(std::move(info));
   return std::move(made.volume);
 }
 
 // Where the device's NanoVDB grids may be written as they are, place for them.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() &&
-                 voxelizedOf(job).size() == job.grids.size()
+  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() && job.tileSize == 0 &&
+                 job.levels.isEmpty() && voxelizedOf(job).size() == job.grids.size()
              ? &nano
              : nullptr;
 }
@@ -256,7 +286,8 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   PackOptions pack;
   pack.folder = fs::path(job.output).parent_path().string();
   pack.half = job.half;
-  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty() && !job.keep;
+  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty() &&
+                     !job.keep && job.tileSize == 0 && job.levels.isEmpty();
   const SnapCounts counts =
       sampleFields(mesh, made.transform, fields, sampling, packs ? &pack : nullptr, job.device,
                    result.fieldsDevice, packed, made.volume, report, progress);
@@ -289,7 +320,7 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   std::vector<NanoBytes> nano;
   PackedGrids packed;
   if (job.makesVolume()) {
-    volume = makeVolume(job, packed, result, report, [&](const VoxelizeOptions& options) {
+    volume = makeVolume(job, packed, result, report, progress, [&](const VoxelizeOptions& options) {
       return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed, result, report,
                           progress);
     });
@@ -343,7 +374,7 @@ public:
       return;
     Volume volume;
     if (job_.makesVolume()) {
-      volume = makeVolume(job_, {}, result_, report_,
+      volume = makeVolume(job_, {}, result_, report_, progress_,
                           [&](const VoxelizeOptions& options) { return makeGrids(options); });
       for (const auto& [key, text] : unitsFound())
         volume.metadata.emplace(key, text);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <unistd.h>
 #include <utility>
@@ -42,6 +43,38 @@ void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Rep
   }
 }
 
+void requireTileFolder(const std::string& folder, int size,
+                       const std::vector<std::string>& inputs) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  for (const std::string& input : inputs)
+    if (fs::equivalent(fs::absolute(input, error).parent_path(), folder, error))
+      throw Error(Status::Usage, input, "is in the folder that is to be replaced",
+                  "choose another folder");
+  for (const FormatUse use : {FormatUse::WriteVolume, FormatUse::WriteArrays})
+    if (formatForEnding(folder, use) != nullptr)
+      throw Error(Status::Usage, folder, "is a file's name; `tiles` names a folder",
+                  "choose another name");
+  checkTileFiles(folder, size);
+}
+
+std::vector<GridInfo> addDescribedLevels(Volume& volume, const LevelRange& levels,
+                                         std::size_t maxMemory, Progress& progress) {
+  openvdb::GridPtrVec& all = volume.grids().all;
+  const auto own = static_cast<std::ptrdiff_t>(all.size());
+  addLevels(volume, levels, maxMemory, progress);
+  Volume coarser;
+  coarser.grids().all.assign(all.begin() + own, all.end());
+  for (const auto& grid : coarser.grids().all)
+    openFirstTile(*grid);
+  return describe(coarser);
+}
+
+void addTileFiles(const TileFilesInfo& files, const std::string& folder, VoxelizeResult& result) {
+  result.tileFiles = files.files;
+  result.outputs.push_back({folder, files.bytes});
+}
+
 void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
                   const std::function<void()>& writeMesh, VoxelizeResult& result, Report& report,
                   Progress& progress) {
@@ -62,7 +95,10 @@ void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
   }
   if (!job.output.empty()) {
     try {
-      if (isCurrent(nano, volume))
+      if (job.tileSize > 0)
+        addTileFiles(writeTileFiles(job.output, job.tileSize, volume, progress), job.output,
+                     result);
+      else if (isCurrent(nano, volume))
         writeNanoGrids(job.output, nano, progress);
       else if (!packed.empty())
         writeVdb(job.output, volume, packed, progress);
@@ -77,8 +113,9 @@ void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
         ::unlink(job.preview.c_str());
       throw;
     }
-    for (const std::string& path : arrayFiles(job.output))
-      result.outputs.push_back(written(path));
+    if (job.tileSize == 0)
+      for (const std::string& path : arrayFiles(job.output))
+        result.outputs.push_back(written(path));
   }
   if (!job.meshOutput.empty())
     result.outputs.push_back(written(job.meshOutput));

@@ -3,6 +3,7 @@
 // What a VoxelizeJob says about its grids, and its files.
 #pragma once
 
+#include "tetvdb/io/TileFiles.h"
 #include "tetvdb/io/volume/NanoFile.h"
 #include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/pipeline/Preview.h"
@@ -28,6 +29,17 @@ struct VoxelizeOutput {
   const PackedGrids& packed; ///< that come after the volume's
   const Preview& preview;
 };
+
+/// Throws Error(Usage) for a folder whose name is that of a volume or array file, or that holds one
+/// of the inputs, and as checkTileFiles() does.
+void requireTileFolder(const std::string& folder, int size, const std::vector<std::string>& inputs);
+
+/// As addLevels(), with first tiles opened; what describe() says of the added grids.
+std::vector<GridInfo> addDescribedLevels(Volume& volume, const LevelRange& levels,
+                                         std::size_t maxMemory, Progress& progress);
+
+/// Notes that they were written.
+void addTileFiles(const TileFilesInfo& files, const std::string& folder, VoxelizeResult& result);
 
 /// Writes the job's files: all of them, or none and what the failing one threw. writeMesh() writes
 /// the mesh. The volume moves to `result` where the job keeps it. Adds stage "write" to `report`.

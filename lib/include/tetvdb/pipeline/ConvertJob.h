@@ -15,6 +15,7 @@
 #include "tetvdb/pipeline/JobFiles.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/RepairJob.h"
+#include "tetvdb/volume/LevelsOfDetail.h"
 #include "tetvdb/volume/Volume.h"
 
 #include <cstddef>
@@ -27,6 +28,8 @@ struct ConvertJob {
   std::string input;              ///< a mesh file, of triangles or of tets, or a volume file
   bool isVolume = false;          ///< the input is a .vdb or .nvdb file
   std::string output;             ///< its extension determines the format
+  int tileSize = 0;               ///< of a volume: as VoxelizeJob::tileSize
+  LevelRange levels;              ///< of a volume into a volume: as VoxelizeJob::levels
   std::vector<std::string> grids; ///< of a volume, in that order; empty: all; for a surface the
                                   ///< first that defines a solid
   ArrayOptions arrays;            ///< if the output is an array file
@@ -40,6 +43,7 @@ struct ConvertResult {
   InputInfo input;                                   ///< of meshes
   std::vector<GridInfo> grids;                       ///< written grids
   std::size_t vertices = 0, triangles = 0, tets = 0; ///< written elements
+  std::size_t tileFiles = 0;                         ///< written into a folder
   std::vector<OutputInfo> outputs;
 };
 
@@ -47,7 +51,8 @@ struct ConvertResult {
 /// formats, with their arrays and regions, or their outer surface into triangle formats; volumes
 /// into volumes, arrays (io/ArrayFile.h) or, by extractSurface(), triangles. Conversions that
 /// require a method are refused with Error(Usage) that names the command: meshes into volumes,
-/// triangles into tets. Adds stages "read", "extract" (of surfaces) and "write" to `report`. Throws
+/// triangles into tets. A .vdb file of 256 MB or more becomes tiles by one child of the root node
+/// at a time. Adds stages "read", "extract" (of surfaces) and "write" to `report`. Throws
 /// the errors of its stages; no output is changed then.
 ConvertResult run(const ConvertJob& job, Report& report, Progress& progress);
 

@@ -27,6 +27,7 @@
 #include "tetvdb/pipeline/RelativeLength.h"
 #include "tetvdb/pipeline/Shard.h"
 #include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/volume/LevelsOfDetail.h"
 #include "tetvdb/volume/Volume.h"
 #include "tetvdb/voxelize/DeviceChoice.h"
 #include "tetvdb/voxelize/Voxelize.h"
@@ -71,8 +72,12 @@ struct VoxelizeJob {
   FieldOptions fields;      ///< of tets: arrays that become grids, after all others
   Warp warp;                ///< of tets: moves the points first; in the inputs' own axes
   std::string output;       ///< .vdb, .nvdb or an array file; empty: no volume is written
-  bool keep = false;        ///< makes and returns a volume, also if it is not written
-  ArrayOptions arrays;      ///< if the output is an array file
+  /// 512, 1024, 2048 or 4096: `output` is a folder of .vdb files of cubes of so many voxels along a
+  /// side (io/TileFiles.h); 0: it is a file.
+  int tileSize = 0;
+  LevelRange levels;   ///< coarser grids that come after all others (addLevels())
+  bool keep = false;   ///< makes and returns a volume, also if it is not written
+  ArrayOptions arrays; ///< if the output is an array file
   /// .msh, .mesh or .vtu for the tets, those of the mesher if the inputs are triangles; .stl, .obj,
   /// .ply, .off or .3mf for the cleaned triangles; empty: none.
   std::string meshOutput;
@@ -120,6 +125,7 @@ struct VoxelizeResult {
   DeviceUsed device;       ///< of the grids except fields; if there are only fields, of those
   DeviceUsed fieldsDevice; ///< of the fields
   std::vector<GridInfo> grids;
+  std::size_t tileFiles = 0;   ///< written into a folder
   std::vector<ShardPlan> plan; ///< where VoxelizeJob::plan asks for it
   std::vector<OutputInfo> outputs;
   std::optional<PreviewInfo> preview;

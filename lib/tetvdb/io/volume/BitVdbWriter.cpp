@@ -352,10 +352,11 @@ BitVdbWriter::BitVdbWriter(std::string path, std::map<std::string, std::string> 
     if (!names.insert(grid->getName()).second || grid->getName().empty())
       throw Error(Status::Usage, path_,
                   "grid names must be unique and not empty: '" + grid->getName() + "'");
-  output_ = std::make_unique<VdbOutput>(path_, metadata_, grids_.size());
+  output_ = std::make_unique<VdbOutput>(path_, metadata_, grids_.size() + options_.moreGrids);
 }
 
-std::vector<GridInfo> BitVdbWriter::write(BitSource& source, Progress& progress) {
+std::vector<GridInfo> BitVdbWriter::write(BitSource& source, Progress& progress,
+                                          const std::function<openvdb::GridPtrVec()>& more) {
   const ProgressShare whole(progress, 0, 1);
   std::optional<Writing> writing;
   writing.emplace(*output_, grids_, options_, source.cubes());
@@ -366,12 +367,19 @@ std::vector<GridInfo> BitVdbWriter::write(BitSource& source, Progress& progress)
     opened.emplace(source, *counts.firstTile);
     writing.reset();
     output_.reset(); // what was written goes
-    output_ = std::make_unique<VdbOutput>(path_, metadata_, grids_.size());
+    output_ = std::make_unique<VdbOutput>(path_, metadata_, grids_.size() + options_.moreGrids);
     writing.emplace(*output_, grids_, options_, opened->cubes());
     writing->topology(*opened, whole.part(0, 0.6));
   }
+  Volume others; // before the rest, which takes long: a limit may be met here
+  if (options_.moreGrids > 0)
+    others.grids().all = more();
   writing->rest(whole.part(0.6, 1));
-  return writing->describeGrids();
+  std::vector<GridInfo> infos = writing->describeGrids();
+  writeGrids(*output_, others.grids().all, whole.part(1, 1));
+  for (GridInfo& info : describe(others))
+    infos.push_back(std::move(info));
+  return infos;
 }
 
 void BitVdbWriter::commit(Progress& progress) {

@@ -17,6 +17,7 @@
 #include "tetvdb/volume/BitSource.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,6 +32,7 @@ struct BitVdbOptions {
   bool part = false;      ///< the grids say how many leaves they have (PartMetadata.h)
   std::size_t window = 0; ///< stacks of nodes that are under way at most; 0: four a thread
   std::size_t spoolBytes = std::size_t(32) << 20; ///< of topology in memory before it goes to disk
+  std::size_t moreGrids = 0; ///< that come after those of the source, of any types
 };
 
 class BitVdbWriter {
@@ -41,12 +43,14 @@ public:
   BitVdbWriter(std::string path, std::map<std::string, std::string> metadata,
                openvdb::GridPtrVec grids, const BitVdbOptions& options);
 
-  /// Writes all but the end; the bytes are those that writeVolume() would write. What describe()
-  /// would say of the grids is returned. Memory: spoolBytes, twice 64 MB at most where a grid may
-  /// get the entry file_delayed_load, and a few MB a thread. Throws Error(Write), Error(Limit)
-  /// where a grid would have 2^32 leaves or more, which OpenVDB cannot count, and as
+  /// Writes all but the end. `more`: makes options.moreGrids grids when the whole source has been
+  /// taken; empty if there are none. The bytes are those that writeVolume() would write. What
+  /// describe() would say of the grids is returned. Memory: spoolBytes, twice 64 MB at most where a
+  /// grid may get the entry file_delayed_load, and a few MB a thread. Throws Error(Write),
+  /// Error(Limit) where a grid would have 2^32 leaves or more, which OpenVDB cannot count, and as
   /// progress.check() does.
-  std::vector<GridInfo> write(BitSource& source, Progress& progress);
+  std::vector<GridInfo> write(BitSource& source, Progress& progress,
+                              const std::function<openvdb::GridPtrVec()>& more = {});
   void commit(Progress& progress);
 
 private:

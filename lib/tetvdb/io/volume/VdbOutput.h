@@ -101,6 +101,10 @@ private:
   double from_, to_;
 };
 
+/// Writes grids whose trees are in memory, after others: their bytes in a file of writeVdb().
+/// Throws as that does.
+void writeGrids(VdbOutput& output, const openvdb::GridPtrVec& grids, const ProgressShare& share);
+
 /// Makes pieces in parallel, a window at a time, and takes them in order: `next(piece)` gives the
 /// next one to make, false at the end; `make(piece)` returns its result, `take(result)` uses it.
 /// `window`: pieces at a time; 0: four a thread.

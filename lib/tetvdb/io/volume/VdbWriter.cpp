@@ -158,6 +158,14 @@ private:
 
 } // namespace
 
+void writeGrids(VdbOutput& output, const openvdb::GridPtrVec& grids, const ProgressShare& share) {
+  VdbWriter writer(output);
+  for (std::size_t i = 0; i < grids.size(); ++i)
+    writer.write(
+        withCreator(grids[i]), nullptr,
+        share.part(double(i) / double(grids.size()), double(i + 1) / double(grids.size())));
+}
+
 GridInfo describe(const PackedGrid& packed) {
   return describePacked(*packed.grid, {packed.min, packed.max});
 }

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/volume/TileFolder.h"
+
+#include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/Version.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/StoredNodes.h"
+#include "tetvdb/io/volume/TileTree.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <tuple>
+#include <unistd.h>
+#include <utility>
+#include <xxhash.h>
+
+namespace tetvdb {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kIndex = "tiles.json";
+constexpr std::string_view kStem = "tile_";
+constexpr std::string_view kEnding = ".vdb";
+constexpr std::int32_t kRootChild = 4096;
+constexpr std::size_t kNodesInMemory = std::size_t(32) << 20;
+
+bool isTileFile(const std::string& name) {
+  const std::size_t around = kStem.size() + kEnding.size();
+  return name.size() > around && name.compare(0, kStem.size(), kStem) == 0 &&
+         name.compare(name.size() - kEnding.size(), kEnding.size(), kEnding) == 0 &&
+         std::all_of(name.begin() + static_cast<std::ptrdiff_t>(kStem.size()),
+                     name.end() - static_cast<std::ptrdiff_t>(kEnding.size()),
+                     [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+AtomicFolder::Contents contents() {
+  return {"volume tiles", kIndex, isTileFile};
+}
+
+void checkSize(int size) {
+  if (size != 512 && size != 1024 && size != 2048 && size != kRootChild)
+    throw Error(Status::Usage, "`tile_size`", fmt::format("is {}", size),
+                "choose 512, 1024, 2048 or 4096");
+}
+
+/// The grid without voxels; the tree's statistics are those of another one.
+openvdb::GridBase::Ptr emptied(const openvdb::GridBase& grid) {
+  openvdb::GridBase::Ptr copy;
+  if (!withKnownGrid(grid, [&](const auto& typed) { copy = emptyLike(typed); }))
+    throw Error(Status::Usage, grid.getName(),
+                "grids of type " + grid.type() + " are not supported");
+  return copy;
+}
+
+/// 32 digits, as the program xxh128sum prints them, and the size.
+std::pair<std::string, std::uint64_t> hashOfFile(const std::string& path) {
+  const auto fail = [&] {
+    throw Error(Status::Write, path, std::string("cannot be read back: ") + std::strerror(errno));
+  };
+  struct File {
+    int descriptor;
+    ~File() { ::close(descriptor); }
+  };
+  const File file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.descriptor < 0)
+    fail();
+  const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                              XXH3_freeState);
+  if (!state)
+    throw std::bad_alloc();
+  XXH3_128bits_reset(state.get());
+  std::vector<char> bytes(std::size_t(1) << 20);
+  std::uint64_t size = 0;
+  for (;;) {
+    const ssize_t n = ::read(file.descriptor, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR)
+      continue;
+    if (n < 0)
+      fail();
+    if (n == 0)
+      break;
+    XXH3_128bits_update(state.get(), bytes.data(), static_cast<std::size_t>(n));
+    size += static_cast<std::uint64_t>(n);
+  }
+  const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
+  return {fmt::format("{:016x}{:016x}", hash.high64, hash.low64), size};
+}
+
+void add(const GridInfo& part, const GridInfo& base, GridInfo& sum) {
+  sum.activeTiles += part.activeTiles;
+  sum.leaves += part.leaves;
+  sum.bytes += part.bytes - base.bytes;
+  sum.volume += part.volume;
+  if (part.activeVoxels == 0)
+    return;
+  const bool first = sum.activeVoxels == 0;
+  sum.activeVoxels += part.activeVoxels;
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum.boxMin[k] = first ? part.boxMin[k] : std::min(sum.boxMin[k], part.boxMin[k]);
+    sum.boxMax[k] = first ? part.boxMax[k] : std::max(sum.boxMax[k], part.boxMax[k]);
+  }
+  sum.minValue = first ? part.minValue : std::min(sum.minValue, part.minValue);
+  sum.maxValue = first ? part.maxValue : std::max(sum.maxValue, part.maxValue);
+}
+
+std::vector<GridInfo> describeAll(const openvdb::GridPtrVec& grids) {
+  Volume volume;
+  volume.grids().all = grids;
+  return describe(volume);
+}
+
+Json boxOf(const Vec3i& min, const Vec3i& max) {
+  return {{"min", min}, {"max", max}};
+}
+
+Json activeOf(const GridInfo& grid) {
+  Json json{{"active_voxels", grid.activeVoxels}};
+  const bool any = grid.activeVoxels > 0;
+  json["min"] = any ? Json(grid.minValue) : Json();
+  json["max"] = any ? Json(grid.maxValue) : Json();
+  json["box"] = any ? boxOf(grid.boxMin, grid.boxMax) : Json();
+  return json;
+}
+
+/// Takes index space to world space: rows of a 4x4 matrix for columns; OpenVDB's is for rows. -0
+/// becomes 0.
+Json matrixOf(const openvdb::math::Transform& transform) {
+  const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getConstMat4();
+  Json rows = Json::array();
+  for (int row = 0; row < 4; ++row)
+    rows.push_back({m(0, row) + 0.0, m(1, row) + 0.0, m(2, row) + 0.0, m(3, row) + 0.0});
+  return rows;
+}
+
+/// Runs work(); errors name the folder that was asked for, not the temporary one.
+template <class Work>
+void naming(const AtomicFolder& folder, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    std::string text = error.what();
+    const std::size_t at = text.find(folder.temporary());
+    if (at == std::string::npos)
+      throw;
+    throw Error(error.status(), "", text.replace(at, folder.temporary().size(), folder.target()));
+  }
+}
+
+/// One child of the root node of another source.
+class OneCube : public BitSource {
+public:
+  OneCube(BitSource& source, std::size_t cube)
+      : source_(source), cube_(cube), cubes_{source.cubes()[cube]} {}
+  const std::vector<RootCube>& cubes() const override { return cubes_; }
+  std::vector<int> begin(std::size_t) override { return source_.begin(cube_); }
+  void fill(int stack, BitStack& out) override { source_.fill(stack, out); }
+
+private:
+  BitSource& source_;
+  std::size_t cube_;
+  std::vector<RootCube> cubes_;
+};
+
+/// A job's progress for work within one of its steps: it stops that too, and reports nothing.
+class Within : public Progress {
+public:
+  explicit Within(Progress& whole) {
+    onCheck([&whole] { whole.check(); });
+  }
+};
+
+/// Calls work(origin) for the cubes of a child of the root node, by x, then y, then z.
+template <class Work>
+void forCubes(const openvdb::Coord& origin, std::int32_t size, const Work& work) {
+  for (std::int32_t x = 0; x < kRootChild; x += size)
+    for (std::int32_t y = 0; y < kRootChild; y += size)
+      for (std::int32_t z = 0; z < kRootChild; z += size)
+        work(openvdb::Coord(origin.x() + x, origin.y() + y, origin.z() + z));
+}
+
+} // namespace
+
+void checkTileFiles(const std::string& folder, int size) {
+  checkSize(size);
+  const AtomicFolder probe(folder, contents());
+}
+
+TileFolder::TileFolder(const std::string& folder, int size,
+                       std::map<std::string, std::string> metadata,
+                       const openvdb::GridPtrVec& grids)
+    : size_(size), metadata_(std::move(metadata)), folder_(folder, contents()) {
+  initializeOpenVDB();
+  checkSize(size);
+  for (const auto& grid : grids) {
+    if (!grid->transform().isLinear() ||
+        canonicalBytes(grid->transform()) != canonicalBytes(grids.front()->transform()))
+      throw Error(Status::Usage, grid->getName(),
+                  "has another transform than the first grid, or one that is not linear: tiles "
+                  "are cubes of one index space",
+                  "choose grids of one transform with `grid`");
+    empty_.push_back(emptied(*grid));
+  }
+  grids_ = describeAll(empty_);
+}
+
+void TileFolder::requireRoom(std::size_t files) const {
+  if (files > kMaxTileFiles)
+    throw Error(Status::Limit, folder_.target(),
+                fmt::format("would hold more than {} files", kMaxTileFiles),
+                "choose a larger `tile_size`");
+}
+
+std::string TileFolder::nextPath() const {
+  requireRoom(files_.size() + 1);
+  return fmt::format("{}/{}{}{}", folder_.temporary(), kStem, files_.size(), kEnding);
+}
+
+void TileFolder::finish(const Vec3i& origin, std::vector<GridInfo> infos) {
+  const std::string path = nextPath();
+  File& file = files_.emplace_back();
+  file.name = path.substr(path.rfind('/') + 1);
+  file.origin = origin;
+  std::tie(file.hash, file.bytes) = hashOfFile(path);
+  const std::vector<GridInfo> bases = describeAll(empty_);
+  for (std::size_t g = 0; g < infos.size(); ++g)
+    tetvdb::add(infos[g], bases[g], grids_[g]);
+  file.grids = std::move(infos);
+}
+
+void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
+                     Progress& progress) {
+  Within within(progress);
+  forCubes(origin, size_, [&](const openvdb::Coord& corner) {
+    progress.check();
+    Volume volume;
+    volume.metadata = metadata_;
+    bool any = false;
+    for (std::size_t g = 0; g < parts.size(); ++g) {
+      openvdb::GridBase::Ptr tile;
+      withKnownGrid(*empty_[g], [&](const auto& empty) {
+        using GridT = std::decay_t<decltype(empty)>;
+        auto typed = emptyLike(empty);
+        any |= copyCube(static_cast<const GridT&>(*parts[g]), corner, size_, *typed);
+        tile = typed;
+      });
+      openFirstTile(*tile);
+      volume.grids().all.push_back(tile);
+    }
+    if (!any)
+      return;
+    naming(folder_, [&] { writeVolume(nextPath(), volume, within); });
+    finish({corner.x(), corner.y(), corner.z()}, describe(volume));
+  });
+}
+
+void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& progress) {
+  const std::size_t cubes = source.cubes().size();
+  const auto across = static_cast<std::size_t>(kRootChild / size_);
+  std::size_t full = 0;
+  for (const RootCube& cube : source.cubes())
+    full += cube.full ? across * across * across : 0;
+  requireRoom(full);
+  for (std::size_t c = 0; c < cubes; ++c) {
+    progress.update(double(c) / double(cubes));
+    const Vec3i origin = source.cubes()[c].origin;
+    if (size_ == kRootChild) {
+      OneCube one(source, c);
+      naming(folder_, [&] { addCube(one, origin, options, progress); });
+      continue;
+    }
+    const StoredNodes nodes(source, c, folder_.temporary(), kNodesInMemory, progress);
+    forCubes(openvdb::Coord(origin.data()), size_, [&](const openvdb::Coord& corner) {
+      const Vec3i at{corner.x(), corner.y(), corner.z()};
+      StoredNodes::Part part(nodes, at, size_);
+      if (!part.isEmpty())
+        naming(folder_, [&] { addCube(part, at, options, progress); });
+    });
+  }
+}
+
+void TileFolder::addCube(BitSource& source, const Vec3i& origin, const BitVdbOptions& options,
+                         Progress& progress) {
+  Within within(progress);
+  openvdb::GridPtrVec grids;
+  for (const auto& grid : empty_)
+    grids.push_back(emptied(*grid));
+  BitVdbWriter writer(nextPath(), metadata_, std::move(grids), options);
+  std::vector<GridInfo> infos = writer.write(source, within);
+  if (infos.front().activeVoxels == 0)
+    return;
+  writer.commit(within);
+  finish(origin, std::move(infos));
+}
+
+std::string TileFolder::index() const {
+  Json grids = Json::array(), files = Json::array();
+  for (std::size_t g = 0; g < grids_.size(); ++g) {
+    const GridInfo& grid = grids_[g];
+    Json one{{"name", grid.name}, {"type", grid.type}, {"class", grid.gridClass}};
+    one["voxel_size"] = grid.transform.voxelSize;
+    one["index_to_world"] = matrixOf(empty_[g]->transform());
+    one.update(activeOf(grid));
+    grids.push_back(std::move(one));
+  }
+  for (const File& file : files_) {
+    Json own = Json::array();
+    for (const GridInfo& grid : file.grids) {
+      Json one{{"name", grid.name}};
+      one.update(activeOf(grid));
+      own.push_back(std::move(one));
+    }
+    const Vec3i last{file.origin[0] + size_ - 1, file.origin[1] + size_ - 1,
+                     file.origin[2] + size_ - 1};
+    files.push_back({{"file", file.name},
+                     {"box", boxOf(file.origin, last)},
+                     {"grids", std::move(own)},
+                     {"bytes", file.bytes},
+                     {"xxh128", file.hash}});
+  }
+  const Json all{{"tiles_version", 1},
+                 {"creator", std::string("TetVDB ") + version()},
+                 {"tile_size", size_},
+                 {"grids", std::move(grids)},
+                 {"tiles", std::move(files)}};
+  return all.dump(1) + "\n";
+}
+
+TileFilesInfo TileFolder::commit(Progress& progress) {
+  progress.check();
+  const std::string text = index();
+  AtomicFile file(folder_.temporary() + "/" + kIndex);
+  file.write(text.data(), text.size());
+  file.commit();
+  TileFilesInfo info;
+  info.grids = grids_;
+  info.files = files_.size();
+  info.bytes = text.size();
+  for (const File& one : files_)
+    info.bytes += one.bytes;
+  folder_.commit();
+  return info;
+}
+
+TileFilesInfo writeTileFiles(const std::string& folder, int size, const Volume& volume,
+                             Progress& progress) {
+  const openvdb::GridPtrVec& grids = volume.grids().all;
+  TileFolder tiles(folder, size, volume.metadata, grids);
+  const std::vector<openvdb::Coord> origins = rootOrigins(grids);
+  for (std::size_t i = 0; i < origins.size(); ++i) {
+    progress.update(double(i) / double(origins.size()));
+    tiles.add(grids, origins[i], progress);
+  }
+  return tiles.commit(progress);
+}
+
+} // namespace tetvdb

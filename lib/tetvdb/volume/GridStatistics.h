@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What a grid's metadata say of its tree.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+namespace tetvdb {
+
+/// For a grid that has the metadata of another one, and another tree.
+inline void removeStatistics(openvdb::GridBase& grid) {
+  using Base = openvdb::GridBase;
+  for (const char* name :
+       {Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX, Base::META_FILE_COMPRESSION,
+        Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_DELAYED_LOAD})
+    grid.removeMeta(name);
+}
+
+} // namespace tetvdb

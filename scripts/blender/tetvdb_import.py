@@ -2,7 +2,8 @@
 """Meshes and simulations as volumes in Blender: File > Import > Mesh as Volume (TetVDB).
 
 Runs the program `tetvdb` beside Blender, loads the .vdb files that it writes, and gives them a
-material. Install this file with Edit > Preferences > Add-ons > Install; see docs/dcc.md.
+material. File > Import > Volume Tiles (TetVDB) loads a folder that `tetvdb voxelize --tiles` or
+`tetvdb convert --tiles` has written, as one collection. Install this file with Edit > Preferences > Add-ons > Install; see docs/dcc.md.
 """
 
 bl_info = {
@@ -383,6 +384,50 @@ def load_volume(name, report):
     return thing, True
 
 
+def read_tiles(path):
+    """What tiles.json says; TetvdbError where it says nothing, or its files are not there."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            tiles = json.load(file)
+        if tiles["tiles_version"] != 1:
+            raise TetvdbError(f"'{path}' has version {tiles['tiles_version']}, and 1 is known")
+        folder = os.path.dirname(os.path.abspath(path))
+        paths = [os.path.join(folder, tile["file"]) for tile in tiles["tiles"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise TetvdbError(f"'{path}' is no tiles.json of tetvdb: {error}") from error
+    for each in paths:
+        if os.path.dirname(os.path.abspath(each)) != folder or not os.path.isfile(each):
+            raise TetvdbError(f"there is no file '{each}'")
+    return tiles, paths
+
+
+def load_tiles(path, scale, centered, color_by):
+    """A collection with an object a tile, all with one material, named after the folder."""
+    tiles, paths = read_tiles(path)
+    grids = [tiles["grids"]]
+    ranges = ranges_of(grids)
+    if color_by and color_by not in ranges:
+        raise TetvdbError(f"there is no grid '{color_by}' to color by, but " + ", ".join(ranges))
+    name = os.path.basename(os.path.dirname(os.path.abspath(path)))
+    collection = bpy.data.collections.new(name)
+    bpy.context.scene.collection.children.link(collection)
+    material = make_material(name, color_by, ranges, longest_side(grids) * scale,
+                             "RAMP" if color_by else "DENSITY")
+    things = []
+    for each in paths:
+        thing, _ = load_volume(os.path.splitext(os.path.basename(each))[0],
+                               {"output": [{"path": each}]})
+        for other in list(thing.users_collection):
+            other.objects.unlink(thing)
+        collection.objects.link(thing)
+        thing.data.materials.append(material)
+        thing.scale = (scale,) * 3
+        if centered:
+            thing.location = [-scale * side / 2 for side in tiles["grids"][0]["voxel_size"]]
+        things.append(thing)
+    return collection, things
+
+
 def add_surface(name, volume_object):
     """A mesh that follows the volume's level set, in the volume's place, unless there is one."""
     if any(modifier.type == "VOLUME_TO_MESH" and modifier.object == volume_object
@@ -591,11 +636,47 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         return next((name for name in ranges if name not in no_arrays), "")
 
 
+class IMPORT_SCENE_OT_tetvdb_tiles(bpy.types.Operator, ImportHelper):
+    """Loads a volume that lies in a folder as tiles, as one collection"""
+
+    bl_idname = "import_scene.tetvdb_tiles"
+    bl_label = "Import Volume Tiles"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filter_glob: StringProperty(default="tiles.json", options={"HIDDEN", "SKIP_SAVE"})
+    scale: FloatProperty(
+        name="Scale", default=1.0, min=1e-6, precision=4,
+        description="Of the objects: 0.001 if the volume is in millimetres")
+    centered: BoolProperty(
+        name="Lie on Meshes", default=True,
+        description="Move the objects by half a voxel down, by which Blender draws volumes too "
+        "high: the volume then lies where its mesh does")
+    color_by: StringProperty(
+        name="Color By", description="The grid that is shown in color; empty: none")
+
+    def execute(self, context):
+        try:
+            collection, things = load_tiles(bpy.path.abspath(self.filepath), self.scale,
+                                            self.centered, self.color_by)
+        except TetvdbError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for each in context.selected_objects:
+            each.select_set(False)
+        for each in things:
+            each.select_set(True)
+        if things:
+            context.view_layer.objects.active = things[0]
+        self.report({"INFO"}, f"{collection.name}: {len(things)} tiles")
+        return {"FINISHED"}
+
+
 def menu_entry(self, context):
     self.layout.operator(IMPORT_SCENE_OT_tetvdb.bl_idname, text="Mesh as Volume (TetVDB)")
+    self.layout.operator(IMPORT_SCENE_OT_tetvdb_tiles.bl_idname, text="Volume Tiles (TetVDB)")
 
 
-CLASSES = (TetvdbPreferences, IMPORT_SCENE_OT_tetvdb)
+CLASSES = (TetvdbPreferences, IMPORT_SCENE_OT_tetvdb, IMPORT_SCENE_OT_tetvdb_tiles)
 
 
 def register():

@@ -105,6 +105,27 @@ def ask_import(options, pictures=(), frames=(), program=None, before=None):
     return answer
 
 
+def ask_tiles(path, **options):
+    """Runs the operator for tiles: what is in its collection, each tile's surface among it."""
+    try:
+        result = bpy.ops.import_scene.tetvdb_tiles(filepath=path, **options)
+    except RuntimeError as error:
+        return {"error": str(error), "objects": [each.name for each in bpy.data.objects]}
+    collection, = (each for each in bpy.data.collections if each.objects)
+    tiles = list(collection.objects)
+    answer = {"result": list(result), "collection": collection.name, "tiles": []}
+    for thing in tiles:
+        surface = probe.surface_of(thing, "density", 0.5)
+        answer["tiles"].append({
+            "name": thing.name, "location": list(thing.location), "scale": list(thing.scale),
+            "selected": thing.select_get(), "materials": [m.name for m in thing.data.materials],
+            "surface": probe.measure(surface), **probe.describe(thing.data)})
+        bpy.data.objects.remove(surface)
+    for each in list(bpy.data.collections):
+        bpy.data.collections.remove(each)
+    return answer
+
+
 def ask_cancel(path, output):
     """Starts a job that takes long, looks at its progress, and stops it."""
     module = sys.modules[MODULE]

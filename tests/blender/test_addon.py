@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The add-on of scripts/blender, in Blender."""
 
+import json
 import math
 import unittest
 
@@ -81,6 +82,41 @@ class AddOn(blender.Test):
         answer, = yield [{"ask": "state"}]
         there, gone = {"menu": 1, "operator": True}, {"menu": 0, "operator": False}
         self.assertEqual(answer, {"on": there, "off": gone, "again": there})
+
+    @blender.asks
+    def test_tiles(self):
+        """A bar through three tiles: each at its place, and all of it there."""
+        low, high = (-0.6, 0.1, 0.1), (0.3, 0.11, 0.11)
+        points, faces = program.box_faces(low, high)
+        self.write("bar.off", program.off(points, faces))
+        self.succeed("voxelize", "bar.off", "--tiles", "bar", "--tile-size", 512, "--voxel-size",
+                     0.001, "--origin", "0.0005,0.0005,0.0005")
+        self.path("bad").mkdir()
+        self.write("bad/tiles.json", "{}")
+        answer, bad = yield [{"ask": "tiles", "path": str(self.path("bar/tiles.json")),
+                              "scale": 1.0, "centered": True},
+                             {"ask": "tiles", "path": str(self.path("bad/tiles.json"))}]
+        self.assertIn("tiles.json", bad["error"])
+        self.assertEqual(answer["result"], ["FINISHED"])
+        self.assertEqual(answer["collection"], "bar")
+        index = json.loads(self.path("bar/tiles.json").read_text())
+        self.assertEqual([each["name"] for each in answer["tiles"]],
+                         [tile["file"][:-4] for tile in index["tiles"]])
+        self.assertEqual(len(answer["tiles"]), 3)
+        total = 0
+        for each, tile in zip(answer["tiles"], index["tiles"]):
+            self.assertEqual(each["materials"], ["bar"])
+            self.assertTrue(each["selected"])
+            self.assertEqual([grid["name"] for grid in each["grids"]], ["density"])
+            for axis in range(3):
+                own = tile["grids"][0]["box"]
+                wanted = 0.001 * own["min"][axis], 0.001 * (own["max"][axis] + 1)
+                for side in (0, 1):
+                    place = each["surface"]["box"][side][axis] + each["location"][axis]
+                    self.assertLess(abs(place - wanted[side]), 0.0011)
+            total += each["surface"]["volume"]
+        wanted = numpy.prod([b - a for a, b in zip(low, high)])
+        self.assertLess(abs(total / wanted - 1), 0.02)
 
     @blender.asks
     def test_field_in_colors(self):

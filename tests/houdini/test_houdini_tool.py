@@ -33,11 +33,12 @@ class Parameter:
 
 class Node:
     NAMES = {"file": ("file", "missingframe"), "convertvdb": ("group", "conversion"),
-             "geo": (), "null": ()}
+             "geo": (), "null": (), "merge": ()}
 
     def __init__(self, kind, name):
         self.kind, self.name = kind, name
         self.children, self.parameters, self.input, self.flags = [], {}, None, set()
+        self.inputs = []
 
     def createNode(self, kind, name):
         self.children.append(Node(kind, name))
@@ -45,6 +46,9 @@ class Node:
 
     def parm(self, name):
         return Parameter(self, name) if name in self.NAMES[self.kind] else None
+
+    def setNextInput(self, node):
+        self.inputs.append(node.name)
 
     def setFirstInput(self, node):
         self.input = node.name
@@ -139,6 +143,25 @@ class HoudiniTool(program.CommandLineTest):
         self.assertEqual(make("a.exo", "b.vdb", y_up=False, all_steps=False)[-1], "256")
         for text in ("a.$F.vtu", "a.${F4}.vtu", "a.$F4.vtu"):
             self.assertEqual(self.tool.pattern_of(text), "a.*.vtu")
+
+    def test_tiles_are_loaded(self):
+        points, tets = lattice(2, side=40.0)
+        self.write("a.vtu", vtu_with(points, tets, []))
+        self.succeed("voxelize", "a.vtu", "--tiles", "my tiles", "--tile-size", 512, "--voxel-size", 1,
+                     "--origin", "20,20,0.5")
+        self.session.picked = str(self.path("my tiles/tiles.json"))
+        self.tool.tiles_tool()
+        self.assertEqual(self.session.messages, [])
+        geometry, nodes = self.nodes()
+        self.assertEqual(geometry.name, "my_tiles")
+        self.assertEqual(list(nodes), ["tiles", "tile_0", "tile_1", "tile_2", "tile_3", "OUT"])
+        self.assertEqual(nodes["tiles"].inputs, ["tile_0", "tile_1", "tile_2", "tile_3"])
+        self.assertEqual(nodes["OUT"].input, "tiles")
+        self.assertEqual(nodes["tile_3"].parameters, {"file": str(self.path("my tiles/tile_3.vdb"))})
+        self.assertEqual(nodes["OUT"].flags, {"display", "render"})
+        self.session.picked = str(self.path("a.vtu"))
+        self.tool.tiles_tool()
+        self.assertIn("no tiles.json", self.session.messages[0][1])
 
     def test_mesh_is_loaded(self):
         path = self.mesh("my part.vtu")

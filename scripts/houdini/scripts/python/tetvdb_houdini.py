@@ -175,6 +175,45 @@ def import_mesh(path, output=None, surface=False, **options):
     return load(report, os.path.basename(stem), surface)
 
 
+def load_tiles(path):
+    """A geometry object of the tiles that tiles.json lists: a File node each -> Merge -> OUT. Raises
+    TetvdbError."""
+    path = os.path.abspath(hou.text.expandString(path)).replace(os.sep, "/")
+    folder = os.path.dirname(path)
+    try:
+        with open(path, encoding="utf-8") as file:
+            tiles = json.load(file)
+        if tiles["tiles_version"] != 1:
+            raise TetvdbError(f"{path} has version {tiles['tiles_version']}, and 1 is known")
+        names = [os.path.basename(tile["file"]) for tile in tiles["tiles"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise TetvdbError(f"{path} is no tiles.json of tetvdb: {error}") from error
+    geometry = hou.node("/obj").createNode("geo", re.sub(r"\W", "_", os.path.basename(folder)))
+    merged = geometry.createNode("merge", "tiles")
+    for name in names:
+        reader = geometry.createNode("file", re.sub(r"\W", "_", os.path.splitext(name)[0]))
+        reader.parm("file").set(folder + "/" + name)
+        merged.setNextInput(reader)
+    shown = geometry.createNode("null", "OUT")
+    shown.setFirstInput(merged)
+    geometry.layoutChildren()
+    shown.setDisplayFlag(True)
+    shown.setRenderFlag(True)
+    return geometry
+
+
+def tiles_tool():
+    """Asks for a tiles.json, and says what went wrong."""
+    path = hou.ui.selectFile(title="tiles.json", file_type=hou.fileType.Any)
+    if not path:
+        return None
+    try:
+        return load_tiles(path)
+    except TetvdbError as error:
+        hou.ui.displayMessage(str(error), title="TetVDB", severity=hou.severityType.Error)
+        return None
+
+
 def shelf_tool():
     """Asks for a file and for options, and says what went wrong."""
     path = hou.ui.selectFile(title="Mesh or simulation", file_type=hou.fileType.Any)

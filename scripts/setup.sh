@@ -18,7 +18,7 @@ build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev li
   libxxhash-dev libembree-dev libopenmesh-dev libassimp-dev libpng-dev libcli11-dev
   nlohmann-json3-dev libfmt-dev)
 test=(libgtest-dev librapidcheck-dev libbenchmark-dev python3 python3-openvdb
-  python3-numpy python3-scipy python3-meshio python3-h5py python3-vtk9 python3-tifffile libopenvdb-tools libnanovdb-tools)
+  python3-numpy python3-scipy python3-jsonschema python3-meshio python3-h5py python3-vtk9 python3-tifffile libopenvdb-tools libnanovdb-tools)
 python=(python3-dev python3-venv python3-numpy)
 check=(clang clang-format-14 clang-tidy-14)
 browser=(chromium)

@@ -2,14 +2,17 @@
 #include "TemporaryFolder.h"
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/TemporaryFile.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <iterator>
 #include <set>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace tetvdb {
@@ -59,15 +62,32 @@ TEST(AtomicFile, KeepsTheOldFileUntilItIsCommitted) {
   EXPECT_EQ(contentOf(path), "old");
 }
 
-TEST(AtomicFile, TemporaryNamesAreNeverTheSame) {
+TEST(TemporaryFile, NamesAreNeverTheSame) {
   const TemporaryFolder folder;
   std::set<std::string> seen;
   for (int i = 0; i < 200; ++i) {
-    const AtomicFile file(folder / "a.txt");
-    const auto names = namesIn(folder.path());
-    ASSERT_EQ(names.size(), 1u);
-    EXPECT_TRUE(seen.insert(names.front()).second);
+    std::string path;
+    const int file = createTemporaryFile(folder.path().string(), "a.txt", 0600, path);
+    ASSERT_GE(file, 0);
+    ::close(file);
+    EXPECT_TRUE(seen.insert(path).second);
   }
+  EXPECT_EQ(namesIn(folder.path()).size(), seen.size());
+}
+
+TEST(TemporaryFile, HasNoNameUntilItGetsOne) {
+  const TemporaryFolder folder;
+  const int file = createFileToName(folder.path().string(), 0640);
+  if (file < 0)
+    GTEST_SKIP() << "the file system knows no files without a name";
+  ASSERT_EQ(::write(file, "hello", 5), 5);
+  EXPECT_TRUE(namesIn(folder.path()).empty());
+  std::string path;
+  EXPECT_FALSE(nameFile(file, folder / "no", "a.txt", path));
+  ASSERT_TRUE(nameFile(file, folder.path().string(), "a.txt", path)) << errno;
+  ::close(file);
+  EXPECT_EQ(contentOf(path), "hello");
+  EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{fs::path(path).filename().string()});
 }
 
 TEST(AtomicFile, TwoWritersOfOneFileDoNotMixTheirBytes) {

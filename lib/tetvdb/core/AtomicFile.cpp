@@ -108,6 +108,14 @@ int openStream(const std::string& path) {
   return stream;
 }
 
+// Folder and name.
+std::pair<std::string, std::string> parted(const std::string& path) {
+  const std::size_t slash = path.rfind('/');
+  if (slash == std::string::npos)
+    return {".", path};
+  return {path.substr(0, slash + 1), path.substr(slash + 1)};
+}
+
 // Owner, group and permissions of `target` for the file that will take its place. Where the group
 // cannot be given, neither are its rights.
 void takePermissions(const std::string& target, int descriptor) {
@@ -149,15 +157,17 @@ void AtomicFile::createBeside(const std::string& target, bool exists) {
   if (target.empty())
     fail("cannot create the file", errno);
   target_ = target;
-  const std::size_t slash = target.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : target.substr(0, slash + 1);
-  const std::string base = target.substr(slash == std::string::npos ? 0 : slash + 1);
+  const auto [folder, base] = parted(target);
   if (base.empty())
     fail("cannot create the file", EISDIR);
-  descriptor_ = createTemporaryFile(folder, base, exists ? 0600 : 0666, temporary_);
-  if (descriptor_ < 0)
-    fail("cannot create the file", errno);
-  remember(temporary_.c_str());
+  const mode_t mode = exists ? 0600 : 0666;
+  descriptor_ = createFileToName(folder, mode);
+  if (descriptor_ < 0) {
+    descriptor_ = createTemporaryFile(folder, base, mode, temporary_);
+    if (descriptor_ < 0)
+      fail("cannot create the file", errno);
+    remember(temporary_.c_str());
+  }
   if (exists)
     takePermissions(target, descriptor_);
 }
@@ -282,6 +292,14 @@ void AtomicFile::replace() {
   // Some file systems cannot sync (EINVAL); that is no failure to write.
   if (::fsync(descriptor_) != 0 && errno != EINVAL)
     fail("cannot write", errno);
+  if (temporary_.empty()) {
+    const auto [folder, base] = parted(target_);
+    std::string name;
+    if (!nameFile(descriptor_, folder, base, name))
+      fail("cannot write", errno);
+    temporary_ = std::move(name);
+    remember(temporary_.c_str());
+  }
   const int descriptor = std::exchange(descriptor_, -1);
   const bool closed = ::close(descriptor) == 0;
   const int error = closed && std::rename(temporary_.c_str(), target_.c_str()) == 0 ? 0 : errno;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Files are whole or absent: written under a temporary name in the target's folder, synced,
-// renamed.
+// Files are whole or absent: written without a name in the target's folder, synced, named, and
+// renamed to the target. A program that is killed leaves nothing. On file systems that know no
+// files without a name they have a temporary one from the beginning.
 //
 //   tetvdb::AtomicFile file("out.vdb");
 //   file.write(bytes, size);     // throws Error(Write) at once when the disk is full
@@ -58,7 +59,7 @@ private:
 
   std::string path_;
   std::string target_;    ///< what is replaced, links followed; empty: bytes are sent to path_
-  std::string temporary_; ///< empty: without a name
+  std::string temporary_; ///< empty: without a name as yet
   std::string buffer_;
   std::uint64_t size_ = 0;
   bool foreign_ = false; ///< written by name

@@ -25,21 +25,51 @@ std::string randomLetters() {
   return text;
 }
 
-} // namespace
-
-int createTemporaryFile(const std::string& folder, const std::string& base, mode_t mode,
-                        std::string& path) {
+// Puts names into `path` until `make` makes a file of one: what it returned, -1 where it failed.
+template <class Make>
+int underRandomName(const std::string& folder, const std::string& base, std::string& path,
+                    const Make& make) {
   for (int i = 0; i < kTries; ++i) {
     const std::string random = randomLetters();
     if (random.empty())
       return -1;
     path = folder + "/." + base.substr(0, kLongestBase) + "." + random + ".tmp";
-    const int descriptor =
-        ::open(path.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC | O_RDWR, mode);
-    if (descriptor >= 0 || errno != EEXIST)
-      return descriptor;
+    const int made = make(path.c_str());
+    if (made >= 0 || errno != EEXIST)
+      return made;
   }
   return -1;
+}
+
+std::string linkTo(int descriptor) {
+  return "/proc/self/fd/" + std::to_string(descriptor);
+}
+
+} // namespace
+
+int createTemporaryFile(const std::string& folder, const std::string& base, mode_t mode,
+                        std::string& path) {
+  return underRandomName(folder, base, path, [&](const char* name) {
+    return ::open(name, O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC | O_RDWR, mode);
+  });
+}
+
+int createFileToName(const std::string& folder, mode_t mode) {
+#ifdef O_TMPFILE
+  const int unnamed = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
+  if (unnamed >= 0 && ::access(linkTo(unnamed).c_str(), F_OK) == 0)
+    return unnamed;
+  if (unnamed >= 0) // without /proc it would stay without a name
+    ::close(unnamed);
+#endif
+  return -1;
+}
+
+bool nameFile(int descriptor, const std::string& folder, const std::string& base,
+              std::string& path) {
+  return underRandomName(folder, base, path, [&](const char* name) {
+           return ::linkat(AT_FDCWD, linkTo(descriptor).c_str(), AT_FDCWD, name, AT_SYMLINK_FOLLOW);
+         }) == 0;
 }
 
 int createUnnamedFile(const std::string& folder) {

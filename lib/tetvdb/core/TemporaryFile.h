@@ -15,6 +15,16 @@ namespace tetvdb {
 int createTemporaryFile(const std::string& folder, const std::string& base, mode_t mode,
                         std::string& path);
 
+/// A new file in `folder` that has no name until nameFile(), open for reading and writing: until
+/// then it is gone when the program ends, in whatever way. Its permissions are `mode` less the
+/// process's mask. -1 where the file system knows no such files. Thread-safe.
+int createFileToName(const std::string& folder, mode_t mode);
+
+/// Gives a file of createFileToName() a name like those of createTemporaryFile(), which is put into
+/// `path`. Whether that was possible; errno is set where not. Thread-safe.
+bool nameFile(int descriptor, const std::string& folder, const std::string& base,
+              std::string& path);
+
 /// A new file in `folder` without a name, open for reading and writing by this user alone: it
 /// is gone when the program ends, in whatever way. -1 with errno set where that is not possible.
 /// Thread-safe.

@@ -2,48 +2,22 @@
 #include "ReportRow.h"
 
 #include "ChildProgram.h"
-#include "tetvdb/core/Error.h"
+#include "TemporaryFolder.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
-#include <unistd.h>
 
 namespace tetvdb::cli {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-/// Removed with what it holds.
-class TemporaryFolder {
-public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "tetvdb-report-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw Error(Status::Write, name,
-                  fmt::format("cannot make a temporary folder: {}", std::strerror(errno)),
-                  "set TMPDIR to a folder that can be written to");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string file(const std::string& name) const { return (path_ / name).string(); }
-
-private:
-  fs::path path_;
-};
 
 std::string contentOf(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

@@ -9,7 +9,7 @@ import struct
 import subprocess
 import unittest
 
-from program import CommandLineTest, box_faces, lattice, medit, off
+from program import PROGRAM, CommandLineTest, box_faces, lattice, medit, off
 
 CHROMIUM = os.environ.get("TETVDB_CHROMIUM") or shutil.which("chromium")
 
@@ -132,6 +132,27 @@ class ReportTest(CommandLineTest):
             if row["picture"]:
                 png = base64.b64decode(row["picture"].split(",")[1])
                 self.assertEqual(png_size(png), (row["width"], row["height"]))
+
+    def test_what_a_killed_report_left_is_removed_by_the_next(self):
+        self.write("a.off", off(*box_faces()))
+        temporary = self.path("temporary")
+        temporary.mkdir()
+        other = temporary / "tetvdb-report-others"
+        other.write_text("no folder")
+        environment = {**os.environ, "TMPDIR": str(temporary)}
+        arguments = ["report", "a.off", "-o", "r.html", "--resolution", "16"]
+        process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, env=environment,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while process.poll() is None and not [p for p in temporary.iterdir() if p.is_dir()]:
+            pass
+        process.kill()
+        process.wait()
+        left = [p for p in temporary.iterdir() if p.is_dir()]
+        if process.returncode < 0:
+            self.assertEqual(len(left), 1)
+        self.assertFalse(self.path("r.html").exists() and process.returncode < 0)
+        self.succeed(*arguments, env=environment)
+        self.assertEqual(list(temporary.iterdir()), [other])
 
     def test_files_by_name_and_bad_usage(self):
         points, faces = box_faces()

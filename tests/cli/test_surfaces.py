@@ -311,6 +311,8 @@ class Repair(CommandLineTest):
         self.refuse(2, "repair", "box.off", "-o", "out.off", "--simplify", "nan", says="--simplify")
         self.refuse(2, "repair", "box.off", "-o", "out.off", "--resolution", 0, says="--resolution")
         self.refuse(2, "repair", "box.off", "-o", "out.off", "--shell", "-1", says="--shell")
+        self.refuse(2, "repair", "box.off", "-o", "out.off", "--shell", "1e9",
+                    says=("--shell", "diagonal"))
         self.refuse(2, "repair", "box.off", "-o", "out.off", "--inside", "all", says="--inside")
         self.refuse(3, "repair", "none.off", "-o", "out.off", says="none.off")
         self.refuse(5, "repair", "box.off", "-o", "out.off", "--remesh", "--resolution", 2000,

@@ -33,6 +33,7 @@ constexpr std::size_t kBytesPerFace = 1000; // of all stages together
 constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
 constexpr std::size_t kFewestFaces = 4;     // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
+constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
 // Divergence theorem, about the first point.
 double volumeOf(const TriangleMesh& mesh) {
@@ -44,6 +45,21 @@ double volumeOf(const TriangleMesh& mesh) {
                      minus(mesh.points[mesh.triangles[i + 2]], origin)));
   }
   return sum / 6;
+}
+
+Box boxOf(const TriangleMesh& mesh) {
+  Box box;
+  for (const std::uint32_t v : mesh.triangles)
+    box.add(mesh.points[v]);
+  return box;
+}
+
+// The smallest voxel whose surface of a shell has at most `maxFaces` faces, three a voxel's side,
+// be it as large as that of its box.
+double voxelForShell(const Box& box, double shell, std::size_t maxFaces) {
+  const Vec3d s = plus(minus(box.high, box.low), {shell, shell, shell});
+  const double area = 2 * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]);
+  return std::sqrt(3 * area / static_cast<double>(maxFaces));
 }
 
 // Repairs one object.
@@ -168,6 +184,19 @@ private:
       throw Error(Status::Invalid, job_.input,
                   "every face of the mesh is degenerate or one of a pair that cancels out");
     result_.volumeBefore = volumeOf(mesh);
+    requireShapedShell(mesh);
+  }
+
+  // A thicker shell is a ball, whatever the mesh.
+  void requireShapedShell(const TriangleMesh& mesh) const {
+    const Box box = boxOf(mesh);
+    const double diagonal = length(minus(box.high, box.low));
+    if (job_.solid.shell > kThickestShell * diagonal)
+      throw Error(
+          Status::Usage, "`shell`",
+          fmt::format("a thickness of {:.6g} is more than {} times the mesh's diagonal, {:.6g}",
+                      job_.solid.shell, kThickestShell, diagonal),
+          "give it in the mesh's units");
   }
 
   Volume voxelizeMesh(const TriangleMesh& mesh) {
@@ -179,8 +208,11 @@ private:
     progress_.stage("voxelize");
     if (job_.resolution == 0 && job_.voxelSize == Vec3d{0, 0, 0}) {
       const std::size_t memory = options.maxMemory > 0 ? options.maxMemory : availableBytes();
-      options.voxelSize.fill(
-          voxelForDetail(mesh, std::min(kMaxFaces, memory / kBytesPerFace), progress_));
+      const std::size_t maxFaces = std::min(kMaxFaces, memory / kBytesPerFace);
+      double size = voxelForDetail(mesh, maxFaces, progress_);
+      if (job_.solid.shell > 0)
+        size = std::max(size, voxelForShell(boxOf(mesh), job_.solid.shell, maxFaces));
+      options.voxelSize.fill(size);
     }
     options.origin = originOffFaces(mesh, options);
     Voxelization made = voxelize(mesh, job_.solid, options, report_, progress_);
@@ -191,10 +223,7 @@ private:
   // The sides of the box then pass between the voxels' centres, and with them most flat sides.
   Vec3d originOffFaces(const TriangleMesh& mesh, const VoxelizeOptions& options) const {
     const Vec3d size = chooseTransform(mesh, options, job_.solid).voxelSize;
-    Box box;
-    for (const std::uint32_t v : mesh.triangles)
-      box.add(mesh.points[v]);
-    return minus(box.low, times(size, kOffFaces));
+    return minus(boxOf(mesh).low, times(size, kOffFaces));
   }
 
   TriangleMesh extract(const Volume& volume, const TriangleScene* scene) {

@@ -13,3 +13,11 @@ must(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUIL
 must(${CMAKE_COMMAND} --build ${WORK}/build)
 must(${WORK}/build/consumer)
 must(${WORK}/prefix/bin/tetvdb --version)
+
+# The same object by the flags of pkg-config.
+set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
+set(ENV{LD_LIBRARY_PATH} ${WORK}/prefix/${LIBDIR})
+must(pkg-config --cflags tetvdb)
+must(sh -c "${CXX} build/CMakeFiles/consumer.dir/main.cpp.o $(pkg-config --libs tetvdb) -o by_pkg_config"
+  WORKING_DIRECTORY ${WORK})
+must(${WORK}/by_pkg_config)

@@ -22,7 +22,8 @@ install(FILES ${pages}/fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_com
   RENAME tetvdb.fish)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb RENAME copyright)
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb/docs FILES_MATCHING PATTERN "*.md")
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb/docs
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.schema.json")
 install(DIRECTORY scripts/blender scripts/houdini DESTINATION ${CMAKE_INSTALL_DATADIR}/tetvdb)
 
 set(CPACK_GENERATOR DEB)

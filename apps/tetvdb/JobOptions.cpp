@@ -8,7 +8,11 @@
 #include <algorithm>
 #include <chrono>
 #include <fmt/format.h>
+#include <future>
+#include <system_error>
 #include <tbb/task_arena.h>
+#include <thread>
+#include <vector>
 
 namespace tetvdb::cli {
 
@@ -118,10 +122,37 @@ int threadCount(const JobOptions& options) {
   return options.threads == 0 ? tbb::this_task_arena::max_concurrency() : options.threads;
 }
 
+namespace {
+
+/// As many of `wanted` threads, this one included, as the system lets the process have at once.
+/// oneTBB, and Embree above all, do not recover from one that cannot be started.
+int startableThreads(int wanted) {
+  std::promise<void> done;
+  const std::shared_future<void> until = done.get_future().share();
+  std::vector<std::thread> threads;
+  try {
+    for (int i = 1; i < wanted; ++i)
+      threads.emplace_back([until] { until.wait(); });
+  } catch (const std::system_error&) {
+  }
+  const int count = 1 + static_cast<int>(threads.size());
+  done.set_value();
+  for (std::thread& thread : threads)
+    thread.join();
+  return count;
+}
+
+std::size_t parallelism(int threads) {
+  const int startable = startableThreads(threads);
+  if (startable < threads)
+    return static_cast<std::size_t>(startable);
+  return std::max(static_cast<std::size_t>(threads),
+                  tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
+
+} // namespace
+
 AllowThreads::AllowThreads(int threads)
-    : control_(tbb::global_control::max_allowed_parallelism,
-               std::max(static_cast<std::size_t>(threads),
-                        tbb::global_control::active_value(
-                            tbb::global_control::max_allowed_parallelism))) {}
+    : control_(tbb::global_control::max_allowed_parallelism, parallelism(threads)) {}
 
 } // namespace tetvdb::cli

@@ -55,8 +55,8 @@ std::size_t memoryLimit(const JobOptions& options);
 /// One a core where nothing was given.
 int threadCount(const JobOptions& options);
 
-/// Allows that many threads while it lives: with Embree in the program oneTBB says on stderr where
-/// they are more than the cores.
+/// Allows that many threads while it lives, or as many as the system lets the process have: with
+/// Embree in the program oneTBB says on stderr where they are more than the cores.
 class AllowThreads {
 public:
   explicit AllowThreads(int threads);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "RunLoop.h"
 
+#include "JobOptions.h"
 #include "JsonReport.h"
 #include "OptionNames.h"
 #include "ProgressDisplay.h"
@@ -18,6 +19,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <sys/types.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 namespace tetvdb::cli {
@@ -164,7 +166,12 @@ int runCommand(const Command& command) {
     const InterruptGuard guard(session.progress);
     ProgressDisplay display(ProgressDisplay::choose(options.quiet, options.verbose),
                             session.progress, session.estimate);
-    failure = attempt([&] { command.run(session); });
+    failure = attempt([&] {
+      // For good: where a limit ends, oneTBB may start the threads that it forbade.
+      static const auto* const allowed = new AllowThreads(tbb::this_task_arena::max_concurrency());
+      static_cast<void>(allowed);
+      command.run(session);
+    });
   }
   for (Warning& warning : session.report.warnings)
     warning.text = withOptionNames(warning.text);

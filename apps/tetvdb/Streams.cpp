@@ -9,6 +9,9 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <new>
+#include <string>
+#include <sys/types.h>
 #include <unistd.h>
 
 namespace tetvdb::cli {
@@ -28,7 +31,16 @@ void openClosedStreams() {
 }
 
 void printMessage(std::string_view text) {
-  writeToStandardError("tetvdb: " + oneLine(std::string(text)) + "\n");
+  try {
+    writeToStandardError("tetvdb: " + oneLine(std::string(text)) + "\n");
+  } catch (const std::bad_alloc&) {
+    printOutOfMemory();
+  }
+}
+
+void printOutOfMemory() {
+  constexpr std::string_view kText = "tetvdb: out of memory\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText.data(), kText.size());
 }
 
 void writeToStandardError(std::string_view text) {

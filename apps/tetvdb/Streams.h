@@ -17,6 +17,9 @@ void openClosedStreams();
 /// printed it is lost: a job does not fail for that.
 void printMessage(std::string_view text);
 
+/// The message that there is no memory, which takes none.
+void printOutOfMemory();
+
 /// Writes `text` to standard error as it is. Where it cannot be written it is lost.
 void writeToStandardError(std::string_view text);
 

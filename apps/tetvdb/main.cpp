@@ -5,14 +5,19 @@
 #include "ParseError.h"
 #include "RunLoop.h"
 #include "Streams.h"
+#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <exception>
 #include <iostream>
+#include <new>
 #include <sstream>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 namespace tetvdb::cli {
@@ -117,6 +122,21 @@ int runProgram(const std::vector<std::string>& arguments) {
   return static_cast<int>(Status::Usage);
 }
 
+// An allocation that fails where no exception may leave, in a destructor or in a thread of a
+// library.
+[[noreturn]] void onTerminate() {
+  removeTemporaryFiles();
+  try {
+    if (const std::exception_ptr error = std::current_exception())
+      std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    printOutOfMemory();
+    ::_exit(static_cast<int>(Status::Limit));
+  } catch (...) {
+  }
+  std::abort();
+}
+
 } // namespace
 } // namespace tetvdb::cli
 
@@ -125,10 +145,14 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   std::cout.rdbuf(nullptr); // OpenVDB's log; results go by printResult()
+  std::set_terminate(tetvdb::cli::onTerminate);
   tetvdb::cli::openClosedStreams();
   tetvdb::cli::endWithParent();
   try {
     return tetvdb::cli::runProgram({argv + std::min(argc, 1), argv + argc});
+  } catch (const std::bad_alloc&) {
+    tetvdb::cli::printOutOfMemory();
+    return static_cast<int>(tetvdb::Status::Limit);
   } catch (const std::exception& error) {
     tetvdb::cli::printMessage(error.what());
     return static_cast<int>(tetvdb::Status::Invalid);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <sys/resource.h>
 #include <utility>
 
@@ -76,7 +77,10 @@ StageTimer::~StageTimer() {
   endPart(now);
   stage_.seconds = std::chrono::duration<double>(now - start_).count();
   stage_.peakBytes = peakResidentBytes();
-  report_.stages.push_back(std::move(stage_));
+  try {
+    report_.stages.push_back(std::move(stage_));
+  } catch (const std::bad_alloc&) { // maybe while another error is on its way; the stage is missing
+  }
 }
 
 void StageTimer::part(std::string_view name) {

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
@@ -140,6 +141,21 @@ void soupTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, int ti
           fmt::format("leaves {} MB {:.2f}", counts.leaves,
                       static_cast<double>(counts.bufferBytes) * 1e-6));
   }
+  // To a byte a voxel in the device's memory, as tensors are.
+  nano::Job job = maskJob(nano::Method::Auto);
+  job.download = false;
+  nano::VoxelRange range{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    range.min[k] = static_cast<std::int32_t>(std::floor((-1 - job.origin[k]) / job.voxelSize[k]));
+    range.size[k] = kResolution;
+  }
+  nano::DeviceArray tensor(0, std::uint64_t(kResolution) * kResolution * kResolution);
+  const Measured measured = measure(device, times, [&] {
+    device.expand(device.run(viewOf(sphere), job), job.type, range, tensor);
+  });
+  print(fmt::format("{} triangles at {}^3, to a tensor", sphere.triangleCount(), kResolution),
+        measured,
+        bytesOf(sphere) / speeds.up + 2 * static_cast<double>(tensor.bytes()) / speeds.within, "");
 }
 
 int manySoups(const nano::Speeds& speeds, const std::vector<std::string>& files, int count) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxels that are inside or not, node by node in the order of a .vdb file: what a writer takes that
-// never has a whole tree in memory.
+// Occupancy, node by node in the order of a .vdb file, for writers that never hold a whole tree in
+// memory.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -54,8 +54,8 @@ public:
   /// All cubes that may hold a voxel, by x, then y, then z. One that is not full can turn out to be
   /// empty, but not to be full.
   virtual const std::vector<RootCube>& cubes() const = 0;
-  /// The stacks of a cube that is not full which may hold a voxel: x * 32 + y, ascending. To be
-  /// called before fill(); cubes are cheapest in their order, one after the other.
+  /// The stacks that may hold a voxel, of a cube that is not full: x * 32 + y, ascending. Must be
+  /// called before fill(); costs least if cubes are begun in their order.
   virtual std::vector<int> begin(std::size_t cube) = 0;
   /// Thread-safe for different stacks of the cube that was begun last.
   virtual void fill(int stack, BitStack& out) = 0;

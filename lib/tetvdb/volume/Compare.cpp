@@ -123,7 +123,7 @@ private:
         });
   }
 
-  /// Entry `i` of two internal nodes, of which a missing one is the cell.
+  /// Entry `i` of two internal nodes; a missing node has the cell's value everywhere.
   template <class Node>
   void child(GridComparison& sum, const Node* a, const Node* b, const Cell<T>& cellA,
              const Cell<T>& cellB, openvdb::Index i) const {
@@ -168,7 +168,7 @@ private:
     }
   }
 
-  /// True if masks and values are the same bits: the usual case, at the speed of memory.
+  /// True if masks and values are the same bits: the usual case, compared at memory bandwidth.
   template <class Leaf>
   static bool sameLeaf(const Leaf& a, const Leaf& b) {
     constexpr std::size_t size = hasBitLeaves<TreeT> ? Leaf::SIZE / 8 : Leaf::SIZE * sizeof(T);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The hash of a grid from its parts, and of a volume from its grids: what hash() makes.
+// Computes the hash of a grid from parts of it, and that of a volume from its grids, equal to
+// hash().
 #pragma once
 
 #include "tetvdb/volume/Grids.h"
@@ -13,7 +14,8 @@
 
 namespace tetvdb {
 
-/// Of a grid that comes in parts, each with other entries of the root node, in any order.
+/// The hash of a grid that is given in parts, in any order; each part has other entries of the root
+/// node.
 class GridHash {
 public:
   /// `grid`: with name, class, transform and background. Throws Error(Usage) for a grid type that

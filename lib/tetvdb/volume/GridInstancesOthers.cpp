@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the grid types that volume/Grids.h declares are compiled; in three files, side by side.
+// Compiles the grid types that volume/Grids.h declares. Three files share them, so that they
+// compile at the same time.
 #include "tetvdb/volume/Grids.h"
 
 namespace openvdb {

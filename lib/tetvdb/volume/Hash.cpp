@@ -2,8 +2,8 @@
 //
 // The canonical form of a tree is the list of its leaves and of its tiles, without inactive tiles
 // of the background's value, by coordinates and level. Internal nodes are not part of it: an empty
-// node and none are the same. Each 128^3 node is hashed by itself, the 4096^3 nodes over the hashes
-// below them, the grid over these, so that any number of threads gives the same result.
+// node and none are the same. Each 128^3 node is hashed on its own, a 4096^3 node over the hashes
+// of its children, and the grid over these, so that any number of threads gives the same result.
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/GridHash.h"
 #include "tetvdb/volume/GridTypes.h"
@@ -103,13 +103,13 @@ NodeHash hashLower(Hasher& hasher, const Lower& node, const T& background) {
   return result;
 }
 
-/// What the hash takes of an entry of the root node.
+/// The data of an entry of the root node that is hashed.
 struct RootEntry {
   openvdb::Coord origin;
   std::string bytes;
 };
 
-/// A hasher's face over bytes that wait.
+/// Buffers small writes to a hasher.
 struct Bytes {
   std::string text;
   void bytes(const void* data, std::size_t size) {

@@ -7,7 +7,7 @@ namespace tetvdb {
 
 /// OpenVDB's grid for a NanoVDB grid in memory, aligned to 32 bytes, that this program built (mask,
 /// bool, float or int32; breadth first). Its offsets are trusted: files are read by readVolume(). A
-/// mask becomes a bool grid. Name, class and the transform by voxel size and origin are taken over.
+/// mask becomes a bool grid. Name, class and the transform by voxel size and origin are copied.
 /// Parallel, by lower nodes; bound by the memory of the result.
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes);
 

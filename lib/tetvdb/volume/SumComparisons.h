@@ -7,7 +7,7 @@
 
 namespace tetvdb {
 
-/// Adds the comparison of a part of two grids to that of other parts; the name stays.
+/// Adds the comparison of one part of two grids to that of the other parts; keeps the name.
 inline void add(GridComparison& sum, const GridComparison& part) {
   sum.activeA += part.activeA;
   sum.activeB += part.activeB;

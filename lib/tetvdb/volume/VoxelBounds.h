@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Boxes of the active voxels of nodes.
+// Computes the boxes of the active voxels of nodes.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"

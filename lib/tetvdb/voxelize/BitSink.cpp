@@ -9,7 +9,7 @@
 
 namespace tetvdb {
 
-// A node under way. Leaves come slab by slab.
+// A node under construction. Leaves are added slab by slab.
 struct BitSink::OpenNode : NodeSink::Node {
   NodeIndex index;
   std::unique_ptr<BitNode> bits = std::make_unique<BitNode>();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From slabs to the nodes of a BitStack.
+// A sink that makes the nodes of a BitStack from slabs.
 #pragma once
 
 #include "tetvdb/volume/BitSource.h"
@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// Puts nodes into a stack that has its lowest node at zFirst. For one thread. Nodes may come in
-/// any order, but each once, and so may the slabs of a node.
+/// Puts nodes into a stack that has its lowest node at zFirst. Used by one thread. Nodes may be
+/// given in any order, each once; so may the slabs of a node.
 class BitSink : public NodeSink {
 public:
   BitSink(std::int32_t zFirst, BitStack& stack) : zFirst_(zFirst), stack_(stack) {}

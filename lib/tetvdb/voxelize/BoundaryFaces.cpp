@@ -71,7 +71,7 @@ inline void eachFace(const SortedTet& t, const Visit& visit) {
   visit(t.v[1], t.v[2], t.v[3], t.sign);
 }
 
-// A number for a vertex that looks random: half of SplitMix64's finalizer, for speed.
+// A pseudo-random number for a vertex: half of SplitMix64's finalizer, for speed.
 inline std::uint64_t fingerprint(std::uint32_t vertex) {
   std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
@@ -240,7 +240,7 @@ private:
       for (std::size_t t = begin; t != end; ++t)
         checkExtent(mesh_.tets + 4 * t);
     const std::uint64_t doubtful = tetvdb::sumFaces(mesh_, begin, end, signs_.data(), sums);
-    // Flat tets add nothing, so those in doubt are added once they are decided.
+    // Flat tets add nothing, so undecided tets are added after their orientation is decided.
     std::uint64_t negative = 0, flat = 0;
     for (std::size_t t = begin; t != end; ++t) {
       if (doubtful != 0 && signs_[t] == 0) {

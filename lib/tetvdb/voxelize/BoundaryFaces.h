@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces that are left when the faces of all tets are added up with their signs.
+// The boundary of a tet mesh: the faces whose signs do not cancel when the faces of all tets are
+// added up.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -31,12 +32,12 @@ struct Boundary {
 /// included. (Counting the faces that belong to one tet alone would be wrong there.)
 ///
 /// Faces are matched only around open vertices: those where the signed sum of random numbers, one a
-/// face around the vertex, does not vanish. A vertex is taken for closed wrongly with probability
-/// below 2^-58; then the faces found do not close, which is checked in the same way, and everything
-/// is matched (docs/algorithms.md).
-/// Parallel; about 10 ns and one byte a tet and core, 8 bytes a point and thread, and for the faces
-/// around open vertices 50 ns and 28 bytes each. The order of the faces depends on the mesh alone.
-/// Throws Error(Limit) for 2^31 points or more and for tets longer than kMaxTetExtent.
+/// face around the vertex, does not vanish. An open vertex is taken for closed with a probability
+/// below 2^-58. The faces found then do not close; this is checked with the same sums, and if it
+/// fails, all faces are matched (docs/algorithms.md). Parallel. Costs about 10 ns a tet on one
+/// core, one byte a tet, 8 bytes a point and thread, and 50 ns and 28 bytes for each face around an
+/// open vertex. The order of the faces depends only on the mesh. Throws Error(Limit) for 2^31
+/// points or more and for tets longer than kMaxTetExtent.
 Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

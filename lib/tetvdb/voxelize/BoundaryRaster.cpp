@@ -25,7 +25,7 @@
 namespace tetvdb {
 namespace {
 
-// In place of a face: the node has voxels of the winding band.
+// Used as a face index: the node has voxels of the winding band.
 constexpr std::uint32_t kBandInNode = 0xFFFFFFFFu;
 
 // A face that may have crossings in a node. The triangles over holes are counted from the number of
@@ -95,7 +95,7 @@ std::vector<FaceInNode> binFaces(const AllFaces& faces, const WindingBand* band,
   return all;
 }
 
-// What a slab's rows have come to at its bottom, carried up from node to node.
+// The sums of a slab's rows at its bottom, carried up from node to node.
 struct SlabCarry {
   /// The whole number nearest to the winding number: signed crossings, plus `rests` for open soups.
   std::array<std::int32_t, kSlabRows> sums{};
@@ -111,8 +111,8 @@ struct SlabCarry {
   }
 };
 
-// What is known of the triangles over holes in a slab: their crossings, and their solid angles over
-// 4 pi where these matter.
+// The triangles over holes in a slab: their crossings, and their solid angles over 4 pi where these
+// are needed.
 struct SlabHoles {
   SlabCrossings crossings;
   SlabBits flags;
@@ -132,7 +132,7 @@ std::uint64_t prefixXor(std::uint64_t w) {
   return w;
 }
 
-// A row's crossings: bits, and what is more than a bit a voxel.
+// A row's crossings: one bit a voxel, and the list of those beyond one.
 struct RowCrossings {
   const std::uint64_t *entering, *leaving;
   const SlabCrossings::Extra *extra, *extraEnd;
@@ -157,7 +157,7 @@ private:
   std::int32_t sum_;
 };
 
-// The crossings of a slab's rows, to be asked for in order; rows may be left out.
+// The crossings of a slab's rows. Rows are read in ascending order; rows may be skipped.
 class RowsOf {
 public:
   explicit RowsOf(SlabCrossings& crossings) : crossings_(crossings) {
@@ -297,7 +297,7 @@ bool extendRows(const SlabCarry& carry, FillRule rule, SlabBits& bits) {
   return any;
 }
 
-// What a thread works in.
+// A thread's working memory.
 struct Scratch {
   SlabCrossings crossings;
   std::unique_ptr<SlabHoles> holes; // made when first needed

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Occupancy from faces alone: along each z column the signed crossings of the faces are summed, and
-// the sum decides which voxels are inside. Interior faces of tets cancel exactly under the
+// Computes occupancy from faces: along each z column the signed crossings of the faces are summed,
+// and the sum decides which voxels are inside. Interior faces of tets cancel exactly under the
 // ownership rule, so with the boundary of tets this is their union, voxel by voxel; with a closed
 // triangle soup the sum is its winding number; with an open one the solid angles of the triangles
 // over its holes are added (WindingBand.h).
@@ -20,17 +20,17 @@
 
 namespace tetvdb {
 
-/// Upper estimate of the leaf nodes that the boundary passes through.
+/// An upper estimate of the number of leaf nodes that the boundary passes through.
 std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& boundary);
 
 struct FillOptions {
   FillRule rule = FillRule::Positive;
   /// The triangles that fill the holes of an open soup (fillHoles()); null where the faces close.
-  /// With FillRule::Odd they have no meaning: then every edge must have an even number of faces.
+  /// FillRule::Odd ignores them; every edge must then have an even number of faces.
   const TriangleClusters* holes = nullptr;
 };
 
-/// The sums of a stack of nodes at some height, as small as they can be kept.
+/// The sums of a stack of nodes at one height, in the smallest form that holds them.
 struct BoundaryCarry {
   std::int32_t sum = 0;            ///< of all columns, where the following are empty
   std::vector<std::uint64_t> bits; ///< of each column: 0 or 1
@@ -39,7 +39,7 @@ struct BoundaryCarry {
   std::vector<std::int32_t> holes;
 };
 
-/// Stacks of 128^3 nodes along z, each to be rasterised by itself, and from any height on.
+/// Stacks of 128^3 nodes along z. Each can be rasterised on its own, from any height.
 class BoundaryStacks {
 public:
   /// Finds the nodes that faces meet, in parallel: 16 bytes a pair of face and node. All must
@@ -61,7 +61,7 @@ public:
 
   /// Hands the nodes zBegin <= z < zEnd of a column to `sink`: those that faces meet slab by slab,
   /// full ones between them as runs. `carry` holds the sums at zBegin, which are 0 up to the
-  /// column's zBegin, and receives those at zEnd. Without a sink the sums alone are found.
+  /// column's zBegin, and receives those at zEnd. Without a sink only the sums are computed.
   /// `splitNodes`: the slabs of a node are tasks of their own. Thread-safe.
   void rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd, BoundaryCarry& carry,
                  NodeSink* sink, bool splitNodes) const;

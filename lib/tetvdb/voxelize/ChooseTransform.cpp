@@ -51,8 +51,8 @@ void WorldBox::grow(double length) {
   }
 }
 
-// Nearly always all points are in use, or at least those on the sides of the box of all points;
-// then the indices need only be looked through for them.
+// Usually all points are used, or those on the sides of the box of all points are. It is then
+// enough to look for these among the indices.
 WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices) {
   using Range = tbb::blocked_range<std::size_t>;
   const auto boxOf = [](std::size_t count, const auto& point) {
@@ -73,7 +73,7 @@ WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint
         sides[i] = static_cast<std::uint8_t>(sides[i] | (points[i][k] == all.min[k]) << k |
                                              (points[i][k] == all.max[k]) << (k + 3));
   });
-  // From both ends inward: meshes tend to be numbered along an axis.
+  // Scans from both ends: vertices are often numbered along an axis.
   std::atomic<int> used{0};
   const std::size_t chunk = 65536, chunks = (indices.size() + chunk - 1) / chunk;
   tbb::parallel_for(
@@ -103,7 +103,7 @@ double longestSide(const WorldBox& box) {
   return longest;
 }
 
-// The option that a size which cannot be used came from.
+// The option that an unusable size was given by.
 const char* sizeOption(const VoxelizeOptions& options) {
   if (options.voxelSize[0] != 0)
     return "`voxel_size`";
@@ -123,7 +123,7 @@ void checkSize(const Vec3d& size, const VoxelizeOptions& options) {
         "use larger voxels, or scale the model to a smaller unit: millimetres for metres");
 }
 
-// The asked origin, or one that has the box within 32-bit index space.
+// The requested origin, or one with which the box lies within 32-bit index space.
 GridTransform placed(const WorldBox& box, const Vec3d& size, const VoxelizeOptions& options) {
   checkSize(size, options);
   GridTransform transform{size, options.origin};
@@ -145,7 +145,7 @@ GridTransform placed(const WorldBox& box, const Vec3d& size, const VoxelizeOptio
   return transform;
 }
 
-// The box's middle is that of the voxels 0 to fit.voxels - 1.
+// The centre of the box is that of the voxels 0 to fit.voxels - 1.
 GridTransform centred(const WorldBox& box, double size, const VoxelizeOptions& options) {
   checkSize({size, size, size}, options);
   GridTransform transform{{size, size, size}, {}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The device of a choice, or several that share each job. Internal.
+// The devices that a DeviceChoice selects; several share each job. Internal.
 #pragma once
 
 #include "nanovdb_kernels/DeviceVoxelizer.h"
@@ -48,7 +48,7 @@ public:
   /// Held on the device where there is one; else 0.
   std::uint64_t deviceBytes() const { return one_ != nullptr ? one_->deviceBytes() : 0; }
 
-  /// Of the last job; the slowest device's.
+  /// Seconds of the last job on the slowest device.
   nano::Times times() const {
     if (one_ != nullptr)
       return one_->times();

@@ -178,7 +178,7 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
     }
     for (std::int64_t y = low; y < high; ++y) {
       const double crossing = base + slopeY * (static_cast<double>(y) + oy);
-      // Beyond the node by more than the tolerance's own use.
+      // Outside of the node by more than the rounding error.
       if (!(crossing > -2 - tolerance && crossing < kNodeSize + 2 + tolerance))
         continue;
       const double nearest = std::nearbyint(crossing);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the z columns of a slab cross a triangle, exactly.
+// Computes exactly where the z columns of a slab cross a triangle.
 #pragma once
 
 #include "tetvdb/geometry/ColumnBounds.h"
@@ -12,7 +12,8 @@
 namespace tetvdb {
 
 /// Crossings of one slab. A crossing at z changes the number of tets around every voxel of the row
-/// from z on. One entering and one leaving crossing a voxel are bits; what is more goes to `extra`.
+/// from z on. One entering and one leaving crossing a voxel are kept as bits; further ones are kept
+/// in `extra`.
 struct SlabCrossings {
   struct Extra {
     std::int32_t row; ///< x * 128 + y

@@ -22,7 +22,7 @@ namespace {
 
 using Slabs = std::array<SlabBits, kSlabsPerNode>;
 
-// Keeps what it is given.
+// Stores the nodes that it receives.
 class BitNodes : public NodeSink {
 public:
   struct Bits : Node {
@@ -53,7 +53,7 @@ private:
   std::map<NodeIndex, std::unique_ptr<Slabs>> nodes_;
 };
 
-// A stretch of a column: one voxel beside a face, or a run of voxels that no face is near.
+// An interval of a column: one voxel near a face, or a run of voxels that are near no face.
 struct Cell {
   std::int32_t first, last;
   bool wall;
@@ -98,7 +98,7 @@ public:
     joinCells();
   }
 
-  // Node by node: what the outside has not reached.
+  // Emits, node by node, the voxels that are not reached from outside.
   void write(NodeSink& sink) {
     std::int32_t zLow = kAbove, zHigh = kBelow;
     for (const auto& [index, slabs] : walls_.nodes()) {

@@ -10,7 +10,7 @@ double tooFine(const VoxelBox& box, const VoxelizeOptions& options) {
   for (std::size_t k = 0; k < 3; ++k) {
     double have = 0, max = options.resolution;
     if (options.fit.voxels > 0) {
-      // Voxels from the cube's middle to the farther side.
+      // Voxels from the cube's centre to the farther side.
       const double midpoint = (static_cast<double>(options.fit.voxels) - 1) / 2;
       have = std::max(midpoint - box.low[k], box.high[k] - midpoint) + 0.5;
       max = static_cast<double>(options.fit.voxels) / 2 - options.fit.padding;
@@ -37,7 +37,7 @@ void coarsen(const GridTransform& transform, double factor, VoxelizeOptions& use
   for (std::size_t k = 0; k < 3; ++k) {
     const double size = transform.voxelSize[k], larger = size * factor;
     used.voxelSize[k] = larger;
-    if (used.fit.voxels > 0) // about the same middle
+    if (used.fit.voxels > 0) // about the same centre
       used.origin[k] = transform.origin[k] + (size - larger) * (used.fit.voxels - 1) / 2;
   }
 }

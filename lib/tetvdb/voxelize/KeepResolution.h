@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Voxels that become larger where a solid reaches beyond its mesh's box. Internal.
+// Enlarges voxels where a solid reaches beyond its mesh's box. Internal.
 #pragma once
 
 #include "tetvdb/core/Report.h"
@@ -17,7 +17,7 @@ namespace tetvdb {
 /// The factor by which voxels must become larger for a solid in `box` to have no more voxels than
 /// options.resolution along any axis, or to keep to the voxels of options.fit; 1: they need not.
 double tooFine(const VoxelBox& box, const VoxelizeOptions& options);
-/// The same of what `made` holds, which lies within the mesh's box where its faces close.
+/// The same for the voxels of `made`, which lie within the mesh's box if its faces close.
 double tooFine(const Voxelization& made, const VoxelizeOptions& options);
 
 /// Whether voxels may become larger: where their size and rule are not given.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The leaves of a slab, from its rows of bits.
+// Extracts the leaves of a slab from its rows of bits.
 #pragma once
 
 #include "tetvdb/voxelize/Slab.h"

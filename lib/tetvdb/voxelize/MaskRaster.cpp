@@ -19,7 +19,7 @@ namespace {
 using Masks = std::vector<openvdb::BoolGrid::ConstPtr>;
 using Nodes = NodeLists<openvdb::BoolTree>;
 
-// What a mask has in a 128^3 node.
+// The content of a mask in a 128^3 node.
 struct Piece {
   NodeIndex node;
   std::uint32_t owner;
@@ -70,7 +70,7 @@ struct SlabOwners {
   std::vector<std::uint32_t> owners = std::vector<std::uint32_t>(kSlabRows * kNodeSize);
 };
 
-// Of voxels that are in several masks the owner is the first.
+// The owner of a voxel that is in several masks is the first of them.
 bool fillSlab(const Piece* begin, const Piece* end, int index, SlabOwners& slab) {
   std::memset(&slab.bits, 0, sizeof slab.bits);
   bool any = false;

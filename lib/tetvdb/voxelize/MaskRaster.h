@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Masks that exist already, as a rasteriser's voxels.
+// Passes the voxels of existing masks to a sink, as a rasteriser does.
 #pragma once
 
 #include "tetvdb/core/Progress.h"

@@ -171,8 +171,8 @@ void OccupancySource::findCubes(const SnappedMesh& mesh, const Boundary& boundar
   }
 }
 
-// A cube that no face comes near is full or empty throughout: no line between two of its voxels'
-// centres meets a face. `z` in cubes.
+// A cube that no face comes near is full or empty: no line between two of its voxel centres meets a
+// face. `z` is in cubes.
 bool OccupancySource::isFull(const CubeColumn& column, std::int32_t z, bool quiet) const {
   if (column.places.size() < static_cast<std::size_t>(kStacksPerCube))
     return false; // no voxel is inside without faces below it

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Occupancy stack by stack, for a writer that never has a whole tree in memory
+// Computes occupancy stack by stack, for a writer that never holds a whole tree in memory
 // (volume/BitSource.h). Memory: the faces and their nodes, the sums of one column of 4096^3 cubes
-// (at most 64 MB, less than 3 MB where they are 0 or 1), and what the stacks under way take.
+// (at most 64 MB, less than 3 MB where they are 0 or 1), and the stacks under construction.
 #pragma once
 
 #include "tetvdb/volume/BitSource.h"
@@ -15,7 +15,7 @@
 
 namespace tetvdb {
 
-/// The voxels that rasterizeBoundary() finds, by any rule.
+/// The voxels that rasterizeBoundary() computes, by any voxel rule.
 class OccupancySource : public BitSource {
 public:
   /// All but `progress` must outlive it. Finds the cubes, and which of them are full: of those
@@ -28,9 +28,9 @@ public:
   std::vector<int> begin(std::size_t cube) override;
   void fill(int stack, BitStack& out) override;
 
-  /// Of each cube: about its share of the work, 1 at least. Depends on mesh and options alone.
+  /// The estimated work for each cube, at least 1. Depends only on the mesh and the options.
   std::vector<std::uint64_t> weights() const;
-  /// Keeps the cubes begin <= i < end alone.
+  /// Keeps only the cubes begin <= i < end.
   void restrict(std::size_t begin, std::size_t end);
 
 private:

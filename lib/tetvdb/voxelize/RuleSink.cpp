@@ -14,7 +14,7 @@
 
 namespace tetvdb {
 
-// A node under way: the next sink's, and the faces that pass through it.
+// A node under construction: the next sink's node, and the faces that pass through it.
 struct RuleSink::RuledNode : NodeSink::Node {
   std::unique_ptr<NodeSink::Node> next;
   NodeIndex index;

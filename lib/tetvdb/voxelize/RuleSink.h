@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From voxels whose centre is inside to those whose cube meets the solid, or lies in it.
+// Changes voxels whose centre is inside to those whose cube meets the solid, or lies in it.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -48,8 +48,8 @@ private:
 /// it; a face that does pass through has more tets on one side than on the other.
 class RuleSink : public NodeSink {
 public:
-  /// Both must outlive it. What comes is among the faces' nodes from number `first` to `end`, or
-  /// is a node without faces.
+  /// Both must outlive it. Each node received is one of the faces' nodes from number `first` to
+  /// `end`, or a node without faces.
   RuleSink(NodeSink& next, const RuledFaces& faces, VoxelRule rule, std::size_t first,
            std::size_t end);
 
@@ -59,7 +59,7 @@ public:
   void fullRun(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd) override;
   void fullNode(const NodeIndex& node, std::uint32_t owner) override;
 
-  /// Call after the last node: hands on the nodes that faces pass through but no centre is in.
+  /// Call after the last node: passes on the nodes that faces pass through but no centre is in.
   /// Parallel.
   void finish();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where a job is done that CPU and GPU can do. Internal.
+// Chooses whether a job runs on the CPU or the GPU, and runs it there. Internal.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -14,22 +14,22 @@
 
 namespace tetvdb {
 
-/// What is known of a job before it is done.
+/// What is known of a job before it runs.
 struct DeviceQuestion {
   std::string unable; ///< why no GPU can do it; empty: one can
   /// Asked where the choice is Auto and there is a GPU.
   std::function<DeviceCost()> cost;
 };
 
-/// Fills `used` for a choice among `names`, all devices there are; returns whether it is the GPU.
+/// Fills `used` for a choice among `names`, all available devices; returns whether it is the GPU.
 /// Adds the warning "device-unused" where one was asked for that cannot do the job. Throws
 /// Error(Device) where it is not there.
 bool takesDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
                  std::vector<std::string>& names, Report& report);
 
-/// Returns onDevice(start) or onCpu(), as takesDevice() says; start() returns the devices of the
-/// choice. Where that is Auto and the device fails or has too little memory onCpu() takes over,
-/// with the warning "device-left"; it must not rest on what onDevice() left behind.
+/// Returns onDevice(start) or onCpu(), as takesDevice() says; start() returns the DeviceSet of the
+/// choice. If that is Auto and the device fails or has too little memory, onCpu() runs and the
+/// warning "device-left" is added; onCpu() must not depend on results of onDevice().
 template <typename OnDevice, typename OnCpu>
 auto runOnDevice(const DeviceChoice& choice, const DeviceQuestion& question, DeviceUsed& used,
                  Report& report, const OnDevice& onDevice, const OnCpu& onCpu) {

@@ -45,8 +45,8 @@ struct Heights {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // All points within `radius` of a triangle: a prism on either side of it, a cylinder around every
-// edge, a ball around every corner. That body is convex, so that a column meets it in one piece,
-// which runs from the lowest to the highest point that the column shares with any of its parts.
+// edge, a ball around every corner. That body is convex, so that a column meets it in one interval,
+// from the lowest to the highest point that the column shares with any of these bodies.
 class GrownTriangle {
 public:
   // World units, relative to a.

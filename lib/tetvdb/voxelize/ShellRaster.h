@@ -15,7 +15,7 @@ namespace tetvdb {
 void rasterizeShell(const SnappedMesh& mesh, const Boundary& faces, const Vec3d& voxelSize,
                     double radius, NodeSink& sink, Progress& progress);
 
-/// Upper estimate of the leaf nodes of that shell.
+/// An upper estimate of the number of leaf nodes of that shell.
 std::uint64_t estimateShellLeaves(const SnappedMesh& mesh, const Boundary& faces,
                                   const Vec3d& voxelSize, double radius);
 

@@ -37,12 +37,13 @@ inline void setRun(std::uint64_t* row, int lo, int hi) {
     row[1] |= lowBits(hi - 64) & ~lowBits(lo > 64 ? lo - 64 : 0);
 }
 
-/// Receives what a rasteriser finds. begin(), the slabs (each index at most once, from any thread),
-/// end(): for one node at a time and thread, many nodes at once. A slab that is not delivered is
-/// empty.
+/// Receives the voxels of a rasteriser. begin(), the slabs (each index at most once, from any
+/// thread), end(): for one node at a time and thread, many nodes at once. A slab that is not
+/// delivered is empty.
 class NodeSink {
 public:
-  /// A node under construction, the sink's own; destroyed without end() it is given up.
+  /// A node under construction, owned by the sink; if it is destroyed without end(), it is
+  /// discarded.
   struct Node {
     virtual ~Node() = default;
   };

@@ -25,7 +25,7 @@ std::string whyEmpty(const SoupBoundary& boundary, const SolidOptions& solid) {
                      boundary.edges.size());
 }
 
-// An open mesh whose inside is next to nothing beside its faces is rather a sheet.
+// An open mesh whose inside is very small compared with its faces is probably a sheet.
 void warnIfThin(std::uint64_t inside, double surface, Report& report) {
   if (static_cast<double>(inside) < 0.02 * surface)
     report.warn("nearly-empty",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A mesh made ready for rasterizeBoundary(): its points on the lattice, its faces as a chain, and
-// what fills its holes.
+// A mesh prepared for rasterizeBoundary(): its points on the lattice, its faces as a chain, and the
+// triangles that fill its holes.
 #pragma once
 
 #include "tetvdb/core/Report.h"
@@ -49,11 +49,11 @@ SolidFaces solidFaces(const TetMesh& mesh, const GridTransform& transform, Stage
 void checkSolid(const SoupBoundary& boundary, const SolidOptions& solid, std::uint64_t activeVoxels,
                 double surfaceVoxels, const VoxelizeOptions& options, Report& report);
 
-/// 32 hexadecimal digits over faces, in their order, with what fills holes, and the rule: what
-/// voxels follow from.
+/// 32 hexadecimal digits: a hash of everything that determines the voxels, which is the faces in
+/// their order, the triangles that fill holes, and the rule.
 std::string markOf(const SolidFaces& faces);
 
-/// Bytes of `faces`, of those needed while they are rasterised too.
+/// Bytes of `faces`, including those needed while they are rasterised.
 double bytesOf(const SolidFaces& faces);
 
 } // namespace tetvdb

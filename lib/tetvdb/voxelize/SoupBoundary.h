@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The edges of a triangle soup at which it does not close.
+// The boundary edges of a triangle soup.
 #pragma once
 
 #include "tetvdb/core/Progress.h"

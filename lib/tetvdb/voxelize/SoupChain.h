@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces of a triangle soup as a chain: what the rasterisers of faces take.
+// The faces of a triangle soup as a chain, the input of the rasterisers of faces.
 #pragma once
 
 #include "tetvdb/geometry/BoundaryWinding.h"
@@ -21,7 +21,7 @@ Boundary soupFaces(const TriangleMesh& mesh, const SnappedMesh& snapped);
 std::vector<BoundaryEdge> boundaryEdges(const std::vector<IndexedBoundaryEdge>& edges,
                                         const SnappedMesh& snapped);
 
-/// The winding number of the places around a soup, from its boundary edges.
+/// The winding number of points around a soup, from its boundary edges.
 BoundaryWinding boundaryWinding(const std::vector<IndexedBoundaryEdge>& edges,
                                 const SnappedMesh& snapped);
 

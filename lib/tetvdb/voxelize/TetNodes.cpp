@@ -78,8 +78,8 @@ void eachSlab(const SnappedMesh& mesh, std::size_t tet, const TetBox& box, const
       }
 }
 
-// Rasterizing counts a tet in the slab where its box begins. Tets without voxel centres never get
-// there, large ones need not.
+// Rasterizing counts a tet in the slab where its box begins. Tets without voxel centres are never
+// rasterised, and large ones may not be.
 void countHere(const SnappedMesh& mesh, std::size_t tet, OrientationCounts& counts) {
   const std::uint32_t* v = mesh.tets + 4 * tet;
   counts.count(
@@ -263,7 +263,7 @@ public:
 
   NodeIndex index() const { return {begin_->key.x, begin_->key.y, begin_->key.z}; }
 
-  // Whether one tet owns the whole node, or nobody asks for owners.
+  // Whether one tet owns the whole node, or owners are not needed.
   bool full() const {
     return filling_ != kNoTet && (!owners_ || std::all_of(begin_, end_, [&](const Bin& bin) {
              return bins_.tets[bin.begin] > filling_;
@@ -271,7 +271,7 @@ public:
   }
   std::uint32_t filling() const { return filling_; }
 
-  // Rasterizes slab s into `scratch`; false where nothing is in it.
+  // Rasterizes slab s into `scratch`; false if it is empty.
   bool slab(int s, Scratch& scratch, OrientationCounts& counts) const {
     const Bin* bin = std::find_if(begin_, end_, [&](const Bin& b) { return b.key.slab == s; });
     if (bin == end_ && filling_ == kNoTet)
@@ -283,7 +283,7 @@ public:
       if (filling_ == kNoTet) {
         rasterizeRun(s, tets, count, scratch, counts);
       } else {
-        // A tet that fills the node leaves nothing to those after it.
+        // A tet that fills the node leaves no voxels to the tets after it.
         const auto before =
             static_cast<std::size_t>(std::lower_bound(tets, tets + count, filling_) - tets);
         rasterizeRun(s, tets + before, count - before, scratch, counts);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every tet rasterised: who owns each voxel, and occupancy where tets are about a voxel wide.
+// Rasterises every tet: computes the owner of each voxel, and occupancy where tets are about a
+// voxel wide.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -11,8 +12,8 @@
 namespace tetvdb {
 
 /// Bins the tets to slabs, nodes that a tet fills apart, and hands every node that is not empty to
-/// `sink`: with owners (lowest tet index wins) or bits alone. One task a node, its slabs apart
-/// where nodes are few. Returns how many tets were reversed or dropped.
+/// `sink`: with owners (the smallest tet index wins) or only bits. Each node is one task; if there
+/// are few nodes, each slab is. Returns how many tets were reversed or dropped.
 OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink& sink,
                                  Progress& progress);
 

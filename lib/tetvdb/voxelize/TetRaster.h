@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The voxels of a slab that tets own, exactly.
+// Computes exactly the voxels of a slab that tets own.
 #pragma once
 
 #include "tetvdb/geometry/TetBox.h"
@@ -47,8 +47,8 @@ void rasterizeOwners(const SnappedMesh& mesh, const std::uint32_t* tets, std::si
                      const SlabOrigin& slab, SlabBits& bits, std::uint32_t* owners,
                      OrientationCounts& counts);
 
-/// How a tet lies to a box of voxel centres (inclusive, voxels). Conservative: Inside and Outside
-/// are certain.
+/// The position of a tet relative to a box of voxel centres (inclusive, voxels). Conservative:
+/// Inside and Outside are certain.
 enum class Cover : std::uint8_t { Outside, Partial, Inside };
 Cover classifyBox(const SnappedMesh& mesh, std::size_t tet, const TetBox& box);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Which voxels' cubes a triangle passes through, exactly.
+// Computes exactly which voxels' cubes a triangle passes through.
 #pragma once
 
 #include "tetvdb/geometry/Exact.h"

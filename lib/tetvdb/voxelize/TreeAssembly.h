@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// 128^3 nodes that tasks have built, each alone, into one tree: no lock, no merge. Internal.
+// Assembles 128^3 nodes that tasks have built independently into one tree, without locks and
+// merging. Internal.
 #pragma once
 
 #include "tetvdb/volume/Grids.h"
@@ -23,8 +24,8 @@ struct NodeRun {
   std::int32_t x, y, zBegin, zEnd;
 };
 
-/// Takes finished lower nodes and tiles in their place, from any thread, and makes the tree. What
-/// comes in which order makes no difference.
+/// Takes finished lower nodes and tiles in their place, from any thread, and makes the tree. The
+/// order in which they arrive has no influence.
 template <typename TreeType>
 class TreeAssembly {
 public:
@@ -47,7 +48,8 @@ public:
         false);
   }
 
-  /// Takes the filled node; one that is empty goes, one that is full of one value becomes a tile.
+  /// Takes the filled node. An empty node is dropped; a node that is full of one value becomes a
+  /// tile.
   void end(std::unique_ptr<Lower> lower, const NodeIndex& index) {
     // Only the first tile can decide: a node is one tile if all its values are.
     if (lower->getChildMask().isOff()) {
@@ -71,7 +73,7 @@ public:
   /// The grid; call once, after the last node.
   typename openvdb::Grid<TreeType>::Ptr
   finish(const std::string& name, openvdb::GridClass gridClass, const GridTransform& transform) {
-    // Upper nodes by origin, each with the parts and runs inside it.
+    // Upper nodes by origin, each with the nodes and runs inside it.
     struct UpperParts {
       std::vector<Part> parts;
       std::vector<ValueRun> runs;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// OpenVDB trees straight from rasterised nodes: every 128^3 node is built by the task that
-// rasterises it, so there is no lock, no merge and no accessor.
+// Builds OpenVDB trees from rasterised nodes. Every 128^3 node is built by the task that rasterises
+// it, without locks, merging and accessors.
 #pragma once
 
 #include "tetvdb/mesh/TetMesh.h"

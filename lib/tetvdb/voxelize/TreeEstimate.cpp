@@ -34,7 +34,7 @@ TreeEstimate estimateByBox(const SnappedMesh& mesh) {
   return {nodes(3), nodes(7)};
 }
 
-// About 1 / 256 of the leaves lie in a lower node, and small parts have a node for themselves.
+// There is a lower node for about 256 leaves, and small components have a node of their own.
 TreeEstimate estimateByBoundary(const SnappedMesh& mesh, const Boundary& boundary) {
   const auto leaves = static_cast<double>(estimateBoundaryLeaves(mesh, boundary));
   const TreeEstimate box = estimateByBox(mesh);

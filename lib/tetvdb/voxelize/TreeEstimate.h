@@ -9,7 +9,7 @@
 
 namespace tetvdb {
 
-/// Nodes that a tree is expected to have, an upper estimate.
+/// The expected number of nodes of a tree, an upper estimate.
 struct TreeEstimate {
   double leaves = 0;
   double lowerNodes = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From the faces that a solid is made of to those parts of them that are its boundary: where solids
-// cross, overlap, touch or contain each other, faces run on within the solid.
+// Trims the faces of a solid to those that are its boundary: where solids cross, overlap, touch or
+// contain each other, some faces lie within the solid.
 //
 //   tetvdb::TrimmedFaces trimmed = tetvdb::trimFaces(mesh, faces, tetvdb::FillRule::Positive, p);
 //   if (trimmed.changed)
@@ -27,17 +27,17 @@ struct TrimmedFaces {
   bool complete = true; ///< false: given up, and not changed
 };
 
-/// The boundary of the places whose winding number `rule` takes for inside. `boundary` must close
-/// (for FillRule::Odd every edge must have an even number of faces). Faces with either side of
-/// different kinds stay, those with both inside or both outside go; faces that others meet are cut
-/// into pieces along the crossings, and pieces stay or go. All is decided exactly on the lattice;
-/// corners of pieces are rounded to it at the end, by which no point of them moves farther than
-/// 2^-20 voxel, and pieces thinner than about 2^-28 voxel go.
+/// The boundary of the points that `rule` counts as inside by their winding number. `boundary` must
+/// close (for FillRule::Odd every edge must have an even number of faces). Faces with either side
+/// of different kinds stay, those with both inside or both outside go; faces that others meet are
+/// cut along the crossings into smaller faces, which stay or go. All is decided exactly on the
+/// lattice; at the end corners of the smaller faces are rounded to it, which moves no point farther
+/// than 2^-20 voxel and removes those thinner than about 2^-28 voxel.
 ///
-/// Gives up where the faces or their pieces are too many to look at (kMax... in the source:
-/// some thousand large faces that all cross), or the mesh is longer than 2^20 voxels. The
-/// result is the same for any order of faces, of points, and any number of threads. Parallel; about
-/// 1 us a face where none is met, and 10 us for every piece of one that is.
+/// Changes nothing and says so if there are too many faces or crossings (kMax... in the source:
+/// some thousand large faces that all cross), or if the mesh is longer than 2^20 voxels. The result
+/// does not depend on the order of faces and points or on the number of threads. Parallel; costs
+/// about 1 us a face that no other meets, and 10 us for each smaller face made.
 TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRule rule,
                        Progress& progress);
 

@@ -20,10 +20,11 @@
 namespace tetvdb {
 namespace {
 
-// The rates behind the choice of path, seconds on one core, as `tetvdb_bench paths` measures them.
-constexpr double kSecondsPerTetMatched = 30e-9;  // boundary path: a tet whose faces cancel
+// The rates that the choice of method is based on, in seconds on one core, as `tetvdb_bench paths`
+// measures them.
+constexpr double kSecondsPerTetMatched = 30e-9;  // by the boundary: a tet whose faces cancel
 constexpr double kSecondsPerOpenFace = 500e-9;   // a face that does not, matched and rasterised
-constexpr double kSecondsPerTetPrepared = 70e-9; // tet path: a tet read and its planes found
+constexpr double kSecondsPerTetPrepared = 70e-9; // tet by tet: a tet read and its planes computed
 constexpr double kSecondsPerColumn = 12e-9;      // a column of its box bounded
 
 // Whether rasterizing every tet beats finding the boundary. It does for tets that share no points,
@@ -114,7 +115,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   };
 
   if (tets) {
-    // The box bounds everything; only where that is too much are the tets looked at.
+    // The box is a bound for all of them; the tets are examined only if that bound is too large.
     timer.part("estimate");
     const std::size_t limit = options.maxMemory != 0 ? options.maxMemory : availableBytes();
     if (estimate(estimateByBox(snapped)) > static_cast<double>(limit))

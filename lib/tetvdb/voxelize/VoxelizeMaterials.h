@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Several triangle meshes, each a material, into sparse grids, without tets.
+// Voxelizes several triangle meshes, each a material, into sparse grids, without tets.
 //
 //   tetvdb::Voxelization result = tetvdb::voxelizeMaterials(meshes, {"housing.stl", "shaft.stl"},
 //   {},
@@ -18,7 +18,7 @@ namespace tetvdb {
 /// Voxelizes every mesh as voxelize() does, all by one transform: that of the box around them all.
 /// GridKind::Material is an int32 grid: 1 where the first mesh's solid is, 2 where the second's is
 /// and the first's is not, and so on; the background is -1. GridKind::Density and Mask have the
-/// voxels that are in any of the solids, the same that have a material. The result depends on the
+/// voxels that are in any of the solids, which are those with a material. The result depends on the
 /// order of the meshes and on each mesh's faces as a set.
 ///
 /// A mesh whose solid has no voxel is a warning ("no-voxels") and makes `report` partial; where

@@ -27,20 +27,20 @@ DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options);
 DeviceCost estimateCost(const TriangleMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options);
-/// The same of fields/SampleOnDevice.h, for fields of so many numbers a voxel in all.
+/// The same for fields/SampleOnDevice.h and fields of so many numbers a voxel in total.
 DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform, double numbers);
 
-/// The same of fields/DistanceOnDevice.h, for so many leaves of a band and faces.
+/// The same for fields/DistanceOnDevice.h and so many leaves of a narrow band and faces.
 DeviceCost estimateBandCost(double leaves, double faces);
 
 /// Throws Error(Device) where `choice` names a GPU that is not there.
 void requireDevice(const DeviceChoice& choice);
 
-/// voxelize() on the device of `choice`. Where it is Auto and the device fails or has too little
-/// memory the CPU does it, with a warning ("device-left"). Adds stages "upload", "voxelize" and
-/// "download" to `report` where the GPU is used; making OpenVDB's trees is a part of "download".
-/// `nano`, unless null, receives the grids as NanoVDB where the GPU made them, else nothing.
-/// Throws what voxelize() throws, Error(Device) where the device fails.
+/// voxelize() on the device of `choice`. If it is Auto and the device fails or has too little
+/// memory, the CPU does the job and the warning "device-left" is added. Adds stages "upload",
+/// "voxelize" and "download" to `report` where the GPU is used; making OpenVDB's trees is a part of
+/// "download". `nano`, unless null, receives the grids as NanoVDB where the GPU made them, else
+/// nothing. Throws what voxelize() throws, Error(Device) where the device fails.
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
                       const DeviceChoice& choice, DeviceUsed& used, std::vector<NanoBytes>* nano,
                       Report& report, Progress& progress);

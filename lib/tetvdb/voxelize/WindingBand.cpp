@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kVoxel = static_cast<double>(kUnitsPerVoxel);
-// Halves count as passed a little late (nearestWinding()), and values have their error.
+// A half counts as passed slightly beyond it (nearestWinding()), and values have an error.
 constexpr double kMargin = 3 * kWindingBandError;
 // A winding number this close to a half is one: in the plane of a flat sheet it is but for
 // rounding.
@@ -48,7 +48,7 @@ struct Offsets {
   std::array<double, kMaxPointSums> x{}, y{}, z{};
 };
 
-// Of the smallest cubes' voxels from the middle.
+// From the centre of the smallest cubes to their farthest voxel.
 const Offsets& voxelOffsets() {
   static const Offsets offsets = [] {
     Offsets made;
@@ -69,7 +69,7 @@ double radiusOf(std::int64_t size) {
 } // namespace
 
 // The ball's surface around cubes of a size, and the points at which functions are known there,
-// relative to the middle, in whole numbers.
+// relative to the centre, in whole numbers.
 struct WindingBand::Sphere {
   explicit Sphere(std::int64_t size) : radius(radiusOf(size)) {
     for (std::size_t i = 0; i < kExpansionPoints; ++i) {
@@ -157,8 +157,8 @@ void WindingBand::sortTriangle(std::uint32_t index, const Sphere& sphere, Cube& 
   }
 }
 
-// The triangles of a near cluster, or its parts as a whole that are seen well from all of the cube:
-// add.triangle(index) or add.cluster(cluster).
+// The triangles of a near cluster, or those of its child clusters that can be approximated in all
+// of the cube: add.triangle(index) or add.cluster(cluster).
 template <typename Add>
 void WindingBand::addCluster(std::uint32_t index, const Cube& cube, const Add& add) const {
   const TriangleClusters::Cluster& cluster = fill_.clusters()[index];
@@ -226,7 +226,7 @@ double changeOf(const SeenTriangle& t, double area, double weight, double reach)
 
 } // namespace
 
-// By its value in the middle and bounds on how far it gets from it.
+// From its value at the centre and bounds on its change within the cube.
 bool WindingBand::mayPassHalf(const Cube& cube) const {
   if (cube.size >= kLeafSize)
     progress_.check();

@@ -11,8 +11,8 @@
 //     4 pi,
 //
 // where crossings are those of a ray straight down. The solid angles are summed here, cube by cube
-// of voxels: a cube takes over the local expansion of the one around it, adds the clusters of
-// triangles that are far from it now, and hands on those that are near.
+// of voxels: a cube takes the local expansion of the cube around it, adds the clusters of triangles
+// that are far from it, and passes on those that are near.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -27,9 +27,9 @@
 
 namespace tetvdb {
 
-/// Error of the winding numbers that WindingBand gives: measured, not proved. A bound holds for
-/// each cluster and each triangle that is seen from afar, and their sum can be more than this. The
-/// largest error that was measured is four tenths of it (docs/algorithms.md, section 8a).
+/// The error of the winding numbers that WindingBand computes: measured, not proved. Each
+/// approximated cluster and triangle has a bound, and the sum of these bounds can be larger than
+/// this. The largest error that was measured is four tenths of it (docs/algorithms.md, section 8a).
 constexpr double kWindingBandError = 1e-3;
 
 /// The whole number nearest to a winding number, of a half (within a tenth of kWindingBandError)
@@ -52,8 +52,8 @@ public:
   class Node;
   Node enter(const NodeIndex& node) const;
 
-  /// The solid angle of F over 4 pi at the voxels of a slab at which it has to be evaluated: row r,
-  /// voxel z at values[r * 128 + z]. The rows' other bits of `flags` are cleared, other values
+  /// The solid angle of F divided by 4 pi at the voxels of a slab where it has to be evaluated: row
+  /// r, voxel z at values[r * 128 + z]. The rows' other bits of `flags` are cleared, other values
   /// kept. False where there are none.
   bool evaluate(const Node& node, int slab, SlabBits& flags, std::vector<double>& values) const;
 

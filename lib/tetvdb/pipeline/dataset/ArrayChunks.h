@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What files of arrays in chunks have in common.
+// Chunk sizes and attributes of files that hold arrays in chunks.
 #pragma once
 
 #include "tetvdb/pipeline/dataset/NamedArray.h"
@@ -13,7 +13,7 @@
 
 namespace tetvdb {
 
-/// What a file says of the model whose arrays it holds.
+/// Attributes of the model whose arrays a file holds.
 struct ArrayAttributes {
   std::vector<std::pair<std::string, std::string>> texts; ///< name and value
   std::vector<double> transform; ///< 4 x 4, from the model's file to the arrays

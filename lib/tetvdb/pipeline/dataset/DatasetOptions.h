@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is made of every model of a data set.
+// The options by which the models of a data set are processed.
 #pragma once
 
 #include "tetvdb/surface/CleanTriangles.h"
@@ -13,15 +13,15 @@
 
 namespace tetvdb {
 
-/// The length that becomes 1 where a model is normalised; the middle of its box becomes 0.
+/// The length that becomes 1 when a model is normalised; the centre of its box becomes 0.
 enum class NormalLength : std::uint8_t {
   None,     ///< coordinates stay; the grid is the cube around the model
   Longest,  ///< the longest side of the box
   Diagonal, ///< the diagonal of the box
-  Sphere    ///< twice the largest distance of a vertex from the middle of the box
+  Sphere    ///< twice the largest distance of a vertex from the centre of the box
 };
 
-/// What the models' arrays hold.
+/// The arrays that are made of a model.
 struct DatasetContent {
   bool occupancy = true;    ///< voxels whose centre is inside
   bool distance = false;    ///< signed distances at voxel centres
@@ -31,7 +31,7 @@ struct DatasetContent {
   bool samples = false;     ///< points of the surface with normals
 };
 
-/// How files hold it.
+/// The files that hold them.
 enum class DatasetFormat : std::uint8_t {
   Npz,               ///< ID.npz: everything
   Npy,               ///< ID.ARRAY.npy: an array a file

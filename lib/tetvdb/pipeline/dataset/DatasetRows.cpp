@@ -74,7 +74,7 @@ RowJournal::RowJournal(const std::string& path) : path_(path) {
   descriptor_ = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0)
     throw Error(Status::Write, path, std::string("cannot be written: ") + std::strerror(errno));
-  // What an earlier process left of a line.
+  // The incomplete line of an earlier process.
   const off_t size = ::lseek(descriptor_, 0, SEEK_END);
   char last = '\n';
   if (size > 0 && ::pread(descriptor_, &last, 1, size - 1) == 1 && last != '\n' &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What became of every model of a data set: a JSON object each, in the order in which they end.
+// The results of the models of a data set: one JSON object a model, in the order in which they end.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -15,17 +15,18 @@ namespace tetvdb {
 
 using DatasetRow = nlohmann::ordered_json;
 
-/// Of a model that is done. Who makes it may add "processor_seconds".
+/// The row of a model that is done. The caller may add "processor_seconds".
 DatasetRow successRow(const DatasetItem& item, const ItemResult& result, const Report& report,
                       double seconds);
-/// Of one that is not; `stage`: the one in which it ended, empty where that is not known.
+/// The row of a model that failed; `stage`: the stage in which it failed, empty if that is not
+/// known.
 DatasetRow failureRow(const DatasetItem& item, Status status, const std::string& error,
                       const std::string& stage, double seconds);
 
 bool isSuccess(const DatasetRow& row);
 
-/// Appends rows to a file, each with one write, so that a process that dies leaves whole lines but
-/// for the last.
+/// Appends rows to a file, each with one write, so that at most the last line is incomplete if the
+/// process dies.
 class RowJournal {
 public:
   /// Throws Error(Write).
@@ -41,9 +42,9 @@ private:
   int descriptor_ = -1;
 };
 
-/// The rows of all journals in `folder` by the model's name; of several rows of a model the last of
-/// the last journal. Lines that are no rows, as a process leaves them that dies while it writes,
-/// are passed over: their models count as not done.
+/// The rows of all journals in `folder` by the model's name; if a model has several rows, the last
+/// row of the last journal. Lines that are no rows, as a process leaves them that dies while it
+/// writes, are skipped: their models count as not done.
 std::map<std::string, DatasetRow> readRows(const std::string& folder);
 
 } // namespace tetvdb

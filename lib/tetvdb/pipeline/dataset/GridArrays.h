@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Grids in a cube of N^3 voxels, numbered from (0, 0, 0), as arrays.
+// Converts grids in a cube of N^3 voxels, numbered from (0, 0, 0), to arrays.
 #pragma once
 
 #include "tetvdb/pipeline/dataset/NamedArray.h"
@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// The active voxels of the grid `grid` of `volume` as booleans, shape (N, N, N), packed. A byte a
-/// time of leaf nodes where N is a multiple of 8.
+/// The active voxels of the grid `grid` of `volume` as booleans, shape (N, N, N), packed. Copies
+/// whole bytes of leaf masks if N is a multiple of 8.
 NamedArray activeArray(const Volume& volume, const std::string& grid, int size, std::string name);
 /// Coordinates of the active voxels, int32, shape (M, 3), ascending by x, y, z.
 NamedArray coordinateArray(const Volume& volume, const std::string& grid, int size,

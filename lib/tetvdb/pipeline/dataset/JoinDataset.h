@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The end of a data set: tables, archives, the card and the preview.
+// Completes a data set: writes its tables, archives, card and preview.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -32,10 +32,10 @@ std::vector<DatasetItem> itemsOf(const std::vector<DatasetEntry>& entries, int v
 /// Writes into `folder` success.csv and failed.csv (every item is in exactly one), card.md,
 /// preview.png, and the archives: data-00000-of-00008.tar and so on, each model in the one that
 /// hashOfId() says, with NAME.json for its class, split and transform, as WebDataset reads them;
-/// HDF5 files go into data-00000-of-00008.h5 and so on, a group a model. The files go once their
-/// archive is whole. Zarr stores stay, and the folder becomes a group of them (joinZarrStores()).
-/// All but card.md and times depend on the models and the options alone. Throws Error(Invalid), and
-/// writes nothing, where an item has no row yet.
+/// HDF5 files go into data-00000-of-00008.h5 and so on, a group a model. Files are removed after
+/// their archive is complete. Zarr stores are kept, and the folder becomes a group of them
+/// (joinZarrStores()). Everything but card.md and times depends only on the models and the options.
+/// Throws Error(Invalid), and writes nothing, where an item has no row yet.
 DatasetSummary joinDataset(const std::vector<DatasetItem>& items,
                            const std::map<std::string, DatasetRow>& rows,
                            const DatasetOptions& options, const JoinOptions& how,

@@ -47,7 +47,7 @@ struct PointSet {
 
 class ItemMaker {
 public:
-  /// Files into `folder`, or arrays alone into `kept`.
+  /// Writes files into `folder`, or adds arrays to `kept`.
   ItemMaker(const DatasetItem& item, const DatasetOptions& options, const std::string& folder,
             std::vector<NamedArray>* kept, Report& report, Progress& progress)
       : item_(item), options_(options), folder_(folder), kept_(kept), report_(report),
@@ -209,7 +209,7 @@ private:
   // Variants may reach out of the cube.
   void clip(Volume& volume, int size) {
     const GridTransform transform{cubeOf(size).voxelSize, cubeOf(size).origin};
-    Report ignored; // the band of a level set is cut at the cube's sides as a matter of course
+    Report ignored; // the narrow band of a level set always ends at the cube's sides
     fitVolume(volume, transform, {size, 0}, ignored);
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One model of a data set: from its file to arrays and grids on disk.
+// Makes the arrays and grids of one model of a data set from its file.
 //
 //   tetvdb::DatasetItem item{entry, 0};
 //   tetvdb::ItemResult result = tetvdb::makeItem(item, options, "data", report, progress);
@@ -24,14 +24,14 @@ struct DatasetItem {
   DatasetEntry entry;
   int variant = 0;
 
-  /// The entry's identifier; of variants with "_v1" and so on.
+  /// The entry's identifier; for variants followed by "_v1" and so on.
   std::string name() const;
 };
 
 struct ItemGrid {
   int size = 0;               ///< voxels along each side
   std::uint64_t occupied = 0; ///< voxels
-  std::string hash;           ///< of the occupied voxels alone
+  std::string hash;           ///< of the occupied voxels
 };
 
 struct ItemResult {
@@ -45,15 +45,13 @@ struct ItemResult {
 
 /// Reads, cleans, normalises and voxelizes the model and writes its files into `folder`, named by
 /// its identifier, below SPLIT/CLASS where that names no folders itself. Files are whole or absent;
-/// they depend on the model's bytes, the options and the variant alone. Adds stages "read",
-/// "clean", "voxelize", "fields", "points", "write" to `report`. Throws what these steps throw:
-/// Error(Invalid) for a mesh without an inside where one is needed.
+/// they depend only on the model's bytes, the options and the variant. Adds stages "read", "clean",
+/// "voxelize", "fields", "points", "write" to `report`. Throws what these stages throw, such as
+/// Error(Invalid) for a mesh without an inside if one is needed.
 ItemResult makeItem(const DatasetItem& item, const DatasetOptions& options,
                     const std::string& folder, Report& report, Progress& progress);
 
-/// The arrays of makeItem() in memory, booleans packed; no file is written, and formats do not
-/// count. With DeviceKind::Cuda occupancy stays in the GPU's memory (NamedArray::device), and where
-/// it is the only content the result has no grids.
+/// The arrays of makeItem() in memory, booleans packed. Writes no file and ignores the formats.
 ItemResult makeItemArrays(const DatasetItem& item, const DatasetOptions& options,
                           std::vector<NamedArray>& arrays, Report& report, Progress& progress);
 

@@ -24,14 +24,14 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxListBytes = std::size_t(1) << 30;
 
-// The names under which lists have what is asked for, the first one first.
+// The keys of lists for a value, in order of preference.
 using Names = std::vector<std::string_view>;
 const Names kPath{"path", "file", "object_path"}, kId{"id", "object_id"},
     kClass{"class", "category", "label"}, kSplit{"split"};
 
 using Row = std::map<std::string, std::string>;
 
-// None: the list does not have it.
+// No value: the list does not have the key.
 std::optional<std::string> valueOf(const Row& row, const Names& names) {
   for (const std::string_view name : names)
     if (const auto found = row.find(std::string(name)); found != row.end())

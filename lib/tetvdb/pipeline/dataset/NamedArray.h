@@ -44,8 +44,8 @@ NamedArray asBytes(NamedArray array);
 /// A byte a boolean where it is packed, else as it is.
 NamedArray unpacked(NamedArray array);
 
-/// Deflated; no array is packed. The bytes depend on the arrays alone. Whole or absent; throws
-/// Error(Write).
+/// Writes a deflated .npz file; no array may be packed. The bytes depend only on the arrays. The
+/// file is whole or absent. Throws Error(Write).
 void writeNpzArrays(const std::string& path, const std::vector<NamedArray>& arrays);
 /// One array, not packed.
 void writeNpyArray(const std::string& path, const NamedArray& array);

@@ -84,7 +84,7 @@ NormalModel normalizeModel(TriangleMesh& mesh, const DatasetOptions& options, in
   NormalModel normal;
   normal.centre = keeps ? middle : Vec3d{0, 0, 0};
   normal.side = (1 + options.padding) * (keeps ? model : 1);
-  // About the middle of the box, which goes to the middle of the cube.
+  // Turned about the centre of the box, which becomes the centre of the cube.
   const Vec3d to = plus(normal.centre, move);
   for (Vec3d& point : mesh.points)
     point = plus(times(minus(point, middle), scale), to);

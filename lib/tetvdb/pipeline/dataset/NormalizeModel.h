@@ -12,7 +12,7 @@ namespace tetvdb {
 /// Row by row; columns are multiplied from the right.
 using Matrix4 = std::array<double, 16>;
 
-/// What a model became, and how.
+/// A normalised model and its transform.
 struct NormalModel {
   Matrix4 transform{};   ///< from the file's coordinates to those of the mesh
   Vec3d centre{0, 0, 0}; ///< of the cube of voxels

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Random points on and around a surface, the same for equal seeds.
+// Generates random points on and around a surface, the same for equal seeds.
 #pragma once
 
 #include "tetvdb/core/MixBits.h"

@@ -8,8 +8,8 @@
 
 namespace tetvdb {
 
-/// Files into a tar archive (POSIX.1-1988, names above 100 bytes by GNU's extension). Owners and
-/// times are 0, so that the bytes depend on the content alone. Throws Error(Write), Error(Limit)
+/// Writes files into a tar archive (POSIX.1-1988, names above 100 bytes by GNU's extension). Owners
+/// and times are 0, so that the bytes depend only on the content. Throws Error(Write), Error(Limit)
 /// for a file of 8 GiB or more.
 class TarWriter {
 public:

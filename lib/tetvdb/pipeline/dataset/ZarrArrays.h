@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A model's arrays as a zarr store: a folder of format version 2, which every reader knows.
-// https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html
+// Writes a model's arrays as a zarr store: a folder of format version 2, which every reader
+// supports. https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html
 #pragma once
 
 #include "tetvdb/pipeline/dataset/ArrayChunks.h"
@@ -11,16 +11,17 @@
 
 namespace tetvdb {
 
-/// The group `folder` with an array each, chunks deflated by zlib, booleans a byte each; chunks of
-/// zeros alone are left out, as the fill value is 0. The group's attributes are those given, that
-/// of an array of voxels its `transform`. Made under another name beside it and renamed: whole or
-/// absent; a store that is there is replaced. Throws Error(Write).
+/// Writes the group `folder` with one array each, chunks deflated by zlib, booleans as one byte
+/// each. Chunks that hold only zeros are left out, since the fill value is 0. The group gets the
+/// given attributes, an array of voxels the attribute `transform`. The store is written under
+/// another name and renamed: it is whole or absent, and an existing store is replaced. Throws
+/// Error(Write).
 void writeZarrArrays(const std::string& folder, const std::vector<NamedArray>& arrays,
                      const ArrayAttributes& about);
 
-/// Makes `root` a group with all groups on the way to `stores`, which are paths within it, and
-/// writes the metadata of all into .zmetadata, so that a reader opens it by one file. Files are
-/// whole or absent. Throws Error(Write), and Error(Invalid) for a store that is not there.
+/// Makes `root` a group, with all groups between it and `stores`, which are paths within it, and
+/// writes the metadata of all into .zmetadata, so that a reader needs to open only that file. Files
+/// are whole or absent. Throws Error(Write), and Error(Invalid) for a store that is not there.
 void joinZarrStores(const std::string& root, const std::vector<std::string>& stores);
 
 } // namespace tetvdb

@@ -2,9 +2,9 @@
 //
 // Voxelizes several triangle meshes, each a material, into sparse grids, without tets.
 //
-//   tetvdb::Voxelization result = tetvdb::voxelizeMaterials(meshes, {"housing.stl", "shaft.stl"},
-//   {},
-//                                                           options, report, progress);
+//   const std::vector<std::string> names{"housing.stl", "shaft.stl"};
+//   tetvdb::Voxelization result = tetvdb::voxelizeMaterials(meshes, names, {}, options, report,
+//                                                           progress);
 #pragma once
 
 #include "tetvdb/mesh/TriangleMesh.h"

@@ -116,7 +116,7 @@ private:
   static void add(std::string& out, const V& value) {
     out.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  // What a node with so many tiles writes, the others being leaves or background.
+  // The bytes of a node with so many tiles whose other entries are leaves or background.
   template <class Node>
   std::string values(std::size_t tiles) const {
     NodeStream out(vdbCompression(), &background_);

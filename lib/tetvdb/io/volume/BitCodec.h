@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The bytes that a .vdb file holds of nodes whose active voxels all have one value and whose
-// inactive ones are the background: those that OpenVDB's own nodes write. The values of a node or
-// a leaf take bytes that depend on the number of active ones alone, so that topology can be read
-// back without decompressing it.
+// The bytes that OpenVDB's nodes write to a .vdb file, for nodes whose active voxels all have one
+// value and whose inactive voxels have the background value. The bytes of the values of a node or a
+// leaf depend only on the number of active ones, so that topology can be read back without
+// decompressing them.
 #pragma once
 
 #include "tetvdb/volume/BitSource.h"
@@ -22,7 +22,7 @@ struct UpperMasks {
   std::array<std::uint64_t, 512> children{}, tiles{};
 };
 
-/// Bytes of one kind of grid. Thread-safe.
+/// Encodes the nodes of one kind of grid. Thread-safe.
 class BitCodec {
 public:
   virtual ~BitCodec() = default;
@@ -43,7 +43,7 @@ public:
   virtual openvdb::Metadata::Ptr delayedLoad(const std::vector<std::uint16_t>& leaves) const = 0;
   virtual bool hasDelayedLoad() const = 0;
 
-  /// Memory of the nodes of a tree, as OpenVDB counts it, and as describe() does.
+  /// Memory of the nodes of a tree, counted as OpenVDB and describe() count it.
   struct NodeBytes {
     std::size_t root, upper, lower, leaf;
   };

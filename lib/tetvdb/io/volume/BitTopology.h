@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The topology of a grid that BitVdbWriter writes, read back node by node.
+// Reads back, node by node, the topology of a grid that BitVdbWriter writes.
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"

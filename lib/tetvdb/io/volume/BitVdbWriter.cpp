@@ -45,7 +45,7 @@ struct Counts {
   }
 };
 
-/// A stack on its way: what is known of the box before it, then what was made of it.
+/// A stack under construction: the state of the box before it, then the result.
 struct StackPiece {
   int stack = 0;
   VoxelBounds known;
@@ -108,7 +108,7 @@ public:
   /// The topology of the first grid.
   void topology(BitSource& source, const ProgressShare& share) {
     FileGrid& grid = grids_.front();
-    // What delayed loading wants to know comes before the topology.
+    // The metadata for delayed loading comes before the topology.
     keeps_ = std::any_of(grids_.begin(), grids_.end(),
                          [](const FileGrid& one) { return one.codec->hasDelayedLoad(); });
     if (!grid.codec->hasDelayedLoad())
@@ -122,7 +122,7 @@ public:
     }
   }
 
-  /// All else.
+  /// Everything else.
   void rest(const ProgressShare& share) {
     for (std::size_t g = 0; g < grids_.size(); ++g) {
       const double count = double(grids_.size());
@@ -240,7 +240,7 @@ private:
       output_.write(bytes);
   }
 
-  /// Writes the head as far as it is known, and what was kept for after it.
+  /// Writes the known part of the head, and the bytes that were kept to follow it.
   void begin(FileGrid& grid) {
     output_.beginGrid(headOf(grid));
     grid.topologyAt = output_.position();
@@ -281,7 +281,7 @@ private:
            counts_.leaves * bytes.leaf;
   }
 
-  /// Makes something of every node of the first grid's topology, in order.
+  /// Makes a result of every node of the first grid's topology, in order.
   template <class Make>
   void readTopology(const Make& make, const ProgressShare& share) {
     BitTopology topology(output_.file(), grids_.front().topologyAt, *grids_.front().codec,

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// .vdb files of grids that never are in memory as trees: occupancy of any resolution.
+// Writes .vdb files of grids that are never in memory as trees: occupancy of any resolution.
 //
 //   tetvdb::BitVdbWriter writer("out.vdb", metadata, {mask, density}, {});   // empty grids
 //   std::vector<tetvdb::GridInfo> grids = writer.write(source, progress);
 //   writer.commit(progress);
 //
-// Root children are written in file order, their topology as it comes, through a file without a
-// name where a child's is large; the leaves' buffers are made from the topology, which is read
-// back.
+// Root children are written in file order. Their topology is written as soon as it is known,
+// through an unnamed temporary file where that of a child is large. The leaves' buffers are made
+// from the topology, which is read back.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -43,11 +43,10 @@ public:
   BitVdbWriter(std::string path, std::map<std::string, std::string> metadata,
                openvdb::GridPtrVec grids, const BitVdbOptions& options);
 
-  /// Writes all but the end. `more`: makes options.moreGrids grids when the whole source has been
-  /// taken; empty if there are none. The bytes are those that writeVolume() would write. What
-  /// describe() would say of the grids is returned. Memory: spoolBytes, twice 64 MB at most where a
-  /// grid may get the entry file_delayed_load, and a few MB a thread. Throws Error(Write),
-  /// Error(Limit) where a grid would have 2^32 leaves or more, which OpenVDB cannot count, and as
+  /// Writes all but the end; the bytes are those that writeVolume() would write. Returns the result
+  /// that describe() would give for the grids. Memory: spoolBytes, twice 64 MB at most where a grid
+  /// may get the entry file_delayed_load, and a few MB a thread. Throws Error(Write), Error(Limit)
+  /// where a grid would have 2^32 leaves or more, which OpenVDB cannot count, and as
   /// progress.check() does.
   std::vector<GridInfo> write(BitSource& source, Progress& progress,
                               const std::function<openvdb::GridPtrVec()>& more = {});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Leaves into the bytes that a .vdb file holds of them. Internal: instantiates OpenVDB's streams.
+// Converts leaves to the bytes that a .vdb file holds of them. Internal: instantiates OpenVDB's
+// streams.
 #pragma once
 
 #include "tetvdb/io/volume/PackedGrid.h"
@@ -27,7 +28,7 @@ public:
   LeafPacker(const LeafPacker&) = delete;
   LeafPacker& operator=(const LeafPacker&) = delete;
 
-  /// The leaf's voxels without its values, which go to the store. Throws Error(Write).
+  /// Returns the leaf's voxels without its values, which go to the store. Throws Error(Write).
   std::unique_ptr<Leaf> pack(const Leaf& leaf) {
     Local& local = *locals_.local();
     std::string& bytes = local.stream.bytes();
@@ -50,7 +51,7 @@ public:
     return bare;
   }
 
-  /// The range of what was packed goes to the grid; call once, after the last leaf.
+  /// Writes the range of the packed values to the grid; call once, after the last leaf.
   void finish() {
     for (const auto& local : locals_) {
       packed_.min = std::min(packed_.min, local->min);

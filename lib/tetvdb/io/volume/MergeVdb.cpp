@@ -192,13 +192,13 @@ private:
   Progress& progress_;
 };
 
-// Of tiles alone: one of them is opened, which changes nodes.
+// A volume that has only tiles: one of them is opened, which changes nodes.
 void mergeTiles(const std::vector<VdbPart>& parts, const std::string& output, Progress& progress) {
   Volume whole;
   for (const VdbPart& part : parts) {
     const Volume volume = readVolume(part.path, progress);
     for (std::size_t g = 0; g < part.grids.size(); ++g) {
-      // OpenVDB gives grids by name.
+      // OpenVDB returns grids by name.
       const auto& read = volume.grids().all;
       const auto found = std::find_if(read.begin(), read.end(), [&](const auto& one) {
         return one->getName() == part.grids[g].header.name;

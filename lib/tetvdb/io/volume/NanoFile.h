@@ -10,8 +10,8 @@
 namespace tetvdb {
 
 /// Writes NanoVDB grids that this program built to a .nvdb file, whole or absent, as writeVolume()
-/// writes grids: Blosc, with full checksums, which they are given here, in parallel. Throws
-/// Error(Write).
+/// writes grids: compressed with Blosc, and with full checksums, which are computed here in
+/// parallel. Throws Error(Write).
 void writeNanoGrids(const std::string& path, const std::vector<NanoBytes>& grids,
                     Progress& progress);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// OpenVDB to NanoVDB by NanoVDB's own builder, whose header and name depend on its version. Slow to
-// compile: for the Nvdb*Grid.cpp files alone.
+// Converts OpenVDB to NanoVDB with NanoVDB's own builder, whose header and name depend on its
+// version. Slow to compile: only for the Nvdb*Grid.cpp files.
 #pragma once
 
 #include "tetvdb/io/volume/NvdbLayout.h"

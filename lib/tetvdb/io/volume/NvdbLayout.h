@@ -20,8 +20,8 @@ namespace tetvdb {
 
 using NanoHandle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
-/// The NanoVDB form of a grid, with full statistics and checksum. Each type is compiled in a file
-/// of its own, for it costs 17 seconds.
+/// Converts a grid to NanoVDB, with full statistics and checksum. Each type is compiled in a file
+/// of its own, since that takes 17 seconds.
 NanoHandle toNano(const openvdb::FloatGrid& grid);
 NanoHandle toNano(const openvdb::DoubleGrid& grid);
 NanoHandle toNano(const openvdb::BoolGrid& grid);

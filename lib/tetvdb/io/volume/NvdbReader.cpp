@@ -68,7 +68,7 @@ private:
 };
 
 Buffer readBuffer(Cursor& cursor, std::uint64_t size, NvdbCodec codec) {
-  // What the compressors can reach at best; more is a lie that would only cost memory.
+  // The largest ratios that the compressors can reach. A file that states more is damaged.
   const std::uint64_t ratio = codec == NvdbCodec::Zip ? 1100 : codec == NvdbCodec::Blosc ? 300 : 1;
   if (size < sizeof(NvdbGrid) || size / ratio > cursor.left())
     cursor.fail("a grid's size is impossible");
@@ -106,7 +106,7 @@ Buffer readBuffer(Cursor& cursor, std::uint64_t size, NvdbCodec codec) {
 }
 
 template <class BuildT>
-struct OpenValue { // what OpenVDB's tree is made of
+struct OpenValue { // the source of OpenVDB's tree
   using Type = BuildT;
 };
 template <>
@@ -124,7 +124,7 @@ std::uint32_t crc(const void* data, std::uint64_t size) {
 }
 
 /// NanoVDB's checksum: one CRC-32 of grid, tree and root (`headSize` bytes), one of the CRC-32 of
-/// every node, top level first. The second may be left out, or both. `nodes` are offsets by level.
+/// every node, top level first. The second may be missing, or both. `nodes` are offsets by level.
 bool checksumMatches(const unsigned char* bytes, std::uint64_t headSize,
                      const std::vector<std::uint64_t> (&nodes)[3],
                      const std::uint64_t (&sizes)[3]) {
@@ -242,7 +242,8 @@ private:
       return T(nano);
   }
 
-  /// Offset of a node that lies `distance` from the one at `from`; throws unless it is within.
+  /// Offset of a node that lies `distance` from the one at `from`; throws unless it is within the
+  /// buffer.
   std::uint64_t child(std::uint64_t from, std::int64_t distance, std::uint64_t size) const {
     const std::uint64_t to = from + static_cast<std::uint64_t>(distance);
     if (to % kAlignment != 0 || to < first_ || to > size_ || size > size_ - to)
@@ -250,7 +251,7 @@ private:
     return to;
   }
 
-  /// Everything that the conversion and the checksum follow lies within the buffer.
+  /// Checks that all offsets that the conversion and the checksum follow lie within the buffer.
   void check() {
     const std::uint64_t rootOffset = header_.nodeOffset[3];
     const std::uint64_t room = size_ - kNvdbTreeAt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One segment a grid, so that no more than one grid is held a second time in memory.
+// Writes one segment a grid, so that at most one grid is in memory twice.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/io/volume/NanoFile.h"
 #include "tetvdb/io/volume/NvdbLayout.h"
@@ -92,8 +92,8 @@ std::uint32_t crc(const void* data, std::size_t size) {
       ::crc32_z(::crc32(0, nullptr, 0), static_cast<const Bytef*>(data), size));
 }
 
-// NanoVDB's full checksum of a grid whose nodes lie breadth first: beside that of grid, tree and
-// root, which it has, one over those of all nodes.
+// Completes NanoVDB's checksum of a grid whose nodes lie breadth first: adds that over all nodes to
+// that of grid, tree and root, which the grid has.
 void completeChecksum(unsigned char* bytes) {
   NvdbGrid grid;
   std::memcpy(&grid, bytes, sizeof grid);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A volume of tiles alone with one of them opened to a leaf.
+// A volume that has only tiles, with one of them opened to a leaf.
 #pragma once
 
 #include "tetvdb/volume/BitSource.h"
@@ -9,7 +9,7 @@
 
 namespace tetvdb {
 
-/// What openFirstTile() (volume/Grids.h) makes of `source`, which has no leaf.
+/// The result of openFirstTile() (volume/Grids.h) for `source`, which has no leaf.
 class OpenedSource : public BitSource {
 public:
   /// `tile`: the first voxel of the tile. `source` must outlive it.

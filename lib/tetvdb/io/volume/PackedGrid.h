@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Grids whose leaves are compressed as soon as they are made, on their way into a .vdb file: while
-// they wait they take the memory of their topology alone.
+// Grids whose leaves are compressed as soon as they are made, to be written to a .vdb file: in
+// memory is only their topology.
 //
 //   tetvdb::PackedGrid packed;
 //   packed.store = std::make_shared<tetvdb::TailStore>("out", 32 << 20);
-//   tetvdb::LeafPacker<openvdb::FloatTree> packer(background, half, packed);   //
-//   io/volume/LeafPacker.h lower->addLeaf(packer.pack(*leaf).release()); // from any thread
+//   tetvdb::LeafPacker<openvdb::FloatTree> packer(background, half, packed); // LeafPacker.h
+//   lower->addLeaf(packer.pack(*leaf).release()); // from any thread
 //   ...
 //   tetvdb::writeVdb("out/a.vdb", volume, {packed}, progress);
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace tetvdb {
 
-/// What a .vdb file holds of a leaf after its mask: a byte that says how inactive values are
+/// The bytes of a leaf after its mask in a .vdb file: one that says how inactive values are
 /// restored, and the compressed active values.
 struct LeafTail {
   std::uint64_t at = 0; ///< in the store
@@ -44,11 +44,12 @@ struct PackedGrid {
   double max = -std::numeric_limits<double>::infinity();
 };
 
-/// What describe() says of a grid (volume/Volume.h), `bytes` being those of a tree with its values.
+/// The result of describe() for a grid (volume/Volume.h); `bytes` are those of a tree with its
+/// values.
 GridInfo describe(const PackedGrid& packed);
 
-/// Writes `volume`, and `packed` after it, to a .vdb file: the bytes that writeVolume() would write
-/// if all were in `volume`. Throws as it does.
+/// Writes `volume` and then `packed` to a .vdb file: the bytes that writeVolume() would write if
+/// all grids were in `volume`. Throws as writeVolume() does.
 void writeVdb(const std::string& path, const Volume& volume,
               const std::vector<std::unique_ptr<PackedGrid>>& packed, Progress& progress);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The leaves' buffers of a packed grid: what BufferPieces (io/volume/VdbPieces.h) makes of leaves
-// with values, taken from the store. Internal to the .vdb writer.
+// The leaves' buffers of a packed grid, taken from the store: the bytes that BufferPieces
+// (io/volume/VdbPieces.h) makes of leaves with values. Internal to the .vdb writer.
 #pragma once
 
 #include "tetvdb/io/volume/PackedGrid.h"
@@ -27,7 +27,7 @@ public:
         tails_[l] = packed.tails[place - 1];
         continue;
       }
-      // One with its values, few if any: openFirstTile() makes it.
+      // A leaf with its values, as openFirstTile() makes it; there are few of them or none.
       out.bytes().clear();
       leaves_[l]->writeBuffers(out.stream(), asHalf);
       tails_[l] = {own_.size(), static_cast<std::uint32_t>(out.bytes().size() - kLeafMaskBytes),
@@ -39,7 +39,7 @@ public:
 
   std::size_t size() const { return (leaves_.size() + kLeavesAPiece - 1) / kLeavesAPiece; }
   std::size_t leafCount() const { return leaves_.size(); }
-  /// By which the tree is smaller than one with values.
+  /// The bytes by which the tree is smaller than one with values.
   std::size_t missingBytes() const { return (leaves_.size() - ordinary_) * Leaf::SIZE * sizeof(T); }
 
   std::string make(std::size_t piece) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a .vdb file that is a part of a volume says of itself, in the file's metadata. Its grids say
-// how many leaves they have (kPartLeaves), which the whole needs.
+// The metadata of a .vdb file that is a part of a volume. Its grids also state how many leaves they
+// have (kPartLeaves), which merging needs.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct PartMetadata {
 
   /// Entries of the file's metadata.
   void add(std::map<std::string, std::string>& metadata) const;
-  /// Takes them out again. False where there are none, or none that can be.
+  /// Removes them. False if they are missing or invalid.
   bool take(std::map<std::string, std::string>& metadata);
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes that wait for what comes before them in a file, in order: in memory up to a limit, beyond
-// it in a temporary file without a name.
+// Bytes that are written to a file later, in order: kept in memory up to a limit, and beyond it in
+// an unnamed temporary file.
 #pragma once
 
 #include "tetvdb/io/volume/TailStore.h"

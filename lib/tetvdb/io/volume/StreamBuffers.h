@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// std::streambuf faces, for libraries that write to streams. Internal.
+// Adapters to std::streambuf, for libraries that write to streams. Internal.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace tetvdb {
 
-/// Output that goes to `sink.write(data, size)`, unbuffered. Exceptions pass through the stream if
-/// its exception mask has badbit.
+/// Passes output to `sink.write(data, size)`, unbuffered. Exceptions pass through the stream if its
+/// exception mask has badbit.
 template <class Sink>
 class SinkBuffer : public std::streambuf {
 public:

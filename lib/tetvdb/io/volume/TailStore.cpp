@@ -56,7 +56,7 @@ void TailStore::open() {
     fail("cannot create a temporary file", errno);
 }
 
-// The last chunk is full: it stays while few do.
+// The last chunk is full. It stays in memory while few chunks do.
 void TailStore::spill() {
   if (kept_ < maxChunks_) {
     ++kept_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes that wait for their place in a file: many small pieces, kept in memory up to a limit and
-// beyond it in a temporary file without a name.
+// Many small blocks of bytes that are written to a file later: kept in memory up to a limit, and
+// beyond it in an unnamed temporary file.
 //
 //   tetvdb::TailStore store("out", 32 << 20);
 //   const std::uint64_t at = store.add(bytes, size);   // from any thread
@@ -20,16 +20,17 @@ namespace tetvdb {
 
 class TailStore {
 public:
-  /// The temporary file is made in `folder` when more than `inMemory` bytes have come; it has no
-  /// name, so that nothing is left of it however the program ends.
+  /// The temporary file is made in `folder` when more than `inMemory` bytes are stored; it has no
+  /// name, so that it is removed however the program ends.
   TailStore(std::string folder, std::size_t inMemory);
   ~TailStore();
   TailStore(const TailStore&) = delete;
   TailStore& operator=(const TailStore&) = delete;
 
-  /// Keeps `size` bytes, at most kChunk, and returns where. Thread-safe. Throws Error(Write).
+  /// Stores `size` bytes, at most kChunk, and returns their place. Thread-safe. Throws
+  /// Error(Write).
   std::uint64_t add(const char* data, std::size_t size);
-  /// The bytes kept at `at`. Thread-safe, but for add(). Throws Error(Write).
+  /// Reads the bytes stored at `at`. Thread-safe, except with add(). Throws Error(Write).
   void read(std::uint64_t at, char* out, std::size_t size) const;
 
   static constexpr std::size_t kChunk = std::size_t(1) << 20;

@@ -21,7 +21,7 @@ constexpr std::uint32_t kFirstVersion = 222;
 constexpr std::size_t kRelease = std::size_t(64) << 20; ///< bytes of the file in memory at a time
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
-/// What a grid's values look like in the file.
+/// The form of a grid's values in the file.
 struct ValueType {
   std::uint64_t bytes = 0;   ///< of a value in memory, and of tiles and backgrounds in the file
   std::uint64_t element = 0; ///< of a value in a compressed array: less for half floats
@@ -160,9 +160,9 @@ private:
     }
   }
 
-  /// OpenVDB allocates by the numbers in here: a count of leaves, which have 64 bytes and more
-  /// each, then a byte and a size of 64 bits a leaf, each array after its compressed size, 0 where
-  /// it is not compressed. The sizes may be left out.
+  /// OpenVDB allocates memory by these numbers: a count of leaves, which have 64 bytes and more
+  /// each, then a byte and a size of 64 bits a leaf, each array after its compressed size, 0 if it
+  /// is not compressed. The sizes may be missing.
   void delayedLoad(std::string_view content) const {
     std::uint32_t leaves = 0;
     const auto number = [&](std::uint32_t& value) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A grid of a .vdb file, one entry of its root node at a time. Internal: instantiates OpenVDB's
-// streams.
+// Reads a grid of a .vdb file, one entry of its root node at a time. Internal: instantiates
+// OpenVDB's streams.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -62,8 +62,8 @@ public:
     return grid;
   }
 
-  /// The next entry, by x, then y, then z, as a grid that has it alone; null at the end. Memory:
-  /// that of one child. Throws Error(Invalid).
+  /// The next entry, by x, then y, then z, as a grid that holds only this entry; null at the end.
+  /// Memory: that of one child. Throws Error(Invalid).
   typename GridT::Ptr next(openvdb::Coord& origin) {
     const auto tile = tiles_.begin();
     if (!nextChild_ && childrenLeft_ > 0)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What stands before the nodes of a .vdb file's grids.
+// The headers of a .vdb file and of its grids, which precede the nodes.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ struct VdbHeader {
   std::vector<VdbGridHeader> grids;
 };
 
-/// Reads the headers and checks that the file is as long as they say. For files with offsets of
-/// version 222 and above. Throws Error(Invalid).
+/// Reads the headers and checks that the file has the length that they state. Reads files with
+/// offsets of version 222 and above. Throws Error(Invalid).
 VdbHeader readVdbHeader(const std::string& path);
 
 } // namespace tetvdb

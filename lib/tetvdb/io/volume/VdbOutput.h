@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A .vdb file on its way to the disk, and what all writers of .vdb files share.
+// A .vdb file that is being written, and the functions that all writers of .vdb files share.
 //
 // Layout of the file: magic, file version, library version, "has offsets", UUID, file metadata,
 // number of grids; for each grid its head (name, type, instance parent, three offsets, compression
 // flags, metadata, transform, root node), then the topology of the root's children, then their
 // buffers.
 //
-// The UUID is derived from the content, so that equal content gives equal files. What is large is
-// hashed as it is written; heads are hashed after their grids, since a writer that streams knows
-// them only then.
+// The UUID is derived from the content, so that equal content gives equal files. Topology and
+// buffers are hashed as they are written. Heads are hashed after their grids, since a writer that
+// streams knows them only then.
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
@@ -26,12 +26,13 @@
 
 namespace tetvdb {
 
-/// The most leaves of a grid that the metadata entry file_delayed_load is written for. It comes
-/// before the topology, so that until then a writer that streams keeps the topology: 64 bytes a
-/// leaf. Readers work without it; delayed loading is slower then.
+/// The largest number of leaves of a grid for which the metadata entry file_delayed_load is
+/// written. The entry comes before the topology, so that a writer that streams has to keep the
+/// topology until then: 64 bytes a leaf. Readers work without the entry, but delayed loading is
+/// slower.
 constexpr std::uint64_t kDelayedLoadLeaves = std::uint64_t(1) << 20;
 
-/// What a grid begins with in the file.
+/// The head of a grid in the file.
 struct VdbHead {
   std::string bytes;
   std::size_t offsetsAt = 0; ///< in `bytes`: place of the offsets of grid, buffers and end
@@ -42,15 +43,15 @@ VdbHead makeVdbHead(const std::string& name, const std::string& type, const std:
                     const openvdb::MetaMap& metadata, const openvdb::math::Transform& transform,
                     const std::string& root);
 
-/// The grid, its tree shared, with its creator named if it says nothing else.
+/// The grid, sharing its tree, with this program as its creator unless it names another.
 openvdb::GridBase::Ptr withCreator(const openvdb::GridBase::Ptr& grid);
 
-/// How the file calls the grid's type.
+/// The name of the grid's type in the file.
 std::string vdbTypeOf(const openvdb::GridBase& grid);
 
 class VdbOutput {
 public:
-  /// Writes what comes before the grids. Throws as AtomicFile does.
+  /// Writes the header of the file. Throws as AtomicFile does.
   VdbOutput(const std::string& path, const std::map<std::string, std::string>& metadata,
             std::size_t grids);
 
@@ -69,7 +70,7 @@ public:
   std::uint64_t position() const { return file_.size(); }
   AtomicFile& file() { return file_; }
 
-  /// Adds the UUID; the file is whole then.
+  /// Adds the UUID, which completes the file.
   void commit(Progress& progress);
 
 private:
@@ -126,7 +127,7 @@ void makeInOrder(const Next& next, const Make& make, const Take& take, std::size
                                                  [&](const Result& result) { take(result); }));
 }
 
-/// Makes pieces 0 to `count` in parallel and writes them in order.
+/// Makes blocks 0 to `count` - 1 in parallel and writes them in order.
 template <class Make>
 void writePieces(std::size_t count, const Make& make, VdbOutput& output,
                  const ProgressShare& share) {

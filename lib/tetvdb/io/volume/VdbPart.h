@@ -14,7 +14,7 @@
 
 namespace tetvdb {
 
-/// A grid of it.
+/// A grid of the part.
 struct PartGrid {
   VdbGridHeader header; ///< without kPartLeaves
   std::string transformBytes;
@@ -31,7 +31,7 @@ struct VdbPart {
   std::vector<PartGrid> grids;
 };
 
-/// Reads the header and checks that the file is as long as it says. Throws Error(Invalid).
+/// Reads the header and checks that the file has the length that it states. Throws Error(Invalid).
 VdbPart readVdbPart(const std::string& path);
 
 } // namespace tetvdb

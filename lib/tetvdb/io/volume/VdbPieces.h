@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How a tree becomes the bytes of a .vdb file, piece by piece: pieces are made in parallel and
+// Converts a tree to the bytes of a .vdb file, block by block: blocks are made in parallel and
 // written in order. Internal to the .vdb writer.
 #pragma once
 
@@ -34,8 +34,8 @@ inline std::uint32_t vdbCompression() {
 /// Bytes of a leaf's mask, which come before its tail.
 constexpr std::size_t kLeafMaskBytes = 64;
 
-/// What OpenVDB's delayed loading wants to know of leaf `l`, whose tail has `size` bytes: where the
-/// next one begins.
+/// The entry for delayed loading of leaf `l`, whose tail has `size` bytes: the place where the next
+/// leaf begins.
 template <typename T>
 void describeTail(openvdb::io::DelayedLoadMetadata& metadata, std::size_t l, std::int8_t how,
                   std::size_t size) {
@@ -49,7 +49,7 @@ void describeTail(openvdb::io::DelayedLoadMetadata& metadata, std::size_t l, std
       how == io::MASK_AND_TWO_INACTIVE_VALS)
     size -= kLeafMaskBytes;
   if (size == 0)
-    size = 8; // half floats, none active: what io::File says, and no reader asks
+    size = 8; // half floats, none active: the value of io::File, which no reader uses
   metadata.setMask(l, how);
   metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
 }
@@ -72,8 +72,8 @@ private:
   std::ostream stream_;
 };
 
-/// The tree's structure: the root with its tiles, then the pieces: every internal node before its
-/// children, of leaves the masks.
+/// The tree's topology: the root with its tiles, then the blocks: every internal node before its
+/// children, and the masks of leaves.
 template <class TreeT>
 class TopologyPieces {
 public:
@@ -169,13 +169,13 @@ private:
 /// values are restored, and the compressed active values.
 ///
 /// In a fog most leaves hold one value where they are active and the background elsewhere. Their
-/// tail depends on that value and the number of active voxels alone: it is compressed once and
-/// shared. plan() looks at every leaf once; the tails of other leaves are kept until make() while
-/// they are few, else compressed a second time, so that memory stays bounded.
+/// tail depends only on that value and the number of active voxels: it is compressed once and
+/// shared. plan() reads every leaf once. The tails of other leaves are kept until make() if they
+/// are few, and are compressed a second time otherwise, so that memory stays bounded.
 template <class TreeT>
 class BufferPieces {
 public:
-  /// plan() is needed before make(), and only, where this is so.
+  /// Whether plan() has to be called before make().
   static constexpr bool kPlanned = !hasBitLeaves<TreeT>;
 
   BufferPieces(const TreeT& tree, bool asHalf, std::uint32_t compression)
@@ -192,7 +192,7 @@ public:
   std::size_t size() const { return pieces_.size(); }
   std::size_t leafCount() const { return leaves_.size(); }
 
-  /// Finds the tails of the piece's leaves. Thread-safe for different pieces.
+  /// Makes the tails of the block's leaves. Thread-safe for different blocks.
   void plan(std::size_t piece) {
     NodeStream out(compression_, &background_);
     std::string& own = pieces_[piece].own;
@@ -240,7 +240,7 @@ public:
     return std::move(bytes);
   }
 
-  /// What OpenVDB's delayed loading wants to know of each leaf.
+  /// The entry for OpenVDB's delayed loading of each leaf.
   void describe(openvdb::io::DelayedLoadMetadata& metadata) const {
     metadata.resizeMask(leaves_.size());
     metadata.resizeCompressedSize(leaves_.size());

@@ -2,10 +2,10 @@
 //
 // openvdb::io::File writes a grid on one thread, compresses every buffer twice (once to learn its
 // size for the delayed-load metadata) and does not notice a full disk. This writer makes the same
-// bytes but for three: the file version is always 224, which OpenVDB 10 to 12 write and everything
-// reads, the UUID is derived from the content, and grids of more than kDelayedLoadLeaves leaves
-// have no metadata entry file_delayed_load (io/volume/VdbOutput.h). Readers work without that
-// entry, but delayed loading (Houdini's default) is several times faster with it.
+// bytes with three exceptions: the file version is always 224, which OpenVDB 10 to 12 write and all
+// readers support, the UUID is derived from the content, and grids of more than kDelayedLoadLeaves
+// leaves have no metadata entry file_delayed_load (io/volume/VdbOutput.h). Readers work without
+// that entry, but delayed loading (Houdini's default) is several times faster with it.
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/io/volume/PackedPieces.h"
@@ -91,7 +91,7 @@ private:
     writeNodes(grid, buffers, copy, share);
   }
 
-  /// The same of a grid whose leaves are packed.
+  /// The same for a grid whose leaves are packed.
   template <class GridT>
   void writePacked(const GridT& grid, const PackedGrid& packed, openvdb::GridBase& copy,
                    const ProgressShare& share) {
@@ -132,7 +132,7 @@ private:
     output_.finishGrid(head, buffersAt);
   }
 
-  /// A grid of a type that has no typed code: straight through, on one thread.
+  /// Writes a grid of a type that has no typed code, with OpenVDB's own function, on one thread.
   void writeOther(const openvdb::GridBase& grid, const openvdb::GridBase& copy) {
     const VdbHead head = makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), "");
     output_.beginGrid(head);
@@ -151,7 +151,7 @@ private:
   }
 
   VdbOutput& output_;
-  std::string name_; ///< of the grid under way
+  std::string name_; ///< of the grid being written
   std::set<std::string> names_;
   std::map<std::pair<const void*, bool>, std::string> trees_; ///< written trees, as half or not
 };

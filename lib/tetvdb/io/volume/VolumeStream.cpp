@@ -38,8 +38,8 @@ GridInfo describeOne(const openvdb::GridBase::Ptr& grid) {
   return describe(volume).front();
 }
 
-// Adds what a part of a grid has; `base`: of the grid without voxels. Volumes are summed in whole
-// voxels where they are whole.
+// Adds the counts of one part of a grid; `base`: those of the grid without voxels. Volumes that are
+// whole numbers of voxels are summed as such.
 void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& sum) {
   const double voxel =
       base.transform.voxelSize[0] * base.transform.voxelSize[1] * base.transform.voxelSize[2];
@@ -158,7 +158,7 @@ StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress
   Hashes hashes;
   for (const VdbGridHeader& grid : header.grids)
     result.grids.push_back(describeGrid(path, header, grid, withHash, hashes, progress));
-  // As OpenVDB gives them.
+  // In OpenVDB's order.
   std::stable_sort(
       result.grids.begin(), result.grids.end(),
       [](const GridInfo& one, const GridInfo& other) { return one.name < other.name; });

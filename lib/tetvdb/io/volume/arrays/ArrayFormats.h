@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The writers of array formats, and what else a row of the table of formats (io/Formats.h) says of
-// them. writeArrays() chooses. Internal.
+// The writers of array formats, and their properties in the table of formats (io/Formats.h).
+// writeArrays() chooses. Internal.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -10,12 +10,12 @@ namespace tetvdb {
 
 struct ArrayContent; // io/volume/arrays/ArrayWriters.h
 
-/// What files of an array format can be: a sum of these.
+/// What files of an array format can do: a sum of these.
 namespace arrays {
 constexpr unsigned kSeveral = 1;    ///< hold several grids
 constexpr unsigned kCompressed = 2; ///< be compressed
 constexpr unsigned kSparse = 4;     ///< hold coordinates and values
-constexpr unsigned kMask = 8;       ///< hold inside and outside alone, no values
+constexpr unsigned kMask = 8;       ///< hold only inside and outside, no values
 } // namespace arrays
 
 void writeNpy(const ArrayContent& content, Progress& progress);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the writers of array formats (io/volume/arrays/ArrayFormats.h) share. Internal.
+// Functions that the writers of array formats (io/volume/arrays/ArrayFormats.h) share. Internal.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -17,7 +17,7 @@
 
 namespace tetvdb {
 
-/// What goes into one file: grids of one box and one transform.
+/// The content of one file: grids of one box and one transform.
 struct ArrayContent {
   std::string path;
   std::vector<std::unique_ptr<DenseGrid>> grids;
@@ -41,7 +41,7 @@ struct ArrayContent {
   void requireOneGrid(const char* format) const;
 };
 
-/// Planes of grids to a writer, in order, some MB at a time, with progress over all of them.
+/// Sends planes of grids to a writer, in order, some MB at a time, with progress over all of them.
 class ArrayStream {
 public:
   using Sink = std::function<void(const char* bytes, std::size_t size)>;

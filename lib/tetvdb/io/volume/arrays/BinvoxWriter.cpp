@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Format: "BINVOX voxel file format specification" (P. Min): x slowest, then z, y fastest; runs of
-// at most 255 equal bytes. Readers take the three dimensions for equal.
+// at most 255 equal bytes. Readers assume that the three dimensions are equal.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/arrays/ArrayWriters.h"

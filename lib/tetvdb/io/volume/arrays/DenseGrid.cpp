@@ -99,7 +99,7 @@ public:
   }
 
   std::uint64_t countActive() const override {
-    // Clipped by hand: whole nodes are counted by their masks.
+    // Clips nodes itself, so that whole nodes are counted by their masks.
     std::uint64_t sum = 0;
     const openvdb::CoordBBox box(openvdb::Coord(box_.low.data()), openvdb::Coord(box_.high.data()));
     openvdb::CoordBBox all;

@@ -2,8 +2,8 @@
 //
 // A sparse grid as the dense array that a box of it is, read a few planes at a time.
 //
-//   const auto dense = tetvdb::denseGrid(*grid, box);             //
-//   io/volume/arrays/MakeDenseGrid.h std::vector<char> planes(dense->bytesOf(kXSlowest, 8));
+//   const auto dense = tetvdb::denseGrid(*grid, box); // MakeDenseGrid.h
+//   std::vector<char> planes(dense->bytesOf(kXSlowest, 8));
 //   dense->fill(kXSlowest, 0, 8, planes.data());    // x = box.low[0] to box.low[0] + 7
 #pragma once
 
@@ -74,7 +74,7 @@ public:
   const std::string& name() const { return name_; }
   ElementType element() const { return element_; }
   std::size_t components() const { return components_; }
-  bool isBits() const { return isBits_; } ///< bytes 0 and 1 alone
+  bool isBits() const { return isBits_; } ///< only bytes 0 and 1
   const VoxelBox& box() const { return box_; }
   std::size_t voxelBytes() const { return components_ * bytesOf(element_); }
   /// Of the whole array; beyond 2^64 not exact.

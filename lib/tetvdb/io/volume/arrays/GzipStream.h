@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Bytes through gzip into a file. Internal.
+// Compresses bytes with gzip into a file. Internal.
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
@@ -10,7 +10,7 @@
 
 namespace tetvdb {
 
-/// The bytes depend on what is written alone.
+/// The bytes in the file depend only on the bytes that are written.
 class GzipStream {
 public:
   explicit GzipStream(AtomicFile& file);

@@ -13,8 +13,8 @@
 
 namespace tetvdb {
 
-/// Written under a temporary name until commit(); without it nothing is left behind. One thread at
-/// a time. Throws Error(Write).
+/// Has a temporary name until commit(); without commit() the file is removed. For one thread at a
+/// time. Throws Error(Write).
 class NewHdf5File {
 public:
   explicit NewHdf5File(const std::string& path) : atomic_(path), file_(create(atomic_), H5Fclose) {
@@ -42,7 +42,7 @@ public:
   }
 
 private:
-  // The library is kept from printing, and from closing at the program's end what could not be
+  // Stops the library from printing errors, and from closing at the program's end what could not be
   // written.
   static hid_t create(AtomicFile& file) {
     H5dont_atexit();

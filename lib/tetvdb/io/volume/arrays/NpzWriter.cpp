@@ -16,7 +16,7 @@ public:
         stream_(content, progress, content.sparse ? 2 : 1) {}
 
   void write() {
-    // First what is small: a reader of a pipe knows what comes.
+    // Small arrays come first, so that a reader of a pipe has them before the large ones.
     array("transform", npyHeader("<f8", {4, 4}), content_.transform);
     array("origin", npyHeader("<i4", {3}), content_.box.low);
     array("voxel_size", npyHeader("<f8", {3}), content_.voxelSize());

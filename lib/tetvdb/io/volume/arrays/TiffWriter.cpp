@@ -2,7 +2,7 @@
 //
 // A stack of pages, one a plane z; of vectors one a plane and component, as ImageJ orders channels.
 // Format: "TIFF Revision 6.0" and "BigTIFF"; ImageJ's description as its own writer makes it. The
-// pages' pixels come first, in one piece, which is what ImageJ expects, and then their directories.
+// pixels of all pages come first, without gaps, as ImageJ expects, and then their directories.
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/text/ZlibBytes.h"
@@ -239,7 +239,7 @@ private:
       page.number(kStripByteCounts, offset, written_[i].bytes);
       page.fraction(kXResolution, 1 / h[0]);
       page.fraction(kYResolution, 1 / h[1]);
-      page.number(kResolutionUnit, kShort, 1); // none: the description has it
+      page.number(kResolutionUnit, kShort, 1); // none: it is in the description
       if (i == 0)
         page.text(kSoftware, "TetVDB");
       page.number(kSampleFormat, kShort, static_cast<std::uint64_t>(sampleFormat(grid_.element())));

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kBlock = std::size_t(1) << 20; ///< bytes compressed as one
 
-// Blocks of one array, compressed side by side, written in order.
+// Blocks of one array, compressed in parallel and written in order.
 class BlockWriter {
 public:
   BlockWriter(AtomicFile& file, std::uint64_t bytes) : file_(file), start_(file.size()) {

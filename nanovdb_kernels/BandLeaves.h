@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Distances to faces in a band around them: (face, node) pairs from the host -> (face, leaf) pairs
-// by count, scan and fill -> a team for every 64 faces of a leaf. A distance is the minimum of
-// numbers that are not negative, so that order does not matter.
+// Computes distances to faces in a narrow band around them: (face, node) pairs from the host ->
+// (face, leaf) pairs by count, scan and fill -> a team for every 64 faces of a leaf. A distance is
+// the minimum of numbers that are not negative, so that order does not matter.
 #pragma once
 
 #include "DistanceJob.h"
@@ -13,7 +13,7 @@
 
 namespace tetvdb::nano {
 
-/// A share of a DistanceJob where the backend computes.
+/// A device's share of a DistanceJob, in the backend's memory.
 struct PlacedBand {
   const LatticePoint* points = nullptr;
   const u32* faces = nullptr;
@@ -29,14 +29,14 @@ struct PlacedBand {
   }
 };
 
-/// Which nodes one of several devices does.
+/// The nodes that one of several devices computes.
 struct NodeShare {
   u64 begin = 0, end = 0;
 };
 
-/// Shares of about the same numbers of faces, and of leaves.
+/// Divides the job into shares of about the same numbers of faces and leaves.
 inline NodeShare shareOfNodes(const DistanceJob& job, int number, int of) {
-  constexpr u64 kFacesOfNode = 256; // what a node costs beside its faces
+  constexpr u64 kFacesOfNode = 256; // the cost of a node in addition to its faces
   const auto cut = [&](int k) {
     const u64 all = job.starts[job.nodeCount] + kFacesOfNode * job.nodeCount;
     const u64 part = all / static_cast<u64>(of) * static_cast<u64>(k);
@@ -48,7 +48,7 @@ inline NodeShare shareOfNodes(const DistanceJob& job, int number, int of) {
   return {cut(number), number + 1 == of ? job.nodeCount : cut(number + 1)};
 }
 
-/// Puts a share in place: place(host, bytes) returns where the backend finds a copy.
+/// Copies a share to the backend: place(host, bytes) returns the address of a copy there.
 template <typename Place>
 PlacedBand placeBand(const DistanceJob& job, const NodeShare& share, std::vector<u64>& starts,
                      const Place& place) {
@@ -76,7 +76,8 @@ struct BandShared {
 template <typename Backend>
 class BandLeaves {
 public:
-  // 16 MB, at least a node's: the bus is as fast as with more, and pinning takes less time.
+  // 16 MB, and at least one node: larger batches are not copied faster, and pinning their memory
+  // takes longer.
   static constexpr u64 kBatchLeaves = u64(1) << 13;
   static constexpr u64 kBatchFaces = u64(1) << 28; // of leaves; but for a node's
   static constexpr u64 kChunkNodes = 1024;
@@ -85,8 +86,8 @@ public:
   BandLeaves(Backend& backend, const PlacedBand& band, const std::vector<u64>& starts)
       : b_(backend), band_(band), starts_(starts) {}
 
-  /// Hands the nodes to `receiver`, batch by batch, numbered from firstNode; while it takes one the
-  /// next is computed. Returns how many leaves there were.
+  /// Passes the nodes to `receiver`, batch by batch, numbered from firstNode; the next batch is
+  /// computed while the receiver works. Returns the number of leaves.
   u64 run(u64 firstNode, DistanceReceiver& receiver) {
     const u64 nodes = starts_.size() - 1;
     u64 leaves = 0;
@@ -107,7 +108,7 @@ public:
     return leaves;
   }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   // The leaves of nodes begin .. end - 1, a chunk: how many faces each has, and the batches.
   void list(u64 begin, u64 end) {
@@ -193,7 +194,7 @@ public:
             leaves * kVoxelsInLeaf * sizeof(float));
   }
 
-  // (node, face) pairs of every leaf; what comes first is a race, and does not matter.
+  // (node, face) pairs of every leaf; their order is not determined and has no influence.
   void fillLists(const Cut& cut) {
     const u64 firstPair = starts_[chunk_ + cut.begin];
     const u64 pairs = starts_[chunk_ + cut.end] - firstPair;
@@ -271,7 +272,7 @@ public:
         });
   }
 
-  /// Of numbers that are not negative the bits are in the numbers' order.
+  /// The bits of numbers that are not negative have the order of the numbers.
   TETVDB_HD static u32 bitsOf(float number) {
     union {
       float number;
@@ -281,7 +282,7 @@ public:
   }
 
 private:
-  // A batch on its way to the host.
+  // A batch that is being copied to the host.
   struct Landing {
     float* out = nullptr;
     u64 firstNode = 0;

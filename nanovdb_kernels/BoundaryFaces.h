@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The faces that are left when the faces of all tets are added up with their signs, by a hash table
-// of faces; compare voxelize/BoundaryFaces.h.
+// The boundary of a tet mesh: the faces whose signs do not cancel when the faces of all tets are
+// added up, by a hash table of faces; compare voxelize/BoundaryFaces.h.
 #pragma once
 
 #include "BuildLevels.h"
@@ -100,7 +100,7 @@ void orientTets(Backend& b, const LatticePoint* points, u64 pointCount, const u3
       });
 }
 
-/// Faces whose signs do not cancel; their order is not determined, nothing depends on it.
+/// Faces whose signs do not cancel; their order is not determined and has no influence.
 template <typename Backend>
 Face* boundaryFaces(Backend& b, const u32* tets, u64 tetCount, const std::int8_t* signs,
                     u64& faceCount) {

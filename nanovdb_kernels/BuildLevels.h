@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From leaves to the root. What is inside is known in two ways: by the masks of nodes that
-// something passes through (entries), and for what lies between two entries of a column by the
-// state at the top of the lower one. A gap whose columns of children agree is a run of tiles or
-// nothing; one whose columns differ has to be filled with nodes. The same holds on all three
-// levels: 8x8 columns of voxels in a leaf, 16x16 of leaves in a lower node, 32x32 of lower nodes in
-// an upper one.
+// Builds the levels from leaves to the root. Inside is represented in two ways: by the masks of
+// nodes that faces or tets meet (entries), and between two entries of a column by the state at the
+// top of the lower one. A gap whose columns of children agree is a run of tiles or empty; a gap
+// whose columns differ is filled with nodes. The same holds on all three levels: 8x8 columns of
+// voxels in a leaf, 16x16 of leaves in a lower node, 32x32 of lower nodes in an upper one.
 #pragma once
 
 #include "KeySpace.h"
@@ -137,9 +136,9 @@ public:
   LevelBuilder(Backend& backend, const KeySpace& space, bool carries, u32* errors)
       : b_(backend), space_(space), carries_(carries), errors_(errors) {}
 
-  /// Inserts what fills the gaps between entries that differ from column to column, sets edges and
-  /// tree order. `top`: kTopWords words a slot. grow(slots) makes room for the payload of that many
-  /// slots in all and returns a functor write(slot, topOfNodeBelow) that fills one.
+  /// Inserts the nodes that fill gaps whose columns differ, sets edges and tree order. `top`:
+  /// kTopWords words a slot. grow(slots) makes room for the payload of that many slots in all and
+  /// returns a functor write(slot, topOfNodeBelow) that fills one.
   template <int kTopWords, typename Grow>
   void closeGaps(int level, Entries& e, const u64* top, const Grow& grow) {
     if (carries_)
@@ -151,7 +150,7 @@ public:
     b_.dropTemporaries();
   }
 
-  /// Nodes of the next level: those that children lie in.
+  /// The nodes of the next level: the parents of the children.
   template <int kLog2>
   Entries parents(int childLevel, const Entries& children, NodeMasks<kLog2>& masks) {
     const int level = childLevel + 1;
@@ -192,7 +191,7 @@ public:
     return e;
   }
 
-  // The rest is the class's own, but nvcc allows device lambdas in public functions alone.
+  // The rest would be private, but nvcc allows device lambdas only in public functions.
 
   u8* zeroed(u64 n) {
     u8* p = b_.template alloc<u8>(n);
@@ -296,7 +295,7 @@ public:
     u8* edges = e.edge;
     const u64* allKeys = e.key;
     const u32* allSlots = e.slot;
-    // Above an entry that was added there is no gap.
+    // There is no gap above an entry that was added.
     const u64 oldSlots = e.slots - added;
     b_.forEach(
         e.count, TETVDB_KERNEL(u64 i) {
@@ -380,7 +379,7 @@ public:
           const Place place = placeOfTreeKey(space, childLevel + 1, nodeKeys[node]);
           for (int c = team.rank(); c < kColumns; c += team.size()) {
             if (carries && s.seen[c] == 0) {
-              // The column is as the nearest entry below leaves it.
+              // The column has the state at the top of the nearest entry below.
               const u64 x = place.x << kLog2 | static_cast<u64>(c >> kLog2);
               const u64 y = place.y << kLog2 | static_cast<u64>(c & (kSide - 1));
               const u64 key = columnKey(space, childLevel, {x, y, place.z << kLog2});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// CRC-32 (the polynomial of zlib and NanoVDB) in parts: the sum of A followed by B is the sum of A
-// times x^(8 length of B), plus that of B, modulo the polynomial.
+// CRC-32 (the polynomial of zlib and NanoVDB) from the sums of parts: the sum of A followed by B is
+// the sum of A times x^(8 length of B), plus that of B, modulo the polynomial.
 #pragma once
 
 #include "Team.h"
@@ -39,7 +39,7 @@ TETVDB_HD inline u32 crcPower(u64 bytes) {
   return result;
 }
 
-/// Of the bytes alone: register 0 before, nothing inverted.
+/// The sum of the bytes with the register 0 at first and nothing inverted.
 TETVDB_HD inline u32 crcOf(const u8* bytes, u64 size) {
   u32 crc = 0;
   for (u64 i = 0; i < size; ++i) {

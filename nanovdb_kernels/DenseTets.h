@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tets rasterised into a dense array of leaf masks: no sorting, the road for small grids. Columns
-// are found in floats with a bound on their error; where these do not decide, TetColumns.h does.
+// Rasterises tets into a dense array of leaf masks, without sorting: the method for small grids.
+// Columns are computed in floats with a bound on their error; where these do not decide,
+// TetColumns.h does.
 #pragma once
 
 #include "BuildLevels.h"
@@ -39,7 +40,7 @@ struct alignas(16) DenseTet {
 constexpr u32 kNegative = 1u << 24; // orientation
 constexpr u32 kPlain = 1u << 25;    // floats say something of all faces, and none is parallel to z
 
-constexpr u32 kManyColumns = 2048; // tets of more are left to all teams together
+constexpr u32 kManyColumns = 2048; // tets of more columns are processed by all teams together
 
 /// a b - c d, within 3 u of the result (u = 2^-24; Jeannerod, Louvet and Muller 2013).
 TETVDB_HD inline float differenceOfProducts(float a, float b, float c, float d) {
@@ -111,7 +112,7 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
       extent[0] > kExactExtent || extent[1] > kExactExtent || extent[2] > kExactExtent;
   float n[3]; // of the face opposite to vertex 1, inward for a positive tet
   crossOf(w, q, n);
-  // Four roundings and those of the normal: 7 u of the products' sizes.
+  // Four roundings and those of the normal add up to 7 u of the products' sizes.
   const float det = u[0] * n[0] + u[1] * n[1] + u[2] * n[2];
   float size = fabsf(u[0] * n[0]) + fabsf(u[1] * n[1]) + fabsf(u[2] * n[2]);
   if (wide)
@@ -204,11 +205,11 @@ TETVDB_HD inline u32 prepareDense(const DensePoint (&v)[4], const ExactSign& exa
 }
 
 /// Of a tet that is kPlain: the first and the end of column (dx, dy), counted from the tet's first
-/// voxel, by the greatest of the lower and the minimum of the upper bounds; false where floats do
+/// voxel, by the maximum of the lower and the minimum of the upper bounds; false where floats do
 /// not decide.
 TETVDB_HD inline bool plainRun(const DenseTet& t, float dx, float dy, int span, int& first,
                                int& end) {
-  // Half a voxel beyond what counts, and as far from every integer as can be.
+  // Half a voxel outside of the range, and as far as possible from every integer.
   const float below = -0.5f, above = static_cast<float>(span) + 0.5f;
   float lower = below, upper = above, tolerance = 0;
 #if defined(__CUDA_ARCH__)
@@ -395,7 +396,7 @@ public:
         });
   }
 
-  /// Tets of many columns: all teams share each.
+  /// Tets of many columns: all teams share each tet.
   void addMany() {
     const DenseBox box = box_;
     const LatticePoint* points = points_;
@@ -433,7 +434,7 @@ public:
   /// kTallies numbers of flipped tets, then of flat ones.
   const u64* tallies() const { return tallies_; }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   // False where an index has no point.
   TETVDB_HD static bool loadTet(const u32* tets, u64 t, u64 pointCount, u32 (&id)[4]) {

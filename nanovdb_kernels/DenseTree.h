@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Nodes from a dense array of leaf masks: they are numbered in three steps and without a sort, for
-// where each may lie is known beforehand.
+// Builds nodes from a dense array of leaf masks. They are numbered in three steps and without a
+// sort, since their possible places are known beforehand.
 #pragma once
 
 #include "BuildLevels.h"
@@ -60,7 +60,7 @@ struct NumberShared {
   u32 child[kMaxDenseUppers], tile[kMaxDenseUppers], firstOf[kMaxDenseUppers];
 };
 
-/// What is found, to be read by the host.
+/// The counts, to be read by the host.
 struct DenseCounts {
   u64 leaves, lowers, uppers;
   u64 tallies[2]; ///< the sums of those given
@@ -130,7 +130,7 @@ public:
         });
   }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   struct ListShared {
     static constexpr int kThreads = 256, kOccupancy = 32;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Distances to faces in a band around them, leaf by leaf: what DeviceVoxelizer::distances() takes
-// and gives. No type of CUDA or NanoVDB is in here.
+// The input and the results of DeviceVoxelizer::distances(): distances to faces in a narrow band
+// around them, leaf by leaf. Contains no type of CUDA or NanoVDB.
 #pragma once
 
 #include "tetvdb/geometry/LeafDistance.h"
@@ -15,7 +15,7 @@ namespace tetvdb::nano {
 struct DistanceJob {
   const LatticePoint* points = nullptr;
   std::uint64_t pointCount = 0;
-  const std::uint32_t* faces = nullptr; ///< three points each, and a number that is not looked at
+  const std::uint32_t* faces = nullptr; ///< three points each, and a number that is ignored
   std::uint64_t faceCount = 0;
   const NodeFace* nodeFaces = nullptr;   ///< by node
   const std::uint64_t* starts = nullptr; ///< of each node's in nodeFaces, and their number
@@ -36,8 +36,8 @@ struct DistanceBatch {
 class DistanceReceiver {
 public:
   virtual ~DistanceReceiver() = default;
-  /// Gets every node once, one without leaves too. The batch is gone when this returns. Where
-  /// several devices share a job their threads call at the same time.
+  /// Receives every node once, including those without leaves. The batch is invalid after the
+  /// return. If several devices share a job, their threads call at the same time.
   virtual void take(const DistanceBatch& batch) = 0;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the z columns of voxel centres cross a boundary face, exactly: the rule of
-// geometry/Ownership.h by columns, as voxelize/FaceRaster.h has it, in a form for the device. Every
-// decision is made in doubles with a proven bound on their error, or else in 128-bit integers.
+// Computes exactly where the z columns of voxel centres cross a boundary face, by the rule of
+// geometry/Ownership.h, as voxelize/FaceRaster.h does, in a form for the device. Every decision is
+// made in doubles with a proven bound on their error, or else in 128-bit integers.
 #pragma once
 
 #include "Team.h"

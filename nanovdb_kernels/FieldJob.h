@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Arrays of a mesh at the voxels that its tets own, leaf by leaf: what DeviceVoxelizer::sample()
-// takes and gives. No type of CUDA or NanoVDB is in here.
+// The input and the results of DeviceVoxelizer::sample(): arrays of a mesh at the voxels that its
+// tets own, leaf by leaf. Contains no type of CUDA or NanoVDB.
 #pragma once
 
 #include "tetvdb/mesh/FieldRule.h"
@@ -61,9 +61,10 @@ struct LeafBatch {
 class LeafReceiver {
 public:
   virtual ~LeafReceiver() = default;
-  /// Before the first batch: how many leaves will come (of one device, where several share).
+  /// Called before the first batch, with the number of leaves (of one device, if several share the
+  /// job).
   virtual void expect(std::uint64_t leaves) = 0;
-  /// The batch is gone when this returns. Where several devices share a job their threads call at
+  /// The batch is invalid after the return. If several devices share a job, their threads call at
   /// the same time.
   virtual void take(const LeafBatch& batch) = 0;
 };

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the writing of a grid is made of: where its nodes lie, their numbers, sums over their
-// values.
+// Types for writing a grid: the places of its nodes, their numbers, and sums over their values.
 #pragma once
 
 #include "NanoNodes.h"
@@ -28,7 +27,7 @@ TETVDB_HD inline void addMoments(Moments& a, const Moments& b) {
   a.count = count;
 }
 
-/// Where the nodes lie, bytes. Of one of several shares of a grid: where its nodes lie in the whole
+/// The places of the nodes, in bytes. For one of several shares of a grid: the places in the whole
 /// grid's buffer, and in the share's own memory.
 struct BufferLayout {
   u64 root, upper, lower, leaf, size;
@@ -36,7 +35,7 @@ struct BufferLayout {
   u64 rootTiles, uppers, lowers, leaves;
 };
 
-/// How many nodes of each kind.
+/// The number of nodes of each kind.
 struct NodeCounts {
   u64 rootTiles = 0, uppers = 0, lowers = 0, leaves = 0; ///< rootTiles: upper nodes included
 };
@@ -64,7 +63,7 @@ inline BufferLayout layoutOf(Kind kind, const NodeCounts& all, const NodeCounts&
   return l;
 }
 
-/// The layout where there is one share, whose memory is the buffer.
+/// The layout of a grid with one share, whose memory is the buffer.
 inline BufferLayout layoutOf(Kind kind, const NodeCounts& all) {
   BufferLayout l = layoutOf(kind, all, {}, all);
   l.upperHere = l.upper;
@@ -99,7 +98,7 @@ struct WriteShared {
   Moments part[kParts];
 };
 
-/// No box and no values, for what the team shares; called by one member.
+/// Resets the memory that the team shares to an empty box and no values; called by one member.
 template <typename Shared>
 TETVDB_HD inline void clearBounds(Shared& s) {
   for (int a = 0; a < 3; ++a) {
@@ -152,7 +151,7 @@ struct HeadShared {
   Moments part[kParts];
 };
 
-/// What the nodes of a level are made from, and what the level above needs to know of them.
+/// The input of the nodes of a level, and the data of them that the level above needs.
 struct LevelNodes {
   const u64* index = nullptr;    ///< by place in tree order: number of the node; null: its place
   const u32* nodeSlot = nullptr; ///< by number
@@ -161,7 +160,7 @@ struct LevelNodes {
   Moments* moments = nullptr;    ///< by number; int grids
 };
 
-/// What a grid's head is made of.
+/// The input of a grid's head.
 struct RootParts {
   const RootEntry* entries; ///< in tree order
   u64 count;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Runs the kernels' source on the host, one item after another: the twin that tests compare.
+// Runs the kernels' source on the host, one item after another; tests compare its results with the
+// device's.
 #pragma once
 
 #include "Team.h"
@@ -16,13 +17,13 @@ namespace tetvdb::nano {
 
 class HostBackend {
 public:
-  /// Memory is handed out with a pattern that no kernel writes, so that reading what was not
-  /// written shows.
+  /// Memory is filled with a pattern that no kernel writes, so that reads of unwritten memory
+  /// become visible.
   template <typename T>
   T* alloc(u64 n) {
     return take<T>(n, blocks_);
   }
-  /// Memory until dropTemporaries().
+  /// Memory that is valid until dropTemporaries().
   template <typename T>
   T* temp(u64 n) {
     return take<T>(n, temporaries_);
@@ -55,7 +56,7 @@ public:
     if (bytes != 0)
       std::memcpy(to, from, bytes);
   }
-  /// Sends bytes to the host, by one of two ways; landed() waits for the last of that way.
+  /// Sends bytes to the host by one of two queues; landed() waits for the last copy of that queue.
   void land(int way, const u8* from, u64 bytes) { landed_[way].assign(from, from + bytes); }
   const u8* landed(int way) const { return landed_[way].data(); }
 

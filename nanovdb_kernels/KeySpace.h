@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Nodes of all levels as numbers, in two orders: by columns (x, y, then z: a column's nodes follow
+// Numbers the nodes of all levels in two orders: by columns (x, y, then z: a column's nodes follow
 // one another upward), and by the tree (a node's children follow one another as in its table).
 #pragma once
 
@@ -70,7 +70,7 @@ TETVDB_HD inline Place placeOfTreeKey(const KeySpace& s, int level, u64 key) {
   return level == 0 ? childPlace(p, 4, key) : p;
 }
 
-/// The columns of root tiles (x, then y) begin .. end - 1: what one of several devices builds.
+/// The columns of root tiles (x, then y) begin .. end - 1, which one of several devices builds.
 /// Nothing is carried from one such column to another.
 struct RootShare {
   u64 begin = 0, end = ~u64(0);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// NanoVDB's nodes as the kernels write them. Nodes above leaves, and leaves of floats and int32s,
-// are written as those of a grid of uint32: the values' bits. The layout is the same, and in grids
-// of bools and masks a value is the first byte of these bits and the statistics are 0.
+// NanoVDB's nodes in the form in which the kernels write them. Nodes above leaves, and leaves of
+// floats and int32s, are written as those of a grid of uint32: the values' bits. The layout is the
+// same, and in grids of bools and masks a value is the first byte of these bits and the statistics
+// are 0.
 #pragma once
 
 #include "Team.h"
@@ -19,7 +20,7 @@ using UpperNode = nanovdb::NanoUpper<u32>::DataType;
 using LowerNode = nanovdb::NanoLower<u32>::DataType;
 using ValueLeaf = nanovdb::NanoLeaf<u32>::DataType;
 using BoolLeaf = nanovdb::NanoLeaf<bool>::DataType;
-using MaskLeaf = nanovdb::NanoLeaf<nanovdb::ValueMask>::DataType; ///< what all leaves begin with
+using MaskLeaf = nanovdb::NanoLeaf<nanovdb::ValueMask>::DataType; ///< the beginning of all leaves
 
 template <typename T>
 constexpr bool kIsWrittenAsU32 = sizeof(nanovdb::NanoRoot<T>) == sizeof(RootData) &&
@@ -50,7 +51,7 @@ TETVDB_HD const u64* wordsOf(const Mask& mask) {
   return reinterpret_cast<const u64*>(&mask);
 }
 
-/// Statistics of a node's active values, as float and int grids have them.
+/// Statistics of a node's active values, in float and int grids.
 struct NodeValues {
   u32 min, max; ///< bits of the value
   float average, deviation;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What stands in for the device code in a build without nvcc.
+// Replaces the device code in a build without nvcc.
 #include "DeviceVoxelizer.h"
 #include "tetvdb/core/Error.h"
 

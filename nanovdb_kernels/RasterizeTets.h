@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Leaves from tets by (tet, leaf) pairs sorted by leaf, where every voxel's owner is asked for.
+// Makes leaves from tets by (tet, leaf) pairs sorted by leaf, if the owner of every voxel is
+// needed.
 #pragma once
 
 #include "RasterizeFaces.h"
@@ -20,7 +21,7 @@ struct LeafSummary {
 constexpr int kOwnerRow = 68;
 constexpr int kOwnerParts = 64; // of the sums, whose order is fixed
 
-constexpr int kStaged = 16; // tets that a team looks at together
+constexpr int kStaged = 16; // tets that a team tests together
 
 struct OwnerShared {
   static constexpr int kThreads = 64, kOccupancy = 28;
@@ -60,7 +61,7 @@ public:
     return e;
   }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   // Corners and box of tet t; false where it owns nothing.
   TETVDB_HD static bool load(const LatticePoint* points, const u32* tets, const std::int8_t* signs,
@@ -212,8 +213,8 @@ public:
           originOf(space, 0, placeOfTreeKey(space, 0, keys[entry]), origin);
           const u64 first = begin[entry], end = begin[entry + 1];
           if (end - first <= 64) {
-            // A column is one member's alone. Tets are fetched together, for one by one the team
-            // would wait for each.
+            // Each column belongs to one member. Tets are fetched together, since the team would
+            // have to wait for each one.
             for (u64 k = first; k < end; k += kStaged) {
               const int count = end - k < kStaged ? static_cast<int>(end - k) : kStaged;
               constexpr int kWords = sizeof(TetPlanes) / 8;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Values of arrays at the voxels that tets own: owners -> (values -> host) by batches of leaves.
+// Samples arrays at the voxels that tets own: owners -> (values -> host) by batches of leaves.
 #pragma once
 
 #include "FieldJob.h"
@@ -12,7 +12,7 @@
 
 namespace tetvdb::nano {
 
-/// FieldJob's arrays where the backend computes.
+/// FieldJob's arrays in the backend's memory.
 struct SourceArray {
   const void* values;
   NumberType type;
@@ -40,7 +40,7 @@ struct SourceField {
   u64 place; ///< of its values: after so many bytes a leaf of the batch
 };
 
-/// What a run's arrays are on the backend.
+/// The arrays of a job on the backend.
 struct SourceFields {
   const SourceField* fields = nullptr;
   u32 count = 0;
@@ -64,7 +64,8 @@ struct SampleShared {
   static constexpr int kThreads = 128, kOccupancy = 16;
 };
 
-/// Puts the arrays of `job` in place: place(host, bytes) returns where the backend finds a copy.
+/// Copies the arrays of `job` to the backend: place(host, bytes) returns the address of a copy
+/// there.
 template <typename Backend, typename Place>
 SourceFields placeFields(Backend& backend, const FieldJob& job, u64 tetCount, const Place& place) {
   SourceFields result;
@@ -104,7 +105,8 @@ public:
               const FieldJob& job, const SourceFields& fields)
       : b_(backend), owners_(owners), tets_(mesh.tets), job_(job), fields_(fields) {}
 
-  /// Hands all leaves to `receiver`, batch by batch; while it takes one the next is computed.
+  /// Passes all leaves to `receiver`, batch by batch; the next batch is computed while the receiver
+  /// works.
   void run(LeafReceiver& receiver) {
     b_.stage("values");
     const u64 count = owners_.leaves().count;
@@ -128,7 +130,7 @@ public:
     b_.stage("");
   }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   TETVDB_HD static void evaluate(const SourceField& field, const u32* cellOfTet, u32 tet,
                                  const u32* vertices, const std::array<u8, 4>& places,

@@ -2,14 +2,14 @@
 //
 // One grid from several backends, each of which builds some columns of root tiles. A share's nodes
 // follow those of the share before on every level, so that each is written as if in the whole
-// buffer; what lies before the nodes is made of all by the host's twin of the same kernel.
+// buffer. The head of the grid is made on the host by the same kernel.
 #pragma once
 
 #include "Pipeline.h"
 
 namespace tetvdb::nano {
 
-/// What one share brings to the grid's head, in host memory.
+/// The contribution of one share to the grid's head, in host memory.
 struct RootsOfShare {
   std::vector<RootEntry> entries;
   std::vector<u64> voxels;
@@ -17,7 +17,8 @@ struct RootsOfShare {
   u64 totals[4] = {};
 };
 
-/// Where the shares lie, from what each found. Throws Error(Limit) for 2^32 nodes of a level.
+/// Computes the layouts of the shares from their counts. Throws Error(Limit) for 2^32 nodes of a
+/// level.
 struct SharedLayout {
   SharedLayout(Kind kind, const std::vector<NodeCounts>& counts) {
     for (const NodeCounts& c : counts) {
@@ -70,8 +71,8 @@ RootsOfShare writeShare(Backend& b, Pipeline<Backend>& pipeline, const BufferLay
   return roots;
 }
 
-/// Writes the head of the grid whose nodes are in `grid`: by the host's twin, in HostTwin.cpp, for
-/// in a file that nvcc compiles the kernels run on the device alone.
+/// Writes the head of the grid whose nodes are in `grid`: on the host, in HostTwin.cpp, since
+/// kernels in a file that nvcc compiles run only on the device.
 void writeSharedHead(const KeySpace& space, Kind kind, const GridValues& values,
                      const nanovdb::GridData& header, const SharedLayout& layout,
                      const std::vector<RootsOfShare>& shares, u8* grid);

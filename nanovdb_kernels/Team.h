@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What lets one source run as a kernel and as its host twin. Work that threads share is written as
-// phases over a team: every member does its part of a loop, all meet at sync(), and what passes
-// from one phase to the next lies in memory that the team shares. On the device a team is a thread
-// block; on the host it has one member, who does everything.
+// Lets the same source run as a kernel on the device and on the host. Work that threads share is
+// written as phases over a team: every member does its share of a loop, all members meet at sync(),
+// and memory that the team shares holds the results of a phase for the next one. On the device a
+// team is a thread block; on the host it has one member, who does everything.
 #pragma once
 
 #include "tetvdb/core/HostDevice.h"
@@ -69,7 +69,7 @@ struct CudaWord<i64> {
 template <typename T>
 using CudaWordOf = typename CudaWord<T>::Type;
 
-/// Returns what was there.
+/// Returns the previous value.
 template <typename T>
 TETVDB_HD inline T addTo(T* p, T v) {
 #if defined(__CUDA_ARCH__)
@@ -109,7 +109,7 @@ TETVDB_HD inline void maxInto(T* p, T v) {
 #endif
 }
 
-/// Puts v where `expected` is; returns what was there.
+/// Replaces `expected` by v; returns the previous value.
 TETVDB_HD inline u64 exchangeIf(u64* p, u64 expected, u64 v) {
 #if defined(__CUDA_ARCH__)
   return atomicCAS(reinterpret_cast<unsigned long long*>(p),
@@ -204,7 +204,7 @@ TETVDB_HD inline int highestBit(u64 v) {
 #endif
 }
 
-/// Greatest i with offsets[i] <= value; offsets ascend from offsets[0] <= value, and value <
+/// The largest i with offsets[i] <= value; offsets ascend from offsets[0] <= value, and value <
 /// offsets[n].
 TETVDB_HD inline u64 ownerOf(const u64* offsets, u64 n, u64 value) {
   u64 low = 0, high = n;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The voxels of a z column that a tet owns, exactly: the rule of geometry/Ownership.h by columns,
-// as voxelize/TetRaster.h has it, in a form for the device.
+// Computes exactly the voxels of a z column that a tet owns, by the rule of geometry/Ownership.h,
+// as voxelize/TetRaster.h does, in a form for the device.
 #pragma once
 
 #include "FaceColumns.h"
@@ -13,7 +13,7 @@ namespace tetvdb::nano {
 /// A tolerance above every distance to a voxel.
 constexpr double kNever = 1;
 
-/// How a face of a tet bounds the columns.
+/// The kind of bound that a face of a tet is for columns.
 enum class Side : u8 { Lower, Upper, Vertical };
 
 /// A tet's faces as bounds on z by column, relative to the first voxel of its box. Of a lower or an

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The NanoVDB buffer: grid, tree, root, upper nodes, lower nodes, leaves, breadth first, each level
-// in tree order, so that a child's place follows from the bits before it.
+// Writes the NanoVDB buffer: grid, tree, root, upper nodes, lower nodes, leaves, breadth first,
+// each level in tree order, so that a child's place follows from the bits before it.
 #pragma once
 
 #include "Crc32.h"
@@ -70,10 +70,10 @@ public:
     writeNodes<5>(buffer, l, upperMasks, lowers, upper_, lower_);
   }
 
-  /// What writeHead() needs, of the backend's memory.
+  /// The input of writeHead(), in the backend's memory.
   RootParts roots() const { return {roots_, rootCount_, upper_.voxels, upper_.moments, totals_}; }
 
-  // Public for nvcc alone, as in LevelBuilder.
+  // Public only because of nvcc, as in LevelBuilder.
 
   void listRoots(const Entries& uppers) {
     const u64 n = uppers.count;
@@ -407,7 +407,8 @@ public:
         });
   }
 
-  /// Writes what lies before the nodes. `buffer`: the whole grid's; upper nodes are read there.
+  /// Writes the head of the grid, which precedes the nodes. `buffer`: the whole grid's; upper nodes
+  /// are read there.
   void writeHead(u8* buffer, const BufferLayout& l, const nanovdb::GridData& header,
                  const RootParts& parts) {
     const RootEntry* entries = parts.entries;
@@ -529,7 +530,7 @@ public:
             const u64 from =
                 static_cast<u64>(p) * chunk < size ? static_cast<u64>(p) * chunk : size;
             const u64 to = from + chunk < size ? from + chunk : size;
-            // As if nothing but zeros followed: the parts' sums need no order.
+            // Each is computed as if zeros followed, so that the sums of the parts need no order.
             s.crc[p] = crcMultiply(crcPower(size - to), crcOf(buffer + 16 + from, to - from));
             if (p == 0)
               s.crcStart = crcMultiply(crcPower(size), 0xFFFFFFFFu);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What checks look for and find, without the command line: the Python module's reports are the
-// same.
+// The settings and the findings of checks, independent of the command line: the Python module's
+// reports are the same.
 #pragma once
 
 #include "JobReport.h"

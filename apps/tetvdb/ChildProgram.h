@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// This program once more, as a child: what one model does to it, the others do not feel.
+// Runs this program as a child process, so that a model that crashes it does not affect the others.
 #pragma once
 
 #include "tetvdb/core/Progress.h"

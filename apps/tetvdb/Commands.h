@@ -13,13 +13,13 @@
 
 namespace tetvdb::cli {
 
-/// The files of a command, as its options name them: patterns and lists of files count for what
-/// they represent. Empty names are none.
+/// The files of a command, as its options name them. Patterns and lists of files stand for the
+/// files that they represent; empty names are ignored.
 struct FileNames {
   std::vector<std::string> read, written;
 };
 
-/// A command as the parser knows it and what it does once its options are parsed.
+/// A command of the parser, and the function that runs after its options are parsed.
 struct Command {
   CLI::App* parser = nullptr;
   std::shared_ptr<CommonOptions> common;

@@ -47,7 +47,7 @@ bool isVolume(const std::string& path) {
   return signatureOf(path) != VolumeSignature::None;
 }
 
-// With a tolerance, values decide alone; without, everything but metadata does.
+// With a tolerance only values decide; without one everything but metadata does.
 bool within(const VolumeComparison& comparison, double tolerance) {
   if (tolerance == 0)
     return comparison.same();

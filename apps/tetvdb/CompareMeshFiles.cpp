@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Meshes nearer than this times the diagonal are the same: what reading text costs.
+// Meshes nearer than this times the diagonal count as equal: text files round that much.
 constexpr double kSame = 1e-9;
 
 TriangleMesh readSurface(const std::string& path, Session& session) {

@@ -16,7 +16,7 @@ void compareMeshFiles(const std::string& a, const std::string& b, double toleran
 
 /// Captions: the files' names.
 ComparedNames namesOf(const std::string& a, const std::string& b);
-/// Writes the picture and says so in section "output".
+/// Writes the picture and adds it to section "output".
 void writeComparison(const Image& picture, const std::string& output, Session& session);
 
 } // namespace tetvdb::cli

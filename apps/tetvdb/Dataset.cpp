@@ -198,7 +198,7 @@ void requireSameSettings(const Options& options, const Json& settings, bool goes
   file.commit();
 }
 
-// Of this process so far, all its threads.
+// Processor seconds of all threads of this process so far.
 double processorSeconds() {
   rusage used{};
   ::getrusage(RUSAGE_SELF, &used);

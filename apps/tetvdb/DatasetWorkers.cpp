@@ -93,7 +93,7 @@ public:
     for (const std::string& field : {item.entry.id, item.entry.path, item.entry.className,
                                      item.entry.split, std::to_string(item.variant)})
       text.append(field).push_back('\0'); // names of files may hold any other byte
-    // A child that died meanwhile: its end is seen where rows are read.
+    // If the child died meanwhile, this is noticed where rows are read.
     (void)!::write(items_.to(), text.data(), text.size());
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The models of a data set in child processes that may die.
+// Processes the models of a data set in child processes, which may crash.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -16,16 +16,17 @@ struct WorkerOptions {
   double maxSeconds = 0; ///< for one model
 };
 
-/// Hands `items` to as many processes, each this program once more with the arguments of this one
-/// and --worker, and calls `take` with the row of each, in the order in which they end. A process
-/// that crashes or takes longer than maxSeconds costs the model it works on, whose row says so; its
-/// place is taken by a new one. Kills all of them when `progress` is cancelled, and throws what
-/// Progress::check() does. Throws Error(Limit) where no process can be started.
+/// Distributes `items` to as many processes, each of which is this program with the same arguments
+/// and --worker, and calls `take` with the row of each item, in the order in which they end. If a
+/// process crashes or takes longer than maxSeconds, the row of its model says so, and a new process
+/// replaces it. Kills all of them when `progress` is cancelled, and throws what Progress::check()
+/// does. Throws Error(Limit) where no process can be started.
 void makeInWorkers(const std::vector<DatasetItem>& items, const WorkerOptions& options,
                    const std::function<void(const DatasetRow&)>& take, Progress& progress);
 
-/// What such a process does: makes the items whose fields come from standard input, one at a time,
-/// and writes a row for each to file descriptor 3, until the input ends. Ends with its parent.
+/// The work of such a process: makes the items whose fields come from standard input, one at a
+/// time, and writes a row for each to file descriptor 3, until the input ends. Ends with its
+/// parent.
 void serveItems(const std::function<DatasetRow(const DatasetItem&)>& make);
 
 } // namespace tetvdb::cli

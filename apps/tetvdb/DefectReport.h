@@ -11,7 +11,7 @@ namespace tetvdb::cli {
 /// The "defects" of a report. Self-intersections are null where they were not counted.
 nlohmann::ordered_json toJson(const SurfaceDefects& defects, bool intersections);
 
-/// What `info` says about triangles.
+/// The text of `info` about triangles.
 nlohmann::ordered_json sectionOf(const InputInfo& info, const TriangleMesh& mesh,
                                  const SurfaceDefects& defects, bool intersections,
                                  TextOf textOf = plainText);

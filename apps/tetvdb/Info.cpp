@@ -166,7 +166,7 @@ void runInfo(const Options& options, Session& session) {
     }
     session.sections["input"].push_back(std::move(section));
   }
-  // A kind of cell that cannot be voxelized is reported; to look at it is no failure.
+  // A kind of cell that cannot be voxelized is reported, but is not an error of `info`.
   session.report.partial = false;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `info` says about tets and volumes.
+// The text and the report of `info` about tets and volumes.
 #pragma once
 
 #include "tetvdb/mesh/TetMesh.h"

@@ -10,7 +10,7 @@
 
 namespace tetvdb::cli {
 
-/// What `info` says about a file of triangles: fills its section and adds to session.text.
+/// `info` for a file of triangles: fills its section and adds to session.text.
 void describeTriangles(const std::string& path, const DefectOptions& options,
                        nlohmann::ordered_json& section, Session& session);
 

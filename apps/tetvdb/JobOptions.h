@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Options that commands which make solids share.
+// Options shared by the commands that make solids.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -55,8 +55,8 @@ std::size_t memoryLimit(const JobOptions& options);
 /// One a core where nothing was given.
 int threadCount(const JobOptions& options);
 
-/// Allows that many threads while it lives, or as many as the system lets the process have: with
-/// Embree in the program oneTBB says on stderr where they are more than the cores.
+/// Allows that many threads while it lives: with Embree in the program oneTBB warns on stderr if
+/// they are more than the cores.
 class AllowThreads {
 public:
   explicit AllowThreads(int threads);

@@ -65,7 +65,7 @@ Json tetsOf(const VoxelizeResult& result) {
           {"dropped", result.counts.dropped},
           {"boundary_faces", result.counts.boundaryFaces},
           {"volume", result.volume},
-          // The envelope mesher's; tets come as they are.
+          // The envelope mesher's cleaning; tets are not cleaned.
           {"epsilon_asked", nullptr},
           {"epsilon_reached", nullptr},
           {"quality", nullptr},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Jobs and their results as sections of the machine-readable report, without the command line: the
-// Python module's reports are the same.
+// Jobs and their results as sections of the machine-readable report, independent of the command
+// line: the Python module's reports are the same.
 #pragma once
 
 #include "tetvdb/core/Error.h"
@@ -26,7 +26,7 @@ namespace tetvdb::cli {
 nlohmann::ordered_json toJson(const GridInfo& grid);
 /// Grids as a list.
 nlohmann::ordered_json toJson(const std::vector<GridInfo>& grids);
-/// What cleaning did.
+/// The changes that cleaning made.
 nlohmann::ordered_json toJson(const CleanCounts& cleaned);
 /// One element of "input": a file and what it is; of a mesh that was read, `info`, its format and
 /// number of vertices. Null: no more is known.
@@ -35,17 +35,17 @@ nlohmann::ordered_json inputSection(const std::string& path, SolidSource source,
 /// "mesh" of the envelope mesher's tets.
 nlohmann::ordered_json toJson(const MeshSummary& mesh);
 
-/// What a preview shows, as section "preview"; nothing where there is none.
+/// The content of a preview, as section "preview"; nothing if there is none.
 void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
                    nlohmann::ordered_json& sections);
 
-/// How triangles became a solid, in words.
+/// The method by which triangles were made a solid, in words.
 std::string methodText(const VoxelizeJob& job, const VoxelizeResult& result);
 
 /// A region's name as written; "outside" for what is outside.
 std::string regionName(const TetrahedralizeResult& result, std::int32_t number);
 
-/// A text of the library as a program's users read it: with its own names of settings.
+/// Converts a text of the library to a text for users, with the program's names of settings.
 using TextOf = std::string (*)(std::string_view);
 /// As the library has it, settings in backquotes.
 inline std::string plainText(std::string_view text) {
@@ -64,7 +64,7 @@ nlohmann::ordered_json sectionsOf(const SliceJob& job, const SliceResult& result
 /// "grids" of a sequence.
 void addSections(const SequenceResult& result, nlohmann::ordered_json& sections);
 
-/// The threads that a job takes where it asks for that many; 0: as many as the arena has.
+/// The number of threads that a job uses if it asks for that many; 0: as many as the arena has.
 int threadsOf(int asked);
 
 /// The whole report as text: "version", "command", "status", "error" unless it is empty, the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is said for people about the envelope mesher's tets.
+// The text about the envelope mesher's tets.
 #pragma once
 
 #include "tetvdb/pipeline/MeshSummary.h"
@@ -9,7 +9,7 @@
 
 namespace tetvdb::cli {
 
-/// A line about size and quality, one about what was asked and reached.
+/// A line about size and quality, and one about requested and reached quality.
 std::string textOf(const MeshSummary& mesh);
 
 } // namespace tetvdb::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Numbers for people: the digits that matter and no others.
+// Numbers as text, with only the significant digits.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -19,8 +19,8 @@ std::string lengthText(double length);
 std::string lengthText(const Vec3d& lengths);
 
 /// "(1.5, 0, -2)": a point of something as large as `extent`, to a ten-millionth of it, so that
-/// what is rounding beside the rest is 0, and what is far from the origin keeps its digits. 15
-/// digits at most, which is all that a double holds; seven where the extent is not above zero.
+/// rounding errors become 0 and points far from the origin keep their digits. At most 15 digits,
+/// the precision of a double; seven if the extent is not above zero.
 std::string pointText(const Vec3d& point, double extent);
 /// The largest side of a box.
 double extentOf(const Vec3d& low, const Vec3d& high);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Commands and their options as the parser knows them, for texts that are made of them.
+// The commands and options of the parser, for texts that are made of them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,8 +11,8 @@ namespace tetvdb::cli {
 
 struct ListedOption {
   std::vector<std::string> names; ///< "-o", "--output"; of a positional its name alone
-  std::string value;              ///< what it takes: "FILE"; empty: nothing
-  std::string initial;            ///< its default; empty where there is none to tell
+  std::string value;              ///< its argument: "FILE"; empty: none
+  std::string initial;            ///< its default; empty if none is shown
   std::string about;
   bool positional = false, required = false;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is wrong with a command line, in one line that says what to do.
+// Describes an error of the command line in one line, with advice.
 #pragma once
 
 #include "Commands.h"

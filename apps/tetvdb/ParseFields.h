@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What is said of a mesh's arrays into settings of fields. Every function throws Error(Usage) that
-// names the option.
+// Parses settings of fields. Every function throws Error(Usage) that names the option.
 #pragma once
 
 #include "tetvdb/fields/FieldRequest.h"
@@ -23,8 +22,7 @@ using SettingName = std::string (*)(const char* setting);
 
 /// "NAME=ARRAY" or "NAME=ARRAY:PART".
 FieldRequest parseDerived(const std::string& option, const std::string& text);
-/// Everything but `warp`, and but the arrays that are asked for by name, which `options` has
-/// already.
+/// Parses everything but `warp` and the arrays that are named, which `options` has already.
 void setFields(const FieldTexts& texts, SettingName nameOf, FieldOptions& options);
 /// "ARRAY" or "ARRAY*FACTOR".
 Warp parseWarp(const std::string& option, const std::string& text);

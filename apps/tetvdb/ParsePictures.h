@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Option values of pictures. Every function throws Error(Usage) that names the option.
+// Parses option values of pictures. Every function throws Error(Usage) that names the option.
 #pragma once
 
 #include "tetvdb/visualize/PictureMaker.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Option values into numbers and rules. Every function throws Error(Usage) that names the option.
+// Parses option values that are numbers and rules. Every function throws Error(Usage) that names
+// the option.
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
@@ -38,7 +39,7 @@ enum class Voxels : bool { None, Known };
 RelativeLength parseRelativeLength(const std::string& option, const std::string& text,
                                    Voxels voxels);
 
-/// "winding", "nonzero", "parity" or "flood"; the parser has seen to it that it is one of them.
+/// "winding", "nonzero", "parity" or "flood"; the parser has checked that it is one of them.
 InsideRule parseInsideRule(const std::string& name);
 
 /// "auto", "envelope" or "winding", likewise.

@@ -17,13 +17,14 @@ struct PrinterOptions {
   double scale = 1;
 };
 
-/// --printer, and what of it can be replaced: display, layer heights, turns, the largest height.
+/// --printer, and the options that replace properties of it: display, layer heights, turns, the
+/// largest height.
 void addPrinterOptions(CLI::App& command, PrinterOptions& options);
-/// Where the model goes and how large it is: --place, --units, --scale, --stretch, --xy-offset,
+/// The place and the size of the model: --place, --units, --scale, --stretch, --xy-offset,
 /// --foot-offset, --grid.
 void addModelOptions(CLI::App& command, PrinterOptions& options);
 
-// What was given, checked; each throws Error(Usage), that of a file Error(Invalid).
+// The given values, checked; each throws Error(Usage), that of a file Error(Invalid).
 PrinterSettings printerFrom(const PrinterOptions& options);
 PlaceOptions placeFrom(const PrinterOptions& options);
 /// Inputs, grid, units, printer and place.

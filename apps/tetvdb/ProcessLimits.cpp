@@ -50,7 +50,7 @@ void limitProcess(const JobOptions& options, Progress& progress) {
   limitMemory(options);
   if (options.maxTime.empty())
     return;
-  // A year is as good as for ever, and fits the clock.
+  // A year stands for no limit, and fits the clock.
   const double seconds = std::min(parseSeconds("--max-time", options.maxTime), 3.2e7);
   progress.setDeadline(Progress::Clock::now() +
                        std::chrono::duration_cast<Progress::Clock::duration>(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// --max-memory and --max-time for the whole process, from before it reads anything. The library
-// refuses what it can foresee; these bounds catch the rest: a file that claims more than it has, a
-// library that does not ask whether to stop.
+// Applies --max-memory and --max-time to the whole process before it reads anything. The library
+// refuses jobs whose need it can estimate. These limits apply to the rest: files that state wrong
+// sizes, and libraries that cannot be cancelled.
 #pragma once
 
 #include "JobOptions.h"

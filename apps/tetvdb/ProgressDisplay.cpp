@@ -14,7 +14,7 @@ namespace {
 constexpr int kBarWidth = 32;
 constexpr int kPercentPerLine = 5;
 
-// 43 as 45, 7 as 7: no more than an estimate is worth.
+// 43 as 45, 7 as 7: the precision of an estimate.
 int rounded(double number) {
   return static_cast<int>(number < 20 ? std::ceil(number) : 5 * std::ceil(number / 5));
 }

@@ -10,10 +10,9 @@
 
 namespace tetvdb::cli {
 
-/// Shows on stderr how far a job is as a whole, and about how long it still takes where that can be
-/// told: a bar on a terminal, else when asked for lines that programs can follow, "tetvdb: STAGE"
-/// as a stage begins and "tetvdb: STAGE 40 %" or "tetvdb: STAGE 40 %, about 30 s left" of the
-/// whole.
+/// Shows on stderr the progress of a whole job, and its estimated remaining time if that is known:
+/// a bar on a terminal, else if requested lines that programs can parse, "tetvdb: STAGE" as a stage
+/// begins and "tetvdb: STAGE 40 %" or "tetvdb: STAGE 40 %, about 30 s left" of the whole.
 class ProgressDisplay {
 public:
   enum class Style { Nothing, Lines, Bar };
@@ -27,7 +26,7 @@ public:
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
-  /// Wipes the bar, so that other lines can be printed.
+  /// Clears the bar, so that other lines can be printed.
   void clear();
 
 private:
@@ -40,10 +39,10 @@ private:
   int percent_ = 0; ///< of the last line
 };
 
-/// On the clock of every estimate here.
+/// The time of the clock that all estimates here use.
 double secondsNow();
 
-/// ", about 40 s left", with two digits that matter at most; empty where it is not known.
+/// ", about 40 s left", with at most two significant digits; empty if it is not known.
 std::string timeLeftText(std::optional<double> seconds);
 
 } // namespace tetvdb::cli

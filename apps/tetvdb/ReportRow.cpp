@@ -55,7 +55,7 @@ Json valueOf(const Json& object, const char* name) {
   return object.is_object() && object.contains(name) ? object[name] : Json();
 }
 
-/// Counts of what is wrong, in words; what is not wrong is left out.
+/// Counts of defects, in words; counts of zero are left out.
 Json defectsOf(const Json& defects) {
   static const std::array<std::pair<const char*, const char*>, 10> names = {
       {{"boundary_edges", "open edges"},
@@ -77,7 +77,7 @@ Json defectsOf(const Json& defects) {
   return result;
 }
 
-/// Why there is no report of the program's own.
+/// The reason why the child wrote no report.
 std::string describeEnd(const ChildEnd& end, double maxTime) {
   if (end.status < 0)
     return "the program could not be started";

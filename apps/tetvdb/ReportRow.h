@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One model of `tetvdb report`: what the program says of it, as a row of the page.
+// One model of `tetvdb report`: its result as a row of the page.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -18,18 +18,18 @@ struct ReportSettings {
   std::string maxMemory; ///< as --max-memory takes it; empty: its default
 };
 
-/// A model and what to call it.
+/// A model and its name.
 struct ReportModel {
   std::string path, name;
 };
 
-/// Voxelizes the model in a child process with a picture, and looks for its defects. Fails for
-/// nothing that a model does; throws when cancelled, and Error(Write) where no temporary folder can
-/// be made.
+/// Voxelizes the model in a child process with a picture, and looks for its defects. Errors and
+/// crashes of a model become its row. Throws when cancelled, and Error(Write) if no temporary
+/// folder can be made.
 nlohmann::ordered_json reportRow(const ReportModel& model, const ReportSettings& settings,
                                  const Progress& progress);
 
-/// The whole page, which needs no other file: `rows` and what is said of all of them.
+/// The whole page, which needs no other file: `rows` and their summary.
 std::string reportPage(const std::vector<nlohmann::ordered_json>& rows,
                        const ReportSettings& settings);
 

@@ -25,7 +25,7 @@
 namespace tetvdb::cli {
 namespace {
 
-/// A job that was cancelled is ended after that time, where it is in a library that does not ask.
+/// A cancelled job is ended after that time if it is in a library that cannot be cancelled.
 constexpr unsigned kCancelSeconds = 20;
 
 std::atomic<Progress*> runningProgress{nullptr};
@@ -42,7 +42,7 @@ extern "C" void onInterrupt(int) {
   ::_exit(static_cast<int>(Status::Cancelled));
 }
 
-// What ends the program wherever it is.
+// Ends the program wherever it is.
 [[noreturn]] void end(std::string_view message, Status status) {
   removeTemporaryFiles();
   [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, message.data(), message.size());

@@ -15,14 +15,13 @@ namespace tetvdb::cli {
 /// Options that every command has.
 struct CommonOptions {
   std::string json;          ///< where the report goes: a path, "-" for stdout, empty for nowhere
-  bool force = false;        ///< replace a file at `json` whatever it holds
+  bool force = false;        ///< replace a file at `json` of any content
   bool allowOutside = false; ///< files that are read may refer to files outside of their folders
   bool quiet = false;
   bool verbose = false;
 };
 
-/// One run of a command: what it is given to work with, and what it leaves for the run loop to
-/// print.
+/// One run of a command: its options and services, and the results that the run loop prints.
 struct Session {
   CommonOptions options;
   Report report;
@@ -34,7 +33,7 @@ struct Session {
   nlohmann::ordered_json sections = nlohmann::ordered_json::object();
   std::string text;                ///< the result for people, for stdout
   bool textIsSummary = false;      ///< -q leaves it out
-  Status status = Status::Ok;      ///< Found where a comparison found something
+  Status status = Status::Ok;      ///< Found if a comparison found differences
   std::vector<std::string> notes;  ///< lines for stderr with -v
   std::vector<std::string> errors; ///< lines for stderr from a command that went on after an error
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Standard streams that may be closed, full, or a pipe that nobody reads any more.
+// Handles standard streams that are closed, full, or a pipe without a reader.
 #pragma once
 
 #include <string>
@@ -8,13 +8,12 @@
 
 namespace tetvdb::cli {
 
-/// Opens /dev/null in place of standard streams that are closed, so that no file that is opened
-/// later becomes one of them. What is printed to a closed standard output still fails. To be called
-/// first.
+/// Opens /dev/null for standard streams that are closed, so that no file that is opened later
+/// becomes one of them. Printing to a closed standard output still fails. Must be called first.
 void openClosedStreams();
 
-/// Prints "tetvdb: TEXT" on standard error, as one line whatever `text` holds. Where it cannot be
-/// printed it is lost: a job does not fail for that.
+/// Prints "tetvdb: TEXT" on standard error, as one line for any `text`. Text that cannot be printed
+/// is lost: a job does not fail because of it.
 void printMessage(std::string_view text);
 
 /// The message that there is no memory, which takes none.

@@ -60,7 +60,7 @@ TetrahedralizeJob makeJob(const Options& options, const CLI::App& command) {
     job.epsilon = parseRelativeLength("--epsilon", options.epsilon, Voxels::None);
   if (!options.edgeLength.empty())
     job.edgeLength = parseRelativeLength("--edge-length", options.edgeLength, Voxels::None);
-  // The regular tet has 3, so that less can never be reached.
+  // The regular tet has 3, so that smaller values cannot be reached.
   if (command.count("--stop-energy") > 0 &&
       (!std::isfinite(options.stopEnergy) || options.stopEnergy <= 3))
     throw Error(Status::Usage, "--stop-energy",

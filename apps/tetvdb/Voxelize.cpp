@@ -417,7 +417,7 @@ void addInputs(CLI::App& command, Options& options) {
       ->type_name("");
 }
 
-// Where voxels lie.
+// Options for the places of voxels.
 void addPlacing(CLI::App& command, Options& options) {
   addSizeOptions(command, options);
   CLI::Option* origin =

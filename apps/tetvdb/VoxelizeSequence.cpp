@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The grid "material" numbers files of triangles: they are parts of one volume.
+// The grid "material" numbers files of triangles, which then belong to one volume.
 bool numbersMaterials(const VoxelizeJob& job) {
   return job.inputs.size() > 1 && isNumbered(job.inputs) &&
          contains(job.grids, GridKind::Material) && holdsTriangles(job.inputs.front());

@@ -143,7 +143,7 @@ def pictures_of_field(folder, images):
     scene = empty_scene()
     bpy.ops.import_scene.tetvdb(filepath=path, directory=folder, files=names, arrays="temperature",
                                 resolution=160)
-    # Its own light alone, without scattering: no noise, and so small files in little time.
+    # Only emission, without scattering: this has no noise and renders fast.
     for node in bpy.context.object.data.materials[0].node_tree.nodes:
         if node.bl_idname == "ShaderNodeVolumePrincipled":
             color = node.inputs["Color"]

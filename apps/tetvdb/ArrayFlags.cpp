@@ -36,7 +36,7 @@ void addArrayFlags(CLI::App& command, ArrayTexts& texts) {
       ->type_name("x0,y0,z0,x1,y1,z1")
       ->check(notEmpty());
   command.add_flag("--sparse", texts.sparse,
-                   "Coordinates and values of active voxels in place of a dense array (.npz)");
+                   "Write coordinates and values of active voxels, not a dense array (.npz)");
   command.add_flag("--compress", texts.compress, "Compress arrays with deflate");
 }
 

@@ -102,8 +102,8 @@ void addCheckPrintOptions(CLI::App& command, CheckPrintOptions& options) {
     return command.add_option(name, value, description)->type_name(type)->check(notEmpty());
   };
   add("--aa", options.aa, "RULE",
-      "What is solid: half a pixel and more of the layer's middle plane (area, the default), of "
-      "its whole layer (volume), or its middle (none)")
+      "A pixel is solid if half of it is, in the layer's middle plane (area, the default) or in "
+      "the whole layer (volume), or if its centre is (none)")
       ->check(CLI::IsMember({"area", "volume", "none"}).description(""));
   add("--checks", options.checks, "LIST",
       "Only these: outside, empty, islands, overhangs, cups, traps, drains, walls, "

@@ -82,7 +82,7 @@ Json sectionOf(const VolumeComparison& comparison, bool same) {
 std::string textOf(const VolumeComparison& comparison, const Options& options, bool same) {
   std::string text;
   for (const GridComparison& grid : comparison.grids)
-    text += fmt::format("{}: IoU {:.9g}, {} voxels active in one alone, {} with other values, "
+    text += fmt::format("{}: IoU {:.9g}, {} voxels active in only one, {} with other values, "
                         "largest difference {:.6g}\n",
                         oneLine(grid.name), grid.iou(), grid.stateDiffers, grid.valueDiffers,
                         grid.largestDifference);

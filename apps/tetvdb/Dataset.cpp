@@ -344,9 +344,10 @@ void addContentOptions(CLI::App& command, Options& options) {
       ->type_name("N,...")
       ->capture_default_str();
   command
-      .add_option("--normalize", options.normalize,
-                  "The length that becomes 1: the longest side of the box, its diagonal, twice the "
-                  "largest distance from its middle; none keeps the coordinates")
+      .add_option(
+          "--normalize", options.normalize,
+          "The length that becomes 1: the longest side of the box, its diagonal, or twice the "
+          "largest distance from its centre; none keeps the coordinates")
       ->check(oneOf(namesOf(kNormalLengths)))
       ->type_name("longest|diagonal|sphere|none")
       ->capture_default_str();

@@ -15,7 +15,7 @@ void addFieldOptions(CLI::App& command, FieldTexts& texts) {
   };
   list("--derive", texts.derive, "NAME=ARRAY:PART",
        "Grids made of arrays: magnitude, mises, trace, determinant, principal1..3, or a component "
-       "such as x, xx, 0; NAME=ARRAY alone gives another name");
+       "such as x, xx, 0; NAME=ARRAY renames a grid");
   list("--remap", texts.remap, "[NAME=]A:B",
        "Map an array's range (that of --clamp, where given) to A:B; of all grids of single numbers "
        "made of arrays, or of one");

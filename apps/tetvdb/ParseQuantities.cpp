@@ -104,8 +104,8 @@ RelativeLength parseRelativeLength(const std::string& option, const std::string&
                                    Voxels voxels) {
   const std::string advice =
       voxels == Voxels::Known
-          ? "give a number above zero: a length, a part of the diagonal (1e-3d) or voxels (0.5v)"
-          : "give a number above zero: a length, or a part of the diagonal (1e-3d)";
+          ? "give a number above zero: a length, a share of the diagonal (1e-3d) or voxels (0.5v)"
+          : "give a number above zero: a length, or a share of the diagonal (1e-3d)";
   std::string_view left = text;
   RelativeLength length;
   if (!takeNumber(left, length.value) || !(length.value > 0) || !std::isfinite(length.value))

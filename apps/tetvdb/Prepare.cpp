@@ -224,8 +224,8 @@ std::string summaryOf(const PrepareResult& result) {
                         drain.hole.point[1], drain.hole.point[2], oneLine(drain.plug.path));
   if (result.voxel > 0)
     text += fmt::format("  voxels of {:.4g}{}\n", result.voxel,
-                        result.voxelIsCoarse ? ", larger than by the lengths alone: the model is "
-                                               "large; --voxel-size takes finer ones"
+                        result.voxelIsCoarse ? ", coarser than the lengths ask for: the model is "
+                                               "large; --voxel-size sets finer ones"
                                              : "");
   return text;
 }

@@ -57,7 +57,7 @@ void addPrinterOptions(CLI::App& command, PrinterOptions& options) {
 void addModelOptions(CLI::App& command, PrinterOptions& options) {
   command
       .add_option("--place", options.place,
-                  "centre: the middle of the display (default); X,Y: the box's middle there, mm; "
+                  "centre: the centre of the display (default); X,Y: the box's centre there, mm; "
                   "keep: coordinates are the plate's")
       ->type_name("PLACE")
       ->check(notEmpty());

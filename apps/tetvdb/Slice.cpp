@@ -152,7 +152,7 @@ void addPixelOptions(CLI::App& command, Options& options) {
   command
       .add_option("--aa", options.aa,
                   "Grey levels: volume (default), the share of the pixel through the whole layer; "
-                  "area, that of the middle plane; none, white where the middle is solid")
+                  "area, that of the middle plane; none, white where the centre is solid")
       ->type_name("RULE")
       ->check(CLI::IsMember({"volume", "area", "none"}).description(""));
   command.add_option("--levels", options.levels, "Grey levels, evenly spaced (default 256)")

@@ -152,7 +152,7 @@ Command addTetrahedralize(CLI::App& program) {
       ->type_name("N");
   command
       ->add_option("--boolean", options->boolean,
-                   "One solid of several inputs: in any, in the first alone, or in all "
+                   "One solid of several inputs: in any, only in the first, or in all "
                    "(default: a region for each, where they overlap the first one's)")
       ->check(CLI::IsMember({"union", "difference", "intersection"}).description(""))
       ->type_name("union|difference|intersection");

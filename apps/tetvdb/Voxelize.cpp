@@ -75,7 +75,7 @@ const char* const kExamples = R"(Examples:
   tetvdb voxelize hull.stl core.stl -o both.vdb --grid material,density
       a material a file: where they overlap, the first one's
   tetvdb voxelize chair.off -o chair.vdb --fit 64 --padding 2 --grid mask
-      a cube of 64^3 voxels numbered from 0, the model in its middle
+      a cube of 64^3 voxels numbered from 0, the model at its centre
   tetvdb voxelize broken.stl -o solid.vdb --grid density,tet_id --write-mesh solid.msh
       by way of tets within half a voxel of the triangles, which are written as well
   tetvdb voxelize broken.stl -o solid.vdb --grid surface --half-width 5
@@ -376,9 +376,10 @@ void addSolidOptions(CLI::App& command, Options& options) {
                   "winding, and envelope where tets are asked for")
       ->check(oneOf({"auto", "envelope", "winding"}))
       ->type_name("auto|envelope|winding");
-  addEpsilonOption(command, options,
-                   "How far the tets' surface may be from the triangles: a length, a part of the "
-                   "diagonal (1e-3d) or voxels (default 0.5v)");
+  addEpsilonOption(
+      command, options,
+      "The largest distance of the tets' surface from the triangles: a length, a share of the "
+      "diagonal (1e-3d) or voxels (default 0.5v)");
   addInsideOptions(command, options);
   command
       .add_option(
@@ -427,7 +428,7 @@ void addPlacing(CLI::App& command, Options& options) {
   CLI::Option* fit =
       command
           .add_option("--fit", options.fit,
-                      "A cube of N x N x N voxels numbered from 0, the model in its middle")
+                      "A cube of N x N x N voxels numbered from 0, the model at its centre")
           ->type_name("N")
           ->check(CLI::Range(1, 1 << 30).description(""))
           ->excludes("--resolution", "--voxel-size")
@@ -455,7 +456,7 @@ Command addVoxelize(CLI::App& program) {
       ->check(notEmpty());
   command
       ->add_option("--write-mesh", options->writeMesh,
-                   "Write the tets as well, or alone: " + endingList(FormatUse::WriteTets) +
+                   "Also write the tets, or write only them: " + endingList(FormatUse::WriteTets) +
                        "; or the cleaned triangles: " + endingList(FormatUse::WriteTriangles))
       ->type_name("FILE")
       ->check(notEmpty());

@@ -144,7 +144,7 @@ nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
   });
 }
 
-// Files into files: the report alone is handed out.
+// Files in, files out: only the report is returned.
 nb::object voxelizeFrames(const std::vector<std::string>& inputs, nb::handle output,
                           const nb::dict& keywords) {
   Settings settings(keywords);

@@ -15,7 +15,7 @@ import pytest
 import tetvdb
 from conftest import cube_triangles, sphere_triangles
 
-# A job of seconds, by the calling thread alone where threads is 1.
+# A job of seconds; with threads = 1 only the calling thread runs it.
 LONG = {"voxel_size": 1 / 1500, "grid": "surface", "half_width": 8, "max_memory": "64G"}
 
 

@@ -53,7 +53,7 @@ def voxelize(mesh: Any, cells: Any = None, *, grid: Union[str, Sequence[str]] = 
     mesh, cells: see the module's documentation; `cells` goes with an array of points.
     grid: density, mask, surface, fog, coverage, tet_id, material, or arrays of the mesh by name.
     resolution: voxels along the longest side (default 256); or voxel_size: a voxel's side, or three;
-        or fit: a cube of so many voxels, numbered from 0, with the model in its middle and `padding`
+        or fit: a cube of so many voxels, numbered from 0, with the model at its centre and `padding`
         voxels free on each side.
     origin: centre of voxel (0, 0, 0).
     half_width: voxels on either side of the surface that hold distances (default 3), or "all".
@@ -130,7 +130,7 @@ def tetrahedralize(mesh: Any, cells: Any = None, *, epsilon: Optional[_Length] =
                    max_time: Optional[float] = None) -> TetMesh:
     """Turns triangles with any defect into tetrahedra within epsilon of them.
 
-    epsilon: a length, or a part of the diagonal of the box such as "1e-3d", the default.
+    epsilon: a length, or a share of the diagonal of the box such as "1e-3d", the default.
     edge_length: what edges should have where the surface allows it (default "0.05d").
     stop_energy: improve until no tet's AMIPS energy is above it; 10 is a good mesh.
     boolean: one solid of several meshes: "union", "difference" or "intersection".

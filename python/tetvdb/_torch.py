@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tetvdb.Dataset for PyTorch's loaders. Imported where it is asked for alone."""
+"""tetvdb.Dataset for PyTorch's loaders. Imported only on demand."""
 
 import torch
 

@@ -96,7 +96,7 @@ def frame_number(path):
 
 
 def are_frames(paths):
-    """Whether names differ in their last number alone, as tetvdb itself decides."""
+    """Whether names differ only in their last number, by the rule of tetvdb."""
     parts = [frame_number(path) for path in paths]
     return (len(paths) > 1 and all(number is not None for _, number, _ in parts)
             and len({(before, after) for before, _, after in parts}) == 1
@@ -200,7 +200,7 @@ class Job:
     def running(self):
         if self.process.poll() is None:
             return True
-        # A file of such a format may hold a mesh alone, and no steps.
+        # A file of such a format may hold only a mesh, and no steps.
         if self.process.returncode == 3 and "--frames" in self.command:
             self._close()
             if any("has no time steps" in line for line in self.said):
@@ -258,7 +258,7 @@ def grids_of_frames(report, program):
 
 
 def ranges_of(frames):
-    """{grid: (type, least, most)} over all frames."""
+    """{grid: (type, min, max)} over all frames."""
     ranges = {}
     for grid in (grid for grids in frames for grid in grids if grid["active_voxels"] > 0):
         kind, low, high = ranges.get(grid["name"], (grid["type"], grid["min"], grid["max"]))
@@ -489,7 +489,7 @@ class IMPORT_SCENE_OT_tetvdb(bpy.types.Operator, ImportHelper):
         "the material spreads them over the range")
     sequence: BoolProperty(
         name="Sequence", default=True,
-        description="Selected files whose names differ in their last number alone, and the steps of "
+        description="Selected files whose names differ only in their last number, and the steps of "
         "a file that holds several, are frames (those of a .pvd always are). Other files, and all if "
         "this is off, are laid together; of steps the last is taken")
     warp: StringProperty(

@@ -29,7 +29,7 @@ void checkJob(const TetrahedralizeJob& job) {
     if (length.value != 0 && length.unit == RelativeLength::Unit::Voxel)
       throw Error(Status::Usage, "`epsilon`, `edge_length`",
                   "are given in voxels, but no voxels are made",
-                  "give a length, or a part of the diagonal such as 1e-3d");
+                  "give a length, or a share of the diagonal such as 1e-3d");
 }
 
 std::vector<TriangleMesh> readAll(const TetrahedralizeJob& job, TetrahedralizeResult& result,

@@ -167,7 +167,7 @@ def import_mesh(path, output=None, surface=False, **options):
     try:
         report = run(arguments)
     except TetvdbError as error:
-        # A file of such a format may hold a mesh alone, and no steps.
+        # A file of such a format may hold only a mesh, and no steps.
         if "--frames" not in arguments or "has no time steps" not in str(error):
             raise
         first = arguments.index("--frames")

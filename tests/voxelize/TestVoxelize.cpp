@@ -208,13 +208,15 @@ TEST(Voxelize, ShufflingPermutesTetIdsAlone) {
 }
 
 TEST(Voxelize, SolidsHaveTilesAtEveryLevel) {
-  // One cube of six tets over a whole root child and a margin all round.
-  const double side = 4096 + 300;
-  const TetMesh mesh = meshes::scaled(kuhnGrid(1, 1, 1), side, {-150.5, -150.5, -150.5});
+  // One cube of six tets over a whole root child and a margin all round. Its sides lie between
+  // leaves, but for those along x: these are leaves that are partly inside.
+  const double side = 4096 + 304;
+  const TetMesh mesh = meshes::scaled(kuhnGrid(1, 1, 1), side, {-150.5, -152.5, -152.5});
   for (OccupancyPath path : {OccupancyPath::Boundary, OccupancyPath::Tets}) {
     const Voxelization v = run(mesh, unitVoxels({GridKind::Mask}, path));
     const auto& tree = grid<openvdb::BoolGrid>(v).tree();
-    EXPECT_EQ(tree.activeVoxelCount(), 4396ull * 4396ull * 4396ull);
+    EXPECT_EQ(tree.activeVoxelCount(), 4400ull * 4400ull * 4400ull);
+    EXPECT_EQ(tree.leafCount(), 2u * 550 * 550);
     std::uint64_t tiles[3] = {0, 0, 0};
     auto it = tree.cbeginValueOn();
     it.setMaxDepth(it.getLeafDepth() - 1);

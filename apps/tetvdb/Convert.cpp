@@ -3,6 +3,7 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "ProcessLimits.h"
 #include "TileOptions.h"
 #include "VolumeSignature.h"
@@ -74,8 +75,7 @@ ConvertJob makeJob(const Options& options) {
 std::string summaryOf(const ConvertResult& result) {
   std::string text;
   for (const OutputInfo& output : result.outputs) {
-    text +=
-        fmt::format("{}: {:.1f} MB", oneLine(output.path), static_cast<double>(output.bytes) / 1e6);
+    text += fmt::format("{}: {}", oneLine(output.path), bytesText(output.bytes));
     if (&output == &result.outputs.front()) {
       if (result.triangles > 0)
         text += fmt::format(", {} triangles", result.triangles);

@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "ParseQuantities.h"
 #include "ProcessLimits.h"
 #include "VolumeSignature.h"
@@ -207,10 +208,9 @@ Json preparedOf(const PrepareResult& result) {
 }
 
 std::string summaryOf(const PrepareResult& result) {
-  std::string text =
-      fmt::format("{}: {:.1f} MB, {} triangles, volume {:.6g} of {:.6g}",
-                  oneLine(result.output.path), static_cast<double>(result.output.bytes) / 1e6,
-                  result.triangles, result.volumeAfter, result.volumeBefore);
+  std::string text = fmt::format("{}: {}, {} triangles, volume {:.6g} of {:.6g}",
+                                 oneLine(result.output.path), bytesText(result.output.bytes),
+                                 result.triangles, result.volumeAfter, result.volumeBefore);
   if (result.volumeBefore > 0)
     text += fmt::format(" ({:+.1f} %)", 100 * (result.volumeAfter / result.volumeBefore - 1));
   text += fmt::format("\n  cavities: {}, before {}", result.cavities, result.cavitiesBefore);

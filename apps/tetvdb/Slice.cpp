@@ -2,6 +2,7 @@
 #include "Commands.h"
 #include "JobOptions.h"
 #include "JsonReport.h"
+#include "NumberText.h"
 #include "PrinterOptions.h"
 #include "ProcessLimits.h"
 #include "ProgressDisplay.h"
@@ -120,10 +121,10 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
   const AllowThreads allowed(job.threads);
   const SliceResult result = run(job, session.report, session.progress);
   session.sections = sectionsOf(job, result);
-  session.text = fmt::format("{}: {:.1f} MB, {} layers of {} x {} pixels, {:.6g} ml\n",
-                             oneLine(result.output.path),
-                             static_cast<double>(result.output.bytes) / 1e6, result.frame.layers,
-                             result.frame.width, result.frame.height, result.volume / 1000);
+  session.text =
+      fmt::format("{}: {}, {} layers of {} x {} pixels, {:.6g} ml\n", oneLine(result.output.path),
+                  bytesText(result.output.bytes), result.frame.layers, result.frame.width,
+                  result.frame.height, result.volume / 1000);
   session.textIsSummary = true;
 }
 

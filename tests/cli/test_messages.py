@@ -127,6 +127,14 @@ class Messages(CommandLineTest):
                             "--mesher", "winding").out
         self.assertIn("voxels of 0.003333333,", text)
         self.assertRegex(text, r"o\.vdb: [1-9][0-9.]* kB,")
+        self.assertRegex(self.succeed("convert", "noise.off", "-o", "o.stl").out,
+                         r"o\.stl: 684 bytes,")
+        self.assertRegex(self.succeed("prepare", "noise.off", "-o", "p.stl", "--offset", "0.02",
+                                      "--voxel-size", "0.01").out,
+                         r"p\.stl: [1-9][0-9.]* kB,")
+        self.assertRegex(self.succeed("slice", "noise.off", "-o", "layers", "--pixels", "20,20",
+                                      "--display", "2,2", "--layer-height", "0.1").out,
+                         r"layers: [1-9][0-9.]* (bytes|kB),")
 
 
 class TotalProgress(CommandLineTest):

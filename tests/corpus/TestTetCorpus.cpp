@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Every tet file of the corpus, against what tet_oracle.py found in it by other means. The folder
-// that holds tet/ is named by the environment variable TETVDB_CORPUS.
+// Every tet file of the corpus, against the values that tet_oracle.py finds with other readers. The
+// folder that holds tet/ is named by the environment variable TETVDB_CORPUS.
+#include "ExpectedFiles.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/mesh/SplitCells.h"
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <gtest/gtest.h>
+#include <istream>
 #include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,19 +24,9 @@ struct Expected {
   std::string volume, signedVolume, plane;
 };
 
-std::vector<Expected> readExpected() {
-  std::ifstream table(std::string(TETVDB_TEST_DATA) + "/../corpus/tet_expected.tsv");
-  std::vector<Expected> lines;
-  std::string line;
-  std::getline(table, line);
-  while (std::getline(table, line)) {
-    std::istringstream in(line);
-    Expected e;
-    in >> e.file >> e.status >> e.tetra >> e.hexahedron >> e.wedge >> e.pyramid >> e.volume >>
-        e.signedVolume >> e.plane;
-    lines.push_back(e);
-  }
-  return lines;
+std::istream& operator>>(std::istream& in, Expected& e) {
+  return in >> e.file >> e.status >> e.tetra >> e.hexahedron >> e.wedge >> e.pyramid >> e.volume >>
+         e.signedVolume >> e.plane;
 }
 
 // Curved faces of hexahedra and wedges bulge differently by the diagonal that cuts them: up to a
@@ -45,7 +34,7 @@ std::vector<Expected> readExpected() {
 constexpr double kPlaneTolerance = 1e-9;
 constexpr double kBulgeTolerance = 2e-2;
 
-// Leaves quadratic cells their corners alone.
+// Keeps only the corners of quadratic cells.
 void keepCorners(CellMesh& mesh) {
   std::vector<std::uint32_t> kept;
   const std::uint32_t* nodes = mesh.nodes.data();
@@ -84,7 +73,7 @@ void compare(const Expected& expected, const std::string& path) {
             expected.hexahedron);
   EXPECT_EQ(std::to_string(counts[CellType::Wedge]), expected.wedge);
   EXPECT_EQ(std::to_string(counts[CellType::Pyramid]), expected.pyramid);
-  keepCorners(cells); // what the oracle knows of curved cells
+  keepCorners(cells); // the oracle ignores the other nodes
   const TetMesh mesh = splitCells(std::move(cells), {}, report, progress);
   double volume = 0;
   for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
@@ -105,15 +94,7 @@ void compare(const Expected& expected, const std::string& path) {
 }
 
 TEST(TetCorpus, EveryFileIsReadOrRefused) {
-  const char* corpus = std::getenv("TETVDB_CORPUS");
-  if (corpus == nullptr)
-    GTEST_SKIP() << "TETVDB_CORPUS is not set";
-  const std::vector<Expected> files = readExpected();
-  ASSERT_EQ(files.size(), 44U);
-  for (const Expected& expected : files) {
-    SCOPED_TRACE(expected.file);
-    compare(expected, std::string(corpus) + "/tet/" + expected.file);
-  }
+  test::forEachExpected<Expected>("tet_expected.tsv", "tet", 44, compare);
 }
 
 } // namespace

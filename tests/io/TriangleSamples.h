@@ -84,20 +84,6 @@ inline Reading readingFile(const std::string& name, const std::string& bytes,
   });
 }
 
-/// Positive for a solid whose faces turn counter-clockwise seen from outside.
-inline double signedVolume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t t = 0; t < mesh.triangleCount(); ++t) {
-    const Vec3d& a = mesh.points[mesh.triangles[3 * t]];
-    const Vec3d& b = mesh.points[mesh.triangles[3 * t + 1]];
-    const Vec3d& c = mesh.points[mesh.triangles[3 * t + 2]];
-    sum += (a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-            a[2] * (b[0] * c[1] - b[1] * c[0])) /
-           6;
-  }
-  return sum;
-}
-
 /// The tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1).
 inline TriangleMesh cornerTetrahedron() {
   TriangleMesh mesh;

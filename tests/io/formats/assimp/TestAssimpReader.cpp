@@ -2,6 +2,7 @@
 //
 // Scenes written by hand. Where the library was built without assimp, every one of them is an Error
 // that says so.
+#include "TriangleMeshes.h"
 #include "io/TriangleSamples.h"
 
 #include <algorithm>
@@ -144,7 +145,7 @@ TEST(AssimpReader, Gltf) {
     ASSERT_EQ(read.error, "") << name;
     EXPECT_EQ(read.mesh.triangleCount(), 12U);
     EXPECT_EQ(top(read.mesh), (Vec3d{11, 6, 1}));
-    EXPECT_NEAR(signedVolume(read.mesh), (1 + 1 + 2) / 6.0, 1e-6);
+    EXPECT_NEAR(meshes::signedVolume(read.mesh), (1 + 1 + 2) / 6.0, 1e-6);
     EXPECT_EQ(read.mesh.units, "metre");
     EXPECT_EQ(read.codes(), "");
   }
@@ -182,7 +183,7 @@ TEST(AssimpReader, Collada) {
   const Vec3d largest = top(read.mesh);
   EXPECT_NEAR(largest[0], 0.01, 1e-8);
   EXPECT_NEAR(largest[2], 1.01, 1e-6);
-  EXPECT_NEAR(signedVolume(read.mesh), 2e-6 / 6, 1e-12);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 2e-6 / 6, 1e-12);
   EXPECT_EQ(read.mesh.units, "metre");
 }
 
@@ -195,7 +196,7 @@ TEST(AssimpReader, Fbx) {
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.mesh.triangleCount(), 4U);
   EXPECT_EQ(top(read.mesh), (Vec3d{200, 200, 500}));
-  EXPECT_NEAR(signedVolume(read.mesh), 8e6 / 6, 1);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 8e6 / 6, 1);
   EXPECT_EQ(read.mesh.units, "centimetre");
 }
 

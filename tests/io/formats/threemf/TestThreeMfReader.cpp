@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TriangleMeshes.h"
 #include "io/TriangleSamples.h"
 #include "tetvdb/io/formats/threemf/ThreeMfReader.h"
 #include "tetvdb/io/text/ZipDirectory.h"
@@ -77,7 +78,7 @@ TEST(ThreeMfReader, ItemsAreAllRead) {
   EXPECT_EQ(read.mesh.triangleCount(), 8U);
   EXPECT_EQ(read.mesh.faceCount, 8U);
   EXPECT_EQ(read.mesh.points[5], (Vec3d{12, 20, 30}));
-  EXPECT_NEAR(signedVolume(read.mesh), 0.5, 1e-12);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 0.5, 1e-12);
   EXPECT_EQ(read.mesh.units, "millimetre");
   EXPECT_EQ(read.codes(), "");
 }
@@ -96,7 +97,7 @@ TEST(ThreeMfReader, ComponentsComposeInsideOut) {
   EXPECT_EQ(read.mesh.points[1], (Vec3d{7, 0, 7}));
   EXPECT_EQ(read.mesh.points[5], (Vec3d{100, 7, 7}));
   EXPECT_EQ(read.mesh.points[6], (Vec3d{99, 5, 7}));
-  EXPECT_NEAR(signedVolume(read.mesh), 4.0 / 6, 1e-12);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 4.0 / 6, 1e-12);
 }
 
 TEST(ThreeMfReader, PartsInOtherModelFiles) {
@@ -118,14 +119,14 @@ TEST(ThreeMfReader, MirroredObjectsStayOutward) {
       reading(readThreeMf, archive(model(object(1, kMesh), item(1, "-3 0 0 0 1 0 0 0 1 0 0 0"))));
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.mesh.points[1], (Vec3d{-3, 0, 0}));
-  EXPECT_NEAR(signedVolume(read.mesh), 0.5, 1e-12);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 0.5, 1e-12);
   // Mirrored twice is not mirrored.
   const Reading twice =
       reading(readThreeMf,
               archive(model(object(1, kMesh) +
                                 object(2, components(component(1, "1 0 0 0 -1 0 0 0 1 0 0 0"))),
                             item(2, "-1 0 0 0 1 0 0 0 1 0 0 0"))));
-  EXPECT_NEAR(signedVolume(twice.mesh), 1.0 / 6, 1e-12);
+  EXPECT_NEAR(meshes::signedVolume(twice.mesh), 1.0 / 6, 1e-12);
   EXPECT_EQ(twice.mesh.triangles, cornerTetrahedron().triangles);
 }
 

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's studies of meshing triangles as they are found, repeated: writes docs/meshing.md.
+"""Repeats the paper's studies of meshing triangles and writes docs/meshing.md.
 
     scripts/mesher_studies.py --build build/release --out docs/meshing.md CORPUS/tri
 
 Needs the build folder (bin/tetvdb, bin/tet_checker) and a folder of triangle files; the column of
 TetGen stays empty where it is not installed. Files are taken one after another, small ones first;
-times depend on what else the machine does. With --results, what was measured is kept and a run that
-was broken off goes on where it was.
+other work on the machine affects the times. With --results, measurements are kept, and an interrupted
+run continues.
 """
 import argparse
 import itertools
@@ -26,7 +26,7 @@ STUDIES = ("success", "epsilon", "quality")
 CHECKED_FACES = 50000  # above, brute force takes too long
 CHECK_SAMPLES = ("20000", "500", "5000")  # on the surface, of winding numbers, for overlaps
 CHECK_TIME = 60
-VOXELS = 128  # along the longest side, as sets for learning have at most
+VOXELS = 128  # along the longest side, the usual limit of training data
 EPSILONS = (1e-4, 3e-4, 1e-3, 3e-3, 5e-3, 1e-2, 2e-2)
 AUGMENTING = tuple(e for e in EPSILONS if e >= 3e-3)
 GOOD_ENERGY = 10
@@ -240,7 +240,7 @@ def mean(values):
     return sum(values) / len(values) if values else float("nan")
 
 
-def middle(values):
+def median_of(values):
     values = [v for v in values if v is not None]
     return statistics.median(values) if values else float("nan")
 
@@ -264,7 +264,7 @@ def wall(seconds):
     return f"{seconds:.0f}" if seconds >= 100 else f"{seconds:.1f}" if seconds >= 10 else f"{seconds:.2f}"
 
 
-MEANINGS = {0: "done, every promise met", 1: "done, a promise not met (a face not inserted, a point lost), with a warning",
+MEANINGS = {0: "done, all guarantees met", 1: "done, a guarantee not met (a face not inserted, a point lost), with a warning",
             3: "nothing to mesh (no inside, or unreadable), with an error", 4: "memory limit", 5: "time limit", TOO_LATE: "time limit overlooked, ended from outside"}
 
 
@@ -281,8 +281,8 @@ def success_text(rows, arguments, tetgen):
                    [(s, MEANINGS.get(s, "ended by a signal" if s < 0 else "refused"), n, percent(n, len(rows)))
                     for s, n in by_status.items()], 2), "",
              f"- **Answered within 60 s** (statuses 0, 1 and 3): {within} of {len(rows)} ({percent(within, len(rows))}).",
-             f"- **Without a face left out**: {whole} of {len(meshed)} meshes ({percent(whole, len(meshed))}); "
-             f"without a lost point: {sum(r['lost'] == 0 for r in meshed)}.",
+             f"- **All faces inserted**: {whole} of {len(meshed)} meshes ({percent(whole, len(meshed))}); "
+             f"without lost points: {sum(r['lost'] == 0 for r in meshed)}.",
              f"- **tet_checker** judged {len(checked)} meshes of fewer than {CHECKED_FACES} faces: "
              + ", ".join(f"{n} {word}" for word, n in sorted(faults.items(), key=lambda f: (-f[1], f[0]))) + "."]
     codes = [w["code"] for r in meshed if r["status"] == 1 for w in r["warnings"]]
@@ -337,11 +337,11 @@ def epsilon_text(rows):
         values = [r["iou"] for r in runs if r.get("iou") is not None]
         return [f"{epsilon:g}", f"{mean(r.get('epsilon_in_voxels') for r in runs):.2f}", f"{mean(values):.4f}",
                 f"{min(values, default=float('nan')):.4f}", f"{mean(r.get('seconds') for r in runs):.2f}",
-                f"{middle(r.get('tets') for r in runs):.0f}", sum(r.get("status") == 0 for r in runs)]
+                f"{median_of(r.get('tets') for r in runs):.0f}", sum(r.get("status") == 0 for r in runs)]
 
-    def up_to(least):
+    def up_to(limit):
         """The largest epsilon up to which every model's IoU is at least this."""
-        kept = list(itertools.takewhile(lambda e: all(at(row, e).get("iou") is None or at(row, e)["iou"] >= least
+        kept = list(itertools.takewhile(lambda e: all(at(row, e).get("iou") is None or at(row, e)["iou"] >= limit
                                                      for row in rows), EPSILONS))
         return f"{kept[-1]:g}" if kept else "no epsilon"
 
@@ -365,18 +365,18 @@ def augmentation_text(rows):
                     and value is not None)
 
     lines = [[f"{e:g}", f"{mean(1 - v for v in (at(row, e).get('iou') for row in rows) if v is not None):.4f}",
-              f"{others(e):.4f}", f"{middle(at(row, e).get('tets') for row in rows):.0f}",
+              f"{others(e):.4f}", f"{median_of(at(row, e).get('tets') for row in rows):.0f}",
               f"{mean(at(row, e).get('seconds') for row in rows):.2f}"] for e in AUGMENTING]
     return table(("epsilon / diagonal", "1 - IoU with the exact shape", "mean 1 - IoU with the other epsilons",
                   "median tets", "mean s"), lines)
 
 
 def augmentation_words(rows):
-    least, most = AUGMENTING[0], AUGMENTING[-1]
-    tets = {e: f"{middle(at(row, e).get('tets') for row in rows):.0f}" for e in (least, most)}
+    low, high = AUGMENTING[0], AUGMENTING[-1]
+    tets = {e: f"{median_of(at(row, e).get('tets') for row in rows):.0f}" for e in (low, high)}
     return f"""Differences stay within epsilon of the surface, except in holes. The mesher is deterministic: every shape can be
 reproduced from its epsilon, without a seed. The median number of tets
-goes from {tets[least]} at {least:g} to {tets[most]} at {most:g}; with few tets planar parts tilt and thin ones
+goes from {tets[low]} at {low:g} to {tets[high]} at {high:g}; with few tets planar regions tilt and thin ones
 vanish, so that the largest epsilon depends on what counts as the same shape."""
 
 
@@ -409,27 +409,27 @@ def page(version, arguments, tetgen, files, success, epsilon, quality):
     part = "" if len(success) == files else f"(the smallest of {files}) "
     parts = [f"""# The paper's studies
 
-How triangles become tets within epsilon: the experiments of "Robust Voxelization and Visualization by Improved
-Tetrahedral Mesh Generation" (Chen, Tai, Chen, Ouhyoung), repeated with `tetvdb tetrahedralize`.
+The experiments of "Robust Voxelization and Visualization by Improved Tetrahedral Mesh Generation" (Chen, Tai, Chen,
+Ouhyoung) on meshing triangles within epsilon, repeated with `tetvdb tetrahedralize`.
 `scripts/mesher_studies.py` makes this page; TetVDB {version}.
-[robustness.md](robustness.md) has the same for the winding number."""]
+[robustness.md](robustness.md) has the study of the winding number."""]
     if arguments.note:
         parts.append(arguments.note)
     if success:
         parts += [f"""## Success
 
-{len(success)} triangle files {part}as they are found, default options (epsilon 1e-3 of the diagonal), a limit of {limit}
+{len(success)} triangle files {part}of public data sets, not repaired, with default options (epsilon 1e-3 of the diagonal), a limit of {limit}
 a file{short}. "Status" is the program's exit status.""", success_text(success, arguments, tetgen)]
     if epsilon:
         parts += [f"""## Error bounds
 
-{len(epsilon)} closed models without defects. Truth: the volume by winding number, exact, {VOXELS} voxels along the longest side;
-against it `voxelize --mesher envelope --epsilon` on the same lattice. The paper saw nearly identical volumes below 1e-3
-and little difference below 1e-2. Seconds are of the whole process, meshing included.""", epsilon_text(epsilon),
+{len(epsilon)} closed models without defects. Reference: the exact volume by winding number, {VOXELS} voxels along the longest side;
+compared with `voxelize --mesher envelope --epsilon` on the same lattice. The paper reports nearly identical volumes below 1e-3
+and small differences below 1e-2. Seconds are of the whole process, meshing included.""", epsilon_text(epsilon),
                   """## Augmentation
 
-The paper offers the differences of larger epsilons as augmentation of data for learning: the same mesh through several
-epsilons is several shapes. Their differences, as 1 - IoU:""", augmentation_text(epsilon),
+The paper suggests larger epsilons for augmenting training data: several epsilons make several shapes of one mesh.
+Their differences, as 1 - IoU:""", augmentation_text(epsilon),
                   augmentation_words(epsilon)]
     if quality:
         parts += [f"""## Quality

@@ -66,20 +66,20 @@ class Truth:
 
     def settle(self, values, soup, lattice, judge, folder):
         """At centres on faces, where `values` differ: exact sides instead of moved centres; centres on
-        the edge of an open mesh, where the winding number jumps from any to any, are left out."""
+        boundary edges, where the winding number is not continuous, are left out."""
         differ = (values.reshape(-1)[self.at] != self.inside).nonzero()[0]
         centres = numpy.stack(numpy.unravel_index(self.at[differ], values.shape), axis=1).astype(float)
         if len(differ) == 0:
             return
         touching = judge.judge("distance", soup, centres, folder) < judge.TOUCHING
-        rim = soup.rim()
-        on_rim = numpy.zeros(len(differ), dtype=bool)
-        if len(rim.triangles):
-            on_rim = judge.judge("distance", rim, centres, folder) < judge.TOUCHING
-        for i in (touching & ~on_rim).nonzero()[0]:
+        boundary = soup.boundary()
+        on_boundary = numpy.zeros(len(differ), dtype=bool)
+        if len(boundary.triangles):
+            on_boundary = judge.judge("distance", boundary, centres, folder) < judge.TOUCHING
+        for i in (touching & ~on_boundary).nonzero()[0]:
             self.inside[differ[i]] ^= judge.jump(lattice, centres[i], centres[i] + MOVE, folder) != 0
         kept = numpy.ones(len(self.at), dtype=bool)
-        kept[differ[on_rim]] = False
+        kept[differ[on_boundary]] = False
         self.at, self.inside = self.at[kept], self.inside[kept]
 
     def overlap(self, values):

@@ -102,7 +102,7 @@ def ask_surface(path, grid, threshold):
 def material(kind, grid, gain, times=None):
     """`emission`: a pixel is the integral of the grid along the ray, times gain, and times another
     grid. `absorption`: what comes through of a background of 1. `color`: emission in the colour of
-    a vector grid, which does not fade at the rim, times gain or the other grid."""
+    a vector grid, which does not fade at the boundary, times gain or the other grid."""
     made = bpy.data.materials.new(kind)
     made.use_nodes = True
     tree = made.node_tree

@@ -87,7 +87,7 @@ class Tets:
         return sums
 
     def faults(self):
-        """Tets that are not positive, and faces that are not between two tets or on the rim."""
+        """Tets that are not positive, and faces that are neither between two tets nor on the boundary."""
         wrong, sides = 0, {}
         for a, b, c, d in self.tets:
             origin = self.points[a]

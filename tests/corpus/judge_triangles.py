@@ -96,8 +96,8 @@ class Soup:
     def corners(self):
         return self.points[self.triangles]
 
-    def rim(self):
-        """Edges whose two directions do not balance, as triangles without a width."""
+    def boundary(self):
+        """The boundary edges, as triangles of zero width."""
         balance = {}
         for a, b, c in self.triangles.tolist():
             for v, w in ((a, b), (b, c), (c, a)):
@@ -290,11 +290,11 @@ def compare(values, accessor, space, cleaned, margin, facts, folder, seed):
         again = judge("winding", lattice, moved, folder)
         wrong = ((again > 0.5) != active[differ]) & (numpy.abs(again - 0.5) > margin)
         facts["on faces"] = len(doubtful)
-        rim = soup.rim()
-        if wrong.any() and len(rim.triangles):  # where the winding number jumps from any to any
-            on_rim = judge("distance", rim, doubtful, folder) < TOUCHING
-            facts["on the rim"] = int(on_rim.sum())
-            wrong &= ~on_rim
+        boundary = soup.boundary()
+        if wrong.any() and len(boundary.triangles):  # the winding number is not continuous there
+            on_boundary = judge("distance", boundary, doubtful, folder) < TOUCHING
+            facts["on boundary edges"] = int(on_boundary.sum())
+            wrong &= ~on_boundary
         for i in wrong.nonzero()[0]:  # a plane may pass between the centre and where it was moved
             again[i] += jump(lattice, doubtful[i], moved[i], folder)
             wrong[i] = (again[i] > 0.5) != active[differ][i] and abs(again[i] - 0.5) > margin
@@ -305,7 +305,7 @@ def compare(values, accessor, space, cleaned, margin, facts, folder, seed):
 
 
 def compare_raw(raw, cleaned, space, points, w, report, facts, folder):
-    """What cleaning changed."""
+    """The changes that cleaning made."""
     step = max(1, len(points) // 2000)
     soup = space.of(raw)
     own = judge("winding", soup, points[::step], folder)

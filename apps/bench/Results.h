@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What was measured: rows by case, printed as they come, kept as JSON.
+// The measurements: rows by case, printed at once and kept as JSON.
 #pragma once
 
 #include "Measure.h"
@@ -29,7 +29,7 @@ struct Row {
   double at = 0;
 };
 
-/// Prints the rows of a case as they come and keeps them.
+/// Prints each row of a case and keeps it.
 class Tables {
 public:
   /// `bandwidth`, bytes a second: what floors are computed from.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Level sets whose distances the device or its twin finds beside those of the CPU, which shares the
-// arithmetic of a face and a leaf but not how leaves and their faces are found; and distances
-// leaf by leaf for judges that share nothing.
+// Level sets with the distances of the device or its twin, and those of the CPU, which shares the
+// arithmetic of a face and a leaf but not how leaves and their faces are found; and distances leaf
+// by leaf for judges that share nothing.
 #pragma once
 
 #include "Meshes.h"

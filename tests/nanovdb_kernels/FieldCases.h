@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Meshes with arrays of every kind, and the grids that the device or its twin makes of them beside
-// those of the CPU's sampleFields(), which shares the arithmetic of a voxel but not how voxels,
-// owners and arrays are found.
+// Meshes with arrays of every kind, the grids that the device or its twin makes of them, and those
+// of the CPU's sampleFields(), which shares the arithmetic of a voxel but not how voxels, owners
+// and arrays are found.
 #pragma once
 
 #include "Grids.h"

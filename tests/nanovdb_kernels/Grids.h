@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the tests of the kernels compare: grids of the device or its twin with those of the CPU.
+// Compares grids of the device, or of its twin on the host, with those of the CPU.
 #pragma once
 
 #include "nanovdb_kernels/DeviceVoxelizer.h"

@@ -69,7 +69,7 @@ TEST(ChooseMesher, EpsilonInAllItsUnits) {
   EXPECT_DOUBLE_EQ(chooseMesher(wanted, 10, kCoarse).epsilon, 0.25);
   wanted.mesher = Mesher::Auto;
   EXPECT_EQ(methodOf(wanted, kFine), Mesher::Envelope);
-  EXPECT_FALSE(needsTets(wanted)); // the winding number may take over
+  EXPECT_FALSE(needsTets(wanted)); // the winding number may be used
 }
 
 TEST(ChooseMesher, WhatTheJobSays) {

@@ -78,7 +78,7 @@ private:
     return std::lexicographical_compare(digits_.rbegin(), digits_.rend(), other.digits_.rbegin(),
                                         other.digits_.rend());
   }
-  // Of the magnitudes, with a's sign.
+  // The sum of the absolute values, with a's sign.
   static Whole sum(const Whole& a, const Whole& b) {
     Whole made;
     made.negative_ = a.negative_;
@@ -92,7 +92,7 @@ private:
     made.trim();
     return made;
   }
-  // Of the magnitudes, of which the first is no smaller.
+  // The difference of the absolute values; the first is not smaller.
   static Whole difference(const Whole& large, const Whole& small, bool negative) {
     Whole made;
     made.negative_ = negative;

@@ -126,7 +126,7 @@ inline TetComplex cubeMesh(int cells, double step, double shake,
         } while (std::next_permutation(axes.begin(), axes.end()));
       }
   connect(complex, windings);
-  // Shaken too much, tets overlap.
+  // Tets overlap if points are moved too far.
   const auto size = static_cast<std::int64_t>(cells * step);
   EXPECT_TRUE(volumeOf(complex) == static_cast<Int128>(6) * size * size * size);
   return complex;

@@ -42,7 +42,8 @@ Surface surfaceOf(double voxel, double halfWidth, const Input&... input) {
   return surface;
 }
 
-// All voxels of the band, and two around it: magnitudes are `distance`, up to `tolerance` voxels.
+// All voxels of the narrow band, and two around it: absolute values are `distance`, up to
+// `tolerance` voxels.
 void expectMagnitudes(const Surface& surface, double voxel, double tolerance,
                       const std::function<double(const Vec3d&, double)>& distance) {
   const auto values = surface.grid->getConstAccessor();

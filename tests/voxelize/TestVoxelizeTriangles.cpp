@@ -147,7 +147,7 @@ TEST(VoxelizeTriangles, BoxWithoutALid) {
       });
       ASSERT_EQ(open.triangleCount(), 90u);
       expectByWinding(generic(open), {}, 32, above, 12);
-      // Turned as it comes, walls in line with the columns.
+      // In its original orientation, with walls along the columns.
       expectByWinding(meshes::moved(open,
                                     [](const Vec3d& p) {
                                       return Vec3d{p[0] + 0.0101, p[1] + 0.0102, p[2] + 0.0103};

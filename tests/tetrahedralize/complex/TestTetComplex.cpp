@@ -12,7 +12,7 @@
 namespace tetvdb {
 namespace {
 
-TetComplex shakenBall(std::uint64_t seed) {
+TetComplex perturbedBall(std::uint64_t seed) {
   return cubeMesh(6, 1000, 0.2, ballAt({3000, 3000, 3000}, 2100), seed);
 }
 
@@ -87,7 +87,7 @@ bool flipFace(TetComplex& complex, std::uint32_t t, unsigned localFace) {
 
 TEST(TetComplex, FacesFlipAndTheRestStays) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    TetComplex complex = shakenBall(seed);
+    TetComplex complex = perturbedBall(seed);
     std::mt19937_64 random(seed);
     const Int128 volume = volumeOf(complex);
     const auto before = trackedFaces(complex);
@@ -108,7 +108,7 @@ TEST(TetComplex, FacesFlipAndTheRestStays) {
 }
 
 TEST(TetComplex, StarAndRingAreWhatHasThePointAndTheEdge) {
-  TetComplex complex = shakenBall(3);
+  TetComplex complex = perturbedBall(3);
   std::vector<std::uint32_t> star, around, ringPoints;
   for (std::uint32_t p = 0; p < complex.points.size(); p += 5) {
     complex.star(p, star);
@@ -143,7 +143,7 @@ TEST(TetComplex, StarAndRingAreWhatHasThePointAndTheEdge) {
 // up so that windings stay what they were.
 TEST(TetComplex, CollapseKeepsWindings) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    TetComplex complex = shakenBall(seed);
+    TetComplex complex = perturbedBall(seed);
     std::mt19937_64 random(seed);
     const Int128 volume = volumeOf(complex);
     std::size_t collapses = 0;
@@ -175,7 +175,7 @@ TEST(TetComplex, CollapseKeepsWindings) {
 }
 
 TEST(TetComplex, VerifySeesWhatIsWrong) {
-  const TetComplex good = shakenBall(1);
+  const TetComplex good = perturbedBall(1);
   ASSERT_NO_THROW(good.verify());
   TetComplex bad = good;
   std::swap(bad.tets[7].corners[0], bad.tets[7].corners[1]);

@@ -16,7 +16,8 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kTetsPerCheck = 65536;
-// Tets that are tested together: at first, the divisor after a test that fails, and at last.
+// Tets that are tested together: the first number, its divisor after a test that fails, and the
+// last number.
 constexpr std::ptrdiff_t kMaxTogether = 256, kFewer = 4, kMinTogether = 16;
 
 /// Calls step(from, localFace, to) for the neighbours of tets that are reached from those in

@@ -106,9 +106,9 @@ private:
 /// Throws as that does.
 void writeGrids(VdbOutput& output, const openvdb::GridPtrVec& grids, const ProgressShare& share);
 
-/// Makes pieces in parallel, a window at a time, and takes them in order: `next(piece)` gives the
-/// next one to make, false at the end; `make(piece)` returns its result, `take(result)` uses it.
-/// `window`: pieces at a time; 0: four a thread.
+/// Makes blocks in parallel, a window at a time, and takes them in order: `next(piece)` sets the
+/// next block to make, or returns false at the end; `make(piece)` returns its result;
+/// `take(result)` uses it. `window`: blocks at a time; 0: four a thread.
 template <class Piece, class Result, class Next, class Make, class Take>
 void makeInOrder(const Next& next, const Make& make, const Take& take, std::size_t window = 0) {
   if (window == 0)

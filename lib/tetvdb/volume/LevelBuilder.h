@@ -112,13 +112,21 @@ public:
       const EntryKind kind = entries(n, entry);
       if (kind == EntryKind::Nothing)
         continue;
-      if (kind == EntryKind::Uniform)
-        entry.cubes.fill(entry.voxel.times(8));
       const std::array<int, 3> at{n >> 8, n >> 4 & 15, n & 15};
+      std::array<Sum, 8> level2;
+      std::array<Sum, 1> level3;
+      if (kind == EntryKind::Uniform) { // most are
+        if (contains(1))
+          entry.cubes.fill(entry.voxel.times(8));
+        if (contains(2))
+          level2.fill(entry.voxel.times(64));
+        level3[0] = entry.voxel.times(512);
+      } else {
+        level2 = sumsOfEight<2>(entry.cubes.data());
+        level3 = sumsOfEight<1>(level2.data());
+      }
       place<4>(origin, 1, at, entry.cubes, leaves[1]);
-      const auto level2 = sumsOfEight<2>(entry.cubes.data());
       place<2>(origin, 2, at, level2, leaves[2]);
-      const auto level3 = sumsOfEight<1>(level2.data());
       place<1>(origin, 3, at, level3, leaves[3]);
       sums[static_cast<std::size_t>(n)] = level3[0];
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/CapFaces.h"
 
+#include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/SolidSamples.h"
 
@@ -9,17 +10,13 @@
 #include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace tetvdb {
 namespace {
-
-// Two neighbouring centres, the second in the positive direction of `axis`.
-struct CentrePair {
-  Vec3i first;
-  int axis;
-};
 
 Vec3i stepped(Vec3i voxel, int axis, std::int32_t step) {
   voxel[static_cast<std::size_t>(axis)] += step;
@@ -47,6 +44,11 @@ void findPairs(const SolidSamples& solid, const openvdb::FloatGrid& levelSet, do
           if (absolute(first) + absolute(stepped(first, axis, 1)) > voxel * (1 + 1e-4))
             pairs.push_back({first, axis});
         }
+}
+
+// The block that a voxel is in.
+Vec3i blockOf(const Vec3i& voxel) {
+  return {voxel[0] & -kBlock, voxel[1] & -kBlock, voxel[2] & -kBlock};
 }
 
 LatticePoint centreOf(const Vec3i& voxel) {
@@ -83,25 +85,50 @@ Vec3i cellAround(const CentrePair& pair, int k) {
 
 } // namespace
 
-std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolGrid::Ptr& inside,
-                        const GridTransform& transform, const BoundaryWinding& boundary,
-                        SnappedMesh& mesh, Boundary& faces, Progress& progress) {
+std::vector<CentrePair> findPairsWithoutFace(const openvdb::FloatGrid& levelSet,
+                                             const openvdb::BoolGrid::Ptr& inside,
+                                             const GridTransform& transform, const NodeBox* box,
+                                             Progress& progress) {
   auto grids = std::make_shared<GridSet>();
   grids->all = {inside};
   const Volume volume(grids);
   const std::unique_ptr<SolidSamples> solid = solidSamples(volume, "");
-  const std::vector<Vec3i> blocks = solid->blocks(progress);
+  std::vector<Vec3i> blocks = solid->blocks(progress);
+  const auto isElsewhere = [&](const Vec3i& block) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (nodeOf(block[k]) < box->low[k] || nodeOf(block[k]) >= box->high[k])
+        return true;
+    return false;
+  };
+  if (box != nullptr)
+    blocks.erase(std::remove_if(blocks.begin(), blocks.end(), isElsewhere), blocks.end());
   std::vector<std::vector<CentrePair>> found(blocks.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 64), [&](const auto& range) {
     progress.check();
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       findPairs(*solid, levelSet, transform.voxelSize[0], blocks[i], found[i]);
   });
-  std::vector<CentrePair> pairs;
-  for (const std::vector<CentrePair>& part : found)
-    pairs.insert(pairs.end(), part.begin(), part.end());
+  return joinedVectors<CentrePair>(found);
+}
+
+std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolGrid::Ptr& inside,
+                        const GridTransform& transform, const BoundaryWinding& boundary,
+                        SnappedMesh& mesh, Boundary& faces, Progress& progress) {
+  std::vector<CentrePair> pairs =
+      findPairsWithoutFace(levelSet, inside, transform, nullptr, progress);
+  const std::size_t count = pairs.size();
+  addCapFaces(std::move(pairs), boundary, mesh, faces, progress);
+  return count;
+}
+
+void addCapFaces(std::vector<CentrePair> pairs, const BoundaryWinding& boundary, SnappedMesh& mesh,
+                 Boundary& faces, Progress& progress) {
   if (pairs.empty())
-    return 0;
+    return;
+  tbb::parallel_sort(pairs.begin(), pairs.end(), [](const CentrePair& a, const CentrePair& b) {
+    return std::tuple(blockOf(a.first), a.first, a.axis) <
+           std::tuple(blockOf(b.first), b.first, b.axis);
+  });
 
   std::vector<CellCrossing> crossings(4 * pairs.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pairs.size(), 256), [&](const auto& range) {
@@ -140,7 +167,6 @@ std::size_t addCapFaces(const openvdb::FloatGrid& levelSet, const openvdb::BoolG
     faces.faces.push_back({c[0], c[1], c[2], 1});
     faces.faces.push_back({c[0], c[2], c[3], 1});
   }
-  return pairs.size();
 }
 
 } // namespace tetvdb

@@ -19,6 +19,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -198,13 +199,38 @@ private:
   double off_ = 0;
 };
 
+// What a stack of slabs needs to be continued.
+struct StackState {
+  std::size_t next = 0;   // of its pairs
+  std::int32_t z = 0;     // the first node that is not done, once there is one
+  std::int64_t below = 0; // the carry of all columns where the following are empty
+  std::vector<std::int64_t> carry;
+  Rounding rounding;
+};
+
 // The slabs at one position in x and y, in order of z.
 class SlabStack {
 public:
   SlabStack(const CubePoints& points, const Boundary& boundary, std::vector<SlabPart>& parts)
       : points_(points), boundary_(boundary), parts_(parts), carry_(kSlabRows, 0) {}
 
-  CoverageSum run(const FaceInSlab* begin, const FaceInSlab* end, SlabVolumes& volumes) {
+  void resume(const StackState& state) {
+    rounding_ = state.rounding;
+    if (state.carry.empty())
+      std::fill(carry_.begin(), carry_.end(), state.below);
+    else
+      carry_ = state.carry;
+  }
+  void suspend(StackState& state) const {
+    state.rounding = rounding_;
+    state.below = carry_[0];
+    state.carry.clear();
+    if (!uniform(carry_.data(), carry_[0], carry_.size()))
+      state.carry = carry_;
+  }
+
+  /// The slabs with faces from `begin` to `end`, and those between them.
+  void run(const FaceInSlab* begin, const FaceInSlab* end, SlabVolumes& volumes) {
     for (const FaceInSlab* first = begin; first != end;) {
       const FaceInSlab* last = first;
       while (last != end && last->z == first->z)
@@ -217,6 +243,25 @@ public:
       build(*first, first->z, &volumes);
       first = last;
     }
+  }
+  /// Slabs from zBegin to zEnd that no face meets; `at`: one of the stack.
+  void fill(const FaceInSlab& at, std::int32_t zBegin, std::int32_t zEnd) {
+    if (zBegin >= zEnd)
+      return;
+    const bool same = uniform(carry_.data(), carry_[0], carry_.size());
+    if (same && carry_[0] == 0)
+      return;
+    for (std::int32_t z = zBegin; z < zEnd; ++z) {
+      if (same && carry_[0] == kWhole) {
+        parts_.push_back({{at.x >> 4, at.y, z}, at.x & 15, true, {}});
+        filled_ += Int128(kWhole) * kSlabRows * kNodeSize;
+      } else {
+        build(at, z, nullptr);
+      }
+    }
+  }
+
+  CoverageSum sum() const {
     return {static_cast<double>(filled_) / static_cast<double>(kWhole),
             static_cast<double>(overlap_) / static_cast<double>(kWhole), overlapVoxels_};
   }
@@ -248,24 +293,6 @@ private:
     volumes.add(polygon, sign);
   }
 
-  // Slabs from zBegin to zEnd that no face meets.
-  void fill(const FaceInSlab& at, std::int32_t zBegin, std::int32_t zEnd) {
-    if (zBegin == zEnd)
-      return;
-    const bool uniform =
-        std::all_of(carry_.begin(), carry_.end(), [&](std::int64_t c) { return c == carry_[0]; });
-    if (uniform && carry_[0] == 0)
-      return;
-    for (std::int32_t z = zBegin; z < zEnd; ++z) {
-      if (uniform && carry_[0] == kWhole) {
-        parts_.push_back({{at.x >> 4, at.y, z}, at.x & 15, true, {}});
-        filled_ += Int128(kWhole) * kSlabRows * kNodeSize;
-      } else {
-        build(at, z, nullptr);
-      }
-    }
-  }
-
   void build(const FaceInSlab& at, std::int32_t z, const SlabVolumes* volumes) {
     SlabPart part{{at.x >> 4, at.y, z}, at.x & 15, false, {}};
     std::int64_t volume[kVoxelsInLeaf];
@@ -295,9 +322,9 @@ private:
       parts_.push_back(std::move(part));
   }
 
-  static bool uniform(const std::int64_t* carry, std::int64_t value) {
-    return std::all_of(carry, carry + kColumnsInLeaf,
-                       [value](std::int64_t c) { return c == value; });
+  static bool uniform(const std::int64_t* carry, std::int64_t value,
+                      std::size_t count = kColumnsInLeaf) {
+    return std::all_of(carry, carry + count, [value](std::int64_t c) { return c == value; });
   }
 
   // Volumes of a column of a leaf. `carry` is the sum below it, and is set to that below the next
@@ -389,19 +416,155 @@ void assemble(std::vector<SlabPart>& parts, TreeAssembly<openvdb::FloatTree>& as
   });
 }
 
+void requireClosed(const SlabStack& stack) {
+  if (!stack.closes())
+    throw std::logic_error("the boundary does not close: volume was carried out of it");
+}
+
+void add(const CoverageSum& more, CoverageSum& sum) {
+  sum.filled += more.filled;
+  sum.overlap += more.overlap;
+  sum.overlapVoxels += more.overlapVoxels;
+}
+
+// Of stacks, in their order.
+openvdb::FloatGrid::Ptr gridOf(std::vector<std::vector<SlabPart>>& found,
+                               const GridTransform& transform) {
+  std::vector<SlabPart> parts;
+  for (std::vector<SlabPart>& own : found)
+    parts.insert(parts.end(), std::make_move_iterator(own.begin()),
+                 std::make_move_iterator(own.end()));
+  TreeAssembly<openvdb::FloatTree> assembly(0.0f);
+  assemble(parts, assembly);
+  return assembly.finish("coverage", openvdb::GRID_FOG_VOLUME, transform);
+}
+
+// Where the pairs of each stack begin, and the end.
+std::vector<std::size_t> startsOf(const std::vector<FaceInSlab>& pairs) {
+  std::vector<std::size_t> starts;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (i == 0 || !pairs[i].sameStack(pairs[i - 1]))
+      starts.push_back(i);
+  starts.push_back(pairs.size());
+  return starts;
+}
+
 } // namespace
+
+struct CoverageParts::Parts {
+  Parts(const std::vector<Vec3d>& points, const Boundary& boundary, const GridTransform& where,
+        Progress& progress)
+      : faces(boundary), transform(where), cubes(cubePoints(points, where)),
+        pairs(binFaces(cubes, boundary, progress)), starts(startsOf(pairs)) {}
+
+  const FaceInSlab& first(std::size_t stack) const { return pairs[starts[stack]]; }
+  /// Adds slabs zBegin <= z < zEnd of a stack to `out`; those below are made again where they are
+  /// not what was done last.
+  CoverageSum run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd, StackState& state,
+                  std::vector<SlabPart>& out);
+
+  const Boundary& faces;
+  GridTransform transform;
+  CubePoints cubes;
+  std::vector<FaceInSlab> pairs;
+  std::vector<std::size_t> starts;
+  CoverageSum sum;
+  NodeIndex column{0, 0, 0}; ///< of cubes, that `states` are of
+  std::unordered_map<std::size_t, StackState> states;
+  tbb::enumerable_thread_specific<SlabVolumes> volumes;
+};
+
+CoverageSum CoverageParts::Parts::run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd,
+                                      StackState& state, std::vector<SlabPart>& out) {
+  const FaceInSlab* const own = pairs.data() + starts[stack];
+  const std::size_t count = starts[stack + 1] - starts[stack];
+  if (state.next > 0 && state.z > zBegin)
+    state = {};
+  CoverageSum made;
+  std::vector<SlabPart> below;
+  // The part of the stack up to z, as far as it is not done.
+  const auto upTo = [&](std::int32_t z, std::vector<SlabPart>& parts) {
+    SlabStack slabs(cubes, faces, parts);
+    slabs.resume(state);
+    std::size_t end = state.next;
+    while (end < count && own[end].z < z)
+      ++end;
+    if (end > state.next) {
+      if (state.next > 0)
+        slabs.fill(own[0], state.z, own[state.next].z);
+      slabs.run(own + state.next, own + end, volumes.local());
+      state.z = own[end - 1].z + 1;
+      state.next = end;
+    }
+    if (end == count) {
+      requireClosed(slabs);
+    } else if (end > 0) {
+      slabs.fill(own[0], state.z, z);
+      state.z = std::max(state.z, z);
+    }
+    slabs.suspend(state);
+    return slabs.sum();
+  };
+  if (own[0].z < zBegin && (state.next == 0 || state.z < zBegin))
+    upTo(zBegin, below);
+  below.clear();
+  return upTo(zEnd, out);
+}
+
+CoverageParts::CoverageParts(const std::vector<Vec3d>& points, const Boundary& faces,
+                             const GridTransform& transform, Progress& progress)
+    : parts_(std::make_unique<Parts>(points, faces, transform, progress)) {}
+CoverageParts::~CoverageParts() = default;
+
+void CoverageParts::begin() {
+  parts_->states.clear();
+  parts_->sum = {};
+}
+
+const CoverageSum& CoverageParts::sum() const {
+  return parts_->sum;
+}
+
+openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progress) {
+  constexpr int kCubeBits = 5; // a cube has 2^5 nodes along an axis
+  Parts& all = *parts_;
+  const NodeIndex column{box.low[0] >> kCubeBits, box.low[1] >> kCubeBits, 0};
+  if (column != all.column)
+    all.states.clear();
+  all.column = column;
+  std::vector<std::size_t> stacks;
+  for (std::int32_t x = box.low[0] * kLeavesAlong; x < box.high[0] * kLeavesAlong; ++x) {
+    const auto begin =
+        std::lower_bound(all.starts.begin(), all.starts.end() - 1, std::pair(x, box.low[1]),
+                         [&](std::size_t start, const auto& wanted) {
+                           return std::pair(all.pairs[start].x, all.pairs[start].y) < wanted;
+                         });
+    for (auto at = begin;
+         at != all.starts.end() - 1 && all.pairs[*at].x == x && all.pairs[*at].y < box.high[1];
+         ++at)
+      if (all.pairs[*at].z < box.high[2] && all.pairs[at[1] - 1].z >= box.low[2])
+        stacks.push_back(static_cast<std::size_t>(at - all.starts.begin()));
+  }
+  std::vector<StackState*> states;
+  for (const std::size_t stack : stacks)
+    states.push_back(&all.states[stack]);
+  std::vector<std::vector<SlabPart>> found(stacks.size());
+  std::vector<CoverageSum> sums(stacks.size());
+  tbb::parallel_for(std::size_t(0), stacks.size(), [&](std::size_t i) {
+    progress.check();
+    sums[i] = all.run(stacks[i], box.low[2], box.high[2], *states[i], found[i]);
+  });
+  for (const CoverageSum& sum : sums)
+    add(sum, all.sum);
+  return gridOf(found, all.transform);
+}
 
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
                                  Progress& progress) {
   const CubePoints cubes = cubePoints(points, transform);
   const std::vector<FaceInSlab> pairs = binFaces(cubes, faces, progress);
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || !pairs[i].sameStack(pairs[i - 1]))
-      starts.push_back(i);
-  starts.push_back(pairs.size());
-
+  const std::vector<std::size_t> starts = startsOf(pairs);
   std::vector<std::vector<SlabPart>> found(starts.size() - 1);
   std::vector<CoverageSum> sums(starts.size() - 1);
   tbb::enumerable_thread_specific<SlabVolumes> volumes;
@@ -411,27 +574,18 @@ openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundar
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           SlabStack stack(cubes, faces, found[i]);
-          sums[i] =
-              stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
-          if (!stack.closes())
-            throw std::logic_error("the boundary does not close: volume was carried out of it");
+          stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
+          requireClosed(stack);
+          sums[i] = stack.sum();
           progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
         }
       },
       tbb::simple_partitioner());
 
   sum = {};
-  std::vector<SlabPart> parts;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    parts.insert(parts.end(), std::make_move_iterator(found[i].begin()),
-                 std::make_move_iterator(found[i].end()));
-    sum.filled += sums[i].filled;
-    sum.overlap += sums[i].overlap;
-    sum.overlapVoxels += sums[i].overlapVoxels;
-  }
-  TreeAssembly<openvdb::FloatTree> assembly(0.0f);
-  assemble(parts, assembly);
-  return assembly.finish("coverage", openvdb::GRID_FOG_VOLUME, transform);
+  for (const CoverageSum& own : sums)
+    add(own, sum);
+  return gridOf(found, transform);
 }
 
 } // namespace tetvdb

@@ -5,9 +5,11 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/CoverageSum.h"
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 
+#include <memory>
 #include <vector>
 
 namespace tetvdb {
@@ -29,5 +31,30 @@ constexpr double kCoverageError = 0x1p-32;
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
                                  Progress& progress);
+
+/// The same grid, box by box. What is carried upward is kept for one column of 4096^3 cubes: 16 to
+/// 8208 bytes a stack of slabs.
+class CoverageParts {
+public:
+  /// The arguments must outlive it, but for `progress`. Parallel; 24 bytes a point and 16 a pair of
+  /// a face and a slab of 8 x 128 x 128 voxels.
+  CoverageParts(const std::vector<Vec3d>& points, const Boundary& faces,
+                const GridTransform& transform, Progress& progress);
+  ~CoverageParts();
+  CoverageParts(const CoverageParts&) = delete;
+  CoverageParts& operator=(const CoverageParts&) = delete;
+
+  /// The nodes of `box`, which is in one column of 4096^3 cubes. Boxes are cheapest in the order of
+  /// a file, one after the other.
+  openvdb::FloatGrid::Ptr grid(const NodeBox& box, Progress& progress);
+
+  /// Begins anew: sum() is that of the boxes from now on.
+  void begin();
+  const CoverageSum& sum() const;
+
+private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 } // namespace tetvdb

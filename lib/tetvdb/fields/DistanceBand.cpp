@@ -151,25 +151,48 @@ void DistanceBand::rasterize(std::size_t node, const LeafSink& sink) const {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lists.used.size(), 64), leaves);
 }
 
+namespace {
+
 // A body of volume V and projections ax, ay, az onto the coordinate planes meets on average (V + 8
 // (ax + ay + az) + 64 (...)) / 512 cubes of side 8; for a shell the first two terms are relevant.
+double leavesOf(const SnappedMesh& mesh, const BoundaryFace& f, double radius) {
+  const LatticePoint &a = mesh.points[f.a], &b = mesh.points[f.b], &c = mesh.points[f.c];
+  const auto side = [](const LatticePoint& p, const LatticePoint& q) {
+    return Vec3d{(q.x - p.x) * kVoxelsPerUnit, (q.y - p.y) * kVoxelsPerUnit,
+                 (q.z - p.z) * kVoxelsPerUnit};
+  };
+  const Vec3d normal = cross(side(a, b), side(a, c));
+  const double projections = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
+  return (radius * length(normal) + kLeafSize * projections / 2) / kVoxelsInLeaf;
+}
+
+} // namespace
+
+std::vector<float> estimateNodeLeaves(const DistanceBand& band) {
+  const std::vector<NodeFace>& pairs = band.nodeFaces();
+  std::vector<std::uint32_t> nodesOf(band.faces().faces.size());
+  for (const NodeFace& pair : pairs)
+    ++nodesOf[pair.face];
+  std::vector<float> leaves(band.nodes().size());
+  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+    double sum = 1;
+    for (std::uint64_t p = band.starts()[i]; p != band.starts()[i + 1]; ++p)
+      sum += leavesOf(band.mesh(), band.faces().faces[pairs[p].face], band.radius()) /
+             nodesOf[pairs[p].face];
+    leaves[i] = static_cast<float>(std::min(sum, static_cast<double>(kLeavesInNode)));
+  });
+  return leaves;
+}
+
 double estimateBandLeaves(const SnappedMesh& mesh, const Boundary& faces, double radius) {
-  double volume = 0, projections = 0;
-  for (const BoundaryFace& f : faces.faces) {
-    const LatticePoint &a = mesh.points[f.a], &b = mesh.points[f.b], &c = mesh.points[f.c];
-    const auto side = [](const LatticePoint& p, const LatticePoint& q) {
-      return Vec3d{(q.x - p.x) * kVoxelsPerUnit, (q.y - p.y) * kVoxelsPerUnit,
-                   (q.z - p.z) * kVoxelsPerUnit};
-    };
-    const Vec3d normal = cross(side(a, b), side(a, c));
-    volume += radius * length(normal);
-    projections += (std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2])) / 2;
-  }
+  double leaves = 64;
+  for (const BoundaryFace& f : faces.faces)
+    leaves += leavesOf(mesh, f, radius);
   double box = 1;
   for (const double extent : {mesh.boxMax.x - mesh.boxMin.x, mesh.boxMax.y - mesh.boxMin.y,
                               mesh.boxMax.z - mesh.boxMin.z})
     box *= (extent * kVoxelsPerUnit + 2 * radius) / kLeafSize + 2;
-  return std::min((volume + kLeafSize * projections) / kVoxelsInLeaf + 64, box);
+  return std::min(leaves, box);
 }
 
 } // namespace tetvdb

@@ -58,6 +58,9 @@ private:
   std::vector<std::uint64_t> starts_;
 };
 
+/// Expected number of leaves of a level set of these faces in each node of the band.
+std::vector<float> estimateNodeLeaves(const DistanceBand& band);
+
 /// Expected number of leaves of a level set of these faces.
 double estimateBandLeaves(const SnappedMesh& mesh, const Boundary& faces, double radius);
 

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
@@ -188,9 +189,8 @@ NodeIndex nodeAt(const openvdb::Coord& voxel) {
   return {nodeOf(voxel.x()), nodeOf(voxel.y()), nodeOf(voxel.z())};
 }
 
-// All 128^3 nodes that the band or the boundary of `inside` passes through, ascending.
-std::vector<NodeIndex> nodesOf(const DistanceBand& band, const openvdb::BoolTree& inside) {
-  std::vector<NodeIndex> nodes = band.nodes();
+// All of `nodes` and those that the boundary of `inside` passes through, ascending.
+std::vector<NodeIndex> withMixedOf(std::vector<NodeIndex> nodes, const openvdb::BoolTree& inside) {
   for (auto upper = inside.root().cbeginChildOn(); upper; ++upper)
     for (auto lower = upper->cbeginChildOn(); lower; ++lower)
       nodes.push_back(nodeAt(lower->origin()));
@@ -238,33 +238,24 @@ openvdb::FloatTree::Ptr assemble(std::vector<Part>& parts, const openvdb::BoolTr
   return tree;
 }
 
-} // namespace
-
-void rasterizeBand(const DistanceBand& band, const NodeTaker& take, Progress& progress) {
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, band.nodes().size(), 1),
-      [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          progress.check();
-          take(i, [&](const DistanceBand::LeafSink& sink) { band.rasterize(i, sink); });
-        }
-      },
-      tbb::simple_partitioner());
-}
-
-openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
-                                 const openvdb::BoolGrid& inside, const GridTransform& transform,
-                                 double halfWidth, double shell, const BandRasterizer& rasterize,
-                                 Progress& progress) {
-  const DistanceBand band(mesh, faces, halfWidth + shell, progress);
-  const Builder builder(inside.constTree(), halfWidth, shell, transform.voxelSize[0]);
-  const std::vector<NodeIndex> nodes = nodesOf(band, inside.constTree());
+// The level set in the band's nodes `bandNodes`, ascending, and the nodes of `inside`. rasterize():
+// passes these nodes of the band to the taker.
+template <typename Rasterize>
+openvdb::FloatGrid::Ptr
+makeLevelSet(const DistanceBand& band, const std::vector<std::size_t>& bandNodes,
+             const openvdb::BoolTree& inside, const GridTransform& transform, double halfWidth,
+             double shell, const Rasterize& rasterize, Progress& progress) {
+  const Builder builder(inside, halfWidth, shell, transform.voxelSize[0]);
+  std::vector<NodeIndex> reached;
+  for (const std::size_t node : bandNodes)
+    reached.push_back(band.nodes()[node]);
+  const std::vector<NodeIndex> nodes = withMixedOf(std::move(reached), inside);
   std::vector<Part> parts(nodes.size());
   std::vector<std::size_t> ofBand, others; // nodes of the band, in its order, and the others
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     parts[i].index = nodes[i];
     const bool isIn =
-        ofBand.size() < band.nodes().size() && band.nodes()[ofBand.size()] == nodes[i];
+        ofBand.size() < bandNodes.size() && band.nodes()[bandNodes[ofBand.size()]] == nodes[i];
     (isIn ? ofBand : others).push_back(i);
   }
   std::atomic<std::size_t> done{0};
@@ -272,16 +263,69 @@ openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
     builder.build(parts[part], leaves);
     progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
   };
-  rasterize(
-      band, [&](std::size_t node, const NodeLeaves& leaves) { build(ofBand[node], &leaves); },
-      progress);
+  rasterize([&](std::size_t node, const NodeLeaves& leaves) {
+    const auto at = std::lower_bound(bandNodes.begin(), bandNodes.end(), node);
+    build(ofBand[static_cast<std::size_t>(at - bandNodes.begin())], &leaves);
+  });
   tbb::parallel_for(std::size_t(0), others.size(),
                     [&](std::size_t i) { build(others[i], nullptr); });
-  auto grid = openvdb::FloatGrid::create(assemble(parts, inside.constTree(), builder.background()));
+  auto grid = openvdb::FloatGrid::create(assemble(parts, inside, builder.background()));
   grid->setName("surface");
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   grid->setTransform(makeTransform(transform));
   return grid;
+}
+
+void rasterizeNodes(const DistanceBand& band, const std::vector<std::size_t>& nodes,
+                    const NodeTaker& take, Progress& progress) {
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, nodes.size(), 1),
+      [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          progress.check();
+          take(nodes[i],
+               [&](const DistanceBand::LeafSink& sink) { band.rasterize(nodes[i], sink); });
+        }
+      },
+      tbb::simple_partitioner());
+}
+
+std::vector<std::size_t> allNodes(const DistanceBand& band) {
+  std::vector<std::size_t> nodes(band.nodes().size());
+  std::iota(nodes.begin(), nodes.end(), std::size_t(0));
+  return nodes;
+}
+
+} // namespace
+
+void rasterizeBand(const DistanceBand& band, const NodeTaker& take, Progress& progress) {
+  rasterizeNodes(band, allNodes(band), take, progress);
+}
+
+openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
+                                 const openvdb::BoolGrid& inside, const GridTransform& transform,
+                                 double halfWidth, double shell, const BandRasterizer& rasterize,
+                                 Progress& progress) {
+  const DistanceBand band(mesh, faces, halfWidth + shell, progress);
+  return makeLevelSet(
+      band, allNodes(band), inside.constTree(), transform, halfWidth, shell,
+      [&](const NodeTaker& take) { rasterize(band, take, progress); }, progress);
+}
+
+openvdb::FloatGrid::Ptr levelSetWithin(const NodeBox& box, const DistanceBand& band,
+                                       const openvdb::BoolGrid& inside,
+                                       const GridTransform& transform, double halfWidth,
+                                       double shell, Progress& progress) {
+  std::vector<std::size_t> nodes;
+  eachRangeIn(
+      box, band.nodes().size(), [&](std::size_t i) { return band.nodes()[i]; },
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          nodes.push_back(i);
+      });
+  return makeLevelSet(
+      band, nodes, inside.constTree(), transform, halfWidth, shell,
+      [&](const NodeTaker& take) { rasterizeNodes(band, nodes, take, progress); }, progress);
 }
 
 } // namespace tetvdb

@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/DistanceBand.h"
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -45,5 +46,12 @@ openvdb::FloatGrid::Ptr levelSet(const SnappedMesh& mesh, const Boundary& faces,
                                  const openvdb::BoolGrid& inside, const GridTransform& transform,
                                  double halfWidth, double shell, const BandRasterizer& rasterize,
                                  Progress& progress);
+
+/// The nodes of `box` of that level set, its distances by rasterizeBand(). `band` has the radius
+/// halfWidth + shell; `inside` must have the voxels of these nodes, others have no effect.
+openvdb::FloatGrid::Ptr levelSetWithin(const NodeBox& box, const DistanceBand& band,
+                                       const openvdb::BoolGrid& inside,
+                                       const GridTransform& transform, double halfWidth,
+                                       double shell, Progress& progress);
 
 } // namespace tetvdb

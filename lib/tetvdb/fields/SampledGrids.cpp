@@ -63,20 +63,34 @@ void SampledGrids::requireAny(const SampleOptions& options) const {
                 "use smaller voxels, or `allow_empty` to write an empty grid");
 }
 
-openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report& report) {
-  openvdb::GridPtrVec made = grids_->finish(transform);
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    describeValues(fields_[i], *made[i]);
-    if (grids_->leftOut(i) > 0)
+void SampledCounts::warn(const std::vector<Field>& fields, Report& report) const {
+  for (std::size_t i = 0; i < leftOut.size(); ++i)
+    if (leftOut[i] > 0)
       report.warn("voxels-left-out",
-                  fmt::format("{} voxels of '{}' have no finite value and are left out",
-                              grids_->leftOut(i), fields_[i].name));
-  }
-  if (const std::size_t count = grids_->byTets(); count > 0)
+                  fmt::format("{} voxels of '{}' have no finite value and are left out", leftOut[i],
+                              fields[i].name));
+  if (byTets > 0)
     report.warn("values-by-tets",
                 fmt::format("{} voxels lie in hexahedra, wedges or pyramids that are "
                             "inverted or twisted; their values are interpolated in tetrahedra",
-                            count));
+                            byTets));
+}
+
+openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, SampledCounts& counts) {
+  openvdb::GridPtrVec made = grids_->finish(transform);
+  counts.leftOut.resize(made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    describeValues(fields_[i], *made[i]);
+    counts.leftOut[i] += grids_->leftOut(i);
+  }
+  counts.byTets += grids_->byTets();
+  return made;
+}
+
+openvdb::GridPtrVec SampledGrids::finish(const GridTransform& transform, Report& report) {
+  SampledCounts counts;
+  openvdb::GridPtrVec made = finish(transform, counts);
+  counts.warn(fields_, report);
   return made;
 }
 

@@ -7,6 +7,7 @@
 #include "tetvdb/fields/FieldGrids.h"
 #include "tetvdb/fields/SampleFields.h"
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,14 @@ struct FieldBytes {
 };
 /// `pack`: null if values are kept in memory.
 FieldBytes fieldBytes(const std::vector<Field>& fields, const PackOptions* pack);
+
+/// Of voxels whose values are not what they would be.
+struct SampledCounts {
+  std::vector<std::size_t> leftOut; ///< of each field: values that are not finite
+  std::size_t byTets = 0;           ///< interpolated in tets instead of cells
+
+  void warn(const std::vector<Field>& fields, Report& report) const;
+};
 
 class SampledGrids {
 public:
@@ -31,7 +40,9 @@ public:
   /// Throws Error(Invalid) if no voxel has an owner, unless this is permitted.
   void requireAny(const SampleOptions& options) const;
 
-  /// Returns the grids with their metadata; warns of omitted values.
+  /// Returns the grids with their metadata; adds to `counts`.
+  openvdb::GridPtrVec finish(const GridTransform& transform, SampledCounts& counts);
+  /// The same; warns.
   openvdb::GridPtrVec finish(const GridTransform& transform, Report& report);
 
 private:

@@ -6,7 +6,9 @@
 #include "tetvdb/fields/Coverage.h"
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/DistanceOnDevice.h"
+#include "tetvdb/fields/FogVolume.h"
 #include "tetvdb/fields/LevelSet.h"
+#include "tetvdb/fields/ShapeSolid.h"
 #include "tetvdb/fields/ShellSurface.h"
 #include "tetvdb/fields/WholeBoxLevelSet.h"
 #include "tetvdb/mesh/CheckMesh.h"
@@ -16,16 +18,13 @@
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
-#include "tetvdb/voxelize/SoupChain.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
-#include "tetvdb/voxelize/TrimFaces.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <openvdb/tools/LevelSetUtil.h>
 #include <optional>
 #include <utility>
 
@@ -45,25 +44,11 @@ double bandOf(const ShapeOptions& options) {
   return options.halfWidth == kWholeBox ? kUsual : options.halfWidth;
 }
 
-// The faces of a solid and derived data.
-struct Solid {
-  const std::vector<Vec3d>& points;
-  SnappedMesh mesh; // the same points, snapped
-  Boundary faces;
-  std::optional<BoundaryWinding> boundary; // of an open soup
-  double shell = 0;                        // half its thickness, voxels
-  std::optional<FillRule> rule;            // if faces are closed and winding numbers decide
-  openvdb::BoolGrid::Ptr filled;           // of a shell on one side of the faces: the enclosed
-                                           // voxels
-  double thickness = 0;                    // of that shell, voxels
-  bool outward = false;
-};
-
 // Voxels beyond the mesh on every side of its whole box.
 constexpr std::int32_t kBeyondMesh = 3;
 
 // The box of a level set without a band.
-VoxelBox wholeBox(const Solid& solid, const openvdb::BoolGrid& inside,
+VoxelBox wholeBox(const ShapeSolid& solid, const openvdb::BoolGrid& inside,
                   const ShapeOptions& options) {
   if (options.box)
     return *options.box;
@@ -91,7 +76,7 @@ VoxelBox wholeBox(const Solid& solid, const openvdb::BoolGrid& inside,
 }
 
 // Checks the memory of a level set of a whole box and of the blocks that make it.
-void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOptions& options) {
+void requireBoxMemory(const ShapeSolid& solid, const VoxelBox& box, const ShapeOptions& options) {
   double leaves = 1;
   for (std::size_t axis = 0; axis < 3; ++axis)
     leaves *= static_cast<double>(box.size(axis)) / kLeafSize + 2;
@@ -103,61 +88,22 @@ void requireBoxMemory(const Solid& solid, const VoxelBox& box, const ShapeOption
 }
 
 // Checks the memory of all requested grids; for a whole box, of the preceding steps.
-void requireTreeMemory(const Solid& solid, const ShapeOptions& options) {
-  const bool covers = contains(options.grids, GridKind::Coverage);
-  const auto bands = static_cast<double>(options.grids.size()) - (covers ? 1 : 0);
-  double leaves = covers ? static_cast<double>(estimateBoundaryLeaves(solid.mesh, solid.faces)) : 0;
-  const double trimming = bands > 0 && solid.shell == 0 ? 200 : 0; // bytes per face
-  if (bands > 0)
-    leaves += (solid.filled ? bands + 1 : bands) *
-              estimateBandLeaves(solid.mesh, solid.faces,
-                                 bandOf(options) + solid.shell + solid.thickness);
-  const double bytes = 48.0 * static_cast<double>(solid.mesh.pointCount) +
-                       (40.0 + trimming) * static_cast<double>(solid.faces.faces.size()) +
-                       leaves * static_cast<double>(leafBytes(GridKind::Density)) +
-                       (leaves / 128 + 64) * static_cast<double>(kLowerNodeBytes);
+void requireTreeMemory(const ShapeSolid& solid, const ShapeOptions& options) {
+  ShapeOptions banded = options;
+  banded.halfWidth = bandOf(options);
   VoxelizeOptions limit;
   limit.maxMemory = options.maxMemory;
-  requireMemory(bytes, limit);
+  requireMemory(shapeBytes(solid, banded), limit);
 }
 
-openvdb::FloatGrid::Ptr coverageOf(const Solid& solid, const GridTransform& transform,
+openvdb::FloatGrid::Ptr coverageOf(const ShapeSolid& solid, const GridTransform& transform,
                                    CoverageSum& sum, Report& report, Progress& progress) {
   openvdb::FloatGrid::Ptr grid = coverage(solid.points, solid.faces, transform, sum, progress);
-  if (sum.overlapVoxels > 0)
-    report.warn("overlap",
-                fmt::format("components of the mesh overlap: {} voxels are filled more than "
-                            "once; {:.6g} voxels' volume is counted once only",
-                            sum.overlapVoxels, sum.overlap));
+  warnOfOverlap(sum, report);
   return grid;
 }
 
-// Keeps those parts of the faces that are the solid's boundary.
-void trim(Solid& solid, TrimCounts& counts, Report& report, Progress& progress) {
-  constexpr const char* kAllFaces = "the level set's absolute values are distances to all faces, "
-                                    "including those inside the solid";
-  if (!solid.rule) {
-    counts.met = countMetFaces(solid.mesh, solid.faces, progress);
-    if (counts.met > 0)
-      report.warn(
-          "untrimmed",
-          fmt::format("{} faces cross or touch others; they can only be cut "
-                      "in a mesh without open edges whose inside is not determined by flood: {}",
-                      counts.met, kAllFaces));
-    return;
-  }
-  TrimmedFaces trimmed = trimFaces(solid.mesh, solid.faces, *solid.rule, progress);
-  counts = trimmed.counts;
-  if (!trimmed.complete)
-    report.warn("untrimmed",
-                fmt::format("too many faces cross one another to be cut: {}", kAllFaces));
-  if (!trimmed.changed)
-    return;
-  solid.mesh = std::move(trimmed.mesh);
-  solid.faces = std::move(trimmed.faces);
-}
-
-openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
+openvdb::FloatGrid::Ptr surfaceOf(ShapeSolid& solid, const openvdb::BoolGrid::Ptr& inside,
                                   const GridTransform& transform, const ShapeOptions& options,
                                   DeviceUsed& used, StageTimer& timer, Report& report,
                                   Progress& progress) {
@@ -204,7 +150,7 @@ openvdb::FloatGrid::Ptr surfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& in
       [&] { return make(rasterizeBand); });
 }
 
-openvdb::FloatGrid::Ptr sidedSurfaceOf(Solid& solid, const openvdb::BoolGrid::Ptr& inside,
+openvdb::FloatGrid::Ptr sidedSurfaceOf(ShapeSolid& solid, const openvdb::BoolGrid::Ptr& inside,
                                        const GridTransform& transform, const ShapeOptions& options,
                                        DeviceUsed& used, StageTimer& timer, Report& report,
                                        Progress& progress) {
@@ -220,7 +166,7 @@ openvdb::FloatGrid::Ptr sidedSurfaceOf(Solid& solid, const openvdb::BoolGrid::Pt
   return grid;
 }
 
-ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
+ShapeSums add(ShapeSolid solid, const ShapeOptions& options, Voxelization& made, StageTimer& timer,
               Report& report, Progress& progress) {
   requireTreeMemory(solid, options);
   ShapeSums sums;
@@ -239,7 +185,7 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
     } else {
       if (solid.shell == 0) {
         timer.part("trim");
-        trim(solid, sums.trim, report, progress);
+        trimShape(solid, sums.trim, report, progress);
       }
       surface =
           surfaceOf(solid, inside, made.transform, options, sums.device, timer, report, progress);
@@ -253,24 +199,11 @@ ShapeSums add(Solid solid, const ShapeOptions& options, Voxelization& made, Stag
     timer.part("fog");
     const bool both = contains(options.grids, GridKind::Surface);
     const openvdb::FloatGrid::Ptr fog = both ? surface->deepCopy() : surface;
-    openvdb::tools::sdfToFogVolume(*fog);
-    fog->setName("fog");
+    makeFog(*fog, fogDepth(*fog));
     fog->setTransform(makeTransform(made.transform)); // deepCopy() rounds it
     all.push_back(fog);
   }
   return sums;
-}
-
-void requireCoverable(const SolidOptions& how, const SoupBoundary& boundary) {
-  if (how.shell > 0 || how.inside != InsideRule::Winding)
-    throw Error(Status::Usage, "`grid=coverage`",
-                "is computed from the winding number only, not with `shell` or `inside`",
-                "leave them out");
-  if (!boundary.edges.empty())
-    throw Error(
-        Status::Invalid, "`grid=coverage`",
-        fmt::format("requires closed faces; the mesh has {} open edges", boundary.edges.size()),
-        "use `mesher=envelope`, which closes holes by tets, or repair the mesh first");
 }
 
 } // namespace
@@ -303,16 +236,13 @@ ShapeSums addShapeGrids(const TetMesh& mesh, const ShapeOptions& options, Voxeli
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapMesh(mesh, made.transform, progress), {}, {}, 0, {}, {}, 0, false};
-  solid.faces = boundaryFaces(solid.mesh, progress);
-  solid.rule = FillRule::Positive;
-  return add(std::move(solid), options, made, timer, report, progress);
+  return add(shapeSolid(mesh, made.transform, progress), options, made, timer, report, progress);
 }
 
 namespace {
 
 // For a closed mesh: its enclosed voxels.
-void fillForShell(Solid& solid, const TriangleMesh& mesh, const SolidOptions& how,
+void fillForShell(ShapeSolid& solid, const TriangleMesh& mesh, const SolidOptions& how,
                   const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
   const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
   if (!boundary.edges.empty())
@@ -352,27 +282,13 @@ ShapeSums addShapeGrids(const TriangleMesh& mesh, const SolidOptions& how,
   progress.stage("fields");
   StageTimer timer(report, "fields");
   timer.part("boundary");
-  Solid solid{mesh.points, snapPoints(mesh.points, made.transform, progress), {}, {}, 0, {}, {}, 0,
-              false};
-  solid.faces = soupFaces(mesh, solid.mesh);
+  ShapeSolid solid =
+      shapeSolid(mesh, how, contains(options.grids, GridKind::Coverage), made.transform, progress);
   const bool onSide = how.shell > 0 && how.side != ShellSide::Both;
   if (onSide && !contains(options.grids, GridKind::Coverage))
     fillForShell(solid, mesh, how, options, made.transform, progress);
   else
     solid.shell = how.shell / 2 / made.transform.voxelSize[0];
-  const bool byWinding =
-      how.shell == 0 && (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
-  const bool covers = contains(options.grids, GridKind::Coverage);
-  solid.rule = fillRuleOf(how);
-  if (byWinding || covers) {
-    const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
-    if (covers)
-      requireCoverable(how, boundary);
-    if (!boundary.edges.empty()) {
-      solid.boundary.emplace(boundaryWinding(boundary.edges, solid.mesh));
-      solid.rule.reset();
-    }
-  }
   return add(std::move(solid), options, made, timer, report, progress);
 }
 

@@ -179,7 +179,9 @@ bool OccupancySource::isFull(const CubeColumn& column, std::int32_t z, bool quie
   const auto stackIsFull = [&](int stack) {
     Carried carried;
     BitStack bits;
-    fill(column, column.places[static_cast<std::size_t>(stack)], z, carried, bits);
+    BitSink sink(z * kStackNodes, bits);
+    rasterize(column, column.places[static_cast<std::size_t>(stack)], z * kStackNodes,
+              (z + 1) * kStackNodes, carried, sink);
     return std::all_of(bits.states.begin(), bits.states.end(),
                        [](NodeState state) { return state == NodeState::Full; });
   };
@@ -215,13 +217,17 @@ void OccupancySource::restrict(std::size_t begin, std::size_t end) {
   columnOf_ = {columnOf_.begin() + at(begin), columnOf_.begin() + at(end)};
 }
 
+void OccupancySource::beginColumn(std::size_t column) {
+  if (carriedColumn_ == column)
+    return;
+  carriedColumn_ = column;
+  carried_.clear();
+  carried_.resize(static_cast<std::size_t>(kStacksPerCube));
+}
+
 std::vector<int> OccupancySource::begin(std::size_t cube) {
   cube_ = cube;
-  if (carriedColumn_ != columnOf_[cube]) {
-    carriedColumn_ = columnOf_[cube];
-    carried_.clear();
-    carried_.resize(static_cast<std::size_t>(kStacksPerCube));
-  }
+  beginColumn(columnOf_[cube]);
   const std::int32_t low = cubes_[cube].origin[2] / kNodeSize, high = low + kStackNodes;
   std::vector<int> stacks;
   for (const Place& place : columns_[carriedColumn_].places)
@@ -235,22 +241,74 @@ void OccupancySource::fill(int stack, BitStack& out) {
   const auto place =
       std::lower_bound(column.places.begin(), column.places.end(), stack,
                        [](const Place& one, int wanted) { return one.stack < wanted; });
-  fill(column, *place, cubes_[cube_].origin[2] / kRootChildSize,
-       carried_[static_cast<std::size_t>(stack)], out);
+  const std::int32_t low = cubes_[cube_].origin[2] / kNodeSize;
+  BitSink sink(low, out);
+  rasterize(column, *place, low, low + kStackNodes, carried_[static_cast<std::size_t>(stack)],
+            sink);
 }
 
-void OccupancySource::fill(const CubeColumn& column, const Place& place, std::int32_t z,
-                           Carried& carried, BitStack& out) const {
-  const std::int32_t low = z * kStackNodes, high = low + kStackNodes;
-  BitSink bits(low, out);
+// Of the column at (x, y) in cubes; as many as there are: none.
+std::size_t OccupancySource::findColumn(std::int32_t x, std::int32_t y) const {
+  const auto column = std::lower_bound(
+      columns_.begin(), columns_.end(), std::pair(x, y),
+      [](const CubeColumn& one, const auto& wanted) { return std::pair(one.x, one.y) < wanted; });
+  return column == columns_.end() || column->x != x || column->y != y
+             ? columns_.size()
+             : static_cast<std::size_t>(column - columns_.begin());
+}
+
+std::vector<const OccupancySource::Place*> OccupancySource::placesIn(const CubeColumn& column,
+                                                                     const NodeBox& box) {
+  std::vector<const Place*> places;
+  for (const Place& place : column.places) {
+    const std::int32_t x = column.x * kStackNodes + place.stack / kStackNodes;
+    const std::int32_t y = column.y * kStackNodes + place.stack % kStackNodes;
+    if (x >= box.low[0] && x < box.high[0] && y >= box.low[1] && y < box.high[1] &&
+        place.zBegin < box.high[2] && place.zEnd > box.low[2])
+      places.push_back(&place);
+  }
+  return places;
+}
+
+void OccupancySource::rasterize(const NodeBox& box, NodeSink& sink) {
+  const std::size_t found = findColumn(cubeOf(box.low[0]), cubeOf(box.low[1]));
+  if (found == columns_.size())
+    return;
+  beginColumn(found);
+  const std::vector<const Place*> places = placesIn(columns_[found], box);
+  tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
+    rasterize(columns_[found], *places[i], box.low[2], box.high[2],
+              carried_[static_cast<std::size_t>(places[i]->stack)], sink);
+  });
+}
+
+void OccupancySource::peek(const NodeBox& box, NodeSink& sink) const {
+  for (std::int32_t x = cubeOf(box.low[0]); x <= cubeOf(box.high[0] - 1); ++x)
+    for (std::int32_t y = cubeOf(box.low[1]); y <= cubeOf(box.high[1] - 1); ++y) {
+      const std::size_t found = findColumn(x, y);
+      if (found == columns_.size())
+        continue;
+      const std::vector<const Place*> places = placesIn(columns_[found], box);
+      tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t i) {
+        Carried carried;
+        if (found == carriedColumn_)
+          carried = carried_[static_cast<std::size_t>(places[i]->stack)];
+        rasterize(columns_[found], *places[i], box.low[2], box.high[2], carried, sink);
+      });
+    }
+}
+
+// Nodes low <= z < high.
+void OccupancySource::rasterize(const CubeColumn& column, const Place& place, std::int32_t low,
+                                std::int32_t high, Carried& carried, NodeSink& sink) const {
   const NodeIndex first{column.x * kStackNodes + place.stack / kStackNodes,
                         column.y * kStackNodes + place.stack % kStackNodes, low};
   std::optional<RuleSink> rule;
-  NodeSink* sink = &bits;
+  NodeSink* next = &sink;
   if (ruled_) {
     const NodeIndex last{first[0], first[1], high};
-    rule.emplace(bits, *ruled_, rule_, ruled_->lowerBound(first), ruled_->lowerBound(last));
-    sink = &*rule;
+    rule.emplace(sink, *ruled_, rule_, ruled_->lowerBound(first), ruled_->lowerBound(last));
+    next = &*rule;
   }
   if (place.column != nullptr && place.column->zEnd > low && place.column->zBegin < high) {
     const BoundaryStacks::Column& crossed = *place.column;
@@ -262,7 +320,7 @@ void OccupancySource::fill(const CubeColumn& column, const Place& place, std::in
     if (carried.z < low)
       stacks_.rasterize(crossed, carried.z, low, carried.sums, nullptr, false);
     const std::int32_t from = std::max(low, carried.z);
-    stacks_.rasterize(crossed, from, high, carried.sums, sink, false);
+    stacks_.rasterize(crossed, from, high, carried.sums, next, false);
     carried.z = high;
   }
   if (rule)

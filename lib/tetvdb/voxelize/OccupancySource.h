@@ -5,6 +5,7 @@
 // (at most 64 MB, less than 3 MB where they are 0 or 1), and the stacks under construction.
 #pragma once
 
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/BitSource.h"
 #include "tetvdb/voxelize/BoundaryRaster.h"
 #include "tetvdb/voxelize/RuleSink.h"
@@ -27,6 +28,11 @@ public:
   const std::vector<RootCube>& cubes() const override { return cubes_; }
   std::vector<int> begin(std::size_t cube) override;
   void fill(int stack, BitStack& out) override;
+  /// Hands the nodes of `box`, which lies in one column of cubes, to `sink`, from several threads.
+  /// Boxes are cheapest in the order of a file, one after the other.
+  void rasterize(const NodeBox& box, NodeSink& sink);
+  /// The same of any box, which leaves the order as it is: for nodes around one.
+  void peek(const NodeBox& box, NodeSink& sink) const;
 
   /// The estimated work for each cube, at least 1. Depends only on the mesh and the options.
   std::vector<std::uint64_t> weights() const;
@@ -57,8 +63,11 @@ private:
   void findCubes(const SnappedMesh& mesh, const Boundary& boundary, bool closed,
                  Progress& progress);
   bool isFull(const CubeColumn& column, std::int32_t z, bool quiet) const;
-  void fill(const CubeColumn& column, const Place& place, std::int32_t z, Carried& carried,
-            BitStack& out) const;
+  void beginColumn(std::size_t column);
+  std::size_t findColumn(std::int32_t x, std::int32_t y) const;
+  static std::vector<const Place*> placesIn(const CubeColumn& column, const NodeBox& box);
+  void rasterize(const CubeColumn& column, const Place& place, std::int32_t low, std::int32_t high,
+                 Carried& carried, NodeSink& sink) const;
 
   VoxelRule rule_;
   BoundaryStacks stacks_;

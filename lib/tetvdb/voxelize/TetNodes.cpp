@@ -11,6 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 #include <tuple>
@@ -332,26 +333,81 @@ private:
 
 } // namespace
 
-OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink& sink,
-                                 Progress& progress) {
-  CountedBins counted(mesh, progress);
-  const Bins bins = counted.fits() ? counted.make() : sortedBins(mesh, progress);
-
-  // Nodes, as ranges of bins; those with most tets first.
-  struct NodeRange {
+struct TetNodes::Parts {
+  /// A node, as a range of bins.
+  struct Node {
+    NodeIndex index;
     std::size_t begin, end, tets;
   };
-  std::vector<NodeRange> nodes;
-  for (std::size_t i = 0; i < bins.bins.size(); ++i) {
-    if (i == 0 || !bins.bins[i].key.sameNode(bins.bins[i - 1].key))
-      nodes.push_back({i, i, 0});
-    nodes.back().end = i + 1;
-    nodes.back().tets += bins.bins[i].end - bins.bins[i].begin;
-  }
-  std::stable_sort(nodes.begin(), nodes.end(),
-                   [](const NodeRange& a, const NodeRange& b) { return a.tets > b.tets; });
 
-  std::atomic<std::uint64_t> flipped{bins.counts.flipped}, dropped{bins.counts.dropped};
+  Parts(const SnappedMesh& snapped, Progress& progress) : mesh(snapped) {
+    CountedBins counted(mesh, progress);
+    bins = counted.fits() ? counted.make() : sortedBins(mesh, progress);
+    for (std::size_t i = 0; i < bins.bins.size(); ++i) {
+      const Bin& bin = bins.bins[i];
+      if (i == 0 || !bin.key.sameNode(bins.bins[i - 1].key))
+        nodes.push_back({{bin.key.x, bin.key.y, bin.key.z}, i, i, 0});
+      nodes.back().end = i + 1;
+      nodes.back().tets += bin.end - bin.begin;
+    }
+  }
+
+  OrientationCounts rasterize(std::vector<const Node*> wanted, bool owners, NodeSink& sink,
+                              Progress& progress) const;
+
+  const SnappedMesh& mesh;
+  Bins bins;
+  std::vector<Node> nodes;
+};
+
+TetNodes::TetNodes(const SnappedMesh& mesh, Progress& progress)
+    : parts_(std::make_unique<Parts>(mesh, progress)) {}
+TetNodes::~TetNodes() = default;
+
+std::size_t TetNodes::size() const {
+  return parts_->nodes.size();
+}
+
+const NodeIndex& TetNodes::node(std::size_t i) const {
+  return parts_->nodes[i].index;
+}
+
+std::size_t TetNodes::mostLeaves(std::size_t i) const {
+  constexpr auto inSlab = static_cast<std::size_t>(kSlabsPerNode * kSlabsPerNode);
+  const Parts::Node& node = parts_->nodes[i];
+  return parts_->bins.bins[node.end - 1].key.slab == kWholeNode
+             ? inSlab * static_cast<std::size_t>(kSlabsPerNode)
+             : inSlab * (node.end - node.begin);
+}
+
+void TetNodes::rasterize(const NodeBox& box, bool owners, NodeSink& sink,
+                         Progress& progress) const {
+  std::vector<const Parts::Node*> wanted;
+  eachRangeIn(
+      box, size(), [&](std::size_t i) { return node(i); },
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          wanted.push_back(&parts_->nodes[i]);
+      });
+  parts_->rasterize(std::move(wanted), owners, sink, progress);
+}
+
+OrientationCounts TetNodes::rasterize(bool owners, NodeSink& sink, Progress& progress) const {
+  std::vector<const Parts::Node*> all;
+  for (const Parts::Node& node : parts_->nodes)
+    all.push_back(&node);
+  OrientationCounts counts = parts_->rasterize(std::move(all), owners, sink, progress);
+  counts.add(parts_->bins.counts);
+  return counts;
+}
+
+OrientationCounts TetNodes::Parts::rasterize(std::vector<const Node*> wanted, bool owners,
+                                             NodeSink& sink, Progress& progress) const {
+  // Those with most tets first.
+  std::stable_sort(wanted.begin(), wanted.end(),
+                   [](const Node* a, const Node* b) { return a->tets > b->tets; });
+
+  std::atomic<std::uint64_t> flipped{0}, dropped{0};
   std::atomic<std::size_t> done{0};
   tbb::enumerable_thread_specific<Scratch> scratches([owners] {
     Scratch scratch;
@@ -360,14 +416,14 @@ OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink&
     return scratch;
   });
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const int grain = nodes.size() < 8 * threads ? 1 : kSlabsPerNode;
+  const int grain = wanted.size() < 8 * threads ? 1 : kSlabsPerNode;
 
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, nodes.size(), 1),
+      tbb::blocked_range<std::size_t>(0, wanted.size(), 1),
       [&](const auto& range) {
         for (std::size_t n = range.begin(); n != range.end(); ++n) {
-          const NodeTask task(mesh, bins, bins.bins.data() + nodes[n].begin,
-                              bins.bins.data() + nodes[n].end, owners);
+          const NodeTask task(mesh, bins, bins.bins.data() + wanted[n]->begin,
+                              bins.bins.data() + wanted[n]->end, owners);
           const bool full = task.full();
           if (full)
             sink.fullNode(task.index(), task.filling());
@@ -389,11 +445,30 @@ OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink&
               tbb::simple_partitioner());
           if (!full)
             sink.end(std::move(node));
-          progress.update(static_cast<double>(++done) / static_cast<double>(nodes.size()));
+          progress.update(static_cast<double>(++done) / static_cast<double>(wanted.size()));
         }
       },
       tbb::simple_partitioner());
   return {flipped, dropped};
+}
+
+OrientationCounts countOrientations(const SnappedMesh& mesh) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.tetCount, 16384), OrientationCounts{},
+      [&](const tbb::blocked_range<std::size_t>& range, OrientationCounts counts) {
+        for (std::size_t t = range.begin(); t != range.end(); ++t)
+          countHere(mesh, t, counts);
+        return counts;
+      },
+      [](OrientationCounts a, const OrientationCounts& b) {
+        a.add(b);
+        return a;
+      });
+}
+
+OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink& sink,
+                                 Progress& progress) {
+  return TetNodes(mesh, progress).rasterize(owners, sink, progress);
 }
 
 } // namespace tetvdb

@@ -5,15 +5,46 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TetRaster.h"
 
+#include <cstddef>
+#include <memory>
+
 namespace tetvdb {
 
-/// Bins the tets to slabs, nodes that a tet fills apart, and hands every node that is not empty to
-/// `sink`: with owners (the smallest tet index wins) or only bits. Each node is one task; if there
-/// are few nodes, each slab is. Returns how many tets were reversed or dropped.
+/// Tets assigned to the slabs that they may have voxels in, nodes that a tet fills apart.
+class TetNodes {
+public:
+  /// `mesh` must outlive it. Parallel; 4 bytes a pair of tet and slab, four times that meanwhile.
+  TetNodes(const SnappedMesh& mesh, Progress& progress);
+  ~TetNodes();
+  TetNodes(const TetNodes&) = delete;
+  TetNodes& operator=(const TetNodes&) = delete;
+
+  /// Nodes with tets, ascending.
+  std::size_t size() const;
+  const NodeIndex& node(std::size_t i) const;
+  /// Leaves that node `i` has at most.
+  std::size_t mostLeaves(std::size_t i) const;
+
+  /// Hands every node of `box` that is not empty to `sink`: with owners (lowest tet index wins) or
+  /// bits alone. One task a node, its slabs apart where nodes are few.
+  void rasterize(const NodeBox& box, bool owners, NodeSink& sink, Progress& progress) const;
+  /// The same of all nodes. Returns how many tets were reversed or dropped.
+  OrientationCounts rasterize(bool owners, NodeSink& sink, Progress& progress) const;
+
+private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// How many tets are reversed or dropped.
+OrientationCounts countOrientations(const SnappedMesh& mesh);
+
+/// Hands every node that is not empty to `sink`, as TetNodes::rasterize() does.
 OrientationCounts rasterizeNodes(const SnappedMesh& mesh, bool owners, NodeSink& sink,
                                  Progress& progress);
 

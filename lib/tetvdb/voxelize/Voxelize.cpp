@@ -53,6 +53,20 @@ GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& option
   return chooseTransform(boxOfUsed(mesh.points, mesh.tets), options);
 }
 
+void checkTets(const TetMesh& mesh, const VoxelizeOptions& options) {
+  checkMesh(mesh);
+  if (mesh.tetCount() >= 0xFFFFFFFFu)
+    throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
+  const bool owners = !madeBy(options.grids, {GridMaker::Owner}).empty();
+  if (owners && mesh.cellCount > 0x7FFFFFFFu)
+    throw Error(Status::Limit, "", "more than 2^31 cells cannot be numbered in an int32 grid");
+  if (options.rule != VoxelRule::Centre && (owners || options.path == OccupancyPath::Tets))
+    throw Error(Status::Usage, "`rule`",
+                "any and all are found from the boundary; voxels of tet_id, material and `path` "
+                "tets go by their centre",
+                "leave one of them out");
+}
+
 void reportTets(const SnapCounts& counts, std::size_t tets, Report& report) {
   if (counts.flipped > 0)
     report.warn("flipped-tets", fmt::format("{} of {} tets had negative volume and were reversed",
@@ -79,18 +93,9 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
                       Progress& progress) {
   progress.stage("voxelize");
   checkGridKinds(options.grids, {GridMaker::Occupancy, GridMaker::Owner});
-  checkMesh(mesh);
-  if (mesh.tetCount() >= 0xFFFFFFFFu)
-    throw Error(Status::Limit, "", "the mesh has 2^32 tets or more", "split it in parts");
+  checkTets(mesh, options);
   const bool owners = !madeBy(options.grids, {GridMaker::Owner}).empty();
-  if (owners && mesh.cellCount > 0x7FFFFFFFu)
-    throw Error(Status::Limit, "", "more than 2^31 cells cannot be numbered in an int32 grid");
   const bool byCentre = options.rule == VoxelRule::Centre;
-  if (!byCentre && (owners || options.path == OccupancyPath::Tets))
-    throw Error(Status::Usage, "`rule`",
-                "any and all are found from the boundary; voxels of tet_id, material and `path` "
-                "tets go by their centre",
-                "leave one of them out");
   initializeOpenVDB();
 
   StageTimer timer(report, "voxelize");

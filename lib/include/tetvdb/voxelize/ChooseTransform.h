@@ -51,6 +51,9 @@ bool isWithinResolution(const WorldBox& box, const GridTransform& transform, int
 /// fit.voxels - 1 - fit.padding.
 bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitBox& fit);
 
+/// Throws as voxelize() does for tets that cannot be voxelized by these options.
+void checkTets(const TetMesh& mesh, const VoxelizeOptions& options);
+
 /// Warns ("origin-moved") where `transform` has another origin than was asked for.
 void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report);
 

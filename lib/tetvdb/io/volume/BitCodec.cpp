@@ -95,18 +95,9 @@ public:
   }
   bool hasDelayedLoad() const override { return !kBits; }
 
-  NodeBytes openvdbBytes() const override {
-    const auto internal = [](const auto& node) {
-      using Node = std::decay_t<decltype(node)>;
-      return Node::NUM_VALUES * sizeof(typename Node::UnionType) + node.getChildMask().memUsage() +
-             node.getValueMask().memUsage() + sizeof(openvdb::Coord);
-    };
-    return {sizeof(typename TreeT::RootNodeType) + sizeof(TreeT),
-            internal(*std::make_unique<Upper>()), internal(*std::make_unique<Lower>()),
-            leafBytes()};
-  }
+  NodeBytes openvdbBytes() const override { return openvdbNodeBytes<TreeT>(); }
   NodeBytes describedBytes() const override {
-    return {sizeof(TreeT), sizeof(Upper), sizeof(Lower), leafBytes()};
+    return {sizeof(TreeT), sizeof(Upper), sizeof(Lower), openvdbNodeBytes<TreeT>().leaf};
   }
 
 private:
@@ -146,10 +137,6 @@ private:
       leaf.writeBuffers(out.stream(), asHalf_);
       tails_.push_back(out.bytes().substr(kLeafMaskBytes));
     }
-  }
-
-  static std::size_t leafBytes() {
-    return static_cast<std::size_t>(Leaf(openvdb::Coord(0), T(0), false).memUsage());
   }
 
   T background_;

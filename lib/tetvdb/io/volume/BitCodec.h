@@ -6,6 +6,7 @@
 // decompressing them.
 #pragma once
 
+#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/volume/BitSource.h"
 
 #include <cstddef>
@@ -43,10 +44,7 @@ public:
   virtual openvdb::Metadata::Ptr delayedLoad(const std::vector<std::uint16_t>& leaves) const = 0;
   virtual bool hasDelayedLoad() const = 0;
 
-  /// Memory of the nodes of a tree, counted as OpenVDB and describe() count it.
-  struct NodeBytes {
-    std::size_t root, upper, lower, leaf;
-  };
+  /// Memory of the nodes of a tree, as OpenVDB counts it, and as describe() does.
   virtual NodeBytes openvdbBytes() const = 0;
   virtual NodeBytes describedBytes() const = 0;
 };

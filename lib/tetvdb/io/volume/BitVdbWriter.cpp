@@ -276,9 +276,8 @@ private:
                        grid.codec->root(rootTiles_, static_cast<std::uint32_t>(counts_.uppers)));
   }
 
-  std::uint64_t bytesOf(const BitCodec::NodeBytes& bytes) const {
-    return bytes.root + counts_.uppers * bytes.upper + counts_.lowers * bytes.lower +
-           counts_.leaves * bytes.leaf;
+  std::uint64_t bytesOf(const NodeBytes& bytes) const {
+    return bytes.of(counts_.uppers, counts_.lowers, counts_.leaves);
   }
 
   /// Makes a result of every node of the first grid's topology, in order.

@@ -2,8 +2,9 @@
 #include "tetvdb/io/MergeVdb.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/VolumeFile.h"
-#include "tetvdb/io/volume/BitCodec.h"
+#include "tetvdb/io/volume/GridSpool.h"
+#include "tetvdb/io/volume/NodeBytes.h"
+#include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/io/volume/VdbPart.h"
 #include "tetvdb/volume/GridTypes.h"
@@ -13,8 +14,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <filesystem>
 #include <fmt/format.h>
 #include <limits>
+#include <memory>
 #include <openvdb/io/DelayedLoadMetadata.h>
 #include <optional>
 #include <unistd.h>
@@ -64,7 +67,8 @@ std::vector<VdbPart> readParts(const std::vector<std::string>& paths, Progress& 
     for (std::size_t g = 0; g < part.grids.size(); ++g) {
       const PartGrid &one = part.grids[g], &other = parts.front().grids[g];
       if (one.header.name != other.header.name || one.header.type != other.header.type ||
-          one.header.half != other.header.half || one.transformBytes != other.transformBytes)
+          one.header.half != other.header.half || one.transformBytes != other.transformBytes ||
+          one.root != other.root)
         throw Error(Status::Invalid, part.path, "has other grids than " + parts.front().path);
     }
   return parts;
@@ -79,12 +83,20 @@ T metadataOf(const PartGrid& grid, const char* name, const VdbPart& part) {
   return value->value();
 }
 
-openvdb::GridBase::Ptr emptyGridOf(const PartGrid& grid) {
-  if (grid.header.type == "Tree_bool_5_4_3")
-    return openvdb::BoolGrid::create(false);
-  if (grid.header.type == "Tree_mask_5_4_3")
-    return openvdb::MaskGrid::create();
-  return openvdb::FloatGrid::create(0.0F);
+struct TypeInfo {
+  NodeBytes bytes{};
+  bool hasDelayedLoad = false;
+};
+
+// Of a type that parts may have.
+TypeInfo infoOfType(const std::string& type) {
+  TypeInfo info;
+  const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(type);
+  withKnownGrid(std::as_const(*grid), [&](const auto& typed) {
+    using TreeT = typename std::decay_t<decltype(typed)>::TreeType;
+    info = {openvdbNodeBytes<TreeT>(), !hasBitLeaves<TreeT>};
+  });
+  return info;
 }
 
 // The entries of leaves of all parts.
@@ -110,16 +122,21 @@ void joinDelayedLoad(const std::vector<VdbPart>& parts, std::size_t g, std::uint
   metadata.insertMeta(Base::META_FILE_DELAYED_LOAD, all);
 }
 
+std::string bytesOf(std::uint32_t number) {
+  return {reinterpret_cast<const char*>(&number), sizeof number};
+}
+
 VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
   const PartGrid& first = parts.front().grids[g];
-  const std::unique_ptr<BitCodec> codec = makeBitCodec(*emptyGridOf(first));
-  const std::size_t root = codec->openvdbBytes().root;
+  const TypeInfo type = infoOfType(first.header.type);
+  const std::size_t root = type.bytes.root;
   openvdb::MetaMap metadata(first.header.metadata);
   openvdb::Vec3i low = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MIN, parts.front());
   openvdb::Vec3i high = metadataOf<openvdb::Vec3i>(first, Base::META_FILE_BBOX_MAX, parts.front());
   std::int64_t voxels = 0, bytes = static_cast<std::int64_t>(root);
-  std::uint64_t leaves = 0, children = 0;
-  std::vector<Vec3i> tiles;
+  std::uint64_t leaves = 0;
+  std::uint32_t children = 0, tileCount = 0;
+  std::string tiles;
   for (const VdbPart& part : parts) {
     const PartGrid& grid = part.grids[g];
     const auto own = metadataOf<openvdb::Int64>(grid, Base::META_FILE_VOXEL_COUNT, part);
@@ -134,7 +151,8 @@ VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
              static_cast<std::int64_t>(root);
     leaves += grid.leaves;
     children += grid.children;
-    tiles.insert(tiles.end(), grid.tiles.begin(), grid.tiles.end());
+    tileCount += grid.tileCount;
+    tiles += grid.tiles;
   }
   if (leaves >= std::numeric_limits<std::uint32_t>::max())
     throw Error(Status::Limit, "", "the grid would have 2^32 leaves or more",
@@ -144,11 +162,11 @@ VdbHead headOf(const std::vector<VdbPart>& parts, std::size_t g) {
   metadata.insertMeta(Base::META_FILE_MEM_BYTES, openvdb::Int64Metadata(bytes));
   metadata.insertMeta(Base::META_FILE_VOXEL_COUNT, openvdb::Int64Metadata(voxels));
   metadata.removeMeta(Base::META_FILE_DELAYED_LOAD);
-  if (codec->hasDelayedLoad() && leaves <= kDelayedLoadLeaves)
+  if (type.hasDelayedLoad && leaves <= kDelayedLoadLeaves)
     joinDelayedLoad(parts, g, leaves, metadata);
   return makeVdbHead(first.header.name, first.header.type + (first.header.half ? "_HalfFloat" : ""),
                      "", metadata, *first.header.transform,
-                     codec->root(tiles, static_cast<std::uint32_t>(children)));
+                     first.root + bytesOf(tileCount) + bytesOf(children) + tiles);
 }
 
 class Copier {
@@ -192,45 +210,63 @@ private:
   Progress& progress_;
 };
 
-// A volume that has only tiles: one of them is opened, which changes nodes.
-void mergeTiles(const std::vector<VdbPart>& parts, const std::string& output, Progress& progress) {
-  Volume whole;
-  for (const VdbPart& part : parts) {
-    const Volume volume = readVolume(part.path, progress);
-    for (std::size_t g = 0; g < part.grids.size(); ++g) {
-      // OpenVDB returns grids by name.
-      const auto& read = volume.grids().all;
-      const auto found = std::find_if(read.begin(), read.end(), [&](const auto& one) {
-        return one->getName() == part.grids[g].header.name;
-      });
-      if (found == read.end())
-        throw Error(Status::Invalid, part.path, "lacks the grid " + part.grids[g].header.name);
-      const openvdb::GridBase::Ptr& grid = *found;
-      if (whole.grids().all.size() == g) {
-        whole.grids().all.push_back(grid);
-        continue;
+// Grids of tiles alone, one of which is opened, which changes nodes.
+class TileGrid {
+public:
+  TileGrid(const std::vector<VdbPart>& parts, std::size_t g, const std::string& output)
+      : parts_(parts), g_(g) {
+    options_.folder = std::filesystem::path(output).parent_path().string();
+  }
+
+  void writeTo(VdbOutput& output, const ProgressShare& share) {
+    withKnownGrid(*openvdb::GridBase::createGrid(parts_.front().grids[g_].header.type),
+                  [&](const auto& typed) {
+                    using GridT = std::decay_t<decltype(typed)>;
+                    const std::optional<Vec3i> tile = spool<GridT>({})->tileAlone();
+                    spool<GridT>(tile)->writeTo(output, share);
+                  });
+  }
+
+private:
+  template <class GridT>
+  std::unique_ptr<GridSpool> spool(const std::optional<Vec3i>& opened) const {
+    std::unique_ptr<GridSpool> spool;
+    for (const VdbPart& part : parts_) {
+      const VdbHeader header = readVdbHeader(part.path);
+      VdbChildren<GridT> children(part.path, header, header.grids[g_]);
+      if (!spool) {
+        const openvdb::GridBase::Ptr empty = children.empty();
+        for (const char* name :
+             {kPartLeaves, Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX,
+              Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION})
+          empty->removeMeta(name);
+        spool = makeGridSpool(empty, options_);
+        if (opened)
+          spool->open(*opened);
       }
-      withKnownGrid(*whole.grids().all[g], [&](auto& typed) {
-        using GridT = std::decay_t<decltype(typed)>;
-        if constexpr (std::is_same_v<GridT, openvdb::FloatGrid> ||
-                      std::is_same_v<GridT, openvdb::BoolGrid> ||
-                      std::is_same_v<GridT, openvdb::MaskGrid>)
-          typed.tree().merge(static_cast<GridT&>(*grid).tree(), openvdb::MERGE_ACTIVE_STATES);
-      });
+      openvdb::Coord origin;
+      while (const auto child = children.next(origin)) {
+        spool->beginCube({origin.x(), origin.y(), origin.z()});
+        spool->add(child);
+        spool->endCube();
+      }
     }
+    return spool;
   }
-  whole.metadata = parts.front().metadata;
-  for (std::size_t g = 0; g < whole.grids().all.size(); ++g) {
-    openvdb::GridBase& grid = *whole.grids().all[g];
-    grid.setTransform(parts.front().grids[g].header.transform);
-    grid.removeMeta(kPartLeaves);
-    for (const char* name :
-         {Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX, Base::META_FILE_MEM_BYTES,
-          Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION, Base::META_FILE_DELAYED_LOAD})
-      grid.removeMeta(name);
-    openFirstTile(grid);
+
+  const std::vector<VdbPart>& parts_;
+  std::size_t g_;
+  SpoolOptions options_;
+};
+
+bool isTilesAlone(const std::vector<VdbPart>& parts, std::size_t g) {
+  std::int64_t voxels = 0;
+  for (const VdbPart& part : parts) {
+    if (part.grids[g].leaves > 0)
+      return false;
+    voxels += metadataOf<openvdb::Int64>(part.grids[g], Base::META_FILE_VOXEL_COUNT, part);
   }
-  writeVolume(output, whole, progress);
+  return voxels > 0;
 }
 
 } // namespace
@@ -254,14 +290,14 @@ MergeResult mergeVdb(const std::vector<std::string>& paths, const std::string& o
   if (result.activeVoxels == 0 && !options.allowEmpty)
     throw Error(Status::Invalid, "", "none of the parts has a voxel",
                 "use smaller voxels, or `allow_empty` to write an empty grid");
-  if (result.activeVoxels > 0 && result.leaves == 0) {
-    mergeTiles(parts, output, progress);
-    result.leaves = 1;
-    return result;
-  }
   VdbOutput file(output, parts.front().metadata, parts.front().grids.size());
   Copier copier(file, total, progress);
   for (std::size_t g = 0; g < parts.front().grids.size(); ++g) {
+    if (isTilesAlone(parts, g)) {
+      TileGrid(parts, g, output).writeTo(file, {progress, 0, 1});
+      result.leaves += g == 0 ? 1 : 0;
+      continue;
+    }
     const VdbHead head = headOf(parts, g);
     file.beginGrid(head);
     for (const VdbPart& part : parts)

@@ -26,18 +26,26 @@ public:
       places_.emplace_back(store_.add(bytes.data() + at, size), static_cast<std::uint32_t>(size));
     }
   }
-  /// Calls take(bytes) for all of them in order. Throws Error(Write).
+  /// Calls take(bytes) for all of them in order, once: their room is given back on the way. Throws
+  /// Error(Write).
   template <class Take>
-  void drain(const Take& take) const {
+  void drain(const Take& take) {
     std::string bytes;
+    std::uint64_t released = 0;
     for (const auto& [at, size] : places_) {
       bytes.resize(size);
       store_.read(at, bytes.data(), size);
       take(bytes);
+      if (at - released > kReleased) {
+        released = at;
+        store_.release(released);
+      }
     }
   }
 
 private:
+  static constexpr std::uint64_t kReleased = std::uint64_t(16) << 20; ///< bytes at a time
+
   TailStore store_;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> places_;
 };

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <unistd.h>
 #include <utility>
 
@@ -48,6 +49,20 @@ void TailStore::read(std::uint64_t at, char* out, std::size_t size) const {
     at += static_cast<std::uint64_t>(got);
     size -= static_cast<std::size_t>(got);
   }
+}
+
+void TailStore::release(std::uint64_t end) {
+  end -= end % kChunk;
+  if (end <= released_)
+    return;
+  for (std::uint64_t at = released_; at < end; at += kChunk)
+    chunks_[at / kChunk].reset();
+#ifdef FALLOC_FL_PUNCH_HOLE
+  if (descriptor_ >= 0)
+    ::fallocate(descriptor_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+                static_cast<off_t>(released_), static_cast<off_t>(end - released_));
+#endif
+  released_ = end;
 }
 
 void TailStore::open() {

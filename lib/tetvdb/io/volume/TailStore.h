@@ -33,6 +33,10 @@ public:
   /// Reads the bytes stored at `at`. Thread-safe, except with add(). Throws Error(Write).
   void read(std::uint64_t at, char* out, std::size_t size) const;
 
+  /// Gives back the room of what was added before `end`, which is not read again; of the file's
+  /// where the file system can.
+  void release(std::uint64_t end);
+
   static constexpr std::size_t kChunk = std::size_t(1) << 20;
 
 private:
@@ -46,6 +50,7 @@ private:
   std::vector<std::unique_ptr<char[]>> chunks_; ///< null: in the file, at its place
   std::size_t used_ = kChunk;                   ///< of the last chunk
   std::size_t kept_ = 0;                        ///< chunks in memory, but for the last
+  std::uint64_t released_ = 0;                  ///< up to here, a multiple of kChunk
   int descriptor_ = -1;
 };
 

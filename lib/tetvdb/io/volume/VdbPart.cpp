@@ -16,27 +16,38 @@ constexpr std::uint32_t kMaxEntries = 1 << 24; // of a root node
   throw Error(Status::Invalid, path, what, "write this part again");
 }
 
+// Bytes of a value of the types that shards write; 0 for others.
+std::size_t valueBytes(const std::string& type) {
+  if (type == "Tree_float_5_4_3" || type == "Tree_int32_5_4_3")
+    return 4;
+  if (type == "Tree_vec3s_5_4_3")
+    return 12;
+  return type == "Tree_bool_5_4_3" || type == "Tree_mask_5_4_3" ? 1 : 0;
+}
+
 // Tiles and number of children.
 void readRoot(const std::string& path, PartGrid& grid) {
-  const std::string& type = grid.header.type;
-  const bool isFloat = type == "Tree_float_5_4_3";
-  if (!isFloat && type != "Tree_bool_5_4_3" && type != "Tree_mask_5_4_3")
+  const std::size_t value = valueBytes(grid.header.type);
+  if (value == 0)
     fail(path, "has a grid of a type that shards do not write");
   std::ifstream file(path, std::ios::binary);
   file.seekg(static_cast<std::streamoff>(grid.header.rootAt));
-  const auto value = [&](auto& to) { file.read(reinterpret_cast<char*>(&to), sizeof to); };
-  file.ignore(4);
-  file.ignore(isFloat ? 4 : 1); // background
-  std::uint32_t tiles = 0;
-  value(tiles);
-  value(grid.children);
-  if (!file || tiles > kMaxEntries || grid.children > kMaxEntries)
+  const auto bytes = [&](std::string& to, std::size_t size) {
+    to.resize(size);
+    file.read(to.data(), static_cast<std::streamsize>(size));
+  };
+  const auto number = [&](std::uint32_t& to) {
+    file.read(reinterpret_cast<char*>(&to), sizeof to);
+  };
+  bytes(grid.root, sizeof(std::int32_t) + value); // buffers a leaf, background
+  number(grid.tileCount);
+  number(grid.children);
+  if (!file || grid.tileCount > kMaxEntries || grid.children > kMaxEntries)
     fail(path, "is cut or damaged");
-  for (std::uint32_t i = 0; i < tiles && file; ++i) {
-    grid.tiles.emplace_back();
-    value(grid.tiles.back());
-    file.ignore(isFloat ? 5 : 2); // value, active
-  }
+  const std::size_t tile = 3 * sizeof(std::int32_t) + value + 1; // origin, value, active
+  if (grid.tileCount * tile > grid.header.end - grid.header.rootAt)
+    fail(path, "is cut or damaged");
+  bytes(grid.tiles, grid.tileCount * tile);
   if (!file)
     fail(path, "is cut or damaged");
   grid.topologyAt = static_cast<std::uint64_t>(file.tellg());

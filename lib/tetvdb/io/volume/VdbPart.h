@@ -3,7 +3,6 @@
 // The header of a .vdb file that is a part of a volume.
 #pragma once
 
-#include "tetvdb/core/Vec3.h"
 #include "tetvdb/io/volume/PartMetadata.h"
 #include "tetvdb/io/volume/VdbHeader.h"
 
@@ -18,8 +17,9 @@ namespace tetvdb {
 struct PartGrid {
   VdbGridHeader header; ///< without kPartLeaves
   std::string transformBytes;
-  std::vector<Vec3i> tiles; ///< of the root, all of them full
-  std::uint32_t children = 0;
+  std::string root;  ///< bytes of the root node up to the number of tiles
+  std::string tiles; ///< bytes of its tiles
+  std::uint32_t tileCount = 0, children = 0;
   std::uint64_t topologyAt = 0; ///< of the children, in the file
   std::uint64_t leaves = 0;
 };

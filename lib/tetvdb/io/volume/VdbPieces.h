@@ -72,17 +72,32 @@ private:
   std::ostream stream_;
 };
 
-/// The tree's topology: the root with its tiles, then the blocks: every internal node before its
-/// children, and the masks of leaves.
+/// An upper node without its children, which are at the entries of `children`.
+template <class Upper, class Mask>
+void writeUpperNode(std::ostream& out, const Upper& node, const Mask& children, bool asHalf) {
+  using T = typename Upper::ValueType;
+  const openvdb::Coord origin = node.origin();
+  out.write(reinterpret_cast<const char*>(origin.data()), 3 * sizeof(openvdb::Int32));
+  children.save(out);
+  node.getValueMask().save(out);
+  const std::unique_ptr<T[]> values(new T[Upper::NUM_VALUES]);
+  for (openvdb::Index i = 0; i < Upper::NUM_VALUES; ++i)
+    values[i] = children.isOn(i) ? openvdb::zeroVal<T>() : T(node.getTable()[i].getValue());
+  openvdb::io::writeCompressedValues(out, values.get(), Upper::NUM_VALUES, node.getValueMask(),
+                                     children, asHalf);
+}
+
+/// The tree's structure: the root with its tiles, then the pieces: every internal node before its
+/// children, of leaves the masks.
 template <class TreeT>
 class TopologyPieces {
 public:
   TopologyPieces(const TreeT& tree, bool asHalf, std::uint32_t compression)
       : tree_(tree), asHalf_(asHalf), compression_(compression), background_(tree.background()) {
     for (auto child = tree.root().cbeginChildOn(); child; ++child) {
-      nodes_.push_back({&*child, nullptr, child.getCoord()});
+      nodes_.push_back({&*child, nullptr});
       for (auto below = child->cbeginChildOn(); below; ++below)
-        nodes_.push_back({nullptr, &*below, {}});
+        nodes_.push_back({nullptr, &*below});
     }
   }
 
@@ -102,7 +117,7 @@ public:
       if (nodes_[i].lower)
         nodes_[i].lower->writeTopology(out.stream(), asHalf_);
       else
-        writeUpper(out.stream(), nodes_[i]);
+        writeUpperNode(out.stream(), *nodes_[i].upper, nodes_[i].upper->getChildMask(), asHalf_);
     }
     return std::move(out.bytes());
   }
@@ -115,7 +130,6 @@ private:
   struct Node { // one of the two
     const Upper* upper = nullptr;
     const Lower* lower = nullptr;
-    openvdb::Coord origin;
   };
 
   template <class V>
@@ -144,20 +158,6 @@ private:
     }
   }
 
-  /// An upper node without its children.
-  void writeUpper(std::ostream& out, const Node& item) const {
-    const Upper& node = *item.upper;
-    putCoord(out, item.origin);
-    node.getChildMask().save(out);
-    node.getValueMask().save(out);
-    const std::unique_ptr<T[]> values(new T[Upper::NUM_VALUES]);
-    for (openvdb::Index i = 0; i < Upper::NUM_VALUES; ++i)
-      values[i] =
-          node.getChildMask().isOn(i) ? openvdb::zeroVal<T>() : T(node.getTable()[i].getValue());
-    openvdb::io::writeCompressedValues(out, values.get(), Upper::NUM_VALUES, node.getValueMask(),
-                                       node.getChildMask(), asHalf_);
-  }
-
   const TreeT& tree_;
   bool asHalf_;
   std::uint32_t compression_;
@@ -178,9 +178,11 @@ public:
   /// Whether plan() has to be called before make().
   static constexpr bool kPlanned = !hasBitLeaves<TreeT>;
 
-  BufferPieces(const TreeT& tree, bool asHalf, std::uint32_t compression)
-      : asHalf_(asHalf), compression_(compression), background_(tree.background()),
-        leaves_(NodeLists<TreeT>(tree).leaves()),
+  /// `keptBytes`: of tails between plan() and make(), at most.
+  BufferPieces(const TreeT& tree, bool asHalf, std::uint32_t compression,
+               std::size_t keptBytes = std::size_t(256) << 20)
+      : asHalf_(asHalf), compression_(compression), keptLimit_(keptBytes),
+        background_(tree.background()), leaves_(NodeLists<TreeT>(tree).leaves()),
         pieces_((leaves_.size() + kLeavesAPiece - 1) / kLeavesAPiece),
         caches_([] { return std::vector<CacheEntry>(kCacheEntries); }) {
     if constexpr (kPlanned) {
@@ -208,7 +210,7 @@ public:
       restore_[l] = static_cast<std::int8_t>(out.bytes()[kLeafMaskBytes]);
       own.append(out.bytes(), kLeafMaskBytes);
     }
-    if (keptBytes_.fetch_add(own.size()) + own.size() > kKeptBytes) {
+    if (keptBytes_.fetch_add(own.size()) + own.size() > keptLimit_) {
       keptBytes_.fetch_sub(own.size());
       std::string().swap(own);
       pieces_[piece].kept = false;
@@ -256,7 +258,6 @@ private:
   using Leaf = typename TreeT::LeafNodeType;
 
   static constexpr std::size_t kLeavesAPiece = 512;
-  static constexpr std::size_t kKeptBytes = std::size_t(256) << 20;
   static constexpr std::size_t kCacheEntries = 1024;
   static constexpr std::size_t kSharedTails = 1 << 16;
   static constexpr std::uint32_t kOwn = std::uint32_t(1) << 31;
@@ -356,6 +357,7 @@ private:
 
   bool asHalf_;
   std::uint32_t compression_;
+  std::size_t keptLimit_;
   T background_;
   std::vector<const Leaf*> leaves_;
   std::vector<Piece> pieces_;

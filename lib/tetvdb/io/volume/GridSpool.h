@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A grid on its way into a .vdb file, part by part: the bytes of its topology and of its buffers
+// wait in files without names until all parts have come.
+//
+//   const auto spool = tetvdb::makeGridSpool(empty, options);
+//   spool->beginCube(origin);
+//   spool->add(part); ...                 // parts of the 4096^3 cube in the order of its nodes
+//   spool->endCube();
+//   spool->writeTo(output, share);
+#pragma once
+
+#include "tetvdb/core/Vec3.h"
+#include "tetvdb/io/volume/VdbOutput.h"
+#include "tetvdb/volume/Volume.h"
+
+#include <cstddef>
+#include <memory>
+#include <openvdb/openvdb.h>
+#include <optional>
+#include <string>
+
+namespace tetvdb {
+
+struct SpoolOptions {
+  std::string folder;                            ///< of the files
+  std::size_t inMemory = std::size_t(16) << 20;  ///< bytes of topology and of buffers, each
+  std::size_t keptBytes = std::size_t(64) << 20; ///< of compressed leaves of a part, at most
+  bool part = false;                             ///< the grid says how many leaves it has
+};
+
+class GridSpool {
+public:
+  virtual ~GridSpool() = default;
+  virtual void beginCube(const Vec3i& origin) = 0;
+  /// A grid of the type, with nodes of this cube alone; it may change. Throws Error(Write), and
+  /// Error(Limit) for 2^32 leaves or more.
+  virtual void add(const openvdb::GridBase::Ptr& part) = 0;
+  virtual void endCube() = 0;
+
+  /// The first active tile of a grid without leaves, by x, then y, then z; after the last cube.
+  virtual std::optional<Vec3i> tileAlone() const = 0;
+  /// Opens this tile to a leaf when its part comes, as openFirstTile() does.
+  virtual void open(const Vec3i& tile) = 0;
+
+  /// What describe() says of the whole grid.
+  virtual GridInfo describe() const = 0;
+  /// Writes the grid: the bytes that a whole tree would give. To be called once.
+  virtual void writeTo(VdbOutput& output, const ProgressShare& share) = 0;
+};
+
+/// `empty`: with name, class, transform and metadata, and the background of the grid. Throws
+/// Error(Usage) for types that are not supported.
+std::unique_ptr<GridSpool> makeGridSpool(const openvdb::GridBase::Ptr& empty,
+                                         const SpoolOptions& options);
+
+} // namespace tetvdb

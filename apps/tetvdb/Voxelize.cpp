@@ -89,6 +89,8 @@ const char* const kExamples = R"(Examples:
       an open sheet as a shell, 0.4 units thick, 0.2 on either side
   tetvdb voxelize part.stl -o hollow.vdb --shell 2 --shell-side inward
       a hollow part with walls of 2 units
+  tetvdb voxelize ship.stl -o ship.vdb --resolution 8192 --grid surface --max-memory 1G
+      streamed into the file where its trees would be larger than that
   tetvdb voxelize ship.stl -o ship.vdb --voxel-size 0.5 --grid mask --shard 3/16
       the fourth of 16 parts, into ship.3-of-16.vdb; see 'tetvdb help plan' and 'tetvdb help merge'
   tetvdb voxelize ship.stl --tiles ship --tile-size 1024 --voxel-size 0.5
@@ -474,7 +476,7 @@ Command addVoxelize(CLI::App& program) {
   command
       ->add_option(
           "--shard", options->shard,
-          "Make part I of N, from 0 on, of a .vdb of density and mask, into "
+          "Make part I of N, from 0 on, of a .vdb, into "
           "OUT.I-of-N.vdb; auto: as Slurm's arrays, mpirun or srun say; tetvdb merge joins "
           "them")
       ->type_name("I/N|auto")

@@ -267,12 +267,12 @@ class Limits(CommandLineTest):
     def test_memory(self):
         self.refuse(4, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 2000,
                     "--max-memory", "1M", says="memory")
-        self.refuse(4, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 4000, "--grid",
+        self.refuse(4, "voxelize", "big.mesh", "-o", "out.nvdb", "--resolution", 4000, "--grid",
                     "tet_id", "--max-memory", "300M", says="memory")
 
     @unittest.skipIf(SANITIZED, "sanitizers reserve address space")
     def test_address_space(self):
-        self.refuse(4, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 3000, "--grid",
+        self.refuse(4, "voxelize", "big.mesh", "-o", "out.nvdb", "--resolution", 3000, "--grid",
                     "tet_id", preexec_fn=limit(resource.RLIMIT_AS, 700 << 20))
 
     def test_time(self):

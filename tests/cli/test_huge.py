@@ -40,22 +40,49 @@ def rod(length, width):
     return turned, faces
 
 
+def tet_bar(cells, size):
+    """Gmsh's text of cubes in a row, six tets each, turned: it passes through several cubes of 4096^3."""
+    points = [(i * size, j * size, k * size) for i in range(cells + 1) for j in range(2) for k in range(2)]
+    turned = [(x * 0.8 - y * 0.6 - 1800, x * 0.48 + y * 0.64 - z * 0.6 - 1000, x * 0.36 + y * 0.48 + z * 0.8 - 500)
+              for x, y, z in points]
+    tets = []
+    for i in range(cells):
+        at = lambda a, j, k: 4 * (i + a) + 2 * j + k + 1
+        for p in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+            corner, path = [0, 0, 0], [at(0, 0, 0)]
+            for axis in p:
+                corner[axis] = 1
+                path.append(at(*corner))
+            tets.append(path)
+    return "\n".join(["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(turned))] +
+                     ["%d %r %r %r" % (n + 1, *p) for n, p in enumerate(turned)] +
+                     ["$EndNodes", "$Elements", str(len(tets))] +
+                     ["%d 4 2 %d %d %d %d %d %d" % (n + 1, n % 3 + 1, n % 3 + 1, *t) for n, t in enumerate(tets)] +
+                     ["$EndElements", ""])
+
+
+def parts_of(report):
+    """Names of the parts of a report's stages."""
+    return {part["name"] for stage in report["stages"] for part in stage.get("parts", ())}
+
+
+def peak_of(test, *arguments):
+    """Of the program's resident memory, in bytes."""
+    done = subprocess.run(["/usr/bin/env", "python3", "-c", """
+import resource, subprocess, sys
+status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
+print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""", PROGRAM,
+                           *map(str, arguments)], cwd=test.folder, capture_output=True, text=True)
+    status, peak = map(int, done.stdout.split())
+    test.assertEqual(status, 0, done.stderr)
+    return peak
+
+
 class Streams(CommandLineTest):
     def setUp(self):
         super().setUp()
         self.write("ball.off", off(*ball(1000, 60)))
         self.write("rod.off", off(*rod(9000, 60)))
-
-    def peak_of(self, *arguments):
-        """Of the program's resident memory, in bytes."""
-        done = subprocess.run(["/usr/bin/env", "python3", "-c", """
-import resource, subprocess, sys
-status = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL).returncode
-print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""", PROGRAM,
-                               *map(str, arguments)], cwd=self.folder, capture_output=True, text=True)
-        status, peak = map(int, done.stdout.split())
-        self.assertEqual(status, 0, done.stderr)
-        return peak
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_budgets(self):
@@ -63,7 +90,7 @@ print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""",
         self.succeed("voxelize", *options, "-o", "trees.vdb")
         expected = self.path("trees.vdb").read_bytes()
         for budget in (128, 200):  # trees take 450 MB
-            peak = self.peak_of("voxelize", *options, "-o", "out.vdb", "--max-memory", "%dM" % budget)
+            peak = peak_of(self, "voxelize", *options, "-o", "out.vdb", "--max-memory", "%dM" % budget)
             self.assertLess(peak, budget << 20)
             self.assertTrue(self.path("out.vdb").read_bytes() == expected, budget)
 
@@ -113,6 +140,84 @@ print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""",
         self.assertTrue(types["bool"][0] and types["mask"][0])
         self.assertEqual(types["bool"][1], types["mask"][1])
         self.assertLess(types["mask"][2], 0.75 * types["bool"][2])
+
+
+class ValuesStream(CommandLineTest):
+    """Grids of other values than inside and outside."""
+
+    GRIDS = ("surface", "fog", "coverage")
+
+    def setUp(self):
+        super().setUp()
+        self.write("ball.off", off(*ball(300, 40)))
+        self.write("rod.off", off(*rod(9000, 15)))
+        self.write("tets.msh", tet_bar(90, 40))
+
+    def expect_same(self, source, *grids, parts=3):
+        options = (source, "--voxel-size", "1", "--grid", ",".join(grids))
+        self.succeed("voxelize", *options, "-o", "trees.vdb")
+        expected = self.path("trees.vdb").read_bytes()
+        for i in range(parts):
+            self.succeed("voxelize", *options, "-o", "part.vdb", "--shard", "%d/%d" % (i, parts), "--threads", 1 + i)
+        self.succeed("merge", *("part.%d-of-%d.vdb" % (i, parts) for i in range(parts)), "-o", "merged.vdb")
+        self.assertTrue(self.path("merged.vdb").read_bytes() == expected, grids)
+
+    def test_shards_of_any_grid(self):
+        for grids in (("surface",), ("fog", "mask"), ("coverage", "density", "surface")):
+            self.expect_same("rod.off", *grids)
+
+    def test_shards_of_tets(self):
+        self.expect_same("tets.msh", "tet_id", "material", "surface")
+
+    def test_shards_of_open_meshes(self):
+        points, faces = ball(300, 40)
+        self.write("open.off", off([(x, y + 4096, z) for x, y, z in points], faces[80:]))
+        self.expect_same("open.off", "surface", parts=2)
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_a_limit_streams(self):
+        options = ("ball.off", "--voxel-size", "0.5", "--grid", "surface")
+        trees = self.report_of("voxelize", *options, "-o", "trees.vdb")
+        self.assertNotIn("stream", parts_of(trees))
+        expected = self.path("trees.vdb").read_bytes()
+        for budget in (120, 200):  # trees take 700 MB
+            report = self.report_of("voxelize", *options, "-o", "out.vdb", "--max-memory", "%dM" % budget)
+            self.assertIn("stream", parts_of(report))
+            self.assertTrue(self.path("out.vdb").read_bytes() == expected, budget)
+            peak = peak_of(self, "voxelize", *options, "-o", "out.vdb", "--max-memory", "%dM" % budget)
+            self.assertLess(peak, budget << 20)
+
+    def test_a_full_disk_leaves_nothing(self):
+        before = sorted(os.listdir(self.folder))
+
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3 << 20, 3 << 20))
+
+        for shard in ("0/1", "0/2"):
+            result = self.run_program("voxelize", "ball.off", "-o", "out.vdb", "--voxel-size", "0.5", "--grid",
+                                      "surface", "--shard", shard, preexec_fn=limit)
+            self.assertEqual(result.status, 7, result.err)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def test_a_signal_leaves_nothing(self):
+        self.write("large.off", off(*ball(3000, 60)))
+        before = sorted(os.listdir(self.folder))
+        process = subprocess.Popen([PROGRAM, "voxelize", "large.off", "-o", "out.vdb", "--voxel-size", "1",
+                                    "--grid", "surface", "--shard", "1/2"], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 60
+        while len(os.listdir(self.folder)) == len(before) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        self.assertGreater(len(os.listdir(self.folder)), len(before))
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(60), 5)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_what_does_not_fit_is_refused(self):
+        self.refuse(4, "voxelize", "ball.off", "-o", "out.vdb", "--voxel-size", "0.5", "--grid", "surface,fog,coverage",
+                    "--max-memory", "40M", says=("--max-memory",))
+        self.assertFalse(self.path("out.vdb").exists())
 
 
 class Shards(CommandLineTest):
@@ -189,7 +294,8 @@ class Shards(CommandLineTest):
         self.refuse(3, "merge", "rod.mesh", "-o", "m.vdb", says=("rod.mesh",))
 
     def test_what_cannot_be_a_shard(self):
-        for options in (("-o", "a.vdb", "--grid", "surface"), ("-o", "a.nvdb"), ("-o", "a.npz"),
+        for options in (("-o", "a.vdb", "--grid", "surface", "--half-width", "all"),
+                        ("-o", "a.vdb", "--inside", "flood"), ("-o", "a.nvdb"), ("-o", "a.npz"),
                         ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope")):
             self.refuse(2, "voxelize", "rod.off", "--voxel-size", "1", "--shard", "0/2", *options,
                         says=("--shard",))

@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A file that is streamed has the bytes of one that is made by OpenVDB's nodes in memory.
-#include "Meshes.h"
-#include "TemporaryFolder.h"
-#include "TriangleMeshes.h"
-#include "tetvdb/io/MergeVdb.h"
-#include "tetvdb/io/MeshWriter.h"
-#include "tetvdb/io/TriangleWriter.h"
+#include "StreamFixture.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/StreamJob.h"
 #include "tetvdb/volume/Grids.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
-#include <random>
 
 namespace tetvdb {
 namespace {
@@ -26,83 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace meshes;
 
-std::string bytesOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-bool wasStreamed(const Report& report) {
-  for (const Stage& stage : report.stages)
-    for (const StagePart& part : stage.parts)
-      if (part.name == "stream")
-        return true;
-  return false;
-}
-
-class StreamJob : public ::testing::Test {
+class StreamJob : public StreamFixture {
 protected:
-  VoxelizeJob job(const TriangleMesh& mesh) {
-    VoxelizeJob job;
-    job.inputs = {folder_ / "mesh.obj"};
-    writeTriangles(job.inputs.front(), mesh, progress_);
-    job.voxelize.voxelSize = {1, 1, 1};
-    job.output = folder_ / "a.vdb";
-    job.clean.orient = false;
-    return job;
-  }
-  VoxelizeJob job(const TetMesh& mesh) {
-    VoxelizeJob job;
-    job.inputs = {folder_ / "mesh.msh"};
-    writeTetMesh(job.inputs.front(), mesh, progress_);
-    job.voxelize.voxelSize = {1, 1, 1};
-    job.output = folder_ / "a.vdb";
-    return job;
-  }
-
-  std::string make(VoxelizeJob job, Streaming streaming, VoxelizeResult* result = nullptr) {
-    job.streaming = streaming;
-    Report report;
-    VoxelizeResult made = run(job, report, progress_);
-    EXPECT_EQ(wasStreamed(report), streaming == Streaming::Always);
-    if (result != nullptr)
-      *result = std::move(made);
-    return bytesOf(job.output);
-  }
-
-  // Makes the job both ways.
-  void expectSame(VoxelizeJob job, const std::string& what,
-                  const std::vector<int>& threadCounts = {1, 2, 8}) {
-    VoxelizeResult tree, stream;
-    const std::string expected = make(job, Streaming::Never, &tree);
-    for (const int threads : threadCounts) {
-      job.threads = threads;
-      EXPECT_TRUE(make(job, Streaming::Always, &stream) == expected)
-          << what << ", " << threads << " threads";
-    }
-    ASSERT_EQ(stream.grids.size(), tree.grids.size());
-    for (std::size_t g = 0; g < tree.grids.size(); ++g) {
-      const GridInfo &a = stream.grids[g], &b = tree.grids[g];
-      EXPECT_EQ(a.name, b.name);
-      EXPECT_EQ(a.type, b.type);
-      EXPECT_EQ(a.gridClass, b.gridClass);
-      EXPECT_EQ(a.activeVoxels, b.activeVoxels) << what;
-      EXPECT_EQ(a.activeTiles, b.activeTiles) << what;
-      EXPECT_EQ(a.leaves, b.leaves) << what;
-      EXPECT_EQ(a.bytes, b.bytes) << what;
-      EXPECT_EQ(a.volume, b.volume) << what;
-      EXPECT_EQ(a.boxMin, b.boxMin) << what;
-      EXPECT_EQ(a.boxMax, b.boxMax) << what;
-      EXPECT_EQ(a.minValue, b.minValue) << what;
-      EXPECT_EQ(a.maxValue, b.maxValue) << what;
-      EXPECT_EQ(a.metadata, b.metadata) << what;
-      EXPECT_EQ(a.transform.voxelSize, b.transform.voxelSize) << what;
-    }
-    EXPECT_EQ(stream.openEdges, tree.openEdges);
-    EXPECT_EQ(stream.counts.boundaryFaces, tree.counts.boundaryFaces);
-    // Nothing is left beside the mesh and the volume.
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
-  }
-
   // All kinds of grids and rules.
   void expectSameOfAll(VoxelizeJob job, const std::string& what) {
     using Kinds = std::vector<GridKind>;
@@ -121,19 +36,7 @@ protected:
       expectSame(job, what + (rule == VoxelRule::Any ? ", any" : ", all"));
     }
   }
-
-  TemporaryFolder folder_;
-  Progress progress_;
 };
-
-// A rod that is turned, about so many voxels long.
-TriangleMesh rod(double length, double width, const Vec3d& shift) {
-  return moved(box({0, 0, 0}, {length, width, width}), [&](const Vec3d& p) {
-    return Vec3d{p[0] * 0.8 - p[1] * 0.6 + shift[0],
-                 p[0] * 0.48 + p[1] * 0.64 - p[2] * 0.6 + shift[1],
-                 p[0] * 0.36 + p[1] * 0.48 + p[2] * 0.8 + shift[2]};
-  });
-}
 
 TEST_F(StreamJob, ClosedMeshesInOneCubeAndAcrossZero) {
   expectSameOfAll(job(sphere({200, 210, 220}, 150, 24)), "a ball");
@@ -229,24 +132,6 @@ TEST_F(StreamJob, OpenVDBReadsIt) {
 // Parts of a job, merged in some order.
 class Shards : public StreamJob {
 protected:
-  std::vector<std::string> makeParts(const VoxelizeJob& whole, unsigned count) {
-    std::vector<std::string> parts;
-    for (unsigned i = 0; i < count; ++i) {
-      VoxelizeJob job = whole;
-      job.shard = {i, count};
-      job.threads = static_cast<int>(1 + i % 3);
-      job.output = folder_ / ("part" + std::to_string(i) + ".vdb");
-      Report report;
-      run(job, report, progress_);
-      parts.push_back(job.output);
-    }
-    return parts;
-  }
-  std::string merged(std::vector<std::string> parts, unsigned seed) {
-    std::shuffle(parts.begin(), parts.end(), std::mt19937(seed));
-    mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);
-    return bytesOf(folder_ / "merged.vdb");
-  }
   Status statusOf(const std::vector<std::string>& parts, std::string& text) {
     try {
       mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);
@@ -342,7 +227,7 @@ TEST_F(Shards, OfOtherJobsAreRefused) {
   VoxelizeJob wanted = job(sphere({0, 0, 0}, 50, 8));
   wanted.shard = {0, 2};
   std::vector<VoxelizeJob> jobs(4, wanted);
-  jobs[0].grids = {GridKind::Surface};
+  jobs[0].solid.inside = InsideRule::Flood;
   jobs[1].output = folder_ / "a.nvdb";
   jobs[2].solid.shell = 3;
   jobs[3].keep = true;

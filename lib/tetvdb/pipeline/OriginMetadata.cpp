@@ -4,6 +4,7 @@
 #include "tetvdb/core/Version.h"
 
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace tetvdb {
@@ -40,6 +41,21 @@ void setHalf(const VoxelizeJob& job, const openvdb::GridPtrVec& grids) {
   for (const auto& grid : grids)
     if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Vec3SGrid>())
       grid->setSaveFloatAsHalf(true);
+}
+
+void setMaskType(const VoxelizeJob& job, openvdb::GridPtrVec& grids) {
+  if (job.maskType != MaskType::Mask)
+    return;
+  for (openvdb::GridBase::Ptr& grid : grids) {
+    if (!grid->isType<openvdb::BoolGrid>())
+      continue;
+    const auto& tree = static_cast<const openvdb::BoolGrid&>(*grid).constTree();
+    const auto mask = openvdb::MaskGrid::create(
+        std::make_shared<openvdb::MaskTree>(tree, false, true, openvdb::TopologyCopy()));
+    mask->insertMeta(*grid);
+    mask->setTransform(grid->transformPtr());
+    grid = mask;
+  }
 }
 
 } // namespace tetvdb

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a job says of a volume's origin, for the file.
+// What a job says of a volume's origin, and of how grids are stored, for the file.
 #pragma once
 
 #include "tetvdb/pipeline/VoxelizeJob.h"
@@ -16,5 +16,8 @@ std::map<std::string, std::string> originMetadata(const VoxelizeJob& job);
 
 /// Has float grids stored with 16 bits a value where the job asks for it.
 void setHalf(const VoxelizeJob& job, const openvdb::GridPtrVec& grids);
+
+/// Makes MaskGrids of BoolGrids where the job asks for them.
+void setMaskType(const VoxelizeJob& job, openvdb::GridPtrVec& grids);
 
 } // namespace tetvdb

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/ShardRanges.h"
 
+#include "tetvdb/volume/VoxelBounds.h"
+
 #include <algorithm>
 
 namespace tetvdb {
@@ -24,6 +26,29 @@ std::vector<CubeRange> shardRanges(const std::vector<std::uint64_t>& weights, st
   while (++share < count)
     ranges[share] = {weights.size(), weights.size()};
   return ranges;
+}
+
+std::vector<ShardPlan> planShards(const std::vector<RootCube>& cubes,
+                                  const std::vector<std::uint64_t>& weights, std::size_t count) {
+  double total = 0;
+  for (const std::uint64_t weight : weights)
+    total += static_cast<double>(weight);
+  std::vector<ShardPlan> plan;
+  for (const CubeRange& range : shardRanges(weights, count)) {
+    ShardPlan& one = plan.emplace_back();
+    VoxelBounds box;
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      ++one.rootChildren;
+      one.fullRootChildren += cubes[i].full ? 1 : 0;
+      one.share += static_cast<double>(weights[i]) / total;
+      box.add(cubes[i].origin, 4096);
+    }
+    if (one.rootChildren > 0) {
+      one.boxMin = box.min;
+      one.boxMax = box.max;
+    }
+  }
+  return plan;
 }
 
 } // namespace tetvdb

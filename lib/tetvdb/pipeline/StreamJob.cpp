@@ -4,14 +4,14 @@
 #include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/BitVdbWriter.h"
-#include "tetvdb/io/volume/PartMetadata.h"
 #include "tetvdb/io/volume/TileFolder.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/pipeline/ShardRanges.h"
+#include "tetvdb/pipeline/StreamOptions.h"
+#include "tetvdb/pipeline/StreamTrees.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/volume/BitLevels.h"
-#include "tetvdb/volume/VoxelBounds.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/KeepResolution.h"
 #include "tetvdb/voxelize/OccupancySource.h"
@@ -19,13 +19,9 @@
 #include "tetvdb/voxelize/TreeEstimate.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fmt/format.h>
-#include <iterator>
 #include <optional>
 #include <tbb/task_arena.h>
 #include <utility>
-#include <xxhash.h>
 
 namespace tetvdb {
 namespace {
@@ -36,10 +32,6 @@ constexpr double kFasterFrom = 1 << 17;
 
 // What a stack of 128^3 nodes takes on its way if it is full of mixed leaves.
 constexpr std::size_t kStackBytes = std::size_t(20) << 20;
-
-std::size_t limitOf(const VoxelizeJob& job) {
-  return job.maxMemory != 0 ? memoryLeft(job.maxMemory) : availableBytes();
-}
 
 openvdb::GridPtrVec emptyGrids(const VoxelizeJob& job, const GridTransform& transform) {
   openvdb::GridPtrVec grids;
@@ -65,12 +57,12 @@ openvdb::GridPtrVec emptyGrids(const VoxelizeJob& job, const GridTransform& tran
 class Stream {
 public:
   Stream(const VoxelizeJob& job, const GridTransform& transform, bool tets)
-      : job_(job), transform_(transform), limit_(limitOf(job)), tets_(tets) {}
+      : job_(job), transform_(transform), limit_(streamLimit(job)), tets_(tets) {}
 
   // Whether trees of the job's grids would be too large, or streaming is asked for.
   bool isNeeded(const SolidFaces& faces) {
     estimate_ = estimateByBoundary(faces.snapped, faces.chain);
-    return mustStream() || (fasterWins() && estimate_.leaves >= kFasterFrom) ||
+    return mustStream(job_) || (fasterWins() && estimate_.leaves >= kFasterFrom) ||
            bytesOf(faces) + estimate_.bytes(job_.grids) > static_cast<double>(limit_);
   }
   // The same, of a box that bounds everything.
@@ -83,7 +75,7 @@ public:
       lowers *= voxels / kNodeSize + 2;
     }
     const double surface = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
-    return mustStream() || (fasterWins() && surface >= kFasterFrom / 2) ||
+    return mustStream(job_) || (fasterWins() && surface >= kFasterFrom / 2) ||
            TreeEstimate{leaves, lowers}.bytes(job_.grids) > static_cast<double>(limit_) / 4;
   }
   double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
@@ -95,7 +87,7 @@ public:
     result.transform = transform_;
     OccupancySource source(faces.snapped, faces.chain, faces.fill(), job_.voxelize.rule, progress);
     if (job_.plan > 0) {
-      result.plan = planOf(source);
+      result.plan = planShards(source.cubes(), source.weights(), job_.plan);
       return;
     }
     timer.part("stream");
@@ -103,7 +95,7 @@ public:
     if (!job_.shard.isWhole()) {
       options.part = true;
       options.openFirstTile = false; // that of the whole volume
-      partOf(faces).add(metadata);
+      partMetadata(job_, transform_, markOf(faces)).add(metadata);
       const CubeRange own = shardRanges(source.weights(), job_.shard.count)[job_.shard.index];
       source.restrict(own.begin, own.end);
     }
@@ -154,46 +146,6 @@ private:
            (!tets_ || job_.device.kind == DeviceKind::Cpu || nano::listDevices(why).empty());
   }
 
-  bool mustStream() const {
-    return job_.streaming == Streaming::Always || !job_.shard.isWhole() || job_.plan > 0;
-  }
-
-  std::vector<ShardPlan> planOf(const OccupancySource& source) const {
-    const std::vector<std::uint64_t> weights = source.weights();
-    double total = 0;
-    for (const std::uint64_t weight : weights)
-      total += static_cast<double>(weight);
-    std::vector<ShardPlan> plan;
-    for (const CubeRange& range : shardRanges(weights, job_.plan)) {
-      ShardPlan& one = plan.emplace_back();
-      VoxelBounds box;
-      for (std::size_t i = range.begin; i < range.end; ++i) {
-        ++one.rootChildren;
-        one.fullRootChildren += source.cubes()[i].full ? 1 : 0;
-        one.share += static_cast<double>(weights[i]) / total;
-        box.add(source.cubes()[i].origin, kRootChildSize);
-      }
-      if (one.rootChildren > 0) {
-        one.boxMin = box.min;
-        one.boxMax = box.max;
-      }
-    }
-    return plan;
-  }
-
-  // Equal for the shards of one job alone.
-  PartMetadata partOf(const SolidFaces& faces) const {
-    std::string what = markOf(faces) + fmt::format(" {} {} {} {}", int(job_.voxelize.rule),
-                                                   int(job_.maskType), job_.half, job_.shard.count);
-    for (const GridKind kind : job_.grids)
-      what += fmt::format(" {}", infoOf(kind).name);
-    for (std::size_t k = 0; k < 3; ++k)
-      what += fmt::format(" {} {}", transform_.voxelSize[k], transform_.origin[k]);
-    const XXH128_hash_t hash = XXH3_128bits(what.data(), what.size());
-    return {job_.shard.index, job_.shard.count,
-            fmt::format("{:016x}{:016x}", hash.high64, hash.low64)};
-  }
-
   const VoxelizeJob& job_;
   GridTransform transform_;
   std::size_t limit_;
@@ -203,26 +155,13 @@ private:
   std::optional<TileFolder> tiles_;
 };
 
-// Reports what is told where the job is done.
-void take(Report& told, Report& report) {
-  std::move(told.stages.begin(), told.stages.end(), std::back_inserter(report.stages));
-  std::move(told.warnings.begin(), told.warnings.end(), std::back_inserter(report.warnings));
-  report.partial = report.partial || told.partial;
-}
-
-VoxelizeOptions optionsOf(const VoxelizeJob& job) {
-  VoxelizeOptions options = job.voxelize;
-  options.grids = job.grids;
-  return options;
-}
-
 } // namespace
 
 void requireStreamable(const VoxelizeJob& job) {
-  if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job))
+  if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job) && !canStreamTrees(job))
     throw Error(Status::Usage, "`shard`",
-                "is for .vdb files of density and mask, of solids, found on the CPU, without a "
-                "preview, a mesh output or `fit`",
+                "is for .vdb files of solids, found on the CPU, without a preview, a mesh output, "
+                "`fit` or a half-width of all",
                 "leave the rest out");
 }
 
@@ -230,20 +169,16 @@ bool canStream(const VoxelizeJob& job) {
   const bool occupancy = std::all_of(job.grids.begin(), job.grids.end(), [](GridKind kind) {
     return kind == GridKind::Density || kind == GridKind::Mask;
   });
-  return (job.streaming != Streaming::Never || !job.shard.isWhole() || job.plan > 0) && occupancy &&
-         !job.grids.empty() && job.fields.empty() && !job.keep && job.preview.empty() &&
-         job.meshOutput.empty() &&
-         (job.tileSize > 0 || std::filesystem::path(job.output).extension() == ".vdb") &&
-         job.voxelize.fit.voxels == 0 && job.solid.shell == 0 &&
-         job.solid.inside != InsideRule::Flood && job.device.kind != DeviceKind::Cuda &&
-         job.voxelize.path != OccupancyPath::Tets;
+  return mayStream(job) && occupancy && !job.grids.empty() && job.fields.empty();
 }
 
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
                 Progress& progress) {
+  if (canStreamTrees(job))
+    return streamTrees(job, mesh, result, report, progress);
   if (!canStream(job) || mesh.tets.empty())
     return false;
-  const VoxelizeOptions options = optionsOf(job);
+  const VoxelizeOptions options = streamOptions(job);
   const GridTransform transform = chooseTransform(mesh, options);
   Stream stream(job, transform, true);
   const bool whole = job.shard.isWhole();
@@ -271,7 +206,7 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
     StageTimer timer(told, "write");
     stream.commit(result, progress);
   }
-  take(told, report);
+  moveReport(told, report);
   result.device.name = "cpu";
   return true;
 }
@@ -279,9 +214,11 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
 bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
                      const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                      Report& report, Progress& progress) {
+  if (canStreamTrees(job))
+    return streamTrees(job, mesh, metadata, result, report, progress);
   if (!canStream(job) || mesh.triangles.empty())
     return false;
-  const VoxelizeOptions options = optionsOf(job);
+  const VoxelizeOptions options = streamOptions(job);
   VoxelizeOptions used = options;
   std::map<std::string, std::string> all = originMetadata(job);
   for (const auto& [key, text] : metadata)
@@ -326,7 +263,7 @@ bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
       coarsen(transform, factor, used);
       told.warnings.clear();
     }
-    take(told, report);
+    moveReport(told, report);
     result.openEdges = result.counts.openEdges;
     if (factor == 1)
       return true;

@@ -14,9 +14,9 @@
 
 namespace tetvdb {
 
-/// Whether the job's output can be streamed: a .vdb file of density and mask alone, and nothing
-/// that needs a volume in memory or a mesh besides (a preview, VoxelizeJob::keep, `fit`, shells, a
-/// flood, a mesh output).
+/// Whether the job's output can be streamed as bits: a .vdb file of density and mask alone, and
+/// nothing that needs a volume in memory or a mesh besides (a preview, VoxelizeJob::keep, `fit`,
+/// shells, a flood, a mesh output). Other grids: canStreamTrees() (pipeline/StreamTrees.h).
 bool canStream(const VoxelizeJob& job);
 
 /// Throws Error(Usage) for a shard of a job that cannot be streamed.
@@ -27,7 +27,7 @@ void requireStreamable(const VoxelizeJob& job);
 /// the same. False, with nothing done and nothing said, where the job is left to the trees.
 /// `metadata`: more of it for the file. Memory: the mesh, which is released where it is not needed
 /// any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB. Throws as
-/// voxelize() and BitVdbWriter do.
+/// voxelize() and BitVdbWriter do. Jobs with other grids: streamTrees().
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
                 Progress& progress);
 bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,

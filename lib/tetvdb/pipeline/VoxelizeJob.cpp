@@ -168,20 +168,6 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
   return meshes;
 }
 
-// BoolGrids as MaskGrids.
-void makeMaskGrids(openvdb::GridPtrVec& grids) {
-  for (openvdb::GridBase::Ptr& grid : grids) {
-    if (!grid->isType<openvdb::BoolGrid>())
-      continue;
-    const auto& tree = static_cast<const openvdb::BoolGrid&>(*grid).constTree();
-    const auto mask = openvdb::MaskGrid::create(
-        std::make_shared<openvdb::MaskTree>(tree, false, true, openvdb::TopologyCopy()));
-    mask->insertMeta(*grid);
-    mask->setTransform(grid->transformPtr());
-    grid = mask;
-  }
-}
-
 // `packed`: grids that come after the volume's.
 template <typename Voxelize>
 Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
@@ -192,8 +178,7 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
   Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
   result.transform = made.transform;
-  if (job.maskType == MaskType::Mask)
-    makeMaskGrids(made.volume.grids().all);
+  setMaskType(job, made.volume.grids().all);
   made.volume.metadata = originMetadata(job);
   setHalf(job, made.volume.grids().all);
   fitVolume(made.volume, made.transform, job.voxelize.fit, report);
@@ -366,9 +351,8 @@ public:
     clean();
     if (job_.makesVolume() || needsTets(job_))
       chooseMethod();
-    if ((!job_.shard.isWhole() || job_.plan > 0) && byTets())
-      throw Error(Status::Usage, "`shard`", "is for the winding number, not for tets made here",
-                  "make the tets first, or leave `mesher=envelope` and `epsilon` out");
+    if (!job_.shard.isWhole() || job_.plan > 0)
+      requireShards();
     if (job_.makesVolume() && !byTets() && !asMaterials() &&
         streamTriangles(job_, meshes_.front(), unitsFound(), result_, report_, progress_))
       return;
@@ -438,6 +422,15 @@ private:
       return;
     }
     takeTets(std::move(*made));
+  }
+
+  void requireShards() const {
+    if (byTets())
+      throw Error(Status::Usage, "`shard`", "is for the winding number, not for tets made here",
+                  "make the tets first, or leave `mesher=envelope` and `epsilon` out");
+    if (asMaterials())
+      throw Error(Status::Usage, "`shard`", "is not for the grid material of triangles",
+                  "make tets of them first, which have regions");
   }
 
   void takeTets(Tetrahedralization&& made) {

@@ -42,10 +42,10 @@
 
 namespace tetvdb {
 
-/// Whether grids become trees in memory on their way into a .vdb file. The file is the same.
+/// Whether grids become whole trees on their way into a .vdb file. The file is the same.
 enum class Streaming : std::uint8_t {
-  Auto,   ///< whichever is faster; never trees where they would not fit into memory
-  Always, ///< never trees, where that is possible: density and mask alone
+  Auto,   ///< whichever is faster; never whole trees where they would not fit into memory
+  Always, ///< never whole trees, where that is possible (docs/huge.md)
   Never
 };
 

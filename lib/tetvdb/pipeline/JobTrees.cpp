@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/JobTrees.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/fields/CapFaces.h"
+#include "tetvdb/fields/FieldGrids.h"
+#include "tetvdb/fields/FogVolume.h"
+#include "tetvdb/fields/LevelSet.h"
+#include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/voxelize/TreeBuilder.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fmt/format.h>
+#include <limits>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::int32_t kNodesInCube = kRootChildSize / kNodeSize;
+
+// Where a band is only needed to know how many leaves a node has.
+constexpr double kNarrowBand = 1;
+
+bool isEmpty(const NodeBox& box) {
+  return box.low[0] == box.high[0];
+}
+
+const openvdb::BoolGrid& maskOf(const openvdb::GridPtrVec& grids) {
+  return static_cast<const openvdb::BoolGrid&>(
+      **std::find_if(grids.begin(), grids.end(),
+                     [](const auto& grid) { return grid->template isType<openvdb::BoolGrid>(); }));
+}
+
+} // namespace
+
+JobTrees::JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& progress)
+    : job_(job), inputs_(inputs),
+      voxelized_(madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner})),
+      shapes_(madeBy(job.grids, {GridMaker::Distance, GridMaker::Share})), made_(voxelized_) {
+  owners_ = !madeBy(job.grids, {GridMaker::Owner}).empty();
+  if (!shapes_.empty() && !contains(made_, GridKind::Mask))
+    made_.push_back(GridKind::Mask);
+  const SolidFaces* faces = inputs.faces;
+  if (faces != nullptr && !owners_ && !made_.empty())
+    source_.emplace(faces->snapped, faces->chain, faces->fill(), job.voxelize.rule, progress);
+  if (inputs.snapped != nullptr)
+    tets_.emplace(*inputs.snapped, progress);
+  if (has(GridKind::Coverage))
+    coverage_.emplace(inputs.shares->points, inputs.shares->faces, inputs.transform, progress);
+  findBand(progress);
+  weighNodes();
+  findCubes();
+}
+
+void JobTrees::findBand(Progress& progress) {
+  if (hasDistances())
+    band_.emplace(inputs_.distances->mesh, inputs_.distances->faces, job_.shapes.halfWidth,
+                  progress);
+  else if (inputs_.faces != nullptr)
+    band_.emplace(inputs_.faces->snapped, inputs_.faces->chain, kNarrowBand, progress);
+}
+
+bool JobTrees::has(GridKind kind) const {
+  return contains(job_.grids, kind);
+}
+
+void JobTrees::weighNodes() {
+  nodes_.clear();
+  // Bytes a leaf, of those at the surface and of those that tets fill.
+  double atSurface = 0, filled = 0;
+  const auto grids = static_cast<double>(made_.size() + shapes_.size() + 1 +
+                                         (inputs_.fields ? inputs_.fields->size() : 0));
+  for (const GridKind kind : made_)
+    (owners_ ? filled : atSurface) += static_cast<double>(leafBytes(kind));
+  for (const GridKind kind : shapes_)
+    atSurface += static_cast<double>(leafBytes(kind));
+  if (has(GridKind::Fog))
+    atSurface += static_cast<double>(leafBytes(GridKind::Fog)); // of its level set
+  if (inputs_.fields != nullptr)
+    for (const Field& field : *inputs_.fields)
+      filled += static_cast<double>(leafBytes(field.kind));
+  const double perNode = grids * static_cast<double>(kLowerNodeBytes);
+  if (band_) {
+    const std::vector<float> leaves = estimateNodeLeaves(*band_);
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      nodes_.push_back({band_->nodes()[i],
+                        static_cast<float>(static_cast<double>(leaves[i]) * atSurface + perNode)});
+  }
+  if (tets_)
+    for (std::size_t i = 0; i < tets_->size(); ++i)
+      nodes_.push_back(
+          {tets_->node(i),
+           static_cast<float>(static_cast<double>(tets_->mostLeaves(i)) * filled + perNode)});
+  std::sort(nodes_.begin(), nodes_.end(),
+            [](const NodeWeight& a, const NodeWeight& b) { return a.node < b.node; });
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < nodes_.size(); ++i) {
+    if (nodes_[i].node == nodes_[last].node)
+      nodes_[last].bytes += nodes_[i].bytes;
+    else
+      nodes_[++last] = nodes_[i];
+  }
+  if (!nodes_.empty())
+    nodes_.resize(last + 1);
+}
+
+void JobTrees::findCubes() {
+  std::set<Vec3i> cubes;
+  Vec3i known{};
+  for (const NodeWeight& one : nodes_) {
+    const Vec3i cube{one.node[0] >> 5, one.node[1] >> 5, one.node[2] >> 5};
+    if (cubes.empty() || cube != known)
+      cubes.insert(cube);
+    known = cube;
+  }
+  // The band of faces over holes may reach into the next cubes.
+  const std::int32_t reach = hasDistances() && inputs_.distances->boundary ? 1 : 0;
+  if (source_)
+    for (const RootCube& cube : source_->cubes())
+      for (std::int32_t x = -reach; x <= reach; ++x)
+        for (std::int32_t y = -reach; y <= reach; ++y)
+          for (std::int32_t z = -reach; z <= reach; ++z)
+            cubes.insert({cube.origin[0] / kRootChildSize + x, cube.origin[1] / kRootChildSize + y,
+                          cube.origin[2] / kRootChildSize + z});
+  for (const Vec3i& cube : cubes) {
+    origins_.push_back(
+        {cube[0] * kRootChildSize, cube[1] * kRootChildSize, cube[2] * kRootChildSize});
+    cubes_.push_back({origins_.back(), false});
+  }
+}
+
+NodeBox JobTrees::boxOf(std::size_t cube) const {
+  NodeBox box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.low[k] = origins_[cube][k] / kNodeSize;
+    box.high[k] = box.low[k] + kNodesInCube;
+  }
+  return box;
+}
+
+std::vector<std::uint64_t> JobTrees::weights() const {
+  std::vector<std::uint64_t> weights;
+  for (std::size_t c = 0; c < origins_.size(); ++c) {
+    double bytes = 0;
+    eachRangeIn(
+        boxOf(c), nodes_.size(), [&](std::size_t i) { return nodes_[i].node; },
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i)
+            bytes += static_cast<double>(nodes_[i].bytes);
+        });
+    weights.push_back(1 + static_cast<std::uint64_t>(bytes / 1024));
+  }
+  return weights;
+}
+
+void JobTrees::restrict(const CubeRange& range) {
+  const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
+  cubes_ = {cubes_.begin() + at(range.begin), cubes_.begin() + at(range.end)};
+  origins_ = {origins_.begin() + at(range.begin), origins_.begin() + at(range.end)};
+}
+
+void JobTrees::limitParts(std::size_t bytes) {
+  partBytes_ = bytes;
+  for (const NodeWeight& one : nodes_)
+    if (static_cast<double>(one.bytes) > static_cast<double>(bytes))
+      throw Error(Status::Limit, "",
+                  fmt::format("the grids of 128^3 voxels need about {:.0f} MB, {:.0f} MB are left "
+                              "for them",
+                              static_cast<double>(one.bytes) * 1e-6,
+                              static_cast<double>(bytes) * 1e-6),
+                  "raise `max_memory` or make fewer grids at a time");
+}
+
+std::vector<NodeBox> JobTrees::parts(std::size_t cube) {
+  std::vector<NodeBox> parts;
+  split(boxOf(cube), 0, parts);
+  return parts;
+}
+
+// Into as few boxes along the axis as the limit allows; a layer that is too large along the next.
+void JobTrees::split(const NodeBox& box, std::size_t axis, std::vector<NodeBox>& parts) const {
+  std::array<double, kNodesInCube> layers{};
+  eachRangeIn(
+      box, nodes_.size(), [&](std::size_t i) { return nodes_[i].node; },
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          layers[static_cast<std::size_t>(nodes_[i].node[axis] - box.low[axis])] +=
+              static_cast<double>(nodes_[i].bytes);
+      });
+  const auto limit = static_cast<double>(partBytes_);
+  NodeBox part = box;
+  double sum = 0;
+  const auto flush = [&](std::int32_t end) {
+    part.high[axis] = end;
+    if (part.low[axis] < end)
+      parts.push_back(part);
+    part.low[axis] = end;
+    sum = 0;
+  };
+  for (std::int32_t i = box.low[axis]; i < box.high[axis]; ++i) {
+    const double layer = layers[static_cast<std::size_t>(i - box.low[axis])];
+    if (sum + layer > limit)
+      flush(i);
+    sum += layer;
+    if (layer > limit && axis < 2) {
+      part.high[axis] = i + 1;
+      split(part, axis + 1, parts);
+      part.low[axis] = i + 1;
+      sum = 0;
+    }
+  }
+  flush(box.high[axis]);
+}
+
+openvdb::GridPtrVec JobTrees::occupancy(const NodeBox& box, Progress& progress) {
+  const TetMesh none;
+  TreeBuilder builder(made_, inputs_.tets != nullptr ? *inputs_.tets : none);
+  if (!isEmpty(box) && owners_)
+    tets_->rasterize(box, true, builder, progress);
+  else if (!isEmpty(box) && source_)
+    source_->rasterize(box, builder);
+  return builder.finish(inputs_.transform);
+}
+
+openvdb::FloatGrid::Ptr JobTrees::surface(const NodeBox& box, const openvdb::GridPtrVec& occupancy,
+                                          Progress& progress) const {
+  return levelSetWithin(box, *band_, maskOf(occupancy), inputs_.transform, job_.shapes.halfWidth, 0,
+                        progress);
+}
+
+void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, Progress& progress) {
+  const auto isNear = [&](const Vec3i& a, const Vec3i& b) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(a[k] / kRootChildSize - b[k] / kRootChildSize) > 1)
+        return false;
+    return true;
+  };
+  std::vector<CentrePair> pairs;
+  for (std::size_t c = 0; c < origins_.size(); ++c) {
+    bool near = c >= range.begin && c < range.end;
+    for (std::size_t i = range.begin; i < range.end && !near; ++i)
+      near = isNear(origins_[c], origins_[i]);
+    if (!near)
+      continue;
+    for (const NodeBox& part : parts(c)) {
+      NodeBox wide = part;
+      for (std::int32_t& high : wide.high)
+        ++high;
+      TreeBuilder builder({GridKind::Mask}, TetMesh());
+      source_->rasterize(part, builder);
+      for (std::size_t k = 0; k < 3; ++k) { // what is beyond the part, without overlap
+        NodeBox side = wide;
+        side.low[k] = part.high[k];
+        for (std::size_t before = 0; before < k; ++before)
+          side.high[before] = part.high[before];
+        source_->peek(side, builder);
+      }
+      const auto inside =
+          openvdb::gridPtrCast<openvdb::BoolGrid>(builder.finish(inputs_.transform).front());
+      const openvdb::FloatGrid::Ptr level = levelSetWithin(wide, *band_, *inside, inputs_.transform,
+                                                           job_.shapes.halfWidth, 0, progress);
+      const std::vector<CentrePair> found =
+          findPairsWithoutFace(*level, inside, inputs_.transform, &part, progress);
+      pairs.insert(pairs.end(), found.begin(), found.end());
+    }
+  }
+  if (pairs.empty())
+    return;
+  addCapFaces(std::move(pairs), *solid.boundary, solid.mesh, solid.faces, progress);
+  findBand(progress);
+  weighNodes();
+}
+
+void JobTrees::findFogDepth(Progress& progress) {
+  if (!has(GridKind::Fog))
+    return;
+  fogDepth_ = std::numeric_limits<float>::max();
+  for (std::size_t c = 0; c < origins_.size(); ++c)
+    for (const NodeBox& part : parts(c)) {
+      const openvdb::FloatGrid::Ptr grid = surface(part, occupancy(part, progress), progress);
+      fogDepth_ = std::min(fogDepth_, fogDepth(*grid));
+      if (fogDepth_ == -grid->background())
+        return;
+    }
+}
+
+void JobTrees::begin() {
+  insideVoxels_ = 0;
+  anyOwned_ = false;
+  sampled_ = {};
+  if (coverage_)
+    coverage_->begin();
+}
+
+openvdb::GridPtrVec JobTrees::make(const NodeBox& box, Progress& progress) {
+  openvdb::GridPtrVec all;
+  openvdb::GridPtrVec made;
+  if (!made_.empty()) {
+    made = occupancy(box, progress);
+    insideVoxels_ += made.front()->activeVoxelCount();
+    all.assign(made.begin(), made.begin() + static_cast<std::ptrdiff_t>(voxelized_.size()));
+  }
+  openvdb::FloatGrid::Ptr level;
+  if (hasDistances())
+    level = surface(box, made, progress);
+  made.clear();
+  for (const GridKind kind : shapes_) {
+    if (kind == GridKind::Coverage) {
+      all.push_back(coverage_->grid(box, progress));
+    } else if (kind == GridKind::Surface) {
+      all.push_back(level);
+    } else {
+      const openvdb::FloatGrid::Ptr fog =
+          has(GridKind::Surface) ? level->deepCopy() : std::exchange(level, nullptr);
+      makeFog(*fog, fogDepth_);
+      fog->setTransform(makeTransform(inputs_.transform)); // deepCopy() rounds it
+      all.push_back(fog);
+    }
+  }
+  if (inputs_.fields != nullptr) {
+    std::vector<std::unique_ptr<PackedGrid>> none;
+    SampledGrids grids(*inputs_.tets, *inputs_.snapped, inputs_.transform, *inputs_.fields, nullptr,
+                       none);
+    if (!isEmpty(box))
+      tets_->rasterize(box, true, grids.grids(), progress);
+    anyOwned_ = anyOwned_ || grids.grids().any();
+    const openvdb::GridPtrVec fields = grids.finish(inputs_.transform, sampled_);
+    all.insert(all.end(), fields.begin(), fields.end());
+  }
+  setMaskType(job_, all);
+  setHalf(job_, all);
+  return all;
+}
+
+} // namespace tetvdb

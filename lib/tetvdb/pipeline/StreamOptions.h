@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What all ways to stream a job take from it.
+#pragma once
+
+#include "tetvdb/core/Report.h"
+#include "tetvdb/io/volume/PartMetadata.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <cstddef>
+#include <string>
+
+namespace tetvdb {
+
+/// Whether the job writes a .vdb file alone, of a solid and not of a shell or a flood, on the CPU,
+/// and may stream it.
+bool mayStream(const VoxelizeJob& job);
+
+/// Whether it is streamed in any case.
+bool mustStream(const VoxelizeJob& job);
+
+/// Bytes that the job may still take.
+std::size_t streamLimit(const VoxelizeJob& job);
+
+/// The job's options for all of its grids.
+VoxelizeOptions streamOptions(const VoxelizeJob& job);
+
+/// Equal for the shards of one job alone. `mark`: what the mesh's voxels follow from.
+PartMetadata partMetadata(const VoxelizeJob& job, const GridTransform& transform,
+                          const std::string& mark);
+
+/// Moves what was said while it was not known whether the job is done to its report.
+void moveReport(Report& told, Report& report);
+
+} // namespace tetvdb

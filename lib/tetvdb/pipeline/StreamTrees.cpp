@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/StreamTrees.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/io/volume/TreeVdbWriter.h"
+#include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/pipeline/JobTrees.h"
+#include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/pipeline/StreamOptions.h"
+#include "tetvdb/pipeline/VoxelizeOutput.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/KeepResolution.h"
+#include "tetvdb/voxelize/TreeBuilder.h"
+#include "tetvdb/voxelize/TreeEstimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+#include <optional>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+#include <utility>
+#include <variant>
+#include <xxhash.h>
+
+namespace tetvdb {
+namespace {
+
+// Trees of a part: more would not be faster.
+constexpr std::size_t kMostPartBytes = std::size_t(1) << 30;
+
+ShapeOptions shapesOf(const VoxelizeJob& job) {
+  ShapeOptions shapes = job.shapes;
+  shapes.grids = madeBy(job.grids, {GridMaker::Distance, GridMaker::Share});
+  return shapes;
+}
+
+bool hasDistances(const VoxelizeJob& job) {
+  return !madeBy(job.grids, {GridMaker::Distance}).empty();
+}
+
+// A hash over what a mesh holds.
+class MeshMark {
+public:
+  template <typename T>
+  void add(const std::vector<T>& values) {
+    const XXH128_hash_t own = XXH3_128bits(values.data(), values.size() * sizeof(T));
+    text_ += fmt::format(" {:016x}{:016x}", own.high64, own.low64);
+  }
+  void add(const std::string& text) { text_ += " " + text; }
+  const std::string& text() const { return text_; }
+
+private:
+  std::string text_;
+};
+
+std::string markOf(const TetMesh& mesh, const std::vector<Field>& fields) {
+  MeshMark mark;
+  mark.add(mesh.points);
+  mark.add(mesh.tets);
+  mark.add(mesh.cellOfTet);
+  mark.add(mesh.regions);
+  mark.add(mesh.curved.nodes);
+  for (const Field& field : fields) {
+    mark.add(fmt::format("{} {} {} {} {} {} {}", field.name, int(field.part), field.turned,
+                         field.clamp.low, field.clamp.high, field.scale, field.offset));
+    for (const Field::Source& source : field.sources) {
+      mark.add(std::to_string(source.component));
+      std::visit([&](const auto& values) { mark.add(values); }, source.array->values);
+    }
+  }
+  return mark.text();
+}
+
+// What is expected to be in memory at once where whole trees are made.
+double occupancyBytes(const VoxelizeJob& job, const SolidFaces& faces) {
+  std::vector<GridKind> kinds = madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner});
+  if (!shapesOf(job).grids.empty())
+    kinds.push_back(GridKind::Mask);
+  return bytesOf(faces) + estimateByBoundary(faces.snapped, faces.chain).bytes(kinds);
+}
+
+double ownerBytes(const VoxelizeJob& job, const SnappedMesh& snapped,
+                  const std::vector<Field>& fields) {
+  double bytes =
+      24.0 * static_cast<double>(snapped.pointCount) + 16.0 * static_cast<double>(snapped.tetCount);
+  if (!madeBy(job.grids, {GridMaker::Owner}).empty())
+    bytes +=
+        estimateByTets(snapped).bytes(madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner}));
+  if (!fields.empty()) {
+    const PackOptions pack;
+    const FieldBytes each = fieldBytes(fields, &pack);
+    const TreeEstimate tree = estimateByVolume(snapped);
+    bytes += tree.leaves * each.leaf + tree.lowerNodes * each.lowerNode;
+  }
+  return bytes;
+}
+
+double reachOf(const VoxelizeJob& job) {
+  return hasDistances(job) ? job.shapes.halfWidth : 1;
+}
+
+// Of all nodes in a box.
+double leavesIn(const VoxelizeJob& job, const WorldBox& box, const GridTransform& transform) {
+  double leaves = 1;
+  for (std::size_t k = 0; k < 3; ++k)
+    leaves *=
+        ((box.max[k] - box.min[k]) / transform.voxelSize[k] + 2 * reachOf(job)) / kLeafSize + 2;
+  return leaves;
+}
+
+// Of nodes around triangles, before these are prepared for anything: about
+// estimateBandLeaves().
+double leavesAround(const VoxelizeJob& job, const TriangleMesh& mesh,
+                    const GridTransform& transform) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, mesh.triangleCount(), 16384), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double leaves) {
+        for (std::size_t t = range.begin(); t != range.end(); ++t) {
+          Vec3d corners[3];
+          for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t k = 0; k < 3; ++k)
+              corners[c][k] = mesh.points[mesh.triangles[3 * t + c]][k] / transform.voxelSize[k];
+          const Vec3d n = cross(minus(corners[1], corners[0]), minus(corners[2], corners[0]));
+          leaves += (reachOf(job) * length(n) +
+                     kLeafSize * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2])) / 2) /
+                        kVoxelsInLeaf +
+                    1;
+        }
+        return leaves;
+      },
+      std::plus<>());
+}
+
+// A way to the file by one voxel size.
+class TreeStream {
+public:
+  TreeStream(const VoxelizeJob& job, Report& told, Progress& progress)
+      : job_(job), told_(told), progress_(progress) {}
+
+  // False: trees of at most so many leaves cannot be too large.
+  static bool mayBeNeeded(const VoxelizeJob& job, double leaves) {
+    std::vector<GridKind> kinds = job.grids;
+    kinds.resize(kinds.size() + job.fields.requests.size() + (job.fields.all ? 64 : 0) + 1,
+                 GridKind::Density);
+    return mustStream(job) || TreeEstimate{leaves, leaves / 64 + 64}.bytes(kinds) >
+                                  static_cast<double>(streamLimit(job)) / 2;
+  }
+  // `bytes`: of whole trees.
+  static bool isNeeded(const VoxelizeJob& job, double bytes) {
+    return mustStream(job) || bytes > static_cast<double>(streamLimit(job));
+  }
+
+  // What the grids are found from, prepared for all boxes.
+  void prepare(const TreeInputs& inputs, StageTimer& timer) {
+    timer.part("cubes");
+    trees_.emplace(job_, inputs, progress_);
+  }
+  JobTrees& trees() { return *trees_; }
+
+  // `mark`: of the mesh. `open`: the solid of distances, if holes are closed.
+  void write(std::map<std::string, std::string> metadata, const GridTransform& transform,
+             const std::string& mark, ShapeSolid* open, VoxelizeResult& result, StageTimer& timer) {
+    const CubeRange range =
+        job_.shard.isWhole() ? trees_->all()
+                             : shardRanges(trees_->weights(), job_.shard.count)[job_.shard.index];
+    const std::size_t left = streamLimit(job_);
+    trees_->limitParts(std::min(left / 3, kMostPartBytes));
+    if (open != nullptr) {
+      timer.part("holes");
+      trees_->addCaps(*open, range, progress_);
+    }
+    if (contains(job_.grids, GridKind::Fog)) {
+      timer.part("depth");
+      trees_->findFogDepth(progress_);
+    }
+    timer.part("stream");
+    TreeVdbOptions options;
+    if (!job_.shard.isWhole()) {
+      options.spool.part = true;
+      options.openFirstTile = false; // that of the whole volume
+      const std::string what =
+          mark + fmt::format(" {}", hasDistances(job_) ? job_.shapes.halfWidth : 0);
+      partMetadata(job_, transform, what).add(metadata);
+      trees_->restrict(range);
+    }
+    const std::size_t grids = std::max<std::size_t>(job_.grids.size(), 1);
+    options.spool.inMemory = std::min(left / 16 / grids, std::size_t(32) << 20);
+    options.spool.keptBytes = std::min(left / 8, std::size_t(256) << 20);
+    writer_.emplace(job_.output, std::move(metadata), options);
+    result.grids = writer_->write(*trees_, progress_);
+    result.shapes.coverage = trees_->coverageSum();
+    warnOfOverlap(result.shapes.coverage, told_);
+    checkValues(job_, result.grids, told_);
+  }
+  void commit(VoxelizeResult& result) {
+    StageTimer timer(told_, "write");
+    progress_.check();
+    writer_->commit(progress_);
+    result.outputs.push_back(written(job_.output));
+  }
+
+private:
+  const VoxelizeJob& job_;
+  Report& told_;
+  Progress& progress_;
+  std::optional<JobTrees> trees_;
+  std::optional<TreeVdbWriter> writer_;
+};
+
+// Of occupancy alone, or of coverage where this is all.
+void requireAnything(const VoxelizeJob& job, const VoxelizeResult& result, const JobTrees& trees,
+                     const VoxelizeOptions& options) {
+  if (!job.shard.isWhole())
+    return;
+  if (job.grids == std::vector<GridKind>{GridKind::Coverage})
+    requireVoxels(result.grids.front().activeVoxels == 0, options);
+  else if (!job.grids.empty())
+    requireVoxels(trees.insideVoxels() == 0, options);
+  else
+    requireVoxels(!trees.anyOwned(), options);
+}
+
+} // namespace
+
+bool canStreamTrees(const VoxelizeJob& job) {
+  const bool values =
+      !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
+      !job.fields.empty();
+  return mayStream(job) && values && job.tileSize == 0 && job.levels.isEmpty() &&
+         !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
+}
+
+bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
+                 Report& report, Progress& progress) {
+  if (mesh.tets.empty())
+    return false;
+  const VoxelizeOptions options = streamOptions(job);
+  const GridTransform transform = chooseTransform(mesh, options);
+  if (!TreeStream::mayBeNeeded(job, leavesIn(job, boxOfUsed(mesh.points, mesh.tets), transform)))
+    return false;
+  checkTets(mesh, options);
+  progress.stage("voxelize");
+  initializeOpenVDB();
+  Report told;
+  TreeStream stream(job, told, progress);
+  {
+    StageTimer timer(told, "voxelize");
+    std::vector<Field> fields;
+    if (!job.fields.empty()) {
+      FieldOptions wanted = job.fields;
+      wanted.turnVectors = job.up == UpAxis::Y;
+      fields =
+          resolveFields(mesh, wanted, told, job.fieldRanges.empty() ? nullptr : &job.fieldRanges);
+    }
+    const ShapeOptions shapes = shapesOf(job);
+    const bool owners = !madeBy(job.grids, {GridMaker::Owner}).empty();
+    const bool byFaces =
+        !shapes.grids.empty() || (!owners && !madeBy(job.grids, {GridMaker::Occupancy}).empty());
+    std::optional<SolidFaces> faces;
+    std::optional<SnappedMesh> own;
+    if (byFaces) {
+      faces.emplace(solidFaces(mesh, transform, timer, progress));
+    } else {
+      timer.part("snap");
+      own.emplace(snapMesh(mesh, transform, progress));
+    }
+    const SnappedMesh& snapped = faces ? faces->snapped : *own;
+    std::optional<ShapeSolid> distances, shares;
+    double bytes = faces ? occupancyBytes(job, *faces) : 0;
+    if (owners || !fields.empty())
+      bytes += ownerBytes(job, snapped, fields);
+    if (!shapes.grids.empty()) {
+      timer.part("boundary");
+      distances.emplace(shapeSolid(mesh, transform, progress));
+      bytes += shapeBytes(*distances, shapes);
+    }
+    if (!TreeStream::isNeeded(job, bytes))
+      return false;
+    reportOrigin(transform, options, told);
+    result.transform = transform;
+    if (faces)
+      result.counts = faces->counts;
+    if (owners)
+      result.counts.boundaryFaces = 0; // the grids are found without
+    TreeInputs inputs;
+    inputs.transform = transform;
+    inputs.tets = &mesh;
+    if (faces)
+      inputs.faces = &*faces;
+    if (owners || !fields.empty())
+      inputs.snapped = &snapped;
+    if (!fields.empty())
+      inputs.fields = &fields;
+    if (contains(job.grids, GridKind::Coverage))
+      inputs.shares = &shares.emplace(*distances);
+    if (hasDistances(job)) {
+      timer.part("trim");
+      trimShape(*distances, result.shapes.trim, told, progress);
+      inputs.distances = &*distances;
+    }
+    stream.prepare(inputs, timer);
+    if (job.plan > 0) {
+      result.plan = planShards(stream.trees().rootCubes(), stream.trees().weights(), job.plan);
+      return true;
+    }
+    stream.write(originMetadata(job), transform, markOf(mesh, fields), nullptr, result, timer);
+    if (!faces) {
+      const OrientationCounts counts = countOrientations(snapped);
+      result.counts.flipped = counts.flipped;
+      result.counts.dropped = counts.dropped;
+    }
+    reportTets(result.counts, mesh.tetCount(), told);
+    stream.trees().sampled().warn(fields, told);
+    requireAnything(job, result, stream.trees(), options);
+  }
+  stream.commit(result);
+  moveReport(told, report);
+  return true;
+}
+
+namespace {
+
+// Of what is inside; voxels may become larger by it.
+VoxelBox insideBox(OccupancySource& source, const GridTransform& transform) {
+  openvdb::CoordBBox box;
+  for (const RootCube& cube : source.cubes())
+    for (std::int32_t x = 0; x < kStackNodes; ++x) {
+      NodeBox layer;
+      for (std::size_t k = 0; k < 3; ++k) {
+        layer.low[k] = cube.origin[k] / kNodeSize;
+        layer.high[k] = layer.low[k] + kStackNodes;
+      }
+      layer.low[0] += x;
+      layer.high[0] = layer.low[0] + 1;
+      TreeBuilder builder({GridKind::Mask}, TetMesh());
+      source.rasterize(layer, builder);
+      box.expand(builder.finish(transform).front()->evalActiveVoxelBoundingBox());
+    }
+  VoxelBox result;
+  for (int k = 0; k < 3; ++k) {
+    result.low[static_cast<std::size_t>(k)] = box.min()[k];
+    result.high[static_cast<std::size_t>(k)] = box.max()[k];
+  }
+  return result;
+}
+
+// By how much voxels must become larger.
+double factorOf(const VoxelizeJob& job, const SolidFaces& faces, const VoxelizeOptions& options,
+                const GridTransform& transform, Progress& progress) {
+  if (!mayCoarsen(options) || faces.counts.openEdges == 0)
+    return 1;
+  if (!job.shard.isWhole() || job.plan > 0)
+    throw Error(Status::Usage, "`resolution`",
+                "of an open mesh is only known when the whole of it is voxelized",
+                "give shards `voxel_size`");
+  OccupancySource source(faces.snapped, faces.chain, faces.fill(), job.voxelize.rule, progress);
+  const VoxelBox box = insideBox(source, transform);
+  return box.low[0] > box.high[0] ? 1 : tooFine(box, options);
+}
+
+} // namespace
+
+bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
+                 const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
+                 Report& report, Progress& progress) {
+  if (mesh.triangles.empty())
+    return false;
+  const VoxelizeOptions options = streamOptions(job);
+  const ShapeOptions shapes = shapesOf(job);
+  VoxelizeOptions used = options;
+  GridTransform transform = chooseTransform(mesh, used, job.solid);
+  checkMesh(mesh);
+  if (!TreeStream::mayBeNeeded(job, std::min(leavesIn(job, boxOf(mesh, job.solid), transform),
+                                             2 * leavesAround(job, mesh, transform))))
+    return false;
+  progress.stage("voxelize");
+  initializeOpenVDB();
+  Report told;
+  TreeStream stream(job, told, progress);
+  {
+    StageTimer timer(told, "voxelize");
+    std::optional<SolidFaces> faces;
+    std::optional<ShapeSolid> distances, shares;
+    for (bool first = true;; first = false) {
+      faces.emplace(solidFaces(mesh, job.solid, transform, timer, progress));
+      timer.part("boundary");
+      distances.emplace(shapeSolid(mesh, job.solid, contains(job.grids, GridKind::Coverage),
+                                   transform, progress));
+      if (first &&
+          !TreeStream::isNeeded(job, occupancyBytes(job, *faces) + shapeBytes(*distances, shapes)))
+        return false;
+      const double factor = factorOf(job, *faces, options, transform, progress);
+      if (factor == 1)
+        break;
+      coarsen(transform, factor, used);
+      transform = chooseTransform(mesh, used, job.solid);
+    }
+    reportOrigin(transform, used, told);
+    result.transform = transform;
+    result.counts = faces->counts;
+    result.openEdges = faces->counts.openEdges;
+    TreeInputs inputs;
+    inputs.transform = transform;
+    inputs.faces = &*faces;
+    if (contains(job.grids, GridKind::Coverage))
+      inputs.shares = &shares.emplace(*distances);
+    if (hasDistances(job)) {
+      timer.part("trim");
+      trimShape(*distances, result.shapes.trim, told, progress);
+      inputs.distances = &*distances;
+    }
+    stream.prepare(inputs, timer);
+    if (job.plan > 0) {
+      result.plan = planShards(stream.trees().rootCubes(), stream.trees().weights(), job.plan);
+      return true;
+    }
+    std::map<std::string, std::string> all = originMetadata(job);
+    for (const auto& [key, text] : metadata)
+      all.emplace(key, text);
+    const bool open = hasDistances(job) && distances->boundary.has_value();
+    stream.write(all, transform, markOf(*faces), open ? &*distances : nullptr, result, timer);
+    if (job.shard.isWhole()) {
+      VoxelizeOptions checks = options;
+      const bool coverageOnly = job.grids == std::vector<GridKind>{GridKind::Coverage};
+      checks.allowEmpty = checks.allowEmpty || coverageOnly;
+      const TreeEstimate surface = estimateByBoundary(faces->snapped, faces->chain);
+      checkSolid(faces->boundary, job.solid, stream.trees().insideVoxels(),
+                 surface.leaves * kLeafSize * kLeafSize, checks, told);
+      requireAnything(job, result, stream.trees(), options);
+    }
+  }
+  stream.commit(result);
+  moveReport(told, report);
+  return true;
+}
+
+} // namespace tetvdb

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A job's grids of any kind into a .vdb file, box by box (pipeline/JobTrees.h,
+// io/volume/TreeVdbWriter.h).
+#pragma once
+
+#include "tetvdb/core/Progress.h"
+#include "tetvdb/core/Report.h"
+#include "tetvdb/mesh/TetMesh.h"
+#include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/VoxelizeJob.h"
+
+#include <map>
+#include <string>
+
+namespace tetvdb {
+
+/// Whether the job has other grids than density and mask, all of which can be made box by box: not
+/// a level set of a whole box.
+bool canStreamTrees(const VoxelizeJob& job);
+
+/// Writes job.output where job.streaming says so, and where the grids' trees would not fit into
+/// memory. The bytes are the same. False, with nothing done and nothing said, where the job is left
+/// to the trees. Memory: the mesh and what is found once for all of it, and a third of what may be
+/// taken, at most 1 GB, for trees. Throws as the in-memory way does, Error(Limit) where that third
+/// is too small for the grids of 128^3 voxels, and Error(Write).
+bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
+                 Report& report, Progress& progress);
+bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
+                 const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
+                 Report& report, Progress& progress);
+
+} // namespace tetvdb

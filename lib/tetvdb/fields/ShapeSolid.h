@@ -7,9 +7,9 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/geometry/BoundaryWinding.h"
+#include "tetvdb/geometry/FillRule.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
-#include "tetvdb/voxelize/FillRule.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 
 #include <optional>

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <new>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
@@ -61,6 +62,8 @@ TemporaryFolder::TemporaryFolder() {
                   "set TMPDIR to a folder that can be written to");
     path_ = name;
     locked_ = lockFolder(path_);
+    if (locked_ < 0)
+      ::rmdir(name.c_str());
   }
   if (locked_ < 0)
     throw Error(Status::Write, parent.string(), "cannot lock a temporary folder",
@@ -68,8 +71,11 @@ TemporaryFolder::TemporaryFolder() {
 }
 
 TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  try {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  } catch (const std::bad_alloc&) { // it is removed as an abandoned one
+  }
   ::close(locked_);
 }
 

@@ -13,6 +13,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <execinfo.h>
 #include <iostream>
 #include <new>
 #include <sstream>
@@ -146,6 +147,8 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   std::cout.rdbuf(nullptr); // OpenVDB's log; results go by printResult()
   std::set_terminate(tetvdb::cli::onTerminate);
+  void* frame = nullptr;
+  ::backtrace(&frame, 1); // loads what ends threads (libgcc), which needs memory
   tetvdb::cli::openClosedStreams();
   tetvdb::cli::endWithParent();
   try {

@@ -30,7 +30,7 @@ std::string reasonOf(const Error& error) {
   case Status::Cancelled:
     return "half of the time allowed did not suffice";
   case Status::Limit:
-    return "the memory allowed did not suffice";
+    return "it needs too many tets";
   case Status::Invalid:
     return "it found nothing inside";
   default:
@@ -48,8 +48,10 @@ std::optional<Tetrahedralization> meshWithinLimits(const std::vector<TriangleMes
   const std::size_t warnings = report.warnings.size();
   const bool partial = report.partial;
   try {
+    TetrahedralizeOptions limited = options;
+    limited.limitsWork = progress.deadline() == Progress::Clock::time_point::max();
     const HalfOfTheTime half(progress);
-    return tetrahedralize(inputs, options, report, progress);
+    return tetrahedralize(inputs, limited, report, progress);
   } catch (const Error& error) {
     stop = {error.status(), reasonOf(error)};
     if (stop.why.empty() || progress.cancelled())

@@ -68,6 +68,9 @@ constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
 // Memory of the whole work for a triangle: above what the models of docs/benchmarks.md take, small
 // ones and those that intersect themselves much apart.
 constexpr double kBytesPerFace = 6000;
+// Tets that are coarsened between the rounds of insertion, at 5 us each, where work is limited: in
+// all, and more for each triangle.
+constexpr std::size_t kMaxCoarsened = 2000000, kMaxCoarsenedOfFace = 200;
 
 struct Lengths {
   double diagonal, epsilon, edge; // world
@@ -327,17 +330,23 @@ void checkSoup(const LatticeSoup& soup, const TetrahedralizeOptions& options) {
 // the best. `edge`, `epsilon` in lattice units.
 InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, double edge,
                                double diagonal, double epsilon, const Envelope& surface,
-                               const Envelope& boundary, StageTimer& timer, Progress& progress) {
+                               const Envelope& boundary, bool limitsWork, StageTimer& timer,
+                               Progress& progress) {
   const double radius = surface.epsilon();
   InsertSurfaceOptions options;
   options.spacing = std::min(edge, diagonal / 10);
   options.margin = std::max(options.spacing, 2 * epsilon);
   options.clearance = 10 * epsilon;
   options.reach = kReachShare * radius;
+  LatticeSoup simple;
+  std::size_t coarsened = 0;
   options.coarsen = [&](TetComplex& complex) {
+    coarsened += complex.tetCount();
+    if (limitsWork && coarsened > kMaxCoarsened + kMaxCoarsenedOfFace * simple.faces.size())
+      throw Error(Status::Limit, "", "the triangles cut one another into very many tets",
+                  "`mesher=winding` needs no tets");
     coarsen(complex, {surface, boundary, kThinShare * radius}, progress);
   };
-  LatticeSoup simple;
   const auto soupOf = [&](int variant) {
     if (variant != kSimplified && variant != kCareful)
       return perturbedSoup(simple, kPerturbShare * radius,
@@ -381,7 +390,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
 
   InsertedSurface inserted = insertVariants(soup, inputs.size(), lengths.edge / lattice.unit(),
                                             lengths.diagonal / lattice.unit(), epsilon, surface,
-                                            boundary, timer, progress);
+                                            boundary, options.limitsWork, timer, progress);
   assertValid(inserted.complex);
   made.simplifiedFaces = inserted.soup.faces.size();
   made.notInserted = inserted.missing.size();

@@ -2,13 +2,14 @@
 """Triangles into tetrahedra: the command itself, and voxelize by way of it."""
 
 import math
+import random
 import signal
 import struct
 import subprocess
 import time
 import unittest
 
-from program import PROGRAM, CommandLineTest, box_faces, joined, lattice, medit, off
+from program import PROGRAM, CommandLineTest, ball, box_faces, joined, lattice, medit, off
 
 
 def sphere(n, radius=1.0):
@@ -523,6 +524,18 @@ class VoxelizeByWayOfTets(CommandLineTest):
             self.assertEqual(self.hash_of("out.vdb"), found)
             return
         self.fail("the mesher was always in time")
+
+    def test_triangles_that_cut_one_another_into_too_many_tets(self):
+        points, faces = ball(10, 1.0, (0, 0, 0))
+        numbers = random.Random(4)
+        for i in range(400):
+            faces.append([len(points) + k for k in range(3)])
+            points += [tuple(numbers.uniform(-1, 1) for _ in range(3)) for _ in range(3)]
+        self.write("soup.off", off(points, faces))
+        report = self.voxelize("soup.off", "--resolution", 64, "--mesher", "envelope", status=1)
+        self.assertEqual(report["mesh"]["mesher"]["method"], "winding")
+        self.assertIn("tets", report["mesh"]["mesher"]["why"])
+        self.assertIn("fell-back", [w["code"] for w in report["warnings"]])
 
     def test_tets_asked_for_and_out_of_time(self):
         self.write("ball.off", off(*sphere(120)))

@@ -242,7 +242,7 @@ class Faults(CommandLineTest):
             seconds = self.seconds[job]
             for _ in range(KILLS):
                 folder = self.path("work")
-                process = self.start(job, folder, old=self.random.random() < 0.5)
+                process = self.start(job, folder) # what replaces has a name for a moment
                 time.sleep(self.random.uniform(0, seconds))
                 process.kill()
                 process.communicate()

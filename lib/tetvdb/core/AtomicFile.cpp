@@ -292,6 +292,10 @@ void AtomicFile::replace() {
   // Some file systems cannot sync (EINVAL); that is no failure to write.
   if (::fsync(descriptor_) != 0 && errno != EINVAL)
     fail("cannot write", errno);
+  if (temporary_.empty() && nameNewFile(descriptor_, target_)) {
+    ::close(std::exchange(descriptor_, -1));
+    return;
+  }
   if (temporary_.empty()) {
     const auto [folder, base] = parted(target_);
     std::string name;

@@ -65,6 +65,11 @@ int createFileToName(const std::string& folder, mode_t mode) {
   return -1;
 }
 
+bool nameNewFile(int descriptor, const std::string& path) {
+  return ::linkat(AT_FDCWD, linkTo(descriptor).c_str(), AT_FDCWD, path.c_str(),
+                  AT_SYMLINK_FOLLOW) == 0;
+}
+
 bool nameFile(int descriptor, const std::string& folder, const std::string& base,
               std::string& path) {
   return underRandomName(folder, base, path, [&](const char* name) {

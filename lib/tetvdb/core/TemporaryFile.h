@@ -20,6 +20,10 @@ int createTemporaryFile(const std::string& folder, const std::string& base, mode
 /// process's mask. -1 where the file system knows no such files. Thread-safe.
 int createFileToName(const std::string& folder, mode_t mode);
 
+/// Gives a file of createFileToName() the name `path`; not where there is a file of that name.
+/// Whether that was possible. Thread-safe.
+bool nameNewFile(int descriptor, const std::string& path);
+
 /// Gives a file of createFileToName() a name like those of createTemporaryFile(), which is put into
 /// `path`. Whether that was possible; errno is set where not. Thread-safe.
 bool nameFile(int descriptor, const std::string& folder, const std::string& base,

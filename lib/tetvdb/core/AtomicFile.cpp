@@ -247,6 +247,8 @@ void AtomicFile::readAt(std::uint64_t offset, void* data, std::size_t size) cons
 
 std::string AtomicFile::nameForLibraries() {
   flush();
+  if (!target_.empty())
+    giveName(); // HDF5 asks for the path that the name leads to
   foreign_ = true;
   return "/proc/self/fd/" + std::to_string(descriptor_);
 }
@@ -288,6 +290,17 @@ void AtomicFile::send() {
   ::close(std::exchange(descriptor_, -1));
 }
 
+void AtomicFile::giveName() {
+  if (!temporary_.empty())
+    return;
+  const auto [folder, base] = parted(target_);
+  std::string name;
+  if (!nameFile(descriptor_, folder, base, name))
+    fail("cannot write", errno);
+  temporary_ = std::move(name);
+  remember(temporary_.c_str());
+}
+
 void AtomicFile::replace() {
   // Some file systems cannot sync (EINVAL); that is no failure to write.
   if (::fsync(descriptor_) != 0 && errno != EINVAL)
@@ -296,14 +309,7 @@ void AtomicFile::replace() {
     ::close(std::exchange(descriptor_, -1));
     return;
   }
-  if (temporary_.empty()) {
-    const auto [folder, base] = parted(target_);
-    std::string name;
-    if (!nameFile(descriptor_, folder, base, name))
-      fail("cannot write", errno);
-    temporary_ = std::move(name);
-    remember(temporary_.c_str());
-  }
+  giveName();
   const int descriptor = std::exchange(descriptor_, -1);
   const bool closed = ::close(descriptor) == 0;
   const int error = closed && std::rename(temporary_.c_str(), target_.c_str()) == 0 ? 0 : errno;

@@ -54,6 +54,7 @@ public:
 private:
   void createBeside(const std::string& target, bool exists);
   void send();
+  void giveName();
   void replace();
   [[noreturn]] void fail(const char* what, int error) const;
 

@@ -438,7 +438,7 @@ public:
   }
 
   // Seconds on an H200, fitted to the rows of the benchmark "paper" (docs/benchmarks.md); the
-  // boundary's road pays for its many steps and for matching faces.
+  // boundary method has the cost of its many steps and of matching faces.
   bool denseIsFaster() const {
     if (!denseFits())
       return false;

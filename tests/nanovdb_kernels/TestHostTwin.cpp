@@ -31,7 +31,7 @@ std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
   return hashOf(twin.run(viewOf(mesh), job));
 }
 
-// All kinds of grid and all roads that take the mesh.
+// All types of grid and all methods that take the mesh.
 void expectSame(const TetMesh& mesh, const GridTransform& transform = {}, bool dense = true) {
   const std::string mask = cpuHash(mesh, GridKind::Mask, transform);
   EXPECT_EQ(twinHash(mesh, jobFor(GridType::Mask, Method::Boundary, transform)), mask);

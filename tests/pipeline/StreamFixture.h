@@ -9,6 +9,7 @@
 #include "tetvdb/io/MergeVdb.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
+#include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
@@ -135,6 +136,27 @@ protected:
     }
     return parts;
   }
+  // A plan writes nothing and says where the voxels of each part will be.
+  void expectPlanned(VoxelizeJob wanted) {
+    wanted.plan = 4;
+    Report report;
+    const VoxelizeResult planned = run(wanted, report, progress_);
+    EXPECT_FALSE(std::filesystem::exists(wanted.output));
+    ASSERT_EQ(planned.plan.size(), 4u);
+    wanted.plan = 0;
+    const std::vector<std::string> parts = makeParts(wanted, 4);
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      sum += planned.plan[i].share;
+      const GridInfo made = describe(readVolume(parts[i], progress_)).front();
+      for (std::size_t k = 0; made.activeVoxels > 0 && k < 3; ++k) {
+        EXPECT_GE(made.boxMin[k], planned.plan[i].boxMin[k]);
+        EXPECT_LE(made.boxMax[k], planned.plan[i].boxMax[k]);
+      }
+    }
+    EXPECT_NEAR(sum, 1, 1e-12);
+  }
+
   std::string merged(std::vector<std::string> parts, unsigned seed) {
     std::shuffle(parts.begin(), parts.end(), std::mt19937(seed));
     mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);

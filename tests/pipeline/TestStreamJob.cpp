@@ -203,24 +203,7 @@ TEST_F(Shards, AreRefusedByNameWhereTheyDoNotFit) {
 }
 
 TEST_F(Shards, PlansAreWhatIsMade) {
-  VoxelizeJob wanted = job(rod(9000, 60, {-4600, -4000, -3000}));
-  wanted.plan = 4;
-  Report report;
-  const VoxelizeResult planned = run(wanted, report, progress_);
-  EXPECT_FALSE(fs::exists(wanted.output));
-  ASSERT_EQ(planned.plan.size(), 4u);
-  wanted.plan = 0;
-  const std::vector<std::string> parts = makeParts(wanted, 4);
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    sum += planned.plan[i].share;
-    const GridInfo made = describe(readVolume(parts[i], progress_)).front();
-    for (std::size_t k = 0; made.activeVoxels > 0 && k < 3; ++k) {
-      EXPECT_GE(made.boxMin[k], planned.plan[i].boxMin[k]);
-      EXPECT_LE(made.boxMax[k], planned.plan[i].boxMax[k]);
-    }
-  }
-  EXPECT_NEAR(sum, 1, 1e-12);
+  expectPlanned(job(rod(9000, 60, {-4600, -4000, -3000})));
 }
 
 TEST_F(Shards, OfOtherJobsAreRefused) {

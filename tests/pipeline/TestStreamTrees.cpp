@@ -332,23 +332,7 @@ TEST_F(TreeShards, OfOtherMeshesAreRefused) {
 TEST_F(TreeShards, PlansAreWhatIsMade) {
   VoxelizeJob wanted = job(rod(9000, 20, {-4600, -4000, -3000}));
   wanted.grids = {GridKind::Surface};
-  wanted.plan = 4;
-  Report report;
-  const VoxelizeResult planned = run(wanted, report, progress_);
-  EXPECT_FALSE(fs::exists(wanted.output));
-  ASSERT_EQ(planned.plan.size(), 4u);
-  wanted.plan = 0;
-  const std::vector<std::string> parts = makeParts(wanted, 4);
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    sum += planned.plan[i].share;
-    const GridInfo made = describe(readVolume(parts[i], progress_)).front();
-    for (std::size_t k = 0; made.activeVoxels > 0 && k < 3; ++k) {
-      EXPECT_GE(made.boxMin[k], planned.plan[i].boxMin[k]);
-      EXPECT_LE(made.boxMax[k], planned.plan[i].boxMax[k]);
-    }
-  }
-  EXPECT_NEAR(sum, 1, 1e-12);
+  expectPlanned(wanted);
 }
 
 } // namespace

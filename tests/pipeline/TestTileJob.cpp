@@ -2,14 +2,10 @@
 //
 // Tiles and levels that are streamed have the bytes of those that are made by OpenVDB's nodes in
 // memory.
-#include "TemporaryFolder.h"
-#include "TriangleMeshes.h"
+#include "StreamFixture.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/TriangleWriter.h"
-#include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
 #include <map>
 
@@ -23,10 +19,7 @@ using Contents = std::map<std::string, std::string>;
 
 Contents contentsOf(const fs::path& path) {
   Contents contents;
-  const auto add = [&](const fs::path& one) {
-    std::ifstream file(one, std::ios::binary);
-    contents[one.filename()] = {std::istreambuf_iterator<char>(file), {}};
-  };
+  const auto add = [&](const fs::path& one) { contents[one.filename()] = bytesOf(one); };
   if (!fs::is_directory(path))
     add(path);
   else
@@ -35,14 +28,10 @@ Contents contentsOf(const fs::path& path) {
   return contents;
 }
 
-class TileJob : public ::testing::Test {
+class TileJob : public StreamFixture {
 protected:
   VoxelizeJob job(const TriangleMesh& mesh) {
-    VoxelizeJob job;
-    job.inputs = {folder_ / "mesh.obj"};
-    writeTriangles(job.inputs.front(), mesh, progress_);
-    job.voxelize.voxelSize = {1, 1, 1};
-    job.clean.orient = false;
+    VoxelizeJob job = StreamFixture::job(mesh);
     job.grids = {GridKind::Density, GridKind::Mask};
     return job;
   }
@@ -51,11 +40,7 @@ protected:
     job.streaming = streaming;
     Report report;
     result = run(job, report, progress_);
-    bool streamed = false;
-    for (const Stage& stage : report.stages)
-      for (const StagePart& part : stage.parts)
-        streamed = streamed || part.name == "stream";
-    EXPECT_EQ(streamed, streaming == Streaming::Always);
+    EXPECT_EQ(wasStreamed(report), streaming == Streaming::Always);
     return contentsOf(job.output);
   }
 
@@ -79,9 +64,6 @@ protected:
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
   }
-
-  TemporaryFolder folder_;
-  Progress progress_;
 };
 
 TriangleMesh aligned(const Vec3d& low, const Vec3d& high) {

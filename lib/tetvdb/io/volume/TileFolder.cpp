@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/StoredNodes.h"
 #include "tetvdb/io/volume/TileTree.h"
 
@@ -97,20 +98,8 @@ std::pair<std::string, std::uint64_t> hashOfFile(const std::string& path) {
 }
 
 void add(const GridInfo& part, const GridInfo& base, GridInfo& sum) {
-  sum.activeTiles += part.activeTiles;
-  sum.leaves += part.leaves;
-  sum.bytes += part.bytes - base.bytes;
+  addCounts(part, base, sum);
   sum.volume += part.volume;
-  if (part.activeVoxels == 0)
-    return;
-  const bool first = sum.activeVoxels == 0;
-  sum.activeVoxels += part.activeVoxels;
-  for (std::size_t k = 0; k < 3; ++k) {
-    sum.boxMin[k] = first ? part.boxMin[k] : std::min(sum.boxMin[k], part.boxMin[k]);
-    sum.boxMax[k] = first ? part.boxMax[k] : std::max(sum.boxMax[k], part.boxMax[k]);
-  }
-  sum.minValue = first ? part.minValue : std::min(sum.minValue, part.minValue);
-  sum.maxValue = first ? part.maxValue : std::max(sum.maxValue, part.maxValue);
 }
 
 std::vector<GridInfo> describeAll(const openvdb::GridPtrVec& grids) {

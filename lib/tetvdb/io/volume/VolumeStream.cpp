@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/VdbCheck.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/volume/GridHash.h"
@@ -47,19 +48,7 @@ void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& s
   if (std::abs(inside - std::round(inside)) < 1e-6 * std::max(1.0, inside))
     inside = std::round(inside);
   voxels += inside;
-  sum.activeTiles += part.activeTiles;
-  sum.leaves += part.leaves;
-  sum.bytes += part.bytes - base.bytes;
-  if (part.activeVoxels == 0)
-    return;
-  const bool first = sum.activeVoxels == 0;
-  sum.activeVoxels += part.activeVoxels;
-  for (std::size_t k = 0; k < 3; ++k) {
-    sum.boxMin[k] = first ? part.boxMin[k] : std::min(sum.boxMin[k], part.boxMin[k]);
-    sum.boxMax[k] = first ? part.boxMax[k] : std::max(sum.boxMax[k], part.boxMax[k]);
-  }
-  sum.minValue = first ? part.minValue : std::min(sum.minValue, part.minValue);
-  sum.maxValue = first ? part.maxValue : std::max(sum.maxValue, part.maxValue);
+  addCounts(part, base, sum);
 }
 
 VdbHeader headerOf(const std::string& path) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/Report.h"
 
@@ -16,7 +17,6 @@
 #include <cstddef>
 #include <nanobind/nanobind.h>
 #include <optional>
-#include <tbb/task_arena.h>
 #include <thread>
 
 namespace tetvdb::python {
@@ -68,15 +68,6 @@ inline Status statusOf(const Report& report) {
 
 /// Gives every warning of `report` from number `first` on to Python's warnings.
 void issueWarnings(const Report& report, std::size_t first = 0);
-
-/// Runs `work()` with so many threads; 0: as many as there are.
-template <typename Work>
-auto inArena(int threads, const Work& work) {
-  if (threads <= 0)
-    return work();
-  tbb::task_arena arena(threads);
-  return arena.execute(work);
-}
 
 class JobRun {
 public:

@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/CheckPrintJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/pipeline/OpenLayers.h"
 #include "tetvdb/pipeline/PrintPicture.h"
 #include "tetvdb/print/CheckLayers.h"
@@ -12,7 +13,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <string_view>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -313,10 +313,7 @@ bool completePrinter(PrintTarget target, PrinterSettings& printer) {
 }
 
 CheckPrintResult run(const CheckPrintJob& job, Report& report, Progress& progress) {
-  if (job.slice.threads <= 0)
-    return PrintChecking(job, report, progress).run();
-  tbb::task_arena arena(job.slice.threads);
-  return arena.execute([&] { return PrintChecking(job, report, progress).run(); });
+  return inArena(job.slice.threads, [&] { return PrintChecking(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/ConvertJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TileFiles.h"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -195,10 +195,7 @@ private:
 } // namespace
 
 ConvertResult run(const ConvertJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return Conversion(job, report, progress).run();
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return Conversion(job, report, progress).run(); });
+  return inArena(job.threads, [&] { return Conversion(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

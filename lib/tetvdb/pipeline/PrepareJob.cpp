@@ -2,10 +2,12 @@
 #include "tetvdb/pipeline/PrepareJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/fields/SampleFields.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/print/Cavity.h"
 #include "tetvdb/print/DrainHoles.h"
@@ -25,7 +27,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <system_error>
-#include <tbb/task_arena.h>
 #include <utility>
 #include <vector>
 
@@ -436,10 +437,7 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
 }
 
 PrepareResult run(const PrepareJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return Preparing(job, report, progress).run();
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return Preparing(job, report, progress).run(); });
+  return inArena(job.threads, [&] { return Preparing(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

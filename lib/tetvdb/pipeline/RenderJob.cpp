@@ -3,13 +3,13 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/visualize/WritePng.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -157,10 +157,7 @@ std::vector<std::string> pictureNames(const std::string& output, std::size_t tur
 }
 
 RenderResult run(const RenderJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return Render(job, report, progress).run();
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return Render(job, report, progress).run(); });
+  return inArena(job.threads, [&] { return Render(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

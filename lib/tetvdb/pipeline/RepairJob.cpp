@@ -2,12 +2,14 @@
 #include "tetvdb/pipeline/RepairJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/surface/CompareSolids.h"
@@ -19,7 +21,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <tbb/task_arena.h>
 #include <utility>
 #include <vector>
 
@@ -36,17 +37,6 @@ constexpr std::size_t kDistanceSamples = 20000; // on each mesh
 constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
 // Divergence theorem, about the first point.
-double volumeOf(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    const Vec3d& origin = mesh.points[mesh.triangles[0]];
-    sum += dot(minus(mesh.points[mesh.triangles[i]], origin),
-               cross(minus(mesh.points[mesh.triangles[i + 1]], origin),
-                     minus(mesh.points[mesh.triangles[i + 2]], origin)));
-  }
-  return sum / 6;
-}
-
 Box boxOf(const TriangleMesh& mesh) {
   Box box;
   for (const std::uint32_t v : mesh.triangles)
@@ -491,10 +481,7 @@ const char* nameOf(SolidSource source) {
 }
 
 RepairResult run(const RepairJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return RepairFiles(job, report, progress).run();
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return RepairFiles(job, report, progress).run(); });
+  return inArena(job.threads, [&] { return RepairFiles(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/SequenceJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/fields/Field.h"
 #include "tetvdb/fields/NeededArrays.h"
@@ -366,11 +367,8 @@ private:
 
 SequenceResult runSequence(const VoxelizeJob& job, const std::vector<Frame>& frames,
                            const SequenceOptions& options, Report& report, Progress& progress) {
-  const auto here = [&] { return SequenceRun(job, frames, options, report, progress).run(); };
-  if (job.threads <= 0)
-    return here();
-  tbb::task_arena arena(job.threads);
-  return arena.execute(here);
+  return inArena(job.threads,
+                 [&] { return SequenceRun(job, frames, options, report, progress).run(); });
 }
 
 } // namespace tetvdb

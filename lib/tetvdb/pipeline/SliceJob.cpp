@@ -2,7 +2,9 @@
 #include "tetvdb/pipeline/SliceJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshObjects.h"
@@ -28,7 +30,6 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -39,17 +40,6 @@ constexpr double kMillimetres = 1000; // in a metre
 const char* nameOf(SliceAa aa) {
   constexpr const char* kNames[] = {"volume", "area", "none"};
   return kNames[static_cast<std::size_t>(aa)];
-}
-
-double volumeOf(const TriangleMesh& mesh) {
-  double six = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    const Vec3d &a = mesh.points[mesh.triangles[t]], &b = mesh.points[mesh.triangles[t + 1]],
-                &c = mesh.points[mesh.triangles[t + 2]];
-    six += a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
-  }
-  return six / 6;
 }
 
 // Distinct colours for materials, starting with white.
@@ -586,24 +576,15 @@ private:
   TriangleMesh kept_; ///< in the input's coordinates
 };
 
-// Uses the job's number of threads.
-template <typename Work>
-auto withThreads(const SliceJob& job, const Work& work) {
-  if (job.threads <= 0)
-    return work();
-  tbb::task_arena arena(job.threads);
-  return arena.execute(work);
-}
-
 } // namespace
 
 OpenedLayers openLayers(const SliceJob& job, const OpenOptions& options, Report& report,
                         Progress& progress) {
-  return withThreads(job, [&] { return Slicing(job, report, progress).open(options); });
+  return inArena(job.threads, [&] { return Slicing(job, report, progress).open(options); });
 }
 
 SliceResult run(const SliceJob& job, Report& report, Progress& progress) {
-  return withThreads(job, [&] { return Slicing(job, report, progress).run(); });
+  return inArena(job.threads, [&] { return Slicing(job, report, progress).run(); });
 }
 
 } // namespace tetvdb

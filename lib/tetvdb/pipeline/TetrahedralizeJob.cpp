@@ -2,13 +2,13 @@
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/Preview.h"
 
 #include <algorithm>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -124,10 +124,7 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
 } // namespace
 
 TetrahedralizeResult run(const TetrahedralizeJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return runHere(job, report, progress);
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return runHere(job, report, progress); });
+  return inArena(job.threads, [&] { return runHere(job, report, progress); });
 }
 
 } // namespace tetvdb

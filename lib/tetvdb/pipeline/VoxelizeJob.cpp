@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/InArena.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/io/MeshWriter.h"
@@ -31,7 +32,6 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <memory>
-#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
@@ -560,10 +560,7 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
 } // namespace
 
 VoxelizeResult run(const VoxelizeJob& job, Report& report, Progress& progress) {
-  if (job.threads <= 0)
-    return runHere(job, report, progress);
-  tbb::task_arena arena(job.threads);
-  return arena.execute([&] { return runHere(job, report, progress); });
+  return inArena(job.threads, [&] { return runHere(job, report, progress); });
 }
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
@@ -277,16 +278,6 @@ GridTransform offsetTransform(const TriangleMesh& mesh, double voxel) {
   options.voxelSize.fill(voxel);
   options.origin = minus(boxOf(mesh, {}).min, times(options.voxelSize, kOffFaces));
   return chooseTransform(mesh, options);
-}
-
-double areaOf(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    const Vec3d& a = mesh.points[mesh.triangles[i]];
-    sum += length(cross(minus(mesh.points[mesh.triangles[i + 1]], a),
-                        minus(mesh.points[mesh.triangles[i + 2]], a)));
-  }
-  return sum / 2;
 }
 
 void requireMemory(const TriangleMesh& mesh, double voxel, double bytesPerSquare,

@@ -53,9 +53,6 @@ private:
 /// pass between their centres. Throws as chooseTransform() does.
 GridTransform offsetTransform(const TriangleMesh& mesh, double voxel);
 
-/// The area of all faces, world units squared.
-double areaOf(const TriangleMesh& mesh);
-
 /// Throws Error(Limit), with a sufficient voxel size, if a surface of the mesh's area in voxels of
 /// that size, with `bytesPerSquare` bytes per square voxel, needs more than `maxMemory` bytes; 0:
 /// the available memory.

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/TriangleScene.h"
 
 #include <algorithm>
@@ -25,13 +26,6 @@ double twiceArea(const TriangleMesh& mesh, std::size_t face) {
   const std::uint32_t* v = &mesh.triangles[3 * face];
   return length(cross(minus(mesh.points[v[1]], mesh.points[v[0]]),
                       minus(mesh.points[v[2]], mesh.points[v[0]])));
-}
-
-double areaOf(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t face = 0; face < mesh.triangleCount(); ++face)
-    sum += twiceArea(mesh, face) / 2;
-  return sum;
 }
 
 Box boxOf(const TriangleMesh& mesh) {

@@ -2,6 +2,7 @@
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/TriangleScene.h"
 #include "tetvdb/tetrahedralize/inside/ChainWinding.h"
 #include "tetvdb/tetrahedralize/inside/RegionSurface.h"
@@ -150,16 +151,6 @@ JoinedInputs joined(const std::vector<TriangleMesh>& inputs) {
       all.mesh.triangles.push_back(first + corner);
   }
   return all;
-}
-
-double areaOf(const TriangleMesh& mesh) {
-  double twice = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    const Vec3d& a = mesh.points[mesh.triangles[i]];
-    twice += length(cross(minus(mesh.points[mesh.triangles[i + 1]], a),
-                          minus(mesh.points[mesh.triangles[i + 2]], a)));
-  }
-  return twice / 2;
 }
 
 std::vector<SurfaceSample> samplesOf(const TriangleMesh& mesh, double epsilon, double fewer) {

@@ -78,6 +78,32 @@ print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""",
     return peak
 
 
+def writes(folder, process):
+    """Whether it has a file in this folder open that is none of the inputs."""
+    try:
+        open_files = [os.readlink(f"/proc/{process.pid}/fd/{n}")
+                      for n in os.listdir(f"/proc/{process.pid}/fd")]
+    except OSError:  # closed meanwhile
+        return False
+    return any(name.startswith(f"{folder}/") and not name.endswith((".off", ".msh"))
+               for name in open_files)
+
+
+def stop_while_it_writes(test, grid):
+    """Ends a shard of large.off by SIGTERM; nothing may be left."""
+    before = sorted(os.listdir(test.folder))
+    process = subprocess.Popen([PROGRAM, "voxelize", "large.off", "-o", "out.vdb", "--voxel-size", "1",
+                                "--grid", grid, "--shard", "1/2"], cwd=test.folder,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 60
+    while not writes(test.folder, process) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    test.assertTrue(writes(test.folder, process))
+    process.send_signal(signal.SIGTERM)
+    test.assertEqual(process.wait(60), 5)
+    test.assertEqual(sorted(os.listdir(test.folder)), before)
+
+
 class Streams(CommandLineTest):
     def setUp(self):
         super().setUp()
@@ -108,26 +134,9 @@ class Streams(CommandLineTest):
         self.assertEqual(result.status, 7, result.err)
         self.assertEqual(sorted(os.listdir(self.folder)), before)
 
-    def writes(self, process):
-        """Whether it has a file in this folder open that is none of the inputs."""
-        open_files = (os.readlink(f"/proc/{process.pid}/fd/{n}")
-                      for n in os.listdir(f"/proc/{process.pid}/fd"))
-        return any(name.startswith(f"{self.folder}/") and not name.endswith(".off")
-                   for name in open_files)
-
     def test_a_signal_leaves_nothing(self):
         self.write("large.off", off(*ball(8000, 60)))
-        before = sorted(os.listdir(self.folder))
-        process = subprocess.Popen([PROGRAM, "voxelize", "large.off", "-o", "out.vdb", "--voxel-size", "1",
-                                    "--grid", "mask", "--shard", "1/2"], cwd=self.folder,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        deadline = time.monotonic() + 60
-        while not self.writes(process) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        self.assertTrue(self.writes(process))
-        process.send_signal(signal.SIGTERM)
-        self.assertEqual(process.wait(60), 5)
-        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        stop_while_it_writes(self, "mask")
 
     def test_mask_type(self):
         types = {}
@@ -201,17 +210,7 @@ class ValuesStream(CommandLineTest):
 
     def test_a_signal_leaves_nothing(self):
         self.write("large.off", off(*ball(3000, 60)))
-        before = sorted(os.listdir(self.folder))
-        process = subprocess.Popen([PROGRAM, "voxelize", "large.off", "-o", "out.vdb", "--voxel-size", "1",
-                                    "--grid", "surface", "--shard", "1/2"], cwd=self.folder,
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        deadline = time.monotonic() + 60
-        while len(os.listdir(self.folder)) == len(before) and time.monotonic() < deadline:
-            time.sleep(0.02)
-        self.assertGreater(len(os.listdir(self.folder)), len(before))
-        process.send_signal(signal.SIGTERM)
-        self.assertEqual(process.wait(60), 5)
-        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        stop_while_it_writes(self, "surface")
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_what_does_not_fit_is_refused(self):

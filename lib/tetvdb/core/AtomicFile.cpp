@@ -247,10 +247,13 @@ void AtomicFile::readAt(std::uint64_t offset, void* data, std::size_t size) cons
 
 std::string AtomicFile::nameForLibraries() {
   flush();
-  if (!target_.empty())
-    giveName(); // HDF5 asks for the path that the name leads to
   foreign_ = true;
-  return "/proc/self/fd/" + std::to_string(descriptor_);
+  if (target_.empty())
+    return "/proc/self/fd/" + std::to_string(descriptor_);
+  // A link in /proc to a file that was made without a name leads to a path that is not there, and
+  // HDF5 asks for that path.
+  giveName();
+  return temporary_;
 }
 
 void AtomicFile::commit() {

@@ -87,6 +87,9 @@ class Schemas(CommandLineTest):
         for shard in ("0/2", "1/2"):
             check("voxelize", "rod.off", "-o", "rod.vdb", "--voxel-size", 1, "--grid", "mask",
                   "--shard", shard)
+        check("voxelize", "ball.off", "--tiles", "tiles", *size)
+        check("voxelize", "ball.off", "-o", "levels.vdb", *size, "--lod", "1:2")
+        check("convert", "ball.vdb", "--tiles", "more")
         check("voxelize", "ball.off", "-o", "x.vdb", "--grid", "nothing", status=2)
         check("voxelize", "none.off", "-o", "x.vdb", status=3)
         check("plan", "rod.off", "--voxel-size", 1, "--shards", 2)

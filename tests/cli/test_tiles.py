@@ -232,11 +232,6 @@ class Tiles(Volumes):
         self.succeed("voxelize", "small.off", "--tiles", "none", *self.OPTIONS, "--allow-empty")
         self.assertEqual(self.tiles("none")["tiles"], [])
 
-    def test_too_many(self):
-        self.write("vast.off", off(*aligned_box((0, 0, 0), (40960, 24576, 24576))))
-        self.refuse(4, "voxelize", "vast.off", "--tiles", "t", "--tile-size", 512, *self.OPTIONS,
-                    says="--tile-size")
-
     def test_a_full_disk_leaves_nothing(self):
         self.write("ball.off", off(*ball(40, 900, (0, 0, 0))))
         self.succeed("voxelize", "ball.off", "-o", "ball.vdb", *self.OPTIONS, "--grid", "mask")
@@ -394,7 +389,7 @@ class Levels(Volumes):
             self.assertTrue(numpy.allclose(reader.getValue(i), mean, rtol=1e-6, atol=1e-5), i)
 
     def test_threads_and_streams(self):
-        self.write("ball.off", off(*ball(40, 900, (0, 100, 4000))))
+        self.write("ball.off", off(*ball(40, 500, (0, 100, 4000))))
         made = []
         for threads in (1, 2, 8):
             self.succeed("voxelize", "ball.off", "-o", "a.vdb", *self.OPTIONS, "--grid", "mask,density", "--lod",

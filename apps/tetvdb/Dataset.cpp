@@ -10,6 +10,7 @@
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/pipeline/Shard.h"
 #include "tetvdb/pipeline/dataset/JoinDataset.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <chrono>
@@ -135,6 +136,7 @@ DatasetOptions datasetOptions(const Options& options) {
   limits.maxMemory = options.maxMemory;
   make.maxMemory = memoryLimit(limits);
   make.device = parseDevice("--device", options.device);
+  requireDevice(make.device);
   checkFormats(make);
   if (options.archives > 0 && options.formats == std::vector<std::string>{"zarr"})
     throw Error(Status::Usage, "--archives",

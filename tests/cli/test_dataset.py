@@ -241,6 +241,13 @@ class Dataset(unittest.TestCase):
         for half in halves:
             half.close()
 
+    def test_a_device_that_is_not_there(self):
+        """Nothing is begun."""
+        done = run(self.models, "-o", self.out, "--device", "cuda:99")
+        self.assertEqual(done.returncode, 6, done.stderr)
+        self.assertIn("--device", str(done.stderr))
+        self.assertFalse(self.out.exists())
+
     def test_half_floats_of_hdf5(self):
         try:
             import h5py

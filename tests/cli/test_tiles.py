@@ -319,6 +319,16 @@ class Levels(Volumes):
             for grid in ("density", "mask"):
                 self.check_shares(name + ".vdb", grid, range(1, 7), low, shape)
 
+    def test_volumes(self):
+        """The sum of a level's shares is the volume of what it was made of."""
+        self.write("ball.off", off(*ball(24, 90, (10.3, -20.1, 33.7))))
+        report = self.succeed("voxelize", "ball.off", "-o", "ball.vdb", "--voxel-size", "0.5", "--grid", "density",
+                              "--lod", "1:6", "--json", "-", "-q")
+        volumes = [grid["volume"] for grid in json.loads(report.out)["grids"]]
+        self.assertEqual(len(volumes), 7)
+        for volume in volumes:
+            self.assertAlmostEqual(volume / volumes[0], 1, places=6)
+
     def test_coarsest(self):
         """Voxels that are larger than nodes, and a range that begins late."""
         self.write("box.off", off(*aligned_box((-4096, 0, 100), (8192 + 512, 4096, 4200))))

@@ -246,13 +246,23 @@ double sumOfActive(const openvdb::FloatTree& tree) {
   return sum;
 }
 
+// Whether values are shares of their voxels: coverage, and the levels of detail of what is inside.
+bool holdsShares(const std::string& name) {
+  if (name == "coverage")
+    return true;
+  for (const char* base : {"coverage_level_", "density_level_", "mask_level_"})
+    if (name.rfind(base, 0) == 0)
+      return true;
+  return false;
+}
+
 // The volume inside, in voxels.
 double voxelsInside(const openvdb::GridBase& grid, std::uint64_t active) {
   if (grid.isType<openvdb::FloatGrid>()) {
     const auto& tree = static_cast<const openvdb::FloatGrid&>(grid).constTree();
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
       return countNegative(tree);
-    if (grid.getName() == "coverage")
+    if (holdsShares(grid.getName()))
       return sumOfActive(tree);
   }
   return static_cast<double>(active);

@@ -471,7 +471,10 @@ Command addVoxelize(CLI::App& program) {
   addSequenceOptions(*command, options->sequence);
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
-  command->add_option("--device", options->device, "Where to voxelize tets (default auto)")
+  command
+      ->add_option("--device", options->device,
+                   "Where to voxelize tets and closed triangles, sample arrays and find distances "
+                   "(default auto)")
       ->type_name("auto|cpu|cuda[:N[,M...]]");
   command
       ->add_option(

@@ -6,6 +6,7 @@
 #include "Meshes.h"
 #include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Error.h"
 #include "tetvdb/io/MergeVdb.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -19,6 +20,7 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -114,6 +116,20 @@ protected:
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()),
                             std::filesystem::directory_iterator()),
               2);
+  }
+
+  void expectCancelled(VoxelizeJob job) {
+    job.streaming = Streaming::Always;
+    Progress progress;
+    progress.onReport([&](std::string_view, double fraction) {
+      if (fraction > 0.2)
+        progress.cancel();
+    });
+    Report report;
+    EXPECT_THROW(run(job, report, progress), Error);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()),
+                            std::filesystem::directory_iterator()),
+              1);
   }
 
   static std::size_t residentBytes() {

@@ -153,10 +153,23 @@ public:
     return mustStream(job) || bytes > static_cast<double>(streamLimit(job));
   }
 
-  // What the grids are found from, prepared for all boxes.
-  void prepare(const TreeInputs& inputs, StageTimer& timer) {
+  // What the grids are found from, prepared for all boxes. `distances` is trimmed where level sets
+  // need it; `shares`: place for what coverage is found from. Returns whether the job ends here: it
+  // asks for a plan, which `result` has then.
+  bool prepare(TreeInputs& inputs, std::optional<ShapeSolid>& distances,
+               std::optional<ShapeSolid>& shares, VoxelizeResult& result, StageTimer& timer) {
+    if (contains(job_.grids, GridKind::Coverage))
+      inputs.shares = &shares.emplace(*distances);
+    if (hasDistances(job_)) {
+      timer.part("trim");
+      trimShape(*distances, result.shapes.trim, told_, progress_);
+      inputs.distances = &*distances;
+    }
     timer.part("cubes");
     trees_.emplace(job_, inputs, progress_);
+    if (job_.plan > 0)
+      result.plan = planShards(trees_->rootCubes(), trees_->weights(), job_.plan);
+    return job_.plan > 0;
   }
   JobTrees& trees() { return *trees_; }
 
@@ -294,18 +307,8 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
       inputs.snapped = &snapped;
     if (!fields.empty())
       inputs.fields = &fields;
-    if (contains(job.grids, GridKind::Coverage))
-      inputs.shares = &shares.emplace(*distances);
-    if (hasDistances(job)) {
-      timer.part("trim");
-      trimShape(*distances, result.shapes.trim, told, progress);
-      inputs.distances = &*distances;
-    }
-    stream.prepare(inputs, timer);
-    if (job.plan > 0) {
-      result.plan = planShards(stream.trees().rootCubes(), stream.trees().weights(), job.plan);
+    if (stream.prepare(inputs, distances, shares, result, timer))
       return true;
-    }
     stream.write(originMetadata(job), transform, markOf(mesh, fields), nullptr, result, timer);
     if (!faces) {
       const OrientationCounts counts = countOrientations(snapped);
@@ -405,18 +408,8 @@ bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
     TreeInputs inputs;
     inputs.transform = transform;
     inputs.faces = &*faces;
-    if (contains(job.grids, GridKind::Coverage))
-      inputs.shares = &shares.emplace(*distances);
-    if (hasDistances(job)) {
-      timer.part("trim");
-      trimShape(*distances, result.shapes.trim, told, progress);
-      inputs.distances = &*distances;
-    }
-    stream.prepare(inputs, timer);
-    if (job.plan > 0) {
-      result.plan = planShards(stream.trees().rootCubes(), stream.trees().weights(), job.plan);
+    if (stream.prepare(inputs, distances, shares, result, timer))
       return true;
-    }
     std::map<std::string, std::string> all = originMetadata(job);
     for (const auto& [key, text] : metadata)
       all.emplace(key, text);

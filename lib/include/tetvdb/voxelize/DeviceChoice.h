@@ -19,7 +19,7 @@ struct DeviceChoice {
   std::vector<int> numbers = {0};
 };
 
-/// Where a job's tets were voxelized.
+/// The device that made a job's grids.
 struct DeviceUsed {
   std::string name = "cpu"; ///< or "cuda:0 NVIDIA H200", several with commas
   std::string why;          ///< of DeviceKind::Auto: why this one

@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/BitTopology.h"
 #include "tetvdb/io/volume/OpenedSource.h"
-#include "tetvdb/io/volume/PartMetadata.h"
 #include "tetvdb/io/volume/Spool.h"
 #include "tetvdb/io/volume/VdbPieces.h"
 #include "tetvdb/volume/VoxelBounds.h"
@@ -251,26 +250,13 @@ private:
   }
 
   VdbHead headOf(const FileGrid& grid) const {
-    const openvdb::GridBase::Ptr copy = grid.grid->copyGrid();
-    using Base = openvdb::GridBase;
-    copy->addStatsMetadata();
-    copy->insertMeta(Base::META_FILE_COMPRESSION,
-                     openvdb::StringMetadata(openvdb::io::compressionToString(vdbCompression())));
-    const auto set = [&](const char* name, const auto& value) {
-      using Value = std::decay_t<decltype(value)>;
-      copy->insertMeta(name, openvdb::TypedMetadata<Value>(value));
-    };
-    if (counts_.voxels > 0) {
-      set(Base::META_FILE_BBOX_MIN, openvdb::Vec3i(counts_.box.min.data()));
-      set(Base::META_FILE_BBOX_MAX, openvdb::Vec3i(counts_.box.max.data()));
-    }
-    set(Base::META_FILE_MEM_BYTES,
-        static_cast<openvdb::Int64>(bytesOf(grid.codec->openvdbBytes())));
-    set(Base::META_FILE_VOXEL_COUNT, static_cast<openvdb::Int64>(counts_.voxels));
-    if (options_.part)
-      set(kPartLeaves, static_cast<openvdb::Int64>(counts_.leaves));
+    const openvdb::GridBase::Ptr copy = withCounts(
+        grid.grid,
+        {counts_.box, counts_.voxels, counts_.leaves, bytesOf(grid.codec->openvdbBytes())},
+        options_.part);
     if (grid.codec->hasDelayedLoad() && keeps_)
-      copy->insertMeta(Base::META_FILE_DELAYED_LOAD, *grid.codec->delayedLoad(leafCounts_));
+      copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD,
+                       *grid.codec->delayedLoad(leafCounts_));
     return makeVdbHead(grid.grid->getName(), vdbTypeOf(*grid.grid), "", *copy,
                        grid.grid->transform(),
                        grid.codec->root(rootTiles_, static_cast<std::uint32_t>(counts_.uppers)));

@@ -3,7 +3,6 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/NodeBytes.h"
-#include "tetvdb/io/volume/PartMetadata.h"
 #include "tetvdb/io/volume/Spool.h"
 #include "tetvdb/io/volume/VdbPieces.h"
 #include "tetvdb/volume/Grids.h"
@@ -233,24 +232,11 @@ private:
   }
 
   VdbHead makeHead() const {
-    using Base = openvdb::GridBase;
-    const openvdb::GridBase::Ptr copy = grid_->copyGrid();
-    copy->addStatsMetadata();
-    copy->insertMeta(Base::META_FILE_COMPRESSION,
-                     openvdb::StringMetadata(openvdb::io::compressionToString(vdbCompression())));
-    const auto set = [&](const char* name, const auto& value) {
-      using Value = std::decay_t<decltype(value)>;
-      copy->insertMeta(name, openvdb::TypedMetadata<Value>(value));
-    };
-    if (info_.activeVoxels > 0) {
-      set(Base::META_FILE_BBOX_MIN, openvdb::Vec3i(box_.min.data()));
-      set(Base::META_FILE_BBOX_MAX, openvdb::Vec3i(box_.max.data()));
-    }
-    set(Base::META_FILE_MEM_BYTES, static_cast<openvdb::Int64>(openvdbNodeBytes<TreeT>().of(
-                                       uppers_.size(), lowers_, leaves_)));
-    set(Base::META_FILE_VOXEL_COUNT, static_cast<openvdb::Int64>(info_.activeVoxels));
-    if (options_.part)
-      set(kPartLeaves, static_cast<openvdb::Int64>(leaves_));
+    const openvdb::GridBase::Ptr copy =
+        withCounts(grid_,
+                   {box_, info_.activeVoxels, leaves_,
+                    openvdbNodeBytes<TreeT>().of(uppers_.size(), lowers_, leaves_)},
+                   options_.part);
     if (Buffers::kPlanned && leaves_ <= kDelayedLoadLeaves) {
       openvdb::io::DelayedLoadMetadata all;
       all.resizeMask(restore_.size());
@@ -259,7 +245,7 @@ private:
         all.setMask(l, restore_[l]);
         all.setCompressedSize(l, sizes_[l]);
       }
-      copy->insertMeta(Base::META_FILE_DELAYED_LOAD, all);
+      copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, all);
     }
     return makeVdbHead(grid_->getName(), vdbTypeOf(*grid_), "", *copy, grid_->transform(),
                        makeRoot());

@@ -2,10 +2,12 @@
 #include "tetvdb/io/volume/VdbOutput.h"
 
 #include "tetvdb/core/Version.h"
+#include "tetvdb/io/volume/PartMetadata.h"
 #include "tetvdb/io/volume/VdbPieces.h"
 
 #include <new>
 #include <stdexcept>
+#include <type_traits>
 
 namespace tetvdb {
 namespace {
@@ -63,6 +65,28 @@ VdbHead makeVdbHead(const std::string& name, const std::string& type, const std:
   head.bytes += out.bytes();
   head.bytes += root;
   return head;
+}
+
+openvdb::GridBase::Ptr withCounts(const openvdb::GridBase::Ptr& grid, const VdbCounts& counts,
+                                  bool part) {
+  using Base = openvdb::GridBase;
+  const Base::Ptr copy = grid->copyGrid();
+  copy->addStatsMetadata();
+  copy->insertMeta(Base::META_FILE_COMPRESSION,
+                   openvdb::StringMetadata(openvdb::io::compressionToString(vdbCompression())));
+  const auto set = [&](const char* name, const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    copy->insertMeta(name, openvdb::TypedMetadata<Value>(value));
+  };
+  if (counts.activeVoxels > 0) {
+    set(Base::META_FILE_BBOX_MIN, openvdb::Vec3i(counts.box.min.data()));
+    set(Base::META_FILE_BBOX_MAX, openvdb::Vec3i(counts.box.max.data()));
+  }
+  set(Base::META_FILE_MEM_BYTES, static_cast<openvdb::Int64>(counts.memoryBytes));
+  set(Base::META_FILE_VOXEL_COUNT, static_cast<openvdb::Int64>(counts.activeVoxels));
+  if (part)
+    set(kPartLeaves, static_cast<openvdb::Int64>(counts.leaves));
+  return copy;
 }
 
 openvdb::GridBase::Ptr withCreator(const openvdb::GridBase::Ptr& grid) {

@@ -14,6 +14,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/volume/VoxelBounds.h"
 
 #include <cstdint>
 #include <map>
@@ -45,6 +46,18 @@ VdbHead makeVdbHead(const std::string& name, const std::string& type, const std:
 
 /// The grid, sharing its tree, with this program as its creator unless it names another.
 openvdb::GridBase::Ptr withCreator(const openvdb::GridBase::Ptr& grid);
+
+/// Counts of a grid whose nodes are written without a tree of it.
+struct VdbCounts {
+  VoxelBounds box; ///< of active voxels, where there are any
+  std::uint64_t activeVoxels = 0, leaves = 0;
+  std::uint64_t memoryBytes = 0; ///< of OpenVDB's nodes
+};
+
+/// The empty grid with the entries for such counts; `part`: with that of its leaves
+/// (PartMetadata.h).
+openvdb::GridBase::Ptr withCounts(const openvdb::GridBase::Ptr& grid, const VdbCounts& counts,
+                                  bool part);
 
 /// The name of the grid's type in the file.
 std::string vdbTypeOf(const openvdb::GridBase& grid);

@@ -6,6 +6,7 @@
 
 #include "Meshes.h"
 #include "SolidAngleOracle.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 
 #include <array>
@@ -19,8 +20,6 @@
 #include <vector>
 
 namespace tetvdb::meshes {
-
-constexpr double kPi = 3.14159265358979323846;
 
 inline void addTriangle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
   mesh.triangles.insert(mesh.triangles.end(), {a, b, c});

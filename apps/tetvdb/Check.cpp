@@ -18,13 +18,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CheckArguments {
   std::vector<std::string> files;
   std::string target = "blender";
   CheckPrintOptions print;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kCheckExamples = R"(Examples:
   tetvdb check smoke.vdb
       whether Blender will show it, and if not what to do
   tetvdb check run.0*.vdb --target houdini
@@ -56,7 +56,7 @@ void requireNone(const std::vector<CLI::Option*>& options, const std::string& ta
                   "leave it out, or choose --target sla, lpbf or fdm");
 }
 
-void runCheck(const Options& options, Session& session) {
+void runCheck(const CheckArguments& options, Session& session) {
   Json inputs = Json::array();
   for (const std::string& file : options.files)
     inputs.push_back({{"path", file}});
@@ -87,7 +87,7 @@ void runCheck(const Options& options, Session& session) {
 Command addCheck(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("check", "Say whether a volume will show, or a model can be printed");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckArguments>();
   command
       ->add_option(
           "FILE", options->files,
@@ -106,7 +106,7 @@ Command addCheck(CLI::App& program) {
   std::vector<CLI::Option*> print = command->get_options();
   print.erase(print.begin(), print.begin() + static_cast<std::ptrdiff_t>(before));
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kCheckExamples);
   result.run = [options, print](Session& session) {
     if (isPrinter(options->target))
       return runCheckPrint(options->print, options->files, options->target, session);

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(const PrintLimits& limits, bool outside) {
+Json limitsOf(const PrintLimits& limits, bool outside) {
   const auto limit = [](double value) { return value > 0 ? Json(value) : Json(); };
   return {{"outside", outside},
           {"empty_layers", limits.emptyLayers},
@@ -46,7 +46,7 @@ Json printOf(const CheckPrintResult& result, const CheckPrintJob& job) {
           {"volume_mm3", result.checks.volume},
           {"repaired", result.slice.repaired},
           {"remeshed", result.slice.remeshed},
-          {"limits", toJson(job.limits, job.outside)},
+          {"limits", limitsOf(job.limits, job.outside)},
           {"left_out", leftOut}};
 }
 

@@ -21,13 +21,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct CompareArguments {
   std::string a, b, output;
   double tolerance = 0;
   JobOptions limits;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kCompareExamples = R"(Examples:
   tetvdb compare a.vdb b.vdb                     exit status 0 if they are the same, 8 if not
   tetvdb compare a.vdb b.nvdb --tolerance 1e-3   values may differ by as much
   tetvdb compare broken.stl whole.stl --tolerance 0.2
@@ -79,7 +79,7 @@ Json sectionOf(const VolumeComparison& comparison, bool same) {
           {"incomparable", comparison.incomparable}};
 }
 
-std::string textOf(const VolumeComparison& comparison, const Options& options, bool same) {
+std::string textOf(const VolumeComparison& comparison, const CompareArguments& options, bool same) {
   std::string text;
   for (const GridComparison& grid : comparison.grids)
     text += fmt::format("{}: IoU {:.9g}, {} voxels active in only one, {} with other values, "
@@ -97,7 +97,7 @@ std::string textOf(const VolumeComparison& comparison, const Options& options, b
   return text + (same ? "same\n" : "different\n");
 }
 
-void report(const VolumeComparison& comparison, const Options& options, Session& session) {
+void report(const VolumeComparison& comparison, const CompareArguments& options, Session& session) {
   const bool same = within(comparison, options.tolerance);
   session.sections["compare"] = sectionOf(comparison, same);
   session.text = textOf(comparison, options, same);
@@ -106,7 +106,7 @@ void report(const VolumeComparison& comparison, const Options& options, Session&
     session.status = Status::Found;
 }
 
-void runCompare(const Options& options, Session& session) {
+void runCompare(const CompareArguments& options, Session& session) {
   limitProcess(options.limits, session.progress);
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
     throw Error(Status::Usage, "--tolerance", "must be zero or more");
@@ -150,7 +150,7 @@ void runCompare(const Options& options, Session& session) {
 Command addCompare(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("compare", "Say how two volumes, or two meshes, differ");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareArguments>();
   command->add_option("A", options->a, "A volume or a mesh")->required()->type_name("");
   command->add_option("B", options->b, "Another of the same kind")->required()->type_name("");
   command->add_option("-o,--output", options->output, "Draw both and their difference: .png")
@@ -162,7 +162,7 @@ Command addCompare(CLI::App& program) {
       ->type_name("T");
   addProcessLimitOptions(*command, options->limits);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kCompareExamples);
   result.run = [options](Session& session) { runCompare(*options, session); };
   result.files = [options] { return FileNames{{options->a, options->b}, {options->output}}; };
   return result;

@@ -7,7 +7,7 @@
 namespace tetvdb::cli {
 namespace {
 
-const char* const kExamples = R"(Examples:
+const char* const kCompletionsExamples = R"(Examples:
   tetvdb completions bash > ~/.local/share/bash-completion/completions/tetvdb
   tetvdb completions zsh > /usr/local/share/zsh/site-functions/_tetvdb
   tetvdb completions fish > ~/.config/fish/completions/tetvdb.fish)";
@@ -129,7 +129,7 @@ Command addCompletions(CLI::App& program) {
       ->check(CLI::IsMember({"bash", "zsh", "fish"}).description(""))
       ->type_name("");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kCompletionsExamples);
   result.run = [shell, &program](Session& session) {
     session.text = *shell == "bash"  ? bashCompletions(program)
                    : *shell == "zsh" ? zshCompletions(program)

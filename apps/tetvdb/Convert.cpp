@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct ConvertArguments : JobOptions {
   std::string input, output;
   std::vector<std::string> grids;
   ArrayTexts arrays;
@@ -28,7 +28,7 @@ struct Options : JobOptions {
   double simplify = 0;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kConvertExamples = R"(Examples:
   tetvdb convert part.stl -o part.3mf       triangles, every one as it stands
   tetvdb convert engine.vtu -o engine.msh   tetrahedra with their arrays and regions
   tetvdb convert engine.vtu -o engine.stl   the surface of tetrahedra
@@ -51,7 +51,7 @@ const char* const kExamples = R"(Examples:
 Meshes become volumes by 'tetvdb voxelize', triangles tetrahedra by 'tetvdb tetrahedralize'. Arrays
 are dense: 1000 voxels a side take 4 GB a grid of floats. docs/formats.md has the order of axes.)";
 
-ConvertJob makeJob(const Options& options) {
+ConvertJob makeJob(const ConvertArguments& options) {
   ConvertJob job;
   job.input = options.input;
   job.output = options.output;
@@ -89,7 +89,7 @@ std::string summaryOf(const ConvertResult& result) {
   return text;
 }
 
-void runConvert(const Options& options, Session& session) {
+void runConvert(const ConvertArguments& options, Session& session) {
   session.sections = {
       {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
       {"stages", nullptr}, {"grids", Json::array()},     {"output", Json::array()}};
@@ -119,7 +119,7 @@ void runConvert(const Options& options, Session& session) {
 Command addConvert(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "convert", "Write a mesh or a volume in another format, as arrays, or as its surface");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ConvertArguments>();
   command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
       ->required()
       ->type_name("");
@@ -148,7 +148,7 @@ Command addConvert(CLI::App& program) {
       ->type_name("E");
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kConvertExamples);
   result.run = [options](Session& session) { runConvert(*options, session); };
   result.files = [options] {
     FileNames names{{options->input}, arrayFiles(options->output)};

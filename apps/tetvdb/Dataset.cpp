@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-const char* const kExamples = R"(Examples:
+const char* const kDatasetExamples = R"(Examples:
   tetvdb dataset ModelNet40/ -o voxels --resolution 64,256
       every mesh of the folder and those below it; classes and splits by the folders' names
   tetvdb dataset models.csv -o onet --content points,samples --format occupancy-networks
@@ -47,7 +47,7 @@ id, class, split. Each model ends in success.csv or in failed.csv with the reaso
 there is, preview.png shows some of it. Arrays have the model's longest side as 1 and the middle of
 its box at 0, unless --normalize says otherwise; `transform` leads there. docs/datasets.md has all.)";
 
-struct Options {
+struct DatasetArguments {
   std::string input, output;
   std::vector<int> resolutions{64};
   std::vector<std::string> content{"occupancy"}, formats{"npz"};
@@ -105,7 +105,7 @@ void checkFormats(const DatasetOptions& make) {
                 "add occupancy, distance or surface to --content");
 }
 
-DatasetOptions datasetOptions(const Options& options) {
+DatasetOptions datasetOptions(const DatasetArguments& options) {
   DatasetOptions make = options.make;
   make.resolutions = sortedResolutions(options.resolutions);
   make.normalize = valueOf(kNormalLengths, options.normalize);
@@ -146,7 +146,7 @@ DatasetOptions datasetOptions(const Options& options) {
 }
 
 // Everything that the files of the data set depend on.
-Json settingsOf(const Options& options, const DatasetOptions& make) {
+Json settingsOf(const DatasetArguments& options, const DatasetOptions& make) {
   return {{"version", version()},
           {"manifest", options.input},
           {"resolutions", make.resolutions},
@@ -173,7 +173,7 @@ Json settingsOf(const Options& options, const DatasetOptions& make) {
 }
 
 // The settings are written by the first task; every other must have the same.
-void requireSameSettings(const Options& options, const Json& settings, bool goesOn) {
+void requireSameSettings(const DatasetArguments& options, const Json& settings, bool goesOn) {
   const fs::path path = fs::path(options.output) / "dataset.json";
   std::error_code error;
   if (fs::exists(path, error)) {
@@ -249,7 +249,7 @@ std::string summaryOf(const DatasetSummary& summary, const std::string& output) 
   return text + "\n";
 }
 
-void runDataset(const Options& options, Session& session) {
+void runDataset(const DatasetArguments& options, Session& session) {
   const DatasetOptions make = datasetOptions(options);
   if (options.worker) {
     tbb::task_arena arena(1);
@@ -317,7 +317,7 @@ void runDataset(const Options& options, Session& session) {
     throw Error(Status::Invalid, options.output, "no model succeeded", "failed.csv says why");
 }
 
-void addContentOptions(CLI::App& command, Options& options) {
+void addContentOptions(CLI::App& command, DatasetArguments& options) {
   const auto oneOf = [](const std::vector<std::string>& names) {
     return CLI::IsMember(names).description("");
   };
@@ -390,7 +390,7 @@ void addContentOptions(CLI::App& command, Options& options) {
   count("--samples", options.make.samples, "Samples of the surface");
 }
 
-void addVariantOptions(CLI::App& command, Options& options) {
+void addVariantOptions(CLI::App& command, DatasetArguments& options) {
   command
       .add_option("--variants", options.make.variants,
                   "Further versions of every model, changed at random as the next options say")
@@ -417,7 +417,7 @@ void addVariantOptions(CLI::App& command, Options& options) {
   command.add_option("--seed", options.make.seed, "Of all that is random")->type_name("N");
 }
 
-void addRunOptions(CLI::App& command, Options& options) {
+void addRunOptions(CLI::App& command, DatasetArguments& options) {
   command
       .add_option("--workers", options.workers,
                   "Processes of one thread each (default: one a core)")
@@ -462,7 +462,7 @@ void addRunOptions(CLI::App& command, Options& options) {
 Command addDataset(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "dataset", "Voxels, distances and points of many models, for machine learning");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<DatasetArguments>();
   command->add_option("LIST|DIR", options->input, "A folder of meshes, or a list of them")
       ->required()
       ->check(notEmpty())
@@ -475,7 +475,7 @@ Command addDataset(CLI::App& program) {
   addVariantOptions(*command, *options);
   addRunOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kDatasetExamples);
   result.run = [options](Session& session) { runDataset(*options, session); };
   result.files = [] { return FileNames{}; };
   return result;

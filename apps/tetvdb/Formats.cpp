@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* const kExamples = R"(Examples:
+const char* const kFormatsExamples = R"(Examples:
   tetvdb formats
       what is read and written, a line a format
   tetvdb formats --json -
@@ -74,7 +74,7 @@ Command addFormats(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("formats", "List the file formats that are read and written");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kFormatsExamples);
   result.run = [](Session& session) { runFormats(session); };
   result.files = [] { return FileNames{}; };
   return result;

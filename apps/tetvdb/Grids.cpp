@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* const kExamples = R"(Examples:
+const char* const kGridsExamples = R"(Examples:
   tetvdb grids
       the grids that `voxelize --grid` makes of every mesh, a line a grid
   tetvdb grids --json -
@@ -49,7 +49,7 @@ Command addGrids(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("grids", "List the grids that can be made of every mesh");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kGridsExamples);
   result.run = [](Session& session) { runGrids(session); };
   result.files = [] { return FileNames{}; };
   return result;

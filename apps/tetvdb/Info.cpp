@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct InfoArguments {
   std::vector<std::string> files;
   std::string regionArray;
   bool hash = false;
@@ -29,7 +29,7 @@ struct Options {
   JobOptions limits;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kInfoExamples = R"(Examples:
   tetvdb info part.msh                 cells, regions, attributes, box, volume, defects
   tetvdb info part.stl                 holes, flips, crossings, whether it is watertight
   tetvdb info part.vdb --hash          grids, and a hash that is equal for equal volumes
@@ -121,7 +121,7 @@ void describeVolume(const std::string& path, bool withHash, Json& section, Sessi
   session.text += fmt::format("  hash        {}\n", volume.hash);
 }
 
-void describeFile(const std::string& path, const Options& options, Json& section,
+void describeFile(const std::string& path, const InfoArguments& options, Json& section,
                   Session& session) {
   if (signatureOf(path) != VolumeSignature::None) {
     session.progress.stage("read");
@@ -142,7 +142,7 @@ void describeFile(const std::string& path, const Options& options, Json& section
 }
 
 // Goes on with the next file after one that cannot be read; the first error gives the status.
-void runInfo(const Options& options, Session& session) {
+void runInfo(const InfoArguments& options, Session& session) {
   limitProcess(options.limits, session.progress);
   session.sections["input"] = Json::array();
   for (const std::string& path : options.files) {
@@ -174,7 +174,7 @@ void runInfo(const Options& options, Session& session) {
 
 Command addInfo(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Say what meshes and volumes hold");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InfoArguments>();
   command->add_option("FILE", options->files, "Meshes and volumes")->required()->type_name("");
   command->add_flag("--hash", options->hash,
                     "Print a hash of each volume: names, classes, transforms, topology, values");
@@ -189,7 +189,7 @@ Command addInfo(CLI::App& program) {
       ->type_name("N");
   addProcessLimitOptions(*command, options->limits);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kInfoExamples);
   result.run = [options](Session& session) { runInfo(*options, session); };
   result.files = [options] { return FileNames{options->files, {}}; };
   return result;

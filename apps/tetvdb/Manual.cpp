@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kExamples = R"(Examples:
+const char* const kManualExamples = R"(Examples:
   tetvdb manual ~/.local/share/man/man1
       tetvdb.1, tetvdb-voxelize.1 and so on; read them by 'man tetvdb-voxelize')";
 
@@ -116,7 +116,7 @@ Command addManual(CLI::App& program) {
       ->check(notEmpty())
       ->type_name("");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kManualExamples);
   result.run = [folder, &program](Session& session) { runManual(program, *folder, session); };
   result.files = [] { return FileNames{}; };
   return result;

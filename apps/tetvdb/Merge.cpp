@@ -15,20 +15,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct MergeArguments {
   std::vector<std::string> parts;
   std::string output;
   bool allowEmpty = false;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kMergeExamples = R"(Examples:
   tetvdb merge ship.*-of-16.vdb -o ship.vdb
       one volume of the 16 parts that 'tetvdb voxelize --shard' has written, in any order: the same
       file that one process would have written
 
 Parts that are missing, cut, given twice or of another volume are refused by name.)";
 
-void runMerge(const Options& options, Session& session) {
+void runMerge(const MergeArguments& options, Session& session) {
   Json inputs = Json::array();
   for (const std::string& path : options.parts)
     inputs.push_back({{"path", path}});
@@ -58,7 +58,7 @@ void runMerge(const Options& options, Session& session) {
 Command addMerge(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("merge", "Join the parts of a volume that shards have made");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<MergeArguments>();
   command->add_option("PART", options->parts, "All parts of one volume, in any order")
       ->required()
       ->type_name("");
@@ -68,7 +68,7 @@ Command addMerge(CLI::App& program) {
       ->check(notEmpty());
   command->add_flag("--allow-empty", options->allowEmpty, "Write a volume without voxels too");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kMergeExamples);
   result.run = [options](Session& session) { runMerge(*options, session); };
   result.files = [options] { return FileNames{options->parts, {options->output}}; };
   return result;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ParsePictures.h"
 
+#include "ParseQuantities.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/visualize/Srgb.h"
 
@@ -10,11 +11,6 @@
 
 namespace tetvdb::cli {
 namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& text,
-                         const std::string& advice) {
-  throw Error(Status::Usage, option, "'" + text + "' cannot be used", advice);
-}
 
 // The whole of `text`.
 template <typename Number>

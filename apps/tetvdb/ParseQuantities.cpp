@@ -12,11 +12,6 @@
 namespace tetvdb::cli {
 namespace {
 
-[[noreturn]] void refuse(const std::string& option, const std::string& text,
-                         const std::string& advice) {
-  throw Error(Status::Usage, option, "'" + text + "' cannot be used", advice);
-}
-
 // The number that `text` begins with, and what is left; false where there is none.
 bool takeNumber(std::string_view& text, double& number) {
   std::string_view digits = text;
@@ -31,6 +26,10 @@ bool takeNumber(std::string_view& text, double& number) {
 }
 
 } // namespace
+
+void refuse(const std::string& option, const std::string& text, const std::string& advice) {
+  throw Error(Status::Usage, option, "'" + text + "' cannot be used", advice);
+}
 
 std::vector<double> parseNumbers(const std::string& option, const std::string& text) {
   std::vector<double> numbers;

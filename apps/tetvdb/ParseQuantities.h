@@ -18,6 +18,10 @@
 
 namespace tetvdb::cli {
 
+/// Throws Error(Usage): the value `text` of an option cannot be used.
+[[noreturn]] void refuse(const std::string& option, const std::string& text,
+                         const std::string& advice);
+
 /// "1,2.5,-3e-2": the numbers between the commas. NaN is refused, infinity is not.
 std::vector<double> parseNumbers(const std::string& option, const std::string& text);
 

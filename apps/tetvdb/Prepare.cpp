@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct PrepareArguments : JobOptions {
   std::string input, output, grid;
   std::string offset, wall, close, fillVoids;
   std::vector<std::string> drains;
@@ -28,7 +28,7 @@ struct Options : JobOptions {
   std::optional<double> simplify;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kPrepareExamples = R"(Examples:
   tetvdb prepare figure.stl -o hollow.stl --hollow 2
       walls of 2 mm, nowhere thinner; the faces of the outside stay as they are
   tetvdb prepare figure.stl -o hollow.3mf --hollow 2 --close 1.5
@@ -115,7 +115,7 @@ InfillAmount parseAmount(const std::string& option, const std::string& text, boo
   return amount;
 }
 
-std::optional<InfillSettings> infillOf(const Options& options) {
+std::optional<InfillSettings> infillOf(const PrepareArguments& options) {
   if (options.infill.empty()) {
     for (const auto& [name, value] :
          {std::pair("--cell-size", &options.cellSize), std::pair("--thickness", &options.thickness),
@@ -139,7 +139,7 @@ std::optional<InfillSettings> infillOf(const Options& options) {
   return infill;
 }
 
-PrepareJob makeJob(const Options& options) {
+PrepareJob makeJob(const PrepareArguments& options) {
   PrepareJob job;
   job.input = options.input;
   const MappedFile readable(options.input); // says so at once if the file is not there
@@ -230,7 +230,7 @@ std::string summaryOf(const PrepareResult& result) {
   return text;
 }
 
-void runPrepare(const Options& options, Session& session) {
+void runPrepare(const PrepareArguments& options, Session& session) {
   session.sections = {
       {"device", "cpu"},   {"threads", options.threads}, {"input", {{{"path", options.input}}}},
       {"stages", nullptr}, {"prepare", nullptr},         {"output", Json::array()}};
@@ -254,7 +254,7 @@ void runPrepare(const Options& options, Session& session) {
 Command addPrepare(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("prepare", "Make a solid ready for a 3D printer: hollow, offset");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PrepareArguments>();
   command->add_option("IN", options->input, "A mesh of triangles or tets, or a volume")
       ->required()
       ->type_name("");
@@ -305,7 +305,7 @@ Command addPrepare(CLI::App& program) {
   addCleaningOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kPrepareExamples);
   result.run = [options](Session& session) { runPrepare(*options, session); };
   result.files = [options] { return FileNames{{options->input}, {options->output}}; };
   return result;

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct RenderArguments : JobOptions {
   std::vector<std::string> inputs;
   std::string output, view, upAxis = "z", cut, color, colorMap, range, size, background;
   std::string style, grid, slice; // of volumes
@@ -27,7 +27,7 @@ struct Options : JobOptions {
   int turntable = 0;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kRenderExamples = R"(Examples:
   tetvdb render part.stl -o part.png
       640 x 480 pixels, from the front, right and above
   tetvdb render broken.stl -o broken.png --defects --size 1280x960
@@ -57,7 +57,7 @@ VolumeStyle styleNamed(const std::string& name) {
 }
 
 // Without --view: onto the slice, or from the front, right and above.
-std::string viewFor(const Options& options, const VolumeShow& volume) {
+std::string viewFor(const RenderArguments& options, const VolumeShow& volume) {
   if (!options.view.empty())
     return options.view;
   if (volume.style != VolumeStyle::Slice)
@@ -68,7 +68,7 @@ std::string viewFor(const Options& options, const VolumeShow& volume) {
   return isLevel ? "top" : "front";
 }
 
-void setVolume(const Options& options, RenderJob& job) {
+void setVolume(const RenderArguments& options, RenderJob& job) {
   bool anyVolume = false;
   for (const RenderInput& input : job.inputs)
     anyVolume = anyVolume || input.isVolume;
@@ -89,7 +89,7 @@ void setVolume(const Options& options, RenderJob& job) {
   job.volume.slice.inUnits = plane.inUnits;
 }
 
-RenderJob makeJob(const Options& options) {
+RenderJob makeJob(const RenderArguments& options) {
   RenderJob job;
   for (const std::string& path : options.inputs) {
     const MappedFile readable(path); // says so at once if the file is not there
@@ -122,7 +122,7 @@ RenderJob makeJob(const Options& options) {
   return job;
 }
 
-std::string summaryOf(const RenderResult& result, const Options& options) {
+std::string summaryOf(const RenderResult& result, const RenderArguments& options) {
   const OutputInfo& first = result.outputs.front();
   std::string text = fmt::format(
       "{}{}: {} x {} pixels", oneLine(first.path),
@@ -140,7 +140,7 @@ std::string summaryOf(const RenderResult& result, const Options& options) {
   return text;
 }
 
-void runRender(const Options& options, Session& session) {
+void runRender(const RenderArguments& options, Session& session) {
   Json inputs = Json::array();
   for (const std::string& path : options.inputs)
     inputs.push_back({{"path", path}});
@@ -158,7 +158,7 @@ void runRender(const Options& options, Session& session) {
   session.textIsSummary = true;
 }
 
-void addPictureOptions(CLI::App& command, Options& options) {
+void addPictureOptions(CLI::App& command, RenderArguments& options) {
   command
       .add_option("--view", options.view,
                   "iso (default), front, back, left, right, top, bottom, or a direction to the eye")
@@ -185,7 +185,7 @@ void addPictureOptions(CLI::App& command, Options& options) {
       ->check(notEmpty());
 }
 
-void addLookOptions(CLI::App& command, Options& options) {
+void addLookOptions(CLI::App& command, RenderArguments& options) {
   command.add_option("--cut", options.cut, "Cut open at a share of the box, or a coordinate in u")
       ->type_name("AXIS=SHARE|AXIS=Xu")
       ->check(notEmpty());
@@ -210,7 +210,7 @@ void addLookOptions(CLI::App& command, Options& options) {
       "Of triangles: open edges red, of three faces or more yellow, flipped faces blue");
 }
 
-void addVolumeOptions(CLI::App& command, Options& options) {
+void addVolumeOptions(CLI::App& command, RenderArguments& options) {
   command
       .add_option("--style", options.style,
                   "Of volumes: surface, voxels (default where there are few), or fog")
@@ -232,7 +232,7 @@ void addVolumeOptions(CLI::App& command, Options& options) {
 
 Command addRender(CLI::App& program) {
   CLI::App* command = program.add_subcommand("render", "Draw meshes and volumes");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderArguments>();
   command->add_option("FILE", options->inputs, "Meshes of triangles or tets, volumes")
       ->required()
       ->type_name("...");
@@ -245,7 +245,7 @@ Command addRender(CLI::App& program) {
   addVolumeOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kRenderExamples);
   result.run = [options](Session& session) { runRender(*options, session); };
   result.files = [options] {
     return FileNames{options->inputs,

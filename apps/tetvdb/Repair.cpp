@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct RepairArguments : JobOptions {
   std::vector<std::string> inputs;
   std::string output, grid, units;
   double scale = 1;
@@ -31,7 +31,7 @@ struct Options : JobOptions {
   std::int64_t faces = 0;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kRepairExamples = R"(Examples:
   tetvdb repair broken.stl -o whole.stl
       a closed, manifold surface; faces without defects are kept
   tetvdb repair scan.ply -o scan.3mf --resolution 768 --simplify 0.2
@@ -54,7 +54,7 @@ from the input. Lengths are in the input's units.)";
 
 constexpr std::int64_t kFewestFaces = 4;
 
-RepairJob makeJob(const Options& options, const CLI::App& command) {
+RepairJob makeJob(const RepairArguments& options, const CLI::App& command) {
   RepairJob job;
   job.input = options.inputs.front();
   job.more.assign(options.inputs.begin() + 1, options.inputs.end());
@@ -183,14 +183,14 @@ std::string summaryOf(const RepairResult& result) {
   return text;
 }
 
-Json inputsOf(const Options& options) {
+Json inputsOf(const RepairArguments& options) {
   Json inputs = Json::array();
   for (const std::string& path : options.inputs)
     inputs.push_back({{"path", path}});
   return inputs;
 }
 
-void runRepair(const Options& options, const CLI::App& command, Session& session) {
+void runRepair(const RepairArguments& options, const CLI::App& command, Session& session) {
   session.sections = {
       {"device", "cpu"},   {"threads", options.threads}, {"input", inputsOf(options)},
       {"repair", nullptr}, {"stages", nullptr},          {"output", Json::array()}};
@@ -210,7 +210,7 @@ void runRepair(const Options& options, const CLI::App& command, Session& session
 Command addRepair(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "repair", "Make a closed, manifold surface of any mesh or of a volume");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RepairArguments>();
   command
       ->add_option("IN", options->inputs,
                    "A mesh of triangles or tets, or a volume; several files of triangles are "
@@ -261,7 +261,7 @@ Command addRepair(CLI::App& program) {
       ->check(notEmpty());
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kRepairExamples);
   result.run = [options, command](Session& session) { runRepair(*options, *command, session); };
   result.files = [options] {
     return FileNames{options->inputs, {options->output, options->preview}};

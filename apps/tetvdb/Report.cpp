@@ -20,13 +20,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct ReportArguments {
   std::vector<std::string> inputs;
   std::string output;
   ReportSettings settings;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kReportExamples = R"(Examples:
   tetvdb report models/ -o report.html
       every mesh file in the folder and those below it: pictures, defects, numbers, verdict
   tetvdb report a.stl b.obj run.vtu -o report.html --resolution 256 --max-time 60
@@ -61,14 +61,14 @@ std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
   return models;
 }
 
-FileNames filesOf(const Options& options) {
+FileNames filesOf(const ReportArguments& options) {
   FileNames names{options.inputs, {options.output}};
   for (const ReportModel& model : findModels(options.inputs))
     names.read.push_back(model.path);
   return names;
 }
 
-void runReport(const Options& options, Session& session) {
+void runReport(const ReportArguments& options, Session& session) {
   const std::vector<ReportModel> models = findModels(options.inputs);
   requireExtension(options.output, {".html", ".htm"}, "name it .html");
   requireWritable(options.output);
@@ -111,7 +111,7 @@ void runReport(const Options& options, Session& session) {
 Command addReport(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "report", "Many models on one page: pictures, defects, numbers, verdicts");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportArguments>();
   command->add_option("DIR|FILE", options->inputs, "Folders, which are searched, and mesh files")
       ->required()
       ->type_name("");
@@ -138,7 +138,7 @@ Command addReport(CLI::App& program) {
       ->check(CLI::IsMember(std::set<std::string>{"auto", "envelope", "winding"}).description(""))
       ->type_name("auto|envelope|winding");
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kReportExamples);
   result.run = [options](Session& session) { runReport(*options, session); };
   result.files = [options] { return filesOf(*options); };
   return result;

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions, PrinterOptions {
+struct SliceArguments : JobOptions, PrinterOptions {
   std::vector<std::string> inputs;
   std::string output, format, aa = "volume", table;
   std::string exposure, bottomExposure, liftHeight, liftSpeed, retractSpeed, lightOffDelay;
@@ -31,7 +31,7 @@ struct Options : JobOptions, PrinterOptions {
   bool materials = false, dither = false;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kSliceExamples = R"(Examples:
   tetvdb slice part.stl -o part.sl1 --printer sl1s.ini
       the printer from an exported configuration of PrusaSlicer
   tetvdb slice part.stl -o layers --pixels 11520,5120 --display 218.88,122.88 --layer-height 0.05
@@ -69,7 +69,7 @@ std::array<std::uint8_t, 256> readTable(const std::string& path) {
   return table;
 }
 
-void setExposure(const Options& options, const CLI::App& command, PrinterSettings& printer) {
+void setExposure(const SliceArguments& options, const CLI::App& command, PrinterSettings& printer) {
   takeNumber("--exposure", options.exposure, printer.exposure);
   takeNumber("--bottom-exposure", options.bottomExposure, printer.firstExposure);
   if (command.count("--bottom-layers") > 0)
@@ -88,7 +88,7 @@ void setExposure(const Options& options, const CLI::App& command, PrinterSetting
   takeNumber("--light-off-delay", options.lightOffDelay, printer.lightOffDelay);
 }
 
-SliceJob makeJob(const Options& options, const CLI::App& command) {
+SliceJob makeJob(const SliceArguments& options, const CLI::App& command) {
   SliceJob job = sliceJobFrom(options, options.inputs);
   job.output = options.output;
   job.format = options.format;
@@ -108,7 +108,7 @@ SliceJob makeJob(const Options& options, const CLI::App& command) {
   return job;
 }
 
-void runSlice(const Options& options, const CLI::App& command, Session& session) {
+void runSlice(const SliceArguments& options, const CLI::App& command, Session& session) {
   Json paths = Json::array();
   for (const std::string& input : options.inputs)
     paths.push_back({{"path", input}});
@@ -128,7 +128,7 @@ void runSlice(const Options& options, const CLI::App& command, Session& session)
   session.textIsSummary = true;
 }
 
-void addExposureOptions(CLI::App& command, Options& options) {
+void addExposureOptions(CLI::App& command, SliceArguments& options) {
   const auto add = [&](const char* name, std::string& value, const char* type,
                        const std::string& description) {
     return command.add_option(name, value, description)->type_name(type)->check(notEmpty());
@@ -149,7 +149,7 @@ void addExposureOptions(CLI::App& command, Options& options) {
   add("--light-off-delay", options.lightOffDelay, "SECONDS", "Wait before a layer (default 0)");
 }
 
-void addPixelOptions(CLI::App& command, Options& options) {
+void addPixelOptions(CLI::App& command, SliceArguments& options) {
   command
       .add_option("--aa", options.aa,
                   "Grey levels: volume (default), the share of the pixel through the whole layer; "
@@ -196,7 +196,7 @@ std::string namesOfFormats() {
 Command addSlice(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("slice", "Cut a mesh or a volume into the layers of a 3D printer");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SliceArguments>();
   command->add_option("IN", options->inputs, "Meshes of triangles or one of tets, or a volume")
       ->required()
       ->type_name("");
@@ -218,7 +218,7 @@ Command addSlice(CLI::App& program) {
   addCleaningOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kSliceExamples);
   result.run = [options, command](Session& session) { runSlice(*options, *command, session); };
   result.files = [options] {
     FileNames names{options->inputs, {options->output}};

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct TetrahedralizeArguments : JobOptions {
   std::vector<std::string> inputs;
   std::string output, edgeLength, boolean;
   double stopEnergy = 0;
@@ -27,7 +27,7 @@ struct Options : JobOptions {
   bool keepOutside = false;
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kTetrahedralizeExamples = R"(Examples:
   tetvdb tetrahedralize broken.stl -o solid.msh
       tets within a thousandth of the diagonal, as few as that takes
   tetvdb tetrahedralize part.stl -o part.vtu --epsilon 0.05 --stop-energy 10
@@ -50,7 +50,7 @@ Boolean parseBoolean(const std::string& name) {
   return name == "intersection" ? Boolean::Intersection : Boolean::Materials;
 }
 
-TetrahedralizeJob makeJob(const Options& options, const CLI::App& command) {
+TetrahedralizeJob makeJob(const TetrahedralizeArguments& options, const CLI::App& command) {
   TetrahedralizeJob job;
   job.inputs = options.inputs;
   job.output = options.output;
@@ -96,7 +96,8 @@ std::string summaryOf(const TetrahedralizeResult& result, const Report& report) 
   return text;
 }
 
-void runTetrahedralize(const Options& options, const CLI::App& command, Session& session) {
+void runTetrahedralize(const TetrahedralizeArguments& options, const CLI::App& command,
+                       Session& session) {
   Json inputs = Json::array();
   for (const std::string& path : options.inputs)
     inputs.push_back({{"path", path}});
@@ -118,7 +119,7 @@ void runTetrahedralize(const Options& options, const CLI::App& command, Session&
 Command addTetrahedralize(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "tetrahedralize", "Turn triangles with any defect into tetrahedra within epsilon of them");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TetrahedralizeArguments>();
   command
       ->add_option("IN", options->inputs,
                    "Meshes of triangles, one material each: " +
@@ -161,7 +162,7 @@ Command addTetrahedralize(CLI::App& program) {
   addCleaningOptions(*command, *options);
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kTetrahedralizeExamples);
   result.run = [options, command](Session& session) {
     runTetrahedralize(*options, *command, session);
   };

@@ -30,7 +30,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Options : JobOptions {
+struct VoxelizeArguments : JobOptions {
   std::vector<std::string> inputs;
   std::string output, writeMesh;
   std::string origin, bbox;
@@ -52,7 +52,7 @@ struct Options : JobOptions {
   unsigned shards = 0; // of `plan`
 };
 
-const char* const kExamples = R"(Examples:
+const char* const kVoxelizeExamples = R"(Examples:
   tetvdb voxelize part.msh -o part.vdb
       256 voxels along the longest side, one fog grid "density"
   tetvdb voxelize engine.vtu -o engine.vdb --voxel-size 0.5 --grid density,material
@@ -163,7 +163,7 @@ std::string shardPath(const std::string& output, const Shard& shard) {
          path.extension().string();
 }
 
-VoxelizeJob makeJob(const Options& options) {
+VoxelizeJob makeJob(const VoxelizeArguments& options) {
   VoxelizeJob job;
   job.inputs = options.inputs;
   job.output = options.output;
@@ -237,7 +237,7 @@ std::string summaryOf(const VoxelizeJob& job, const VoxelizeResult& result, cons
 }
 
 // The report's sections before anything is known, in the order in which they are printed.
-void prepareSections(const Options& options, Session& session) {
+void prepareSections(const VoxelizeArguments& options, Session& session) {
   Json inputs = Json::array();
   for (const std::string& path : options.inputs)
     inputs.push_back({{"path", path}});
@@ -260,7 +260,7 @@ void noteDevices(const VoxelizeJob& job, const VoxelizeResult& result, Session& 
     note("level set", result.shapes.device);
 }
 
-void runVoxelize(const Options& options, Session& session) {
+void runVoxelize(const VoxelizeArguments& options, Session& session) {
   prepareSections(options, session);
   VoxelizeJob job = makeJob(options);
   session.sections["threads"] = job.threads;
@@ -285,7 +285,7 @@ void runVoxelize(const Options& options, Session& session) {
   session.textIsSummary = true;
 }
 
-void runPlan(const Options& options, Session& session) {
+void runPlan(const VoxelizeArguments& options, Session& session) {
   VoxelizeJob job = makeJob(options);
   job.output = "plan.vdb"; // is not written
   session.sections = {{"threads", job.threads}, {"input", Json::array()}, {"shards", nullptr}};
@@ -315,7 +315,7 @@ void runPlan(const Options& options, Session& session) {
   session.sections["shards"] = std::move(shards);
 }
 
-FileNames filesOf(const Options& options) {
+FileNames filesOf(const VoxelizeArguments& options) {
   std::vector<std::string> written = frameNames(options.inputs, options.output, options.sequence);
   if (!options.shard.empty())
     written = {shardPath(options.output, parseShard(options.shard))};
@@ -332,7 +332,7 @@ CLI::Validator oneOf(const std::set<std::string>& words) {
   return CLI::IsMember(words).description(""); // the help's type already lists the words
 }
 
-void addGridOptions(CLI::App& command, Options& options) {
+void addGridOptions(CLI::App& command, VoxelizeArguments& options) {
   command
       .add_option("--grid", options.grids,
                   "Grids to make: " + listGridKinds() +
@@ -370,7 +370,7 @@ void addGridOptions(CLI::App& command, Options& options) {
   command.add_flag("--allow-empty", options.allowEmpty, "Write a volume without voxels too");
 }
 
-void addSolidOptions(CLI::App& command, Options& options) {
+void addSolidOptions(CLI::App& command, VoxelizeArguments& options) {
   command
       .add_option("--mesher", options.mesher,
                   "How triangles become a solid: envelope makes tets within epsilon; winding asks "
@@ -394,7 +394,7 @@ void addSolidOptions(CLI::App& command, Options& options) {
   addCleaningOptions(command, options);
 }
 
-void addFilterOptions(CLI::App& command, Options& options) {
+void addFilterOptions(CLI::App& command, VoxelizeArguments& options) {
   command.add_option("--region", options.regions, "Regions to keep, by number or name")
       ->type_name("NAME")
       ->delimiter(',')
@@ -410,7 +410,7 @@ void addFilterOptions(CLI::App& command, Options& options) {
       ->check(notEmpty());
 }
 
-void addInputs(CLI::App& command, Options& options) {
+void addInputs(CLI::App& command, VoxelizeArguments& options) {
   command
       .add_option("IN", options.inputs,
                   "Meshes: of triangles: " + endingList(FormatUse::ReadTriangles, "and") +
@@ -421,7 +421,7 @@ void addInputs(CLI::App& command, Options& options) {
 }
 
 // Options for the places of voxels.
-void addPlacing(CLI::App& command, Options& options) {
+void addPlacing(CLI::App& command, VoxelizeArguments& options) {
   addSizeOptions(command, options);
   CLI::Option* origin =
       command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
@@ -448,7 +448,7 @@ void addPlacing(CLI::App& command, Options& options) {
 Command addVoxelize(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "voxelize", "Turn meshes, of tetrahedra or triangles, into a sparse volume");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VoxelizeArguments>();
   addInputs(*command, *options);
   command
       ->add_option("-o,--output", options->output,
@@ -486,7 +486,7 @@ Command addVoxelize(CLI::App& program) {
       ->check(notEmpty());
   addLimitOptions(*command, *options);
   Command result{command, addCommonOptions(*command), {}};
-  command->footer(kExamples);
+  command->footer(kVoxelizeExamples);
   result.run = [options](Session& session) { runVoxelize(*options, session); };
   result.files = [options] { return filesOf(*options); };
   return result;
@@ -495,7 +495,7 @@ Command addVoxelize(CLI::App& program) {
 Command addPlan(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("plan", "Say what the shards of a volume would have to do");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<VoxelizeArguments>();
   addInputs(*command, *options);
   command->add_option("--shards", options->shards, "Shards to plan")
       ->required()

@@ -46,7 +46,7 @@ std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command) {
 
 namespace {
 
-const char* const kExamples = R"(Examples:
+const char* const kmainExamples = R"(Examples:
   tetvdb voxelize part.msh -o part.vdb --resolution 512
   tetvdb tetrahedralize broken.stl -o solid.msh
   tetvdb info part.msh part.vdb
@@ -96,7 +96,7 @@ int runProgram(const std::vector<std::string>& arguments) {
   program.name("tetvdb");
   program.set_version_flag("--version", std::string("tetvdb ") + version());
   program.require_subcommand(1);
-  program.footer(kExamples);
+  program.footer(kmainExamples);
   const std::vector<Command> commands = {
       addVoxelize(program),    addTetrahedralize(program), addInfo(program),    addCompare(program),
       addRepair(program),      addConvert(program),        addPrepare(program), addSlice(program),

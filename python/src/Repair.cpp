@@ -13,7 +13,7 @@
 namespace tetvdb::python {
 namespace {
 
-RepairJob jobOf(Settings& settings) {
+RepairJob repairJobOf(Settings& settings) {
   RepairJob job;
   job.keep = true;
   settings.take("grid", job.grid);
@@ -38,7 +38,7 @@ RepairJob jobOf(Settings& settings) {
 
 nb::object repairInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
-  RepairJob job = jobOf(settings);
+  RepairJob job = repairJobOf(settings);
   const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.isVolume = isVolume(inputs.names.front(), inputs.memory);

@@ -37,7 +37,7 @@ void takeExposure(Settings& settings, PrinterSettings& printer) {
   takeNumber(settings, "light_off_delay", printer.lightOffDelay);
 }
 
-SliceJob jobOf(Settings& settings) {
+SliceJob sliceJobOf(Settings& settings) {
   SliceJob job;
   takeModel(settings, job);
   takeExposure(settings, job.printer);
@@ -58,7 +58,7 @@ SliceJob jobOf(Settings& settings) {
 
 nb::tuple sliceInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
-  SliceJob job = jobOf(settings);
+  SliceJob job = sliceJobOf(settings);
   const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
   job.isVolume = isVolume(inputs.names.front(), inputs.memory);

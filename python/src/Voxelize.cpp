@@ -88,7 +88,7 @@ void takeFields(Settings& settings, VoxelizeJob& job) {
     job.warp = cli::parseWarp("`warp`", texts.warp);
 }
 
-VoxelizeJob jobOf(Settings& settings) {
+VoxelizeJob voxelizeJobOf(Settings& settings) {
   VoxelizeJob job;
   settings.takeSize(job.voxelize.voxelSize, job.voxelize.resolution);
   settings.takePoint("origin", job.voxelize.origin);
@@ -133,7 +133,7 @@ VoxelizeJob jobOf(Settings& settings) {
 
 nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
   Settings settings(keywords);
-  VoxelizeJob job = jobOf(settings);
+  VoxelizeJob job = voxelizeJobOf(settings);
   job.keep = true;
   const JobLimits limits = settings.finish(job);
   Inputs inputs = inputsOf(given);
@@ -148,7 +148,7 @@ nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
 nb::object voxelizeFrames(const std::vector<std::string>& inputs, nb::handle output,
                           const nb::dict& keywords) {
   Settings settings(keywords);
-  VoxelizeJob job = jobOf(settings);
+  VoxelizeJob job = voxelizeJobOf(settings);
   std::string range;
   settings.take("frames", range);
   bool allowGaps = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Values in ten-node tets are those of quadratic shape functions.
+// Values in ten-node tets are those of quadraticAt shape functions.
 #include "Meshes.h"
 #include "Tet10Mesh.h"
 #include "tetvdb/fields/SampleFields.h"
@@ -38,7 +38,7 @@ openvdb::FloatGrid::Ptr sample(const TetMesh& mesh, const GridTransform& transfo
   return openvdb::gridPtrCast<openvdb::FloatGrid>(volume.grids().all[0]);
 }
 
-double quadratic(const Vec3d& p) {
+double quadraticAt(const Vec3d& p) {
   return 3 + p[0] * p[0] - 2 * p[1] * p[2] + 0.5 * p[2] * p[2] - p[0];
 }
 
@@ -47,12 +47,12 @@ const GridTransform kTransform{{0.05, 0.05, 0.05}, {0.013, 0.007, 0.021}};
 TEST(CurvedTets, QuadraticFieldsAreReproduced) {
   const TetMesh linear = meshes::jittered(meshes::kuhnGrid(2, 2, 2), 0.2, 1);
   const auto grid = sample(curved(
-                               linear, [](const Vec3d& p) { return p; }, quadratic),
+                               linear, [](const Vec3d& p) { return p; }, quadraticAt),
                            kTransform);
   std::size_t count = 0;
   for (auto it = grid->cbeginValueOn(); it; ++it, ++count) {
     const openvdb::Vec3d p = grid->indexToWorld(it.getCoord());
-    ASSERT_NEAR(*it, quadratic({p[0], p[1], p[2]}), 1e-6) << it.getCoord();
+    ASSERT_NEAR(*it, quadraticAt({p[0], p[1], p[2]}), 1e-6) << it.getCoord();
   }
   EXPECT_EQ(count, 40u * 40 * 40);
 }
@@ -62,13 +62,13 @@ TEST(CurvedTets, LinearInterpolationWouldNotDo) {
   TetMesh linear = meshes::kuhnGrid(2, 2, 2);
   std::vector<double> values;
   for (const Vec3d& p : linear.points)
-    values.push_back(quadratic(p));
+    values.push_back(quadraticAt(p));
   linear.attributes.push_back({"f", Attribute::On::Points, 1, std::move(values)});
   const auto grid = sample(linear, kTransform);
   double worst = 0;
   for (auto it = grid->cbeginValueOn(); it; ++it) {
     const openvdb::Vec3d p = grid->indexToWorld(it.getCoord());
-    worst = std::max(worst, std::abs(*it - quadratic({p[0], p[1], p[2]})));
+    worst = std::max(worst, std::abs(*it - quadraticAt({p[0], p[1], p[2]})));
   }
   EXPECT_GT(worst, 0.1);
 }
@@ -83,7 +83,7 @@ TEST(CurvedTets, CurvedCells) {
   ASSERT_GT(grid->activeVoxelCount(), 400000u);
   for (auto it = grid->cbeginValueOn(); it; ++it) {
     const openvdb::Vec3d p = grid->indexToWorld(it.getCoord());
-    // A quadratic edge is within 0.1 / 8 / 4 of its two chords.
+    // A quadraticAt edge is within 0.1 / 8 / 4 of its two chords.
     ASSERT_NEAR(*it, linearField({p[0], p[1], p[2]}), 0.02) << it.getCoord();
   }
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fields/BruteDistance.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/fields/DistanceBlocks.h"
 
 #include <algorithm>
@@ -125,7 +126,6 @@ TEST(DistanceBlocks, ManyFacesEquallyNear) {
   // A sphere around the box's middle: every face is as near to it as any other.
   Soup soup;
   constexpr int kRings = 24;
-  constexpr double kPi = 3.14159265358979323846;
   const auto on = [&](int i, int j) {
     const double a = kPi * i / kRings, b = kPi * j / kRings;
     return Vec3d{16 + 14 * std::sin(a) * std::cos(b), 16 + 14 * std::sin(a) * std::sin(b),

@@ -15,13 +15,13 @@ namespace {
 
 using namespace tetvdb;
 
-struct Sampled {
+struct SampledCells {
   openvdb::FloatGrid::Ptr grid;
   Report report;
 };
 
-Sampled sample(CellMesh cells, const GridTransform& transform) {
-  Sampled result;
+SampledCells sample(CellMesh cells, const GridTransform& transform) {
+  SampledCells result;
   Progress progress;
   const TetMesh mesh = splitCells(std::move(cells), {}, result.report, progress);
   FieldOptions options;
@@ -106,7 +106,7 @@ void judgePlaces(CellType type, double warp) {
         at[k] += n[i] * points[i][k];
       expected += n[i] * values[i];
     }
-    const Sampled made = sample(oneCell(type, points, values), {{0.3, 0.3, 0.3}, at});
+    const SampledCells made = sample(oneCell(type, points, values), {{0.3, 0.3, 0.3}, at});
     const openvdb::Coord origin(0, 0, 0);
     if (!made.grid->tree().isValueOn(origin)) // between a warped face and the tets'
       continue;
@@ -141,13 +141,13 @@ std::vector<meshes::QuadraticKind> linearKinds() {
 
 const GridTransform kFine{{0.05, 0.05, 0.05}, {0.013, 0.007, 0.021}};
 
-Vec3d bent(const Vec3d& p) {
+Vec3d bentAlongZ(const Vec3d& p) {
   return {p[0] + 0.2 * p[1] * p[1] - 0.1 * p[1] * p[2], p[1] - 0.1 * p[2] * p[2] * p[0],
           p[2] + 0.15 * p[0] * p[1]};
 }
 // Linear runs: "quadratic" would warn.
 CellMesh blockOf(const meshes::QuadraticKind& kind, double (*f)(const Vec3d&)) {
-  CellMesh mesh = meshes::quadraticBlock(kind, 2).finish(bent, f);
+  CellMesh mesh = meshes::quadraticBlock(kind, 2).finish(bentAlongZ, f);
   for (CellRun& run : mesh.runs)
     run.quadratic = false;
   return mesh;
@@ -158,7 +158,7 @@ TEST(LinearCells, LinearFieldsAreReproduced) {
   const auto f = [](const Vec3d& p) { return 2 * p[0] - p[1] + 3 * p[2]; };
   for (const auto& kind : linearKinds()) {
     SCOPED_TRACE(kind.name);
-    const Sampled made = sample(blockOf(kind, f), kFine);
+    const SampledCells made = sample(blockOf(kind, f), kFine);
     std::size_t count = 0;
     for (auto it = made.grid->cbeginValueOn(); it; ++it, ++count) {
       const openvdb::Vec3d p = made.grid->indexToWorld(it.getCoord());
@@ -175,10 +175,10 @@ TEST(LinearCells, ConstantsStayConstantAndValuesStayInRange) {
   };
   for (const auto& kind : linearKinds()) {
     SCOPED_TRACE(kind.name);
-    const Sampled constant = sample(blockOf(kind, [](const Vec3d&) { return 0.1; }), kFine);
+    const SampledCells constant = sample(blockOf(kind, [](const Vec3d&) { return 0.1; }), kFine);
     for (auto it = constant.grid->cbeginValueOn(); it; ++it)
       ASSERT_EQ(*it, 0.1f);
-    const Sampled jumping = sample(blockOf(kind, jump), kFine);
+    const SampledCells jumping = sample(blockOf(kind, jump), kFine);
     for (auto it = jumping.grid->cbeginValueOn(); it; ++it) {
       ASSERT_GE(*it, -1e-12f); // rounding in doubles
       ASSERT_LE(*it, 1.0f);
@@ -194,7 +194,7 @@ TEST(LinearCells, WhereNoPlaceIsFoundTetsAreTakenAndCounted) {
   std::vector<double> values;
   for (const Vec3d& p : points)
     values.push_back(linear(p));
-  const Sampled made = sample(oneCell(CellType::Hexahedron, points, values), kFine);
+  const SampledCells made = sample(oneCell(CellType::Hexahedron, points, values), kFine);
   EXPECT_TRUE(warns(made.report, "values-by-tets"));
   for (auto it = made.grid->cbeginValueOn(); it; ++it) {
     const openvdb::Vec3d p = made.grid->indexToWorld(it.getCoord());
@@ -208,7 +208,7 @@ TEST(LinearCells, CollapsedHexahedra) {
       oneCell(CellType::Hexahedron, cornersOf(CellType::Hexahedron), {0, 1, 3, 2, 1, 0, 5, 2});
   mesh.nodes = {0, 1, 2, 2, 4, 5, 6, 6};
   const GridTransform transform{{0.01, 0.01, 0.01}, {0.0031, 0.0017, 0.0043}};
-  const Sampled made = sample(mesh, transform);
+  const SampledCells made = sample(mesh, transform);
   std::size_t count = 0;
   for (auto it = made.grid->cbeginValueOn(); it; ++it, ++count) {
     const openvdb::Vec3d p = made.grid->indexToWorld(it.getCoord());

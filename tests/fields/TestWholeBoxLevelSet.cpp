@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "fields/BruteDistance.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/fields/WholeBoxLevelSet.h"
@@ -42,7 +43,6 @@ ShapeOptions wholeBox() {
 TriangleMesh bumpyBall() {
   TriangleMesh mesh;
   constexpr int kRings = 20, kAround = 40;
-  constexpr double kPi = 3.14159265358979323846;
   for (int i = 0; i <= kRings; ++i)
     for (int j = 0; j < (i == 0 || i == kRings ? 1 : kAround); ++j) {
       const double a = kPi * i / kRings, b = 2 * kPi * j / kAround;

@@ -540,4 +540,11 @@ inline std::string ucdBinary(bool swap) {
   return bytes.str();
 }
 
+/// `text` with `to` in place of the first `from`, which must be there.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
 } // namespace tetvdb::test

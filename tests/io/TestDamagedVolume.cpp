@@ -159,7 +159,7 @@ TEST_F(DamagedVolume, LeavesThatTheFileCannotHold) {
 }
 
 /// A few changes: bytes, numbers at their limits, pieces that go, come, or come twice.
-std::string mutated(std::string bytes, std::mt19937& random) {
+std::string mutatedVolume(std::string bytes, std::mt19937& random) {
   // Most changes hit the beginning, where the structure is.
   const auto place = [&] {
     const double u = static_cast<double>(random()) / 4294967296.0;
@@ -215,7 +215,7 @@ TEST_F(DamagedVolume, MutantsEndInAVolumeOrAnError) {
     std::mt19937 random(11);
     for (const std::string& seed : seeds)
       for (int i = 0; i < count; ++i) {
-        const std::string mutant = mutated(seed, random);
+        const std::string mutant = mutatedVolume(seed, random);
         write("mutant", mutant); // what is there after a crash
         refusal(mutant, name);
       }

@@ -11,7 +11,7 @@ namespace {
 using namespace test;
 
 /// Points no double of which is short, faces of all kinds, a point that none uses.
-TriangleMesh sample() {
+TriangleMesh sampleTriangles() {
   TriangleMesh mesh;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1e3, 1e3);
@@ -49,7 +49,7 @@ TriangleMesh asFloats(TriangleMesh mesh) {
 }
 
 TEST(TriangleWriter, ReadsBackTheSame) {
-  const TriangleMesh mesh = sample();
+  const TriangleMesh mesh = sampleTriangles();
   for (const char* ending : {".obj", ".ply", ".off", ".OBJ", ".Ply"}) {
     const Reading read = writeAndRead(mesh, ending);
     ASSERT_EQ(read.error, "") << ending;
@@ -60,9 +60,9 @@ TEST(TriangleWriter, ReadsBackTheSame) {
 }
 
 TEST(TriangleWriter, StlIsTheSameSoupInFloats) {
-  const TriangleMesh mesh = asFloats(sample());
+  const TriangleMesh mesh = asFloats(sampleTriangles());
   std::string bytes;
-  const Reading read = writeAndRead(sample(), ".stl", &bytes);
+  const Reading read = writeAndRead(sampleTriangles(), ".stl", &bytes);
   ASSERT_EQ(read.mesh.triangleCount(), mesh.triangleCount());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     EXPECT_EQ(read.mesh.points[read.mesh.triangles[i]], mesh.points[mesh.triangles[i]]);
@@ -87,7 +87,7 @@ TEST(TriangleWriter, StlWritesWhatFloatsCannotHold) {
 }
 
 TEST(TriangleWriter, ThreeMf) {
-  TriangleMesh mesh = sample();
+  TriangleMesh mesh = sampleTriangles();
   for (const char* units : {"micrometre", "millimetre", "centimetre", "inch", "foot", "metre"}) {
     mesh.units = units;
     const Reading read = writeAndRead(mesh, ".3mf");
@@ -111,8 +111,8 @@ TEST(TriangleWriter, ThreeMfHoldsNoFaceThatNamesAPointTwice) {
 TEST(TriangleWriter, TheSameMeshGivesTheSameBytes) {
   for (const char* ending : {".stl", ".obj", ".ply", ".off", ".3mf"}) {
     std::string first, second;
-    writeAndRead(sample(), ending, &first);
-    writeAndRead(sample(), ending, &second);
+    writeAndRead(sampleTriangles(), ending, &first);
+    writeAndRead(sampleTriangles(), ending, &second);
     EXPECT_EQ(first, second) << ending;
   }
 }
@@ -122,11 +122,11 @@ TEST(TriangleWriter, WholeOrAbsent) {
   cancelled.cancel();
   for (const char* ending : {".stl", ".obj", ".ply", ".off", ".3mf"}) {
     const TemporaryPath path(std::string("cancelled") + ending);
-    EXPECT_THROW(writeTriangles(path.str(), sample(), cancelled), Error);
+    EXPECT_THROW(writeTriangles(path.str(), sampleTriangles(), cancelled), Error);
     EXPECT_EQ(readFile(path.str()), "");
     Progress progress;
     try {
-      writeTriangles(std::string("/nonexistent/folder/a") + ending, sample(), progress);
+      writeTriangles(std::string("/nonexistent/folder/a") + ending, sampleTriangles(), progress);
       FAIL();
     } catch (const Error& error) {
       EXPECT_EQ(error.status(), Status::Write);
@@ -141,7 +141,7 @@ TEST(TriangleWriter, KnownExtensions) {
     EXPECT_FALSE(writesTriangles(name)) << name;
   Progress progress;
   try {
-    writeTriangles("a.glb", sample(), progress);
+    writeTriangles("a.glb", sampleTriangles(), progress);
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.status(), Status::Usage);

@@ -15,7 +15,7 @@ namespace tetvdb {
 namespace {
 
 template <class GridT>
-typename GridT::Ptr newGrid(const char* name, typename GridT::ValueType background) {
+typename GridT::Ptr gridWith(const char* name, typename GridT::ValueType background) {
   auto grid = GridT::create(background);
   grid->setName(name);
   grid->setTransform(makeTransform({{0.1, 0.1, 0.1}, {-3, 7.5, 1e-3}}));
@@ -23,11 +23,11 @@ typename GridT::Ptr newGrid(const char* name, typename GridT::ValueType backgrou
 }
 
 // Of several types, each with entries of the root node on both sides of zero.
-Volume manyGrids() {
+Volume gridsOfAllTypes() {
   initializeOpenVDB();
   Volume volume;
   volume.metadata["source"] = "a test";
-  auto fog = newGrid<openvdb::FloatGrid>("density", 0.0F);
+  auto fog = gridWith<openvdb::FloatGrid>("density", 0.0F);
   fog->setGridClass(openvdb::GRID_FOG_VOLUME);
   fog->sparseFill({openvdb::Coord(-300, -9, -70), openvdb::Coord(171, 140, 133)}, 1.0F, true);
   for (int i = 0; i < 3000; ++i)
@@ -36,20 +36,20 @@ Volume manyGrids() {
   fog->tree().addTile(3, openvdb::Coord(-8192, 0, 0), 2.5F, false);
   fog->tree().addTile(2, openvdb::Coord(256, 1024, 0), 1.0F, true);
   fog->setSaveFloatAsHalf(true);
-  auto mask = newGrid<openvdb::BoolGrid>("mask", false);
+  auto mask = gridWith<openvdb::BoolGrid>("mask", false);
   mask->sparseFill({openvdb::Coord(-20), openvdb::Coord(99)}, true, true);
-  auto set = newGrid<openvdb::MaskGrid>("set", false);
+  auto set = gridWith<openvdb::MaskGrid>("set", false);
   set->sparseFill({openvdb::Coord(-20), openvdb::Coord(5000, 9, 9)}, true, true);
-  auto id = newGrid<openvdb::Int32Grid>("tet_id", -1);
+  auto id = gridWith<openvdb::Int32Grid>("tet_id", -1);
   for (int i = 0; i < 4000; ++i)
     id->tree().setValueOn({i % 9000 - 4500, i % 77, i % 13}, i);
-  auto velocity = newGrid<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0));
+  auto velocity = gridWith<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0));
   velocity->sparseFill({openvdb::Coord(-5), openvdb::Coord(30)}, openvdb::Vec3s(1, 2, 3), true);
   auto sphere =
       openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(9, openvdb::Vec3f(0), 0.1F);
   sphere->setName("surface");
   sphere->setTransform(fog->transformPtr());
-  auto nothing = newGrid<openvdb::DoubleGrid>("nothing", 0.25);
+  auto nothing = gridWith<openvdb::DoubleGrid>("nothing", 0.25);
   volume.grids().all = {fog, mask, set, id, velocity, sphere, nothing};
   return volume;
 }
@@ -57,7 +57,7 @@ Volume manyGrids() {
 TEST(VolumeStream, DescribesAndHashesAsAWhole) {
   const TemporaryFolder folder;
   Progress progress;
-  writeVolume(folder / "a.vdb", manyGrids(), progress);
+  writeVolume(folder / "a.vdb", gridsOfAllTypes(), progress);
   const Volume whole = readVolume(folder / "a.vdb", progress);
   ASSERT_TRUE(canStreamVolume(folder / "a.vdb"));
   const StreamedInfo streamed = describeVolumeFile(folder / "a.vdb", true, progress);
@@ -90,14 +90,14 @@ TEST(VolumeStream, DescribesAndHashesAsAWhole) {
 TEST(VolumeStream, ComparesAsWholes) {
   const TemporaryFolder folder;
   Progress progress;
-  writeVolume(folder / "a.vdb", manyGrids(), progress);
-  Volume other = manyGrids();
+  writeVolume(folder / "a.vdb", gridsOfAllTypes(), progress);
+  Volume other = gridsOfAllTypes();
   auto& grids = other.grids().all;
   auto fog = openvdb::gridPtrCast<openvdb::FloatGrid>(grids[0]);
   fog->tree().setValueOn({3, 4, 5}, 0.5F);
   fog->tree().addTile(3, openvdb::Coord(8192, 0, 0), 1.0F, false);
   fog->tree().setValueOn({-9000, 0, 0}, 7);
-  grids[1] = newGrid<openvdb::BoolGrid>("mask", false);
+  grids[1] = gridWith<openvdb::BoolGrid>("mask", false);
   grids[3]->setName("other");
   grids[5]->setTransform(makeTransform({{0.2, 0.2, 0.2}, {0, 0, 0}}));
   writeVolume(folder / "b.vdb", other, progress);
@@ -128,7 +128,7 @@ TEST(VolumeStream, ComparesAsWholes) {
 TEST(VolumeStream, RefusesFilesThatAreCutOrNoVolumes) {
   const TemporaryFolder folder;
   Progress progress;
-  writeVolume(folder / "a.vdb", manyGrids(), progress);
+  writeVolume(folder / "a.vdb", gridsOfAllTypes(), progress);
   std::ifstream file(folder / "a.vdb", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   for (const std::size_t size :

@@ -232,4 +232,8 @@ inline void expectDamageIsHarmless(Reader reader, const std::string& path, int r
 #endif
 }
 
+inline bool contains(const std::string& text, const std::string& what) {
+  return text.find(what) != text.npos;
+}
+
 } // namespace tetvdb::test

@@ -23,7 +23,7 @@ double volumeOf(const TetMesh& mesh, std::size_t t) {
          6;
 }
 
-TetMesh split(CellMesh mesh, Report* report = nullptr) {
+TetMesh splitTet10(CellMesh mesh, Report* report = nullptr) {
   Report own;
   Progress progress;
   return splitCells(std::move(mesh), {}, report == nullptr ? own : *report, progress);
@@ -32,7 +32,7 @@ TetMesh split(CellMesh mesh, Report* report = nullptr) {
 TEST(CutTet10, EightPositiveTetsThatFillTheCell) {
   const TetMesh linear = meshes::jittered(meshes::kuhnGrid(2, 2, 2), 0.2, 1);
   Report report;
-  const TetMesh mesh = split(meshes::tet10(linear, [](const Vec3d& p) { return p; }), &report);
+  const TetMesh mesh = splitTet10(meshes::tet10(linear, [](const Vec3d& p) { return p; }), &report);
   EXPECT_TRUE(report.warnings.empty());
   ASSERT_EQ(mesh.tetCount(), 8 * linear.tetCount());
   ASSERT_EQ(mesh.curved.cellOfTet.size(), mesh.tetCount());
@@ -48,7 +48,7 @@ TEST(CutTet10, EightPositiveTetsThatFillTheCell) {
 
 // Every face of the eight is shared by two, or is one of four of the cell's four faces.
 TEST(CutTet10, FacesMatch) {
-  const TetMesh mesh = split(meshes::tet10(meshes::kuhnGrid(2, 1, 1), [](const Vec3d& p) {
+  const TetMesh mesh = splitTet10(meshes::tet10(meshes::kuhnGrid(2, 1, 1), [](const Vec3d& p) {
     return Vec3d{p[0] + 0.1 * p[1] * p[1], p[1] - 0.07 * p[2] * p[0], p[2] + 0.05 * p[0] * p[0]};
   }));
   // The block's 20 triangles, four of each.
@@ -73,7 +73,7 @@ TEST(CutTet10, FollowsCurvedEdges) {
   };
   const double ball = 4 * std::acos(-1.0) / 3;
   const double byCorners = sum(meshes::mapped(cube, onBall));
-  const double curved = sum(split(meshes::tet10(cube, onBall)));
+  const double curved = sum(splitTet10(meshes::tet10(cube, onBall)));
   EXPECT_LT(byCorners, 0.77 * ball);
   EXPECT_GT(curved, 0.9 * ball);
   EXPECT_LT(curved, ball);

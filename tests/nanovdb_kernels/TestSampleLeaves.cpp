@@ -12,8 +12,8 @@ namespace {
 using namespace tetvdb;
 using meshes::kuhnGrid;
 
-void expectSame(const TetMesh& bare, const GridTransform& transform = {}, int shares = 1,
-                const FieldOptions& wanted = allFields()) {
+void expectSameSamples(const TetMesh& bare, const GridTransform& transform = {}, int shares = 1,
+                       const FieldOptions& wanted = allFields()) {
   const TetMesh mesh = bare.attributes.empty() ? withArrays(bare, 5) : bare;
   const SampledFields twin = fieldsBy(
       mesh, transform, wanted,
@@ -30,30 +30,31 @@ void expectSame(const TetMesh& bare, const GridTransform& transform = {}, int sh
 
 TEST(SampleLeaves, LatticeWhereEveryCentreIsATie) {
   for (int cell : {1, 3, 8})
-    expectSame(meshes::scaled(kuhnGrid(3, 3, 3), cell));
+    expectSameSamples(meshes::scaled(kuhnGrid(3, 3, 3), cell));
 }
 
 TEST(SampleLeaves, NegativeCoordinatesAndAnisotropicVoxels) {
-  expectSame(
+  expectSameSamples(
       meshes::scaled(meshes::jittered(kuhnGrid(3, 4, 5), 0.2, 3), 7.3, {-20.1, -5000.7, 3.3}),
       {{0.9, 1.1, 1.7}, {0.25, -3, 8}});
 }
 
 TEST(SampleLeaves, OverlapsFlipsAndFlatTets) {
-  expectSame(meshes::soup(300, 40, 9, 1, 5));
-  expectSame(meshes::rounded(meshes::soup(300, 20, 5, 2, 5), 0.5));
+  expectSameSamples(meshes::soup(300, 40, 9, 1, 5));
+  expectSameSamples(meshes::rounded(meshes::soup(300, 20, 5, 2, 5), 0.5));
 }
 
 // Weights by 128-bit integers.
 TEST(SampleLeaves, Slivers) {
   for (const double thin : {1e-3, 1e-5, 4e-6})
-    expectSame(meshes::mapped(meshes::jittered(kuhnGrid(4, 4, 400), 0.2, 3), [&](const Vec3d& p) {
-      return Vec3d{p[0] * 11, p[1] * 9 + 3, p[2] * thin * 9 + 4 - thin};
-    }));
+    expectSameSamples(
+        meshes::mapped(meshes::jittered(kuhnGrid(4, 4, 400), 0.2, 3), [&](const Vec3d& p) {
+          return Vec3d{p[0] * 11, p[1] * 9 + 3, p[2] * thin * 9 + 4 - thin};
+        }));
 }
 
 TEST(SampleLeaves, TinyAndLargeTetsInOneMesh) {
-  expectSame(meshes::joined(meshes::soup(400, 100, 0.7, 7), meshes::soup(3, 100, 90, 8)));
+  expectSameSamples(meshes::joined(meshes::soup(400, 100, 0.7, 7), meshes::soup(3, 100, 90, 8)));
 }
 
 // Tiles of leaves and nodes where a cell's value is all there is, and nothing where it is none.
@@ -70,11 +71,11 @@ TEST(SampleLeaves, TetsThatFillNodes) {
   mesh.attributes.push_back({"hollow", Attribute::On::Cells, 1, std::vector<double>{nan, 4}});
   FieldOptions wanted;
   wanted.all = true;
-  expectSame(mesh, {}, 1, wanted);
+  expectSameSamples(mesh, {}, 1, wanted);
 }
 
 TEST(SampleLeaves, CellsOfSeveralTets) {
-  expectSame(withCellsOfSix(meshes::scaled(meshes::jittered(kuhnGrid(3, 3, 3), 0.2, 9), 6)));
+  expectSameSamples(withCellsOfSix(meshes::scaled(meshes::jittered(kuhnGrid(3, 3, 3), 0.2, 9), 6)));
 }
 
 TEST(SampleLeaves, SeveralBatchesOfWholeNodes) {
@@ -93,11 +94,11 @@ TEST(SampleLeaves, SharesMakeTheSameGrids) {
     return Vec3d{p[0] - 60, p[1] - 60, p[2] - 60};
   });
   for (int shares : {2, 3, 7})
-    expectSame(mesh, {}, shares);
+    expectSameSamples(mesh, {}, shares);
 }
 
 TEST(SampleLeaves, NothingInside) {
-  expectSame(meshes::scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5}));
+  expectSameSamples(meshes::scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5}));
 }
 
 TEST(SampleLeaves, CountsFlipsAndDrops) {
@@ -139,7 +140,7 @@ TEST(SampleLeaves, RefusesWhatRunRefuses) {
 }
 
 RC_GTEST_PROP(SampleLeavesProperties, Soups, ()) {
-  expectSame(meshes::anySoup());
+  expectSameSamples(meshes::anySoup());
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshOracles.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/print/Cavity.h"
@@ -13,8 +14,6 @@
 
 namespace tetvdb {
 namespace {
-
-using meshes::kPi;
 
 Cavity cavityOf(const TriangleMesh& solid, double wall, double voxel, double close = 0,
                 int threads = 0) {

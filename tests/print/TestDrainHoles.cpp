@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshOracles.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/print/DrainHoles.h"
 #include "tetvdb/surface/LocalRepair.h"
@@ -14,8 +15,6 @@
 
 namespace tetvdb {
 namespace {
-
-using meshes::kPi;
 
 // Whether places outside of the solid are connected with one another: by steps of `step` along the
 // axes through places whose winding number is below a half.

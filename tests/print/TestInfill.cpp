@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "MeshOracles.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/print/Cavity.h"
 #include "tetvdb/print/Infill.h"
 #include "tetvdb/print/Shells.h"
@@ -12,8 +13,6 @@
 
 namespace tetvdb {
 namespace {
-
-using meshes::kPi;
 
 constexpr InfillKind kAll[] = {InfillKind::Gyroid, InfillKind::SchwarzP, InfillKind::Diamond,
                                InfillKind::Bcc, InfillKind::Octet};

@@ -270,7 +270,7 @@ TEST(DrainPockets, BallsThatCannotLeave) {
         drains.add(k, drains.cellsOf(stack.rows(k)));
       Progress progress;
       std::vector<double> found;
-      for (const Cavity& pocket : drains.find(progress))
+      for (const LayerCavity& pocket : drains.find(progress))
         found.push_back(pocket.voxels);
       std::sort(found.begin(), found.end());
       EXPECT_EQ(found, lockedIn(stack, diameter / 2)) << seed << ", " << diameter;

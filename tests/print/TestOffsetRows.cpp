@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/print/LayerSource.h"
 #include "tetvdb/print/MeshLayers.h"
 #include "tetvdb/print/OffsetRows.h"
@@ -10,8 +11,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // What the box's two edges along the rows can be off by: each half of the distance of two lines.
 double alongRows(LayerShare share) {

@@ -146,8 +146,8 @@ void compareTraps(Neighbours neighbours, int seed, std::size_t& count) {
   std::multiset<Trap> expected, found;
   for (const auto& [number, trap] : traps)
     expected.insert(trap);
-  for (const Cavity& cavity : sweep.cavities())
-    if (cavity.end == Cavity::End::Closed) {
+  for (const LayerCavity& cavity : sweep.cavities())
+    if (cavity.end == LayerCavity::End::Closed) {
       found.insert({cavity.voxels, cavity.first, cavity.last});
       EXPECT_EQ(cavity.onPlate, cavity.first == 0);
       EXPECT_EQ(numbers[higher.index(cavity.largest.x, cavity.largest.y, cavity.largestLayer)] > 0,

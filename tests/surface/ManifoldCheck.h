@@ -3,7 +3,9 @@
 // Says what keeps a mesh from being a closed oriented manifold, by counting with plain maps.
 #pragma once
 
+#include "tetvdb/core/Progress.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/surface/SelfIntersections.h"
 
 #include <array>
 #include <cstddef>
@@ -66,6 +68,12 @@ inline long eulerCharacteristic(const TriangleMesh& mesh) {
   }
   return static_cast<long>(mesh.points.size()) - static_cast<long>(edges.size()) +
          static_cast<long>(mesh.triangleCount());
+}
+
+/// Pairs of faces that intersect, up to 1000.
+inline std::size_t crossingsOf(const TriangleMesh& mesh) {
+  Progress progress;
+  return countIntersections(mesh.points, mesh.triangles, 1000, progress).pairs;
 }
 
 } // namespace tetvdb::meshes

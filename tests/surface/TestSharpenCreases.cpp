@@ -56,11 +56,6 @@ Made remeshed(const TriangleMesh& original, int resolution, double simplify = 0.
   return made;
 }
 
-std::size_t crossingsOf(const TriangleMesh& mesh) {
-  Progress progress;
-  return countIntersections(mesh.points, mesh.triangles, 1000, progress).pairs;
-}
-
 TEST(SharpenCreases, ABoxBetweenVoxelCentresComesBackExactly) {
   const TriangleMesh cube = box({0, 0, 0}, {1, 1, 1});
   const Made made = remeshed(cube, 32, 0.1, {-0.38 / 32, -0.38 / 32, -0.38 / 32});

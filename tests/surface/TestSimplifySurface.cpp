@@ -17,11 +17,6 @@ namespace {
 
 using namespace tetvdb::meshes;
 
-std::size_t crossingsOf(const TriangleMesh& mesh) {
-  Progress progress;
-  return countIntersections(mesh.points, mesh.triangles, 1000, progress).pairs;
-}
-
 double distanceBetween(const TriangleMesh& a, const TriangleMesh& b) {
   Progress progress;
   return compareMeshes(a, b, {}, progress).hausdorff;

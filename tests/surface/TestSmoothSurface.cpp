@@ -45,11 +45,6 @@ double farthest(const TriangleMesh& a, const TriangleMesh& b) {
   return far;
 }
 
-std::size_t crossingsOf(const TriangleMesh& mesh) {
-  Progress progress;
-  return countIntersections(mesh.points, mesh.triangles, 1000, progress).pairs;
-}
-
 TEST(SmoothSurface, NoiseGoesAndTheVolumeStays) {
   const TriangleMesh before = noisy(sphere({0, 0, 0}, 1, 24), 0.01);
   ASSERT_EQ(crossingsOf(before), 0u);

@@ -15,10 +15,10 @@ namespace {
 using namespace tetvdb::meshes;
 using Loop = std::vector<std::uint32_t>;
 
-const EdgeTaken kNoneTaken = [](std::uint32_t, std::uint32_t) { return false; };
+const EdgeTaken kAllFree = [](std::uint32_t, std::uint32_t) { return false; };
 
 // Twice the area of each triangle seen along z, none of which may be 0 or less; their sum.
-double areaOf(const std::vector<Vec3d>& points, const Loop& corners) {
+double planarArea(const std::vector<Vec3d>& points, const Loop& corners) {
   double sum = 0;
   for (std::size_t i = 0; i < corners.size(); i += 3) {
     const Vec3d &a = points[corners[i]], &b = points[corners[i + 1]], &c = points[corners[i + 2]];
@@ -60,8 +60,8 @@ void expectBoundary(const Loop& corners, const std::vector<Loop>& loops) {
 
 void expectFilled(const std::vector<Vec3d>& points, const std::vector<Loop>& loops) {
   Loop corners;
-  ASSERT_TRUE(triangulatePolygon(points, loops, {0, 0, 1}, kNoneTaken, corners));
-  EXPECT_NEAR(areaOf(points, corners), shoelace(points, loops), 1e-12);
+  ASSERT_TRUE(triangulatePolygon(points, loops, {0, 0, 1}, kAllFree, corners));
+  EXPECT_NEAR(planarArea(points, corners), shoelace(points, loops), 1e-12);
   expectBoundary(corners, loops);
 }
 
@@ -122,7 +122,7 @@ TEST(TriangulatePolygon, HolesStayOpen) {
 TEST(TriangulatePolygon, SeenFromBelow) {
   const std::vector<Vec3d> points{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}};
   Loop corners;
-  ASSERT_TRUE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, -1}, kNoneTaken, corners));
+  ASSERT_TRUE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, -1}, kAllFree, corners));
   EXPECT_EQ(corners.size(), 6u);
   expectBoundary(corners, {{0, 1, 2, 3}});
 }
@@ -188,8 +188,8 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
     if (edges.empty())
       continue;
     Loop corners;
-    ASSERT_TRUE(triangulateEdges(points, edges, {}, {0, 0, 1}, kNoneTaken, corners));
-    EXPECT_NEAR(areaOf(points, corners), area, 1e-12);
+    ASSERT_TRUE(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, corners));
+    EXPECT_NEAR(planarArea(points, corners), area, 1e-12);
     std::map<PolygonEdge, int> excess;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       const std::uint32_t a = corners[i], b = corners[i % 3 == 2 ? i - 2 : i + 1];
@@ -208,9 +208,9 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
 TEST(TriangulatePolygon, InnerPointsAreCorners) {
   const std::vector<Vec3d> points{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}};
   Loop corners;
-  ASSERT_TRUE(triangulateEdges(points, {{0, 1}, {1, 2}, {2, 0}}, {3, 4, 5}, {0, 0, 1}, kNoneTaken,
-                               corners));
-  EXPECT_NEAR(areaOf(points, corners), 8, 1e-14);
+  ASSERT_TRUE(
+      triangulateEdges(points, {{0, 1}, {1, 2}, {2, 0}}, {3, 4, 5}, {0, 0, 1}, kAllFree, corners));
+  EXPECT_NEAR(planarArea(points, corners), 8, 1e-14);
   expectBoundary(corners, {{0, 1, 2}});
   EXPECT_EQ(corners.size(), 3u * 7u);
   EXPECT_EQ(std::set<std::uint32_t>(corners.begin(), corners.end()).size(), 6u);
@@ -226,7 +226,7 @@ TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
            {{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 0}}, // through a point of its own
            {{0, 4}, {4, 1}, {1, 0}}}) {              // without area
     Loop corners;
-    EXPECT_FALSE(triangulateEdges(points, edges, {}, {0, 0, 1}, kNoneTaken, corners));
+    EXPECT_FALSE(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, corners));
     EXPECT_TRUE(corners.empty());
   }
 }
@@ -234,7 +234,7 @@ TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
 TEST(TriangulatePolygon, RefusesWhatCrossesItself) {
   const std::vector<Vec3d> points{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}};
   Loop corners;
-  EXPECT_FALSE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, 1}, kNoneTaken, corners));
+  EXPECT_FALSE(triangulatePolygon(points, {{0, 1, 2, 3}}, {0, 0, 1}, kAllFree, corners));
   EXPECT_TRUE(corners.empty());
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-Numbers weld(const std::vector<Vec3d>& points, double distance = 0) {
+Numbers weldNumbers(const std::vector<Vec3d>& points, double distance = 0) {
   Progress progress;
   return weldPoints(points, distance, progress);
 }
@@ -41,9 +41,10 @@ Numbers weldPlainly(const std::vector<Vec3d>& points, double distance) {
 }
 
 TEST(WeldPoints, EqualPointsBecomeTheFirst) {
-  EXPECT_EQ(weld({{1, 2, 3}, {0.0, 1, 2}, {1, 2, 3}, {-0.0, 1, 2}, {1, 2, 3.0000000000000004}}),
-            (Numbers{0, 1, 0, 1, 4}));
-  EXPECT_EQ(weld({}), Numbers{});
+  EXPECT_EQ(
+      weldNumbers({{1, 2, 3}, {0.0, 1, 2}, {1, 2, 3}, {-0.0, 1, 2}, {1, 2, 3.0000000000000004}}),
+      (Numbers{0, 1, 0, 1, 4}));
+  EXPECT_EQ(weldNumbers({}), Numbers{});
 }
 
 TEST(WeldPoints, AgreesWithThePlainWay) {
@@ -55,7 +56,7 @@ TEST(WeldPoints, AgreesWithThePlainWay) {
                         std::floor(random.between(-2, 2)) / 8});
     for (int i = 0; i < 1500; ++i)
       points.push_back(points[random.below(points.size())]);
-    EXPECT_EQ(weld(points, distance), weldPlainly(points, distance)) << distance;
+    EXPECT_EQ(weldNumbers(points, distance), weldPlainly(points, distance)) << distance;
   }
 }
 
@@ -66,14 +67,14 @@ TEST(WeldPoints, ManyPointsAndManyEqual) {
     points.push_back({std::floor(random.between(0, 40)), std::floor(random.between(0, 40)), 7});
   const Numbers expected = weldPlainly(points, 0);
   for (const int threads : {1, 4})
-    tbb::task_arena(threads).execute([&] { EXPECT_EQ(weld(points), expected); });
+    tbb::task_arena(threads).execute([&] { EXPECT_EQ(weldNumbers(points), expected); });
   const std::vector<Vec3d> one(100000, Vec3d{1, 2, 3});
-  EXPECT_EQ(weld(one, 0.5), Numbers(one.size(), 0));
+  EXPECT_EQ(weldNumbers(one, 0.5), Numbers(one.size(), 0));
 }
 
 TEST(WeldPoints, DistanceBelowTheResolutionWeldsNoMoreThanEqualPoints) {
   const std::vector<Vec3d> points{{1e9, 0, 0}, {1e9, 0, 0}, {1e9, 1e-300, 0}, {-1e9, 0, 0}};
-  EXPECT_EQ(weld(points, 1e-310), (Numbers{0, 0, 2, 3}));
+  EXPECT_EQ(weldNumbers(points, 1e-310), (Numbers{0, 0, 2, 3}));
 }
 
 } // namespace

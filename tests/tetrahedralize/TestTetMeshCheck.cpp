@@ -4,6 +4,7 @@
 #include "ExactVolume.h"
 #include "TetMeshCheck.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/BoxTree.h"
 
 #include <cmath>
@@ -59,7 +60,7 @@ TEST(TetMeshCheck, ARegularTetHasEnergyThree) {
   const TetMeshCheck check = checkTetMesh(mesh, input, 0.01, kSamples);
   EXPECT_EQ(check.faults(), "") << check.json();
   EXPECT_NEAR(check.worstEnergy, 3, 1e-12);
-  EXPECT_NEAR(check.smallestAngle, std::acos(1.0 / 3) * 180 / meshes::kPi, 1e-9);
+  EXPECT_NEAR(check.smallestAngle, std::acos(1.0 / 3) * 180 / kPi, 1e-9);
 }
 
 TEST(TetMeshCheck, FindsNegativeAndFlatTets) {

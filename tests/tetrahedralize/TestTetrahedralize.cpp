@@ -2,6 +2,7 @@
 //
 // Shapes that meshers are known to stumble over.
 #include "tetrahedralize/MadeTets.h"
+#include "tetvdb/core/Constants.h"
 
 #include <array>
 #include <gtest/gtest.h>
@@ -30,8 +31,8 @@ TriangleMesh cone(double radius, double height, int around) {
   TriangleMesh mesh;
   mesh.points = {{0, 0, 0}, {0, 0, height}};
   for (int i = 0; i < around; ++i)
-    mesh.points.push_back({radius * std::cos(2 * meshes::kPi * i / around),
-                           radius * std::sin(2 * meshes::kPi * i / around), 0});
+    mesh.points.push_back(
+        {radius * std::cos(2 * kPi * i / around), radius * std::sin(2 * kPi * i / around), 0});
   for (int i = 0; i < around; ++i) {
     const auto a = static_cast<std::uint32_t>(2 + i);
     const auto b = static_cast<std::uint32_t>(2 + (i + 1) % around);
@@ -255,7 +256,7 @@ TEST(Tetrahedralize, SharpTips) {
     expectSolid(mesh, signedVolume(mesh));
   std::vector<std::array<double, 2>> star, gear;
   for (int i = 0; i < 24; ++i) {
-    const double u = 2 * meshes::kPi * i / 24;
+    const double u = 2 * kPi * i / 24;
     const double r = i % 2 == 0 ? 1 : 0.3, g = i % 4 < 2 ? 1 : 0.8;
     star.push_back({r * std::cos(u), r * std::sin(u)});
     gear.push_back({g * std::cos(u), g * std::sin(u)});

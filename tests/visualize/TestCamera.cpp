@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/visualize/Camera.h"
 #include "visualize/AnalyticScenes.h"
@@ -10,8 +11,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 void expectNear(const Vec3d& a, const Vec3d& b, double error) {
   for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/visualize/Renderer.h"
 #include "visualize/AnalyticScenes.h"
@@ -14,8 +15,6 @@ namespace {
 using analytic::Ball;
 using analytic::Layer;
 using analytic::Plate;
-
-constexpr double kPi = 3.14159265358979323846;
 
 Scene sceneOf(std::shared_ptr<const Drawable> drawable) {
   Scene scene;

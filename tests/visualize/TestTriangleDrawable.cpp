@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/visualize/CornerNormals.h"
 #include "tetvdb/visualize/Renderer.h"
 #include "tetvdb/visualize/TriangleDrawable.h"
@@ -12,8 +13,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 TriangleMesh square(double z, double side = 1) {
   TriangleMesh mesh;

@@ -32,6 +32,7 @@ public:
 
   /// Appends. Buffered; throws Error(Write) on failure.
   void write(const void* data, std::size_t size);
+  void write(std::string_view text) { write(text.data(), text.size()); }
   /// Overwrites `size` bytes at `offset`, all of them written before; throws Error(Write).
   void writeAt(std::uint64_t offset, const void* data, std::size_t size);
   /// Hands what is buffered to the system; throws Error(Write).

@@ -12,6 +12,14 @@ inline bool isBlank(char c) {
   return static_cast<unsigned char>(c) <= ' ';
 }
 
+inline bool isLetter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+inline bool isLineBreak(char c) {
+  return c == '\n' || c == '\r';
+}
+
 /// Without blanks and control characters at both ends.
 inline std::string_view trimmed(std::string_view text) {
   while (!text.empty() && isBlank(text.front()))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Multiversion.h"
 
 #include <cmath>
@@ -12,7 +13,6 @@ namespace tetvdb {
 /// = pi / 4 + atan((t - 1) / (t + 1)), by the power series, whose first omitted term is below
 /// 1e-11.
 TETVDB_INLINE double arcTangent(double sine, double cosine) {
-  constexpr double kPi = 3.14159265358979323846;
   const double y = std::abs(sine), x = std::abs(cosine);
   const double low = y < x ? y : x, high = y < x ? x : y;
   const bool steep = low > 0.41421356237309503 * high;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/BoundaryEdgeSums.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/AddUnlessNaN.h"
 #include "tetvdb/geometry/ArcTangent.h"
@@ -13,8 +14,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // Above this share of their sizes, a difference of two rounded products has the correct sign.
 constexpr double kSure = 4.5e-16;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/BoundaryWinding.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/SplitAlongAxis.h"
@@ -14,7 +15,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeafEdges = 8;
 // Components of boundary edges with no more edges than this are never cut apart, so that they have
 // no open ends: the edges of a single triangle.

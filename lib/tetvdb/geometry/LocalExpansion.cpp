@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/LocalExpansion.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -12,7 +13,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kStride = sizeof(Expansion) / sizeof(double);
-constexpr double kPi = 3.14159265358979323846;
 
 struct Rule {
   std::array<Vec3d, kExpansionPoints> directions;

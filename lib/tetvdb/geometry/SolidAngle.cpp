@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/geometry/SolidAngle.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/AddUnlessNaN.h"
 #include "tetvdb/geometry/ArcTangent.h"
@@ -14,7 +15,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Above this share of the product of the three lengths, the determinant has the correct sign.
 constexpr double kSure = 1e-14;
 // Sine and cosine are accurate unless both are below this share.

@@ -30,7 +30,7 @@ bool isFiltered(const CellFilter& filter) {
   return boxed || !filter.regions.empty() || !filter.exclude.empty();
 }
 
-std::string quoted(const std::string& text) {
+std::string inQuotes(const std::string& text) {
   return "'" + text + "'";
 }
 
@@ -46,7 +46,7 @@ std::string listRegions(const std::set<std::int32_t>& regions,
       return text + "...";
     text += std::to_string(region);
     if (const auto name = names.find(region); name != names.end())
-      text += " " + quoted(name->second);
+      text += " " + inQuotes(name->second);
   }
   return text;
 }
@@ -71,7 +71,7 @@ std::set<std::int32_t> findRegions(const std::vector<std::string>& wanted, const
         known = true;
         found.insert(number);
         if (present.count(number) == 0)
-          report.warn("empty-region", std::string(option) + " " + quoted(text) +
+          report.warn("empty-region", std::string(option) + " " + inQuotes(text) +
                                           " names a region that has no solid cells");
       }
     std::int32_t number = 0;
@@ -83,7 +83,7 @@ std::set<std::int32_t> findRegions(const std::vector<std::string>& wanted, const
     }
     if (known)
       continue;
-    throw Error(Status::Usage, option, "the mesh has no region " + quoted(text),
+    throw Error(Status::Usage, option, "the mesh has no region " + inQuotes(text),
                 suggestName(text, regionNames(names),
                             present.empty() ? "it has no regions at all"
                                             : "its regions are " + listRegions(present, names)));
@@ -169,7 +169,7 @@ void keepSolidValues(CellMesh& mesh, TetMesh& result) {
   for (Attribute& attribute : mesh.attributes)
     if (attribute.on == Attribute::On::Cells) {
       if (attribute.size() != cells)
-        throw Error(Status::Invalid, "cell array " + quoted(attribute.name),
+        throw Error(Status::Invalid, "cell array " + inQuotes(attribute.name),
                     "has " + std::to_string(attribute.size()) + " values for " +
                         std::to_string(cells) + " cells");
       std::visit([&](auto& values) { removeFlat(values, attribute.components, mesh.runs); },

@@ -16,10 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Relative rounding error of the determinant below, generously.
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 
-Vec3d minus(const Vec3d& a, const Vec3d& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 double largest(const Vec3d& v) {
   return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
 }

@@ -6,6 +6,7 @@
 #include "tetvdb/pipeline/OpenLayers.h"
 #include "tetvdb/pipeline/PrintPicture.h"
 #include "tetvdb/print/CheckLayers.h"
+#include "tetvdb/print/PlateMap.h"
 #include "tetvdb/visualize/WritePng.h"
 
 #include <algorithm>
@@ -17,8 +18,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kRounding = 1e-9; // relative to a length, as in placeOnPlate()
 
 // Fine enough to resolve overhangs within several degrees: half a pixel's diagonal is the
 // tolerance.
@@ -138,7 +137,7 @@ private:
     result_.printer = printer;
     for (std::size_t k = 0; k < 3; ++k) {
       const double length = k < 2 ? printer.display[k] : printer.maxHeight;
-      const double slack = kRounding * std::max(length, box.max[k] - box.min[k]);
+      const double slack = kPlateRounding * std::max(length, box.max[k] - box.min[k]);
       if (box.min[k] < -slack)
         result_.beyond[k][0] = -box.min[k];
       if ((k < 2 || length > 0) && box.max[k] > length + slack)

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxPictures = 9999;
 // Peak memory of drawing, in addition to the mesh (TriangleDrawable.h, Renderer.h).
-constexpr std::size_t kBytesPerFace = 60, kBytesPerPixel = 100;
+constexpr std::size_t kBytesPerDrawnFace = 60, kBytesPerPixel = 100;
 
 void requireRoom(std::size_t bytes, std::size_t limit, const char* advice) {
   const std::size_t left = limit > 0 ? memoryLeft(limit) : availableBytes();
@@ -92,7 +92,7 @@ private:
     }
     if (holdsTriangles(input.path, job_.memory)) {
       TriangleMesh mesh = readSoup(input.path, &info, report_, progress_, job_.memory);
-      requireRoom(kBytesPerFace * mesh.triangleCount(), job_.maxMemory,
+      requireRoom(kBytesPerDrawnFace * mesh.triangleCount(), job_.maxMemory,
                   "raise `max_memory`, or use a machine with more");
       return subjectOf(std::move(mesh), job_.look);
     }

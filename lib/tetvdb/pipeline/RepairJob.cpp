@@ -29,10 +29,10 @@ namespace {
 
 constexpr double kVolumeTolerance = 0.01; // relative to the solid's volume
 // Limit of a remade surface, before simplification: some tens of seconds on one core.
-constexpr std::size_t kMaxFaces = 4000000;
-constexpr std::size_t kBytesPerFace = 1000; // of all stages together
-constexpr double kOffFaces = 0.38;          // voxels from the box's sides to the nearest centres
-constexpr std::size_t kFewestFaces = 4;     // of a closed surface
+constexpr std::size_t kMaxRepairedFaces = 4000000;
+constexpr std::size_t kBytesPerFaceOfRepair = 1000; // of all stages together
+constexpr double kOffFaces = 0.38;      // voxels from the box's sides to the nearest centres
+constexpr std::size_t kFewestFaces = 4; // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
 constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
@@ -198,7 +198,7 @@ private:
     progress_.stage("voxelize");
     if (job_.resolution == 0 && job_.voxelSize == Vec3d{0, 0, 0}) {
       const std::size_t memory = options.maxMemory > 0 ? options.maxMemory : availableBytes();
-      const std::size_t maxFaces = std::min(kMaxFaces, memory / kBytesPerFace);
+      const std::size_t maxFaces = std::min(kMaxRepairedFaces, memory / kBytesPerFaceOfRepair);
       double size = voxelForDetail(mesh, maxFaces, progress_);
       if (job_.solid.shell > 0)
         size = std::max(size, voxelForShell(boxOf(mesh), job_.solid.shell, maxFaces));

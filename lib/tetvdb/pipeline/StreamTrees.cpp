@@ -31,12 +31,6 @@ namespace {
 // Trees of a part: more would not be faster.
 constexpr std::size_t kMostPartBytes = std::size_t(1) << 30;
 
-ShapeOptions shapesOf(const VoxelizeJob& job) {
-  ShapeOptions shapes = job.shapes;
-  shapes.grids = madeBy(job.grids, {GridMaker::Distance, GridMaker::Share});
-  return shapes;
-}
-
 bool hasDistances(const VoxelizeJob& job) {
   return !madeBy(job.grids, {GridMaker::Distance}).empty();
 }

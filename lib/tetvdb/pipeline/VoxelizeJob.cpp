@@ -44,13 +44,6 @@ std::vector<GridKind> voxelizedOf(const VoxelizeJob& job) {
   return madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner});
 }
 
-// Which of them addShapeGrids() adds, and how.
-ShapeOptions shapesOf(const VoxelizeJob& job) {
-  ShapeOptions shapes = job.shapes;
-  shapes.grids = madeBy(job.grids, {GridMaker::Distance, GridMaker::Share});
-  return shapes;
-}
-
 // Before the work starts; arrays of the mesh are looked at when they are known.
 void checkLevelsOf(const VoxelizeJob& job) {
   if (job.levels.isEmpty())

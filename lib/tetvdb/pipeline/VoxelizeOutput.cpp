@@ -26,6 +26,12 @@ bool isCurrent(const std::vector<NanoBytes>& nano, const Volume& volume) {
 
 } // namespace
 
+ShapeOptions shapesOf(const VoxelizeJob& job) {
+  ShapeOptions shapes = job.shapes;
+  shapes.grids = madeBy(job.grids, {GridMaker::Distance, GridMaker::Share});
+  return shapes;
+}
+
 // What is made of arrays can have any values.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report) {
   for (std::size_t i = job.grids.size(); i < grids.size(); ++i) {

@@ -17,6 +17,9 @@ namespace tetvdb {
 
 using PackedGrids = std::vector<std::unique_ptr<PackedGrid>>;
 
+/// Those of the job's grids that addShapeGrids() adds, and how.
+ShapeOptions shapesOf(const VoxelizeJob& job);
+
 /// Grids that are made of arrays can have any values: throws Error(Invalid) for those beyond 16
 /// bits where these are asked for, warns of those that Blender would not show.
 void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Report& report);

@@ -10,7 +10,7 @@ namespace tetvdb {
 namespace {
 
 // Merges two cavities that meet.
-void merge(Cavity& to, const Cavity& from) {
+void merge(LayerCavity& to, const LayerCavity& from) {
   to.onPlate = to.onPlate || from.onPlate;
   to.first = std::min(to.first, from.first);
   to.voxels += from.voxels;
@@ -27,7 +27,7 @@ void merge(Cavity& to, const Cavity& from) {
 
 } // namespace
 
-void CavitySweep::end(std::uint32_t cavity, Cavity::End how) {
+void CavitySweep::end(std::uint32_t cavity, LayerCavity::End how) {
   open_[cavity].end = how;
   endedAs_[numbers_[cavity]] = static_cast<std::uint32_t>(ended_.size());
   ended_.push_back(open_[cavity]);
@@ -50,7 +50,7 @@ void CavitySweep::add(const LabelledSpans& gaps, const std::vector<LayerContact>
 
   constexpr std::uint32_t kNone = ~std::uint32_t(0);
   std::vector<std::uint32_t> cavityAt(1 + before + count, kNone);
-  std::vector<Cavity> open;
+  std::vector<LayerCavity> open;
   std::vector<std::uint32_t> numbers;
   std::vector<std::uint32_t> openOf(count, kOutside);
   for (std::uint32_t label = 1; label < count; ++label) {
@@ -66,7 +66,7 @@ void CavitySweep::add(const LabelledSpans& gaps, const std::vector<LayerContact>
       numbers.push_back(kNone);
     }
     openOf[label] = cavityAt[root];
-    Cavity& cavity = open[openOf[label]];
+    LayerCavity& cavity = open[openOf[label]];
     cavity.last = cavity.largestLayer = k_;
     cavity.largestPixels += shape.pixels;
     if (shape.pixels > cavity.largest.pixels)
@@ -74,14 +74,14 @@ void CavitySweep::add(const LabelledSpans& gaps, const std::vector<LayerContact>
     cavity.box.include(shape.box);
     cavity.voxels += static_cast<double>(shape.pixels);
   }
-  for (Cavity& cavity : open)
+  for (LayerCavity& cavity : open)
     cavity.volume = cavity.voxels * frame_.pixelWidth * frame_.pixelHeight * frame_.heightOf(k_);
   for (std::uint32_t c = 0; c < before; ++c) {
     const std::uint32_t root = sets.find(1 + c);
     if (root == 0) {
-      end(c, Cavity::End::Open);
+      end(c, LayerCavity::End::Open);
     } else if (cavityAt[root] == kNone) {
-      end(c, Cavity::End::Closed);
+      end(c, LayerCavity::End::Closed);
     } else {
       std::uint32_t& number = numbers[cavityAt[root]];
       if (number == kNone)
@@ -106,7 +106,7 @@ void CavitySweep::add(const LabelledSpans& gaps, const std::vector<LayerContact>
 
 void CavitySweep::finish() {
   for (std::uint32_t c = 0; c < open_.size(); ++c)
-    end(c, Cavity::End::Open);
+    end(c, LayerCavity::End::Open);
   open_.clear();
   openOf_.clear();
   numbers_.clear();

@@ -19,7 +19,7 @@ namespace tetvdb {
 
 /// A component of the void of layers 0 to k, tracked while k grows, which is not connected to the
 /// outside. The plate closes its bottom. Components that meet are merged.
-struct Cavity {
+struct LayerCavity {
   enum class End : std::uint8_t {
     Open,   ///< is connected to the outside in layer last + 1, or is open above the last layer
     Closed, ///< is enclosed by solid, and possibly the plate below
@@ -51,23 +51,23 @@ public:
   /// The components that reach the last added layer and are not connected to the outside; and for
   /// each label of a component of that layer its index here, or kOutside.
   static constexpr std::uint32_t kOutside = ~std::uint32_t(0);
-  const std::vector<Cavity>& open() const { return open_; }
+  const std::vector<LayerCavity>& open() const { return open_; }
   const std::vector<std::uint32_t>& openOf() const { return openOf_; }
   /// Permanent numbers of open(); of two merged ones, one is kept.
   const std::vector<std::uint32_t>& numbers() const { return numbers_; }
 
   /// All cavities that have ended, in the order of their ends, then of their first spans in their
   /// last layers.
-  const std::vector<Cavity>& cavities() const { return ended_; }
+  const std::vector<LayerCavity>& cavities() const { return ended_; }
   /// The index in cavities() of the cavity with this number, after finish().
   std::uint32_t cavityOf(std::uint32_t number);
 
 private:
-  void end(std::uint32_t cavity, Cavity::End how);
+  void end(std::uint32_t cavity, LayerCavity::End how);
 
   LayerFrame frame_;
   std::int32_t k_ = 0;
-  std::vector<Cavity> open_, ended_;
+  std::vector<LayerCavity> open_, ended_;
   std::vector<std::uint32_t> openOf_, numbers_;
   std::vector<std::uint32_t> becomes_; ///< by number: itself, or the number of a later one
   std::vector<std::uint32_t> endedAs_; ///< by number

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/print/CheckLayers.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/print/CavitySweep.h"
 #include "tetvdb/print/DrainPockets.h"
@@ -21,7 +22,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::int32_t kAtOnce = 32; // layers whose pairs are processed in parallel
-constexpr double kPi = 3.14159265358979323846;
 
 // Limit of distances in pixels, or in layers.
 constexpr double kMaxReach = 4096;
@@ -297,8 +297,8 @@ private:
     const Sample& s = after[-1];
     if (s.layer != layer || s.y != y || x >= s.span.end)
       return false;
-    const Cavity& cavity = cavities_.cavities()[cavities_.cavityOf(s.cavity)];
-    return cavity.end == Cavity::End::Closed && !cavity.onPlate;
+    const LayerCavity& cavity = cavities_.cavities()[cavities_.cavityOf(s.cavity)];
+    return cavity.end == LayerCavity::End::Closed && !cavity.onPlate;
   }
 
   void keep(const PrintFinding& finding, bool large) {
@@ -361,8 +361,8 @@ private:
   }
 
   void reportCavities() {
-    for (const Cavity& cavity : cavities_.cavities()) {
-      const bool trap = cavity.end == Cavity::End::Closed && !cavity.onPlate;
+    for (const LayerCavity& cavity : cavities_.cavities()) {
+      const bool trap = cavity.end == LayerCavity::End::Closed && !cavity.onPlate;
       if (!(trap ? limits_.traps : limits_.cups))
         continue;
       PrintFinding finding = findingOf(trap ? PrintFault::Trap : PrintFault::Cup, cavity.largest,
@@ -371,8 +371,8 @@ private:
       finding.pixels = cavity.largestPixels;
       finding.area = static_cast<double>(cavity.largestPixels) * pixel_;
       finding.volume = cavity.volume;
-      finding.onPlate = cavity.onPlate && cavity.end == Cavity::End::Closed;
-      if (cavity.end == Cavity::End::Open && cavity.last + 1 < frame_.layers)
+      finding.onPlate = cavity.onPlate && cavity.end == LayerCavity::End::Closed;
+      if (cavity.end == LayerCavity::End::Open && cavity.last + 1 < frame_.layers)
         finding.joins = cavity.last + 1;
       keep(finding, finding.volume >= limits_.minVolume);
     }
@@ -382,7 +382,7 @@ private:
     constexpr double kFewCells = 27; // rounding to cells may leave this much of an open groove
     const std::int32_t columns = drains_->columns(), rows = drains_->rows();
     const std::int32_t layers = drains_->layers();
-    for (const Cavity& pocket : drains_->find(progress)) {
+    for (const LayerCavity& pocket : drains_->find(progress)) {
       const auto layerOf = [&](std::int32_t cell) {
         return std::clamp(cell * layers + layers / 2, 0, frame_.layers - 1);
       };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/print/CutNearby.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -22,11 +23,10 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kAround = 12.566370614359172; // the solid angle of a sphere
-constexpr double kFar = 256;                   // multiple of the size of the faces nearby: the end
-                                               // of walls
-constexpr int kDirections = 256;               // candidates for the direction of the apex
-constexpr double kOpposite = -0.9999;          // cosine beyond which the apex is behind the ball
+constexpr double kFarFaces = 256;     // multiple of the size of the faces nearby: the end
+                                      // of walls
+constexpr int kDirections = 256;      // candidates for the direction of the apex
+constexpr double kOpposite = -0.9999; // cosine beyond which the apex is behind the ball
 // Relative to the ball around the tool, and to a cube around the faces nearby, which determines the
 // rounding of intersections.
 constexpr double kSameVolume = 1e-6, kSameVolumeFar = 1e-8;
@@ -71,7 +71,7 @@ std::optional<int> windingAt(const TriangleMesh& mesh, const Vec3d& p) {
     sum += 2 * std::atan2(dot(a, cross(b, c)),
                           la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
   }
-  const double winding = sum / kAround, whole = std::round(winding);
+  const double winding = sum / (4 * kPi), whole = std::round(winding);
   if (!(std::abs(winding - whole) < 1e-3))
     return std::nullopt;
   return static_cast<int>(whole);
@@ -160,7 +160,7 @@ private:
     double extent = reach_;
     for (const Vec3d& p : near_.points)
       extent = std::max(extent, length(minus(p, centre_)));
-    far_ = kFar * extent;
+    far_ = kFarFaces * extent;
     std::map<std::uint32_t, std::uint32_t> ends;
     std::vector<Vec3d> directions;
     for (const Edge& edge : border_) {
@@ -273,7 +273,7 @@ private:
     patch.points = points;
     patch.triangles = inner;
     const double lost = volumeAbout(near_, centre_) - volumeAbout(patch, centre_);
-    const double ball = kAround / 3 * reach_ * reach_ * reach_, extent = far_ / kFar;
+    const double ball = 4 * kPi / 3 * reach_ * reach_ * reach_, extent = far_ / kFarFaces;
     if (!(std::abs(lost - volumeAbout(cut_.taken, centre_)) <
           kSameVolume * ball + kSameVolumeFar * extent * extent * extent))
       return false;

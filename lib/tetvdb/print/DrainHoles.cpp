@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/print/DrainHoles.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -22,14 +23,13 @@ namespace tetvdb {
 namespace {
 
 constexpr int kSides = 64;       // of a prism
-constexpr int kAround = 16;      // rays along a hole's edge
+constexpr int kRaysAround = 16;  // rays along a hole's edge
 constexpr double kMaxSlant = 4;  // radii that the wall may extend beyond its end on the axis
 constexpr double kBeyond = 0.05; // radii by which a prism is longer than its wall at either end
 constexpr int kTwists = 3;
 constexpr double kTwist = 0.0137; // sides of a prism, and radii at its ends
 constexpr double kRoom = 1.05;    // of the ball around a prism
 constexpr double kBottom = 0.1;   // radii by which a cavity's bottom may deviate from horizontal
-constexpr double kPi = 3.141592653589793;
 
 struct Axis {
   Vec3d point, along, side, up; // of unit length, at right angles
@@ -84,8 +84,8 @@ public:
                   "place it on the outside, with the direction into the cavity");
     double begin = wall->begin, end = wall->end;
     const double slant = kMaxSlant * hole.radius;
-    for (int i = 0; i < kAround; ++i) {
-      const double turn = 2 * kPi * i / kAround;
+    for (int i = 0; i < kRaysAround; ++i) {
+      const double turn = 2 * kPi * i / kRaysAround;
       const auto edge = wallAt(axis, hole.radius * std::cos(turn), hole.radius * std::sin(turn),
                                hole.radius, (wall->begin + wall->end) / 2);
       if (!edge)

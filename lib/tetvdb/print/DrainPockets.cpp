@@ -98,7 +98,7 @@ void DrainPockets::add(std::int32_t k, const SpanRows& cells) {
   cells_[at] = unionOf(cells_[at], cells);
 }
 
-std::vector<Cavity> DrainPockets::find(Progress& progress) const {
+std::vector<LayerCavity> DrainPockets::find(Progress& progress) const {
   // Discs of the ball's layers, by their distance from its centre.
   std::vector<PixelDisc> discs;
   for (double z = 0; z < radius_; z += thickness_)
@@ -164,9 +164,9 @@ std::vector<Cavity> DrainPockets::find(Progress& progress) const {
     }
   }
   sweep.finish();
-  std::vector<Cavity> pockets;
-  for (Cavity pocket : sweep.cavities()) {
-    if (pocket.end != Cavity::End::Closed)
+  std::vector<LayerCavity> pockets;
+  for (LayerCavity pocket : sweep.cavities()) {
+    if (pocket.end != LayerCavity::End::Closed)
       continue;
     const std::int32_t shift = -reach - 1; // of the sweep's first layer
     pocket.first += shift;

@@ -5,7 +5,7 @@
 //   tetvdb::DrainPockets pockets(frame, 3.5);
 //   for (k = 0; ...)
 //     pockets.add(k, solid);
-//   for (const tetvdb::Cavity& pocket : pockets.find(progress)) ...
+//   for (const tetvdb::LayerCavity& pocket : pockets.find(progress)) ...
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -44,7 +44,7 @@ public:
 
   /// Pockets, with shapes, boxes and layers in cells, in the order of a CavitySweep; their volumes
   /// are those of the free positions, in cubic millimetres.
-  std::vector<Cavity> find(Progress& progress) const;
+  std::vector<LayerCavity> find(Progress& progress) const;
 
 private:
   std::int32_t columns_, rows_, layers_;

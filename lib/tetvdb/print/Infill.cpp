@@ -16,7 +16,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
-constexpr std::size_t kSamples = std::size_t(1) << 18; // of a cell
+constexpr std::size_t kCellSamples = std::size_t(1) << 18; // of a cell
 
 constexpr std::array<std::pair<InfillKind, const char*>, 5> kNames = {{
     {InfillKind::Gyroid, "gyroid"},
@@ -81,10 +81,10 @@ bool readInfill(const std::string& name, InfillKind& kind) {
   return false;
 }
 
-Infill::Infill(InfillKind kind, double cell) : kind_(kind), cell_(cell), distances_(kSamples) {
+Infill::Infill(InfillKind kind, double cell) : kind_(kind), cell_(cell), distances_(kCellSamples) {
   // Not on a lattice, which would have many equal distances.
   const Box box{{0, 0, 0}, {cell, cell, cell}};
-  tbb::parallel_for(std::size_t(0), kSamples,
+  tbb::parallel_for(std::size_t(0), kCellSamples,
                     [&](std::size_t i) { distances_[i] = distanceAt(pointInBox(box, i)); });
   tbb::parallel_sort(distances_.begin(), distances_.end());
 }

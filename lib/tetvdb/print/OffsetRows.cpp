@@ -13,7 +13,7 @@ using Point = std::array<double, 2>;
 
 // The part of a horizontal line at y within a distance of a segment; empty if low >
 // high.
-struct Span {
+struct Reach {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void include(double x) {
@@ -23,8 +23,8 @@ struct Span {
 };
 
 // The points within a distance of a segment are convex: two discs, and a rectangle between them.
-Span nearSegment(const Point& a, const Point& b, double distance, double y) {
-  Span span;
+Reach nearSegment(const Point& a, const Point& b, double distance, double y) {
+  Reach span;
   for (const Point& end : {a, b}) {
     const double squared = distance * distance - (y - end[1]) * (y - end[1]);
     if (squared < 0)
@@ -70,7 +70,7 @@ void OffsetRows::addLine(const Point& from, const Point& to, int weight) {
       const double t = (y - from[1]) / (to[1] - from[1]);
       add(line, from[0] + t * (to[0] - from[0]), up ? -weight : weight, 0);
     }
-    const Span span = nearSegment(a, b, reach, y * frame_.pixelHeight);
+    const Reach span = nearSegment(a, b, reach, y * frame_.pixelHeight);
     if (span.low < span.high) {
       add(line, span.low / frame_.pixelWidth, 0, 1);
       add(line, span.high / frame_.pixelWidth, 0, -1);

@@ -14,7 +14,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kRounding = 1e-9; // relative to a length: how far a model may exceed the plate
 constexpr double kMaxLayers = 1 << 20;
 
 } // namespace
@@ -47,7 +46,7 @@ PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
   const PlateMap map = mapToPlate(model, printer, options);
   const auto side = [&](std::size_t k) { return map.box.max[k] - map.box.min[k]; };
   for (std::size_t k = 0; k < 2; ++k) {
-    const double slack = kRounding * printer.display[k];
+    const double slack = kPlateRounding * printer.display[k];
     if (side(k) > printer.display[k] + slack)
       throw Error(Status::Limit, "",
                   fmt::format("the model is {:.6g} x {:.6g} x {:.6g} mm, the display {:.6g} x "
@@ -61,11 +60,11 @@ PlateMap placeOnPlate(const WorldBox& model, const PrinterSettings& printer,
                               map.box.min[k], map.box.max[k], "xy"[k], printer.display[k]),
                   "place it in the middle, which is the default");
   }
-  if (map.box.min[2] < -kRounding * side(2))
+  if (map.box.min[2] < -kPlateRounding * side(2))
     throw Error(Status::Limit, "`place`",
                 fmt::format("the model reaches {:.6g} mm below the plate", -map.box.min[2]),
                 "place it in the middle, which is the default");
-  if (printer.maxHeight > 0 && map.box.max[2] > printer.maxHeight * (1 + kRounding))
+  if (printer.maxHeight > 0 && map.box.max[2] > printer.maxHeight * (1 + kPlateRounding))
     throw Error(Status::Limit, "",
                 fmt::format("the model is {:.6g} mm high, the printer prints {:.6g} mm",
                             map.box.max[2], printer.maxHeight),
@@ -83,7 +82,7 @@ LayerFrame frameOf(const PrinterSettings& printer, double top, LayerShare share)
   frame.layerHeight = printer.layerHeight;
   frame.firstLayerHeight = printer.firstHeight();
   // A remainder above the last whole layer that is only rounding is not a layer.
-  const double reached = top * (1 - kRounding);
+  const double reached = top * (1 - kPlateRounding);
   double count = std::ceil((reached - frame.firstLayerHeight) / frame.layerHeight) + 1;
   if (count > kMaxLayers)
     throw Error(Status::Limit, "`layer_height`",

@@ -14,6 +14,9 @@
 
 namespace tetvdb {
 
+/// How far a model may exceed the plate, relative to a length: rounding.
+constexpr double kPlateRounding = 1e-9;
+
 /// Maps the model to the plate: point * scale + offset, in millimetres. The plate's x and y are
 /// from 0 to the display's width and height, seen from above.
 struct PlateMap {

@@ -23,10 +23,10 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-constexpr double kMargin = 2;              // voxels around those that may be in the range
-constexpr double kSlack = 1e-9;            // relative: above the rounding error of a distance
-constexpr std::int32_t kParallel = 16;     // blocks of more voxels are halved in parallel
-constexpr std::int32_t kLongest = 1 << 28; // voxels along the box
+constexpr double kMargin = 2;                 // voxels around those that may be in the range
+constexpr double kSlack = 1e-9;               // relative: above the rounding error of a distance
+constexpr std::int32_t kParallel = 16;        // blocks of more voxels are halved in parallel
+constexpr std::int32_t kLongestBox = 1 << 28; // voxels along the box
 
 struct Block {
   openvdb::Coord first;
@@ -206,7 +206,7 @@ VoxelBox boxAround(const TriangleMesh& mesh, const GridTransform& transform, dou
     const double size = transform.voxelSize[k];
     const double low = (world.min[k] - transform.origin[k]) / size - reach;
     const double high = (world.max[k] - transform.origin[k]) / size + reach;
-    if (high - low > kLongest)
+    if (high - low > kLongestBox)
       throw Error(Status::Limit, "", "the solid is more than 2^28 voxels long",
                   "use a larger `voxel_size`");
     box.low[k] = leafBelow(low);

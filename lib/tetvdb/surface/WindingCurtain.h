@@ -6,6 +6,7 @@
 // subtracted.
 #pragma once
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <cmath>
@@ -36,7 +37,6 @@ inline double halfCurtainAngle(const CurtainEdge& edge, const Vec3d& p) {
 
 /// The winding number of a solid angle, given by its half: `weight` times the angle over 4 pi.
 inline double curtainWinding(double weight, double halfAngle) {
-  constexpr double kPi = 3.14159265358979323846;
   return weight * halfAngle / (2 * kPi);
 }
 

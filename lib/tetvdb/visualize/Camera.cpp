@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/Camera.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -11,13 +12,12 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMargin = 0.04;   // of the shorter side, all round
-constexpr double kCentred = 1e-6;  // share of the picture by which the subject may be off centre
+constexpr double kFrameMargin = 0.04; // of the shorter side, all round
+constexpr double kCentred = 1e-6;     // share of the picture by which the subject may be off centre
 constexpr double kVertical = 1e-6; // sine of the angle to up below which a view counts as vertical
 // Distance of the eye from the subject's nearest point, as a share of the larger of the subject's
 // width and height: the eye would otherwise be at the tip of a pointed subject.
 constexpr double kClearance = 0.25;
-constexpr double kRadians = 3.14159265358979323846 / 180;
 
 Vec3d unit(const Vec3d& v) {
   const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -55,7 +55,7 @@ Vec3d turnedAbout(const Vec3d& axis, const Vec3d& v, double angle) {
 
 // Half the picture's sides, in world units at distance 1 or for a span of 1.
 void halves(const Lens& lens, int width, int height, double& across, double& down) {
-  const double half = lens.perspective ? std::tan(lens.degrees / 2 * kRadians) : 0.5;
+  const double half = lens.perspective ? std::tan(lens.degrees / 2 * kRadiansPerDegree) : 0.5;
   const double shorter = std::min(width, height);
   across = half * width / shorter;
   down = half * height / shorter;
@@ -156,7 +156,7 @@ Framing frame(const View& view, const Lens& lens, int columns, int rows, const S
   const double centreDepth = near / 2 + far / 2;
   double across = 0, down = 0;
   halves(lens, columns, rows, across, down);
-  const double inside = 1 - 2 * kMargin;
+  const double inside = 1 - 2 * kFrameMargin;
   // In coordinates (right, up, towards the eye) the planes at the picture's edges are x + t z = c
   // with z towards the eye, t = 0 with parallel rays.
   const double tx = lens.perspective ? across * inside : 0;
@@ -200,7 +200,7 @@ Camera::Camera(const View& view, const Lens& lens, const Framing& framing, int w
   double distance = framing.reach;
   pixel_ = framing.span / shorter;
   if (lens.perspective) {
-    const double tangent = std::tan(lens.degrees / 2 * kRadians);
+    const double tangent = std::tan(lens.degrees / 2 * kRadiansPerDegree);
     distance = framing.span / (2 * tangent);
     pixel_ = 2 * tangent / shorter;
   }

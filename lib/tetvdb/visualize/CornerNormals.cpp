@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/CornerNormals.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/WeldPoints.h"
 
@@ -12,7 +13,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kRadians = 3.14159265358979323846 / 180;
 constexpr float kWhole = 32767;
 
 float signOf(float x) {
@@ -82,7 +82,7 @@ std::vector<PackedNormal> cornerNormals(const TriangleMesh& mesh, double creaseD
   progress.check();
 
   std::vector<PackedNormal> normals(mesh.triangles.size());
-  const double minCosine = std::cos(creaseDegrees * kRadians);
+  const double minCosine = std::cos(creaseDegrees * kRadiansPerDegree);
   tbb::parallel_for(std::size_t(0), mesh.triangleCount(), [&](std::size_t face) {
     const Vec3d own = faceNormal(mesh, face);
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/Lighting.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTwoToMinus32 = 1.0 / 4294967296.0;
 
 // The second dimension of Sobol's sequence (its first is the radical inverse in base 2): together a

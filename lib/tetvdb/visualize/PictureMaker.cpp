@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/PictureMaker.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/Legend.h"
@@ -13,7 +14,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kCellWidth = 640, kCellHeight = 480, kSmallestCell = 16;
 constexpr std::size_t kMaxPixels = std::size_t(1) << 28;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/WindingBand.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/ClosestPoint.h"
@@ -16,7 +17,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kVoxel = static_cast<double>(kUnitsPerVoxel);
 // A half counts as passed slightly beyond it (nearestWinding()), and values have an error.
 constexpr double kMargin = 3 * kWindingBandError;

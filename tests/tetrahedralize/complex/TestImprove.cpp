@@ -18,7 +18,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kStep = 1e6;
+constexpr double kImproveStep = 1e6;
 
 Vec3d minusOf(const Vec3d& a, const Vec3d& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -100,8 +100,9 @@ double farthest(const TrackedFaces& from, const TrackedFaces& to, int samples) {
 }
 
 TetComplex ball(int cells) {
-  const double midpoint = cells * kStep / 2;
-  return cubeMesh(cells, kStep, 0.1, ballAt({midpoint, midpoint, midpoint}, 0.33 * cells * kStep));
+  const double midpoint = cells * kImproveStep / 2;
+  return cubeMesh(cells, kImproveStep, 0.1,
+                  ballAt({midpoint, midpoint, midpoint}, 0.33 * cells * kImproveStep));
 }
 
 // A ball's tets and what must be kept of them.
@@ -172,7 +173,7 @@ TEST(TetEnergy, IsAmips) {
 
 TEST(Coarsen, FewerTetsAndTheSurfaceStays) {
   for (const double epsilon : {0.02, 0.4}) {
-    Kept kept(ball(12), epsilon * kStep);
+    Kept kept(ball(12), epsilon * kImproveStep);
     const std::size_t before = kept.complex.tetCount();
     Progress progress;
     const ImproveCounts counts = coarsen(kept.complex, kept.bounds, progress);
@@ -188,13 +189,14 @@ TEST(Coarsen, FewerTetsAndTheSurfaceStays) {
 // pressed together.
 TEST(Coarsen, ThinWallsStay) {
   const int cells = 12;
-  Kept kept(cubeMesh(cells, kStep, 0.1,
+  Kept kept(cubeMesh(cells, kImproveStep, 0.1,
                      [](const Vec3d& p) {
-                       const double x = p[0] / kStep, y = p[1] / kStep, z = p[2] / kStep;
+                       const double x = p[0] / kImproveStep, y = p[1] / kImproveStep,
+                                    z = p[2] / kImproveStep;
                        const bool inside = y > 3 && y < 9 && z > 3 && z < 9;
                        return inside && x > 3 && x < 9 && !(x > 6 && x < 7) ? 1 : 0;
                      }),
-            1.2 * kStep);
+            1.2 * kImproveStep);
   EXPECT_EQ(eulerNumber(kept.surface), 4);
   Progress progress;
   coarsen(kept.complex, kept.bounds, progress);
@@ -203,11 +205,12 @@ TEST(Coarsen, ThinWallsStay) {
 
 // A spike of one cell's width: one-sided bounds would let it be worn away.
 TEST(Coarsen, SpikesStay) {
-  constexpr double kRadius = 0.75 * kStep;
+  constexpr double kRadius = 0.75 * kImproveStep;
   const int cells = 12;
-  Kept kept(cubeMesh(cells, kStep, 0.05,
+  Kept kept(cubeMesh(cells, kImproveStep, 0.05,
                      [](const Vec3d& p) {
-                       const double x = p[0] / kStep, y = p[1] / kStep, z = p[2] / kStep;
+                       const double x = p[0] / kImproveStep, y = p[1] / kImproveStep,
+                                    z = p[2] / kImproveStep;
                        const bool body = x > 2 && x < 5 && y > 3 && y < 8 && z > 3 && z < 8;
                        const bool spike = x > 4 && x < 10 && y > 5 && y < 6 && z > 5 && z < 6;
                        return body || spike ? 1 : 0;
@@ -221,7 +224,9 @@ TEST(Coarsen, SpikesStay) {
 
 // One hundredth of less than a hundred tets is none.
 TEST(Coarsen, EndsOnFewTets) {
-  Kept kept(cubeMesh(2, kStep, 0.1, ballAt({kStep, kStep, kStep}, 0.8 * kStep)), 0.3 * kStep);
+  Kept kept(cubeMesh(2, kImproveStep, 0.1,
+                     ballAt({kImproveStep, kImproveStep, kImproveStep}, 0.8 * kImproveStep)),
+            0.3 * kImproveStep);
   Progress progress;
   progress.setDeadline(Progress::Clock::now() + std::chrono::minutes(1));
   EXPECT_NO_THROW(coarsen(kept.complex, kept.bounds, progress));
@@ -232,7 +237,7 @@ TEST(Coarsen, SameForAnyNumberOfThreads) {
   std::vector<TetComplex> results;
   for (const std::size_t threads : {1, 2, 8}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    Kept kept(ball(16), 0.3 * kStep);
+    Kept kept(ball(16), 0.3 * kImproveStep);
     Progress progress;
     coarsen(kept.complex, kept.bounds, progress);
     results.push_back(kept.complex);
@@ -242,8 +247,10 @@ TEST(Coarsen, SameForAnyNumberOfThreads) {
 }
 
 TEST(SwapEdges, EverySwapMakesTheWorstBetter) {
-  Kept kept(cubeMesh(8, kStep, 0.2, ballAt({4 * kStep, 4 * kStep, 4 * kStep}, 2.6 * kStep)),
-            0.3 * kStep);
+  Kept kept(
+      cubeMesh(8, kImproveStep, 0.2,
+               ballAt({4 * kImproveStep, 4 * kImproveStep, 4 * kImproveStep}, 2.6 * kImproveStep)),
+      0.3 * kImproveStep);
   EdgeSwapper swapper(kept.complex, kept.bounds, 3.5);
   double worst = worstOf(kept.complex);
   std::size_t swaps = 0;
@@ -266,13 +273,13 @@ TEST(Improve, ReachesTheEnergyWithinBounds) {
   std::vector<TetComplex> results;
   for (const std::size_t threads : {1, 2, 8}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    Kept kept(ball(12), 0.4 * kStep);
+    Kept kept(ball(12), 0.4 * kImproveStep);
     Progress progress;
     coarsen(kept.complex, kept.bounds, progress);
     ASSERT_GT(worstOf(kept.complex), 50);
     ImproveOptions options;
-    options.edgeLength = 4 * kStep;
-    options.smallestEdge = 0.1 * kStep;
+    options.edgeLength = 4 * kImproveStep;
+    options.smallestEdge = 0.1 * kImproveStep;
     const ImproveCounts counts = improve(kept.complex, kept.bounds, options, progress);
     kept.expect();
     EXPECT_LE(worstOf(kept.complex), 10 * (1 + 1e-6));
@@ -316,7 +323,7 @@ std::size_t countWhole(const TetComplex& complex) {
 
 TEST(PeelTets, TetsGoOutsideAndTheSurfaceStays) {
   for (const double radius : {0.3, 0.6, 1.2}) {
-    Kept kept(ball(10), radius * kStep);
+    Kept kept(ball(10), radius * kImproveStep);
     makeOutsideLight(kept.complex, 0.1f);
     const std::size_t before = countWhole(kept.complex);
     const TetComplex old = kept.complex;
@@ -344,12 +351,13 @@ TEST(PeelTets, TetsGoOutsideAndTheSurfaceStays) {
 
 // All of a plate of one cell is within the envelope: nothing may go through it.
 TEST(PeelTets, PlatesKeepTheirTopology) {
-  Kept kept(cubeMesh(10, kStep, 0.1,
+  Kept kept(cubeMesh(10, kImproveStep, 0.1,
                      [](const Vec3d& p) {
-                       const double x = p[0] / kStep, y = p[1] / kStep, z = p[2] / kStep;
+                       const double x = p[0] / kImproveStep, y = p[1] / kImproveStep,
+                                    z = p[2] / kImproveStep;
                        return x > 2 && x < 8 && y > 2 && y < 8 && z > 5 && z < 6 ? 1 : 0;
                      }),
-            1.5 * kStep);
+            1.5 * kImproveStep);
   makeOutsideLight(kept.complex, 0.1f);
   TetPeeler peeler(kept.complex, kept.bounds, 3.2);
   std::size_t gone = 0;
@@ -360,12 +368,12 @@ TEST(PeelTets, PlatesKeepTheirTopology) {
 }
 
 TEST(Improve, OutsideCountsLess) {
-  Kept kept(ball(12), 0.4 * kStep);
+  Kept kept(ball(12), 0.4 * kImproveStep);
   makeOutsideLight(kept.complex, 1.f / 30);
   Progress progress;
   ImproveOptions options;
-  options.edgeLength = 3 * kStep;
-  options.smallestEdge = 0.1 * kStep;
+  options.edgeLength = 3 * kImproveStep;
+  options.smallestEdge = 0.1 * kImproveStep;
   const ImproveCounts counts = improve(kept.complex, kept.bounds, options, progress);
   kept.expect();
   double worst = 0, worstOutside = 0, sum = 0;
@@ -394,11 +402,11 @@ TEST(Improve, OutsideCountsLess) {
 
 // Nobody reaches that: it ends all the same, and with a mesh that is valid.
 TEST(Improve, EndsInVain) {
-  Kept kept(ball(4), 0.2 * kStep);
+  Kept kept(ball(4), 0.2 * kImproveStep);
   Progress progress;
   ImproveOptions options;
-  options.edgeLength = 3 * kStep;
-  options.smallestEdge = 0.5 * kStep;
+  options.edgeLength = 3 * kImproveStep;
+  options.smallestEdge = 0.5 * kImproveStep;
   options.stopEnergy = 3.01;
   const ImproveCounts counts = improve(kept.complex, kept.bounds, options, progress);
   EXPECT_LT(counts.passes, options.maxPasses);
@@ -406,7 +414,7 @@ TEST(Improve, EndsInVain) {
 }
 
 TEST(Improve, StopsWhenCancelled) {
-  Kept kept(ball(8), 0.4 * kStep);
+  Kept kept(ball(8), 0.4 * kImproveStep);
   Progress progress;
   progress.cancel();
   EXPECT_THROW(coarsen(kept.complex, kept.bounds, progress), Error);

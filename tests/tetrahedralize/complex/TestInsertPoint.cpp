@@ -10,10 +10,10 @@ namespace tetvdb {
 namespace {
 
 constexpr std::uint32_t kNone = TetComplex::kNone;
-constexpr double kStep = 1 << 20;
+constexpr double kCube = 1 << 20;
 
 TetComplex mesh() {
-  return cubeMesh(4, kStep, 0.2, ballAt({2 * kStep, 2 * kStep, 2 * kStep}, 1.4 * kStep));
+  return cubeMesh(4, kCube, 0.2, ballAt({2 * kCube, 2 * kCube, 2 * kCube}, 1.4 * kCube));
 }
 
 // Six times the volume within the tracked faces.

@@ -51,7 +51,7 @@ std::vector<std::array<std::uint32_t, 3>> forget(TetComplex& complex, const Choo
 }
 
 // What stands for the input, for the sum of solid angles.
-TriangleMesh surfaceOf(const TetComplex& complex) {
+TriangleMesh classifiedSurface(const TetComplex& complex) {
   TriangleMesh mesh;
   const TrackedFaces tracked = trackedFaces(complex);
   mesh.points = tracked.points;
@@ -129,7 +129,7 @@ TEST(Classify, ClosesHolesByTheWindingNumber) {
     TetComplex complex = cubeMesh(kCells, kStep, 0.2, ballAt(kCentre, 5.2 * kStep));
     forget(complex, [&](const Vec3d& p) { return p[0] > kMiddle + share * 5.2 * kStep; });
     complex.verify();
-    expectAsBruteForce(complex, surfaceOf(complex), classify(complex, 1));
+    expectAsBruteForce(complex, classifiedSurface(complex), classify(complex, 1));
   }
 }
 
@@ -139,7 +139,7 @@ TEST(Classify, FollowsTheWindingNumberFromWherever) {
   TetComplex complex =
       cubeMesh(kCells, kStep, 0.1, [&](const Vec3d& p) { return outer(p) + 2 * inner(p); });
   forget(complex, [&](const Vec3d& p) { return p[2] > kMiddle + 2.5 * kStep && inner(p) == 0; });
-  expectAsBruteForce(complex, surfaceOf(complex), classify(complex, 1));
+  expectAsBruteForce(complex, classifiedSurface(complex), classify(complex, 1));
 }
 
 TEST(Classify, MissingFacesCountAsIfTheyWereIn) {
@@ -171,7 +171,7 @@ TEST(Classify, MissingFacesMayCutThroughTets) {
   soup.points = {{x, low, low}, {x, high, low}, {x, high, high}, {x, low, high}};
   soup.faces = {{0, 1, 2}, {0, 2, 3}};
   soup.inputs = {0, 0};
-  TriangleMesh surface = surfaceOf(complex);
+  TriangleMesh surface = classifiedSurface(complex);
   const auto first = static_cast<std::uint32_t>(surface.points.size());
   surface.points.insert(surface.points.end(), soup.points.begin(), soup.points.end());
   for (const auto& face : soup.faces)

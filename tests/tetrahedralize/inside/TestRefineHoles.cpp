@@ -10,19 +10,19 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kStep = 1 << 20;
-constexpr int kCells = 8;
-constexpr double kMiddle = kCells * kStep / 2;
-const Vec3d kCentre{kMiddle, kMiddle, kMiddle};
+constexpr double kHoleStep = 1 << 20;
+constexpr int kHoleCells = 8;
+constexpr double kHoleMiddle = kHoleCells * kHoleStep / 2;
+const Vec3d kHoleCentre{kHoleMiddle, kHoleMiddle, kHoleMiddle};
 
 // Half a ball's surface: open.
 TetComplex bowl() {
-  TetComplex complex = cubeMesh(kCells, kStep, 0.2, ballAt(kCentre, 3.2 * kStep));
+  TetComplex complex = cubeMesh(kHoleCells, kHoleStep, 0.2, ballAt(kHoleCentre, 3.2 * kHoleStep));
   for (std::uint32_t t = 0; t < complex.tets.size(); ++t)
     for (unsigned localFace = 0; localFace < 4; ++localFace) {
       TetComplex::Tet& tet = complex.tets[t];
       if (tet.chains[localFace] == 0 || tet.neighbours[localFace] == TetComplex::kOutside ||
-          complex.at(tet.corners[kFaceCorners[localFace][0]])[0] < kMiddle)
+          complex.at(tet.corners[kFaceCorners[localFace][0]])[0] < kHoleMiddle)
         continue;
       TetComplex::Tet& other = complex.tets[tet.neighbours[localFace]];
       const unsigned back = complex.localFaceOf(tet.neighbours[localFace], t);
@@ -32,7 +32,7 @@ TetComplex bowl() {
   return complex;
 }
 
-TriangleMesh surfaceOf(const TetComplex& complex) {
+TriangleMesh surfaceWithHoles(const TetComplex& complex) {
   const TrackedFaces tracked = trackedFaces(complex);
   TriangleMesh mesh;
   mesh.points = tracked.points;
@@ -71,11 +71,11 @@ double volumeWrong(const TetComplex& complex, const std::vector<std::uint16_t>& 
 TEST(RefineHoles, SurfaceComesNearTheWindingNumbersAsTetsGetSmall) {
   Progress progress;
   TetComplex complex = bowl();
-  const TriangleMesh surface = surfaceOf(complex);
+  const TriangleMesh surface = surfaceWithHoles(complex);
   const Int128 volume = volumeOf(complex);
   std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
   const double before = volumeWrong(complex, inside, surface);
-  const double length = kStep / 3;
+  const double length = kHoleStep / 3;
   EXPECT_GT(refineHoles(complex, 1, {}, {}, length, 200000, inside, progress), 100u);
   complex.verify();
   EXPECT_TRUE(volumeOf(complex) == volume);
@@ -104,7 +104,7 @@ TEST(RefineHoles, SurfaceComesNearTheWindingNumbersAsTetsGetSmall) {
 
 TEST(RefineHoles, LeavesClosedInputsAlone) {
   Progress progress;
-  TetComplex complex = cubeMesh(kCells, kStep, 0.2, ballAt(kCentre, 3.2 * kStep));
+  TetComplex complex = cubeMesh(kHoleCells, kHoleStep, 0.2, ballAt(kHoleCentre, 3.2 * kHoleStep));
   std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
   const std::vector<std::uint16_t> before = inside;
   EXPECT_EQ(refineHoles(complex, 1, {}, {}, 1, 1000, inside, progress), 0u);
@@ -115,7 +115,7 @@ TEST(RefineHoles, ClosedInputsKeepWhatTheyHave) {
   // Input 1, closed, is where the hole of input 0 is.
   Progress progress;
   TetComplex complex = bowl();
-  const auto ball = ballAt({kMiddle + kStep, kMiddle, kMiddle}, 1.6 * kStep);
+  const auto ball = ballAt({kHoleMiddle + kHoleStep, kHoleMiddle, kHoleMiddle}, 1.6 * kHoleStep);
   const auto centre = [&](const TetComplex::Tet& tet) {
     Vec3d sum{0, 0, 0};
     for (const std::uint32_t corner : tet.corners)
@@ -132,7 +132,7 @@ TEST(RefineHoles, ClosedInputsKeepWhatTheyHave) {
         tet.tracked[localFace] = tet.tracked[localFace] || change != 0;
       }
   std::vector<std::uint16_t> inside = insideOf(complex, 2, {}, {}, progress);
-  refineHoles(complex, 2, {}, {}, kStep / 2, 200000, inside, progress);
+  refineHoles(complex, 2, {}, {}, kHoleStep / 2, 200000, inside, progress);
   complex.verify();
   EXPECT_EQ(inside, insideOf(complex, 2, {}, {}, progress));
 }

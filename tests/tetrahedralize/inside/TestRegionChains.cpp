@@ -9,7 +9,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kStep = 1e6;
+constexpr double kChainStep = 1e6;
 
 // Two balls that overlap, as inputs of one mesh, with a sheet of no winding between some tets.
 struct TwoBalls {
@@ -17,9 +17,11 @@ struct TwoBalls {
   TetComplex complex;
 
   TwoBalls()
-      : complex(cubeMesh(8, kStep, 0.1, [this](const Vec3d& p) {
-          const Chain a = ballAt({3 * kStep, 4 * kStep, 4 * kStep}, 2 * kStep)(p);
-          const Chain b = ballAt({5 * kStep, 4 * kStep, 4 * kStep}, 2 * kStep)(p);
+      : complex(cubeMesh(8, kChainStep, 0.1, [this](const Vec3d& p) {
+          const Chain a =
+              ballAt({3 * kChainStep, 4 * kChainStep, 4 * kChainStep}, 2 * kChainStep)(p);
+          const Chain b =
+              ballAt({5 * kChainStep, 4 * kChainStep, 4 * kChainStep}, 2 * kChainStep)(p);
           inside.push_back(static_cast<std::uint16_t>(a + 2 * b));
           return a * unitChain(0, 2) + b * unitChain(1, 2);
         })) {

@@ -11,13 +11,13 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kScale = 0x1p40, kGrain = 1024, kDistance = 0x1p30;
+constexpr double kPerturbScale = 0x1p40, kGrain = 1024, kDistance = 0x1p30;
 
-LatticeSoup soupOf(const TriangleMesh& mesh) {
+LatticeSoup perturbedSoupOf(const TriangleMesh& mesh) {
   LatticeSoup soup;
   soup.grain = kGrain;
   for (const Vec3d& p : mesh.points)
-    soup.points.push_back(roundToGrain(times(p, kScale), kGrain));
+    soup.points.push_back(roundToGrain(times(p, kPerturbScale), kGrain));
   for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3)
     soup.faces.push_back({mesh.triangles[i], mesh.triangles[i + 1], mesh.triangles[i + 2]});
   Progress quiet;
@@ -34,7 +34,7 @@ std::vector<Vec3d> cornersOf(const LatticeSoup& soup) {
 }
 
 TEST(PerturbSoup, MovesEveryPointALittleAndDifferently) {
-  const LatticeSoup soup = soupOf(meshes::sphere({0, 0, 0}, 1, 12));
+  const LatticeSoup soup = perturbedSoupOf(meshes::sphere({0, 0, 0}, 1, 12));
   std::set<Vec3d> moves;
   for (const std::uint32_t seed : {1u, 2u}) {
     const LatticeSoup perturbed = perturbedSoup(soup, kDistance, Perturb::Points, seed);
@@ -54,7 +54,7 @@ TEST(PerturbSoup, MovesClosedComponentsAsAWhole) {
   TriangleMesh mesh = meshes::sphere({0, 0, 0}, 0.3, 6);
   const std::size_t first = mesh.triangleCount();
   meshes::append(mesh, meshes::sphere({1, 0, 0}, 0.3, 6));
-  const LatticeSoup soup = soupOf(mesh);
+  const LatticeSoup soup = perturbedSoupOf(mesh);
   const LatticeSoup perturbed = perturbedSoup(soup, kDistance, Perturb::Components, 3);
   ASSERT_EQ(perturbed.faces.size(), soup.faces.size());
   const std::vector<Vec3d> before = cornersOf(soup), after = cornersOf(perturbed);
@@ -70,11 +70,11 @@ TEST(PerturbSoup, MovesClosedComponentsAsAWhole) {
 TEST(PerturbSoup, ComponentsThatMeetInAPointComeApartAndOpenOnesStay) {
   TriangleMesh mesh = meshes::box({0, 0, 0}, {1, 1, 1});
   meshes::append(mesh, meshes::box({1, 1, 1}, {2, 2, 2}));
-  const LatticeSoup soup = soupOf(mesh);
+  const LatticeSoup soup = perturbedSoupOf(mesh);
   ASSERT_EQ(soup.points.size(), 15u);
   EXPECT_EQ(perturbedSoup(soup, kDistance, Perturb::Components, 1).points.size(), 16u);
 
-  const LatticeSoup sheet = soupOf(meshes::sheet(3));
+  const LatticeSoup sheet = perturbedSoupOf(meshes::sheet(3));
   EXPECT_EQ(cornersOf(perturbedSoup(sheet, kDistance, Perturb::Components, 1)), cornersOf(sheet));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/soup/SimplifySoup.h"
 #include "tetvdb/tetrahedralize/soup/WorkingLattice.h"
@@ -184,8 +185,8 @@ TEST(SimplifySoup, ThinSpikesAreNotWornAway) {
   for (int ring = 0; ring < kRings; ++ring)
     for (int i = 0; i < kAround; ++i) {
       const double r = 0.01 * (1 - double(ring) / kRings);
-      cone.points.push_back({r * std::cos(2 * meshes::kPi * i / kAround),
-                             r * std::sin(2 * meshes::kPi * i / kAround), double(ring) / kRings});
+      cone.points.push_back({r * std::cos(2 * kPi * i / kAround),
+                             r * std::sin(2 * kPi * i / kAround), double(ring) / kRings});
     }
   cone.points.push_back({0, 0, 1});
   cone.points.push_back({0, 0, 0});

@@ -2,6 +2,7 @@
 #include "tetvdb/io/source/Hdf5File.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5Handle.h"
 
 #include <cstdlib>
@@ -9,8 +10,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 /// How many bytes one byte of a file can become at most: zlib's limit.
 constexpr double kMaxExpansion = 1100;

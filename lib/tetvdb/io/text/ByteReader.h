@@ -10,6 +10,7 @@
 #pragma once
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
@@ -132,8 +133,6 @@ public:
   }
 
 private:
-  static constexpr const char* kCut = "the file is damaged or cut off; export it again";
-
   std::string_view bytes_;
   std::string path_;
   std::size_t at_;

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Source.h"
 
 #include <algorithm>
@@ -148,7 +149,7 @@ public:
     if (static_cast<std::uint64_t>(n) > (remaining() + bytesEach) / bytesEach)
       fail(std::to_string(n) + " " + std::string(things) +
                " are declared, more than the file holds",
-           "the file is damaged or cut off; export it again");
+           kCut);
   }
 
   /// Returns false, with the cursor after the white space, if no number follows.

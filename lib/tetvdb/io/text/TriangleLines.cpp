@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/text/TriangleLines.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/text/TextLine.h"
 
 namespace tetvdb {
-namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 17;
-
-} // namespace
+namespace {} // namespace
 
 void writeTriangleLines(const std::string& path, const TriangleMesh& mesh,
                         const TriangleLines& lines, Progress& progress) {
@@ -19,7 +16,7 @@ void writeTriangleLines(const std::string& path, const TriangleMesh& mesh,
   const auto begin = [&](std::string_view word, std::size_t done) {
     if (!word.empty())
       line.word(word);
-    if (done % kPerUpdate == 0)
+    if (done % kItemsPerUpdate == 0)
       progress.update(static_cast<double>(done) / static_cast<double>(points + faces));
   };
   for (std::size_t i = 0; i < points; ++i) {

@@ -4,6 +4,7 @@
 #include "tetvdb/io/text/ZipDirectory.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 
 #include <algorithm>
@@ -28,8 +29,7 @@ constexpr std::string_view kFileMark("PK\x03\x04", 4);
 constexpr std::string_view kEntryMark("PK\x01\x02", 4);
 
 [[noreturn]] void failDamaged(const Source& source) {
-  throw Error(Status::Invalid, source.path, "it is no whole ZIP archive",
-              "the file is damaged or cut off; export it again");
+  throw Error(Status::Invalid, source.path, "it is no whole ZIP archive", kCut);
 }
 
 struct Directory {

@@ -4,6 +4,7 @@
 // size, and every offset of a grid against its buffer, before it is followed.
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/text/ZlibBytes.h"
 #include "tetvdb/io/volume/NvdbLayout.h"
 #include "tetvdb/io/volume/VolumeFormats.h"
 #include "tetvdb/volume/Grids.h"
@@ -118,11 +119,6 @@ struct OpenValue<nanovdb::ValueMask> {
   using Type = openvdb::ValueMask;
 };
 
-std::uint32_t crc(const void* data, std::uint64_t size) {
-  uLong sum = ::crc32(0, nullptr, 0);
-  return static_cast<std::uint32_t>(::crc32_z(sum, static_cast<const Bytef*>(data), size));
-}
-
 /// NanoVDB's checksum: one CRC-32 of grid, tree and root (`headSize` bytes), one of the CRC-32 of
 /// every node, top level first. The second may be missing, or both. `nodes` are offsets by level.
 bool checksumMatches(const unsigned char* bytes, std::uint64_t headSize,
@@ -139,7 +135,7 @@ bool checksumMatches(const unsigned char* bytes, std::uint64_t headSize,
   if (head == absent && tail == absent)
     return true;
   constexpr std::uint64_t skipped = 16; // magic and checksum
-  if (crc(bytes + skipped, headSize - skipped) != head)
+  if (crc32Of(bytes + skipped, headSize - skipped) != head)
     return false;
   if (tail == absent)
     return true;
@@ -147,11 +143,11 @@ bool checksumMatches(const unsigned char* bytes, std::uint64_t headSize,
   std::size_t first = 0;
   for (int level = 2; level >= 0; --level) {
     tbb::parallel_for(std::size_t(0), nodes[level].size(), [&](std::size_t i) {
-      sums[first + i] = crc(bytes + nodes[level][i], sizes[level]);
+      sums[first + i] = crc32Of(bytes + nodes[level][i], sizes[level]);
     });
     first += nodes[level].size();
   }
-  return sums.empty() || crc(sums.data(), sums.size() * sizeof sums[0]) == tail;
+  return sums.empty() || crc32Of(sums.data(), sums.size() * sizeof sums[0]) == tail;
 }
 
 /// One grid's buffer, checked and turned into OpenVDB's nodes.

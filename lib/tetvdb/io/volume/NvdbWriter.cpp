@@ -2,6 +2,7 @@
 //
 // Writes one segment a grid, so that at most one grid is in memory twice.
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/io/text/ZlibBytes.h"
 #include "tetvdb/io/volume/NanoFile.h"
 #include "tetvdb/io/volume/NvdbLayout.h"
 #include "tetvdb/io/volume/VolumeFormats.h"
@@ -87,11 +88,6 @@ void writeGrid(AtomicFile& file, const unsigned char* bytes, std::size_t size,
   file.writeAt(entryAt, &entry, sizeof entry);
 }
 
-std::uint32_t crc(const void* data, std::size_t size) {
-  return static_cast<std::uint32_t>(
-      ::crc32_z(::crc32(0, nullptr, 0), static_cast<const Bytef*>(data), size));
-}
-
 // Completes NanoVDB's checksum of a grid whose nodes lie breadth first: adds that over all nodes to
 // that of grid, tree and root, which the grid has.
 void completeChecksum(unsigned char* bytes) {
@@ -108,13 +104,13 @@ void completeChecksum(unsigned char* bytes) {
       continue;
     const std::uint64_t begin = grid.nodeOffset[level], size = (ends[level] - begin) / count;
     tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
-      sums[first + i] = crc(bytes + kNvdbTreeAt + begin + i * size, size);
+      sums[first + i] = crc32Of(bytes + kNvdbTreeAt + begin + i * size, size);
     });
     first += count;
   }
   if (sums.empty())
     return;
-  const std::uint64_t tail = crc(sums.data(), sums.size() * sizeof sums[0]);
+  const std::uint64_t tail = crc32Of(sums.data(), sums.size() * sizeof sums[0]);
   grid.checksum = (grid.checksum & 0xFFFFFFFF) | tail << 32;
   std::memcpy(bytes, &grid, sizeof grid);
 }

@@ -2,6 +2,7 @@
 #include "tetvdb/io/volume/VdbCheck.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/volume/VdbHeader.h"
 
 #include <array>
 #include <blosc.h>
@@ -17,7 +18,6 @@ namespace {
 
 using Origin = std::array<std::int32_t, 3>;
 
-constexpr std::uint32_t kFirstVersion = 222;
 constexpr std::size_t kRelease = std::size_t(64) << 20; ///< bytes of the file in memory at a time
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
@@ -109,7 +109,7 @@ private:
   }
 
   void requireVersion(std::uint32_t version) const {
-    if (version < kFirstVersion)
+    if (version < kFirstVdbVersion)
       throw Error(Status::Invalid, path_,
                   fmt::format("has file version {}, that of a program before OpenVDB 3", version),
                   "write it again by a newer program, such as Houdini or Blender");

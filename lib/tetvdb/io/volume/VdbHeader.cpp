@@ -16,7 +16,6 @@ namespace {
 
 constexpr std::int32_t kMaxGrids = 1 << 16;
 constexpr std::uint32_t kMaxText = 1 << 20;
-constexpr std::uint32_t kFirstVersion = 222;
 
 class HeaderReader {
 public:
@@ -75,7 +74,7 @@ private:
     const char offsets = value<char>();
     if (magic != std::int64_t(openvdb::OPENVDB_MAGIC))
       fail("is no .vdb file");
-    if (result_.fileVersion < kFirstVersion || offsets != 1)
+    if (result_.fileVersion < kFirstVdbVersion || offsets != 1)
       fail("is a .vdb file of an old version or without offsets");
     file_.ignore(36); // UUID
     openvdb::io::setVersion(file_, {result_.libraryMajor, result_.libraryMinor},

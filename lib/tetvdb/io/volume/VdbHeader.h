@@ -11,6 +11,9 @@
 
 namespace tetvdb {
 
+/// Of OpenVDB 3, the first with the tree's layout that is read here.
+constexpr std::uint32_t kFirstVdbVersion = 222;
+
 struct VdbGridHeader {
   std::string name, type, parent;
   bool half = false; ///< `type` is without its suffix for that
@@ -27,7 +30,7 @@ struct VdbHeader {
 };
 
 /// Reads the headers and checks that the file has the length that they state. Reads files with
-/// offsets of version 222 and above. Throws Error(Invalid).
+/// offsets of kFirstVdbVersion and above. Throws Error(Invalid).
 VdbHeader readVdbHeader(const std::string& path);
 
 } // namespace tetvdb

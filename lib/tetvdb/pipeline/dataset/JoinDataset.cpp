@@ -42,7 +42,7 @@ std::string csvLine(const std::vector<std::string>& fields) {
 }
 
 // A value as text; numbers in the shortest form that reads back.
-std::string textOf(const DatasetRow& row, const char* key) {
+std::string cellOf(const DatasetRow& row, const char* key) {
   const auto found = row.find(key);
   if (found == row.end() || found->is_null())
     return {};
@@ -148,10 +148,10 @@ private:
       if (!isSuccess(row)) {
         ++summary_.failed;
         ++reasons_[row.value("error", std::string())];
-        failed += csvLine({textOf(row, "name"), textOf(row, "id"), textOf(row, "variant"),
-                           textOf(row, "class"), textOf(row, "split"), textOf(row, "path"),
-                           textOf(row, "status"), textOf(row, "stage"), textOf(row, "error"),
-                           textOf(row, "seconds"), textOf(row, "processor_seconds")});
+        failed += csvLine({cellOf(row, "name"), cellOf(row, "id"), cellOf(row, "variant"),
+                           cellOf(row, "class"), cellOf(row, "split"), cellOf(row, "path"),
+                           cellOf(row, "status"), cellOf(row, "stage"), cellOf(row, "error"),
+                           cellOf(row, "seconds"), cellOf(row, "processor_seconds")});
         continue;
       }
       ++summary_.succeeded;
@@ -176,30 +176,30 @@ private:
         repeats(grids, finestGrid(row).value("hash", std::string()), item.name());
     summary_.sameFile += !sameFile.empty();
     summary_.sameGrid += !sameGrid.empty();
-    std::vector<std::string> fields{textOf(row, "name"),
-                                    textOf(row, "id"),
-                                    textOf(row, "variant"),
-                                    textOf(row, "class"),
-                                    textOf(row, "split"),
-                                    textOf(row, "path"),
-                                    textOf(row, "file_hash"),
+    std::vector<std::string> fields{cellOf(row, "name"),
+                                    cellOf(row, "id"),
+                                    cellOf(row, "variant"),
+                                    cellOf(row, "class"),
+                                    cellOf(row, "split"),
+                                    cellOf(row, "path"),
+                                    cellOf(row, "file_hash"),
                                     sameFile,
                                     sameGrid,
-                                    textOf(row, "faces"),
-                                    textOf(row, "open_edges"),
-                                    textOf(row, "volume")};
+                                    cellOf(row, "faces"),
+                                    cellOf(row, "open_edges"),
+                                    cellOf(row, "volume")};
     for (const int size : options_.resolutions) {
       std::string occupied;
       for (const DatasetRow& grid : row.value("grids", DatasetRow::array()))
         if (grid.at("size") == size)
-          occupied = textOf(grid, "occupied");
+          occupied = cellOf(grid, "occupied");
       fields.push_back(occupied);
     }
     const DatasetRow stages = row.value("stages", DatasetRow::object());
     for (const char* stage : {"read", "clean", "voxelize", "fields", "points", "write"})
-      fields.push_back(textOf(stages, stage));
-    fields.push_back(textOf(row, "seconds"));
-    fields.push_back(textOf(row, "processor_seconds"));
+      fields.push_back(cellOf(stages, stage));
+    fields.push_back(cellOf(row, "seconds"));
+    fields.push_back(cellOf(row, "processor_seconds"));
     fields.push_back(joined(row, "warnings"));
     fields.push_back(joined(row, "files"));
     return csvLine(fields);

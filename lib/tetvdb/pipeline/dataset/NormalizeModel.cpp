@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/dataset/NormalizeModel.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -12,8 +13,6 @@ namespace tetvdb {
 namespace {
 
 using Matrix3 = std::array<Vec3d, 3>; // rows
-
-constexpr double kPi = 3.14159265358979323846;
 
 Matrix3 product(const Matrix3& a, const Matrix3& b) {
   Matrix3 c{};

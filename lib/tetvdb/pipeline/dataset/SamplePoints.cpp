@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/dataset/SamplePoints.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/FeatureEdges.h"
 
@@ -10,8 +11,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // The entry of ascending sums within which `at` falls.
 std::size_t entryOf(const std::vector<double>& sums, double at) {

@@ -8,10 +8,6 @@ namespace {
 using namespace test;
 using Regions = std::vector<std::int32_t>;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 std::string regionName(const CellMesh& mesh, std::size_t cell) {
   const auto name = mesh.regionNames.find(mesh.regions.at(cell));
   return name == mesh.regionNames.end() ? "" : name->second;

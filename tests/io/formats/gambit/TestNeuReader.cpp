@@ -8,12 +8,6 @@ namespace {
 
 using namespace test;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 TEST(NeuReader, MeshAndGroups) {
   const CellMesh mesh = readText(readNeu, neuFile(false));
   EXPECT_EQ(mesh.points.size(), 9U);

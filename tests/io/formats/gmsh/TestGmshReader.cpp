@@ -8,12 +8,6 @@ namespace {
 using namespace test;
 using Regions = std::vector<std::int32_t>;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
-}
-
 void expectTwoTets(const CellMesh& mesh) {
   const TetMesh tets = splitAll(mesh);
   EXPECT_EQ(tets.points.size(), 5U);

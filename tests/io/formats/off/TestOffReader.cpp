@@ -10,7 +10,7 @@ using namespace test;
 const std::string kPoints = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 const std::string kFaces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
-void expectTetrahedron(const Reading& read, const std::string& codes = "") {
+void expectOffTetrahedron(const Reading& read, const std::string& codes = "") {
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.mesh.points, cornerTetrahedron().points);
   EXPECT_EQ(read.mesh.triangles, cornerTetrahedron().triangles);
@@ -24,7 +24,7 @@ TEST(OffReader, EveryHeader) {
         "off\n4 4 0\n", "# a comment\n#\nOFF # here\n# there\n4 4 6 # counts\n\n", "4 4 6\n",
         "OFF\n4\n4\n6\n", "OFF\n\n4 4 0\n", "\xef\xbb\xbfOFF\n4 4 6\n"}) {
     SCOPED_TRACE(head);
-    expectTetrahedron(reading(readOff, head + kPoints + kFaces));
+    expectOffTetrahedron(reading(readOff, head + kPoints + kFaces));
   }
 }
 
@@ -32,10 +32,10 @@ TEST(OffReader, LineEnds) {
   std::string text = "OFF\n4 4 6\n" + kPoints + kFaces;
   for (char& c : text)
     c = c == '\n' ? '\r' : c;
-  expectTetrahedron(reading(readOff, text));
+  expectOffTetrahedron(reading(readOff, text));
   for (std::size_t at = 0; (at = text.find('\r', at)) != text.npos; at += 2)
     text.insert(at + 1, "\n");
-  expectTetrahedron(reading(readOff, text));
+  expectOffTetrahedron(reading(readOff, text));
 }
 
 TEST(OffReader, ColoursNormalsAndTextures) {
@@ -43,14 +43,15 @@ TEST(OffReader, ColoursNormalsAndTextures) {
       "0 0 0 .1 .2 .3 1\n1 0 0 .1 .2 .3 1\n0 1 0 .1 .2 .3 1\n0 0 1 1 1 1 1\n";
   const std::string faces = "3 0 2 1 255 0 0\n3 0 1 3\n3  0 3 2  0.5 0.5 0.5 1 # red\n3 1 2 3 7\n";
   for (const char* keyword : {"COFF", "NOFF", "CNOFF", "STOFF", "STCNOFF", "OFF"})
-    expectTetrahedron(reading(readOff, keyword + ("\n4 4 0\n" + points + faces)));
+    expectOffTetrahedron(reading(readOff, keyword + ("\n4 4 0\n" + points + faces)));
 }
 
 TEST(OffReader, EverythingOnOneLine) {
-  expectTetrahedron(
+  expectOffTetrahedron(
       reading(readOff, "OFF 4 4 6 0 0 0 1 0 0 0 1 0 0 0 1 3 0 2 1 3 0 1 3 3 0 3 2 3 1 2 3"));
-  expectTetrahedron(reading(readOff, "OFF\n4 4 6\n0 0 0 1 0 0 0 1 0 0 0 1\n3 0 2 1 3 0 1 3 3 0 3 2 "
-                                     "3 1 2 3\n"));
+  expectOffTetrahedron(reading(readOff,
+                               "OFF\n4 4 6\n0 0 0 1 0 0 0 1 0 0 0 1\n3 0 2 1 3 0 1 3 3 0 3 2 "
+                               "3 1 2 3\n"));
 }
 
 TEST(OffReader, PolygonsAreFans) {
@@ -63,7 +64,7 @@ TEST(OffReader, FacesWithoutMeaningAreLeftOut) {
   for (const char* bad : {"3 0 1 4\n", "3 0 1 -1\n", "2 0 1\n", "0\n", "x 0 1 2\n", "-3 0 1 2\n",
                           "3 0 1 x\n", "1000000 0 1 2\n", "3 0 1 1.5\n"}) {
     const Reading read = reading(readOff, "OFF\n4 5 0\n" + kPoints + bad + kFaces);
-    expectTetrahedron(read, "bad-faces");
+    expectOffTetrahedron(read, "bad-faces");
     EXPECT_TRUE(read.report.partial) << bad;
   }
 }
@@ -79,8 +80,8 @@ TEST(OffReader, UnreadableVerticesKeepTheirPlace) {
 
 TEST(OffReader, CutOffKeepsWholeFaces) {
   const std::string text = "OFF\n4 5 0\n" + kPoints + kFaces;
-  expectTetrahedron(reading(readOff, text), "truncated");
-  expectTetrahedron(reading(readOff, text.substr(0, text.size() - 1)), "truncated");
+  expectOffTetrahedron(reading(readOff, text), "truncated");
+  expectOffTetrahedron(reading(readOff, text.substr(0, text.size() - 1)), "truncated");
   EXPECT_EQ(reading(readOff, text.substr(0, text.size() - 3)).mesh.triangleCount(), 3U);
   // "1" may be what is left of "17".
   std::string many = "OFF\n20 5 0\n";
@@ -95,7 +96,7 @@ TEST(OffReader, CountsThatTheFileCannotHold) {
             std::string::npos);
   EXPECT_NE(reading(readOff, "OFF\n-4 4 0\n" + kPoints + kFaces).error, "");
   EXPECT_NE(reading(readOff, "OFF\n4 -4 0\n" + kPoints + kFaces).error, "");
-  expectTetrahedron(reading(readOff, "OFF\n4 353535235358 0\n" + kPoints + kFaces), "truncated");
+  expectOffTetrahedron(reading(readOff, "OFF\n4 353535235358 0\n" + kPoints + kFaces), "truncated");
   EXPECT_NE(reading(readOff, "OFF\n9 4 0\n" + kPoints + kFaces).error, "");
   EXPECT_NE(reading(readOff, "OFF\n4 0 0\n" + kPoints).error.find("no faces"), std::string::npos);
   EXPECT_NE(reading(readOff, "4OFF\n4 4 0\n" + kPoints + kFaces).error.find("dimensions"),
@@ -111,7 +112,7 @@ TEST(OffReader, Binary) {
   bytes.ints({3, 0, 2, 1, 0});
   bytes.ints({3, 0, 1, 3, 3}).floats({1, 0, 0}); // with a colour
   bytes.ints({3, 0, 3, 2, 0}).ints({3, 1, 2, 3, 0});
-  expectTetrahedron(reading(readOff, bytes.str()));
+  expectOffTetrahedron(reading(readOff, bytes.str()));
   const Reading cut = reading(readOff, bytes.str().substr(0, bytes.str().size() - 5));
   EXPECT_EQ(cut.mesh.triangleCount(), 3U);
   EXPECT_EQ(cut.codes(), "truncated");

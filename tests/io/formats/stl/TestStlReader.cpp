@@ -41,7 +41,7 @@ std::string facet(const std::string& corners) {
 const std::string kFacet0 = facet("vertex 0 0 .5\nvertex 0 1 0.5\nvertex 0 2 5e-1\n");
 const std::string kFacet1 = facet("vertex 1 0 .5\nvertex +1 1 0.5\nvertex 1.0 2 .5\n");
 
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
+std::string allReplaced(std::string text, const std::string& what, const std::string& with) {
   for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += with.size())
     text.replace(at, what.size(), with);
   return text;
@@ -116,11 +116,12 @@ TEST(StlReader, FacetsThatAreNotFiniteAreLeftOut) {
 TEST(StlReader, Text) {
   const std::string text = "solid a\n" + kFacet0 + kFacet1 + "endsolid a\n";
   for (const std::string& variant :
-       {text, replaced(text, "\n", "\r\n"), replaced(text, "\n", "\r"), replaced(text, "\n", " "),
-        replaced(text, "solid a", "SOLID"), replaced(text, "vertex", "  VERTEX\t"),
-        replaced(text, " normal 0 0 1", ""), replaced(text, " normal 0 0 1", " normal nan nan nan"),
-        "\xef\xbb\xbf" + text, "; a comment\n" + text,
-        replaced(text, "solid a", "solid a vertex 1 2 3 facet endsolid")}) {
+       {text, allReplaced(text, "\n", "\r\n"), allReplaced(text, "\n", "\r"),
+        allReplaced(text, "\n", " "), allReplaced(text, "solid a", "SOLID"),
+        allReplaced(text, "vertex", "  VERTEX\t"), allReplaced(text, " normal 0 0 1", ""),
+        allReplaced(text, " normal 0 0 1", " normal nan nan nan"), "\xef\xbb\xbf" + text,
+        "; a comment\n" + text,
+        allReplaced(text, "solid a", "solid a vertex 1 2 3 facet endsolid")}) {
     const Reading read = reading(readStl, variant);
     expectFacets(read, 2);
     EXPECT_EQ(read.codes(), "") << variant;

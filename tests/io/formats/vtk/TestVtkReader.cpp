@@ -9,10 +9,6 @@ const char* const kHead = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET UNS
 const char* const kTet = "POINTS 4 float\n0 0 0 1 0 0 0 1 0 0 0 1\n"
                          "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n";
 
-bool contains(const std::string& text, const std::string& what) {
-  return text.find(what) != text.npos;
-}
-
 } // namespace
 
 TEST(VtkReader, EveryVersionAndModeIsTheSameMesh) {

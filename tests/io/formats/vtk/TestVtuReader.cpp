@@ -59,12 +59,8 @@ struct OneTet {
 CellMesh readText(const OneTet& tet) {
   return read(readVtu, tet.text());
 }
-std::string errorOf(const OneTet& tet) {
+std::string errorOfTet(const OneTet& tet) {
   return test::errorOf(readVtu, tet.text());
-}
-
-bool contains(const std::string& text, const std::string& what) {
-  return text.find(what) != text.npos;
 }
 
 } // namespace
@@ -112,18 +108,18 @@ TEST(VtuReader, PolyhedraWithNumberedFaces) { // from VTK 9.4 on
 
   tet.more = array("face_connectivity", "Int64", "0 1 2") + array("face_offsets", "Int64", "3") +
              array("polyhedron_to_faces", "Int64", "7") + array("polyhedron_offsets", "Int64", "1");
-  EXPECT_FALSE(errorOf(tet).empty());
+  EXPECT_FALSE(errorOfTet(tet).empty());
 }
 
 TEST(VtuReader, PolyhedronFacesThatDoNotFit) {
   OneTet tet;
   tet.types = array("types", "UInt8", "42");
-  EXPECT_TRUE(contains(errorOf(tet), "faceoffsets"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "faceoffsets"));
   for (const char* faces :
        {"4 3 0 1 2 3 0 1 3 3 1 2 3 3 0 2 9", "5 3 0 1 2 3 0 1 3 3 1 2 3 3 0 2 3",
         "4 2 0 1 2 3 0 1 3 3 1 2 3 3 0 2 3", "9 9 9 9 9 9 9 9 9 9 9 9 9 9 9 9 9"}) {
     tet.more = array("faces", "Int64", faces) + array("faceoffsets", "Int64", "17");
-    EXPECT_FALSE(errorOf(tet).empty()) << faces;
+    EXPECT_FALSE(errorOfTet(tet).empty()) << faces;
   }
 }
 
@@ -168,7 +164,7 @@ TEST(VtuReader, Base64WithHeaderAndDataInOneText) { // as meshio writes it, and 
   for (const std::string& text : {together.substr(0, 30), "!" + together, std::string("===="),
                                   base64(rawBytes<std::uint32_t>({31}) + data)}) {
     tet.connectivity = array("connectivity", "Int64", text, "format=\"binary\"");
-    EXPECT_FALSE(errorOf(tet).empty()) << text;
+    EXPECT_FALSE(errorOfTet(tet).empty()) << text;
   }
 }
 
@@ -198,32 +194,32 @@ TEST(VtuReader, RawDataThatLookLikeTheEnd) {
 TEST(VtuReader, MeshesThatDoNotFit) {
   OneTet tet;
   tet.connectivity = array("connectivity", "Int32", "0 1 2 4");
-  EXPECT_TRUE(contains(errorOf(tet), "refers to point 4, but there are 4 points"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "refers to point 4, but there are 4 points"));
   tet.connectivity = array("connectivity", "Int32", "0 1 2 -1");
-  EXPECT_TRUE(contains(errorOf(tet), "out of range"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "out of range"));
   tet.connectivity = array("connectivity", "Int32", "0 1 2");
-  EXPECT_TRUE(contains(errorOf(tet), "cut off") || contains(errorOf(tet), "number"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "cut off") || contains(errorOfTet(tet), "number"));
 
   tet = {};
   tet.offsets = array("offsets", "Int32", "5");
   tet.connectivity = array("connectivity", "Int32", "0 1 2 3 0");
-  EXPECT_TRUE(contains(errorOf(tet), "has 5 nodes in place of 4"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "has 5 nodes in place of 4"));
   tet.offsets = array("offsets", "Int32", "-4");
-  EXPECT_FALSE(errorOf(tet).empty());
+  EXPECT_FALSE(errorOfTet(tet).empty());
   tet.offsets = array("offsets", "Float32", "4");
-  EXPECT_TRUE(contains(errorOf(tet), "whole"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "whole"));
 
   tet = {};
   tet.points = array("Points", "Float32", "0 0 0  1 0 0  0 nan 0  0 0 1");
-  EXPECT_TRUE(contains(errorOf(tet), "point 2 has a coordinate that is not finite"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "point 2 has a coordinate that is not finite"));
   tet.points = "";
-  EXPECT_FALSE(errorOf(tet).empty());
+  EXPECT_FALSE(errorOfTet(tet).empty());
   tet.points = array("Points", "Float32", "1 2 3 4", "NumberOfComponents=\"1\"");
-  EXPECT_TRUE(contains(errorOf(tet), "coordinates"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "coordinates"));
 
   tet = {};
   tet.types = "";
-  EXPECT_TRUE(contains(errorOf(tet), "'types'"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "'types'"));
   for (const char* counts : {"NumberOfPoints=\"4\"", "NumberOfPoints=\"-4\" NumberOfCells=\"1\"",
                              "NumberOfPoints=\"6148914691236517209\" NumberOfCells=\"1\"",
                              "NumberOfPoints=\"4\" NumberOfCells=\"4611686018427387905\"",
@@ -231,18 +227,18 @@ TEST(VtuReader, MeshesThatDoNotFit) {
                              "NumberOfPoints=\"4x\" NumberOfCells=\"1\""}) {
     tet = {};
     tet.counts = counts;
-    EXPECT_FALSE(errorOf(tet).empty()) << counts;
+    EXPECT_FALSE(errorOfTet(tet).empty()) << counts;
   }
 }
 
 TEST(VtuReader, FilesOfOtherKinds) {
   OneTet tet;
   tet.header = "type=\"ImageData\"";
-  EXPECT_TRUE(contains(errorOf(tet), "ImageData"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "ImageData"));
   tet.header = "type=\"UnstructuredGrid\" compressor=\"vtkOther\"";
-  EXPECT_TRUE(contains(errorOf(tet), "vtkOther"));
+  EXPECT_TRUE(contains(errorOfTet(tet), "vtkOther"));
   tet.header = "type=\"UnstructuredGrid\" header_type=\"UInt16\"";
-  EXPECT_FALSE(errorOf(tet).empty());
+  EXPECT_FALSE(errorOfTet(tet).empty());
   for (const char* text : {"", "hello", "<a/>", "<VTKFile type=\"UnstructuredGrid\"/>", "<VTKFile",
                            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid></VTKFile>"})
     EXPECT_FALSE(test::errorOf(readVtu, text).empty()) << text;
@@ -257,7 +253,7 @@ TEST(VtuReader, CompressedBlocksThatLie) {
         Words{1, 32768, 32, 0xfffffff0u}, Words{1, 16, 32, 4}, Words{0, 0, 0}}) {
     tet.connectivity = array("connectivity", "Int64", base64(rawBytes(header)) + base64("abcd"),
                              "format=\"binary\"");
-    EXPECT_FALSE(errorOf(tet).empty());
+    EXPECT_FALSE(errorOfTet(tet).empty());
   }
 }
 

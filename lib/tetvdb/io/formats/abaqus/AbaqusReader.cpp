@@ -6,6 +6,7 @@
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/IdMap.h"
 #include "tetvdb/io/formats/abaqus/AbaqusDeck.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -201,7 +202,7 @@ private:
           deck_.fail("element " + std::to_string(id) + " has " + std::to_string(got) +
                          " nodes; type " + type.substr(0, 20) + " has " +
                          std::to_string(kind.nodes),
-                     "the file is damaged or cut off; export it again");
+                     kCut);
       }
       if (kind.nodes > 0 && got > kind.nodes)
         deck_.fail("element " + std::to_string(id) + " has more nodes than its type " +
@@ -322,7 +323,7 @@ private:
       if (index == IdMap::kNone)
         throw Error(Status::Invalid, source_.path,
                     "an element uses node " + std::to_string(node) + ", which does not exist",
-                    "the file is damaged or cut off; export it again");
+                    kCut);
       node = index;
     }
     setRegions(part);

@@ -3,7 +3,9 @@
 // Format: AVS Developer's Guide, "UCD file format"; the binary form as in VTK's reader.
 #include "tetvdb/io/formats/avs/UcdReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -14,8 +16,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 
 struct UcdKind {
   const char* name; ///< in text files; its index is the number in binary files
@@ -78,7 +78,7 @@ private:
       nodes_.add(in_.integer());
       const double x = in_.real(), y = in_.real(), z = in_.real();
       mesh_.points.push_back({x, y, z});
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
     nodes_.finish();
@@ -108,7 +108,7 @@ private:
       }
       reorder(kind, mesh_.nodes);
       appendCells(mesh_, kind);
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
     cells_.finish();
@@ -150,7 +150,7 @@ private:
         for (std::uint32_t c = 0; c < attribute.components; ++c)
           to[c] = in_.value();
       }
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
   }
@@ -179,8 +179,7 @@ public:
   CellMesh read() {
     // The byte order is known only from the condition that the counts fit the file.
     if (!readCounts(false) && !readCounts(true))
-      in_.fail("its counts do not fit the file's size in either byte order",
-               "the file is damaged or cut off; export it again");
+      in_.fail("its counts do not fit the file's size in either byte order", kCut);
     progress_.update(0);
     readCells();
     readPoints();

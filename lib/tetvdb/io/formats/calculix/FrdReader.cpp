@@ -7,6 +7,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/mesh/CurvedShape.h"
@@ -23,9 +24,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
-constexpr const char* kExport = "repair the file or export it again";
 
 // In quadratic cells, the midpoints of vertical edges precede those above.
 constexpr std::uint8_t kHexahedronOrder[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,

@@ -10,10 +10,11 @@ namespace {
 
 // SIDS, "unstructured grid element numbering conventions": the mids of vertical edges come before
 // those above, the middles of faces bottom, front, right, back, left, top.
-constexpr std::uint8_t kHexahedronOrder[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 16, 17,
-                                             18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26};
-constexpr std::uint8_t kWedgeOrder[] = {0,  1,  2,  3, 4,  5,  6,  7,  8,
-                                        12, 13, 14, 9, 10, 11, 15, 16, 17};
+constexpr std::uint8_t kCgnsHexahedronOrder[] = {0,  1,  2,  3,  4,  5,  6,  7,  8,
+                                                 9,  10, 11, 16, 17, 18, 19, 12, 13,
+                                                 14, 15, 24, 22, 21, 23, 20, 25, 26};
+constexpr std::uint8_t kCgnsWedgeOrder[] = {0,  1,  2,  3, 4,  5,  6,  7,  8,
+                                            12, 13, 14, 9, 10, 11, 15, 16, 17};
 
 CellKind quadratic(const char* name, CellType type, std::uint32_t corners, std::uint32_t nodes,
                    const std::uint8_t* order = nullptr) {
@@ -38,15 +39,15 @@ CellKind cgnsElement(ElementType_t type) {
   case PENTA_6:
     return {"PENTA_6", CellType::Wedge, 6, 6};
   case PENTA_15:
-    return quadratic("PENTA_15", CellType::Wedge, 6, 15, kWedgeOrder);
+    return quadratic("PENTA_15", CellType::Wedge, 6, 15, kCgnsWedgeOrder);
   case PENTA_18:
-    return quadratic("PENTA_18", CellType::Wedge, 6, 18, kWedgeOrder);
+    return quadratic("PENTA_18", CellType::Wedge, 6, 18, kCgnsWedgeOrder);
   case HEXA_8:
     return {"HEXA_8", CellType::Hexahedron, 8, 8};
   case HEXA_20:
-    return quadratic("HEXA_20", CellType::Hexahedron, 8, 20, kHexahedronOrder);
+    return quadratic("HEXA_20", CellType::Hexahedron, 8, 20, kCgnsHexahedronOrder);
   case HEXA_27:
-    return quadratic("HEXA_27", CellType::Hexahedron, 8, 27, kHexahedronOrder);
+    return quadratic("HEXA_27", CellType::Hexahedron, 8, 27, kCgnsHexahedronOrder);
   default:
     break;
   }

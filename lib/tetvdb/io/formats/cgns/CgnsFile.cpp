@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/TemporaryFile.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 
 #include <cgns_io.h>
@@ -14,8 +15,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 bool isHdf5(const Source& source) {
   return source.bytes.substr(0, 4) == "\x89HDF";

@@ -8,6 +8,7 @@
 #include "tetvdb/io/formats/cgns/CgnsElements.h"
 #include "tetvdb/io/formats/cgns/CgnsFile.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/IsolatedRead.h"
 
 #include <algorithm>
@@ -23,7 +24,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr const char* kExport = "repair the file or export it again";
 constexpr std::size_t kName = 33; ///< characters of a name, the ending 0 included
 
 struct Section {

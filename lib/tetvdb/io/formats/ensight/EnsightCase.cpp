@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -15,8 +16,6 @@
 
 namespace tetvdb::ensight {
 namespace {
-
-constexpr const char* kExport = "repair the file or export it again";
 
 class CaseParser {
 public:

@@ -8,6 +8,7 @@
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/formats/ensight/EnsightCase.h"
 #include "tetvdb/io/formats/ensight/EnsightInput.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 #include <limits>
@@ -19,9 +20,6 @@
 namespace tetvdb {
 namespace ensight {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
-constexpr const char* kExport = "repair the file or export it again";
 
 /// The element type of a name, without the "g_" of ghosts; null for unknown names.
 const CellKind* kindOf(const std::string& name) {

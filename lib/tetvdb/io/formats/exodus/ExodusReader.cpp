@@ -5,6 +5,7 @@
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/formats/exodus/NetCdfSize.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/IsolatedRead.h"
 #include "tetvdb/mesh/CurvedShape.h"
 
@@ -21,8 +22,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 /// netCDF and HDF5 are not thread-safe.
 std::mutex& netcdfMutex() {
@@ -278,7 +277,7 @@ private:
                         if (!std::isfinite(x))
                           file_.fail("coordinate " + name + " of node " + std::to_string(i + 1) +
                                          " is not finite",
-                                     "repair the file or export it again");
+                                     kExport);
                         mesh_.points[i][axis] = x;
                       });
     }
@@ -384,7 +383,7 @@ private:
           file_.fail("element " + std::to_string(begin + i / nodes + 1) + " of '" + name +
                          "' refers to node " + std::to_string(node) + ", but there are " +
                          std::to_string(points) + " nodes, numbered from 1",
-                     "repair the file or export it again");
+                     kExport);
         if (i % nodes < kind.stored())
           mesh_.nodes.push_back(static_cast<std::uint32_t>(node - 1));
         if (i % nodes == nodes - 1)

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/exodus/NetCdfSize.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 
 #include <algorithm>
@@ -46,8 +47,7 @@ public:
         end += (static_cast<double>(records) - 1) * (recordVariables == 1 ? v.size : recordSize);
       if (end > static_cast<double>(source_.bytes.size()))
         throw Error(Status::Invalid, source_.path,
-                    "the variable '" + v.name + "' reaches beyond the file's end",
-                    "the file is damaged or cut off; export it again");
+                    "the variable '" + v.name + "' reaches beyond the file's end", kCut);
     }
   }
 

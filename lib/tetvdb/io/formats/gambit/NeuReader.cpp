@@ -6,6 +6,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <cmath>
@@ -16,9 +17,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
-constexpr const char* kExport = "repair the file or export it again";
 
 /// An element type with this number of nodes; null for types that the format does not have.
 const CellKind* kindOf(std::int64_t type, std::int64_t nodes) {

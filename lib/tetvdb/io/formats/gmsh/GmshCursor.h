@@ -11,6 +11,8 @@
 
 namespace tetvdb {
 
+constexpr const char* kExportWithGmsh = "export it again, for instance with gmsh -save";
+
 /// Reads a .msh file, whose section marks and names are text and whose numbers are text or binary.
 /// One of two cursors is active at any time; enterBinary() and leaveBinary() switch between them.
 class GmshCursor {

@@ -4,12 +4,6 @@
 #include <limits>
 
 namespace tetvdb {
-namespace {
-
-constexpr const char* kExport = "export it again, for instance with gmsh -save";
-
-} // namespace
-
 void GmshData::read(Attribute::On on, const IdMap& ids, std::size_t things,
                     std::vector<Attribute>& attributes) {
   std::string name;
@@ -37,7 +31,7 @@ void GmshData::read(Attribute::On on, const IdMap& ids, std::size_t things,
   }
   in_.text.line();
   if (tags[1] < 1 || tags[1] > 1000)
-    in_.fail("data '" + name + "' has " + std::to_string(tags[1]) + " components", kExport);
+    in_.fail("data '" + name + "' has " + std::to_string(tags[1]) + " components", kExportWithGmsh);
   in_.enterBinary();
   const auto components = static_cast<std::size_t>(tags[1]);
   const std::size_t n = in_.checkCount(tags[2], "values", 2 * (1 + components), 4 + 8 * components);

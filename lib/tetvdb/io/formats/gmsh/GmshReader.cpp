@@ -3,6 +3,7 @@
 // Format: Gmsh reference manual, "MSH file format" and "Legacy formats".
 #include "tetvdb/io/formats/gmsh/GmshReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/IdMap.h"
 #include "tetvdb/io/formats/gmsh/GmshCursor.h"
@@ -19,9 +20,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 20;
-constexpr const char* kExport = "export it again, for instance with gmsh -save";
 
 /// Consecutive elements with the same tags.
 struct TagRun {
@@ -45,9 +43,9 @@ public:
     while (!in_.text.atEnd())
       readSection();
     if (!haveNodes_)
-      in_.fail("has no $Nodes section", kExport);
+      in_.fail("has no $Nodes section", kExportWithGmsh);
     if (!haveElements_)
-      in_.fail("has no $Elements section", kExport);
+      in_.fail("has no $Elements section", kExportWithGmsh);
     setRegions();
     return std::move(mesh_);
   }
@@ -58,7 +56,7 @@ private:
   void readSection() {
     const std::string_view mark = in_.text.word();
     if (mark.empty() || mark[0] != '$')
-      in_.fail("expected a section such as $Nodes", kExport);
+      in_.fail("expected a section such as $Nodes", kExportWithGmsh);
     const std::string name(mark.substr(1, 60));
     const std::size_t start = in_.text.position();
     in_.text.line();
@@ -89,14 +87,14 @@ private:
     if (in_.text.word() != (version1 ? "$END" : "$End") + name)
       in_.fail("$" + name + " does not end with its $End" + name +
                    " where its declared numbers say",
-               kExport);
+               kExportWithGmsh);
   }
 
   bool wantsData() const { return options_.attributes || !options_.regionArray.empty(); }
 
   void readData(bool ofNodes) {
     if (!(ofNodes ? haveNodes_ : haveElements_))
-      in_.fail("data come before the mesh", kExport);
+      in_.fail("data come before the mesh", kExportWithGmsh);
     data_.read(ofNodes ? Attribute::On::Points : Attribute::On::Cells,
                ofNodes ? nodeIds_ : elementIds_, ofNodes ? mesh_.points.size() : elements_,
                mesh_.attributes);
@@ -121,13 +119,13 @@ private:
     if (!in_.binary)
       return;
     if (in_.sizeBytes != 8 && in_.sizeBytes != 4)
-      in_.fail("unknown data size", kExport);
+      in_.fail("unknown data size", kExportWithGmsh);
     if (version_ < 4.05)
       in_.sizeBytes = 8;
     in_.enterBinary();
     const auto one = in_.bytes.get<std::int32_t>();
     if (one != 1 && byteSwapped(one) != 1)
-      in_.fail("the byte order is not told (neither 1 nor its reverse)", kExport);
+      in_.fail("the byte order is not told (neither 1 nor its reverse)", kExportWithGmsh);
     in_.bytes.setSwap(one != 1);
   }
 
@@ -211,7 +209,7 @@ private:
                "repair the mesh");
     nodeIds_.add(id);
     mesh_.points.push_back(point);
-    if (mesh_.points.size() % kPerUpdate == 0)
+    if (mesh_.points.size() % kItemsPerUpdate == 0)
       update();
   }
 
@@ -258,7 +256,7 @@ private:
       const std::size_t n = in_.count("nodes", 6, (old ? 4 : in_.sizeBytes) + 3 * 8);
       if (mesh_.points.size() + n > total)
         in_.fail("node blocks hold more than the " + std::to_string(total) + " nodes declared",
-                 kExport);
+                 kExportWithGmsh);
       if (old)
         readNodeBlock40(n, parameters);
       else
@@ -267,7 +265,7 @@ private:
     if (mesh_.points.size() != total)
       in_.fail(std::to_string(total) + " nodes are declared, " +
                    std::to_string(mesh_.points.size()) + " are there",
-               kExport);
+               kExportWithGmsh);
     endNodes();
   }
 
@@ -315,7 +313,7 @@ private:
 
   void beginElements() {
     if (!haveNodes_)
-      in_.fail("elements come before the nodes", kExport);
+      in_.fail("elements come before the nodes", kExportWithGmsh);
     if (haveElements_)
       in_.fail("has two $Elements sections", "keep one mesh in a file");
     haveElements_ = true;
@@ -344,7 +342,7 @@ private:
     if (elements_ >= IdMap::kNone)
       throw Error(Status::Limit, source_.path, "more than 4294967294 elements",
                   "split it into several files");
-    if (elements_ / kPerUpdate != (elements_ - count) / kPerUpdate)
+    if (elements_ / kItemsPerUpdate != (elements_ - count) / kItemsPerUpdate)
       update();
   }
 
@@ -371,7 +369,7 @@ private:
       const std::int32_t physical = tag(in_.text.integer());
       const std::int32_t geometrical = tag(in_.text.integer());
       if (in_.text.integer() != kind.nodes)
-        in_.fail("wrong number of nodes for the type", kExport);
+        in_.fail("wrong number of nodes for the type", kExportWithGmsh);
       readNodesOf(kind);
       addElements(kind, 1, physical, geometrical);
     }
@@ -418,7 +416,7 @@ private:
     const std::int64_t follow = in_.integer();
     const std::int64_t tags = in_.integer();
     if (follow < 1 || static_cast<std::uint64_t>(follow) > max || tags < 0 || tags > 1000000)
-      in_.fail("an element block of impossible size", kExport);
+      in_.fail("an element block of impossible size", kExportWithGmsh);
     const auto skipped = static_cast<std::size_t>(tags);
     const std::size_t stride = 4 * (1 + skipped + kind.nodes);
     const std::size_t n = in_.bytes.checkCount(follow, stride, "elements");
@@ -432,7 +430,7 @@ private:
       };
       const std::int32_t first = skipped > 0 ? tag(number(1)) : 0;
       const std::int32_t second = skipped > 1 ? tag(number(2)) : 0;
-      if (first != physical || second != geometrical || alike == kPerUpdate) {
+      if (first != physical || second != geometrical || alike == kItemsPerUpdate) {
         addElements(kind, alike, physical, geometrical);
         physical = first;
         geometrical = second;
@@ -482,7 +480,7 @@ private:
     if (found != total)
       in_.fail(std::to_string(total) + " elements are declared, " + std::to_string(found) +
                    " are there",
-               kExport);
+               kExportWithGmsh);
     elementIds_.finish();
   }
 
@@ -506,7 +504,7 @@ private:
     mesh_.nodes.resize(before + stored * n);
     std::uint32_t* to = mesh_.nodes.data() + before;
     for (std::size_t i = 0; i < n; ++i, from += stride) {
-      if (i % kPerUpdate == kPerUpdate - 1)
+      if (i % kItemsPerUpdate == kItemsPerUpdate - 1)
         update();
       for (std::size_t k = 0; k < stored; ++k) {
         const std::size_t place = 1 + (kind.order != nullptr ? kind.order[k] : k);

@@ -16,10 +16,6 @@ namespace {
 constexpr std::size_t kBlock = 8192; // elements buffered before they are written
 constexpr std::int32_t kTetrahedron = 4;
 
-void writeText(AtomicFile& file, std::string_view text) {
-  file.write(text.data(), text.size());
-}
-
 template <class T>
 void writeNumber(AtomicFile& file, T number) {
   file.write(&number, sizeof number);
@@ -38,9 +34,9 @@ public:
 
   void write() {
     findVolumes();
-    writeText(file_, "$MeshFormat\n4.1 1 8\n");
+    file_.write("$MeshFormat\n4.1 1 8\n");
     writeNumber(file_, std::int32_t(1)); // tells the byte order
-    writeText(file_, "\n$EndMeshFormat\n");
+    file_.write("\n$EndMeshFormat\n");
     writeNames();
     writeEntities();
     writeNodes();
@@ -94,11 +90,11 @@ private:
     }
     if (n == 0)
       return;
-    writeText(file_, "$PhysicalNames\n" + std::to_string(n) + "\n" + text + "$EndPhysicalNames\n");
+    file_.write("$PhysicalNames\n" + std::to_string(n) + "\n" + text + "$EndPhysicalNames\n");
   }
 
   void writeEntities() {
-    writeText(file_, "$Entities\n");
+    file_.write("$Entities\n");
     for (int dimension = 0; dimension < 3; ++dimension)
       writeNumber(file_, std::uint64_t(0));
     writeNumber(file_, std::uint64_t(volumes_.size()));
@@ -112,12 +108,12 @@ private:
         writeNumber(file_, number);
       writeNumber(file_, std::uint64_t(0)); // bounding surfaces
     }
-    writeText(file_, "\n$EndEntities\n");
+    file_.write("\n$EndEntities\n");
   }
 
   void writeNodes() {
     const std::uint64_t n = mesh_.points.size();
-    writeText(file_, "$Nodes\n");
+    file_.write("$Nodes\n");
     for (const std::uint64_t number : {std::uint64_t(1), n, std::uint64_t(1), n})
       writeNumber(file_, number); // blocks, nodes, min and max tag
     writeNumber(file_, std::int32_t(3));
@@ -133,7 +129,7 @@ private:
     }
     if (n > 0)
       file_.write(mesh_.points.data(), mesh_.points.size() * sizeof(Vec3d));
-    writeText(file_, "\n$EndNodes\n");
+    file_.write("\n$EndNodes\n");
     progress_.update(0.3);
   }
 
@@ -143,7 +139,7 @@ private:
     std::map<std::int32_t, std::vector<std::size_t>> tets; // of each region, ascending
     for (std::size_t t = 0; t < n; ++t)
       tets[region(t)].push_back(t);
-    writeText(file_, "$Elements\n");
+    file_.write("$Elements\n");
     for (const std::uint64_t number :
          {std::uint64_t(tets.size()), std::uint64_t(n), std::uint64_t(1), std::uint64_t(n)})
       writeNumber(file_, number);
@@ -166,7 +162,7 @@ private:
       }
       writeBlock(block);
     }
-    writeText(file_, "\n$EndElements\n");
+    file_.write("\n$EndElements\n");
   }
 
   void writeBlock(std::vector<std::uint64_t>& block) {
@@ -194,8 +190,8 @@ private:
     std::replace_if(
         name.begin(), name.end(), [](char c) { return c == '"' || c == '\n' || c == '\r'; }, '\'');
     const std::string section = onCells ? "ElementData" : "NodeData";
-    writeText(file_, "$" + section + "\n1\n\"" + name + "\"\n1\n0\n3\n0\n" +
-                         std::to_string(components) + "\n" + std::to_string(present) + "\n");
+    file_.write("$" + section + "\n1\n\"" + name + "\"\n1\n0\n3\n0\n" + std::to_string(components) +
+                "\n" + std::to_string(present) + "\n");
     for (std::size_t i = 0; i < things; ++i) {
       if (i % kBlock == 0)
         progress_.check();
@@ -205,7 +201,7 @@ private:
       for (std::uint32_t c = 0; c < components; ++c)
         writeNumber(file_, c < has ? attribute.number(element(i), c) : 0.0);
     }
-    writeText(file_, "\n$End" + section + "\n");
+    file_.write("\n$End" + section + "\n");
   }
 
   AtomicFile file_;

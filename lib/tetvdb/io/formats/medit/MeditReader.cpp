@@ -3,8 +3,11 @@
 // Format: LM7 (libMeshb) documentation, "GMF: the Gamma Mesh Format".
 #include "tetvdb/io/formats/medit/MeditReader.h"
 
+#include "tetvdb/core/Constants.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/NodeOrder.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -14,7 +17,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr std::int32_t kDimension = 3, kVertices = 4, kEnd = 54;
 
 struct Keyword {
@@ -94,7 +96,7 @@ public:
                    " has a coordinate that is not a finite number",
                "repair the mesh");
     mesh_.points.push_back(point);
-    if (mesh_.points.size() % kPerUpdate == 0)
+    if (mesh_.points.size() % kItemsPerUpdate == 0)
       update();
   }
 
@@ -117,7 +119,7 @@ public:
         reference > std::numeric_limits<std::int32_t>::max())
       in_.fail("a cell's reference is out of range");
     mesh_.regions.push_back(static_cast<std::int32_t>(reference));
-    if (mesh_.regions.size() % kPerUpdate == 0)
+    if (mesh_.regions.size() % kItemsPerUpdate == 0)
       update();
   }
 
@@ -130,7 +132,7 @@ public:
 
   CellMesh finish() {
     if (!haveVertices_)
-      in_.fail("has no Vertices", "the file is damaged or cut off; export it again");
+      in_.fail("has no Vertices", kCut);
     for (const std::uint32_t node : mesh_.nodes)
       if (node >= mesh_.points.size())
         in_.fail("a cell uses vertex " + std::to_string(std::uint64_t(node) + 1) + " of " +
@@ -175,10 +177,6 @@ std::string_view withoutOrdering(std::string_view keyword) {
   const bool has =
       keyword.size() > suffix.size() && keyword.substr(keyword.size() - suffix.size()) == suffix;
   return has ? keyword.substr(0, keyword.size() - suffix.size()) : std::string_view();
-}
-
-bool isLetter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
 } // namespace

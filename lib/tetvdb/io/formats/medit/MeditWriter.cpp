@@ -2,26 +2,19 @@
 #include "tetvdb/io/formats/medit/MeditWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/text/TextLine.h"
 
 #include <string_view>
 
 namespace tetvdb {
-namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 17;
-
-void writeText(AtomicFile& file, std::string_view text) {
-  file.write(text.data(), text.size());
-}
-
-} // namespace
+namespace {} // namespace
 
 void writeMedit(const std::string& path, const TetMesh& mesh, Progress& progress) {
   AtomicFile file(path);
   TextLine line(file);
   const std::size_t total = mesh.points.size() + mesh.tetCount();
-  writeText(file, "MeshVersionFormatted 2\nDimension 3\nVertices\n");
+  file.write("MeshVersionFormatted 2\nDimension 3\nVertices\n");
   line.number(mesh.points.size());
   line.end();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
@@ -29,10 +22,10 @@ void writeMedit(const std::string& path, const TetMesh& mesh, Progress& progress
       line.number(x);
     line.number(0);
     line.end();
-    if (i % kPerUpdate == 0)
+    if (i % kItemsPerUpdate == 0)
       progress.update(static_cast<double>(i) / static_cast<double>(total));
   }
-  writeText(file, "Tetrahedra\n");
+  file.write("Tetrahedra\n");
   line.number(mesh.tetCount());
   line.end();
   for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
@@ -40,10 +33,10 @@ void writeMedit(const std::string& path, const TetMesh& mesh, Progress& progress
       line.number(std::uint64_t(mesh.tets[4 * t + k]) + 1);
     line.number(mesh.regions.empty() ? 0 : mesh.regions[mesh.cell(t)]);
     line.end();
-    if (t % kPerUpdate == 0)
+    if (t % kItemsPerUpdate == 0)
       progress.update(static_cast<double>(mesh.points.size() + t) / static_cast<double>(total));
   }
-  writeText(file, "End\n");
+  file.write("End\n");
   file.commit();
 }
 

@@ -3,8 +3,11 @@
 // Format: .vol, the successor of Netgen's "Neutral" format, as written by its mesh class.
 #include "tetvdb/io/formats/netgen/NetgenReader.h"
 
+#include "tetvdb/core/Constants.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/NodeOrder.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <limits>
@@ -14,7 +17,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr CellKind kTriangle{"triangle", CellType::Flat, 0, 0};
 constexpr CellKind kSegment{"segment", CellType::Flat, 0, 0};
 
@@ -34,10 +36,6 @@ const CellKind* volumeElement(std::int64_t nodes) {
     if (kind.nodes == nodes)
       return &kind;
   return nullptr;
-}
-
-bool isLetter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
 class Reader {
@@ -86,7 +84,7 @@ public:
       skipping_ = false;
     }
     if (!havePoints)
-      in_.fail("has no points", "the file is damaged or cut off; export it again");
+      in_.fail("has no points", kCut);
     for (const std::uint32_t node : mesh_.nodes)
       if (node >= mesh_.points.size())
         in_.fail("an element uses point " + std::to_string(std::uint64_t(node) + 1) + " of " +
@@ -104,7 +102,7 @@ private:
     for (std::size_t i = 0; i < n; ++i) {
       const double x = in_.real(), y = in_.real(), z = in_.real();
       mesh_.points.push_back({x, y, z});
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
   }
@@ -131,7 +129,7 @@ private:
       }
       mesh_.regions.push_back(static_cast<std::int32_t>(material));
       appendCells(mesh_, *kind);
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
   }
@@ -139,7 +137,7 @@ private:
   void skipLines(const CellKind& kind, std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
       if (in_.atEnd() || isLetter(in_.peekWord()[0]))
-        in_.fail("fewer elements than declared", "the file is damaged or cut off; export it again");
+        in_.fail("fewer elements than declared", kCut);
       in_.line();
     }
     mesh_.regions.insert(mesh_.regions.end(), n, 0);

@@ -4,6 +4,8 @@
 // backslash before a line break continues it.
 #include "tetvdb/io/formats/obj/ObjReader.h"
 
+#include "tetvdb/core/Constants.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/FaceCollector.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -13,15 +15,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
-
-bool isLineBreak(char c) {
-  return c == '\n' || c == '\r';
-}
-bool isSpace(char c) {
-  return static_cast<unsigned char>(c) <= ' ';
-}
 
 class ObjText {
 public:
@@ -33,7 +26,7 @@ public:
     if (source_.bytes.substr(0, 3) == "\xef\xbb\xbf") // a byte order mark
       at_ += 3;
     for (std::size_t lines = 0; at_ != end_; ++lines) {
-      if (lines % kPerUpdate == 0) {
+      if (lines % kItemsPerUpdate == 0) {
         source_.release();
         progress_.update(static_cast<double>(at_ - source_.bytes.data()) /
                          static_cast<double>(source_.bytes.size()));
@@ -45,9 +38,9 @@ public:
 
 private:
   void readLine() {
-    while (at_ != end_ && isSpace(*at_))
+    while (at_ != end_ && isBlank(*at_))
       ++at_;
-    if (end_ - at_ > 1 && (isSpace(at_[1]) || at_[1] == '\\')) {
+    if (end_ - at_ > 1 && (isBlank(at_[1]) || at_[1] == '\\')) {
       if (*at_ == 'v') {
         ++at_;
         readPoint();
@@ -74,7 +67,7 @@ private:
   /// Skips a backslash and the following line break.
   bool skipContinuation() {
     const char* next = at_ + 1;
-    while (next != end_ && isSpace(*next) && !isLineBreak(*next))
+    while (next != end_ && isBlank(*next) && !isLineBreak(*next))
       ++next;
     if (next != end_ && !isLineBreak(*next))
       return false;
@@ -90,13 +83,13 @@ private:
         continue;
       if (isLineBreak(*at_) || *at_ == '#')
         return false;
-      if (!isSpace(*at_))
+      if (!isBlank(*at_))
         return true;
       ++at_;
     }
     return false;
   }
-  bool atWordEnd() const { return at_ == end_ || isSpace(*at_) || *at_ == '\\'; }
+  bool atWordEnd() const { return at_ == end_ || isBlank(*at_) || *at_ == '\\'; }
 
   void readPoint() {
     Vec3d p{};
@@ -107,7 +100,7 @@ private:
   }
   bool readReal(double& value) {
     const auto [stop, error] = std::from_chars(at_, end_, value);
-    if (error == std::errc() && (stop == end_ || isSpace(*stop) || *stop == '\\')) {
+    if (error == std::errc() && (stop == end_ || isBlank(*stop) || *stop == '\\')) {
       at_ = stop;
       return true;
     }

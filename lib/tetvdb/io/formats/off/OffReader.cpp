@@ -4,6 +4,7 @@
 // files.
 #include "tetvdb/io/formats/off/OffReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/FaceCollector.h"
 #include "tetvdb/io/text/ByteReader.h"
@@ -15,18 +16,15 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
-constexpr std::uint32_t kNone = FaceCollector::kNone;
-
-struct Keyword {
+struct OffKeyword {
   std::size_t length = 0; ///< 0: none
   std::size_t width = 3;  ///< numbers per vertex
   bool fourD = false, manyD = false;
 };
 
 /// [ST][C][N][4][n]OFF, in any case; counts may follow directly.
-Keyword parseKeyword(std::string_view text) {
-  Keyword keyword;
+OffKeyword parseKeyword(std::string_view text) {
+  OffKeyword keyword;
   std::size_t at = 0;
   const auto skip = [&](std::string_view upper) {
     for (std::size_t k = 0; k < upper.size(); ++k) {
@@ -137,9 +135,10 @@ private:
   std::uint32_t index() {
     std::int64_t value = 0;
     if (in_.tryInteger(value) && in_.atWordEnd())
-      return value < 0 || value >= kNone ? kNone : static_cast<std::uint32_t>(value);
+      return value < 0 || value >= FaceCollector::kNone ? FaceCollector::kNone
+                                                        : static_cast<std::uint32_t>(value);
     in_.word();
-    return kNone;
+    return FaceCollector::kNone;
   }
 
   void readPoints(std::size_t n) {
@@ -157,7 +156,7 @@ private:
       else
         for (std::size_t k = 3; k < width_; ++k)
           number();
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
   }
@@ -185,7 +184,7 @@ private:
       faces_.addPolygon(corners_.data(), corners_.size());
       if (lines_)
         in_.line(); // colours
-      if (i % kPerUpdate == 0)
+      if (i % kItemsPerUpdate == 0)
         update();
     }
   }
@@ -226,7 +225,7 @@ TriangleMesh readOffBinary(const Source& source, std::size_t begin, std::size_t 
   }
   std::vector<std::uint32_t> corners;
   for (std::int32_t i = 0; i < faces; ++i) {
-    if (i % static_cast<std::int32_t>(kPerUpdate) == 0) {
+    if (i % static_cast<std::int32_t>(kItemsPerUpdate) == 0) {
       source.release();
       progress.update(static_cast<double>(in.position()) /
                       static_cast<double>(source.bytes.size()));
@@ -256,7 +255,7 @@ TriangleMesh readOff(const Source& source, Report& report, Progress& progress) {
   if (source.bytes.substr(0, 3) == "\xef\xbb\xbf")
     in.seek(3);
   in.skipSpace();
-  const Keyword keyword = parseKeyword(source.bytes.substr(in.position()));
+  const OffKeyword keyword = parseKeyword(source.bytes.substr(in.position()));
   if (keyword.fourD || keyword.manyD)
     in.fail("it is of four or more dimensions", "export it with three");
   const std::size_t begin = in.position() + keyword.length; // the keyword may be missing

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/ply/PlyHeader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
@@ -29,7 +30,7 @@ public:
     bool hasFormat = false;
     for (;;) {
       if (at_ >= source_.bytes.size())
-        fail("the header has no end_header", "the file is damaged or cut off; export it again");
+        fail("the header has no end_header", kCut);
       const std::string_view line = nextLine();
       NumberParser words(line, source_.path);
       const std::string_view keyword = words.word();

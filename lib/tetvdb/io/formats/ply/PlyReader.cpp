@@ -3,6 +3,7 @@
 // Format: G. Turk, "The PLY Polygon File Format" (1994).
 #include "tetvdb/io/formats/ply/PlyReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/FaceCollector.h"
 #include "tetvdb/io/formats/ply/PlyHeader.h"
@@ -16,12 +17,11 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
-constexpr std::uint32_t kNone = FaceCollector::kNone;
 constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
 
 std::uint32_t toIndex(double value) {
-  return value >= 0 && value < kNone ? static_cast<std::uint32_t>(value) : kNone;
+  return value >= 0 && value < FaceCollector::kNone ? static_cast<std::uint32_t>(value)
+                                                    : FaceCollector::kNone;
 }
 
 /// Rows of numbers in text, one element per line. Further content of a line is skipped, unless the
@@ -157,7 +157,7 @@ private:
     if (kind_ == Kind::Vertex)
       faces_.reserve(std::min<std::uint64_t>(element.count, rows_.remaining() / 3), 0);
     for (std::uint64_t i = 0; i < element.count; ++i) {
-      if (i % kPerUpdate == 0) {
+      if (i % kItemsPerUpdate == 0) {
         source_.release();
         progress_.update(rows_.fraction());
       }

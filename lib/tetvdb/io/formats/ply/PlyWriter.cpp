@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/ply/PlyWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 
 #include <algorithm>
@@ -9,11 +10,7 @@
 #include <cstring>
 
 namespace tetvdb {
-namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 17;
-
-} // namespace
+namespace {} // namespace
 
 void writePly(const std::string& path, const TriangleMesh& mesh, Progress& progress) {
   const std::size_t points = mesh.points.size(), faces = mesh.triangleCount();
@@ -31,8 +28,8 @@ void writePly(const std::string& path, const TriangleMesh& mesh, Progress& progr
                              std::to_string(faces) + "\nproperty list uchar " + index +
                              " vertex_indices\nend_header\n";
   file.write(header.data(), header.size());
-  for (std::size_t done = 0; done < points; done += kPerUpdate) {
-    const std::size_t n = std::min(kPerUpdate, points - done);
+  for (std::size_t done = 0; done < points; done += kItemsPerUpdate) {
+    const std::size_t n = std::min(kItemsPerUpdate, points - done);
     file.write(mesh.points.data() + done, n * sizeof(Vec3d));
     progress.update(static_cast<double>(done) / static_cast<double>(points + faces));
   }
@@ -40,7 +37,7 @@ void writePly(const std::string& path, const TriangleMesh& mesh, Progress& progr
     char row[13] = {3};
     std::memcpy(row + 1, mesh.triangles.data() + 3 * t, 12);
     file.write(row, sizeof row);
-    if (t % kPerUpdate == 0)
+    if (t % kItemsPerUpdate == 0)
       progress.update(static_cast<double>(points + t) / static_cast<double>(points + faces));
   }
   file.commit();

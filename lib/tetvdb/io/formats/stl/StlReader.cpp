@@ -4,8 +4,11 @@
 // of 80 bytes, a count, and 50 bytes per facet: normal, three corners, two bytes of attributes.
 #include "tetvdb/io/formats/stl/StlReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/FaceCollector.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -18,7 +21,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kHead = 84, kFacet = 50;
-constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
 constexpr std::size_t kLook = 4096; // bytes tested for text
 constexpr bool kBigEndian = false;  // numbers are stored least byte first
 constexpr std::size_t kMaxFacets = (UINT32_MAX - 1) / 3;
@@ -27,10 +29,6 @@ void checkFacetCount(std::size_t n, const std::string& path) {
   if (n > kMaxFacets)
     throw Error(Status::Limit, path, "more facets than 32-bit point numbers reach",
                 "split it into several files");
-}
-
-bool isLineBreak(char c) {
-  return c == '\n' || c == '\r';
 }
 
 bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
@@ -98,8 +96,7 @@ std::size_t binaryFacetCount(const Source& source, Report& report) {
 TriangleMesh readBinary(const Source& source, Report& report, Progress& progress) {
   if (source.bytes.size() < kHead)
     throw Error(Status::Invalid, source.path,
-                "neither a text nor a whole header of a binary STL file",
-                "the file is damaged or cut off; export it again");
+                "neither a text nor a whole header of a binary STL file", kCut);
   const std::size_t n = binaryFacetCount(source, report);
   checkFacetCount(n, source.path);
   TriangleMesh mesh;
@@ -107,7 +104,7 @@ TriangleMesh readBinary(const Source& source, Report& report, Progress& progress
   Vec3d* to = mesh.points.data();
   const char* from = source.bytes.data() + kHead + 12; // behind the normal
   for (std::size_t done = 0; done < n;) {
-    for (const std::size_t end = std::min(n, done + kPerUpdate); done < end; ++done) {
+    for (const std::size_t end = std::min(n, done + kItemsPerUpdate); done < end; ++done) {
       std::array<float, 9> corners;
       std::memcpy(corners.data(), from, sizeof corners);
       from += kFacet;
@@ -145,7 +142,7 @@ public:
 
   TriangleMesh read() {
     for (std::size_t words = 0; !in_.atEnd(); ++words) {
-      if (words % kPerUpdate == 0) {
+      if (words % kItemsPerUpdate == 0) {
         source_.release();
         progress_.update(static_cast<double>(in_.position()) /
                          static_cast<double>(source_.bytes.size()));

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/stl/StlWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
 
@@ -14,8 +15,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 17;
 
 float toFloat(double x) {
   constexpr double largest = std::numeric_limits<float>::max();
@@ -62,7 +61,7 @@ void writeStl(const std::string& path, const TriangleMesh& mesh, Progress& progr
     std::array<char, 50> facet{}; // the last two bytes are attributes that nobody uses
     std::memcpy(facet.data(), numbers.data(), sizeof numbers);
     file.write(facet.data(), facet.size());
-    if (t % kPerUpdate == 0)
+    if (t % kItemsPerUpdate == 0)
       progress.update(static_cast<double>(t) / static_cast<double>(n));
   }
   file.commit();

@@ -3,6 +3,7 @@
 // Format: TetGen user's manual, "File formats".
 #include "tetvdb/io/formats/tetgen/TetGenReader.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/NodeOrder.h"
 #include "tetvdb/io/text/NumberParser.h"
@@ -12,7 +13,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 18;
 constexpr CellKind kTetra{"tetra", CellType::Tetra, 4, 4};
 constexpr CellKind kTetra10{"tetra10", CellType::Tetra, 4, 10, 10};
 
@@ -65,7 +65,7 @@ Nodes readNodes(const Source& source, CellMesh& mesh, Progress& progress) {
       values.push_back(in.value());
     if (markers > 0)
       in.value(); // an integer in the format; meshio writes an array here
-    if (i % kPerUpdate == 0)
+    if (i % kItemsPerUpdate == 0)
       progress.update(0.5 * static_cast<double>(i) / static_cast<double>(n));
   }
   nodes.ids.finish();
@@ -132,7 +132,7 @@ CellMesh readTetGenPair(const Source& nodeFile, const Source& eleFile, const Rea
     }
     for (std::vector<double>& values : columns)
       values.push_back(in.value());
-    if (i % kPerUpdate == 0)
+    if (i % kItemsPerUpdate == 0)
       progress.update(0.5 + 0.5 * static_cast<double>(i) / static_cast<double>(n));
   }
   appendCells(mesh, kind, n);

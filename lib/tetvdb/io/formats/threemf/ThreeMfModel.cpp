@@ -3,6 +3,7 @@
 // Format: 3MF Consortium, "3D Manufacturing Format Core Specification" and "Production Extension".
 #include "tetvdb/io/formats/threemf/ThreeMfModel.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/io/text/XmlScanner.h"
 
@@ -11,8 +12,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kPerUpdate = std::size_t(1) << 16;
 
 /// Text of an attribute, whose five named entities represent characters.
 std::string unescaped(std::string_view text) {
@@ -41,7 +40,7 @@ public:
   ThreeMfModel parse() {
     bool isModel = false;
     for (std::size_t tags = 0; in_.next(); ++tags) {
-      if (tags % kPerUpdate == 0)
+      if (tags % kItemsPerUpdate == 0)
         progress_.update(static_cast<double>(in_.position()) / static_cast<double>(text_.size()));
       if (!in_.begins())
         continue;

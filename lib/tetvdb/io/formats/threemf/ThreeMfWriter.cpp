@@ -5,6 +5,7 @@
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/text/XmlText.h"
 #include "tetvdb/io/text/ZipWriter.h"
@@ -18,7 +19,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kPerUpdate = std::size_t(1) << 14;
 constexpr std::size_t kMaxOfAKind = std::size_t(INT32_MAX); // readers count with int
 
 constexpr std::string_view kTypes =
@@ -160,7 +160,7 @@ private:
   }
 
   void update() {
-    if (done_++ % kPerUpdate != 0)
+    if (done_++ % kItemsPerUpdate != 0)
       return;
     xml_.flush();
     progress_.update(static_cast<double>(done_) / static_cast<double>(total_));

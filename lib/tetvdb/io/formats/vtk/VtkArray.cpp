@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 
 #include <atomic>
@@ -233,7 +234,7 @@ std::vector<Vec3d> toPoints(const Array& array) {
   if (bad.load() < points.size())
     throw Error(Status::Invalid, array.where,
                 "point " + std::to_string(bad.load()) + " has a coordinate that is not finite",
-                "repair the file or export it again");
+                kExport);
   return points;
 }
 

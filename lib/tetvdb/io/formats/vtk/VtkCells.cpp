@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/mesh/CurvedShape.h"
 
 #include <algorithm>
@@ -16,12 +17,12 @@
 namespace tetvdb::vtk {
 namespace {
 
-using Kinds = std::array<CellKind, 256>;
+using Kinds = std::array<CellProperties, 256>;
 
 // The numbers are those of vtkCellType.h.
 Kinds makeKinds() {
   Kinds kinds;
-  for (CellKind& kind : kinds)
+  for (CellProperties& kind : kinds)
     kind.name = "unknown";
   const auto flat = [&](int type, const char* name) {
     kinds[std::size_t(type)] = {CellType::Flat, 0, 0, name};
@@ -108,7 +109,7 @@ private:
 
   [[noreturn]] void fail(std::size_t cell, const std::string& what) const {
     throw Error(Status::Invalid, cells_.where, "cell " + std::to_string(cell) + " " + what,
-                "repair the file or export it again");
+                kExport);
   }
   std::uint64_t begin(std::size_t cell) const { return cell == 0 ? 0 : cells_.ends[cell - 1]; }
   std::string type(std::size_t cell) const {
@@ -177,7 +178,7 @@ private:
                    (wide ? std::string("a point out of range") : "point " + std::to_string(node)) +
                    ", but there are " + std::to_string(points_) + " points, numbered from 0");
   }
-  void checkSizes(const CellKind& kind, std::size_t beginCell, std::size_t endCell) const {
+  void checkSizes(const CellProperties& kind, std::size_t beginCell, std::size_t endCell) const {
     const std::uint64_t nodes = kind.nodes != 0 ? kind.nodes : kind.corners;
     const bool exact = kind.nodes != 0;
     const std::uint64_t* ends = cells_.ends.data();
@@ -201,7 +202,7 @@ private:
     if (n == 0)
       return true;
     const std::uint8_t type = cells_.types[0];
-    const CellKind& kind = cellKind(type);
+    const CellProperties& kind = cellKind(type);
     if (!mesh_.nodes.empty() || kind.corners == 0 || kind.corners != kind.nodes ||
         cells_.ends.back() != n * kind.corners)
       return false;
@@ -216,7 +217,7 @@ private:
     return true;
   }
 
-  void append(const CellKind& kind, std::size_t beginCell, std::size_t endCell) {
+  void append(const CellProperties& kind, std::size_t beginCell, std::size_t endCell) {
     if (kind.type == CellType::Polyhedron)
       return appendPolyhedra(kind, beginCell, endCell);
     checkNodes(beginCell, endCell);
@@ -280,7 +281,7 @@ private:
   static bool isPolygon(std::uint8_t type) {
     return cornersOf(type) != 0 || type == kStrip || type == kPolygon || type == kQuadraticPolygon;
   }
-  void appendPolygons(const CellKind& kind, std::size_t beginCell, std::size_t endCell) {
+  void appendPolygons(const CellProperties& kind, std::size_t beginCell, std::size_t endCell) {
     const std::uint8_t type = cells_.types[beginCell];
     for (std::size_t cell = beginCell; cell < endCell; ++cell) {
       const std::uint32_t* nodes = cells_.connectivity.data() + begin(cell);
@@ -299,12 +300,12 @@ private:
       }
     }
   }
-  void addPolygon(const CellKind& kind, std::initializer_list<std::uint32_t> corners) {
+  void addPolygon(const CellProperties& kind, std::initializer_list<std::uint32_t> corners) {
     mesh_.nodes.insert(mesh_.nodes.end(), corners);
     addRun(kind, static_cast<std::uint32_t>(corners.size()), 1, false);
   }
 
-  void appendPolyhedra(const CellKind& kind, std::size_t beginCell, std::size_t endCell) {
+  void appendPolyhedra(const CellProperties& kind, std::size_t beginCell, std::size_t endCell) {
     const bool inlineFaces = cells_.facesInConnectivity;
     const auto& stream = inlineFaces ? cells_.connectivity : cells_.faces;
     if (!inlineFaces && cells_.faceEnds.size() != cells_.types.size())
@@ -334,7 +335,8 @@ private:
       fail(cell, type(cell) + " has a list of faces that does not fit its length");
   }
 
-  void addRun(const CellKind& kind, std::uint32_t nodesPerCell, std::size_t count, bool quadratic) {
+  void addRun(const CellProperties& kind, std::uint32_t nodesPerCell, std::size_t count,
+              bool quadratic) {
     if (lastKind_ == &kind && mesh_.runs.back().nodesPerCell == nodesPerCell &&
         mesh_.runs.back().quadratic == quadratic) {
       mesh_.runs.back().count += count;
@@ -350,7 +352,7 @@ private:
   bool faces_;
   std::size_t points_;
   std::uint64_t faceBegin_ = 0;
-  const CellKind* lastKind_ = nullptr;
+  const CellProperties* lastKind_ = nullptr;
   std::size_t runs_ = 0;
 };
 
@@ -428,7 +430,7 @@ void appendAttributes(CellMesh& whole, CellMesh& piece, Report& report) {
 
 } // namespace
 
-const CellKind& cellKind(std::uint8_t type) {
+const CellProperties& cellKind(std::uint8_t type) {
   static const Kinds kinds = makeKinds();
   return kinds[type];
 }

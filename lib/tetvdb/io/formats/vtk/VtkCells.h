@@ -16,7 +16,7 @@
 namespace tetvdb::vtk {
 
 /// Properties of a VTK cell type.
-struct CellKind {
+struct CellProperties {
   CellType type = CellType::OtherSolid;
   std::uint8_t corners = 0; ///< nodes that are kept; 0: none
   std::uint8_t nodes = 0;   ///< nodes of each cell in a file; 0: any number from `corners` on
@@ -24,7 +24,7 @@ struct CellKind {
 };
 
 /// The kind of VTK cell type `type`; types that VTK does not have are OtherSolid, "unknown".
-const CellKind& cellKind(std::uint8_t type);
+const CellProperties& cellKind(std::uint8_t type);
 
 /// Cells as stored in VTK's files.
 struct Cells {

@@ -6,6 +6,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/IsolatedRead.h"
 
@@ -18,7 +19,6 @@
 namespace tetvdb {
 namespace {
 
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 const std::string kRoot = "/VTKHDF";
 
 /// The kinds of cells of a PolyData file in VTK's order, and the types of their cells.
@@ -223,7 +223,7 @@ private:
               mesh.points[i][k] = static_cast<double>(all[3 * i + k]);
             if (!isFinite(mesh.points[i]))
               fail("a coordinate of point " + std::to_string(begin + i) + " is not finite",
-                   "repair the file or export it again");
+                   kExport);
           }
         },
         values);

@@ -6,6 +6,7 @@
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -20,9 +21,6 @@ namespace tetvdb {
 namespace {
 
 using namespace vtk;
-
-constexpr const char* kExport = "repair the file or export it again";
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 /// A keyword; longer words are not keywords.
 std::string lower(std::string_view word) {
@@ -369,7 +367,7 @@ private:
   bool isTypeOfAll(std::size_t n) {
     if (binary_ || !seenCells_ || n > 255 || n == cells_.ends.size() || !in_.atEnd())
       return false;
-    const CellKind& kind = cellKind(static_cast<std::uint8_t>(n));
+    const CellProperties& kind = cellKind(static_cast<std::uint8_t>(n));
     return kind.nodes != 0 && cells_.connectivity.size() == kind.nodes * cells_.ends.size();
   }
 

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/vtk/VtuData.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 
 #include <algorithm>
@@ -20,8 +21,7 @@ namespace tetvdb::vtk {
 namespace {
 
 [[noreturn]] void fail(const std::string& path, std::size_t at, const std::string& what) {
-  throw Error(Status::Invalid, path + " at byte " + std::to_string(at), what,
-              "the file is damaged or cut off; export it again");
+  throw Error(Status::Invalid, path + " at byte " + std::to_string(at), what, kCut);
 }
 
 constexpr std::uint8_t kNoDigit = 0x80;

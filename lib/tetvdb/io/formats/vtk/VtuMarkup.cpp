@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
@@ -52,8 +53,7 @@ public:
   std::size_t appendedBegin = 0; ///< after the tag <AppendedData ...>; 0: there is none
 
   [[noreturn]] void fail(std::size_t at, const std::string& what) const {
-    throw Error(Status::Invalid, path_ + " at byte " + std::to_string(at), what,
-                "repair the file or export it again");
+    throw Error(Status::Invalid, path_ + " at byte " + std::to_string(at), what, kExport);
   }
 
 private:

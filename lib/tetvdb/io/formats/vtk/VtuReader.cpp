@@ -6,6 +6,7 @@
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 #include <cstring>
@@ -19,12 +20,6 @@ namespace {
 using namespace vtk;
 
 constexpr std::uint32_t kBigEndianMark = 0x01020304u;
-
-bool machineIsBigEndian() {
-  char first;
-  std::memcpy(&first, &kBigEndianMark, 1);
-  return first == 1;
-}
 
 class VtuFile {
 public:
@@ -64,7 +59,7 @@ public:
 
 private:
   [[noreturn]] void fail(const std::string& where, const std::string& what,
-                         const char* advice = "repair the file or export it again") const {
+                         const char* advice = kExport) const {
     throw Error(Status::Invalid, where, what, advice);
   }
   /// "file", with the piece if there are several.
@@ -98,7 +93,7 @@ private:
     const std::string_view order = root.attribute("byte_order").value();
     if (!order.empty() && order != "LittleEndian" && order != "BigEndian")
       fail(source_.path, "byte_order is neither LittleEndian nor BigEndian");
-    encoding_.swap = (order == "BigEndian") != machineIsBigEndian();
+    encoding_.swap = order == "BigEndian"; // of little-endian machines
   }
 
   std::size_t count(pugi::xml_node node, const char* name) const {
@@ -121,8 +116,7 @@ private:
 
   std::size_t product(std::size_t a, std::size_t b) const {
     if (b != 0 && a > std::numeric_limits<std::size_t>::max() / 16 / b)
-      fail(where(), "more numbers are declared than the file holds",
-           "the file is damaged or cut off; export it again");
+      fail(where(), "more numbers are declared than the file holds", kCut);
     return a * b;
   }
 
@@ -144,8 +138,7 @@ private:
       const std::size_t offset = count(node, "offset");
       from = markup_.appended();
       if (offset > from.bytes.size() || (numbers > 0 && offset == from.bytes.size()))
-        fail(where(), "the array '" + name + "' begins beyond the appended data",
-             "the file is damaged or cut off; export it again");
+        fail(where(), "the array '" + name + "' begins beyond the appended data", kCut);
       from.begin += offset;
       from.bytes.remove_prefix(offset);
     } else {

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,8 +14,6 @@ namespace tetvdb {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kCut = "the file is damaged or cut off; export it again";
 
 } // namespace
 

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -15,13 +16,6 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxDimensions = 8;
-
-bool machineIsBigEndian() {
-  const std::uint32_t mark = 0x01020304u;
-  char first;
-  std::memcpy(&first, &mark, 1);
-  return first == 1;
-}
 
 /// NumberType (version 2 also DataType) and Precision; none if unknown.
 std::optional<vtk::Number> numberType(pugi::xml_node item) {
@@ -242,11 +236,10 @@ Attribute::Values XdmfData::fromBinary(const Item& item) {
   const std::uint64_t bytes = vtk::bytesFor(*type, numbers);
   if (begin > file->bytes().size() || bytes > file->bytes().size() - begin)
     fail(node, std::to_string(numbers) + " numbers are declared, more than '" + path + "' holds",
-         "the file is damaged or cut off; export it again");
+         kCut);
   vtk::Array array;
   array.type = *type;
-  array.swap = (sameWord(endian, "Big") && !machineIsBigEndian()) ||
-               (sameWord(endian, "Little") && machineIsBigEndian());
+  array.swap = sameWord(endian, "Big"); // of little-endian machines
   array.data = file->bytes().data() + begin;
   array.count = numbers;
   array.where = path + " at byte " + std::to_string(begin);

@@ -13,6 +13,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/mesh/Attribute.h"
 
@@ -51,7 +52,7 @@ private:
   };
 
   [[noreturn]] void fail(pugi::xml_node item, const std::string& what,
-                         const char* advice = "repair the file or export it again") const;
+                         const char* advice = kExport) const;
   Item resolve(pugi::xml_node item) const;
   std::vector<std::uint64_t> wholeNumbers(pugi::xml_node item, const std::string& text) const;
   std::vector<std::uint64_t> dimensions(pugi::xml_node item) const;

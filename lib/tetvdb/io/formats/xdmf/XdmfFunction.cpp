@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfFunction.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <cstdint>
 #include <cstdlib>
@@ -24,7 +25,7 @@ bool isOneOf(std::string_view word, std::initializer_list<std::string_view> word
 }
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
-  throw Error(Status::Invalid, where, what, "repair the file or export it again");
+  throw Error(Status::Invalid, where, what, kExport);
 }
 
 std::vector<std::uint64_t> indicesOf(const Attribute::Values& values, std::size_t limit,

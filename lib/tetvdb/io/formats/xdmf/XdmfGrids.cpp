@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <filesystem>
@@ -108,7 +109,7 @@ void XdmfGrids::uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi:
 }
 
 void XdmfGrids::fail(pugi::xml_node grid, const std::string& what) const {
-  throw Error(Status::Invalid, markup_.where(grid), what, "repair the file or export it again");
+  throw Error(Status::Invalid, markup_.where(grid), what, kExport);
 }
 
 std::vector<std::string> xdmfFiles(const Source& source) {

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 
@@ -35,8 +36,7 @@ XdmfMarkup::XdmfMarkup(const Source& source) : path_(source.path) {
   if (!parsed)
     throw Error(Status::Invalid,
                 path_ + " at byte " + std::to_string(std::max<std::ptrdiff_t>(parsed.offset, 0)),
-                std::string("the XML is not well-formed: ") + parsed.description(),
-                "the file is damaged or cut off; export it again");
+                std::string("the XML is not well-formed: ") + parsed.description(), kCut);
   const pugi::xml_node root = document_.child("Xdmf");
   domain_ = root.child("Domain");
   if (!root || !domain_)
@@ -52,7 +52,7 @@ std::string XdmfMarkup::where(pugi::xml_node element) const {
 }
 
 void XdmfMarkup::fail(pugi::xml_node element, const std::string& what) const {
-  throw Error(Status::Invalid, where(element), what, "repair the file or export it again");
+  throw Error(Status::Invalid, where(element), what, kExport);
 }
 
 std::vector<pugi::xml_node> XdmfMarkup::select(pugi::xml_node from, std::string_view path) const {

@@ -9,6 +9,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfFunction.h"
 #include "tetvdb/io/formats/xdmf/XdmfGrids.h"
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ public:
 
 private:
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what,
-                         const char* advice = "repair the file or export it again") const {
+                         const char* advice = kExport) const {
     throw Error(Status::Invalid, markup_.where(node), what, advice);
   }
 

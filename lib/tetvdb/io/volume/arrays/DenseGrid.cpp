@@ -13,7 +13,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::int32_t kLeaf = 8;
+constexpr std::int32_t kLeafSide = 8;
 
 // How a voxel's value is stored in an array.
 template <typename Value>
@@ -49,13 +49,13 @@ constexpr ElementType elementType() {
 }
 
 std::int32_t leafOrigin(std::int32_t voxel) {
-  return voxel & ~(kLeaf - 1);
+  return voxel & ~(kLeafSide - 1);
 }
 
 // First voxels of the leaf nodes that low to high pass through.
 std::size_t leavesAlong(std::int32_t low, std::int32_t high) {
   return static_cast<std::size_t>((static_cast<std::int64_t>(leafOrigin(high)) - leafOrigin(low)) /
-                                  kLeaf) +
+                                  kLeafSide) +
          1;
 }
 
@@ -184,20 +184,21 @@ private:
   void fillRow(const Slab& slab, std::int32_t row, Accessor& accessor) const {
     const auto [slow, midpoint, fast] = slab.order;
     VoxelBox part = slab.box;
-    const std::int32_t start = leafOrigin(slab.box.low[midpoint]) + row * kLeaf;
+    const std::int32_t start = leafOrigin(slab.box.low[midpoint]) + row * kLeafSide;
     part.low[midpoint] = std::max(start, slab.box.low[midpoint]);
-    part.high[midpoint] = std::min(start + kLeaf - 1, slab.box.high[midpoint]);
+    part.high[midpoint] = std::min(start + kLeafSide - 1, slab.box.high[midpoint]);
     const std::size_t along = leavesAlong(slab.box.low[fast], slab.box.high[fast]);
     const std::size_t across = leavesAlong(slab.box.low[slow], slab.box.high[slow]);
     for (std::size_t i = 0; i < across; ++i) {
-      const std::int32_t s = leafOrigin(slab.box.low[slow]) + static_cast<std::int32_t>(i) * kLeaf;
+      const std::int32_t s =
+          leafOrigin(slab.box.low[slow]) + static_cast<std::int32_t>(i) * kLeafSide;
       part.low[slow] = std::max(s, slab.box.low[slow]);
-      part.high[slow] = std::min(s + kLeaf - 1, slab.box.high[slow]);
+      part.high[slow] = std::min(s + kLeafSide - 1, slab.box.high[slow]);
       for (std::size_t j = 0; j < along; ++j) {
         const std::int32_t f =
-            leafOrigin(slab.box.low[fast]) + static_cast<std::int32_t>(j) * kLeaf;
+            leafOrigin(slab.box.low[fast]) + static_cast<std::int32_t>(j) * kLeafSide;
         part.low[fast] = std::max(f, slab.box.low[fast]);
-        part.high[fast] = std::min(f + kLeaf - 1, slab.box.high[fast]);
+        part.high[fast] = std::min(f + kLeafSide - 1, slab.box.high[fast]);
         fillPart(slab, part, accessor);
       }
     }
@@ -212,7 +213,7 @@ private:
     for (std::size_t axis = 0; axis < 3; ++axis)
       corner += slab.step[axis] * static_cast<std::size_t>(part.low[axis] - slab.box.low[axis]);
     const Leaf* leaf = accessor.probeConstLeaf(first);
-    constexpr openvdb::Index kSteps[3] = {kLeaf * kLeaf, kLeaf, 1};
+    constexpr openvdb::Index kSteps[3] = {kLeafSide * kLeafSide, kLeafSide, 1};
     const openvdb::Index start = leaf == nullptr ? 0 : Leaf::coordToOffset(first);
     const Value tile = leaf == nullptr ? accessor.getValue(first) : Value();
     for (std::uint64_t s = 0; s < part.size(slow); ++s)
@@ -233,8 +234,8 @@ private:
 
   void activeOfRow(std::int32_t x, std::int32_t row, bool wantsVoxels, bool wantsValues,
                    Accessor& accessor, Row& out) const {
-    const std::int32_t start = leafOrigin(box_.low[1]) + row * kLeaf;
-    const std::int32_t last = std::min(start + kLeaf - 1, box_.high[1]);
+    const std::int32_t start = leafOrigin(box_.low[1]) + row * kLeafSide;
+    const std::int32_t last = std::min(start + kLeafSide - 1, box_.high[1]);
     char value[kBytes];
     const auto add = [&](std::int32_t y, std::int32_t z, const Value& v) {
       if (wantsVoxels)
@@ -247,9 +248,9 @@ private:
     const std::size_t along = leavesAlong(box_.low[2], box_.high[2]);
     for (std::int32_t y = std::max(start, box_.low[1]); y <= last; ++y)
       for (std::size_t j = 0; j < along; ++j) {
-        const std::int32_t z = leafOrigin(box_.low[2]) + static_cast<std::int32_t>(j) * kLeaf;
+        const std::int32_t z = leafOrigin(box_.low[2]) + static_cast<std::int32_t>(j) * kLeafSide;
         const std::int32_t from = std::max(z, box_.low[2]);
-        const std::int32_t to = std::min(z + kLeaf - 1, box_.high[2]);
+        const std::int32_t to = std::min(z + kLeafSide - 1, box_.high[2]);
         const openvdb::Coord first(x, y, from);
         if (const Leaf* leaf = accessor.probeConstLeaf(first)) {
           const openvdb::Index offset = Leaf::coordToOffset(first);

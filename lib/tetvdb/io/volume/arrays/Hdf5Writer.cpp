@@ -28,9 +28,9 @@ hid_t typeOf(ElementType element) {
   return -1;
 }
 
-class Writer {
+class Hdf5ArrayFile {
 public:
-  Writer(const ArrayContent& content, Progress& progress)
+  Hdf5ArrayFile(const ArrayContent& content, Progress& progress)
       : content_(content), stream_(content, progress), file_(content.path) {}
 
   void write() {
@@ -123,7 +123,7 @@ private:
 } // namespace
 
 void writeHdf5(const ArrayContent& content, Progress& progress) {
-  Writer(content, progress).write();
+  Hdf5ArrayFile(content, progress).write();
 }
 
 } // namespace tetvdb

@@ -9,9 +9,9 @@
 namespace tetvdb {
 namespace {
 
-class Writer {
+class NpzFile {
 public:
-  Writer(const ArrayContent& content, Progress& progress)
+  NpzFile(const ArrayContent& content, Progress& progress)
       : content_(content), file_(content.path), zip_(file_),
         stream_(content, progress, content.sparse ? 2 : 1) {}
 
@@ -85,7 +85,7 @@ private:
 } // namespace
 
 void writeNpz(const ArrayContent& content, Progress& progress) {
-  Writer(content, progress).write();
+  NpzFile(content, progress).write();
 }
 
 } // namespace tetvdb

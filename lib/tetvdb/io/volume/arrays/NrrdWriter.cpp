@@ -22,7 +22,7 @@ std::string unitText(const std::string& unit) {
   return "\"" + text + "\"";
 }
 
-std::string headerOf(const ArrayContent& content) {
+std::string nrrdHeader(const ArrayContent& content) {
   const DenseGrid& grid = *content.grids.front();
   const bool isVector = grid.components() > 1;
   const auto& m = content.transform;
@@ -56,7 +56,7 @@ std::string headerOf(const ArrayContent& content) {
 void writeNrrd(const ArrayContent& content, Progress& progress) {
   content.requireOneGrid("a .nrrd file");
   AtomicFile file(content.path);
-  const std::string header = headerOf(content);
+  const std::string header = nrrdHeader(content);
   file.write(header.data(), header.size());
   ArrayStream stream(content, progress);
   const DenseGrid& grid = *content.grids.front();

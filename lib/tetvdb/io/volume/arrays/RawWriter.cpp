@@ -21,7 +21,7 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-std::string headerOf(const ArrayContent& content) {
+std::string mhdHeader(const ArrayContent& content) {
   const VoxelBox& box = content.box;
   const auto& m = content.transform;
   const Vec3d h = content.voxelSize();
@@ -58,7 +58,7 @@ std::string headerOf(const ArrayContent& content) {
 void writeRaw(const ArrayContent& content, Progress& progress) {
   AtomicFile file(content.path);
   AtomicFile header(content.path + ".json");
-  const std::string text = headerOf(content);
+  const std::string text = mhdHeader(content);
   header.write(text.data(), text.size());
   ArrayStream stream(content, progress);
   for (const auto& grid : content.grids)

@@ -92,9 +92,9 @@ int sampleFormat(ElementType element) {
   return 1;
 }
 
-class Writer {
+class TiffFile {
 public:
-  Writer(const ArrayContent& content, Progress& progress)
+  TiffFile(const ArrayContent& content, Progress& progress)
       : content_(content), grid_(*content.grids.front()), progress_(progress), file_(content.path),
         pages_(content.box.size(2) * grid_.components()),
         pageBytes_(static_cast<std::size_t>(content.box.size(0) * content.box.size(1)) *
@@ -273,7 +273,7 @@ void writeTiff(const ArrayContent& content, Progress& progress) {
     if (content.box.size(axis) > 4294967295u)
       throw Error(Status::Limit, content.path, "a page is wider than TIFF allows",
                   "choose a part with `box`");
-  Writer(content, progress).write();
+  TiffFile(content, progress).write();
 }
 
 } // namespace tetvdb

@@ -58,9 +58,9 @@ private:
   std::size_t done_ = 0;
 };
 
-class Writer {
+class VtiFile {
 public:
-  Writer(const ArrayContent& content, Progress& progress)
+  VtiFile(const ArrayContent& content, Progress& progress)
       : content_(content), file_(content.path), stream_(content, progress) {}
 
   void write() {
@@ -147,7 +147,7 @@ private:
 } // namespace
 
 void writeVti(const ArrayContent& content, Progress& progress) {
-  Writer(content, progress).write();
+  VtiFile(content, progress).write();
 }
 
 } // namespace tetvdb

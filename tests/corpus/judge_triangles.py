@@ -43,7 +43,8 @@ PROGRAM = os.environ.get("TETVDB_PROGRAM", "tetvdb")
 JUDGE = os.environ.get("TETVDB_JUDGE", "winding_judge")
 THREADS = os.environ.get("TETVDB_JUDGE_THREADS", "1")  # of one call; files are judged side by side
 RESOLUTION = 64
-POINTS = 20000
+POINTS = 20000  # judged in a file; fewer, but 4000, where they and the faces are more than ANGLES
+ANGLES = 1.5e8
 UNDECIDED = 1e-4  # winding numbers this near to 0.5 are not judged
 ROUGH = 0.02  # the same where the program says that it only looked roughly (warning rough-winding)
 TOUCHING = 1e-5  # voxels: centres this near to a face are judged on the lattice
@@ -268,7 +269,7 @@ def undecided_within(report):
 def compare(values, accessor, space, cleaned, margin, facts, folder, seed):
     """Active states against winding numbers."""
     soup = space.of(cleaned)
-    points = choose_points(values, soup, POINTS, seed)
+    points = choose_points(values, soup, max(4000, min(POINTS, int(ANGLES / len(soup.triangles)))), seed)
     w = judge("winding", soup, points, folder)
     for i in range(0, len(points), max(1, len(points) // 3)):
         other = winding_by_arctangents(soup, points[i])

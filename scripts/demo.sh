@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/setup.sh --build
-cmake --preset release -DTETVDB_TESTS=OFF -DTETVDB_BENCH=OFF
+cmake --preset release -DCMAKE_UNITY_BUILD=ON -DTETVDB_TESTS=OFF -DTETVDB_BENCH=OFF
 cmake --build --preset release --target tetvdb_cli
 
 mkdir -p out

@@ -10,6 +10,6 @@ python=(-DTETVDB_PYTHON=OFF)
 if build/python-venv/bin/python -c 'import nanobind, pytest' 2>/dev/null; then
   python=(-DTETVDB_PYTHON=ON -DPython_EXECUTABLE="$PWD/build/python-venv/bin/python")
 fi
-cmake --preset release -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON "${python[@]}"
+cmake --preset release -DCMAKE_UNITY_BUILD=ON -DTETVDB_TESTS=ON -DTETVDB_BENCH=ON "${python[@]}"
 cmake --build --preset release
 ctest --preset release -j "$(nproc)" --no-tests=error "$@"

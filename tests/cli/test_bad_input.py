@@ -275,6 +275,32 @@ class Limits(CommandLineTest):
         self.refuse(4, "voxelize", "big.mesh", "-o", "out.nvdb", "--resolution", 3000, "--grid",
                     "tet_id", preexec_fn=limit(resource.RLIMIT_AS, 700 << 20))
 
+    @unittest.skipIf(SANITIZED, "sanitizers reserve address space")
+    def test_loading_without_room_for_threads(self):
+        """Libraries start threads before main(): there is no abort where they cannot."""
+        seen = set()
+        for megabytes in range(100, 700, 20):
+            result = self.run_program("--version",
+                                      preexec_fn=limit(resource.RLIMIT_AS, megabytes << 20))
+            self.assertIn(result.status, (0, 4, 127), f"{megabytes} MB: {result.err}")
+            if result.status == 4:
+                self.assertIn("threads cannot be started", result.err)
+            seen.add(result.status) # 127: the loader itself has no room
+        self.assertEqual(seen, {0, 4, 127})
+
+    def test_loading_without_threads(self):
+        def as_nobody():
+            if os.geteuid() == 0: # whom the limit does not hold for
+                os.setuid(65534)
+            limit(resource.RLIMIT_NPROC, 1)()
+        try:
+            result = self.run_program("--version", preexec_fn=as_nobody)
+        except PermissionError:
+            self.skipTest("the program cannot be read by others")
+        self.assertEqual(result.status, 4, result.err)
+        self.assertEqual(len(result.lines), 1, result.err)
+        self.assertIn("ulimit -u", result.err)
+
     def test_time(self):
         self.refuse(5, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 2000, "--grid",
                     "tet_id", "--max-time", "0.05", says="time limit")

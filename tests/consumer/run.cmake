@@ -16,7 +16,7 @@ must(${WORK}/prefix/bin/tetvdb --version)
 
 # The same object by the flags of pkg-config.
 set(ENV{PKG_CONFIG_PATH} ${WORK}/prefix/${LIBDIR}/pkgconfig)
-set(ENV{LD_LIBRARY_PATH} ${WORK}/prefix/${LIBDIR})
+set(ENV{LD_LIBRARY_PATH} ${WORK}/prefix/${LIBDIR}:$ENV{LD_LIBRARY_PATH})
 must(pkg-config --cflags tetvdb)
 must(sh -c "${CXX} build/CMakeFiles/consumer.dir/main.cpp.o $(pkg-config --libs tetvdb) -o by_pkg_config"
   WORKING_DIRECTORY ${WORK})

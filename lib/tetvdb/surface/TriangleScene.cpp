@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/TriangleScene.h"
 
+#include "tetvdb/core/Embree.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
-#include <embree3/rtcore.h>
 #include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -88,7 +88,7 @@ bool visitClosest(RTCPointQueryFunctionArguments* arguments) {
 }
 
 struct CrossingQuery {
-  RTCIntersectContext context; // first: Embree returns a pointer to it
+  RayContext context; // first: Embree returns a pointer to it
   std::vector<std::uint32_t>* triangles;
 };
 
@@ -149,7 +149,7 @@ void TriangleScene::Impl::build() {
   if (device == nullptr)
     fail(rtcGetDeviceError(nullptr));
   scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | kFilteredRays);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* points = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -245,8 +245,6 @@ void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, doubl
   thread_local std::vector<std::uint32_t> found;
   found.clear();
   CrossingQuery query;
-  rtcInitIntersectContext(&query.context);
-  query.context.filter = recordCrossing;
   query.triangles = &found;
   RTCRayHit ray{};
   ray.ray.org_x = static_cast<float>(start[0]);
@@ -258,7 +256,7 @@ void TriangleScene::crossings(const Vec3d& origin, const Vec3d& direction, doubl
   ray.ray.tfar = static_cast<float>((t1 - t0) * speed);
   ray.ray.mask = 0xFFFFFFFFu;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(impl_->scene, &query.context, &ray);
+  intersect(impl_->scene, ray, query.context, recordCrossing);
 
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());

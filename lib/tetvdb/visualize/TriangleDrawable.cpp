@@ -2,6 +2,7 @@
 #include "tetvdb/visualize/TriangleDrawable.h"
 
 #include "tetvdb/core/DiscardPages.h"
+#include "tetvdb/core/Embree.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/CornerNormals.h"
@@ -9,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <embree3/rtcore.h>
 #include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -47,7 +47,7 @@ Vec3d toDouble(const float* v) {
 
 // All faces that a ray meets.
 struct Crossings {
-  RTCIntersectContext context; // first, since Embree hands back a pointer to it
+  RayContext context; // first, since Embree hands back a pointer to it
   int faces = 0, balance = 0;
 
   // Refuses every hit, so that the ray goes on.
@@ -145,7 +145,7 @@ void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
   if (mesh.triangleCount() >= kCompactFrom)
     flags |= RTC_SCENE_FLAG_COMPACT;
   if (look.cut && look.closure != Closure::Open)
-    flags |= RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION; // Crossings counts by one
+    flags |= kFilteredRays; // Crossings counts by one
   rtcSetSceneFlags(scene, static_cast<RTCSceneFlags>(flags));
   rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -297,9 +297,7 @@ bool TriangleDrawable::Impl::isInside(const Ray& ray) const {
   local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   Crossings crossings;
-  rtcInitIntersectContext(&crossings.context);
-  crossings.context.filter = Crossings::count;
-  rtcIntersect1(scene, &crossings.context, &local);
+  intersect(scene, local, crossings.context, Crossings::count);
   return look.closure == Closure::Winding ? crossings.balance != 0 : crossings.faces % 2 != 0;
 }
 
@@ -319,9 +317,7 @@ bool TriangleDrawable::firstHit(const Ray& whole, RayHit& hit) const {
   }
   local.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   local.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(impl_->scene, &context, &local);
+  intersect(impl_->scene, local);
   if (local.hit.geomID == RTC_INVALID_GEOMETRY_ID)
     return false;
   hit.t = t0 + static_cast<double>(local.ray.tfar) / impl_->scale;
@@ -360,10 +356,7 @@ bool TriangleDrawable::blocks(const Ray& whole) const {
     return false;
   if (onCut && impl_->look.closure != Closure::Open && impl_->isInside(ray))
     return true;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->scene, &context, &local);
-  return local.tfar < 0;
+  return isOccluded(impl_->scene, local);
 }
 
 Box TriangleDrawable::bounds() const {

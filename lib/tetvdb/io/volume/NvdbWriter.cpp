@@ -155,8 +155,8 @@ void writeNvdb(const std::string& path, const Volume& volume, Progress& progress
                   "grid '" + name + "' of type " + grids[i]->valueType() + " has no NanoVDB form",
                   "write a .vdb file");
     progress.update((double(i) + 0.6) / double(grids.size()));
-    writeGrid(file, reinterpret_cast<const unsigned char*>(handle.data()), handle.size(), name,
-              progress);
+    writeGrid(file, reinterpret_cast<const unsigned char*>(handle.data()), handle.buffer().size(),
+              name, progress);
     progress.update(double(i + 1) / double(grids.size()));
   }
   file.commit();

@@ -151,6 +151,27 @@ class Streams(CommandLineTest):
         self.assertLess(types["mask"][2], 0.75 * types["bool"][2])
 
 
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_nanovdb(self):
+        options = ("ball.off", "--voxel-size", "1", "--grid", "mask,density")
+        self.succeed("voxelize", *options, "-o", "trees.nvdb")
+        peak = peak_of(self, "voxelize", *options, "-o", "out.nvdb", "--max-memory", "200M")  # trees take 500 MB
+        self.assertLess(peak, 200 << 20)
+        self.assertTrue(self.path("out.nvdb").read_bytes() == self.path("trees.nvdb").read_bytes())
+        self.succeed("voxelize", *options, "-o", "trees.vdb")
+        self.succeed("compare", "trees.vdb", "out.nvdb")
+
+    def test_what_nanovdb_cannot_hold(self):
+        before = sorted(os.listdir(self.folder))
+        for options, words in ((("--shard", "0/2"), "--shard: is for .vdb files"),
+                               (("--mask-type", "mask"), "--mask-type: is for .vdb files")):
+            result = self.run_program("voxelize", "ball.off", "-o", "out.nvdb", "--voxel-size", "1", "--grid", "mask",
+                                      *options)
+            self.assertEqual(result.status, 2, result.err)
+            self.assertIn(words, result.err)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+
 class ValuesStream(CommandLineTest):
     """Grids of other values than inside and outside."""
 

@@ -21,17 +21,15 @@
 
 #include <cstdint>
 
-/// For #include: where the headers of NanoVDB's tools, and those of its handles, lie.
+/// For #include: where the headers of NanoVDB's tools lie.
 #if __has_include(<nanovdb/tools/GridStats.h>) // OpenVDB 12 and later
 #define TETVDB_NANOVDB_TOOL(name) <nanovdb/tools/name.h>
-#define TETVDB_NANOVDB_HANDLE <nanovdb/GridHandle.h>
 namespace nanovdb::tools {}
 namespace tetvdb {
 namespace nanotools = nanovdb::tools;
 }
 #else
 #define TETVDB_NANOVDB_TOOL(name) <nanovdb/util/name.h>
-#define TETVDB_NANOVDB_HANDLE <nanovdb/util/GridHandle.h>
 namespace tetvdb {
 namespace nanotools = nanovdb;
 }

@@ -158,6 +158,9 @@ private:
 } // namespace
 
 void requireStreamable(const VoxelizeJob& job) {
+  if (!job.shard.isWhole() && writesNvdb(job))
+    throw Error(Status::Usage, "`shard`", "is for .vdb files: those of shards can be merged",
+                "convert the merged volume to .nvdb");
   if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job) && !canStreamTrees(job))
     throw Error(Status::Usage, "`shard`",
                 "is for .vdb files of solids, found on the CPU, without a preview, a mesh output, "
@@ -169,7 +172,8 @@ bool canStream(const VoxelizeJob& job) {
   const bool occupancy = std::all_of(job.grids.begin(), job.grids.end(), [](GridKind kind) {
     return kind == GridKind::Density || kind == GridKind::Mask;
   });
-  return mayStream(job) && occupancy && !job.grids.empty() && job.fields.empty();
+  return mayStream(job) && !writesNvdb(job) && occupancy && !job.grids.empty() &&
+         job.fields.empty();
 }
 
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,

@@ -14,10 +14,15 @@ namespace tetvdb {
 bool mayStream(const VoxelizeJob& job) {
   return (job.streaming != Streaming::Never || !job.shard.isWhole() || job.plan > 0) && !job.keep &&
          job.preview.empty() && job.meshOutput.empty() &&
-         (job.tileSize > 0 || std::filesystem::path(job.output).extension() == ".vdb") &&
+         (job.tileSize > 0 || writesNvdb(job) ||
+          std::filesystem::path(job.output).extension() == ".vdb") &&
          job.voxelize.fit.voxels == 0 && job.solid.shell == 0 &&
          job.solid.inside != InsideRule::Flood && job.device.kind != DeviceKind::Cuda &&
          job.voxelize.path != OccupancyPath::Tets;
+}
+
+bool writesNvdb(const VoxelizeJob& job) {
+  return job.tileSize == 0 && std::filesystem::path(job.output).extension() == ".nvdb";
 }
 
 bool mustStream(const VoxelizeJob& job) {

@@ -12,9 +12,12 @@
 
 namespace tetvdb {
 
-/// Whether the job writes a .vdb file alone, of a solid and not of a shell or a flood, on the CPU,
-/// and may stream it.
+/// Whether the job writes a .vdb or .nvdb file or tiles alone, of a solid and not of a shell or a
+/// flood, on the CPU, and may stream it.
 bool mayStream(const VoxelizeJob& job);
+
+/// Whether it writes a .nvdb file.
+bool writesNvdb(const VoxelizeJob& job);
 
 /// Whether it is streamed in any case.
 bool mustStream(const VoxelizeJob& job);

@@ -3,7 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/io/volume/TreeVdbWriter.h"
+#include "tetvdb/io/volume/TreeWriter.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/JobTrees.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
@@ -18,6 +18,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -184,7 +185,7 @@ public:
       trees_->findFogDepth(progress_);
     }
     timer.part("stream");
-    TreeVdbOptions options;
+    TreeWriterOptions options;
     if (!job_.shard.isWhole()) {
       options.spool.part = true;
       options.openFirstTile = false; // that of the whole volume
@@ -196,7 +197,10 @@ public:
     const std::size_t grids = std::max<std::size_t>(job_.grids.size(), 1);
     options.spool.inMemory = std::min(left / 16 / grids, std::size_t(32) << 20);
     options.spool.keptBytes = std::min(left / 8, std::size_t(256) << 20);
-    writer_.emplace(job_.output, std::move(metadata), options);
+    if (writesNvdb(job_))
+      writer_ = std::make_unique<TreeNvdbWriter>(job_.output, options);
+    else
+      writer_ = std::make_unique<TreeVdbWriter>(job_.output, std::move(metadata), options);
     result.grids = writer_->write(*trees_, progress_);
     result.shapes.coverage = trees_->coverageSum();
     warnOfOverlap(result.shapes.coverage, told_);
@@ -214,7 +218,7 @@ private:
   Report& told_;
   Progress& progress_;
   std::optional<JobTrees> trees_;
-  std::optional<TreeVdbWriter> writer_;
+  std::unique_ptr<TreeWriter> writer_;
 };
 
 // Of occupancy alone, or of coverage where this is all.
@@ -236,8 +240,8 @@ bool canStreamTrees(const VoxelizeJob& job) {
   const bool values =
       !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
       !job.fields.empty();
-  return mayStream(job) && values && job.tileSize == 0 && job.levels.isEmpty() &&
-         !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
+  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0 &&
+         job.levels.isEmpty() && !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
 }
 
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
@@ -383,11 +387,14 @@ bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
     std::optional<ShapeSolid> distances, shares;
     for (bool first = true;; first = false) {
       faces.emplace(solidFaces(mesh, job.solid, transform, timer, progress));
-      timer.part("boundary");
-      distances.emplace(shapeSolid(mesh, job.solid, contains(job.grids, GridKind::Coverage),
-                                   transform, progress));
-      if (first &&
-          !TreeStream::isNeeded(job, occupancyBytes(job, *faces) + shapeBytes(*distances, shapes)))
+      double bytes = occupancyBytes(job, *faces);
+      if (!shapes.grids.empty()) {
+        timer.part("boundary");
+        distances.emplace(shapeSolid(mesh, job.solid, contains(job.grids, GridKind::Coverage),
+                                     transform, progress));
+        bytes += shapeBytes(*distances, shapes);
+      }
+      if (first && !TreeStream::isNeeded(job, bytes))
         return false;
       const double factor = factorOf(job, *faces, options, transform, progress);
       if (factor == 1)

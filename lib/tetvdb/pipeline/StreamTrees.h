@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A job's grids of any kind into a .vdb file, box by box (pipeline/JobTrees.h,
-// io/volume/TreeVdbWriter.h).
+// A job's grids of any kind into a .vdb or .nvdb file, box by box (pipeline/JobTrees.h,
+// io/volume/TreeWriter.h).
 #pragma once
 
 #include "tetvdb/core/Progress.h"
@@ -15,8 +15,8 @@
 
 namespace tetvdb {
 
-/// Whether the job has other grids than density and mask, all of which can be made box by box: not
-/// a level set of a whole box.
+/// Whether the job has other grids than density and mask, or writes a .nvdb file, and all can be
+/// made box by box: not a level set of a whole box.
 bool canStreamTrees(const VoxelizeJob& job);
 
 /// Writes job.output where job.streaming says so, and where the grids' trees would not fit into

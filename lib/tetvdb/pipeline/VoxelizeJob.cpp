@@ -20,6 +20,7 @@
 #include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/pipeline/StreamJob.h"
+#include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -82,6 +83,10 @@ void checkOutputs(const VoxelizeJob& job) {
     } else {
       requireFormat(job.output, {FormatUse::WriteVolume, FormatUse::WriteArrays});
       checkArrayOutput(job);
+      if (writesNvdb(job) && job.maskType == MaskType::Mask && contains(job.grids, GridKind::Mask))
+        throw Error(Status::Usage, "`mask_type`",
+                    "is for .vdb files: a MaskGrid has no NanoVDB form here",
+                    "leave it out: the mask becomes a grid of bool");
       outputs = arrayFiles(job.output);
       for (const std::string& path : outputs)
         requireWritable(path);

@@ -42,7 +42,7 @@
 
 namespace tetvdb {
 
-/// Whether grids become whole trees on their way into a .vdb file. The file is the same.
+/// Whether grids become whole trees on their way into a .vdb or .nvdb file. The file is the same.
 enum class Streaming : std::uint8_t {
   Auto,   ///< whichever is faster; never whole trees where they would not fit into memory
   Always, ///< never whole trees, where that is possible (docs/huge.md)

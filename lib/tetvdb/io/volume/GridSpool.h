@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A grid on its way into a .vdb file, part by part: the bytes of its topology and of its buffers
-// wait in files without names until all parts have come.
+// A grid on its way into a volume file, part by part: what it will be in the file waits in files
+// without names until all parts have come.
 //
-//   const auto spool = tetvdb::makeGridSpool(empty, options);
+//   const auto spool = tetvdb::makeVdbSpool(empty, options);
 //   spool->beginCube(origin);
 //   spool->add(part); ...                 // parts of the 4096^3 cube in the order of its nodes
 //   spool->endCube();
 //   spool->writeTo(output, share);
 #pragma once
 
+#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/volume/Volume.h"
@@ -45,13 +46,27 @@ public:
 
   /// What describe() says of the whole grid.
   virtual GridInfo describe() const = 0;
+};
+
+/// For a .vdb file: the bytes of its topology and of its buffers.
+class VdbSpool : public GridSpool {
+public:
   /// Writes the grid: the bytes that a whole tree would give. To be called once.
   virtual void writeTo(VdbOutput& output, const ProgressShare& share) = 0;
 };
 
-/// `empty`: with name, class, transform and metadata, and the background of the grid. Throws
+/// For a .nvdb file: its nodes, level by level.
+class NvdbSpool : public GridSpool {
+public:
+  /// Appends the grid: the bytes that a whole tree would give. To be called once.
+  virtual void writeTo(AtomicFile& file, const ProgressShare& share) = 0;
+};
+
+/// `empty`: with name, class, transform and metadata, and the background of the grid. Throw
 /// Error(Usage) for types that are not supported.
-std::unique_ptr<GridSpool> makeGridSpool(const openvdb::GridBase::Ptr& empty,
+std::unique_ptr<VdbSpool> makeVdbSpool(const openvdb::GridBase::Ptr& empty,
+                                       const SpoolOptions& options);
+std::unique_ptr<NvdbSpool> makeNvdbSpool(const openvdb::GridBase::Ptr& empty,
                                          const SpoolOptions& options);
 
 } // namespace tetvdb

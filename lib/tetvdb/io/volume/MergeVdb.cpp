@@ -229,8 +229,8 @@ public:
 
 private:
   template <class GridT>
-  std::unique_ptr<GridSpool> spool(const std::optional<Vec3i>& opened) const {
-    std::unique_ptr<GridSpool> spool;
+  std::unique_ptr<VdbSpool> spool(const std::optional<Vec3i>& opened) const {
+    std::unique_ptr<VdbSpool> spool;
     for (const VdbPart& part : parts_) {
       const VdbHeader header = readVdbHeader(part.path);
       VdbChildren<GridT> children(part.path, header, header.grids[g_]);
@@ -240,7 +240,7 @@ private:
              {kPartLeaves, Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX,
               Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION})
           empty->removeMeta(name);
-        spool = makeGridSpool(empty, options_);
+        spool = makeVdbSpool(empty, options_);
         if (opened)
           spool->open(*opened);
       }

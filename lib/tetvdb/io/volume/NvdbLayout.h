@@ -4,30 +4,16 @@
 // Internal.
 #pragma once
 
-#ifndef NANOVDB_USE_TBB
-#define NANOVDB_USE_TBB
-#endif
-#ifndef NANOVDB_USE_OPENVDB
-#define NANOVDB_USE_OPENVDB
-#endif
 #include "tetvdb/core/NanoVdb.h"
-#include TETVDB_NANOVDB_HANDLE
 
 #include <cstdint>
 #include <openvdb/openvdb.h>
 
 namespace tetvdb {
 
-using NanoHandle = nanovdb::GridHandle<nanovdb::HostBuffer>;
-
-/// Converts a grid to NanoVDB, with full statistics and checksum. Each type is compiled in a file
-/// of its own, since that takes 17 seconds.
-NanoHandle toNano(const openvdb::FloatGrid& grid);
-NanoHandle toNano(const openvdb::DoubleGrid& grid);
-NanoHandle toNano(const openvdb::BoolGrid& grid);
-NanoHandle toNano(const openvdb::Int32Grid& grid);
-NanoHandle toNano(const openvdb::Int64Grid& grid);
-NanoHandle toNano(const openvdb::Vec3SGrid& grid);
+/// The types that are written.
+using NvdbGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::Int32Grid,
+                                    openvdb::Vec3SGrid, openvdb::DoubleGrid, openvdb::Int64Grid>;
 
 enum class NvdbCodec : std::uint16_t { None = 0, Zip = 1, Blosc = 2 };
 constexpr std::uint64_t kNvdbMagic = 0x304244566F6E614E;     ///< "NanoVDB0", file and grid

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// .vdb files of grids whose whole trees never are in memory: values of any kind.
+// .vdb and .nvdb files of grids whose whole trees never are in memory: values of any kind.
 //
 //   tetvdb::TreeVdbWriter writer("out.vdb", metadata, {});
 //   std::vector<tetvdb::GridInfo> grids = writer.write(source, progress);
@@ -10,6 +10,7 @@
 // room for them besides.
 #pragma once
 
+#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/io/volume/VdbOutput.h"
@@ -22,30 +23,49 @@
 
 namespace tetvdb {
 
-struct TreeVdbOptions {
+struct TreeWriterOptions {
   /// Open the first tile of a grid without leaves, as openFirstTile() does.
   bool openFirstTile = true;
   SpoolOptions spool; ///< its folder is replaced
 };
 
-class TreeVdbWriter {
+class TreeWriter {
 public:
-  /// Throws as VdbOutput does.
-  TreeVdbWriter(std::string path, std::map<std::string, std::string> metadata,
-                const TreeVdbOptions& options);
-
+  virtual ~TreeWriter() = default;
   /// Writes all but the end; the bytes are those that writeVolume() would write. What describe()
   /// would say of the grids is returned. Memory: the trees of one part of the source, the bytes
   /// that the options allow, and a few MB a thread. Throws Error(Write), Error(Limit) where a grid
   /// would have 2^32 leaves or more, and as progress.check() does.
-  std::vector<GridInfo> write(TreeSource& source, Progress& progress);
-  void commit(Progress& progress);
+  virtual std::vector<GridInfo> write(TreeSource& source, Progress& progress) = 0;
+  virtual void commit(Progress& progress) = 0;
+};
+
+class TreeVdbWriter : public TreeWriter {
+public:
+  /// Throws as VdbOutput does.
+  TreeVdbWriter(std::string path, std::map<std::string, std::string> metadata,
+                const TreeWriterOptions& options);
+  std::vector<GridInfo> write(TreeSource& source, Progress& progress) override;
+  void commit(Progress& progress) override;
 
 private:
   std::string path_;
   std::map<std::string, std::string> metadata_;
-  TreeVdbOptions options_;
+  TreeWriterOptions options_;
   std::unique_ptr<VdbOutput> output_;
+};
+
+/// Besides, write() throws Error(Usage) for grids that .nvdb files cannot hold.
+class TreeNvdbWriter : public TreeWriter {
+public:
+  /// Throws as AtomicFile does.
+  TreeNvdbWriter(const std::string& path, const TreeWriterOptions& options);
+  std::vector<GridInfo> write(TreeSource& source, Progress& progress) override;
+  void commit(Progress& progress) override;
+
+private:
+  TreeWriterOptions options_;
+  AtomicFile file_;
 };
 
 } // namespace tetvdb

@@ -199,6 +199,15 @@ class ValuesStream(CommandLineTest):
     def test_shards_of_tets(self):
         self.expect_same("tets.msh", "tet_id", "material", "surface")
 
+    def test_shards_of_materials(self):
+        self.write("other.off", off(*ball(200, 30, (4000, 20, 0))))
+        options = ("ball.off", "other.off", "--voxel-size", "1", "--grid", "material,density")
+        self.succeed("voxelize", *options, "-o", "trees.vdb")
+        for i in range(2):
+            self.succeed("voxelize", *options, "-o", "part.vdb", "--shard", "%d/2" % i)
+        self.succeed("merge", "part.0-of-2.vdb", "part.1-of-2.vdb", "-o", "merged.vdb")
+        self.assertTrue(self.path("merged.vdb").read_bytes() == self.path("trees.vdb").read_bytes())
+
     def test_shards_of_open_meshes(self):
         points, faces = ball(300, 40)
         self.write("open.off", off([(x, y + 4096, z) for x, y, z in points], faces[80:]))

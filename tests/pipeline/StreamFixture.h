@@ -112,10 +112,10 @@ protected:
     }
     EXPECT_EQ(stream.openEdges, tree.openEdges);
     EXPECT_EQ(stream.counts.boundaryFaces, tree.counts.boundaryFaces);
-    // Nothing is left beside the mesh and the volume.
+    // Nothing is left beside the meshes and the volume.
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()),
                             std::filesystem::directory_iterator()),
-              2);
+              static_cast<std::ptrdiff_t>(job.inputs.size() + 1));
   }
 
   void expectCancelled(VoxelizeJob job) {

@@ -8,6 +8,7 @@
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
+#include "tetvdb/voxelize/VoxelizeMaterials.h"
 
 #include <algorithm>
 #include <array>
@@ -42,18 +43,22 @@ JobTrees::JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& p
     : job_(job), inputs_(inputs),
       voxelized_(madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner})),
       shapes_(madeBy(job.grids, {GridMaker::Distance, GridMaker::Share})), made_(voxelized_) {
-  owners_ = !madeBy(job.grids, {GridMaker::Owner}).empty();
+  const bool owners = !madeBy(job.grids, {GridMaker::Owner}).empty();
+  owners_ = owners && inputs.tets != nullptr;
+  materials_ = owners && !owners_;
   if (!shapes_.empty() && !contains(made_, GridKind::Mask))
     made_.push_back(GridKind::Mask);
-  const SolidFaces* faces = inputs.faces;
-  if (faces != nullptr && !owners_ && !made_.empty())
-    source_.emplace(faces->snapped, faces->chain, faces->fill(), job.voxelize.rule, progress);
+  if (!owners_ && !made_.empty())
+    for (const SolidFaces* faces : inputs.faces)
+      sources_.push_back(std::make_unique<OccupancySource>(
+          faces->snapped, faces->chain, faces->fill(), job.voxelize.rule, progress));
+  materialVoxels_.assign(sources_.size(), 0);
   if (inputs.snapped != nullptr)
     tets_.emplace(*inputs.snapped, progress);
   if (has(GridKind::Coverage))
     coverage_.emplace(inputs.shares->points, inputs.shares->faces, inputs.transform, progress);
   findBand(progress);
-  weighNodes();
+  weighNodes(progress);
   findCubes();
 }
 
@@ -61,15 +66,13 @@ void JobTrees::findBand(Progress& progress) {
   if (hasDistances())
     band_.emplace(inputs_.distances->mesh, inputs_.distances->faces, job_.shapes.halfWidth,
                   progress);
-  else if (inputs_.faces != nullptr)
-    band_.emplace(inputs_.faces->snapped, inputs_.faces->chain, kNarrowBand, progress);
 }
 
 bool JobTrees::has(GridKind kind) const {
   return contains(job_.grids, kind);
 }
 
-void JobTrees::weighNodes() {
+void JobTrees::weighNodes(Progress& progress) {
   nodes_.clear();
   // Bytes a leaf, of those at the surface and of those that tets fill.
   double atSurface = 0, filled = 0;
@@ -77,6 +80,8 @@ void JobTrees::weighNodes() {
                                          (inputs_.fields ? inputs_.fields->size() : 0));
   for (const GridKind kind : made_)
     (owners_ ? filled : atSurface) += static_cast<double>(leafBytes(kind));
+  if (materials_)
+    atSurface += static_cast<double>(leafBytes(GridKind::Mask)); // of each
   for (const GridKind kind : shapes_)
     atSurface += static_cast<double>(leafBytes(kind));
   if (has(GridKind::Fog))
@@ -85,12 +90,17 @@ void JobTrees::weighNodes() {
     for (const Field& field : *inputs_.fields)
       filled += static_cast<double>(leafBytes(field.kind));
   const double perNode = grids * static_cast<double>(kLowerNodeBytes);
-  if (band_) {
-    const std::vector<float> leaves = estimateNodeLeaves(*band_);
+  const auto addBand = [&](const DistanceBand& band) {
+    const std::vector<float> leaves = estimateNodeLeaves(band);
     for (std::size_t i = 0; i < leaves.size(); ++i)
-      nodes_.push_back({band_->nodes()[i],
+      nodes_.push_back({band.nodes()[i],
                         static_cast<float>(static_cast<double>(leaves[i]) * atSurface + perNode)});
-  }
+  };
+  if (band_)
+    addBand(*band_);
+  else
+    for (const SolidFaces* faces : inputs_.faces)
+      addBand(DistanceBand(faces->snapped, faces->chain, kNarrowBand, progress));
   if (tets_)
     for (std::size_t i = 0; i < tets_->size(); ++i)
       nodes_.push_back(
@@ -120,8 +130,8 @@ void JobTrees::findCubes() {
   }
   // The band of faces over holes may reach into the next cubes.
   const std::int32_t reach = hasDistances() && inputs_.distances->boundary ? 1 : 0;
-  if (source_)
-    for (const RootCube& cube : source_->cubes())
+  for (const auto& source : sources_)
+    for (const RootCube& cube : source->cubes())
       for (std::int32_t x = -reach; x <= reach; ++x)
         for (std::int32_t y = -reach; y <= reach; ++y)
           for (std::int32_t z = -reach; z <= reach; ++z)
@@ -217,14 +227,53 @@ void JobTrees::split(const NodeBox& box, std::size_t axis, std::vector<NodeBox>&
   flush(box.high[axis]);
 }
 
+openvdb::GridPtrVec JobTrees::materials(const NodeBox& box, Progress& progress) {
+  std::vector<openvdb::BoolGrid::ConstPtr> masks;
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    TreeBuilder builder({GridKind::Mask}, TetMesh());
+    if (!isEmpty(box))
+      sources_[i]->rasterize(box, builder);
+    masks.push_back(
+        openvdb::gridPtrCast<openvdb::BoolGrid>(builder.finish(inputs_.transform).front()));
+    materialVoxels_[i] += masks.back()->activeVoxelCount();
+  }
+  return materialGrids(made_, masks, inputs_.transform, progress);
+}
+
 openvdb::GridPtrVec JobTrees::occupancy(const NodeBox& box, Progress& progress) {
+  if (materials_)
+    return materials(box, progress);
   const TetMesh none;
   TreeBuilder builder(made_, inputs_.tets != nullptr ? *inputs_.tets : none);
   if (!isEmpty(box) && owners_)
     tets_->rasterize(box, true, builder, progress);
-  else if (!isEmpty(box) && source_)
-    source_->rasterize(box, builder);
+  else if (!isEmpty(box) && !sources_.empty())
+    sources_.front()->rasterize(box, builder);
   return builder.finish(inputs_.transform);
+}
+
+// What is inside in the part, and in the nodes beyond its upper sides.
+openvdb::BoolGrid::Ptr JobTrees::maskAround(const NodeBox& part, Progress& progress) {
+  std::vector<openvdb::BoolGrid::ConstPtr> masks;
+  for (const auto& source : sources_) {
+    TreeBuilder builder({GridKind::Mask}, TetMesh());
+    source->rasterize(part, builder);
+    for (std::size_t k = 0; k < 3; ++k) { // without overlap
+      NodeBox side = part;
+      for (std::int32_t& high : side.high)
+        ++high;
+      side.low[k] = part.high[k];
+      for (std::size_t before = 0; before < k; ++before)
+        side.high[before] = part.high[before];
+      source->peek(side, builder);
+    }
+    masks.push_back(
+        openvdb::gridPtrCast<openvdb::BoolGrid>(builder.finish(inputs_.transform).front()));
+  }
+  return masks.size() == 1
+             ? openvdb::ConstPtrCast<openvdb::BoolGrid>(masks.front())
+             : openvdb::gridPtrCast<openvdb::BoolGrid>(
+                   materialGrids({GridKind::Mask}, masks, inputs_.transform, progress).front());
 }
 
 openvdb::FloatGrid::Ptr JobTrees::surface(const NodeBox& box, const openvdb::GridPtrVec& occupancy,
@@ -251,17 +300,7 @@ void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, Progress& prog
       NodeBox wide = part;
       for (std::int32_t& high : wide.high)
         ++high;
-      TreeBuilder builder({GridKind::Mask}, TetMesh());
-      source_->rasterize(part, builder);
-      for (std::size_t k = 0; k < 3; ++k) { // what is beyond the part, without overlap
-        NodeBox side = wide;
-        side.low[k] = part.high[k];
-        for (std::size_t before = 0; before < k; ++before)
-          side.high[before] = part.high[before];
-        source_->peek(side, builder);
-      }
-      const auto inside =
-          openvdb::gridPtrCast<openvdb::BoolGrid>(builder.finish(inputs_.transform).front());
+      const openvdb::BoolGrid::Ptr inside = maskAround(part, progress);
       const openvdb::FloatGrid::Ptr level = levelSetWithin(wide, *band_, *inside, inputs_.transform,
                                                            job_.shapes.halfWidth, 0, progress);
       const std::vector<CentrePair> found =
@@ -273,7 +312,7 @@ void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, Progress& prog
     return;
   addCapFaces(std::move(pairs), *solid.boundary, solid.mesh, solid.faces, progress);
   findBand(progress);
-  weighNodes();
+  weighNodes(progress);
 }
 
 void JobTrees::findFogDepth(Progress& progress) {
@@ -291,6 +330,7 @@ void JobTrees::findFogDepth(Progress& progress) {
 
 void JobTrees::begin() {
   insideVoxels_ = 0;
+  materialVoxels_.assign(sources_.size(), 0);
   anyOwned_ = false;
   sampled_ = {};
   if (coverage_)

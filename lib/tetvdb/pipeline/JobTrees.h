@@ -27,7 +27,8 @@ namespace tetvdb {
 /// What the grids are found from; what a job does not need is null or empty.
 struct TreeInputs {
   GridTransform transform;
-  const SolidFaces* faces = nullptr; ///< occupancy, where no owners are asked for
+  /// Occupancy, where no owners are asked for; of the grid material of triangles, those of each.
+  std::vector<const SolidFaces*> faces;
   const TetMesh* tets = nullptr;
   const SnappedMesh* snapped = nullptr; ///< of the tets, for owners and fields
   const std::vector<Field>* fields = nullptr;
@@ -67,6 +68,8 @@ public:
   /// any voxel has an owner, where fields are.
   std::uint64_t insideVoxels() const { return insideVoxels_; }
   bool anyOwned() const { return anyOwned_; }
+  /// Of each of TreeInputs::faces, where they are materials.
+  const std::vector<std::uint64_t>& materialVoxels() const { return materialVoxels_; }
   CoverageSum coverageSum() const { return coverage_ ? coverage_->sum() : CoverageSum{}; }
   const SampledCounts& sampled() const { return sampled_; }
 
@@ -79,11 +82,13 @@ private:
   bool has(GridKind kind) const;
   bool hasDistances() const { return has(GridKind::Surface) || has(GridKind::Fog); }
   void findBand(Progress& progress);
-  void weighNodes();
+  void weighNodes(Progress& progress);
   void findCubes();
   NodeBox boxOf(std::size_t cube) const;
   void split(const NodeBox& box, std::size_t axis, std::vector<NodeBox>& parts) const;
   openvdb::GridPtrVec occupancy(const NodeBox& box, Progress& progress);
+  openvdb::GridPtrVec materials(const NodeBox& box, Progress& progress);
+  openvdb::BoolGrid::Ptr maskAround(const NodeBox& part, Progress& progress);
   openvdb::FloatGrid::Ptr surface(const NodeBox& box, const openvdb::GridPtrVec& occupancy,
                                   Progress& progress) const;
 
@@ -91,8 +96,9 @@ private:
   TreeInputs inputs_;
   std::vector<GridKind> voxelized_, shapes_; ///< of the job
   std::vector<GridKind> made_;               ///< voxelized_, and the mask where shapes need it
-  bool owners_ = false;
-  std::optional<OccupancySource> source_;
+  bool owners_ = false;                      ///< of tets
+  bool materials_ = false;                   ///< of triangles
+  std::vector<std::unique_ptr<OccupancySource>> sources_;
   std::optional<TetNodes> tets_;
   std::optional<DistanceBand> band_;
   std::optional<CoverageParts> coverage_;
@@ -102,6 +108,7 @@ private:
   std::size_t partBytes_ = std::size_t(1) << 30;
   float fogDepth_ = 0;
   std::uint64_t insideVoxels_ = 0;
+  std::vector<std::uint64_t> materialVoxels_;
   bool anyOwned_ = false;
   SampledCounts sampled_;
 };

@@ -215,11 +215,12 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
   return true;
 }
 
-bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
+bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                      const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                      Report& report, Progress& progress) {
   if (canStreamTrees(job))
-    return streamTrees(job, mesh, metadata, result, report, progress);
+    return streamTrees(job, meshes, metadata, result, report, progress);
+  const TriangleMesh& mesh = meshes.front();
   if (!canStream(job) || mesh.triangles.empty())
     return false;
   const VoxelizeOptions options = streamOptions(job);

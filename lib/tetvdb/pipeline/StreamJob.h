@@ -11,6 +11,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tetvdb {
 
@@ -27,10 +28,11 @@ void requireStreamable(const VoxelizeJob& job);
 /// the same. False, with nothing done and nothing said, where the job is left to the trees.
 /// `metadata`: more of it for the file. Memory: the mesh, which is released where it is not needed
 /// any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB. Throws as
-/// voxelize() and BitVdbWriter do. Jobs with other grids: streamTrees().
+/// voxelize() and BitVdbWriter do. Jobs with other grids: streamTrees(). `meshes`: one, or the
+/// materials.
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
                 Progress& progress);
-bool streamTriangles(const VoxelizeJob& job, const TriangleMesh& mesh,
+bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                      const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                      Report& report, Progress& progress);
 

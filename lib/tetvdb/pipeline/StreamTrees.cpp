@@ -6,6 +6,7 @@
 #include "tetvdb/io/volume/TreeWriter.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/JobTrees.h"
+#include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
 #include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
@@ -13,6 +14,7 @@
 #include "tetvdb/voxelize/KeepResolution.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/VoxelizeMaterials.h"
 
 #include <algorithm>
 #include <cmath>
@@ -300,7 +302,7 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
     inputs.transform = transform;
     inputs.tets = &mesh;
     if (faces)
-      inputs.faces = &*faces;
+      inputs.faces = {&*faces};
     if (owners || !fields.empty())
       inputs.snapped = &snapped;
     if (!fields.empty())
@@ -325,7 +327,7 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
 namespace {
 
 // Of what is inside; voxels may become larger by it.
-VoxelBox insideBox(OccupancySource& source, const GridTransform& transform) {
+openvdb::CoordBBox insideBox(OccupancySource& source, const GridTransform& transform) {
   openvdb::CoordBBox box;
   for (const RootCube& cube : source.cubes())
     for (std::int32_t x = 0; x < kStackNodes; ++x) {
@@ -340,89 +342,146 @@ VoxelBox insideBox(OccupancySource& source, const GridTransform& transform) {
       source.rasterize(layer, builder);
       box.expand(builder.finish(transform).front()->evalActiveVoxelBoundingBox());
     }
-  VoxelBox result;
-  for (int k = 0; k < 3; ++k) {
-    result.low[static_cast<std::size_t>(k)] = box.min()[k];
-    result.high[static_cast<std::size_t>(k)] = box.max()[k];
+  return box;
+}
+
+double surfaceVoxels(const SolidFaces& faces) {
+  return estimateByBoundary(faces.snapped, faces.chain).leaves * kLeafSize * kLeafSize;
+}
+
+SnapCounts countsOf(const std::vector<SolidFaces>& solids) {
+  SnapCounts sum;
+  for (const SolidFaces& faces : solids) {
+    sum.boundaryFaces += faces.counts.boundaryFaces;
+    sum.openEdges += faces.counts.openEdges;
   }
-  return result;
+  return sum;
 }
 
 // By how much voxels must become larger.
-double factorOf(const VoxelizeJob& job, const SolidFaces& faces, const VoxelizeOptions& options,
-                const GridTransform& transform, Progress& progress) {
-  if (!mayCoarsen(options) || faces.counts.openEdges == 0)
+double factorOf(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
+                const VoxelizeOptions& options, const GridTransform& transform,
+                Progress& progress) {
+  if (!mayCoarsen(options) || countsOf(solids).openEdges == 0)
     return 1;
   if (!job.shard.isWhole() || job.plan > 0)
     throw Error(Status::Usage, "`resolution`",
                 "of an open mesh is only known when the whole of it is voxelized",
                 "give shards `voxel_size`");
-  OccupancySource source(faces.snapped, faces.chain, faces.fill(), job.voxelize.rule, progress);
-  const VoxelBox box = insideBox(source, transform);
-  return box.low[0] > box.high[0] ? 1 : tooFine(box, options);
+  openvdb::CoordBBox box;
+  for (const SolidFaces& faces : solids) {
+    OccupancySource source(faces.snapped, faces.chain, faces.fill(), job.voxelize.rule, progress);
+    box.expand(insideBox(source, transform));
+  }
+  VoxelBox voxels;
+  for (int k = 0; k < 3; ++k) {
+    voxels.low[static_cast<std::size_t>(k)] = box.min()[k];
+    voxels.high[static_cast<std::size_t>(k)] = box.max()[k];
+  }
+  return box.empty() ? 1 : tooFine(voxels, options);
+}
+
+// Of each mesh by itself, as its own voxelization would say it.
+void checkMaterials(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
+                    const JobTrees& trees, const VoxelizeOptions& options, Report& report) {
+  VoxelizeOptions each = options;
+  each.allowEmpty = true;
+  bool empty = true;
+  for (std::size_t i = 0; i < solids.size(); ++i) {
+    const std::uint64_t voxels = trees.materialVoxels()[i];
+    Report own;
+    checkSolid(solids[i].boundary, job.solid, voxels, surfaceVoxels(solids[i]), each, own);
+    noteMaterial(job.inputs[i], voxels == 0, own, report);
+    empty = empty && voxels == 0;
+  }
+  requireMaterials(empty, options);
 }
 
 } // namespace
 
-bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
+bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                  const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                  Report& report, Progress& progress) {
-  if (mesh.triangles.empty())
+  const bool materials = contains(job.grids, GridKind::Material);
+  if (std::any_of(meshes.begin(), meshes.end(), [](const auto& m) { return m.triangles.empty(); }))
     return false;
+  if (materials && job.voxelize.rule != VoxelRule::Centre)
+    return false; // which is refused there
   const VoxelizeOptions options = streamOptions(job);
   const ShapeOptions shapes = shapesOf(job);
   VoxelizeOptions used = options;
-  GridTransform transform = chooseTransform(mesh, used, job.solid);
-  checkMesh(mesh);
-  if (!TreeStream::mayBeNeeded(job, std::min(leavesIn(job, boxOf(mesh, job.solid), transform),
-                                             2 * leavesAround(job, mesh, transform))))
+  WorldBox box;
+  for (const TriangleMesh& mesh : meshes)
+    box.add(boxOf(mesh, job.solid));
+  GridTransform transform = chooseTransform(box, used, job.solid);
+  double around = 0;
+  for (const TriangleMesh& mesh : meshes) {
+    checkMesh(mesh);
+    around += leavesAround(job, mesh, transform);
+  }
+  if (!TreeStream::mayBeNeeded(job, std::min(leavesIn(job, box, transform), 2 * around)))
     return false;
+  std::optional<TriangleMesh> joined;
+  if (meshes.size() > 1 && !shapes.grids.empty()) {
+    Report mixedUnits; // which were reported when the files were read
+    joined.emplace(mergeMeshes(std::vector<TriangleMesh>(meshes), mixedUnits));
+  }
+  const TriangleMesh& whole = joined ? *joined : meshes.front();
   progress.stage("voxelize");
   initializeOpenVDB();
   Report told;
   TreeStream stream(job, told, progress);
   {
     StageTimer timer(told, "voxelize");
-    std::optional<SolidFaces> faces;
+    std::vector<SolidFaces> solids;
     std::optional<ShapeSolid> distances, shares;
     for (bool first = true;; first = false) {
-      faces.emplace(solidFaces(mesh, job.solid, transform, timer, progress));
-      double bytes = occupancyBytes(job, *faces);
+      solids.clear();
+      double bytes = 0;
+      for (const TriangleMesh& mesh : meshes) {
+        solids.push_back(solidFaces(mesh, job.solid, transform, timer, progress));
+        bytes += occupancyBytes(job, solids.back());
+      }
       if (!shapes.grids.empty()) {
         timer.part("boundary");
-        distances.emplace(shapeSolid(mesh, job.solid, contains(job.grids, GridKind::Coverage),
+        distances.emplace(shapeSolid(whole, job.solid, contains(job.grids, GridKind::Coverage),
                                      transform, progress));
         bytes += shapeBytes(*distances, shapes);
       }
       if (first && !TreeStream::isNeeded(job, bytes))
         return false;
-      const double factor = factorOf(job, *faces, options, transform, progress);
+      const double factor = factorOf(job, solids, options, transform, progress);
       if (factor == 1)
         break;
       coarsen(transform, factor, used);
-      transform = chooseTransform(mesh, used, job.solid);
+      transform = chooseTransform(box, used, job.solid);
     }
     reportOrigin(transform, used, told);
     result.transform = transform;
-    result.counts = faces->counts;
-    result.openEdges = faces->counts.openEdges;
+    result.counts = countsOf(solids);
+    result.openEdges = result.counts.openEdges;
     TreeInputs inputs;
     inputs.transform = transform;
-    inputs.faces = &*faces;
+    for (const SolidFaces& faces : solids)
+      inputs.faces.push_back(&faces);
     if (stream.prepare(inputs, distances, shares, result, timer))
       return true;
     std::map<std::string, std::string> all = originMetadata(job);
     for (const auto& [key, text] : metadata)
       all.emplace(key, text);
+    std::string mark;
+    for (const SolidFaces& faces : solids)
+      mark += (mark.empty() ? "" : " ") + markOf(faces);
     const bool open = hasDistances(job) && distances->boundary.has_value();
-    stream.write(all, transform, markOf(*faces), open ? &*distances : nullptr, result, timer);
-    if (job.shard.isWhole()) {
+    stream.write(all, transform, mark, open ? &*distances : nullptr, result, timer);
+    if (job.shard.isWhole() && materials) {
+      checkMaterials(job, solids, stream.trees(), options, told);
+    } else if (job.shard.isWhole()) {
       VoxelizeOptions checks = options;
       const bool coverageOnly = job.grids == std::vector<GridKind>{GridKind::Coverage};
       checks.allowEmpty = checks.allowEmpty || coverageOnly;
-      const TreeEstimate surface = estimateByBoundary(faces->snapped, faces->chain);
-      checkSolid(faces->boundary, job.solid, stream.trees().insideVoxels(),
-                 surface.leaves * kLeafSize * kLeafSize, checks, told);
+      checkSolid(solids.front().boundary, job.solid, stream.trees().insideVoxels(),
+                 surfaceVoxels(solids.front()), checks, told);
       requireAnything(job, result, stream.trees(), options);
     }
   }

@@ -12,6 +12,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 namespace tetvdb {
 
@@ -23,10 +24,10 @@ bool canStreamTrees(const VoxelizeJob& job);
 /// memory. The bytes are the same. False, with nothing done and nothing said, where the job is left
 /// to the trees. Memory: the mesh and what is found once for all of it, and a third of what may be
 /// taken, at most 1 GB, for trees. Throws as the in-memory way does, Error(Limit) where that third
-/// is too small for the grids of 128^3 voxels, and Error(Write).
+/// is too small for the grids of 128^3 voxels, and Error(Write). `meshes`: one, or the materials.
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
                  Report& report, Progress& progress);
-bool streamTrees(const VoxelizeJob& job, const TriangleMesh& mesh,
+bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                  const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                  Report& report, Progress& progress);
 

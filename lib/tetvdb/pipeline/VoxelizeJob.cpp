@@ -351,8 +351,8 @@ public:
       chooseMethod();
     if (!job_.shard.isWhole() || job_.plan > 0)
       requireShards();
-    if (job_.makesVolume() && !byTets() && !asMaterials() &&
-        streamTriangles(job_, meshes_.front(), unitsFound(), result_, report_, progress_))
+    if (job_.makesVolume() && !byTets() &&
+        streamTriangles(job_, meshes_, unitsFound(), result_, report_, progress_))
       return;
     Volume volume;
     if (job_.makesVolume()) {
@@ -426,9 +426,6 @@ private:
     if (byTets())
       throw Error(Status::Usage, "`shard`", "is for the winding number, not for tets made here",
                   "make the tets first, or leave `mesher=envelope` and `epsilon` out");
-    if (asMaterials())
-      throw Error(Status::Usage, "`shard`", "is not for the grid material of triangles",
-                  "make tets of them first, which have regions");
   }
 
   void takeTets(Tetrahedralization&& made) {

@@ -38,16 +38,6 @@ GridTransform transformOf(const std::vector<TriangleMesh>& meshes, const SolidOp
   return chooseTransform(box, options, solid);
 }
 
-openvdb::GridPtrVec makeGrids(const std::vector<GridKind>& kinds, const Masks& masks,
-                              const GridTransform& transform, Progress& progress) {
-  TetMesh numbered; // the owner i represents a cell of region i + 1
-  for (std::size_t i = 0; i < masks.size(); ++i)
-    numbered.regions.push_back(static_cast<std::int32_t>(i + 1));
-  TreeBuilder builder(kinds, numbered);
-  rasterizeMasks(masks, builder, progress);
-  return builder.finish(transform);
-}
-
 void requireTreeMemory(const Masks& masks, const VoxelizeOptions& options) {
   double leaves = 0;
   for (const auto& mask : masks)
@@ -76,32 +66,50 @@ Voxelization materialsOnce(const std::vector<TriangleMesh>& meshes,
     Report own;
     Voxelization made = voxelize(meshes[i], solid, each, own, progress);
     masks.push_back(openvdb::gridPtrCast<openvdb::BoolGrid>(made.volume.grids().all.front()));
-    for (const Warning& warning : own.warnings)
-      if (warning.code != "nearly-empty" || !masks.back()->empty())
-        report.warn(warning.code, names[i] + ": " + warning.text);
-    if (masks.back()->empty()) {
-      report.warn("no-voxels", names[i] + ": no voxel centre lies inside: it has no voxels");
-      report.partial = true;
-    }
+    noteMaterial(names[i], masks.back()->empty(), own, report);
     empty = empty && masks.back()->empty();
     result.counts.boundaryFaces += made.counts.boundaryFaces;
     result.counts.openEdges += made.counts.openEdges;
     result.estimatedBytes = std::max(result.estimatedBytes, made.estimatedBytes);
   }
-  if (empty && !options.allowEmpty)
-    throw Error(Status::Invalid, "", "no voxel centre lies inside any of the meshes",
-                "use smaller voxels, give sheets a thickness with `shell=T`, or use `allow_empty` "
-                "to write empty grids");
+  requireMaterials(empty, options);
 
   timer.part("tree");
   requireTreeMemory(masks, options);
   auto grids = std::make_shared<GridSet>();
-  grids->all = makeGrids(options.grids, masks, result.transform, progress);
+  grids->all = materialGrids(options.grids, masks, result.transform, progress);
   result.volume = Volume(std::move(grids));
   return result;
 }
 
 } // namespace
+
+openvdb::GridPtrVec materialGrids(const std::vector<GridKind>& kinds, const Masks& masks,
+                                  const GridTransform& transform, Progress& progress) {
+  TetMesh numbered; // the owner i represents a cell of region i + 1
+  for (std::size_t i = 0; i < masks.size(); ++i)
+    numbered.regions.push_back(static_cast<std::int32_t>(i + 1));
+  TreeBuilder builder(kinds, numbered);
+  rasterizeMasks(masks, builder, progress);
+  return builder.finish(transform);
+}
+
+void noteMaterial(const std::string& name, bool empty, const Report& own, Report& report) {
+  for (const Warning& warning : own.warnings)
+    if (warning.code != "nearly-empty" || !empty)
+      report.warn(warning.code, name + ": " + warning.text);
+  if (!empty)
+    return;
+  report.warn("no-voxels", name + ": no voxel centre lies inside: it has no voxels");
+  report.partial = true;
+}
+
+void requireMaterials(bool empty, const VoxelizeOptions& options) {
+  if (empty && !options.allowEmpty)
+    throw Error(Status::Invalid, "", "no voxel centre lies inside any of the meshes",
+                "use smaller voxels, give sheets a thickness with `shell=T`, or use `allow_empty` "
+                "to write empty grids");
+}
 
 Voxelization voxelizeMaterials(const std::vector<TriangleMesh>& meshes,
                                const std::vector<std::string>& names, const SolidOptions& solid,

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <string>
@@ -29,5 +30,17 @@ namespace tetvdb {
 Voxelization voxelizeMaterials(const std::vector<TriangleMesh>& meshes,
                                const std::vector<std::string>& names, const SolidOptions& solid,
                                const VoxelizeOptions& options, Report& report, Progress& progress);
+
+/// The same grids of masks that are there: what is in the first is the first material.
+openvdb::GridPtrVec materialGrids(const std::vector<GridKind>& kinds,
+                                  const std::vector<openvdb::BoolGrid::ConstPtr>& masks,
+                                  const GridTransform& transform, Progress& progress);
+
+/// Passes the warnings `own` of the mesh `name` on to `report`, and adds that it has no voxels
+/// where that is so.
+void noteMaterial(const std::string& name, bool empty, const Report& own, Report& report);
+
+/// Throws Error(Invalid) where no mesh has voxels, unless options.allowEmpty.
+void requireMaterials(bool empty, const VoxelizeOptions& options);
 
 } // namespace tetvdb

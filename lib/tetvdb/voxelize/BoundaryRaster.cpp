@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/voxelize/FaceRaster.h"
+#include "tetvdb/voxelize/ParityRows.h"
 #include "tetvdb/voxelize/WindingBand.h"
 
 #include <algorithm>
@@ -121,17 +122,6 @@ struct SlabHoles {
   SlabHoles() : values(std::size_t(kSlabRows) * kNodeSize) {}
 };
 
-// Bit z of the result: parity of the bits at or below z.
-std::uint64_t prefixXor(std::uint64_t w) {
-  w ^= w << 1;
-  w ^= w << 2;
-  w ^= w << 4;
-  w ^= w << 8;
-  w ^= w << 16;
-  w ^= w << 32;
-  return w;
-}
-
 // A row's crossings: one bit a voxel, and the list of those beyond one.
 struct RowCrossings {
   const std::uint64_t *entering, *leaving;
@@ -176,6 +166,8 @@ public:
     next_ = row.extraEnd;
     return row;
   }
+  // Whether a row that is still to be read, before row r, has crossings in the list.
+  bool anyBefore(std::int32_t r) const { return next_ != end_ && next_->row < r; }
 
 private:
   const SlabCrossings& crossings_;
@@ -229,10 +221,6 @@ void countRowInBand(const RowCrossings& row, const RowCrossings& holeRow, FillRu
 
 // Turns crossings into occupancy, in place of the entering bits, and advances the carry. Returns
 // whether any voxel is inside. `holes`: of the slab, where there are voxels of the winding band.
-//
-// While the sum stays in {0, 1} it is the parity of the crossings, and parity is 64 voxels at a
-// time. It does stay there if every entering crossing is followed by a set voxel and every leaving
-// one by a clear one; the rows where that fails are counted.
 bool sumCrossings(SlabCrossings& crossings, FillRule rule, SlabHoles* holes, SlabCarry& carry) {
   std::optional<RowsOf> holeRows;
   if (holes != nullptr) {
@@ -242,37 +230,32 @@ bool sumCrossings(SlabCrossings& crossings, FillRule rule, SlabHoles* holes, Sla
   }
   RowsOf rows(crossings);
   std::uint64_t any = 0;
-  for (std::int32_t r = 0; r < kSlabRows; ++r) {
-    const auto index = static_cast<std::size_t>(r);
-    const RowCrossings row = rows.row(r);
-    std::uint64_t* in = crossings.entering.rows[r];
-    const std::uint64_t* out = crossings.leaving.rows[r];
-    std::int32_t& sum = carry.sums[index];
-
-    if (holes != nullptr && (holes->flags.rows[r][0] | holes->flags.rows[r][1]) != 0) {
-      const RowCrossings holeRow = holeRows->row(r);
-      countRowInBand(row, holeRow, rule, holes->flags.rows[r],
-                     holes->values.data() + index * kNodeSize, carry.holes[index], sum,
-                     carry.rests[index], in);
-      any |= in[0] | in[1];
-      continue;
+  alignas(64) std::uint64_t inside[kParityRows][2], failed[kParityRows];
+  for (std::int32_t first = 0; first < kSlabRows; first += kParityRows) {
+    std::uint64_t(*in)[2] = crossings.entering.rows + first;
+    std::int32_t* sums = carry.sums.data() + first;
+    const bool parity = !parityRows(in, crossings.leaving.rows + first, sums, inside, failed) &&
+                        !rows.anyBefore(first + kParityRows) && holes == nullptr;
+    for (std::int32_t i = 0; i < kParityRows && !parity; ++i) {
+      const std::int32_t r = first + i;
+      const auto index = static_cast<std::size_t>(r);
+      const RowCrossings row = rows.row(r);
+      if (holes != nullptr && (holes->flags.rows[r][0] | holes->flags.rows[r][1]) != 0)
+        countRowInBand(row, holeRows->row(r), rule, holes->flags.rows[r],
+                       holes->values.data() + index * kNodeSize, carry.holes[index], sums[i],
+                       carry.rests[index], inside[i]);
+      else if (failed[i] != 0 || row.extra != row.extraEnd)
+        countRow(row, rule, sums[i], inside[i]);
+      else
+        sums[i] = static_cast<std::int32_t>(inside[i][1] >> 63);
     }
-    bool counted = row.extra != row.extraEnd || (sum & ~1) != 0;
-    if (!counted) {
-      const std::uint64_t inOnly0 = in[0] & ~out[0], outOnly0 = out[0] & ~in[0];
-      const std::uint64_t inOnly1 = in[1] & ~out[1], outOnly1 = out[1] & ~in[1];
-      const std::uint64_t low = prefixXor(inOnly0 | outOnly0) ^ (sum != 0 ? ~0ull : 0ull);
-      const std::uint64_t high = prefixXor(inOnly1 | outOnly1) ^ ((low >> 63) != 0 ? ~0ull : 0ull);
-      counted = ((inOnly0 & ~low) | (outOnly0 & low) | (inOnly1 & ~high) | (outOnly1 & high)) != 0;
-      if (!counted) {
-        in[0] = low;
-        in[1] = high;
-        sum = static_cast<std::int32_t>(high >> 63);
-      }
+    for (std::int32_t i = 0; i < kParityRows && parity; ++i)
+      sums[i] = static_cast<std::int32_t>(inside[i][1] >> 63);
+    for (std::int32_t i = 0; i < kParityRows; ++i) {
+      any |= inside[i][0] | inside[i][1];
+      in[i][0] = inside[i][0];
+      in[i][1] = inside[i][1];
     }
-    if (counted)
-      countRow(row, rule, sum, in);
-    any |= in[0] | in[1];
   }
   carry.refreshUniform();
   return any != 0;

@@ -5,6 +5,7 @@
 #include "tetvdb/mesh/CellMesh.h"
 
 #include <string>
+#include <string_view>
 
 namespace tetvdb {
 
@@ -13,5 +14,9 @@ namespace tetvdb {
 /// usual name; removes arrays that were not requested. `where` is for messages. Throws
 /// Error(Invalid) without solid cells, Error(Usage) for an invalid region array.
 void finishCells(const std::string& where, CellMesh& mesh, const ReadOptions& options);
+
+/// The place of an array's name among the usual names of arrays with region numbers, the most
+/// frequent first; -1 where it is none of them.
+int usualRegionName(std::string_view name);
 
 } // namespace tetvdb

@@ -144,6 +144,7 @@ std::vector<Format> makeTable() {
                       kTets | kArrays, isGmsh, readGmsh));
   all.back().isNamed = isDamagedGmsh;
   all.back().writeTets = writeGmsh;
+  all.back().spoolCells = spoolGmsh;
   all.push_back(
       cells(FileFormat::Medit, "Medit .mesh", ".mesh", "GMF as text", kTets, isMedit, readMedit));
   all.back().isNamed = isDamagedMedit;
@@ -167,6 +168,7 @@ std::vector<Format> makeTable() {
   all.push_back(cellsOrFaces<readVtu>(FileFormat::Vtu, "VTK .vtu", ".vtu",
                                       "VTK XML unstructured grid", 0, isVtu, vtuHasSolidCells));
   all.back().writeTets = writeVtu;
+  all.back().spoolCells = spoolVtu;
   all.push_back(cellsOrFaces<readPvtu>(FileFormat::Pvtu, "VTK .pvtu", ".pvtu",
                                        "An index of .vtu pieces", 0, isPvtu, pvtuHasSolidCells));
   all.push_back(triangles(FileFormat::Vtp, "VTK .vtp", ".vtp", "VTK XML polygons and strips", isVtp,
@@ -261,6 +263,8 @@ bool can(const Format& format, FormatUse use) {
   switch (use) {
   case FormatUse::ReadCells:
     return format.readCells != nullptr;
+  case FormatUse::SpoolCells:
+    return format.spoolCells != nullptr;
   case FormatUse::ReadTriangles:
     return format.readTriangles != nullptr;
   case FormatUse::ReadMesh:

@@ -111,6 +111,11 @@ void leaveOutUnwanted(CellMesh& mesh, const ReadOptions& options) {
 
 } // namespace
 
+int usualRegionName(std::string_view name) {
+  const auto found = std::find(kRegionNames.begin(), kRegionNames.end(), normalized(name));
+  return found == kRegionNames.end() ? -1 : static_cast<int>(found - kRegionNames.begin());
+}
+
 void finishCells(const std::string& where, CellMesh& mesh, const ReadOptions& options) {
   const bool solid = std::any_of(mesh.runs.begin(), mesh.runs.end(), [](const CellRun& run) {
     return run.count > 0 && run.type != CellType::Flat;

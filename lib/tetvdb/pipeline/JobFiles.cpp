@@ -3,14 +3,13 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/ResidentBytes.h"
 #include "tetvdb/io/source/ReferredFiles.h"
 #include "tetvdb/pipeline/FindFrames.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <set>
-#include <unistd.h>
 
 namespace tetvdb {
 namespace {
@@ -36,17 +35,6 @@ std::string_view thingsOf(FormatUse use) {
               ending.empty() ? "the output's name has no extension"
                              : "cannot write files that end in '" + ending + "'",
               advice);
-}
-
-std::size_t residentBytes() {
-  std::size_t total = 0;
-  std::size_t resident = 0;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
-    if (std::fscanf(file, "%zu %zu", &total, &resident) != 2)
-      resident = 0;
-    std::fclose(file);
-  }
-  return resident * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
 std::string megabytes(std::size_t bytes) {

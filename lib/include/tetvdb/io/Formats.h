@@ -24,6 +24,7 @@ struct CellMesh;
 struct FileStart; // io/FormatSignatures.h
 struct ReadOptions;
 struct Source;
+class SpooledMesh; // mesh/SpooledMesh.h
 struct TetMesh;
 struct TriangleMesh;
 class Volume;
@@ -52,6 +53,9 @@ struct Format {
   bool (*isNamed)(const FileStart&) = nullptr;
 
   CellMesh (*readCells)(const Source&, const ReadOptions&, Report&, Progress&) = nullptr;
+  /// The tets of a file that may be larger than memory.
+  void (*spoolCells)(const Source&, const ReadOptions&, SpooledMesh&, Report&,
+                     Progress&) = nullptr;
   TriangleMesh (*readTriangles)(const Source&, Report&, Progress&) = nullptr;
   Volume (*readVolume)(const std::string& path, Progress&) = nullptr;
   /// Only for formats with both: whether a file has solid cells. Reads the types of cells, up to
@@ -75,7 +79,8 @@ enum class FormatUse : std::uint8_t {
   ReadTriangles,
   ReadMesh, ///< cells or triangles, or a sequence of such files
   ReadVolume,
-  ReadSteps, ///< several steps in one file
+  SpoolCells, ///< tets, without the whole mesh in memory
+  ReadSteps,  ///< several steps in one file
   WriteTets,
   WriteTriangles,
   WriteVolume,

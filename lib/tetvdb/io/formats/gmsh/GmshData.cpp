@@ -1,9 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/formats/gmsh/GmshData.h"
 
+#include <algorithm>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
 
 namespace tetvdb {
+namespace {
+
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kChunk = std::size_t(1) << 18; // numbers
+
+// Values of consecutive elements go into a file together.
+class Runs {
+public:
+  Runs(FileSpool& spool, std::size_t components) : spool_(spool), components_(components) {}
+
+  void put(std::size_t index, const double* values) {
+    if (index != first_ + values_.size() / components_ || values_.size() >= kChunk) {
+      flush();
+      first_ = index;
+    }
+    values_.insert(values_.end(), values, values + components_);
+  }
+  void flush() {
+    if (!values_.empty())
+      spool_.overwrite(first_ * components_ * sizeof(double), values_.data(),
+                       values_.size() * sizeof(double));
+    values_.clear();
+  }
+
+private:
+  FileSpool& spool_;
+  std::size_t components_, first_ = 0;
+  std::vector<double> values_;
+};
+
+} // namespace
+
 void GmshData::read(Attribute::On on, const IdMap& ids, std::size_t things,
                     std::vector<Attribute>& attributes) {
   std::string name;
@@ -40,27 +76,91 @@ void GmshData::read(Attribute::On on, const IdMap& ids, std::size_t things,
   size_ += things * components;
   if (size_ / 8 > fileBytes_)
     in_.fail("data sections such as '" + name + "' have values for too few nodes or elements");
-  std::vector<double>& values = array(attributes, name, on, components, things, tags[0]);
+  const Target to = target(attributes, name, on, components, things, tags[0]);
+  std::optional<Runs> runs;
+  if (to.spool != nullptr)
+    runs.emplace(*to.spool, components);
+  std::vector<double> tuple(components);
   std::size_t unknown = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t index = ids.find(in_.integer());
+    for (double& value : tuple)
+      value = in_.binary ? in_.real() : in_.text.value();
     if (index == IdMap::kNone)
       ++unknown;
-    for (std::size_t k = 0; k < components; ++k) {
-      const double value = in_.binary ? in_.real() : in_.text.value();
-      if (index != IdMap::kNone && !values.empty())
-        values[index * components + k] = value;
-    }
+    else if (runs)
+      runs->put(index, tuple.data());
+    else if (to.values != nullptr)
+      std::copy(tuple.begin(), tuple.end(),
+                to.values->begin() + static_cast<std::ptrdiff_t>(index * components));
   }
+  if (runs)
+    runs->flush();
   if (unknown > 0)
     report_.warn("unknown-ids", std::to_string(unknown) + " values of '" + name +
                                     "' are for nodes or elements that do not exist");
 }
 
+GmshData::Target GmshData::target(std::vector<Attribute>& attributes, const std::string& name,
+                                  Attribute::On on, std::size_t components, std::size_t things,
+                                  std::int64_t step) {
+  if (spool_ != nullptr)
+    return spooled(name, on, components, things, step);
+  std::vector<double>& values = array(attributes, name, on, components, things, step);
+  return {values.empty() ? nullptr : &values, nullptr};
+}
+
+GmshData::Target GmshData::spooled(const std::string& name, Attribute::On on,
+                                   std::size_t components, std::size_t things, std::int64_t step) {
+  constexpr std::size_t kDouble = 1; // of Attribute::Values
+  SpooledArray* known = spool_->find(name, on);
+  if (known == nullptr) {
+    known = spool_->add(name, on, static_cast<std::uint32_t>(components), kDouble);
+    steps_.push_back(step);
+  } else {
+    std::int64_t& last = steps_[static_cast<std::size_t>(known - spool_->arrays.data())];
+    if (step < last)
+      return {};
+    if (step == last && known->components == components)
+      return {nullptr, known->values.get()};
+    last = step;
+    known->components = static_cast<std::uint32_t>(components);
+    known->values->clear();
+  }
+  const std::vector<double> missing(std::min(kChunk, things * components), kMissing);
+  for (std::size_t left = things * components; left > 0;) {
+    const std::size_t some = std::min(left, missing.size());
+    known->values->append(missing.data(), some * sizeof(double));
+    left -= some;
+  }
+  return {nullptr, known->values.get()};
+}
+
+void GmshData::finish(const std::function<void(const VisitRun&)>& eachRun) {
+  for (SpooledArray& array : spool_->arrays) {
+    if (array.on != Attribute::On::Cells)
+      continue;
+    auto solid = std::make_unique<FileSpool>(spool_->folder());
+    array.values->finish();
+    const char* from = array.values->as<char>();
+    eachRun([&](std::size_t count, bool isSolid) {
+      constexpr std::size_t kBytes = kChunk * sizeof(double);
+      for (std::size_t left = count * array.bytesEach(); left > 0;) {
+        const std::size_t some = std::min(left, kBytes);
+        if (isSolid)
+          solid->append(from, some);
+        from += some;
+        left -= some;
+        array.values->release();
+      }
+    });
+    array.values = std::move(solid);
+  }
+}
+
 std::vector<double>& GmshData::array(std::vector<Attribute>& attributes, const std::string& name,
                                      Attribute::On on, std::size_t components, std::size_t things,
                                      std::int64_t step) {
-  constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < attributes.size(); ++i) {
     Attribute& known = attributes[i];
     if (known.name != name || known.on != on)

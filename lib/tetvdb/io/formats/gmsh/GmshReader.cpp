@@ -9,6 +9,7 @@
 #include "tetvdb/io/formats/gmsh/GmshCursor.h"
 #include "tetvdb/io/formats/gmsh/GmshData.h"
 #include "tetvdb/io/formats/gmsh/GmshElements.h"
+#include "tetvdb/mesh/SpooledMesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,9 +36,14 @@ struct VolumeTags {
 
 class Reader {
 public:
-  Reader(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), in_(source),
-        data_(in_, source.bytes.size(), report) {}
+  /// `spool`: takes what is read, part by part; null: it stays in memory.
+  Reader(const Source& source, const ReadOptions& options, SpooledMesh* spool, Report& report,
+         Progress& progress)
+      : source_(source), options_(options), spool_(spool), report_(report), progress_(progress),
+        in_(source), data_(in_, source.bytes.size(), report) {
+    if (spool_ != nullptr)
+      data_.spoolTo(*spool_);
+  }
 
   CellMesh read() {
     while (!in_.text.atEnd())
@@ -47,6 +53,11 @@ public:
     if (!haveElements_)
       in_.fail("has no $Elements section", kExportWithGmsh);
     setRegions();
+    if (spool_ != nullptr)
+      data_.finish([&](const auto& visit) {
+        for (const TagRun& run : tags_)
+          visit(run.count, run.solid);
+      });
     return std::move(mesh_);
   }
 
@@ -96,7 +107,7 @@ private:
     if (!(ofNodes ? haveNodes_ : haveElements_))
       in_.fail("data come before the mesh", kExportWithGmsh);
     data_.read(ofNodes ? Attribute::On::Points : Attribute::On::Cells,
-               ofNodes ? nodeIds_ : elementIds_, ofNodes ? mesh_.points.size() : elements_,
+               ofNodes ? nodeIds_ : elementIds_, ofNodes ? pointCount() : elements_,
                mesh_.attributes);
   }
 
@@ -210,10 +221,25 @@ private:
     nodeIds_.add(id);
     mesh_.points.push_back(point);
     if (mesh_.points.size() % kItemsPerUpdate == 0)
-      update();
+      flushPoints();
+  }
+
+  std::size_t pointCount() const {
+    return mesh_.points.size() + (spool_ != nullptr ? spool_->pointCount() : 0);
+  }
+  void reservePoints(std::size_t n) {
+    mesh_.points.reserve(spool_ != nullptr ? std::min(n, kItemsPerUpdate) : n);
+  }
+  void flushPoints() {
+    update();
+    if (spool_ == nullptr)
+      return;
+    spool_->points.append(mesh_.points);
+    mesh_.points.clear();
   }
 
   void endNodes() {
+    flushPoints();
     nodeIds_.finish();
     if (nodeIds_.duplicates() > 0)
       report_.warn("duplicate-ids", std::to_string(nodeIds_.duplicates()) +
@@ -227,7 +253,7 @@ private:
     in_.enterBinary();
     const std::size_t n = in_.checkCount(declared, "nodes", 8, 4 + 3 * 8);
     checkPointCount(n, source_.path);
-    mesh_.points.reserve(n);
+    reservePoints(n);
     for (std::size_t i = 0; i < n; ++i) {
       const std::int64_t id = in_.integer();
       const double x = in_.real(), y = in_.real(), z = in_.real();
@@ -243,7 +269,7 @@ private:
     const std::size_t blocks = in_.count("node blocks", 8, 12 + in_.sizeBytes);
     const std::size_t total = in_.count("nodes", 6, (old ? 4 : in_.sizeBytes) + 3 * 8);
     checkPointCount(total, source_.path);
-    mesh_.points.reserve(total);
+    reservePoints(total);
     if (!old)
       in_.size(), in_.size(); // min and max tag
     for (std::size_t b = 0; b < blocks; ++b) {
@@ -254,7 +280,7 @@ private:
       const int parameters =
           parametric ? static_cast<int>(std::clamp<std::int64_t>(dimension, 0, 3)) : 0;
       const std::size_t n = in_.count("nodes", 6, (old ? 4 : in_.sizeBytes) + 3 * 8);
-      if (mesh_.points.size() + n > total)
+      if (pointCount() + n > total)
         in_.fail("node blocks hold more than the " + std::to_string(total) + " nodes declared",
                  kExportWithGmsh);
       if (old)
@@ -262,9 +288,9 @@ private:
       else
         readNodeBlock41(n, parameters);
     }
-    if (mesh_.points.size() != total)
-      in_.fail(std::to_string(total) + " nodes are declared, " +
-                   std::to_string(mesh_.points.size()) + " are there",
+    if (pointCount() != total)
+      in_.fail(std::to_string(total) + " nodes are declared, " + std::to_string(pointCount()) +
+                   " are there",
                kExportWithGmsh);
     endNodes();
   }
@@ -280,22 +306,12 @@ private:
   }
 
   void readNodeBlock41(std::size_t n, int parameters) {
-    const std::size_t before = mesh_.points.size();
     if (in_.binary && parameters == 0) {
       for (std::size_t i = 0; i < n; ++i)
         nodeIds_.add(in_.size());
       in_.bytes.checkCount(n, sizeof(Vec3d), "nodes");
-      mesh_.points.resize(before + n);
-      if (n == 0)
-        return;
-      in_.bytes.read<double>(mesh_.points[before].data(), 3 * n);
-      const auto bad = std::find_if_not(mesh_.points.begin() + static_cast<std::ptrdiff_t>(before),
-                                        mesh_.points.end(), isFinite);
-      if (bad != mesh_.points.end())
-        in_.fail("node " + std::to_string(bad - mesh_.points.begin() + 1) +
-                     " of the file has a coordinate that is not a finite number",
-                 "repair the mesh");
-      update();
+      for (std::size_t done = 0; done < n; done += kItemsPerUpdate)
+        readCoordinates(std::min(kItemsPerUpdate, n - done));
       return;
     }
     std::vector<std::int64_t> ids(n);
@@ -307,6 +323,21 @@ private:
         in_.real();
       addPoint(id, {x, y, z});
     }
+  }
+
+  void readCoordinates(std::size_t n) {
+    const std::size_t before = mesh_.points.size();
+    mesh_.points.resize(before + n);
+    in_.bytes.read<double>(mesh_.points[before].data(), 3 * n);
+    const auto bad = std::find_if_not(mesh_.points.begin() + static_cast<std::ptrdiff_t>(before),
+                                      mesh_.points.end(), isFinite);
+    if (bad != mesh_.points.end())
+      in_.fail("node " +
+                   std::to_string(pointCount() -
+                                  static_cast<std::size_t>(mesh_.points.end() - bad) + 1) +
+                   " of the file has a coordinate that is not a finite number",
+               "repair the mesh");
+    flushPoints();
   }
 
   // --- Elements ---------------------------------------------------------------------------------
@@ -343,7 +374,23 @@ private:
       throw Error(Status::Limit, source_.path, "more than 4294967294 elements",
                   "split it into several files");
     if (elements_ / kItemsPerUpdate != (elements_ - count) / kItemsPerUpdate)
-      update();
+      flushElements();
+  }
+
+  void flushElements() {
+    update();
+    if (spool_ == nullptr)
+      return;
+    for (const CellRun& run : mesh_.runs) {
+      if (run.type != CellType::Flat && (run.type != CellType::Tetra || run.quadratic))
+        in_.fail("holds elements of the kind '" + run.fileType +
+                     "'; only meshes of linear tets can be prepared",
+                 "write it as tets first, by `write_mesh`");
+      spool_->cells[run.fileType] += run.count;
+    }
+    spool_->tets.append(mesh_.nodes);
+    mesh_.nodes.clear();
+    mesh_.runs.clear();
   }
 
   void addNode(std::int64_t id) {
@@ -420,7 +467,8 @@ private:
     const auto skipped = static_cast<std::size_t>(tags);
     const std::size_t stride = 4 * (1 + skipped + kind.nodes);
     const std::size_t n = in_.bytes.checkCount(follow, stride, "elements");
-    mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.stored()) * (n > 1 ? n : 0));
+    const std::size_t soon = spool_ != nullptr ? std::min(n, kItemsPerUpdate) : n;
+    mesh_.nodes.reserve(mesh_.nodes.size() + std::size_t(kind.stored()) * (n > 1 ? soon : 0));
     std::int32_t physical = 0, geometrical = 0;
     std::size_t alike = 0; // elements not yet counted with these tags
     for (std::size_t i = 0; i < n; ++i) {
@@ -467,14 +515,19 @@ private:
       if ((old ? second : first) == 3)
         if (const auto known = volumes_.find(entity); known != volumes_.end())
           tags = known->second;
-      if (in_.binary)
-        readElementBlock4(kind, n, width);
-      else
-        for (std::size_t i = 0; i < n; ++i) {
-          numberElement(in_.text.integer());
-          readNodesOf(kind);
-        }
-      addElements(kind, n, tags.physical, tags.geometrical);
+      if (in_.binary && spool_ == nullptr)
+        mesh_.nodes.reserve(mesh_.nodes.size() + n * std::size_t(kind.stored()));
+      for (std::size_t done = 0; done < n; done += kItemsPerUpdate) {
+        const std::size_t some = std::min(kItemsPerUpdate, n - done);
+        if (in_.binary)
+          readElementBlock4(kind, some, width);
+        else
+          for (std::size_t i = 0; i < some; ++i) {
+            numberElement(in_.text.integer());
+            readNodesOf(kind);
+          }
+        addElements(kind, some, tags.physical, tags.geometrical);
+      }
       found += n;
     }
     if (found != total)
@@ -504,8 +557,6 @@ private:
     mesh_.nodes.resize(before + stored * n);
     std::uint32_t* to = mesh_.nodes.data() + before;
     for (std::size_t i = 0; i < n; ++i, from += stride) {
-      if (i % kItemsPerUpdate == kItemsPerUpdate - 1)
-        update();
       for (std::size_t k = 0; k < stored; ++k) {
         const std::size_t place = 1 + (kind.order != nullptr ? kind.order[k] : k);
         const auto id = static_cast<std::int64_t>(loadNumber<T>(from + sizeof(T) * place, swap));
@@ -520,6 +571,7 @@ private:
   }
 
   void setRegions() {
+    flushElements();
     bool physical = false;
     bool geometrical = false;
     for (const TagRun& run : tags_) {
@@ -530,10 +582,15 @@ private:
       mesh_.regionNames.clear();
     if (!physical && !geometrical)
       return;
-    mesh_.regions.reserve(elements_);
-    for (const TagRun& run : tags_)
-      mesh_.regions.insert(mesh_.regions.end(), run.count,
-                           physical ? run.physical : run.geometrical);
+    if (spool_ == nullptr)
+      mesh_.regions.reserve(elements_);
+    for (const TagRun& run : tags_) {
+      const std::int32_t region = physical ? run.physical : run.geometrical;
+      if (spool_ == nullptr)
+        mesh_.regions.insert(mesh_.regions.end(), run.count, region);
+      for (std::size_t i = 0; spool_ != nullptr && run.solid && i < run.count; ++i)
+        spool_->regions.append(&region, sizeof region);
+    }
   }
 
   void update() {
@@ -544,6 +601,7 @@ private:
 
   const Source& source_;
   const ReadOptions& options_;
+  SpooledMesh* spool_;
   Report& report_;
   Progress& progress_;
   GmshCursor in_;
@@ -563,7 +621,12 @@ private:
 
 CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
-  return Reader(source, options, report, progress).read();
+  return Reader(source, options, nullptr, report, progress).read();
+}
+
+void spoolGmsh(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
+               Progress& progress) {
+  Reader(source, options, &mesh, report, progress).read();
 }
 
 } // namespace tetvdb

@@ -11,6 +11,8 @@
 
 namespace tetvdb {
 
+class SpooledMesh;
+
 /// Nodes and elements in file order. A solid cell's region is its physical group if any solid
 /// cell has one, named by $PhysicalNames, and its geometrical entity otherwise. $NodeData and
 /// $ElementData become attributes of doubles with their names, the last time step of each; NaN
@@ -20,5 +22,11 @@ namespace tetvdb {
 /// inconsistent mesh.
 CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
+
+/// The same, of linear tets alone, part by part: elements without a volume are left out, others
+/// are Error(Invalid). Memory: a few million numbers; 4 bytes a node, and an element where there
+/// are data of elements, whose numbers are not consecutive.
+void spoolGmsh(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
+               Progress& progress);
 
 } // namespace tetvdb

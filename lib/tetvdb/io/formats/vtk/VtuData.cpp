@@ -167,6 +167,15 @@ public:
     }
     return out;
   }
+  /// The same as a copy.
+  void read(char* out, std::uint64_t n) {
+    if (base64_) {
+      text_.read(out, n);
+    } else {
+      const Decoded view = take(n);
+      std::memcpy(out, view.data, n);
+    }
+  }
 
 private:
   bool base64_;
@@ -215,51 +224,79 @@ bool decompress(Compressor compressor, const char* from, std::size_t size, char*
   return false;
 }
 
-// Blocks: their number, the size of each and of the last (0: as the others) before compression, the
-// size of each after compression; then the blocks.
-Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t min,
-                     const std::string& path, Progress& progress) {
-  const std::size_t start = stream.position();
+// What precedes compressed blocks: their number, the size of each and of the last (0: as the
+// others) before compression, the size of each after compression.
+struct BlockTable {
+  std::size_t start = 0;             // of the array, for messages
+  std::vector<std::uint64_t> begins; // of the blocks and of their end, after compression
+  std::uint64_t blockSize = 0, lastSize = 0;
+
+  std::size_t count() const { return begins.size() - 1; }
+  std::uint64_t sizeOf(std::size_t block) const {
+    return block + 1 < count() ? blockSize : lastSize;
+  }
+  std::uint64_t total() const { return count() == 0 ? 0 : (count() - 1) * blockSize + lastSize; }
+};
+
+BlockTable readBlockTable(Stream& stream, const Encoding& encoding, std::uint64_t min,
+                          const std::string& path) {
+  BlockTable table;
+  table.start = stream.position();
   const std::uint64_t count = stream.header(encoding);
-  const std::uint64_t blockSize = stream.header(encoding);
-  const std::uint64_t lastSize = stream.header(encoding);
+  table.blockSize = stream.header(encoding);
+  table.lastSize = stream.header(encoding);
   if (count > stream.max() / (encoding.wideHeader ? 8 : 4))
-    fail(path, start, std::to_string(count) + " compressed blocks, more than the file holds");
+    fail(path, table.start, std::to_string(count) + " compressed blocks, more than the file holds");
   const Decoded sizes = stream.take(count * (encoding.wideHeader ? 8 : 4));
-  std::vector<std::uint64_t> begins(count + 1, 0);
+  std::vector<std::uint64_t>& begins = table.begins;
+  begins.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) {
     begins[i + 1] = begins[i] + headerWord(sizes.data, i, encoding);
     if (begins[i + 1] < begins[i] || begins[i + 1] > stream.max())
-      fail(path, start, "compressed blocks that do not fit the file");
+      fail(path, table.start, "compressed blocks that do not fit the file");
   }
-  Decoded out;
   if (count == 0) {
     if (min > 0)
-      fail(path, start, "an array without data");
-    return out;
+      fail(path, table.start, "an array without data");
+    return table;
   }
-  const std::uint64_t last = lastSize == 0 ? blockSize : lastSize;
-  const double total =
-      static_cast<double>(count - 1) * static_cast<double>(blockSize) + static_cast<double>(last);
+  if (table.lastSize == 0)
+    table.lastSize = table.blockSize;
+  const double total = static_cast<double>(count - 1) * static_cast<double>(table.blockSize) +
+                       static_cast<double>(table.lastSize);
   const double room = maxExpansion(encoding.compressor) * static_cast<double>(begins[count] + 64);
-  if (total > 9e18 || last > blockSize || total > room)
-    fail(path, start, "compressed blocks that claim more bytes than they can hold");
-  out.size = (count - 1) * blockSize + last;
-  if (out.size < min)
-    fail(path, start,
-         "an array of " + std::to_string(out.size) + " bytes in place of " + std::to_string(min));
+  if (total > 9e18 || table.lastSize > table.blockSize || total > room)
+    fail(path, table.start, "compressed blocks that claim more bytes than they can hold");
+  if (table.total() < min)
+    fail(path, table.start,
+         "an array of " + std::to_string(table.total()) + " bytes in place of " +
+             std::to_string(min));
+  return table;
+}
 
-  const Decoded packed = stream.take(begins[count]);
+void decompressBlock(const BlockTable& table, std::size_t block, Compressor compressor,
+                     const char* packed, char* out, const std::string& path) {
+  if (!decompress(compressor, packed, table.begins[block + 1] - table.begins[block], out,
+                  table.sizeOf(block)))
+    fail(path, table.start, "a compressed block of an array is damaged");
+}
+
+Decoded decodeBlocks(Stream& stream, const Encoding& encoding, std::uint64_t min,
+                     const std::string& path, Progress& progress) {
+  const BlockTable table = readBlockTable(stream, encoding, min, path);
+  Decoded out;
+  if (table.count() == 0)
+    return out;
+  out.size = table.total();
+  const Decoded packed = stream.take(table.begins.back());
   out.owned.reset(new char[out.size]); // not cleared: only decompressed bytes use memory
   out.data = out.owned.get();
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, table.count()), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       if (i % 64 == 0)
         progress.check();
-      const std::size_t expected = i + 1 < count ? blockSize : last;
-      if (!decompress(encoding.compressor, packed.data + begins[i], begins[i + 1] - begins[i],
-                      out.owned.get() + i * blockSize, expected))
-        fail(path, start, "a compressed block of an array is damaged");
+      decompressBlock(table, i, encoding.compressor, packed.data + table.begins[i],
+                      out.owned.get() + i * table.blockSize, path);
     }
   });
   return out;
@@ -280,6 +317,66 @@ Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::
     fail(path, start,
          "an array of " + std::to_string(size) + " bytes in place of " + std::to_string(min));
   return stream.take(size);
+}
+
+struct ArrayStream::State {
+  State(const Excerpt& from, bool isBase64, const Encoding& how, const std::string& file)
+      : path(file), encoding(how), stream(from, isBase64, path) {
+    if (from.bytes.empty())
+      return;
+    if (encoding.compressor == Compressor::None) {
+      left = stream.header(encoding);
+    } else {
+      table = readBlockTable(stream, encoding, 0, path);
+      left = table.total();
+    }
+  }
+
+  void nextBlock() {
+    const Decoded packed = stream.take(table.begins[next + 1] - table.begins[next]);
+    block.resize(static_cast<std::size_t>(table.sizeOf(next)));
+    decompressBlock(table, next, encoding.compressor, packed.data, block.data(), path);
+    ++next;
+    at = 0;
+  }
+
+  std::string path;
+  Encoding encoding;
+  Stream stream;
+  BlockTable table;
+  std::uint64_t left = 0;
+  std::vector<char> block; // the one being read, up to `at`
+  std::size_t at = 0, next = 0;
+};
+
+ArrayStream::ArrayStream(const Excerpt& from, bool base64, const Encoding& encoding,
+                         const std::string& path)
+    : state_(std::make_unique<State>(from, base64, encoding, path)) {}
+ArrayStream::~ArrayStream() = default;
+
+std::uint64_t ArrayStream::left() const {
+  return state_->left;
+}
+
+void ArrayStream::read(char* out, std::uint64_t n) {
+  State& s = *state_;
+  if (n > s.left)
+    fail(s.path, s.stream.position(),
+         "an array that ends " + std::to_string(n - s.left) + " bytes early");
+  s.left -= n;
+  if (s.encoding.compressor == Compressor::None) {
+    s.stream.read(out, n);
+    return;
+  }
+  while (n > 0) {
+    if (s.at == s.block.size())
+      s.nextBlock();
+    const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(n, s.block.size() - s.at));
+    std::memcpy(out, s.block.data() + s.at, size);
+    s.at += size;
+    out += size;
+    n -= size;
+  }
 }
 
 } // namespace tetvdb::vtk

@@ -35,4 +35,23 @@ struct Decoded {
 Decoded decode(const Excerpt& from, bool base64, const Encoding& encoding, std::uint64_t min,
                const std::string& path, Progress& progress);
 
+/// The same bytes one after the other, for arrays that are larger than memory. Memory: one
+/// compressed block, and 8 bytes for each of them.
+class ArrayStream {
+public:
+  ArrayStream(const Excerpt& from, bool base64, const Encoding& encoding, const std::string& path);
+  ~ArrayStream();
+  ArrayStream(const ArrayStream&) = delete;
+  ArrayStream& operator=(const ArrayStream&) = delete;
+
+  /// Bytes that are left, as the array says; there may be less in a damaged file.
+  std::uint64_t left() const;
+  /// The next `n` bytes. Throws Error(Invalid) where they are not there or damaged.
+  void read(char* out, std::uint64_t n);
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 } // namespace tetvdb::vtk

@@ -5,13 +5,9 @@
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
-#include "tetvdb/io/formats/vtk/VtuMarkup.h"
-#include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/formats/vtk/VtuLayout.h"
 
 #include <algorithm>
-#include <cstring>
-#include <iterator>
-#include <limits>
 #include <utility>
 
 namespace tetvdb {
@@ -19,24 +15,19 @@ namespace {
 
 using namespace vtk;
 
-constexpr std::uint32_t kBigEndianMark = 0x01020304u;
-
-class VtuFile {
+class VtuFile : VtuLayout {
 public:
   VtuFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), markup_(source) {}
+      : VtuLayout(source), source_(source), options_(options), report_(report),
+        progress_(progress) {}
 
   CellMesh read() {
-    readEncoding();
     CellMesh whole;
-    const auto pieces =
-        markup_.root().child(isPoly_ ? "PolyData" : "UnstructuredGrid").children("Piece");
-    const auto count = std::distance(pieces.begin(), pieces.end());
-    if (count == 0)
-      fail(source_.path, "the file has no <Piece>", "export it again");
+    const std::vector<pugi::xml_node> all = pieces();
+    const std::size_t count = all.size();
     std::size_t done = 0;
-    for (const pugi::xml_node piece : pieces) {
-      piece_ = done++;
+    for (const pugi::xml_node piece : all) {
+      beginPiece(done++);
       CellMesh mesh = readPiece(piece);
       if (count == 1)
         return mesh;
@@ -48,8 +39,7 @@ public:
 
   /// By the cells' types only.
   bool hasSolidCells() {
-    readEncoding();
-    for (const pugi::xml_node piece : markup_.root().child("UnstructuredGrid").children("Piece"))
+    for (const pugi::xml_node piece : root().child("UnstructuredGrid").children("Piece"))
       if (const std::size_t cells = count(piece, "NumberOfCells"); cells > 0)
         for (const std::uint8_t type : toTypes(array(needed(piece.child("Cells"), "types"), cells)))
           if (cellKind(type).type != CellType::Flat)
@@ -58,109 +48,24 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string& where, const std::string& what,
-                         const char* advice = kExport) const {
-    throw Error(Status::Invalid, where, what, advice);
-  }
-  /// "file", with the piece if there are several.
-  std::string where() const {
-    return piece_ == 0 ? source_.path : source_.path + ", piece " + std::to_string(piece_);
-  }
-
-  void readEncoding() {
-    const pugi::xml_node root = markup_.root();
-    const std::string_view type = root.attribute("type").value();
-    isPoly_ = type == "PolyData";
-    if (type != "UnstructuredGrid" && !isPoly_)
-      fail(source_.path,
-           "holds " + std::string(type.empty() ? "no type" : type) +
-               ", not an UnstructuredGrid or PolyData",
-           "save the mesh as an unstructured grid");
-    const std::string_view compressor = root.attribute("compressor").value();
-    if (compressor == "vtkZLibDataCompressor")
-      encoding_.compressor = Compressor::Zlib;
-    else if (compressor == "vtkLZ4DataCompressor")
-      encoding_.compressor = Compressor::Lz4;
-    else if (compressor == "vtkLZMADataCompressor")
-      encoding_.compressor = Compressor::Lzma;
-    else if (!compressor.empty())
-      fail(source_.path, "is compressed by '" + std::string(compressor) + "', which is not known",
-           "save it with zlib, lz4, lzma or without compression");
-    const std::string_view header = root.attribute("header_type").value();
-    if (!header.empty() && header != "UInt32" && header != "UInt64")
-      fail(source_.path, "header_type is neither UInt32 nor UInt64");
-    encoding_.wideHeader = header == "UInt64";
-    const std::string_view order = root.attribute("byte_order").value();
-    if (!order.empty() && order != "LittleEndian" && order != "BigEndian")
-      fail(source_.path, "byte_order is neither LittleEndian nor BigEndian");
-    encoding_.swap = order == "BigEndian"; // of little-endian machines
-  }
-
-  std::size_t count(pugi::xml_node node, const char* name) const {
-    const std::string_view text = node.attribute(name).value();
-    NumberParser in(text, where());
-    std::int64_t n = -1;
-    if (!in.tryInteger(n) || n < 0 || !in.atEnd())
-      fail(where(), std::string(name) + " is not a count");
-    return static_cast<std::size_t>(n);
-  }
-
-  std::uint32_t components(pugi::xml_node node, std::uint32_t missing) const {
-    if (!node.attribute("NumberOfComponents"))
-      return missing;
-    const std::size_t n = count(node, "NumberOfComponents");
-    if (n > 1u << 16)
-      fail(where(), "an array has " + std::to_string(n) + " components");
-    return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(n)); // some writers put 0
-  }
-
-  std::size_t product(std::size_t a, std::size_t b) const {
-    if (b != 0 && a > std::numeric_limits<std::size_t>::max() / 16 / b)
-      fail(where(), "more numbers are declared than the file holds", kCut);
-    return a * b;
-  }
-
   /// The `numbers` numbers of a <DataArray>. Previous ones have already been used.
   Array array(pugi::xml_node node, std::size_t numbers) {
     source_.release();
     const std::string name = node.attribute("Name").value();
-    const std::string_view typeName = node.attribute("type").value();
-    const auto type = xmlNumber(typeName);
-    if (!type)
-      fail(where(),
-           "the array '" + name + "' has the unknown type '" + std::string(typeName) + "'");
-    std::string_view format = node.attribute("format").value();
-    if (format.empty())
-      format = node.attribute("Format").value();
-
-    Excerpt from;
-    if (format == "appended") {
-      const std::size_t offset = count(node, "offset");
-      from = markup_.appended();
-      if (offset > from.bytes.size() || (numbers > 0 && offset == from.bytes.size()))
-        fail(where(), "the array '" + name + "' begins beyond the appended data", kCut);
-      from.begin += offset;
-      from.bytes.remove_prefix(offset);
-    } else {
-      from = markup_.text(node);
-      if (format == "ascii" || format.empty())
-        return textArray(from, *type, numbers, name);
-      if (format != "binary")
-        fail(where(),
-             "the array '" + name + "' has the unknown format '" + std::string(format) + "'");
-    }
-    const bool base64 = format != "appended" || !markup_.appendedIsRaw();
-    const std::uint64_t min = bytesFor(*type, numbers);
-    Decoded decoded = decode(from, base64, encoding_, min, source_.path, progress_);
+    const ArrayPlace place = locate(node, numbers);
+    if (place.isText)
+      return textArray(place.from, place.type, numbers, name);
+    const std::uint64_t min = bytesFor(place.type, numbers);
+    Decoded decoded = decode(place.from, place.base64, encoding(), min, source_.path, progress_);
     if (decoded.size > min)
       warnExtra(name);
     Array out;
-    out.type = *type;
-    out.swap = encoding_.swap;
+    out.type = place.type;
+    out.swap = encoding().swap;
     out.data = decoded.data;
     out.count = numbers;
     out.owned = std::move(decoded.owned);
-    out.where = source_.path + " at byte " + std::to_string(from.begin);
+    out.where = source_.path + " at byte " + std::to_string(place.from.begin);
     return out;
   }
 
@@ -180,16 +85,6 @@ private:
                  "the array '" + name + "' has more numbers than the mesh has places for them");
   }
 
-  pugi::xml_node named(pugi::xml_node cells, const char* name) const {
-    return cells.find_child_by_attribute("DataArray", "Name", name);
-  }
-  pugi::xml_node needed(pugi::xml_node cells, const char* name) const {
-    const pugi::xml_node node = named(cells, name);
-    if (!node)
-      fail(where(),
-           "<" + std::string(isPoly_ ? "Polys" : "Cells") + "> has no array '" + name + "'");
-    return node;
-  }
   /// An array of offsets, which ends with the length of another array.
   std::vector<std::uint64_t> offsets(pugi::xml_node node, std::size_t n) {
     return toOffsets(array(node, n));
@@ -197,7 +92,7 @@ private:
 
   CellMesh readPiece(pugi::xml_node piece) {
     const std::size_t points = count(piece, "NumberOfPoints");
-    const std::size_t cells = isPoly_ ? polyCellCount(piece) : count(piece, "NumberOfCells");
+    const std::size_t cells = isPoly() ? polyCellCount(piece) : count(piece, "NumberOfCells");
     CellMesh mesh;
     if (points > 0) {
       const pugi::xml_node node = piece.child("Points").child("DataArray");
@@ -210,7 +105,7 @@ private:
         throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
       progress_.update(0.2);
     }
-    if (isPoly_)
+    if (isPoly())
       readPolyCells(piece, mesh);
     else if (cells > 0)
       readCells(piece.child("Cells"), cells, mesh);
@@ -347,10 +242,6 @@ private:
   const ReadOptions& options_;
   Report& report_;
   Progress& progress_;
-  VtuMarkup markup_;
-  Encoding encoding_;
-  bool isPoly_ = false;
-  std::size_t piece_ = 0;
 };
 
 } // namespace

@@ -12,6 +12,8 @@
 
 namespace tetvdb {
 
+class SpooledMesh;
+
 /// The mesh of an UnstructuredGrid or PolyData: points, cells in file order (the Pieces one after
 /// the other, points not merged), and the point and cell arrays that every Piece has. Field data is
 /// ignored. With `options.attributes` false, only integer cell arrays are decoded besides the mesh.
@@ -19,6 +21,11 @@ namespace tetvdb {
 /// blocks are decoded in parallel.
 CellMesh readVtu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
+
+/// The same, of linear tets alone, part by part: cells without a volume are left out, others are
+/// Error(Invalid). Memory: a few million numbers, and the largest compressed block.
+void spoolVtu(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
+              Progress& progress);
 
 /// Whether an unstructured grid has solid cells: reads only the types of cells.
 bool vtuHasSolidCells(const Source& source, Report& report, Progress& progress);

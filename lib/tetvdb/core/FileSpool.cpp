@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/FileSpool.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/core/TemporaryFile.h"
+
+#include <cerrno>
+#include <cstring>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <utility>
+
+namespace tetvdb {
+namespace {
+
+constexpr std::size_t kBuffer = std::size_t(1) << 18;
+
+} // namespace
+
+FileSpool::FileSpool(std::string folder) : folder_(folder.empty() ? "." : std::move(folder)) {}
+
+FileSpool::~FileSpool() {
+  if (map_ != nullptr)
+    ::munmap(map_, static_cast<std::size_t>(size_));
+  if (descriptor_ >= 0)
+    ::close(descriptor_);
+}
+
+void FileSpool::append(const void* data, std::size_t size) {
+  buffer_.append(static_cast<const char*>(data), size);
+  size_ += size;
+  if (buffer_.size() >= kBuffer)
+    flush();
+}
+
+void FileSpool::overwrite(std::uint64_t at, const void* data, std::size_t size) {
+  flush();
+  writeAt(at, static_cast<const char*>(data), size);
+}
+
+void FileSpool::clear() {
+  buffer_.clear();
+  size_ = 0;
+}
+
+void FileSpool::finish() {
+  if (size_ == 0 || map_ != nullptr)
+    return;
+  flush();
+  std::string().swap(buffer_);
+  void* map =
+      ::mmap(nullptr, static_cast<std::size_t>(size_), PROT_READ, MAP_SHARED, descriptor_, 0);
+  if (map == MAP_FAILED)
+    fail("cannot map a temporary file", errno);
+  map_ = map;
+}
+
+void FileSpool::release() const noexcept {
+  if (map_ != nullptr)
+    ::madvise(map_, static_cast<std::size_t>(size_), MADV_DONTNEED);
+}
+
+void FileSpool::open() {
+  descriptor_ = createUnnamedFile(folder_);
+  if (descriptor_ < 0)
+    fail("cannot create a temporary file", errno);
+}
+
+void FileSpool::flush() {
+  if (buffer_.empty())
+    return;
+  if (descriptor_ < 0)
+    open();
+  writeAt(size_ - buffer_.size(), buffer_.data(), buffer_.size());
+  buffer_.clear();
+}
+
+void FileSpool::writeAt(std::uint64_t at, const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t done = ::pwrite(descriptor_, data, size, static_cast<off_t>(at));
+    if (done < 0 && errno == EINTR)
+      continue;
+    if (done <= 0)
+      fail("cannot write a temporary file", done < 0 ? errno : ENOSPC);
+    data += done;
+    at += static_cast<std::uint64_t>(done);
+    size -= static_cast<std::size_t>(done);
+  }
+}
+
+void FileSpool::fail(const char* what, int error) const {
+  throw Error(Status::Write, folder_, std::string(what) + ": " + std::strerror(error),
+              error == ENOSPC ? "free some space or write elsewhere; nothing was left behind" : "");
+}
+
+} // namespace tetvdb

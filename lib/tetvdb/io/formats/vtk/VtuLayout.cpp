@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/io/formats/vtk/VtuLayout.h"
+
+#include "tetvdb/core/Error.h"
+#include "tetvdb/io/text/NumberParser.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+namespace tetvdb::vtk {
+namespace {
+
+constexpr std::uint32_t kBigEndianMark = 0x01020304u;
+
+} // namespace
+
+VtuLayout::VtuLayout(const Source& source) : source_(source), markup_(source) {
+  readEncoding();
+}
+
+void VtuLayout::fail(const std::string& where, const std::string& what, const char* advice) const {
+  throw Error(Status::Invalid, where, what, advice);
+}
+
+std::string VtuLayout::where() const {
+  return piece_ == 0 ? source_.path : source_.path + ", piece " + std::to_string(piece_);
+}
+
+std::vector<pugi::xml_node> VtuLayout::pieces() const {
+  const auto all = root().child(isPoly_ ? "PolyData" : "UnstructuredGrid").children("Piece");
+  if (all.begin() == all.end())
+    fail(source_.path, "the file has no <Piece>", "export it again");
+  return {all.begin(), all.end()};
+}
+
+void VtuLayout::readEncoding() {
+  const pugi::xml_node root = markup_.root();
+  const std::string_view type = root.attribute("type").value();
+  isPoly_ = type == "PolyData";
+  if (type != "UnstructuredGrid" && !isPoly_)
+    fail(source_.path,
+         "holds " + std::string(type.empty() ? "no type" : type) +
+             ", not an UnstructuredGrid or PolyData",
+         "save the mesh as an unstructured grid");
+  const std::string_view compressor = root.attribute("compressor").value();
+  if (compressor == "vtkZLibDataCompressor")
+    encoding_.compressor = Compressor::Zlib;
+  else if (compressor == "vtkLZ4DataCompressor")
+    encoding_.compressor = Compressor::Lz4;
+  else if (compressor == "vtkLZMADataCompressor")
+    encoding_.compressor = Compressor::Lzma;
+  else if (!compressor.empty())
+    fail(source_.path, "is compressed by '" + std::string(compressor) + "', which is not known",
+         "save it with zlib, lz4, lzma or without compression");
+  const std::string_view header = root.attribute("header_type").value();
+  if (!header.empty() && header != "UInt32" && header != "UInt64")
+    fail(source_.path, "header_type is neither UInt32 nor UInt64");
+  encoding_.wideHeader = header == "UInt64";
+  const std::string_view order = root.attribute("byte_order").value();
+  if (!order.empty() && order != "LittleEndian" && order != "BigEndian")
+    fail(source_.path, "byte_order is neither LittleEndian nor BigEndian");
+  encoding_.swap = order == "BigEndian"; // of little-endian machines
+}
+
+std::size_t VtuLayout::count(pugi::xml_node node, const char* name) const {
+  const std::string_view text = node.attribute(name).value();
+  NumberParser in(text, where());
+  std::int64_t n = -1;
+  if (!in.tryInteger(n) || n < 0 || !in.atEnd())
+    fail(where(), std::string(name) + " is not a count");
+  return static_cast<std::size_t>(n);
+}
+
+std::uint32_t VtuLayout::components(pugi::xml_node node, std::uint32_t missing) const {
+  if (!node.attribute("NumberOfComponents"))
+    return missing;
+  const std::size_t n = count(node, "NumberOfComponents");
+  if (n > 1u << 16)
+    fail(where(), "an array has " + std::to_string(n) + " components");
+  return std::max<std::uint32_t>(1, static_cast<std::uint32_t>(n)); // some writers put 0
+}
+
+std::size_t VtuLayout::product(std::size_t a, std::size_t b) const {
+  if (b != 0 && a > std::numeric_limits<std::size_t>::max() / 16 / b)
+    fail(where(), "more numbers are declared than the file holds",
+         "the file is damaged or cut off; export it again");
+  return a * b;
+}
+
+pugi::xml_node VtuLayout::needed(pugi::xml_node cells, const char* name) const {
+  const pugi::xml_node node = named(cells, name);
+  if (!node)
+    fail(where(), "<" + std::string(isPoly_ ? "Polys" : "Cells") + "> has no array '" + name + "'");
+  return node;
+}
+ArrayPlace VtuLayout::locate(pugi::xml_node node, std::size_t numbers) const {
+  const std::string name = node.attribute("Name").value();
+  const std::string_view typeName = node.attribute("type").value();
+  const auto type = xmlNumber(typeName);
+  if (!type)
+    fail(where(), "the array '" + name + "' has the unknown type '" + std::string(typeName) + "'");
+  std::string_view format = node.attribute("format").value();
+  if (format.empty())
+    format = node.attribute("Format").value();
+
+  ArrayPlace place;
+  place.type = *type;
+  Excerpt& from = place.from;
+  if (format == "appended") {
+    const std::size_t offset = count(node, "offset");
+    from = markup_.appended();
+    if (offset > from.bytes.size() || (numbers > 0 && offset == from.bytes.size()))
+      fail(where(), "the array '" + name + "' begins beyond the appended data",
+           "the file is damaged or cut off; export it again");
+    from.begin += offset;
+    from.bytes.remove_prefix(offset);
+  } else {
+    from = markup_.text(node);
+    place.isText = format == "ascii" || format.empty();
+    if (!place.isText && format != "binary")
+      fail(where(),
+           "the array '" + name + "' has the unknown format '" + std::string(format) + "'");
+  }
+  place.base64 = format != "appended" || !markup_.appendedIsRaw();
+  return place;
+}
+
+} // namespace tetvdb::vtk

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "Meshes.h"
+#include "TemporaryFolder.h"
+#include "tetvdb/mesh/SpooledMesh.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
+#include "tetvdb/voxelize/SpooledBoundary.h"
 
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -70,6 +73,32 @@ void expectBoundary(const TetMesh& mesh) {
   }
   ASSERT_EQ(found, expected(mesh, snapped));
   ASSERT_EQ(found.size(), boundary.faces.size());
+
+  // Of a mesh in files, in as many passes as little memory needs: the same faces in their order.
+  const TemporaryFolder folder;
+  SpooledMesh spooled(folder.path().string());
+  spooled.points.append(mesh.points);
+  spooled.tets.append(mesh.tets);
+  spooled.finish();
+  const GridTransform transform{{1, 1, 1}, {0, 0, 0}};
+  const SpooledBoundary same = spooledBoundary(spooled, transform, 1 << 12, 0, progress);
+  ASSERT_EQ(same.chain.flipped, boundary.flipped);
+  ASSERT_EQ(same.chain.dropped, boundary.dropped);
+  ASSERT_EQ(same.chain.faces.size(), boundary.faces.size());
+  std::map<std::uint32_t, std::uint32_t> used; // by place
+  for (std::size_t i = 0; i < boundary.faces.size(); ++i) {
+    const BoundaryFace &a = boundary.faces[i], &b = same.chain.faces[i];
+    ASSERT_EQ(a.weight, b.weight);
+    for (const auto& [whole, own] : {std::pair(a.a, b.a), {a.b, b.b}, {a.c, b.c}}) {
+      ASSERT_LT(own, same.points.size());
+      ASSERT_EQ(same.points[own], mesh.points[whole]);
+      used.emplace(whole, own);
+    }
+  }
+  std::uint32_t next = 0;
+  for (const auto& [whole, own] : used)
+    ASSERT_EQ(own, next++);
+  ASSERT_EQ(same.points.size(), used.size());
 }
 
 TEST(BoundaryFaces, ABoxHasTwoTrianglesASquare) {
@@ -80,6 +109,10 @@ TEST(BoundaryFaces, ABoxHasTwoTrianglesASquare) {
   EXPECT_EQ(boundary.flipped, 0u);
   EXPECT_EQ(boundary.dropped, 0u);
   expectBoundary(mesh);
+}
+
+TEST(BoundaryFaces, OfManyPoints) {
+  expectBoundary(meshes::ball(24, 100, {1, 2, 3}));
 }
 
 TEST(BoundaryFaces, AnyOrderOfTetsAndPoints) {

@@ -6,6 +6,7 @@
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/Ownership.h"
 #include "tetvdb/geometry/TetBox.h"
+#include "tetvdb/voxelize/FaceSums.h"
 
 #include <algorithm>
 #include <atomic>
@@ -24,116 +25,18 @@
 namespace tetvdb {
 namespace {
 
-// A face, corners ascending; it belongs to the bucket of the first.
-struct FaceRecord {
-  std::uint32_t aSign; // first corner << 1 | 1 where the normal of a, b, c points inward
-  std::uint32_t b, c;
-};
-
-// Vertices a bucket covers: its hash table stays in the second cache.
-constexpr int kBucketBits = 9;
 // Tets a counting task takes, at least; a count is kept for every bucket and chunk.
 constexpr std::size_t kMinChunk = 65536;
 constexpr std::size_t kMaxChunks = 256;
 // Bytes for the sums of all threads together.
 constexpr std::size_t kSumBytes = std::size_t(1) << 29;
 
-struct SortedTet {
-  std::array<std::uint32_t, 4> v;
-  std::int32_t sign; // orientation in sorted order
-};
-
-inline SortedTet sortTet(const std::uint32_t* tet, std::int32_t sign) {
-  std::array<std::uint32_t, 4> v{tet[0], tet[1], tet[2], tet[3]};
-  const auto order = [&](std::size_t i, std::size_t j) {
-    const bool swap = v[i] > v[j];
-    const std::uint32_t lo = swap ? v[j] : v[i];
-    const std::uint32_t hi = swap ? v[i] : v[j];
-    v[i] = lo;
-    v[j] = hi;
-    sign = swap ? -sign : sign;
-  };
-  order(0, 1);
-  order(2, 3);
-  order(0, 2);
-  order(1, 3);
-  order(1, 2);
-  return {v, sign};
-}
-
-// Calls visit(a, b, c, sign) for the faces of a sorted tet, sign > 0 where the normal of a, b, c
-// points out of it.
-template <typename Visit>
-inline void eachFace(const SortedTet& t, const Visit& visit) {
-  visit(t.v[0], t.v[1], t.v[2], -t.sign);
-  visit(t.v[0], t.v[1], t.v[3], t.sign);
-  visit(t.v[0], t.v[2], t.v[3], -t.sign);
-  visit(t.v[1], t.v[2], t.v[3], t.sign);
-}
-
-// A pseudo-random number for a vertex: half of SplitMix64's finalizer, for speed.
-inline std::uint64_t fingerprint(std::uint32_t vertex) {
-  std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  return x ^ (x >> 29);
-}
-
-// Open addressing, linear probing; sums of signs by face.
-class FaceTable {
-public:
-  void reset(std::size_t faces) {
-    std::size_t size = 64;
-    while (size < faces + faces / 2)
-      size *= 2;
-    entries_.assign(size, Entry{0, 0, kEmpty, 0});
-    mask_ = size - 1;
-  }
-
-  void add(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t sign) {
-    const std::uint64_t key = (std::uint64_t(b) << 32 | c) * 0x9E3779B97F4A7C15ull;
-    std::size_t slot = ((key ^ (key >> 29)) + a * 0x85EBCA6Bull) & mask_;
-    for (;; slot = (slot + 1) & mask_) {
-      Entry& e = entries_[slot];
-      if (e.a == a && e.b == b && e.c == c) {
-        e.sum += sign;
-        return;
-      }
-      if (e.c == kEmpty) {
-        e = {a, b, c, sign};
-        return;
-      }
-    }
-  }
-
-  // Appends the faces whose sum is not zero, normals pointing out.
-  void collect(std::vector<BoundaryFace>& out) const {
-    for (const Entry& e : entries_) {
-      if (e.sum > 0)
-        out.push_back({e.a, e.b, e.c, e.sum});
-      if (e.sum < 0)
-        out.push_back({e.a, e.c, e.b, -e.sum});
-    }
-  }
-
-private:
-  // The largest vertex of a face is never kEmpty: vertices are below 2^31.
-  static constexpr std::uint32_t kEmpty = 0xFFFFFFFFu;
-  struct Entry {
-    std::uint32_t a, b, c;
-    std::int32_t sum;
-  };
-  std::vector<Entry> entries_;
-  std::size_t mask_ = 0;
-};
-
 // Adds r_b r_c over the faces a < b < c of a tet at their first corner.
 TETVDB_INLINE void addFaces(const std::uint32_t* v, std::int32_t sign, std::uint64_t* sums) {
   const SortedTet s = sortTet(v, sign);
-  const std::uint64_t r1 = fingerprint(s.v[1]), r2 = fingerprint(s.v[2]), r3 = fingerprint(s.v[3]);
-  const auto weight = static_cast<std::uint64_t>(static_cast<std::int64_t>(s.sign));
-  const std::uint64_t far = weight * (r2 * r3);
-  sums[s.v[0]] += weight * (r1 * (r3 - r2)) - far;
-  sums[s.v[1]] += far;
+  const VertexTerms terms = vertexTerms(s);
+  sums[s.v[0]] += terms.first;
+  sums[s.v[1]] += terms.second;
 }
 
 typedef double Quad __attribute__((vector_size(4 * sizeof(double))));
@@ -191,7 +94,7 @@ public:
     findOpenVertices();
     Boundary boundary;
     boundary.faces = matchFaces();
-    if (!closes(boundary.faces)) {
+    if (!closes(boundary.faces, mesh_.pointCount)) {
       std::fill(open_.begin(), open_.end(), std::uint8_t(1));
       boundary.faces = matchFaces();
     }
@@ -324,22 +227,6 @@ private:
     });
 
     return joinedVectors<BoundaryFace>(found);
-  }
-
-  // Whether every edge is passed as often one way as the other. The boundary of a boundary
-  // vanishes, so this fails if faces around one vertex are missing.
-  bool closes(const std::vector<BoundaryFace>& faces) const {
-    std::vector<std::uint64_t> sums(mesh_.pointCount);
-    for (const BoundaryFace& f : faces) {
-      const auto edge = [&](std::uint32_t a, std::uint32_t b) {
-        const std::uint64_t r = fingerprint(std::max(a, b)) * static_cast<std::uint64_t>(f.weight);
-        sums[std::min(a, b)] += a < b ? r : -r;
-      };
-      edge(f.a, f.b);
-      edge(f.b, f.c);
-      edge(f.c, f.a);
-    }
-    return std::all_of(sums.begin(), sums.end(), [](std::uint64_t sum) { return sum == 0; });
   }
 
   const SnappedMesh& mesh_;

@@ -14,6 +14,7 @@
 #include "VoxelizeSequence.h"
 #include "tetvdb/io/ArrayFile.h"
 #include "tetvdb/pipeline/PlannedStages.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <algorithm>
@@ -50,6 +51,8 @@ struct VoxelizeArguments : JobOptions {
   std::string rule = "centre";
   std::string maskType = "bool", shard;
   unsigned shards = 0; // of `plan`
+  std::string prepare; // of `plan`
+  bool givesResolution = false;
 };
 
 const char* const kVoxelizeExamples = R"(Examples:
@@ -110,7 +113,13 @@ const char* const kPlanExamples = R"(Examples:
   tetvdb merge ship.*-of-16.vdb -o ship.vdb
       makes the shards one by one, or on as many machines, and joins them
 
-Give the same options as to 'tetvdb voxelize'.)";
+  tetvdb plan engine.vtu --prepare engine.parts --voxel-size 0.5 --grid tet_id,T --max-memory 2G
+  tetvdb voxelize engine.parts -o engine.vdb --grid tet_id,T --max-memory 2G
+      a mesh of tets that is larger than memory: reads it part by part into a folder, which then is
+      voxelized in place of the mesh, whole or by shards
+
+Give the same options as to 'tetvdb voxelize'. A folder that was prepared has its voxels' size and
+place, and the arrays that were named by --grid and --derive.)";
 
 // Names that are no grid of ours are arrays of the mesh.
 void parseGrids(const std::vector<std::string>& names, VoxelizeJob& job) {
@@ -246,6 +255,14 @@ void prepareSections(const VoxelizeArguments& options, Session& session) {
                       {"fit", nullptr},  {"grids", Json::array()},     {"output", Json::array()}};
 }
 
+// What a prepared mesh fixes and the library cannot tell from a default.
+void checkPrepared(const Options& options) {
+  const bool prepared = std::any_of(options.inputs.begin(), options.inputs.end(), isPreparedMesh);
+  if (prepared && options.givesResolution)
+    throw Error(Status::Usage, "--resolution", "was decided when the mesh was prepared",
+                "leave it out, or prepare the mesh again");
+}
+
 void noteDevices(const VoxelizeJob& job, const VoxelizeResult& result, Session& session) {
   const DeviceUsed& grids = result.device;
   if (!grids.why.empty() && grids.name != "cpu")
@@ -262,6 +279,7 @@ void noteDevices(const VoxelizeJob& job, const VoxelizeResult& result, Session& 
 
 void runVoxelize(const VoxelizeArguments& options, Session& session) {
   prepareSections(options, session);
+  checkPrepared(options);
   VoxelizeJob job = makeJob(options);
   session.sections["threads"] = job.threads;
   if (options.fit > 0)
@@ -285,18 +303,27 @@ void runVoxelize(const VoxelizeArguments& options, Session& session) {
   session.textIsSummary = true;
 }
 
-void runPlan(const VoxelizeArguments& options, Session& session) {
-  VoxelizeJob job = makeJob(options);
-  job.output = "plan.vdb"; // is not written
-  session.sections = {{"threads", job.threads}, {"input", Json::array()}, {"shards", nullptr}};
-  for (const std::string& path : options.inputs)
-    session.sections["input"].push_back({{"path", path}});
-  limitProcess(options, session.progress);
-  const AllowThreads allowed(job.threads);
-  runAsSequence(job, options.sequence, session); // which is refused
-  const VoxelizeResult result = run(job, session.report, session.progress);
+// What `--prepare` wrote.
+void reportPrepared(const PreparedMesh& mesh, const std::string& folder, Session& session) {
+  session.sections["prepared"] = {{"path", folder},
+                                  {"tets", mesh.input.tets},
+                                  {"points", mesh.input.vertices},
+                                  {"boundary_faces", mesh.counts.boundaryFaces},
+                                  {"parts", mesh.buckets},
+                                  {"most_tets", mesh.mostTets},
+                                  {"stored_tets", mesh.storedTets},
+                                  {"arrays", mesh.arrays},
+                                  {"voxel_size", mesh.transform.voxelSize},
+                                  {"origin", mesh.transform.origin},
+                                  {"bytes", mesh.bytes}};
+  session.text +=
+      fmt::format("{}: {}, {} tets, {} boundary faces, {} parts\n", oneLine(folder),
+                  bytesText(mesh.bytes), mesh.input.tets, mesh.counts.boundaryFaces, mesh.buckets);
+}
+
+void reportShards(const VoxelizeResult& result, Session& session) {
   Json shards = Json::array();
-  session.text =
+  session.text +=
       fmt::format("{:>6} {:>13} {:>8} {:>7}  voxels\n", "shard", "root children", "full", "work");
   for (std::size_t i = 0; i < result.plan.size(); ++i) {
     const ShardPlan& one = result.plan[i];
@@ -313,6 +340,37 @@ void runPlan(const VoxelizeArguments& options, Session& session) {
     session.text += "\n";
   }
   session.sections["shards"] = std::move(shards);
+}
+
+void runPlan(const VoxelizeArguments& options, Session& session) {
+  if (options.shards == 0 && options.prepare.empty())
+    throw Error(Status::Usage, "--shards", "is required, unless --prepare is given",
+                "give the number of shards");
+  checkPrepared(options);
+  VoxelizeJob job = makeJob(options);
+  job.output = "plan.vdb"; // is not written
+  session.sections = {{"threads", job.threads},
+                      {"input", Json::array()},
+                      {"prepared", nullptr},
+                      {"stages", nullptr},
+                      {"shards", nullptr}};
+  for (const std::string& path : options.inputs)
+    session.sections["input"].push_back({{"path", path}});
+  limitProcess(options, session.progress);
+  const AllowThreads allowed(job.threads);
+  if (!options.prepare.empty()) {
+    reportPrepared(prepareMesh(job, options.prepare, session.report, session.progress),
+                   options.prepare, session);
+    if (options.shards == 0)
+      return;
+    job.inputs = {options.prepare};
+    job.voxelize.voxelSize = job.voxelize.origin = {0, 0, 0};
+    job.read.regionArray.clear();
+    job.up = UpAxis::Z;
+  } else {
+    runAsSequence(job, options.sequence, session); // which is refused
+  }
+  reportShards(run(job, session.report, session.progress), session);
 }
 
 FileNames filesOf(const VoxelizeArguments& options) {
@@ -415,7 +473,8 @@ void addInputs(CLI::App& command, VoxelizeArguments& options) {
       .add_option("IN", options.inputs,
                   "Meshes: of triangles: " + endingList(FormatUse::ReadTriangles, "and") +
                       "; of solid cells: " + endingList(FormatUse::ReadCells, "and") +
-                      "; a sequence: .pvd or 'frame_*.vtu'")
+                      "; a sequence: .pvd or 'frame_*.vtu'; "
+                      "or one folder of 'tetvdb plan --prepare'")
       ->required()
       ->type_name("");
 }
@@ -423,6 +482,9 @@ void addInputs(CLI::App& command, VoxelizeArguments& options) {
 // Options for the places of voxels.
 void addPlacing(CLI::App& command, VoxelizeArguments& options) {
   addSizeOptions(command, options);
+  command.get_option("--resolution")->each([&options](const std::string&) {
+    options.givesResolution = true;
+  });
   CLI::Option* origin =
       command.add_option("--origin", options.origin, "Centre of voxel (0, 0, 0) (default 0,0,0)")
           ->type_name("X,Y,Z")
@@ -493,16 +555,24 @@ Command addVoxelize(CLI::App& program) {
 }
 
 Command addPlan(CLI::App& program) {
-  CLI::App* command =
-      program.add_subcommand("plan", "Say what the shards of a volume would have to do");
+  CLI::App* command = program.add_subcommand(
+      "plan",
+      "Say what the shards of a volume would have to do, or prepare a mesh larger than memory");
   auto options = std::make_shared<VoxelizeArguments>();
   addInputs(*command, *options);
   command->add_option("--shards", options->shards, "Shards to plan")
-      ->required()
       ->check(CLI::Range(1, 1 << 20).description(""))
       ->type_name("N");
+  command
+      ->add_option("--prepare", options->prepare,
+                   "Write a mesh of tets that may be larger than memory (" +
+                       endingList(FormatUse::SpoolCells) +
+                       ") into a folder that 'tetvdb voxelize' takes in its place")
+      ->type_name("DIR")
+      ->check(notEmpty());
   addPlacing(*command, *options);
   addGridOptions(*command, *options);
+  addFieldOptions(*command, options->fields);
   addInsideOptions(*command, *options);
   addCleaningOptions(*command, *options);
   addFilterOptions(*command, *options);
@@ -510,7 +580,12 @@ Command addPlan(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kPlanExamples);
   result.run = [options](Session& session) { runPlan(*options, session); };
-  result.files = [options] { return FileNames{options->inputs, {}}; };
+  result.files = [options] {
+    FileNames files{options->inputs, {}};
+    if (!options->prepare.empty())
+      files.written.push_back(options->prepare + "/prepared.json");
+    return files;
+  };
   return result;
 }
 

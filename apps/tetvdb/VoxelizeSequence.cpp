@@ -9,6 +9,7 @@
 #include "ProgressDisplay.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/pipeline/PlannedStages.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/SequenceJob.h"
 
 #include <algorithm>
@@ -66,6 +67,8 @@ bool runAsSequence(VoxelizeJob& job, const SequenceTexts& texts, Session& sessio
   if (texts.unite && !texts.frames.empty())
     throw Error(Status::Usage, "--union", "makes one volume, but --frames asks for a sequence",
                 "leave one of them out");
+  if (std::any_of(job.inputs.begin(), job.inputs.end(), isPreparedMesh))
+    return false;
   if (texts.unite || numbersMaterials(job)) {
     job.inputs = filesOf(job.inputs);
     return false;

@@ -85,7 +85,7 @@ def writes(folder, process):
                       for n in os.listdir(f"/proc/{process.pid}/fd")]
     except OSError:  # closed meanwhile
         return False
-    return any(name.startswith(f"{folder}/") and not name.endswith((".off", ".msh"))
+    return any(name.startswith(f"{folder}/") and not name.endswith((".off", ".msh", ".vtu"))
                for name in open_files)
 
 

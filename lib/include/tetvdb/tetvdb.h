@@ -35,6 +35,7 @@
 #include "tetvdb/pipeline/MemoryInput.h"
 #include "tetvdb/pipeline/MeshSummary.h"
 #include "tetvdb/pipeline/PrepareJob.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/RenderJob.h"
 #include "tetvdb/pipeline/RepairJob.h"
 #include "tetvdb/pipeline/SequenceJob.h"

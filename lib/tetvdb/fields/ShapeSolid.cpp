@@ -36,6 +36,12 @@ ShapeSolid shapeSolid(const TetMesh& mesh, const GridTransform& transform, Progr
   return solid;
 }
 
+ShapeSolid shapeSolid(const std::vector<Vec3d>& points, const SolidFaces& faces) {
+  ShapeSolid solid{points, faces.snapped, faces.chain, {}, 0, {}, {}, 0, false};
+  solid.rule = FillRule::Positive;
+  return solid;
+}
+
 ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool covers,
                       const GridTransform& transform, Progress& progress) {
   ShapeSolid solid{mesh.points, snapPoints(mesh.points, transform, progress), {}, {}, 0, {}, {}, 0,

@@ -11,6 +11,7 @@
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SolidFaces.h"
 
 #include <optional>
 #include <vector>
@@ -36,6 +37,9 @@ struct ShapeSolid {
 ShapeSolid shapeSolid(const TetMesh& mesh, const GridTransform& transform, Progress& progress);
 ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool covers,
                       const GridTransform& transform, Progress& progress);
+
+/// Of the boundary of tets; `points` are its points in world space, which must outlive it.
+ShapeSolid shapeSolid(const std::vector<Vec3d>& points, const SolidFaces& faces);
 
 /// Keeps those parts of the faces that are the solid's boundary; warns where that is not possible.
 void trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& progress);

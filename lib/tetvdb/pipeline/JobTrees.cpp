@@ -11,7 +11,6 @@
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <limits>
@@ -21,8 +20,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::int32_t kNodesInCube = kRootChildSize / kNodeSize;
 
 // Where a band is only needed to know how many leaves a node has.
 constexpr double kNarrowBand = 1;
@@ -53,8 +50,6 @@ JobTrees::JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& p
       sources_.push_back(std::make_unique<OccupancySource>(
           faces->snapped, faces->chain, faces->fill(), job.voxelize.rule, progress));
   materialVoxels_.assign(sources_.size(), 0);
-  if (inputs.snapped != nullptr)
-    tets_.emplace(*inputs.snapped, progress);
   if (has(GridKind::Coverage))
     coverage_.emplace(inputs.shares->points, inputs.shares->faces, inputs.transform, progress);
   findBand(progress);
@@ -101,11 +96,11 @@ void JobTrees::weighNodes(Progress& progress) {
   else
     for (const SolidFaces* faces : inputs_.faces)
       addBand(DistanceBand(faces->snapped, faces->chain, kNarrowBand, progress));
-  if (tets_)
-    for (std::size_t i = 0; i < tets_->size(); ++i)
+  if (const TetSource* tets = inputs_.tets)
+    for (std::size_t i = 0; i < tets->size(); ++i)
       nodes_.push_back(
-          {tets_->node(i),
-           static_cast<float>(static_cast<double>(tets_->mostLeaves(i)) * filled + perNode)});
+          {tets->node(i),
+           static_cast<float>(static_cast<double>(tets->mostLeaves(i)) * filled + perNode)});
   std::sort(nodes_.begin(), nodes_.end(),
             [](const NodeWeight& a, const NodeWeight& b) { return a.node < b.node; });
   std::size_t last = 0;
@@ -187,44 +182,18 @@ void JobTrees::limitParts(std::size_t bytes) {
 }
 
 std::vector<NodeBox> JobTrees::parts(std::size_t cube) {
-  std::vector<NodeBox> parts;
-  split(boxOf(cube), 0, parts);
-  return parts;
-}
-
-// Into as few boxes along the axis as the limit allows; a layer that is too large along the next.
-void JobTrees::split(const NodeBox& box, std::size_t axis, std::vector<NodeBox>& parts) const {
-  std::array<double, kNodesInCube> layers{};
-  eachRangeIn(
-      box, nodes_.size(), [&](std::size_t i) { return nodes_[i].node; },
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          layers[static_cast<std::size_t>(nodes_[i].node[axis] - box.low[axis])] +=
-              static_cast<double>(nodes_[i].bytes);
-      });
-  const auto limit = static_cast<double>(partBytes_);
-  NodeBox part = box;
-  double sum = 0;
-  const auto flush = [&](std::int32_t end) {
-    part.high[axis] = end;
-    if (part.low[axis] < end)
-      parts.push_back(part);
-    part.low[axis] = end;
-    sum = 0;
-  };
-  for (std::int32_t i = box.low[axis]; i < box.high[axis]; ++i) {
-    const double layer = layers[static_cast<std::size_t>(i - box.low[axis])];
-    if (sum + layer > limit)
-      flush(i);
-    sum += layer;
-    if (layer > limit && axis < 2) {
-      part.high[axis] = i + 1;
-      split(part, axis + 1, parts);
-      part.low[axis] = i + 1;
-      sum = 0;
-    }
-  }
-  flush(box.high[axis]);
+  const NodeBox whole = boxOf(cube);
+  std::vector<SplitBox> parts;
+  for (const SplitBox& box :
+       inputs_.tets != nullptr ? inputs_.tets->boxes(whole) : std::vector<SplitBox>{{whole, 0}})
+    splitBox(
+        box, nodes_.size(), [&](std::size_t i) { return nodes_[i].node; },
+        [&](std::size_t i) { return static_cast<double>(nodes_[i].bytes); },
+        static_cast<double>(partBytes_), parts);
+  std::vector<NodeBox> boxes;
+  for (const SplitBox& part : parts)
+    boxes.push_back(part.box);
+  return boxes;
 }
 
 openvdb::GridPtrVec JobTrees::materials(const NodeBox& box, Progress& progress) {
@@ -243,11 +212,15 @@ openvdb::GridPtrVec JobTrees::materials(const NodeBox& box, Progress& progress) 
 openvdb::GridPtrVec JobTrees::occupancy(const NodeBox& box, Progress& progress) {
   if (materials_)
     return materials(box, progress);
-  const TetMesh none;
-  TreeBuilder builder(made_, inputs_.tets != nullptr ? *inputs_.tets : none);
-  if (!isEmpty(box) && owners_)
-    tets_->rasterize(box, true, builder, progress);
-  else if (!isEmpty(box) && !sources_.empty())
+  if (owners_) {
+    const OwnerTets& tets = inputs_.tets->within(box, progress);
+    TreeBuilder builder(made_, *tets.mesh, tets.cellNumbers);
+    if (!isEmpty(box))
+      tets.nodes->rasterize(box, true, builder, progress);
+    return builder.finish(inputs_.transform);
+  }
+  TreeBuilder builder(made_, TetMesh());
+  if (!isEmpty(box) && !sources_.empty())
     sources_.front()->rasterize(box, builder);
   return builder.finish(inputs_.transform);
 }
@@ -364,10 +337,10 @@ openvdb::GridPtrVec JobTrees::make(const NodeBox& box, Progress& progress) {
   }
   if (inputs_.fields != nullptr) {
     std::vector<std::unique_ptr<PackedGrid>> none;
-    SampledGrids grids(*inputs_.tets, *inputs_.snapped, inputs_.transform, *inputs_.fields, nullptr,
-                       none);
+    const OwnerTets& tets = inputs_.tets->within(box, progress);
+    SampledGrids grids(*tets.mesh, *tets.snapped, inputs_.transform, *tets.fields, nullptr, none);
     if (!isEmpty(box))
-      tets_->rasterize(box, true, grids.grids(), progress);
+      tets.nodes->rasterize(box, true, grids.grids(), progress);
     anyOwned_ = anyOwned_ || grids.grids().any();
     const openvdb::GridPtrVec fields = grids.finish(inputs_.transform, sampled_);
     all.insert(all.end(), fields.begin(), fields.end());

@@ -9,12 +9,12 @@
 #include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/fields/ShapeSolid.h"
 #include "tetvdb/pipeline/ShardRanges.h"
+#include "tetvdb/pipeline/TetSource.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 #include "tetvdb/volume/BitSource.h"
 #include "tetvdb/volume/TreeSource.h"
 #include "tetvdb/voxelize/OccupancySource.h"
 #include "tetvdb/voxelize/SolidFaces.h"
-#include "tetvdb/voxelize/TetNodes.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -29,8 +29,7 @@ struct TreeInputs {
   GridTransform transform;
   /// Occupancy, where no owners are asked for; of the grid material of triangles, those of each.
   std::vector<const SolidFaces*> faces;
-  const TetMesh* tets = nullptr;
-  const SnappedMesh* snapped = nullptr; ///< of the tets, for owners and fields
+  TetSource* tets = nullptr; ///< owners and fields
   const std::vector<Field>* fields = nullptr;
   const ShapeSolid* distances = nullptr; ///< level set and fog, with the faces over its holes
   const ShapeSolid* shares = nullptr;    ///< coverage
@@ -38,8 +37,8 @@ struct TreeInputs {
 
 class JobTrees : public TreeSource {
 public:
-  /// All but `progress` must outlive it. Memory: that of the parts (DistanceBand, TetNodes,
-  /// CoverageParts, OccupancySource).
+  /// All but `progress` must outlive it. Memory: that of the parts (DistanceBand, CoverageParts,
+  /// OccupancySource).
   JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& progress);
 
   /// Adds the faces over the holes of open triangles to `solid`, which is that of
@@ -85,7 +84,6 @@ private:
   void weighNodes(Progress& progress);
   void findCubes();
   NodeBox boxOf(std::size_t cube) const;
-  void split(const NodeBox& box, std::size_t axis, std::vector<NodeBox>& parts) const;
   openvdb::GridPtrVec occupancy(const NodeBox& box, Progress& progress);
   openvdb::GridPtrVec materials(const NodeBox& box, Progress& progress);
   openvdb::BoolGrid::Ptr maskAround(const NodeBox& part, Progress& progress);
@@ -99,7 +97,6 @@ private:
   bool owners_ = false;                      ///< of tets
   bool materials_ = false;                   ///< of triangles
   std::vector<std::unique_ptr<OccupancySource>> sources_;
-  std::optional<TetNodes> tets_;
   std::optional<DistanceBand> band_;
   std::optional<CoverageParts> coverage_;
   std::vector<NodeWeight> nodes_; ///< ascending

@@ -215,6 +215,20 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
   return true;
 }
 
+void streamFaces(const VoxelizeJob& job, const SolidFaces& faces, const GridTransform& transform,
+                 VoxelizeResult& result, Report& report, Progress& progress) {
+  Stream stream(job, transform, true);
+  {
+    StageTimer timer(report, "voxelize");
+    stream.write(faces, originMetadata(job), result, timer, progress);
+    if (job.plan == 0)
+      requireVoxels(job.shard.isWhole() && result.grids.front().activeVoxels == 0,
+                    streamOptions(job));
+  }
+  StageTimer timer(report, "write");
+  stream.commit(result, progress);
+}
+
 bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                      const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                      Report& report, Progress& progress) {

@@ -8,6 +8,7 @@
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
+#include "tetvdb/voxelize/SolidFaces.h"
 
 #include <map>
 #include <string>
@@ -35,5 +36,10 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
 bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                      const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
                      Report& report, Progress& progress);
+
+/// Writes job.output, or finds its plan, from the boundary of tets; canStream(job). Adds stages
+/// "voxelize" and "write".
+void streamFaces(const VoxelizeJob& job, const SolidFaces& faces, const GridTransform& transform,
+                 VoxelizeResult& result, Report& report, Progress& progress);
 
 } // namespace tetvdb

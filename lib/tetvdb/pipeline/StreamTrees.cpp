@@ -53,6 +53,12 @@ private:
   std::string text_;
 };
 
+// What determines its values besides the array.
+std::string textOf(const Field& field) {
+  return fmt::format("{} {} {} {} {} {} {}", field.name, int(field.part), field.turned,
+                     field.clamp.low, field.clamp.high, field.scale, field.offset);
+}
+
 std::string markOf(const TetMesh& mesh, const std::vector<Field>& fields) {
   MeshMark mark;
   mark.add(mesh.points);
@@ -61,8 +67,7 @@ std::string markOf(const TetMesh& mesh, const std::vector<Field>& fields) {
   mark.add(mesh.regions);
   mark.add(mesh.curved.nodes);
   for (const Field& field : fields) {
-    mark.add(fmt::format("{} {} {} {} {} {} {}", field.name, int(field.part), field.turned,
-                         field.clamp.low, field.clamp.high, field.scale, field.offset));
+    mark.add(textOf(field));
     for (const Field::Source& source : field.sources) {
       mark.add(std::to_string(source.component));
       std::visit([&](const auto& values) { mark.add(values); }, source.array->values);
@@ -300,11 +305,13 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
       result.counts.boundaryFaces = 0; // the grids are found without
     TreeInputs inputs;
     inputs.transform = transform;
-    inputs.tets = &mesh;
     if (faces)
       inputs.faces = {&*faces};
-    if (owners || !fields.empty())
-      inputs.snapped = &snapped;
+    std::optional<WholeTets> tets;
+    if (owners || !fields.empty()) {
+      timer.part("nodes");
+      inputs.tets = &tets.emplace(mesh, snapped, &fields, progress);
+    }
     if (!fields.empty())
       inputs.fields = &fields;
     if (stream.prepare(inputs, distances, shares, result, timer))
@@ -322,6 +329,32 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
   stream.commit(result);
   moveReport(told, report);
   return true;
+}
+
+void streamTrees(const VoxelizeJob& job, const PreparedInputs& mesh, VoxelizeResult& result,
+                 Report& report, Progress& progress) {
+  TreeStream stream(job, report, progress);
+  {
+    StageTimer timer(report, "voxelize");
+    std::optional<ShapeSolid> distances, shares;
+    if (!shapesOf(job).grids.empty())
+      distances.emplace(shapeSolid(mesh.points, *mesh.faces));
+    TreeInputs inputs;
+    inputs.transform = mesh.transform;
+    inputs.faces = mesh.faces ? &*mesh.faces : nullptr;
+    inputs.tets = mesh.tets;
+    inputs.fields = mesh.fields;
+    if (stream.prepare(inputs, distances, shares, result, timer))
+      return;
+    std::string mark = mesh.mark;
+    for (std::size_t i = 0; mesh.fields != nullptr && i < mesh.fields->size(); ++i)
+      mark += textOf((*mesh.fields)[i]);
+    stream.write(originMetadata(job), mesh.transform, mark, nullptr, result, timer);
+    if (mesh.fields != nullptr)
+      stream.trees().sampled().warn(*mesh.fields, report);
+    requireAnything(job, result, stream.trees(), streamOptions(job));
+  }
+  stream.commit(result);
 }
 
 namespace {

@@ -8,9 +8,12 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/pipeline/TetSource.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
+#include "tetvdb/voxelize/SolidFaces.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +32,20 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
                  Report& report, Progress& progress);
 bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
                  const std::map<std::string, std::string>& metadata, VoxelizeResult& result,
+                 Report& report, Progress& progress);
+
+/// A mesh of tets that is not in memory; what the job does not need is empty.
+struct PreparedInputs {
+  GridTransform transform;
+  std::string mark;          ///< of the mesh
+  std::vector<Vec3d> points; ///< of the boundary
+  std::optional<SolidFaces> faces;
+  TetSource* tets = nullptr;
+  const std::vector<Field>* fields = nullptr;
+};
+
+/// The same of such a mesh, in any case; canStreamTrees(job).
+void streamTrees(const VoxelizeJob& job, const PreparedInputs& mesh, VoxelizeResult& result,
                  Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -18,10 +18,12 @@
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/pipeline/StreamJob.h"
 #include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
+#include "tetvdb/pipeline/prepared/PreparedJob.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
@@ -538,6 +540,8 @@ VoxelizeResult runHere(const VoxelizeJob& job, Report& report, Progress& progres
   checkOutputs(job);
   requireStreamable(job);
   requireDevice(job.device);
+  if (std::any_of(job.inputs.begin(), job.inputs.end(), isPreparedMesh))
+    return runPrepared(job, report, progress);
   result.holdsTriangles = inputsHoldTriangles(job);
   if (job.device.kind == DeviceKind::Cuda)
     for (const GridKind kind : job.grids)

@@ -373,11 +373,39 @@ const NodeIndex& TetNodes::node(std::size_t i) const {
 }
 
 std::size_t TetNodes::mostLeaves(std::size_t i) const {
-  constexpr auto inSlab = static_cast<std::size_t>(kSlabsPerNode * kSlabsPerNode);
   const Parts::Node& node = parts_->nodes[i];
-  return parts_->bins.bins[node.end - 1].key.slab == kWholeNode
-             ? inSlab * static_cast<std::size_t>(kSlabsPerNode)
-             : inSlab * (node.end - node.begin);
+  std::uint32_t slabs = 0;
+  for (std::size_t bin = node.begin; bin != node.end; ++bin)
+    slabs |= std::uint32_t(1) << parts_->bins.bins[bin].key.slab;
+  return mostLeavesOf(slabs);
+}
+
+std::size_t mostLeavesOf(std::uint32_t slabs) {
+  constexpr auto inSlab = static_cast<std::size_t>(kSlabsPerNode * kSlabsPerNode);
+  return inSlab * static_cast<std::size_t>(
+                      (slabs & kWholeNodeBit) != 0 ? kSlabsPerNode : __builtin_popcount(slabs));
+}
+
+void eachNodeOf(const SnappedMesh& mesh, std::size_t tet,
+                const std::function<void(const NodeIndex&, std::uint32_t)>& visit) {
+  const TetBox box = voxelBox(mesh, tet);
+  if (box.empty())
+    return;
+  checkExtent(mesh, tet, box);
+  NodeIndex node{};
+  std::uint32_t slabs = 0;
+  eachSlab(mesh, tet, box, [&](std::int64_t x, std::int64_t y, std::int64_t z, int slab) {
+    const NodeIndex next{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
+                         static_cast<std::int32_t>(z)};
+    if (slabs != 0 && next != node) {
+      visit(node, slabs);
+      slabs = 0;
+    }
+    node = next;
+    slabs |= std::uint32_t(1) << slab;
+  });
+  if (slabs != 0)
+    visit(node, slabs);
 }
 
 void TetNodes::rasterize(const NodeBox& box, bool owners, NodeSink& sink,

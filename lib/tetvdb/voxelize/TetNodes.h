@@ -11,6 +11,8 @@
 #include "tetvdb/voxelize/TetRaster.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace tetvdb {
@@ -40,6 +42,16 @@ private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// A bit a slab of a node, and one for a tet that fills all of it.
+constexpr std::uint32_t kWholeNodeBit = std::uint32_t(1) << kSlabsPerNode;
+
+/// Calls visit(node, slabs) for every node that TetNodes finds for the tet, once each. Throws
+/// Error(Limit) for a tet longer than kMaxTetExtent.
+void eachNodeOf(const SnappedMesh& mesh, std::size_t tet,
+                const std::function<void(const NodeIndex&, std::uint32_t)>& visit);
+/// TetNodes::mostLeaves() of a node of whose slabs those have tets.
+std::size_t mostLeavesOf(std::uint32_t slabs);
 
 /// How many tets are reversed or dropped.
 OrientationCounts countOrientations(const SnappedMesh& mesh);

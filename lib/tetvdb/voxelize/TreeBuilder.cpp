@@ -21,21 +21,25 @@ struct ConstantFill {
 // The value is the number of the input cell that owns the voxel.
 struct CellFill {
   const std::uint32_t* cellOfTet; // null: the tet's own number
+  const std::uint32_t* numbers;   // of cells; null: their places
   std::int32_t background = -1;
   static constexpr bool kConstant = false;
+  std::uint32_t cell(std::uint32_t tet) const {
+    return cellOfTet != nullptr ? cellOfTet[tet] : tet;
+  }
   std::int32_t operator()(std::uint32_t tet) const {
-    return static_cast<std::int32_t>(cellOfTet != nullptr ? cellOfTet[tet] : tet);
+    return static_cast<std::int32_t>(numbers != nullptr ? numbers[cell(tet)] : cell(tet));
   }
 };
 
 // The value is the region number of that cell.
 struct RegionFill {
-  CellFill cell;
+  CellFill cells;
   const std::int32_t* regions; // null: 0 throughout
   std::int32_t background = -1;
   static constexpr bool kConstant = false;
   std::int32_t operator()(std::uint32_t tet) const {
-    return regions != nullptr ? regions[cell(tet)] : 0;
+    return regions != nullptr ? regions[cells.cell(tet)] : 0;
   }
 };
 
@@ -178,8 +182,10 @@ struct TreeBuilder::TreeNode : NodeSink::Node {
   std::vector<void*> trees;
 };
 
-TreeBuilder::TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh) {
-  const CellFill cell{mesh.cellOfTet.empty() ? nullptr : mesh.cellOfTet.data()};
+TreeBuilder::TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh,
+                         const std::vector<std::uint32_t>* cellNumbers) {
+  const CellFill cell{mesh.cellOfTet.empty() ? nullptr : mesh.cellOfTet.data(),
+                      cellNumbers == nullptr ? nullptr : cellNumbers->data()};
   for (GridKind kind : kinds) {
     switch (kind) {
     case GridKind::Density:

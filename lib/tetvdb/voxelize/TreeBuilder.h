@@ -9,6 +9,7 @@
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -24,7 +25,9 @@ constexpr std::size_t kLowerNodeBytes = 33824;
 /// must be fed with them.
 class TreeBuilder : public NodeSink {
 public:
-  TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh);
+  /// `cellNumbers`: what tet_id holds in place of a cell's place in the mesh; null: that.
+  TreeBuilder(const std::vector<GridKind>& kinds, const TetMesh& mesh,
+              const std::vector<std::uint32_t>* cellNumbers = nullptr);
   ~TreeBuilder() override;
 
   std::unique_ptr<Node> begin(const NodeIndex& node) override;

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/pipeline/prepared/TetBuckets.h"
+
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/TetNodes.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+#include <variant>
+
+namespace tetvdb {
+namespace {
+
+struct Counted {
+  std::uint32_t slabs = 0, tets = 0;
+};
+
+// Corners of a range of tets on the lattice.
+class SnappedRange {
+public:
+  SnappedRange(const SpooledMesh& mesh, const GridTransform& transform, std::size_t begin,
+               std::size_t end, Progress& progress)
+      : corners_(cornersOf(mesh, begin, end)), snapped_(snapMesh(corners_, transform, progress)) {}
+
+  const SnappedMesh& mesh() const { return snapped_; }
+
+private:
+  TetMesh corners_;
+  SnappedMesh snapped_;
+};
+
+// values[k * components + c] of the elements that `places` names.
+void gather(const SpooledArray& array, const std::vector<std::uint32_t>& places,
+            Attribute::Values& to) {
+  const std::size_t components = array.components;
+  std::visit(
+      [&](auto& values) {
+        using Value = typename std::decay_t<decltype(values)>::value_type;
+        const Value* from = array.values->as<Value>();
+        values.resize(places.size() * components);
+        for (std::size_t i = 0; i < places.size(); ++i)
+          std::memcpy(values.data() + i * components, from + places[i] * components,
+                      components * sizeof(Value));
+      },
+      to);
+}
+
+} // namespace
+
+TetBuckets::TetBuckets(const SpooledMesh& mesh, const GridTransform& transform,
+                       std::uint64_t mostTets, const std::string& folder, std::size_t bytes,
+                       std::size_t maxResident, Progress& progress)
+    : mesh_(mesh), transform_(transform), maxResident_(maxResident), progress_(progress),
+      spool_(folder) {
+  findNodes();
+  findBoxes(mostTets);
+  listTets(bytes);
+}
+
+void TetBuckets::findNodes() {
+  std::map<NodeIndex, Counted> all;
+  using Found = std::vector<std::pair<NodeIndex, Counted>>;
+  eachTetRange(
+      mesh_, maxResident_, progress_,
+      [&](std::size_t begin, std::size_t end) {
+        const SnappedRange range(mesh_, transform_, begin, end, progress_);
+        std::map<NodeIndex, Counted> own;
+        auto last = own.end();
+        for (std::size_t t = 0; t < end - begin; ++t)
+          eachNodeOf(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t slabs) {
+            if (last == own.end() || last->first != node)
+              last = own.try_emplace(node).first;
+            last->second.slabs |= slabs;
+            ++last->second.tets;
+          });
+        return Found(own.begin(), own.end());
+      },
+      [&](const Found& found) {
+        for (const auto& [node, counted] : found) {
+          Counted& sum = all[node];
+          sum.slabs |= counted.slabs;
+          sum.tets += counted.tets;
+        }
+      });
+  nodes_.reserve(all.size());
+  tetsOf_.reserve(all.size());
+  for (const auto& [node, counted] : all) {
+    nodes_.push_back({node, counted.slabs});
+    tetsOf_.push_back(counted.tets);
+  }
+}
+
+void TetBuckets::findBoxes(std::uint64_t mostTets) {
+  std::set<Vec3i> cubes;
+  for (const MetNode& met : nodes_)
+    cubes.insert({met.node[0] >> 5, met.node[1] >> 5, met.node[2] >> 5});
+  const auto nodeAt = [&](std::size_t i) { return nodes_[i].node; };
+  boxOfNode_.resize(nodes_.size());
+  for (const Vec3i& cube : cubes) {
+    SplitBox whole;
+    for (std::size_t k = 0; k < 3; ++k) {
+      whole.box.low[k] = cube[k] * kNodesInCube;
+      whole.box.high[k] = whole.box.low[k] + kNodesInCube;
+    }
+    const std::size_t first = boxes_.size();
+    splitBox(
+        whole, nodes_.size(), nodeAt,
+        [&](std::size_t i) { return static_cast<double>(tetsOf_[i]); },
+        static_cast<double>(mostTets), boxes_);
+    for (std::size_t b = first; b < boxes_.size(); ++b)
+      eachRangeIn(boxes_[b].box, nodes_.size(), nodeAt, [&](std::size_t begin, std::size_t end) {
+        std::fill(boxOfNode_.begin() + static_cast<std::ptrdiff_t>(begin),
+                  boxOfNode_.begin() + static_cast<std::ptrdiff_t>(end),
+                  static_cast<std::uint32_t>(b));
+      });
+  }
+}
+
+std::size_t TetBuckets::findNode(const NodeIndex& node) const {
+  return static_cast<std::size_t>(
+      std::lower_bound(nodes_.begin(), nodes_.end(), node,
+                       [](const MetNode& a, const NodeIndex& b) { return a.node < b; }) -
+      nodes_.begin());
+}
+
+void TetBuckets::listTets(std::size_t bytes) {
+  lists_.resize(boxes_.size());
+  const std::size_t most = std::clamp<std::size_t>(
+      bytes / sizeof(std::uint32_t) / std::max<std::size_t>(boxes_.size(), 1), 256, 1 << 16);
+  using Found = std::vector<std::pair<std::uint32_t, std::uint32_t>>; // box, tet
+  eachTetRange(
+      mesh_, maxResident_, progress_,
+      [&](std::size_t begin, std::size_t end) {
+        const SnappedRange range(mesh_, transform_, begin, end, progress_);
+        Found found;
+        NodeIndex last{};
+        std::uint32_t lastBox = 0;
+        bool any = false;
+        for (std::size_t t = 0; t < end - begin; ++t) {
+          const std::size_t first = found.size();
+          const auto tet = static_cast<std::uint32_t>(begin + t);
+          eachNodeOf(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t) {
+            if (!any || node != last)
+              lastBox = boxOfNode_[findNode(node)];
+            last = node;
+            any = true;
+            const bool known =
+                std::any_of(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
+                            [&](const auto& one) { return one.first == lastBox; });
+            if (!known)
+              found.emplace_back(lastBox, tet);
+          });
+        }
+        return found;
+      },
+      [&](const Found& found) {
+        for (const auto& [box, tet] : found) {
+          List& list = lists_[box];
+          list.last.push_back(tet);
+          ++list.count;
+          if (list.last.size() >= most)
+            flush(list);
+        }
+      });
+  for (List& list : lists_) {
+    flush(list);
+    std::vector<std::uint32_t>().swap(list.last);
+  }
+  spool_.finish();
+}
+
+void TetBuckets::flush(List& list) {
+  if (list.last.empty())
+    return;
+  list.pieces.emplace_back(spool_.count<std::uint32_t>(),
+                           static_cast<std::uint32_t>(list.last.size()));
+  spool_.append(list.last);
+  list.last.clear();
+}
+
+BucketTets TetBuckets::tets(std::size_t box) const {
+  BucketTets result;
+  std::vector<std::uint32_t>& numbers = result.numbers;
+  numbers.reserve(static_cast<std::size_t>(lists_[box].count));
+  for (const auto& [first, count] : lists_[box].pieces) {
+    const std::uint32_t* from = spool_.as<std::uint32_t>() + first;
+    numbers.insert(numbers.end(), from, from + count);
+  }
+  TetMesh& mesh = result.mesh;
+  mesh.cellCount = numbers.size();
+  mesh.tets.resize(4 * numbers.size());
+  const std::uint32_t* tets = mesh_.tets.as<std::uint32_t>();
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    std::copy_n(tets + 4 * std::size_t(numbers[i]), 4, mesh.tets.data() + 4 * i);
+  std::vector<std::uint32_t> used = mesh.tets;
+  tbb::parallel_sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, mesh.tets.size(), 16384), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          mesh.tets[i] = static_cast<std::uint32_t>(
+              std::lower_bound(used.begin(), used.end(), mesh.tets[i]) - used.begin());
+      });
+  const Vec3d* points = mesh_.points.as<Vec3d>();
+  mesh.points.resize(used.size());
+  for (std::size_t i = 0; i < used.size(); ++i)
+    mesh.points[i] = points[used[i]];
+  if (const std::int32_t* regions = mesh_.regions.as<std::int32_t>()) {
+    mesh.regions.resize(numbers.size());
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      mesh.regions[i] = regions[numbers[i]];
+  }
+  for (const SpooledArray& array : mesh_.arrays) {
+    mesh.attributes.push_back(emptyAttribute(array));
+    gather(array, array.on == Attribute::On::Points ? used : numbers,
+           mesh.attributes.back().values);
+  }
+  mesh_.releaseAbove(maxResident_);
+  return result;
+}
+
+} // namespace tetvdb

@@ -256,7 +256,7 @@ void prepareSections(const VoxelizeArguments& options, Session& session) {
 }
 
 // What a prepared mesh fixes and the library cannot tell from a default.
-void checkPrepared(const Options& options) {
+void checkPrepared(const VoxelizeArguments& options) {
   const bool prepared = std::any_of(options.inputs.begin(), options.inputs.end(), isPreparedMesh);
   if (prepared && options.givesResolution)
     throw Error(Status::Usage, "--resolution", "was decided when the mesh was prepared",

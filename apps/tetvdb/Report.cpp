@@ -61,7 +61,7 @@ std::vector<ReportModel> findModels(const std::vector<std::string>& inputs) {
   return models;
 }
 
-FileNames filesOf(const ReportArguments& options) {
+FileNames fileNamesOf(const ReportArguments& options) {
   FileNames names{options.inputs, {options.output}};
   for (const ReportModel& model : findModels(options.inputs))
     names.read.push_back(model.path);
@@ -140,7 +140,7 @@ Command addReport(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kReportExamples);
   result.run = [options](Session& session) { runReport(*options, session); };
-  result.files = [options] { return filesOf(*options); };
+  result.files = [options] { return fileNamesOf(*options); };
   return result;
 }
 

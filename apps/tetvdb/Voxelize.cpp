@@ -373,7 +373,7 @@ void runPlan(const VoxelizeArguments& options, Session& session) {
   reportShards(run(job, session.report, session.progress), session);
 }
 
-FileNames filesOf(const VoxelizeArguments& options) {
+FileNames fileNamesOf(const VoxelizeArguments& options) {
   std::vector<std::string> written = frameNames(options.inputs, options.output, options.sequence);
   if (!options.shard.empty())
     written = {shardPath(options.output, parseShard(options.shard))};
@@ -550,7 +550,7 @@ Command addVoxelize(CLI::App& program) {
   Command result{command, addCommonOptions(*command), {}};
   command->footer(kVoxelizeExamples);
   result.run = [options](Session& session) { runVoxelize(*options, session); };
-  result.files = [options] { return filesOf(*options); };
+  result.files = [options] { return fileNamesOf(*options); };
   return result;
 }
 

@@ -182,6 +182,7 @@ std::vector<Format> makeTable() {
                       "XML, with numbers in it, in binary files or in HDF5 files beside it",
                       kTets | kArrays | kSteps, isXdmf, readXdmf));
   all.back().readTimes = timesOfXdmf;
+  all.back().spoolCells = spoolXdmf;
   all.push_back(cellsOrFaces<readVtkHdf>(FileFormat::VtkHdf, "VTKHDF", ".vtkhdf .hdf",
                                          "VTK's grids and polygons in HDF5", kSteps, isVtkHdf,
                                          vtkHdfHasSolidCells));

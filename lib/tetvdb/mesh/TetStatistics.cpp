@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/mesh/TetStatistics.h"
 
+#include "tetvdb/geometry/VectorMath.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

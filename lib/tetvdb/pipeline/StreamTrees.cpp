@@ -341,7 +341,8 @@ void streamTrees(const VoxelizeJob& job, const PreparedInputs& mesh, VoxelizeRes
       distances.emplace(shapeSolid(mesh.points, *mesh.faces));
     TreeInputs inputs;
     inputs.transform = mesh.transform;
-    inputs.faces = mesh.faces ? &*mesh.faces : nullptr;
+    if (mesh.faces)
+      inputs.faces = {&*mesh.faces};
     inputs.tets = mesh.tets;
     inputs.fields = mesh.fields;
     if (stream.prepare(inputs, distances, shares, result, timer))

@@ -30,9 +30,9 @@ constexpr std::uint64_t kBucketMark = 0x5465745644420301u;
 
 static_assert(sizeof(MetNode) == 16 && sizeof(BoundaryFace) == 16 && sizeof(Vec3d) == 24);
 
-class Hash {
+class PartHash {
 public:
-  Hash() : state_(XXH3_createState(), XXH3_freeState) {
+  PartHash() : state_(XXH3_createState(), XXH3_freeState) {
     if (!state_)
       throw std::bad_alloc();
     XXH3_128bits_reset(state_.get());
@@ -47,9 +47,9 @@ private:
   std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state_;
 };
 
-class Writer {
+class PartWriter {
 public:
-  Writer(const std::string& folder, const std::string& name, std::uint64_t mark)
+  PartWriter(const std::string& folder, const std::string& name, std::uint64_t mark)
       : name_(name), file_((fs::path(folder) / name).string()) {
     add(&mark, sizeof mark);
   }
@@ -71,12 +71,12 @@ public:
 private:
   std::string name_;
   AtomicFile file_;
-  Hash hash_;
+  PartHash hash_;
 };
 
-class Reader {
+class PartReader {
 public:
-  Reader(const std::string& folder, const PreparedFile& file, std::uint64_t mark)
+  PartReader(const std::string& folder, const PreparedFile& file, std::uint64_t mark)
       : path_((fs::path(folder) / file.name).string()), file_(file),
         descriptor_(::open(path_.c_str(), O_RDONLY | O_CLOEXEC)) {
     if (descriptor_ < 0)
@@ -86,12 +86,12 @@ public:
     if (found != mark)
       fail("is no such file of this version and byte order");
   }
-  ~Reader() {
+  ~PartReader() {
     if (descriptor_ >= 0)
       ::close(descriptor_);
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
+  PartReader(const PartReader&) = delete;
+  PartReader& operator=(const PartReader&) = delete;
 
   void read(void* data, std::size_t size) {
     auto* to = static_cast<char*>(data);
@@ -123,7 +123,7 @@ private:
   std::string path_;
   const PreparedFile& file_;
   int descriptor_;
-  Hash hash_;
+  PartHash hash_;
 };
 
 } // namespace
@@ -146,21 +146,21 @@ std::uint64_t bucketFileBytes(const PreparedIndex& index, const TetBucket& bucke
 }
 
 PreparedFile writeBoundary(const std::string& folder, const SpooledBoundary& boundary) {
-  Writer out(folder, "boundary.bin", kBoundaryMark);
+  PartWriter out(folder, "boundary.bin", kBoundaryMark);
   out.add(boundary.chain.faces);
   out.add(boundary.points);
   return out.finish();
 }
 
 PreparedFile writeNodes(const std::string& folder, const std::vector<MetNode>& nodes) {
-  Writer out(folder, "nodes.bin", kNodesMark);
+  PartWriter out(folder, "nodes.bin", kNodesMark);
   out.add(nodes);
   return out.finish();
 }
 
 PreparedFile writeBucket(const std::string& folder, const std::string& name,
                          const BucketTets& tets) {
-  Writer out(folder, name, kBucketMark);
+  PartWriter out(folder, name, kBucketMark);
   out.add(tets.mesh.tets);
   out.add(tets.numbers);
   out.add(tets.mesh.regions);
@@ -174,7 +174,7 @@ PreparedFile writeBucket(const std::string& folder, const std::string& name,
 
 SpooledBoundary readBoundary(const std::string& folder, const PreparedIndex& index) {
   SpooledBoundary boundary;
-  Reader in(folder, index.boundary, kBoundaryMark);
+  PartReader in(folder, index.boundary, kBoundaryMark);
   in.read(boundary.chain.faces, index.counts.boundaryFaces);
   in.read(boundary.points, index.boundaryPoints);
   in.finish();
@@ -189,7 +189,7 @@ SpooledBoundary readBoundary(const std::string& folder, const PreparedIndex& ind
 
 std::vector<MetNode> readNodes(const std::string& folder, const PreparedIndex& index) {
   std::vector<MetNode> nodes;
-  Reader in(folder, index.nodes, kNodesMark);
+  PartReader in(folder, index.nodes, kNodesMark);
   in.read(nodes, index.nodeCount);
   in.finish();
   constexpr std::int32_t kMaxNode = 1 << 24;
@@ -218,7 +218,7 @@ BucketTets readBucket(const std::string& folder, const PreparedIndex& index,
   TetMesh& mesh = tets.mesh;
   if (bucket.tets == 0)
     return tets;
-  Reader in(folder, bucket.file, kBucketMark);
+  PartReader in(folder, bucket.file, kBucketMark);
   in.read(mesh.tets, 4 * bucket.tets);
   in.read(tets.numbers, bucket.tets);
   in.read(mesh.regions, index.hasRegions ? bucket.tets : 0);

@@ -133,9 +133,9 @@ Json toJson(const PreparedIndex& index) {
           {"buckets", buckets}};
 }
 
-class Reader {
+class IndexReader {
 public:
-  explicit Reader(const std::string& folder) : folder_(folder) {}
+  explicit IndexReader(const std::string& folder) : folder_(folder) {}
 
   PreparedIndex read() {
     const std::string path = (fs::path(folder_) / kPreparedIndex).string();
@@ -346,7 +346,7 @@ void writePreparedIndex(const std::string& folder, const PreparedIndex& index) {
 }
 
 PreparedIndex readPreparedIndex(const std::string& folder) {
-  return Reader(folder).read();
+  return IndexReader(folder).read();
 }
 
 } // namespace tetvdb

@@ -18,7 +18,7 @@
 namespace tetvdb {
 namespace {
 
-void checkJob(const VoxelizeJob& job) {
+void checkPreparedJob(const VoxelizeJob& job) {
   if (job.inputs.size() != 1)
     throw Error(Status::Usage, job.inputs.front(),
                 "is a prepared mesh, which is voxelized by itself", "name it alone");
@@ -74,7 +74,7 @@ SolidFaces facesOf(const std::string& folder, const PreparedIndex& index,
 } // namespace
 
 VoxelizeResult runPrepared(const VoxelizeJob& asked, Report& report, Progress& progress) {
-  checkJob(asked);
+  checkPreparedJob(asked);
   const std::string folder = asked.inputs.front();
   const PreparedIndex index = readPreparedIndex(folder);
   VoxelizeJob job = asked;

@@ -11,7 +11,7 @@ namespace tetvdb {
 namespace {
 
 // What a tet and a point of a bucket take with what is found from them, arrays apart.
-constexpr std::uint64_t kBytesPerTet = 120;
+constexpr std::uint64_t kBytesPerLoadedTet = 120;
 constexpr std::uint64_t kBytesPerPoint = 48;
 
 bool isWithin(const NodeBox& inner, const NodeBox& outer) {
@@ -85,7 +85,7 @@ const std::vector<Field>& PreparedTets::resolve(const FieldOptions& options,
 void PreparedTets::requireRoom(std::size_t bytes) const {
   for (const TetBucket& bucket : index_.buckets) {
     const std::uint64_t needed =
-        bucket.file.bytes + bucket.tets * kBytesPerTet + bucket.points * kBytesPerPoint;
+        bucket.file.bytes + bucket.tets * kBytesPerLoadedTet + bucket.points * kBytesPerPoint;
     if (needed > bytes)
       throw Error(Status::Limit, "",
                   fmt::format("the tets of '{}' need about {} MB, {} MB are left for them",

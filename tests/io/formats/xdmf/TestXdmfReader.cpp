@@ -2,7 +2,9 @@
 //
 // XDMF as meshio, FEniCS and others write it. HDF5 files are made here through the library's own
 // interface.
+#include "Meshes.h"
 #include "TemporaryFolder.h"
+#include "io/SpooledSame.h"
 #include "io/XdmfDocument.h"
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
@@ -348,6 +350,72 @@ TEST_F(XdmfFiles, BinaryOfBothByteOrders) {
       document(grid(mesh() + "<Attribute Name=\"a\">" +
                     item("5", "data.bin", binary(R"(Seek="32" Precision="8")")) + "</Attribute>"));
   EXPECT_NE(errorHere(beyond).find("more than"), std::string::npos);
+}
+
+// More rows than are read at a time; tensors, whole numbers, several grids of one mesh, steps.
+TEST_F(XdmfFiles, Hdf5PartByPart) {
+  const TetMesh mesh = meshes::jittered(meshes::kuhnGrid(101, 101, 18), 0.2, 3);
+  const hsize_t points = mesh.points.size(), tets = mesh.tetCount();
+  ASSERT_GT(tets, hsize_t(1) << 20);
+  {
+    const H5File file(path("mesh.h5"));
+    std::vector<double> xyz, heat;
+    for (const Vec3d& p : mesh.points) {
+      xyz.insert(xyz.end(), p.begin(), p.end());
+      heat.push_back(p[0] - p[1]);
+    }
+    std::vector<int> corners, region;
+    for (const std::uint32_t corner : mesh.tets)
+      corners.push_back(static_cast<int>(corner) + 1);
+    std::vector<float> stress(6 * tets);
+    for (std::size_t i = 0; i < stress.size(); ++i)
+      stress[i] = static_cast<float>(i % 1001);
+    for (std::size_t i = 0; i < tets; ++i)
+      region.push_back(static_cast<int>(i / 1000 % 5));
+    file.put<double>("/xyz", H5T_NATIVE_DOUBLE, {points, 3}, xyz);
+    file.put<int>("/tets", H5T_NATIVE_INT, {tets, 4}, corners);
+    file.put<double>("/heat", H5T_NATIVE_DOUBLE, {points}, heat);
+    file.put<float>("/stress", H5T_NATIVE_FLOAT, {tets, 6}, stress);
+    file.put<int>("/region", H5T_NATIVE_INT, {tets, 1}, region);
+  }
+  const auto hdf = [&](const std::string& size, const std::string& name,
+                       const std::string& type = "Float") {
+    return item(size, "mesh.h5:" + name, "Format=\"HDF\" NumberType=\"" + type + "\"");
+  };
+  const std::string n = std::to_string(points), m = std::to_string(tets);
+  const std::string shape =
+      "<Topology TopologyType=\"Tetrahedron\" BaseOffset=\"1\">" + hdf(m + " 4", "/tets", "Int") +
+      "</Topology><Geometry GeometryType=\"XYZ\">" + hdf(n + " 3", "/xyz") + "</Geometry>";
+  const std::string arrays =
+      "<Attribute Name=\"heat\">" + hdf(n, "/heat") +
+      "</Attribute><Attribute Name=\"stress\" Center=\"Cell\" AttributeType=\"Tensor6\">" +
+      hdf(m + " 6", "/stress") + "</Attribute><Attribute Name=\"region\" Center=\"Cell\">" +
+      hdf(m, "/region", "Int") + "</Attribute>";
+  write("run.xdmf", document(grid(shape + arrays)));
+  expectSpooledSame(path("run.xdmf"));
+  ReadOptions options;
+  options.arrays = {"stress"};
+  expectSpooledSame(path("run.xdmf"), options);
+
+  const auto refuse = [&](const std::string& text, const std::string& says) {
+    write("bad.xdmf", text);
+    Progress progress;
+    SpooledMesh spooled(folder_.path().string());
+    FileFormat format = FileFormat::Unknown;
+    try {
+      spoolCells(path("bad.xdmf"), {}, spooled, format, report_, progress);
+      ADD_FAILURE() << says;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), Status::Invalid);
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  refuse(document(grid(test::mesh())), "HDF5");
+  refuse(document(grid(shape) + grid(shape)), "another mesh");
+  refuse(document(grid(shape + "<Attribute Name=\"heat\">" + hdf(n, "/nothing") + "</Attribute>")),
+         "no such dataset");
+  refuse(document(grid(shape + "<Attribute Name=\"heat\">" + hdf(m, "/heat") + "</Attribute>")),
+         "in place of");
 }
 
 TEST_F(XdmfFiles, Hdf5OfManyTypes) {

@@ -11,7 +11,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kChunk = std::size_t(1) << 18; // numbers
+constexpr std::size_t kNumbersAtOnce = std::size_t(1) << 18; // numbers
 
 // Values of consecutive elements go into a file together.
 class Runs {
@@ -19,7 +19,7 @@ public:
   Runs(FileSpool& spool, std::size_t components) : spool_(spool), components_(components) {}
 
   void put(std::size_t index, const double* values) {
-    if (index != first_ + values_.size() / components_ || values_.size() >= kChunk) {
+    if (index != first_ + values_.size() / components_ || values_.size() >= kNumbersAtOnce) {
       flush();
       first_ = index;
     }
@@ -127,7 +127,7 @@ GmshData::Target GmshData::spooled(const std::string& name, Attribute::On on,
     known->components = static_cast<std::uint32_t>(components);
     known->values->clear();
   }
-  const std::vector<double> missing(std::min(kChunk, things * components), kMissing);
+  const std::vector<double> missing(std::min(kNumbersAtOnce, things * components), kMissing);
   for (std::size_t left = things * components; left > 0;) {
     const std::size_t some = std::min(left, missing.size());
     known->values->append(missing.data(), some * sizeof(double));
@@ -144,7 +144,7 @@ void GmshData::finish(const std::function<void(const VisitRun&)>& eachRun) {
     array.values->finish();
     const char* from = array.values->as<char>();
     eachRun([&](std::size_t count, bool isSolid) {
-      constexpr std::size_t kBytes = kChunk * sizeof(double);
+      constexpr std::size_t kBytes = kNumbersAtOnce * sizeof(double);
       for (std::size_t left = count * array.bytesEach(); left > 0;) {
         const std::size_t some = std::min(left, kBytes);
         if (isSolid)

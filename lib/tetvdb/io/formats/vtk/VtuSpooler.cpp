@@ -183,7 +183,7 @@ private:
 
   void skipFlat(std::uint8_t type, std::size_t cell, std::uint64_t begin, std::uint64_t end,
                 Numbers& connectivity) {
-    const CellKind& kind = cellKind(type);
+    const CellProperties& kind = cellKind(type);
     if (kind.type != CellType::Flat)
       refuseKind(kind.name);
     if (end < begin)

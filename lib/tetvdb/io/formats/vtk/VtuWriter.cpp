@@ -14,7 +14,7 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kChunk = 1 << 16; ///< tets converted at a time
+constexpr std::size_t kTetsAtOnce = 1 << 16; ///< tets converted at a time
 
 template <class T>
 std::string_view typeName() {
@@ -127,9 +127,9 @@ private:
   void spread(std::size_t n, Value value) {
     const std::uint64_t bytes = n * sizeof(T);
     file_.write(&bytes, sizeof bytes);
-    std::vector<T> buffer(std::min(n, kChunk));
-    for (std::size_t begin = 0; begin < n; begin += kChunk) {
-      const std::size_t end = std::min(n, begin + kChunk);
+    std::vector<T> buffer(std::min(n, kTetsAtOnce));
+    for (std::size_t begin = 0; begin < n; begin += kTetsAtOnce) {
+      const std::size_t end = std::min(n, begin + kTetsAtOnce);
       for (std::size_t i = begin; i < end; ++i)
         buffer[i - begin] = static_cast<T>(value(i));
       progress_.update(static_cast<double>(file_.size()) / static_cast<double>(offset_));

@@ -9,6 +9,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfFunction.h"
 #include "tetvdb/io/formats/xdmf/XdmfGrids.h"
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
+#include "tetvdb/io/formats/xdmf/XdmfNumbers.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -47,18 +48,6 @@ std::string plainName(std::string_view name) {
   std::string text = lowerCase(name);
   text.erase(std::remove(text.begin(), text.end(), '_'), text.end());
   return text;
-}
-
-/// Number `i` of an array of integers or floats as an index; kNone if it is invalid.
-constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
-template <typename T>
-std::uint64_t indexOf(T value) {
-  if constexpr (std::is_floating_point_v<T>)
-    return value >= 0 && value <= T(4294967294.0) && value == std::floor(value)
-               ? static_cast<std::uint64_t>(value)
-               : kNone;
-  else
-    return value >= 0 ? static_cast<std::uint64_t>(value) : kNone;
 }
 
 /// A mesh: its topology and geometry, and the grids with attributes on it.
@@ -350,18 +339,13 @@ private:
             mixedCells(topology, numbers, offset, cells);
         },
         values);
-    std::uint64_t declared = attributeNumber(topology, "NumberOfElements", kNone);
-    if (declared == kNone)
-      declared = attributeNumber(topology, "NumberOfCells", kNone);
-    if (declared != kNone && declared != cells.types.size())
+    std::uint64_t declared = attributeNumber(topology, "NumberOfElements", kNoXdmfIndex);
+    if (declared == kNoXdmfIndex)
+      declared = attributeNumber(topology, "NumberOfCells", kNoXdmfIndex);
+    if (declared != kNoXdmfIndex && declared != cells.types.size())
       fail(topology, std::to_string(declared) + " cells are declared, but there are " +
                          std::to_string(cells.types.size()));
     vtk::appendCells(std::move(cells), mesh, progress_);
-  }
-
-  static std::uint32_t nodeOf(std::uint64_t index, std::uint64_t offset) {
-    const bool fits = index != kNone && index >= offset && index - offset < 0xffffffffu;
-    return fits ? static_cast<std::uint32_t>(index - offset) : 0xffffffffu; // which no mesh has
   }
 
   template <class Numbers>
@@ -380,7 +364,7 @@ private:
       cells.ends[i] = (i + 1) * each;
     cells.connectivity.resize(numbers.size());
     for (std::size_t i = 0; i < numbers.size(); ++i)
-      cells.connectivity[i] = nodeOf(indexOf(numbers[i]), offset);
+      cells.connectivity[i] = xdmfNode(xdmfIndex(numbers[i]), offset);
   }
 
   // For each cell the number of its shape, the number of its nodes if it varies, and its nodes.
@@ -388,7 +372,7 @@ private:
   void mixedCells(pugi::xml_node topology, const Numbers& numbers, std::uint64_t offset,
                   vtk::Cells& cells) const {
     for (std::size_t at = 0; at < numbers.size();) {
-      const std::uint64_t number = indexOf(numbers[at++]);
+      const std::uint64_t number = xdmfIndex(numbers[at++]);
       const auto* shape = std::find_if(kShapes.begin(), kShapes.end(), [&](const Shape& known) {
         return known.mixed >= 0 && static_cast<std::uint64_t>(known.mixed) == number;
       });
@@ -400,11 +384,11 @@ private:
              "export the mesh with other cells");
       std::uint64_t nodes = shape->nodes;
       if (nodes == 0 && at < numbers.size())
-        nodes = indexOf(numbers[at++]);
+        nodes = xdmfIndex(numbers[at++]);
       if (nodes > numbers.size() - at)
         fail(topology, cell + " ends beyond the topology's numbers");
       for (const std::size_t end = at + nodes; at < end; ++at)
-        cells.connectivity.push_back(nodeOf(indexOf(numbers[at]), offset));
+        cells.connectivity.push_back(xdmfNode(xdmfIndex(numbers[at]), offset));
       cells.types.push_back(shape->vtk);
       cells.ends.push_back(cells.connectivity.size());
     }
@@ -452,7 +436,7 @@ private:
     attribute.on = on;
     attribute.components = static_cast<std::uint32_t>(numbers / elements);
     if (attribute.components == 6 && sameWord(node.attribute("AttributeType").value(), "Tensor6"))
-      std::visit([](auto& values) { orderTensor(values); }, attribute.values);
+      std::visit([](auto& values) { orderXdmfTensor(values); }, attribute.values);
     mesh.attributes.push_back(std::move(attribute));
   }
 
@@ -470,18 +454,6 @@ private:
     Attribute attribute = arrayOf(function, dofs, numbers, mesh, markup_.where(node));
     attribute.name = std::move(name);
     mesh.attributes.push_back(std::move(attribute));
-  }
-
-  // From xx, xy, xz, yy, yz, zz to VTK's order, xx, yy, zz, xy, yz, xz.
-  template <class Numbers>
-  static void orderTensor(Numbers& numbers) {
-    constexpr std::array<std::size_t, 6> from{0, 3, 5, 1, 4, 2};
-    for (std::size_t at = 0; at + 6 <= numbers.size(); at += 6) {
-      typename Numbers::value_type one[6];
-      std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(at), 6, one);
-      for (std::size_t k = 0; k < 6; ++k)
-        numbers[at + k] = one[from[k]];
-    }
   }
 
   const Source& source_;

@@ -15,6 +15,8 @@
 
 namespace tetvdb {
 
+class SpooledMesh;
+
 /// Combines the uniform grids of the first domain: all of spatial collections and trees, of
 /// temporal collections the step options.timeStep (the last if it is -1). Grids with the same
 /// topology (by reference or XInclude) are one mesh with the attributes of all, as FEniCS writes
@@ -26,6 +28,11 @@ namespace tetvdb {
 /// exist.
 CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
+
+/// The same, part by part, of one mesh of linear tets whose numbers lie in HDF5 files; others are
+/// Error(Invalid). Memory: some million numbers, and what HDF5 needs for a chunk of a dataset.
+void spoolXdmf(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
+               Progress& progress);
 
 /// The times of the steps: those of the first temporal collection, counted from 0 if it has none;
 /// empty without a temporal collection. Throws as readXdmf() does.

@@ -361,6 +361,7 @@ void runPlan(const VoxelizeArguments& options, Session& session) {
   if (!options.prepare.empty()) {
     reportPrepared(prepareMesh(job, options.prepare, session.report, session.progress),
                    options.prepare, session);
+    session.textIsSummary = options.shards == 0;
     if (options.shards == 0)
       return;
     job.inputs = {options.prepare};

@@ -81,11 +81,11 @@ TetMesh cornersOf(const SpooledMesh& mesh, std::size_t begin, std::size_t end);
 template <typename Make, typename Take>
 void eachTetRange(const SpooledMesh& mesh, std::size_t maxResident, Progress& progress,
                   const Make& make, const Take& take) {
-  constexpr std::size_t kRange = std::size_t(1) << 14;
+  constexpr std::size_t kRange = std::size_t(1) << 12;
   using Made = decltype(make(std::size_t(0), std::size_t(0)));
   const std::size_t count = mesh.tetCount();
   const std::size_t window =
-      kRange * 4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+      kRange * 16 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   for (std::size_t begin = 0; begin < count; begin += window) {
     progress.update(static_cast<double>(begin) / static_cast<double>(count));
     const std::size_t end = std::min(begin + window, count);
@@ -93,10 +93,10 @@ void eachTetRange(const SpooledMesh& mesh, std::size_t maxResident, Progress& pr
     tbb::parallel_for(std::size_t(0), made.size(), [&](std::size_t i) {
       const std::size_t from = begin + i * kRange;
       made[i] = make(from, std::min(from + kRange, end));
+      mesh.releaseAbove(maxResident);
     });
     for (Made& one : made)
       take(std::move(one));
-    mesh.releaseAbove(maxResident);
   }
 }
 

@@ -189,7 +189,10 @@ private:
     index_.unread = mesh_.unread;
     index_.hasTets = true;
     index_.hasRegions = mesh_.regions.size() > 0;
-    const std::uint64_t most = std::clamp<std::uint64_t>(limit_ / 6 / each, 1, kMostTets);
+    // By the limit itself and not by what is left of it, so that the parts are the same every time.
+    const std::uint64_t most =
+        job_.maxMemory == 0 ? kMostTets
+                            : std::clamp<std::uint64_t>(job_.maxMemory / 10 / each, 1, kMostTets);
     const TetBuckets buckets(mesh_, index_.transform, most, parent_, limit_ / 8, maxResident_,
                              progress_);
     index_.nodeCount = buckets.nodes().size();

@@ -337,8 +337,9 @@ void writePreparedIndex(const std::string& folder, const PreparedIndex& index) {
   try {
     text = toJson(index).dump(1) + "\n";
   } catch (const nlohmann::json::exception&) {
-    throw Error(Status::Invalid, index.source, "has an array whose name is no UTF-8",
-                "rename it, or leave it out");
+    throw Error(Status::Invalid, index.source,
+                "its name, or that of one of its arrays or kinds of cells, is no UTF-8",
+                "rename it, or leave the array out");
   }
   AtomicFile file((fs::path(folder) / kPreparedIndex).string());
   file.write(text.data(), text.size());

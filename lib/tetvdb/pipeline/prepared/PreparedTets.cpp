@@ -21,6 +21,10 @@ bool isWithin(const NodeBox& inner, const NodeBox& outer) {
   return true;
 }
 
+bool isOneNode(const NodeBox& box) {
+  return box.high == NodeIndex{box.low[0] + 1, box.low[1] + 1, box.low[2] + 1};
+}
+
 } // namespace
 
 PreparedTets::PreparedTets(const std::string& folder, const PreparedIndex& index)
@@ -90,7 +94,9 @@ void PreparedTets::requireRoom(std::size_t bytes) const {
       throw Error(Status::Limit, "",
                   fmt::format("the tets of '{}' need about {} MB, {} MB are left for them",
                               bucket.file.name, (needed >> 20) + 1, bytes >> 20),
-                  "raise `max_memory`, or prepare the mesh with a lower one");
+                  isOneNode(bucket.box.box)
+                      ? "raise `max_memory`: they meet one node of 128^3 voxels"
+                      : "raise `max_memory`, or prepare the mesh with a lower one");
   }
 }
 

@@ -34,21 +34,8 @@ private:
   SnappedMesh snapped_;
 };
 
-// values[k * components + c] of the elements that `places` names.
-void gather(const SpooledArray& array, const std::vector<std::uint32_t>& places,
-            Attribute::Values& to) {
-  const std::size_t components = array.components;
-  std::visit(
-      [&](auto& values) {
-        using Value = typename std::decay_t<decltype(values)>::value_type;
-        const Value* from = array.values->as<Value>();
-        values.resize(places.size() * components);
-        for (std::size_t i = 0; i < places.size(); ++i)
-          std::memcpy(values.data() + i * components, from + places[i] * components,
-                      components * sizeof(Value));
-      },
-      to);
-}
+// Elements that are copied before mapped pages may be given back.
+constexpr std::size_t kGathered = std::size_t(1) << 14;
 
 } // namespace
 
@@ -183,6 +170,17 @@ void TetBuckets::flush(List& list) {
   list.last.clear();
 }
 
+// Copies `size` bytes of each of the elements that `places` names.
+void TetBuckets::gather(const void* from, std::size_t size,
+                        const std::vector<std::uint32_t>& places, void* to) const {
+  auto* out = static_cast<char*>(to);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    std::memcpy(out + i * size, static_cast<const char*>(from) + places[i] * size, size);
+    if (i % kGathered == kGathered - 1)
+      mesh_.releaseAbove(maxResident_);
+  }
+}
+
 BucketTets TetBuckets::tets(std::size_t box) const {
   BucketTets result;
   std::vector<std::uint32_t>& numbers = result.numbers;
@@ -191,12 +189,11 @@ BucketTets TetBuckets::tets(std::size_t box) const {
     const std::uint32_t* from = spool_.as<std::uint32_t>() + first;
     numbers.insert(numbers.end(), from, from + count);
   }
+  spool_.release();
   TetMesh& mesh = result.mesh;
   mesh.cellCount = numbers.size();
   mesh.tets.resize(4 * numbers.size());
-  const std::uint32_t* tets = mesh_.tets.as<std::uint32_t>();
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    std::copy_n(tets + 4 * std::size_t(numbers[i]), 4, mesh.tets.data() + 4 * i);
+  gather(mesh_.tets.as<char>(), 4 * sizeof(std::uint32_t), numbers, mesh.tets.data());
   std::vector<std::uint32_t> used = mesh.tets;
   tbb::parallel_sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -206,19 +203,21 @@ BucketTets TetBuckets::tets(std::size_t box) const {
           mesh.tets[i] = static_cast<std::uint32_t>(
               std::lower_bound(used.begin(), used.end(), mesh.tets[i]) - used.begin());
       });
-  const Vec3d* points = mesh_.points.as<Vec3d>();
   mesh.points.resize(used.size());
-  for (std::size_t i = 0; i < used.size(); ++i)
-    mesh.points[i] = points[used[i]];
-  if (const std::int32_t* regions = mesh_.regions.as<std::int32_t>()) {
+  gather(mesh_.points.as<char>(), sizeof(Vec3d), used, mesh.points.data());
+  if (mesh_.regions.size() > 0) {
     mesh.regions.resize(numbers.size());
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      mesh.regions[i] = regions[numbers[i]];
+    gather(mesh_.regions.as<char>(), sizeof(std::int32_t), numbers, mesh.regions.data());
   }
   for (const SpooledArray& array : mesh_.arrays) {
-    mesh.attributes.push_back(emptyAttribute(array));
-    gather(array, array.on == Attribute::On::Points ? used : numbers,
-           mesh.attributes.back().values);
+    const auto& places = array.on == Attribute::On::Points ? used : numbers;
+    Attribute& own = mesh.attributes.emplace_back(emptyAttribute(array));
+    std::visit(
+        [&](auto& values) {
+          values.resize(places.size() * array.components);
+          gather(array.values->as<char>(), array.bytesEach(), places, values.data());
+        },
+        own.values);
   }
   mesh_.releaseAbove(maxResident_);
   return result;

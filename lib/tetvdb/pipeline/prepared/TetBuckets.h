@@ -46,6 +46,8 @@ private:
   void findBoxes(std::uint64_t mostTets);
   void listTets(std::size_t bytes);
   void flush(List& list);
+  void gather(const void* from, std::size_t size, const std::vector<std::uint32_t>& places,
+              void* to) const;
   std::size_t findNode(const NodeIndex& node) const;
 
   const SpooledMesh& mesh_;

@@ -47,9 +47,10 @@ public:
   /// The edges must be closed: the weights at every point sum to zero. O(n log n).
   explicit BoundaryWinding(std::vector<BoundaryEdge> edges);
 
-  bool empty() const { return edges_.size() == 0; }
+  std::size_t edgeCount() const { return edges_.size(); }
+  bool empty() const { return edgeCount() == 0; }
   /// Whether there are more than kManyBoundaryEdges edges.
-  bool rough() const { return edges_.size() > kManyBoundaryEdges; }
+  bool rough() const { return edgeCount() > kManyBoundaryEdges; }
 
   /// s at `p` moved by (e, e^2, e^3), e -> 0+: the perturbed centre of the ownership rule. Within
   /// kBoundaryWindingError. Exact in which side of the curtain p is on.

@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -68,9 +69,23 @@ constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
 // Memory of the whole work for a triangle: above what the models of docs/benchmarks.md take, small
 // ones and those that intersect themselves much apart.
 constexpr double kBytesPerFace = 6000;
-// Tets that are coarsened between the rounds of insertion, at 5 us each, where work is limited: in
-// all, and more for each triangle.
-constexpr std::size_t kMaxCoarsened = 2000000, kMaxCoarsenedOfFace = 200;
+// Tets that are coarsened, at 5 us each, where work is limited: in all, and more for each triangle.
+constexpr double kMaxCoarsened = 2e6, kMaxCoarsenedOfFace = 200;
+// Sums over boundary edges that take as long as coarsening a tet: one for each point and edge.
+constexpr double kSumsOfTet = 2500;
+
+// Counts what takes long, in tets that are coarsened.
+struct WorkDone {
+  double tets = 0;
+  double most = std::numeric_limits<double>::infinity();
+
+  void add(std::size_t coarsened) {
+    tets += static_cast<double>(coarsened);
+    if (tets > most)
+      throw Error(Status::Limit, "", "the triangles cut one another into very many tets",
+                  "`mesher=winding` needs no tets");
+  }
+};
 
 struct Lengths {
   double diagonal, epsilon, edge; // world
@@ -130,6 +145,7 @@ struct Work {
   const Envelope& boundary;
   const std::vector<std::uint32_t>& missing;
   double radius; // lattice units
+  WorkDone& done;
 };
 
 // Of the tets that are kept, once holes are refined: those tets are not improved any more.
@@ -168,6 +184,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
     aims.maxPasses = options.maxPasses;
     counts = improve(complex, bounds, aims, progress);
   } else {
+    work.done.add(complex.tetCount());
     counts = coarsen(complex, bounds, progress);
   }
   assertValid(complex);
@@ -175,7 +192,8 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
 
   timer.part("classify");
   progress.stage("classify");
-  std::vector<std::uint16_t> inside = insideOf(complex, count, work.soup, work.missing, progress);
+  std::vector<std::uint16_t> inside = insideOf(complex, count, work.soup, work.missing, progress,
+                                               kSumsOfTet * (work.done.most - work.done.tets));
   refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMaxHoleTets, inside,
               progress);
   assertValid(complex);
@@ -330,8 +348,8 @@ void checkSoup(const LatticeSoup& soup, const TetrahedralizeOptions& options) {
 // the best. `edge`, `epsilon` in lattice units.
 InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, double edge,
                                double diagonal, double epsilon, const Envelope& surface,
-                               const Envelope& boundary, bool limitsWork, StageTimer& timer,
-                               Progress& progress) {
+                               const Envelope& boundary, bool limitsWork, WorkDone& done,
+                               StageTimer& timer, Progress& progress) {
   const double radius = surface.epsilon();
   InsertSurfaceOptions options;
   options.spacing = std::min(edge, diagonal / 10);
@@ -339,12 +357,8 @@ InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, 
   options.clearance = 10 * epsilon;
   options.reach = kReachShare * radius;
   LatticeSoup simple;
-  std::size_t coarsened = 0;
   options.coarsen = [&](TetComplex& complex) {
-    coarsened += complex.tetCount();
-    if (limitsWork && coarsened > kMaxCoarsened + kMaxCoarsenedOfFace * simple.faces.size())
-      throw Error(Status::Limit, "", "the triangles cut one another into very many tets",
-                  "`mesher=winding` needs no tets");
+    done.add(complex.tetCount());
     coarsen(complex, {surface, boundary, kThinShare * radius}, progress);
   };
   const auto soupOf = [&](int variant) {
@@ -357,6 +371,8 @@ InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, 
     simple = soup;
     const double share = variant == kSimplified ? kSimplifyShare : kCarefulShare;
     simplifySoup(simple, surface, share * radius, progress);
+    if (limitsWork)
+      done.most = kMaxCoarsened + kMaxCoarsenedOfFace * static_cast<double>(simple.faces.size());
     return simple;
   };
   return insertSurface(soupOf, kVariants, inputCount, options, timer, progress);
@@ -388,16 +404,17 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Envelope surface(soup.points, soup.faces, radius);
   const Envelope boundary(soup.points, boundaryEdges(soup), radius);
 
+  WorkDone done;
   InsertedSurface inserted = insertVariants(soup, inputs.size(), lengths.edge / lattice.unit(),
                                             lengths.diagonal / lattice.unit(), epsilon, surface,
-                                            boundary, options.limitsWork, timer, progress);
+                                            boundary, options.limitsWork, done, timer, progress);
   assertValid(inserted.complex);
   made.simplifiedFaces = inserted.soup.faces.size();
   made.notInserted = inserted.missing.size();
   made.insertedFaces = made.simplifiedFaces - made.notInserted;
 
   const Work work{inputs,  options,  lengths,          lattice, inserted.soup,
-                  surface, boundary, inserted.missing, radius};
+                  surface, boundary, inserted.missing, radius,  done};
   finishAndMend(work, std::move(inserted.complex), made, timer, progress);
   warnOfLoss(made, options, lengths.epsilon, report);
   return made;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TetMeshes.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/core/Error.h"
 #include "tetvdb/tetrahedralize/inside/Classify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -130,6 +132,23 @@ TEST(Classify, ClosesHolesByTheWindingNumber) {
     forget(complex, [&](const Vec3d& p) { return p[0] > kMiddle + share * 5.2 * kStep; });
     complex.verify();
     expectAsBruteForce(complex, classifiedSurface(complex), classify(complex, 1));
+  }
+}
+
+TEST(Classify, StopsWhereThereAreMoreSumsThanAllowed) {
+  TetComplex complex = cubeMesh(kCells, kStep, 0.2, ballAt(kCentre, 5.2 * kStep));
+  Progress progress;
+  const std::vector<std::uint16_t> closed = insideOf(complex, 1, {}, {}, progress, 0);
+  EXPECT_NE(std::find(closed.begin(), closed.end(), 1), closed.end());
+  forget(complex, [&](const Vec3d& p) { return p[0] > kMiddle; });
+  // No more than every tet and every edge that there may be, no less than a few of each.
+  const double tets = static_cast<double>(complex.tets.size());
+  EXPECT_EQ(insideOf(complex, 1, {}, {}, progress, 6 * tets * tets), classify(complex, 1));
+  try {
+    insideOf(complex, 1, {}, {}, progress, 100);
+    ADD_FAILURE() << "it goes on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), Status::Limit);
   }
 }
 

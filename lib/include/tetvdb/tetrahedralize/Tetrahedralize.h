@@ -34,8 +34,9 @@ struct TetrahedralizeOptions {
   Boolean boolean = Boolean::Materials;
   bool keepOutside = false; ///< keep the tets outside too, up to the background's box, as region -1
   std::size_t maxMemory = 0; ///< bytes for the work without the inputs; 0: no limit
-  /// Give up (Error(Limit)) where triangles cut one another into so many tets that insertion takes
-  /// more than about 10 s of one core and 1 ms a triangle. Counted, not timed: the same everywhere.
+  /// Give up (Error(Limit)) where triangles cut one another into so many tets that inserting them
+  /// and finding what is inside takes more than about 10 s of one core and 1 ms a triangle.
+  /// Counted, not timed: the same everywhere.
   bool limitsWork = false;
 };
 

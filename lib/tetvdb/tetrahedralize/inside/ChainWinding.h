@@ -27,6 +27,8 @@ public:
   /// `boundary` is the boundary of `faces`; none: they are closed, and the winding number is exact.
   ChainWinding(std::vector<Face> faces, std::vector<BoundaryEdge> boundary);
 
+  std::size_t boundaryEdges() const { return boundary_.edgeCount(); }
+
   /// Whether the winding number stays farther than `kFromHalf` from 0.5, 1.5 and so on in a whole
   /// ball, apart from the faces in it: rounded, it is then the same in all of the ball that is
   /// connected without crossing a face. Yes is a proof, up to the error of the sums over boundary

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/inside/Classify.h"
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
@@ -86,7 +87,7 @@ class OpenInput {
 public:
   OpenInput(const TetComplex& complex, const InputChains& chains, std::size_t input,
             Progress& progress);
-  void classify(std::vector<std::uint16_t>& inside);
+  void classify(double maxSums, std::vector<std::uint16_t>& inside);
 
 private:
   static constexpr std::uint32_t kNotCalm = 0xFFFFFFFFu, kCalm = 0xFFFFFFFEu; // or the region's
@@ -189,7 +190,7 @@ void OpenInput::findRegions() {
   }
 }
 
-void OpenInput::classify(std::vector<std::uint16_t>& inside) {
+void OpenInput::classify(double maxSums, std::vector<std::uint16_t>& inside) {
   findCalm(0, static_cast<std::ptrdiff_t>(items_.size()), kMaxTogether);
   findRegions();
   std::vector<LatticePoint> asked; // of regions, then of tets that belong to none
@@ -199,6 +200,9 @@ void OpenInput::classify(std::vector<std::uint16_t>& inside) {
   for (const Item& item : items_)
     if (region_[item.tet] == kNotCalm)
       asked.push_back({item.centre[0], item.centre[1], item.centre[2]});
+  if (static_cast<double>(asked.size()) * static_cast<double>(winding_.boundaryEdges()) > maxSums)
+    throw Error(Status::Limit, "", "the tets have very many boundary edges",
+                "`mesher=winding` needs no tets");
   const std::vector<double> winding = winding_.at(asked, progress_);
   for (const Item& item : items_) {
     const std::uint32_t region = region_[item.tet];
@@ -213,14 +217,15 @@ void OpenInput::classify(std::vector<std::uint16_t>& inside) {
 
 std::vector<std::uint16_t> insideOf(const TetComplex& complex, std::size_t inputCount,
                                     const LatticeSoup& soup,
-                                    const std::vector<std::uint32_t>& missing, Progress& progress) {
+                                    const std::vector<std::uint32_t>& missing, Progress& progress,
+                                    double maxSums) {
   std::vector<std::uint16_t> inside(complex.tets.size(), 0);
   const InputChains chains = inputChains(complex, inputCount, soup, missing, progress);
   std::vector<bool> isClosed(inputCount, false);
   for (std::size_t input = 0; input < inputCount; ++input) {
     isClosed[input] = chains.inputs[input].isFlooded();
     if (!isClosed[input])
-      OpenInput(complex, chains, input, progress).classify(inside);
+      OpenInput(complex, chains, input, progress).classify(maxSums, inside);
   }
   if (std::find(isClosed.begin(), isClosed.end(), true) != isClosed.end())
     floodClosed(complex, chains, isClosed, inside, progress);

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tetvdb {
@@ -18,8 +19,11 @@ namespace tetvdb {
 /// tracked faces: it is summed from face to face, exactly. Elsewhere it is N + s (see
 /// geometry/BoundaryWinding.h) at the tets' centres: signed crossings, exact, and the sum over the
 /// chain's boundary edges. Parallel; the same for any number of threads. Linear for closed chains.
+///   Throws Error(Limit) where an input needs more than `maxSums`, such points times boundary
+/// edges, at 1 to 2 ns each.
 std::vector<std::uint16_t> insideOf(const TetComplex& complex, std::size_t inputCount,
                                     const LatticeSoup& soup,
-                                    const std::vector<std::uint32_t>& missing, Progress& progress);
+                                    const std::vector<std::uint32_t>& missing, Progress& progress,
+                                    double maxSums = std::numeric_limits<double>::infinity());
 
 } // namespace tetvdb

@@ -34,6 +34,9 @@ std::size_t countBits(const std::array<std::uint64_t, N>& words) {
   return bits;
 }
 
+/// Counts the bits of every leaf, eight words each; returns their sum.
+std::uint64_t countLeafBits(const std::uint64_t* words, std::size_t leaves, std::uint16_t* bits);
+
 enum class NodeState : std::uint8_t { Empty, Full, Mixed };
 
 /// The 32 nodes of a 4096^3 cube that have the same x and y.

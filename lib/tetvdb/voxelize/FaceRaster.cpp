@@ -93,25 +93,18 @@ private:
   Int vertical_ = 0, step_ = 0;
 };
 
+// nearbyint() of numbers below 2^51, without a call: a sum has no bits for fractions.
+double nearestWhole(double value) {
+  constexpr double kShift = 0x1.8p52;
+  return value + kShift - kShift;
+}
+
 } // namespace
 
 void SlabCrossings::clear() {
   std::memset(&entering, 0, sizeof entering);
   std::memset(&leaving, 0, sizeof leaving);
   extra.clear();
-}
-
-void SlabCrossings::add(int row, int z, std::int32_t weight) {
-  std::uint64_t& word = (weight > 0 ? entering : leaving).rows[row][z >> 6];
-  const std::uint64_t bit = std::uint64_t(1) << (z & 63);
-  const std::int32_t one = weight > 0 ? 1 : -1;
-  if (word & bit) {
-    extra.push_back({row, z, weight});
-    return;
-  }
-  word |= bit;
-  if (weight != one)
-    extra.push_back({row, z, weight - one});
 }
 
 FaceRaster::FaceRaster(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
@@ -181,7 +174,7 @@ void FaceRaster::rasterizeWith(std::int64_t x0, std::int64_t y0, std::int64_t z0
       // Outside of the node by more than the rounding error.
       if (!(crossing > -2 - tolerance && crossing < kNodeSize + 2 + tolerance))
         continue;
-      const double nearest = std::nearbyint(crossing);
+      const double nearest = nearestWhole(crossing);
       std::int64_t z;
       if (tolerance >= kSteep)
         z = exactCrossing(x, y0 + y, z0) - z0;

@@ -24,7 +24,18 @@ struct SlabCrossings {
   std::vector<Extra> extra;
 
   void clear();
-  void add(int row, int z, std::int32_t weight);
+  void add(int row, int z, std::int32_t weight) {
+    std::uint64_t& word = (weight > 0 ? entering : leaving).rows[row][z >> 6];
+    const std::uint64_t bit = std::uint64_t(1) << (z & 63);
+    const std::int32_t one = weight > 0 ? 1 : -1;
+    if (word & bit) {
+      extra.push_back({row, z, weight});
+      return;
+    }
+    word |= bit;
+    if (weight != one)
+      extra.push_back({row, z, weight - one});
+  }
 };
 
 /// A boundary face prepared for rasterising.

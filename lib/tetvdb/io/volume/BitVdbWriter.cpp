@@ -61,18 +61,15 @@ void addNode(const Vec3i& origin, const BitNode& node, StackPiece& piece) {
     for (std::uint64_t rest = node.tiles[w]; rest != 0; rest &= rest - 1)
       counts.addTile(leafOrigin(origin, 64 * w + static_cast<std::size_t>(__builtin_ctzll(rest))),
                      8);
-  const bool inside = piece.known.contains(origin, 128);
+  const std::size_t first = piece.leaves.size(), leaves = node.leaves.size() / 8;
+  piece.leaves.resize(first + leaves);
+  counts.leaves += leaves;
+  counts.voxels += countLeafBits(node.leaves.data(), leaves, piece.leaves.data() + first);
+  if (piece.known.contains(origin, 128))
+    return;
   const std::uint64_t* leaf = node.leaves.data();
   for (std::size_t w = 0; w < node.children.size(); ++w)
     for (std::uint64_t rest = node.children[w]; rest != 0; rest &= rest - 1, leaf += 8) {
-      int active = 0;
-      for (int i = 0; i < 8; ++i)
-        active += __builtin_popcountll(leaf[i]);
-      counts.voxels += static_cast<std::uint64_t>(active);
-      ++counts.leaves;
-      piece.leaves.push_back(static_cast<std::uint16_t>(active));
-      if (inside)
-        continue;
       const Vec3i corner =
           leafOrigin(origin, 64 * w + static_cast<std::size_t>(__builtin_ctzll(rest)));
       if (!piece.known.contains(corner, 8) && !counts.box.contains(corner, 8))

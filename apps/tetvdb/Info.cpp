@@ -88,7 +88,7 @@ StreamedInfo readInfo(const std::string& path, bool withHash, std::vector<Unread
     return describeVolumeFile(path, withHash, progress);
   const Volume volume = readVolume(path, progress);
   unread = volume.unread;
-  return {volume.metadata, describe(volume), withHash ? hash(volume) : ""};
+  return {volume.metadata, describe(volume), withHash ? hash(volume) : "", {}};
 }
 
 void describeVolume(const std::string& path, bool withHash, Json& section, Session& session) {

@@ -3,6 +3,7 @@
 
 #include "tetvdb/fields/ShownValues.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/VolumeStream.h"
 #include "tetvdb/pipeline/NumberedPath.h"
 #include "tetvdb/pipeline/SequenceGrids.h"
 #include "tetvdb/volume/GridTypes.h"
@@ -133,8 +134,8 @@ public:
             std::vector<Finding>& findings)
       : path_(path), alone_(alone), options_(options), content_(path, options, findings) {}
 
-  FrameFacts run(const Volume& volume) {
-    const std::vector<GridInfo> infos = describe(volume);
+  /// `infos`: of the volume's grids, whose voxels may be missing.
+  FrameFacts run(const Volume& volume, const std::vector<GridInfo>& infos) {
     const openvdb::GridPtrVec& grids = volume.grids().all;
     checkFile(volume, infos);
     FrameFacts facts;
@@ -410,8 +411,14 @@ std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
   std::vector<FrameFacts> facts;
   progress.stage("check");
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    const Volume volume = readVolume(paths[i], progress);
-    facts.push_back(FileCheck(paths[i], paths.size() == 1, options, findings).run(volume));
+    FileCheck check(paths[i], paths.size() == 1, options, findings);
+    if (canStreamVolume(paths[i])) {
+      const StreamedInfo file = describeVolumeFile(paths[i], false, progress);
+      facts.push_back(check.run(file.empty, file.grids));
+    } else {
+      const Volume volume = readVolume(paths[i], progress);
+      facts.push_back(check.run(volume, describe(volume)));
+    }
     progress.update(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
   }
   if (paths.size() > 1) {

@@ -13,8 +13,8 @@
 
 namespace tetvdb {
 
-/// Whether `path` is a .vdb file whose grids can be read child by child: of version 222 and above,
-/// of types that have typed code, none an instance of another.
+/// Whether `path` is a .vdb file whose grids, one at least, can be read child by child: of version
+/// 222 and above, of types that have typed code, none an instance of another.
 bool canStreamVolume(const std::string& path);
 
 /// The same, of a file of 256 MB or more: its grids take some times as much memory.
@@ -24,6 +24,7 @@ struct StreamedInfo {
   std::map<std::string, std::string> metadata; ///< of the file
   std::vector<GridInfo> grids;                 ///< as describe() gives them
   std::string hash;                            ///< as hash() gives it, where it was asked for
+  Volume empty;                                ///< the file's, its grids without voxels
 };
 
 /// Reads the file once. The sum of a coverage grid may differ from describe()'s by rounding. Throws

@@ -56,6 +56,8 @@ VdbHeader headerOf(const std::string& path) {
   for (const VdbGridHeader& grid : header.grids)
     if (!grid.parent.empty() || !withGridType(grid.type, [](const auto&) {}))
       throw Error(Status::Usage, path, "has grids that cannot be read part by part");
+  if (header.grids.empty())
+    throw Error(Status::Usage, path, "has no grids");
   return header;
 }
 
@@ -69,10 +71,18 @@ VdbHeader checkedHeaderOf(const std::string& path) {
 
 using Hashes = std::vector<std::pair<std::string, std::string>>;
 
+// A grid and what describe() says of it.
+struct StreamedGrid {
+  openvdb::GridBase::Ptr empty;
+  GridInfo info;
+};
+
 // One pass over a grid.
-GridInfo describeGrid(const std::string& path, const VdbHeader& header, const VdbGridHeader& grid,
-                      bool withHash, Hashes& hashes, Progress& progress) {
-  GridInfo sum;
+StreamedGrid describeGrid(const std::string& path, const VdbHeader& header,
+                          const VdbGridHeader& grid, bool withHash, Hashes& hashes,
+                          Progress& progress) {
+  StreamedGrid result;
+  GridInfo& sum = result.info;
   withGridType(grid.type, [&](const auto& tag) {
     using GridT = std::decay_t<decltype(tag)>;
     VdbChildren<GridT> children(path, header, grid);
@@ -90,8 +100,9 @@ GridInfo describeGrid(const std::string& path, const VdbHeader& header, const Vd
     }
     sum.volume = voxels * empty->transform().voxelVolume();
     hashes.emplace_back(grid.name, hash.finish());
+    result.empty = empty;
   });
-  return sum;
+  return result;
 }
 
 template <class GridT>
@@ -144,13 +155,20 @@ StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress
   const VdbHeader header = checkedHeaderOf(path);
   StreamedInfo result;
   result.metadata = header.metadata;
+  result.empty.metadata = header.metadata;
   Hashes hashes;
+  std::vector<StreamedGrid> grids;
   for (const VdbGridHeader& grid : header.grids)
-    result.grids.push_back(describeGrid(path, header, grid, withHash, hashes, progress));
+    grids.push_back(describeGrid(path, header, grid, withHash, hashes, progress));
   // In OpenVDB's order.
-  std::stable_sort(
-      result.grids.begin(), result.grids.end(),
-      [](const GridInfo& one, const GridInfo& other) { return one.name < other.name; });
+  std::stable_sort(grids.begin(), grids.end(),
+                   [](const StreamedGrid& one, const StreamedGrid& other) {
+                     return one.info.name < other.info.name;
+                   });
+  for (StreamedGrid& grid : grids) {
+    result.grids.push_back(std::move(grid.info));
+    result.empty.grids().all.push_back(std::move(grid.empty));
+  }
   if (withHash)
     result.hash = hashOfGrids(std::move(hashes));
   return result;

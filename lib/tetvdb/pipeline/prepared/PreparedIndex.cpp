@@ -268,6 +268,9 @@ private:
         fail(kPreparedIndex, "has a box that is in no child of the root node");
     if (bucket.box.axis > 2)
       fail(kPreparedIndex, "has a box that is cut along no axis");
+    for (std::size_t k = 0; k < bucket.box.axis; ++k)
+      if (box.high[k] - box.low[k] != 1)
+        fail(kPreparedIndex, "has a box whose parts would be in no order");
     if (bucket.tets > 0)
       check(bucket.file, isBucketName(bucket.file.name), bucketFileBytes(index, bucket));
     return bucket;
@@ -275,7 +278,6 @@ private:
 
   // The buckets of a cube fill it, each node of one before each of the next.
   void checkOrder(const std::vector<TetBucket>& buckets) const {
-    std::vector<SplitBox> boxes;
     Vec3i cube{};
     std::int64_t nodes = 0;
     constexpr std::int64_t kAll = std::int64_t(kNodesInCube) * kNodesInCube * kNodesInCube;

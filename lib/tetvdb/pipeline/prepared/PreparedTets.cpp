@@ -14,6 +14,10 @@ namespace {
 constexpr std::uint64_t kBytesPerLoadedTet = 120;
 constexpr std::uint64_t kBytesPerPoint = 48;
 
+Vec3i cubeOf(const NodeIndex& node) {
+  return {node[0] >> 5, node[1] >> 5, node[2] >> 5};
+}
+
 bool isWithin(const NodeBox& inner, const NodeBox& outer) {
   for (std::size_t k = 0; k < 3; ++k)
     if (inner.low[k] < outer.low[k] || inner.high[k] > outer.high[k])
@@ -29,6 +33,8 @@ bool isOneNode(const NodeBox& box) {
 
 PreparedTets::PreparedTets(const std::string& folder, const PreparedIndex& index)
     : folder_(folder), index_(index), nodes_(readNodes(folder, index)), empty_(emptyBucket(index)) {
+  for (std::size_t b = 0; b < index.buckets.size(); ++b)
+    ofCube_.try_emplace(cubeOf(index.buckets[b].box.box.low), b, b).first->second.second = b + 1;
 }
 
 const std::vector<Field>& PreparedTets::resolve(const FieldOptions& options,
@@ -102,9 +108,9 @@ void PreparedTets::requireRoom(std::size_t bytes) const {
 
 std::vector<SplitBox> PreparedTets::boxes(const NodeBox& cube) const {
   std::vector<SplitBox> boxes;
-  for (const TetBucket& bucket : index_.buckets)
-    if (isWithin(bucket.box.box, cube))
-      boxes.push_back(bucket.box);
+  if (const auto found = ofCube_.find(cubeOf(cube.low)); found != ofCube_.end())
+    for (std::size_t b = found->second.first; b < found->second.second; ++b)
+      boxes.push_back(index_.buckets[b].box);
   if (boxes.empty())
     boxes.push_back({cube, 0});
   return boxes;
@@ -113,11 +119,13 @@ std::vector<SplitBox> PreparedTets::boxes(const NodeBox& cube) const {
 std::size_t PreparedTets::bucketOf(const NodeBox& box) const {
   if (box.low[0] == box.high[0])
     return kNone;
-  const auto found =
-      std::find_if(index_.buckets.begin(), index_.buckets.end(),
-                   [&](const TetBucket& bucket) { return isWithin(box, bucket.box.box); });
-  return found == index_.buckets.end() ? kNone
-                                       : static_cast<std::size_t>(found - index_.buckets.begin());
+  const auto found = ofCube_.find(cubeOf(box.low));
+  if (found == ofCube_.end())
+    return kNone;
+  for (std::size_t b = found->second.first; b < found->second.second; ++b)
+    if (isWithin(box, index_.buckets[b].box.box))
+      return b;
+  return kNone;
 }
 
 const OwnerTets& PreparedTets::within(const NodeBox& box, Progress& progress) {

@@ -8,9 +8,11 @@
 #include "tetvdb/pipeline/prepared/PreparedIndex.h"
 
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tetvdb {
@@ -45,6 +47,7 @@ private:
   std::string folder_;
   const PreparedIndex& index_;
   std::vector<MetNode> nodes_;
+  std::map<Vec3i, std::pair<std::size_t, std::size_t>> ofCube_; ///< its buckets
   std::optional<FieldOptions> options_;
   std::vector<ValueRange> ranges_;
   BucketTets empty_; ///< for fields_

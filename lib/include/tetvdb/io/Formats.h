@@ -54,8 +54,7 @@ struct Format {
 
   CellMesh (*readCells)(const Source&, const ReadOptions&, Report&, Progress&) = nullptr;
   /// The tets of a file that may be larger than memory.
-  void (*spoolCells)(const Source&, const ReadOptions&, SpooledMesh&, Report&,
-                     Progress&) = nullptr;
+  void (*spoolCells)(const Source&, const ReadOptions&, SpooledMesh&, Report&, Progress&) = nullptr;
   TriangleMesh (*readTriangles)(const Source&, Report&, Progress&) = nullptr;
   Volume (*readVolume)(const std::string& path, Progress&) = nullptr;
   /// Only for formats with both: whether a file has solid cells. Reads the types of cells, up to

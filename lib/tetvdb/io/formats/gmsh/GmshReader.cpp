@@ -9,6 +9,7 @@
 #include "tetvdb/io/formats/gmsh/GmshCursor.h"
 #include "tetvdb/io/formats/gmsh/GmshData.h"
 #include "tetvdb/io/formats/gmsh/GmshElements.h"
+#include "tetvdb/io/formats/gmsh/GmshEntities.h"
 #include "tetvdb/mesh/SpooledMesh.h"
 
 #include <algorithm>
@@ -27,11 +28,6 @@ struct TagRun {
   std::size_t count;
   std::int32_t physical, geometrical;
   bool solid;
-};
-
-/// Tags of an entity of dimension 3 ($Entities, $PartitionedEntities).
-struct VolumeTags {
-  std::int32_t physical, geometrical;
 };
 
 class Reader {
@@ -76,9 +72,9 @@ private:
     else if (name == "PhysicalNames")
       readNames();
     else if (name == "Entities")
-      readEntities(false);
+      readEntities(in_, false, version_ < 4.05, volumes_);
     else if (name == "PartitionedEntities" && version_ > 4.05)
-      readEntities(true);
+      readEntities(in_, true, version_ < 4.05, volumes_);
     else if (name == "Nodes")
       version_ < 4 ? readNodes2() : readNodes4();
     else if (name == "NOD")
@@ -155,56 +151,7 @@ private:
     }
   }
 
-  std::int32_t tag(std::int64_t number) const {
-    // Physical tags of entities are negative if their orientation is reversed.
-    constexpr std::int64_t max = std::numeric_limits<std::int32_t>::max();
-    if (number < -max || number > max)
-      in_.fail("a tag is out of range");
-    return static_cast<std::int32_t>(std::abs(number));
-  }
-
-  void readEntities(bool partitioned) {
-    in_.enterBinary();
-    const bool old = version_ < 4.05;
-    if (partitioned) {
-      in_.size();
-      const std::size_t ghosts = in_.count("ghost entities", 4, 8);
-      for (std::size_t i = 0; i < 2 * ghosts; ++i)
-        in_.integer();
-    }
-    std::size_t counts[4];
-    for (std::size_t& n : counts)
-      n = in_.count("entities", 8, 4 + 3 * 8);
-    for (int dimension = 0; dimension < 4; ++dimension)
-      for (std::size_t i = 0; i < counts[dimension]; ++i) {
-        const std::int64_t number = in_.integer();
-        VolumeTags tags{0, tag(number)};
-        if (partitioned) {
-          const std::int64_t parentDimension = in_.integer();
-          const std::int64_t parent = in_.integer();
-          if (parentDimension == 3)
-            tags.geometrical = tag(parent);
-          const std::size_t partitions = in_.count("partitions", 2, 4);
-          for (std::size_t k = 0; k < partitions; ++k)
-            in_.integer();
-        }
-        for (int k = dimension == 0 && !old ? 3 : 6; k > 0; --k)
-          in_.real();
-        const std::size_t groups = in_.count("physical groups", 2, 4);
-        for (std::size_t k = 0; k < groups; ++k) {
-          const std::int64_t group = in_.integer();
-          if (k == 0)
-            tags.physical = tag(group);
-        }
-        if (dimension > 0) {
-          const std::size_t bounds = in_.count("bounding entities", 2, 4);
-          for (std::size_t k = 0; k < bounds; ++k)
-            in_.integer();
-        }
-        if (dimension == 3)
-          volumes_[number] = tags;
-      }
-  }
+  std::int32_t tag(std::int64_t number) const { return gmshTag(in_, number); }
 
   // --- Nodes ------------------------------------------------------------------------------------
 
@@ -511,7 +458,7 @@ private:
       const CellKind& kind = kindOf(in_.integer());
       const std::size_t n =
           in_.count("elements", 2 * (1 + kind.nodes) - 1, width * (1 + kind.nodes));
-      VolumeTags tags{0, tag(entity)};
+      GmshVolumeTags tags{0, tag(entity)};
       if ((old ? second : first) == 3)
         if (const auto known = volumes_.find(entity); known != volumes_.end())
           tags = known->second;
@@ -613,7 +560,7 @@ private:
   bool haveNodes_ = false;
   bool haveElements_ = false;
   std::vector<TagRun> tags_;
-  std::map<std::int64_t, VolumeTags> volumes_;
+  GmshVolumes volumes_;
   GmshData data_;
 };
 

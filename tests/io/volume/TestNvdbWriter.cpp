@@ -69,9 +69,12 @@ void expectSameMeans(Node& a, Node& b) {
   near(a.mStdDevi, b.mStdDevi);
 }
 
-// The converter leaves those of nodes without active values as it finds the memory.
+// The converter leaves those of nodes without active values, and all but two flags, as it finds the
+// memory.
 template <class Node>
 void expectSameStatistics(Node& a, Node& b) {
+  EXPECT_EQ(a.mFlags, b.mFlags & 3);
+  a.mFlags = b.mFlags = 0;
   if (!b.mBBox.empty())
     return expectSameMeans(a, b);
   for (Node* node : {&a, &b}) {

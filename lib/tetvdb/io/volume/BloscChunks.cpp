@@ -13,7 +13,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::size_t kHeadBytes = 16; // of a buffer of Blosc: four bytes, then three numbers
+constexpr std::size_t kMostBlocks = 32; // that are compressed at once
+constexpr std::size_t kHeadBytes = 16;  // of a buffer of Blosc: four bytes, then three numbers
 constexpr std::size_t kSplitBytes = 8 * sizeof(std::int32_t); // a block's sizes of its parts
 using Bytes = std::vector<unsigned char>;
 
@@ -63,7 +64,8 @@ Bytes compressBlock(const unsigned char* data, std::size_t size, std::size_t blo
 
 BloscChunks::BloscChunks(AtomicFile& file, std::uint64_t size)
     : file_(file), block_(blockSize()),
-      batch_(2 * block_ * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency())),
+      batch_(block_ * std::min(kMostBlocks, 2 * static_cast<std::size_t>(
+                                                    tbb::this_task_arena::max_concurrency()))),
       left_(size) {
   buffer_.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(size, batch_)));
   beginChunk();

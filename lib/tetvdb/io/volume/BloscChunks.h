@@ -21,7 +21,8 @@ public:
 
   /// Appends to the file, which must outlive it. `size`: of all that will be written.
   BloscChunks(AtomicFile& file, std::uint64_t size);
-  /// Memory: two blocks a thread, 1 MB each, and as many compressed ones. Throws Error(Write).
+  /// Memory: two blocks a thread, at most 32 of 1 MB each, and as many compressed ones. Throws
+  /// Error(Write).
   void write(const void* data, std::size_t size);
 
 private:

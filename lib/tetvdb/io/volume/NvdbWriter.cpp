@@ -20,8 +20,9 @@ namespace {
 // Of leaves, and of other nodes, before a file takes them.
 constexpr std::size_t kInMemory = std::size_t(64) << 20;
 
-// Bytes between two looks at the progress.
+// Bytes, and nodes, between two looks at the progress.
 constexpr std::size_t kStep = std::size_t(64) << 20;
+constexpr std::size_t kLowersAtOnce = 256;
 
 /// A grid whose tree is in memory.
 template <class GridT>
@@ -39,7 +40,13 @@ void writeGrid(AtomicFile& file, const GridT& grid, const std::string& folder,
       std::vector<const Lower*> lowers;
       for (auto child = upper->cbeginChildOn(); child; ++child)
         lowers.push_back(&*child);
-      nodes.addLowers(lowers);
+      const std::size_t all = lowers.size();
+      for (std::size_t begin = 0; begin < all; begin += kLowersAtOnce) {
+        const auto first = lowers.begin() + static_cast<std::ptrdiff_t>(begin);
+        const std::size_t size = std::min(kLowersAtOnce, all - begin);
+        nodes.addLowers({first, first + static_cast<std::ptrdiff_t>(size)});
+        share.update(0.6 * (done + double(begin + size) / double(all)) / count);
+      }
       nodes.addUpper(*upper, upper->getChildMask());
     } else {
       nodes.addTile(entry.getCoord(), value, entry.isValueOn());

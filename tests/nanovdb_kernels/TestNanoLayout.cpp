@@ -27,6 +27,27 @@ TEST(Crc32, OfPartsIsThatOfTheWhole) {
   EXPECT_EQ(crc ^ 0xFFFFFFFFu, 0xCBF43926u); // the check value of CRC-32
 }
 
+// As NanoVDB's version spells them.
+#if __has_include(<nanovdb/tools/GridValidator.h>) // OpenVDB 12 and later
+template <typename T>
+bool isValidGrid(const nanovdb::NanoGrid<T>& grid) {
+  return nanotools::isValid(&grid, nanovdb::CheckMode::Full, true);
+}
+template <typename T>
+void makeStatistics(nanovdb::NanoGrid<T>& grid) {
+  nanotools::updateGridStats(&grid, nanotools::StatsMode::All);
+}
+#else
+template <typename T>
+bool isValidGrid(const nanovdb::NanoGrid<T>& grid) {
+  return nanotools::isValid(grid, true, true);
+}
+template <typename T>
+void makeStatistics(nanovdb::NanoGrid<T>& grid) {
+  nanotools::gridStats(grid, nanotools::StatsMode::All);
+}
+#endif
+
 // The buffer is valid for NanoVDB, checksum included, and its statistics are what NanoVDB's own
 // pass over the nodes makes of them.
 template <typename T>
@@ -39,7 +60,7 @@ void expectValid(const TetMesh& mesh, GridType type) {
   const nano::Result result = twin.run(
       {mesh.points[0].data(), mesh.points.size(), mesh.tets.data(), mesh.tetCount(), nullptr}, job);
   auto* grid = reinterpret_cast<nanovdb::NanoGrid<T>*>(const_cast<unsigned char*>(result.bytes));
-  EXPECT_EQ(nanotools::GridValidator<T>::check(*grid, true), "");
+  EXPECT_TRUE(isValidGrid(*grid));
   EXPECT_EQ(grid->gridSize(), result.counts.bufferBytes);
 
   std::vector<unsigned char> copy(result.counts.bufferBytes + 64);
@@ -47,8 +68,8 @@ void expectValid(const TetMesh& mesh, GridType type) {
       (reinterpret_cast<std::uintptr_t>(copy.data()) + 63) / 64 * 64);
   std::memcpy(bytes, result.bytes, result.counts.bufferBytes);
   auto* other = reinterpret_cast<nanovdb::NanoGrid<T>*>(bytes);
-  nanotools::gridStats(*other, nanotools::StatsMode::All);
-  EXPECT_EQ(other->data()->mFlags, grid->data()->mFlags);
+  makeStatistics<T>(*other);
+  EXPECT_EQ(flagsOf(*other->data()), flagsOf(*grid->data()));
   EXPECT_EQ(other->worldBBox()[0], grid->worldBBox()[0]);
   EXPECT_EQ(other->worldBBox()[1], grid->worldBBox()[1]);
   std::uint64_t voxels = 0;
@@ -67,7 +88,7 @@ void expectValid(const TetMesh& mesh, GridType type) {
     }
   };
   compare(grid->tree().root(), other->tree().root());
-  const auto& tree = grid->tree();
+  auto& tree = grid->tree();
   for (std::uint32_t i = 0; i < tree.nodeCount(2); ++i)
     compare(tree.template getFirstNode<2>()[i], other->tree().template getFirstNode<2>()[i]);
   for (std::uint32_t i = 0; i < tree.nodeCount(1); ++i)

@@ -327,18 +327,18 @@ public:
                 i32 from[3], to[3];
                 if (level == 1) {
                   const MaskLeaf& leaf = *reinterpret_cast<const MaskLeaf*>(bytes);
-                  for (int a = 0; a < 3; ++a) {
+                  for (u32 a = 0; a < 3; ++a) {
                     from[a] = leaf.mBBoxMin[a];
                     to[a] = leaf.mBBoxMin[a] + leaf.mBBoxDif[a];
                   }
                 } else {
                   const LowerNode& lower = *reinterpret_cast<const LowerNode*>(bytes);
-                  for (int a = 0; a < 3; ++a) {
+                  for (u32 a = 0; a < 3; ++a) {
                     from[a] = lower.mBBox[0][a];
                     to[a] = lower.mBBox[1][a];
                   }
                 }
-                for (int a = 0; a < 3; ++a) {
+                for (u32 a = 0; a < 3; ++a) {
                   low[a] = from[a] < low[a] ? from[a] : low[a];
                   high[a] = to[a] > high[a] ? to[a] : high[a];
                 }
@@ -381,7 +381,7 @@ public:
           }
           team.sync();
           if (team.rank() == 0) {
-            for (int a = 0; a < 3; ++a) {
+            for (u32 a = 0; a < 3; ++a) {
               node.mBBox[0][a] = s.low[a];
               node.mBBox[1][a] = s.high[a];
             }
@@ -448,7 +448,7 @@ public:
                 const u64 at = l.upper + entry.upper * sizeof(UpperNode);
                 const auto& upper = *reinterpret_cast<const UpperNode*>(buffer + at);
                 tile.child = static_cast<i64>(at - l.root);
-                for (int a = 0; a < 3; ++a) {
+                for (u32 a = 0; a < 3; ++a) {
                   from[a] = upper.mBBox[0][a];
                   to[a] = upper.mBBox[1][a];
                 }
@@ -485,7 +485,7 @@ public:
           if (team.rank() == 0) {
             const bool empty = l.rootTiles == 0;
             memset(static_cast<void*>(&root), 0, sizeof root);
-            for (int a = 0; a < 3; ++a) {
+            for (u32 a = 0; a < 3; ++a) {
               root.mBBox[0][a] = empty ? 0x7FFFFFFF : s.low[a];
               root.mBBox[1][a] = empty ? -0x7FFFFFFF - 1 : s.high[a];
             }

@@ -480,7 +480,6 @@ CoverageSum CoverageParts::Parts::run(std::size_t stack, std::int32_t zBegin, st
   const std::size_t count = starts[stack + 1] - starts[stack];
   if (state.next > 0 && state.z > zBegin)
     state = {};
-  CoverageSum made;
   std::vector<SlabPart> below;
   // The part of the stack up to z, as far as it is not done.
   const auto upTo = [&](std::int32_t z, std::vector<SlabPart>& parts) {

@@ -68,9 +68,9 @@ VoxelBox wholeBox(const ShapeSolid& solid, const openvdb::BoolGrid& inside,
     }
   box.expand(kBeyondMesh);
   VoxelBox voxels;
-  for (int axis = 0; axis < 3; ++axis) {
-    voxels.low[static_cast<std::size_t>(axis)] = box.min()[axis];
-    voxels.high[static_cast<std::size_t>(axis)] = box.max()[axis];
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    voxels.low[axis] = box.min()[axis];
+    voxels.high[axis] = box.max()[axis];
   }
   return voxels;
 }

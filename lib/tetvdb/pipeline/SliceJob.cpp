@@ -485,8 +485,8 @@ private:
     for (int k = 0; k < 3; ++k) {
       const auto axis = static_cast<std::size_t>(k);
       const double first = options.keep ? origin[k] * scale * job_.printer.stretch[axis] : 0;
-      box.min[axis] = first + active.min()[k] * pixel[axis];
-      box.max[axis] = first + (active.max()[k] + 1.0) * pixel[axis];
+      box.min[axis] = first + active.min()[axis] * pixel[axis];
+      box.max[axis] = first + (active.max()[axis] + 1.0) * pixel[axis];
     }
     PrinterSettings plain = job_.printer; // the voxels are stretched
     plain.stretch = {1, 1, 1};

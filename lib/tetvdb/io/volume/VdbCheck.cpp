@@ -176,7 +176,7 @@ private:
     number(leaves);
     if (leaves > bytes_.size() / 64)
       fail("metadata names more leaves than the file can hold");
-    for (const std::uint64_t each : {1, 8}) {
+    for (const std::uint64_t each : {1u, 8u}) {
       std::uint32_t packed = 0;
       number(packed);
       if (packed == UINT32_MAX)

@@ -40,8 +40,8 @@ const CellKind* volumeElement(std::int64_t nodes) {
 
 class Reader {
 public:
-  Reader(const Source& source, Report& report, Progress& progress)
-      : source_(source), report_(report), progress_(progress), in_(source, '#') {}
+  Reader(const Source& source, Progress& progress)
+      : source_(source), progress_(progress), in_(source, '#') {}
 
   CellMesh read() {
     bool havePoints = false;
@@ -164,7 +164,6 @@ private:
   }
 
   const Source& source_;
-  Report& report_;
   Progress& progress_;
   NumberParser in_;
   CellMesh mesh_;
@@ -173,8 +172,8 @@ private:
 
 } // namespace
 
-CellMesh readNetgen(const Source& source, const ReadOptions&, Report& report, Progress& progress) {
-  return Reader(source, report, progress).read();
+CellMesh readNetgen(const Source& source, const ReadOptions&, Report&, Progress& progress) {
+  return Reader(source, progress).read();
 }
 
 } // namespace tetvdb

@@ -59,7 +59,7 @@ bool within(const VolumeComparison& comparison, double tolerance) {
                                });
 }
 
-Json sectionOf(const VolumeComparison& comparison, bool same) {
+Json comparisonSection(const VolumeComparison& comparison, bool same) {
   Json grids = Json::array();
   for (const GridComparison& grid : comparison.grids)
     grids.push_back({{"name", grid.name},
@@ -79,7 +79,8 @@ Json sectionOf(const VolumeComparison& comparison, bool same) {
           {"incomparable", comparison.incomparable}};
 }
 
-std::string textOf(const VolumeComparison& comparison, const CompareArguments& options, bool same) {
+std::string comparisonText(const VolumeComparison& comparison, const CompareArguments& options,
+                           bool same) {
   std::string text;
   for (const GridComparison& grid : comparison.grids)
     text += fmt::format("{}: IoU {:.9g}, {} voxels active in only one, {} with other values, "
@@ -99,8 +100,8 @@ std::string textOf(const VolumeComparison& comparison, const CompareArguments& o
 
 void report(const VolumeComparison& comparison, const CompareArguments& options, Session& session) {
   const bool same = within(comparison, options.tolerance);
-  session.sections["compare"] = sectionOf(comparison, same);
-  session.text = textOf(comparison, options, same);
+  session.sections["compare"] = comparisonSection(comparison, same);
+  session.text = comparisonText(comparison, options, same);
   session.textIsSummary = true;
   if (!same)
     session.status = Status::Found;

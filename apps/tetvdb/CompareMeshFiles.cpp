@@ -40,14 +40,14 @@ TriangleMesh readSurface(const std::string& path, Session& session) {
   return mesh;
 }
 
-Json sectionOf(const OneSidedDistance& distance) {
+Json distanceSection(const OneSidedDistance& distance) {
   return {{"mean", distance.mean},
           {"rms", distance.rms},
           {"largest", distance.largest},
           {"where", distance.where}};
 }
 
-std::string textOf(const char* way, const OneSidedDistance& distance, double diagonal) {
+std::string distanceText(const char* way, const OneSidedDistance& distance, double diagonal) {
   return fmt::format("{}: mean {:.6g}, root mean square {:.6g}, largest {:.6g} at {}\n", way,
                      distance.mean, distance.rms, distance.largest,
                      pointText(distance.where, diagonal));
@@ -75,14 +75,14 @@ void compareMeshFiles(const std::string& a, const std::string& b, double toleran
   const MeshDistance distance = compareMeshes(first, second, {}, session.progress);
   const bool same = distance.hausdorff <= std::max(tolerance, kSame * distance.diagonal);
   session.sections["compare"] = {{"same", same},
-                                 {"a_to_b", sectionOf(distance.aToB)},
-                                 {"b_to_a", sectionOf(distance.bToA)},
+                                 {"a_to_b", distanceSection(distance.aToB)},
+                                 {"b_to_a", distanceSection(distance.bToA)},
                                  {"hausdorff", distance.hausdorff},
                                  {"diagonal", distance.diagonal},
                                  {"samples", distance.aToB.points + distance.bToA.points}};
   session.text =
-      textOf("A to B", distance.aToB, distance.diagonal) +
-      textOf("B to A", distance.bToA, distance.diagonal) +
+      distanceText("A to B", distance.aToB, distance.diagonal) +
+      distanceText("B to A", distance.bToA, distance.diagonal) +
       fmt::format("Hausdorff distance {:.6g}, {:.3g} of the diagonal {:.6g}\n", distance.hausdorff,
                   distance.hausdorff / distance.diagonal, distance.diagonal) +
       (same ? "same\n" : "different\n");

@@ -13,13 +13,13 @@
 namespace tetvdb {
 namespace {
 
-struct Made {
+struct MadeInBox {
   openvdb::BoolGrid::Ptr mask;
   openvdb::FloatGrid::Ptr surface;
 };
 
-Made make(const TriangleMesh& mesh, double voxel, const ShapeOptions& shapes,
-          const SolidOptions& solid = {}) {
+MadeInBox make(const TriangleMesh& mesh, double voxel, const ShapeOptions& shapes,
+               const SolidOptions& solid = {}) {
   Report report;
   Progress progress;
   VoxelizeOptions options;
@@ -69,7 +69,7 @@ TriangleMesh bumpyBall() {
 TEST(WholeBoxLevelSet, EveryVoxelOfTheBoxIsRight) {
   const TriangleMesh mesh = bumpyBall();
   constexpr double kVoxel = 0.17;
-  const Made made = make(mesh, kVoxel, wholeBox());
+  const MadeInBox made = make(mesh, kVoxel, wholeBox());
   const openvdb::CoordBBox box = made.surface->evalActiveVoxelBoundingBox();
   EXPECT_EQ(made.surface->activeVoxelCount(), box.volume());
   openvdb::CoordBBox min = made.mask->evalActiveVoxelBoundingBox();
@@ -100,7 +100,7 @@ TEST(WholeBoxLevelSet, AGivenBoxThatCutsTheMesh) {
   const TriangleMesh mesh = bumpyBall();
   ShapeOptions shapes = wholeBox();
   shapes.box = VoxelBox{{-3, 1, 2}, {20, 5, 30}};
-  const Made all = make(mesh, 0.11, wholeBox()), part = make(mesh, 0.11, shapes);
+  const MadeInBox all = make(mesh, 0.11, wholeBox()), part = make(mesh, 0.11, shapes);
   EXPECT_EQ(part.surface->activeVoxelCount(), 24u * 5u * 29u);
   const auto whole = all.surface->getConstAccessor();
   const openvdb::CoordBBox both = all.surface->evalActiveVoxelBoundingBox();
@@ -115,7 +115,7 @@ TEST(WholeBoxLevelSet, AgreesWithTheNarrowBandOfAnOpenMesh) {
   mesh.triangles.resize(mesh.triangles.size() - 3 * 40); // open at its lower end
   ShapeOptions narrow = wholeBox();
   narrow.halfWidth = 3;
-  const Made band = make(mesh, 0.11, narrow), all = make(mesh, 0.11, wholeBox());
+  const MadeInBox band = make(mesh, 0.11, narrow), all = make(mesh, 0.11, wholeBox());
   const auto whole = all.surface->getConstAccessor();
   int compared = 0;
   for (auto voxel = band.surface->cbeginValueOn(); voxel; ++voxel, ++compared)
@@ -129,7 +129,7 @@ TEST(WholeBoxLevelSet, AShellAroundASheet) {
   mesh.triangles = {0, 1, 2, 0, 2, 3};
   SolidOptions solid;
   solid.shell = 1;
-  const Made made = make(mesh, 0.25, wholeBox(), solid);
+  const MadeInBox made = make(mesh, 0.25, wholeBox(), solid);
   const auto surface = made.surface->getConstAccessor();
   EXPECT_NEAR(surface.getValue({8, 8, 0}), -0.5, 1e-6);
   EXPECT_NEAR(surface.getValue({8, 8, 4}), 0.5, 1e-6);

@@ -87,9 +87,9 @@ CellKind elementKind(const std::string& type) {
   }
 }
 
-class Reader {
+class AbaqusFile {
 public:
-  Reader(const Source& source, Report& report, Progress& progress)
+  AbaqusFile(const Source& source, Report& report, Progress& progress)
       : source_(source), report_(report), progress_(progress), deck_(source) {}
 
   CellMesh read() {
@@ -473,7 +473,7 @@ private:
 } // namespace
 
 CellMesh readAbaqus(const Source& source, const ReadOptions&, Report& report, Progress& progress) {
-  return Reader(source, report, progress).read();
+  return AbaqusFile(source, report, progress).read();
 }
 
 } // namespace tetvdb

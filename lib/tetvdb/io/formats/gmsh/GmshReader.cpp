@@ -30,11 +30,11 @@ struct TagRun {
   bool solid;
 };
 
-class Reader {
+class MshReader {
 public:
   /// `spool`: takes what is read, part by part; null: it stays in memory.
-  Reader(const Source& source, const ReadOptions& options, SpooledMesh* spool, Report& report,
-         Progress& progress)
+  MshReader(const Source& source, const ReadOptions& options, SpooledMesh* spool, Report& report,
+            Progress& progress)
       : source_(source), options_(options), spool_(spool), report_(report), progress_(progress),
         in_(source), data_(in_, source.bytes.size(), report) {
     if (spool_ != nullptr)
@@ -568,12 +568,12 @@ private:
 
 CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
-  return Reader(source, options, nullptr, report, progress).read();
+  return MshReader(source, options, nullptr, report, progress).read();
 }
 
 void spoolGmsh(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
                Progress& progress) {
-  Reader(source, options, &mesh, report, progress).read();
+  MshReader(source, options, &mesh, report, progress).read();
 }
 
 } // namespace tetvdb

@@ -27,9 +27,9 @@ struct Volume {
   Vec3d low{0, 0, 0}, high{0, 0, 0};
 };
 
-class Writer {
+class MshWriter {
 public:
-  Writer(const std::string& path, const TetMesh& mesh, Progress& progress)
+  MshWriter(const std::string& path, const TetMesh& mesh, Progress& progress)
       : file_(path), mesh_(mesh), progress_(progress) {}
 
   void write() {
@@ -213,7 +213,7 @@ private:
 } // namespace
 
 void writeGmsh(const std::string& path, const TetMesh& mesh, Progress& progress) {
-  Writer(path, mesh, progress).write();
+  MshWriter(path, mesh, progress).write();
 }
 
 } // namespace tetvdb

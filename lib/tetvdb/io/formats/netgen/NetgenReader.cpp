@@ -38,9 +38,9 @@ const CellKind* volumeElement(std::int64_t nodes) {
   return nullptr;
 }
 
-class Reader {
+class NetgenFile {
 public:
-  Reader(const Source& source, Progress& progress)
+  NetgenFile(const Source& source, Progress& progress)
       : source_(source), progress_(progress), in_(source, '#') {}
 
   CellMesh read() {
@@ -173,7 +173,7 @@ private:
 } // namespace
 
 CellMesh readNetgen(const Source& source, const ReadOptions&, Report&, Progress& progress) {
-  return Reader(source, progress).read();
+  return NetgenFile(source, progress).read();
 }
 
 } // namespace tetvdb

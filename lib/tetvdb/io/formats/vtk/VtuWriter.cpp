@@ -35,9 +35,9 @@ bool machineIsLittleEndian() {
   return *reinterpret_cast<const unsigned char*>(&one) == 1;
 }
 
-class Writer {
+class VtuWriting {
 public:
-  Writer(const std::string& path, const TetMesh& mesh, Progress& progress)
+  VtuWriting(const std::string& path, const TetMesh& mesh, Progress& progress)
       : file_(path), mesh_(mesh), progress_(progress) {
     for (const Attribute& attribute : mesh.attributes)
       if (attribute.on == Attribute::On::Cells && attribute.name == "region")
@@ -159,7 +159,7 @@ private:
 } // namespace
 
 void writeVtu(const std::string& path, const TetMesh& mesh, Progress& progress) {
-  Writer(path, mesh, progress).write();
+  VtuWriting(path, mesh, progress).write();
 }
 
 } // namespace tetvdb

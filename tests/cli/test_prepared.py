@@ -260,6 +260,14 @@ class Prepared(CommandLineTest):
         self.assertTrue(self.path("a.vdb").read_bytes() == self.path("b.vdb").read_bytes())
         self.refuse(2, "voxelize", "parts", "-o", "c.vdb", "--grid", "cold", says=("cold", "heat"))
 
+    def test_nanovdb(self):
+        self.write("mesh.vtu", vtu(self.mesh, "raw"))
+        self.succeed("plan", "mesh.vtu", "--prepare", "parts", *self.SIZE, "--grid", "tet_id,heat")
+        for grid in ("density", "tet_id", "heat"):
+            self.succeed("voxelize", "parts", "-o", "a.nvdb", "--grid", grid)
+            self.succeed("voxelize", "mesh.vtu", "-o", "b.nvdb", *self.SIZE, "--grid", grid)
+            self.assertTrue(self.path("a.nvdb").read_bytes() == self.path("b.nvdb").read_bytes(), grid)
+
     def test_what_is_refused(self):
         self.write("mesh.vtu", vtu(self.mesh, "raw"))
         prepare = ("plan", "mesh.vtu", "--prepare", "parts", *self.SIZE)
@@ -275,7 +283,6 @@ class Prepared(CommandLineTest):
         for more in (("--resolution", "256"), ("--voxel-size", "2"), ("--origin", "1,2,3"), ("--up-axis", "y"),
                      ("--grid", "tet_id"), ("--grid", "heat"), ("--region", "1"), ("--preview", "a.png")):
             self.refuse(2, "voxelize", "parts", "-o", "a.vdb", *more)
-        self.refuse(2, "voxelize", "parts", "-o", "a.nvdb", says=(".vdb",))
         self.refuse(2, "voxelize", "parts", "mesh.vtu", "-o", "a.vdb", "--union", says=("parts",))
         boundary = self.path("parts/boundary.bin")
         whole = boundary.read_bytes()

@@ -312,9 +312,6 @@ TEST_F(PrepareMesh, RefusesWhatTheFolderHasDecided) {
   expectUsage(other);
   expectUsage(fieldsOf(parts, {"heat"}));
   other = parts;
-  other.output = folder_ / "a.nvdb";
-  expectUsage(other);
-  other = parts;
   other.inputs.push_back(wanted.inputs.front());
   expectUsage(other);
   Report report;

@@ -5,6 +5,7 @@
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/geometry/ClippedFace.h"
 #include "tetvdb/geometry/Exact.h"
+#include "tetvdb/geometry/LeafDistance.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 
@@ -28,7 +29,6 @@ namespace {
 
 using FloatLeaf = openvdb::FloatTree::LeafNodeType;
 
-constexpr int kLeavesAlong = kNodeSize / kLeafSize;
 constexpr int kLeavesInSlab = kLeavesAlong * kLeavesAlong; // y, z
 constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
 constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;

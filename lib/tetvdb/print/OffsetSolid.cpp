@@ -20,8 +20,9 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMinVoxels = 2;
-constexpr double kBytesPerSquare = 500; // of all steps together, per square voxel of the surface
+constexpr double kMinOffsetVoxels = 2;
+constexpr double kBytesPerOffsetSquare =
+    500; // of all steps together, per square voxel of the surface
 
 // Samples of an offset solid, whose surface passes between two voxels at the distance.
 class OffsetSamples : public SolidSamples {
@@ -109,12 +110,13 @@ void check(const TriangleMesh& solid, const OffsetOptions& options) {
   if (!(options.voxel > 0) || !std::isfinite(options.voxel))
     throw Error(Status::Usage, "`voxel_size`", "must be a length above zero");
   if (!std::isfinite(options.distance) ||
-      !(std::abs(options.distance) >= kMinVoxels * options.voxel))
+      !(std::abs(options.distance) >= kMinOffsetVoxels * options.voxel))
     throw Error(
         Status::Usage, "`offset`",
         fmt::format("{:.6g} is less than two voxels of {:.6g}", options.distance, options.voxel),
-        fmt::format("use `voxel_size={:.3g}` or smaller", std::abs(options.distance) / kMinVoxels));
-  requireMemory(solid, options.voxel, kBytesPerSquare, options.maxMemory);
+        fmt::format("use `voxel_size={:.3g}` or smaller",
+                    std::abs(options.distance) / kMinOffsetVoxels));
+  requireMemory(solid, options.voxel, kBytesPerOffsetSquare, options.maxMemory);
 }
 
 } // namespace

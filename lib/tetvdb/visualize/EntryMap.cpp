@@ -7,7 +7,7 @@ namespace tetvdb {
 namespace {
 
 // Entries are floats; this much less is less after rounding, too.
-constexpr double kRounding = 1 - 1e-6;
+constexpr double kNearer = 1 - 1e-6;
 
 } // namespace
 
@@ -20,7 +20,7 @@ EntryMap::EntryMap(const Camera& camera)
 
 void EntryMap::add(const Vec3d& centre, const Vec3d& reach) {
   const Camera::Footprint print = camera_.footprint(centre, reach);
-  const auto nearest = static_cast<float>(print.depth * kRounding);
+  const auto nearest = static_cast<float>(print.depth * kNearer);
   for (int y = print.top; y <= print.bottom; ++y)
     for (int x = print.left; x <= print.right; ++x) {
       std::atomic<float>& entry = entries_[index(x, y)];

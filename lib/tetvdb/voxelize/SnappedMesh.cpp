@@ -12,7 +12,7 @@
 namespace tetvdb {
 namespace {
 
-struct Box {
+struct PointsBox {
   LatticePoint min{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
                    std::numeric_limits<double>::infinity()};
   LatticePoint max{-std::numeric_limits<double>::infinity(),
@@ -20,7 +20,7 @@ struct Box {
                    -std::numeric_limits<double>::infinity()};
   bool bad = false; // a coordinate that is not finite, or outside index space
 
-  void join(const Box& b) {
+  void join(const PointsBox& b) {
     min = {std::min(min.x, b.min.x), std::min(min.y, b.min.y), std::min(min.z, b.min.z)};
     max = {std::max(max.x, b.max.x), std::max(max.y, b.max.y), std::max(max.z, b.max.z)};
     bad = bad || b.bad;
@@ -42,9 +42,9 @@ SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& tr
   const Vec3d o = transform.origin;
   const Vec3d h = transform.voxelSize;
 
-  const Box box = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, points.size(), 16384), Box{},
-      [&](const tbb::blocked_range<std::size_t>& range, Box local) {
+  const PointsBox box = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, points.size(), 16384), PointsBox{},
+      [&](const tbb::blocked_range<std::size_t>& range, PointsBox local) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const Vec3d& p = points[i];
           // NaN fails every comparison.
@@ -65,7 +65,7 @@ SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& tr
         }
         return local;
       },
-      [](Box a, const Box& b) {
+      [](PointsBox a, const PointsBox& b) {
         a.join(b);
         return a;
       });

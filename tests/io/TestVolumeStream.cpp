@@ -87,6 +87,26 @@ TEST(VolumeStream, DescribesAndHashesAsAWhole) {
   }
 }
 
+// In a file such names have numbers.
+TEST(VolumeStream, NamesMayBeEmptyOrEqual) {
+  initializeOpenVDB();
+  const TemporaryFolder folder;
+  openvdb::GridPtrVec grids;
+  for (const char* name : {"b", "", "a", "a"}) {
+    grids.push_back(gridWith<openvdb::FloatGrid>(name, float(grids.size())));
+    openvdb::gridPtrCast<openvdb::FloatGrid>(grids.back())->tree().setValueOn({}, 7.0F);
+  }
+  openvdb::io::File(folder / "a.vdb").write(grids);
+  Progress progress;
+  const StreamedInfo streamed = describeVolumeFile(folder / "a.vdb", true, progress);
+  std::vector<std::string> names;
+  for (const GridInfo& grid : streamed.grids)
+    names.push_back(grid.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"", "a", "a", "b"}));
+  EXPECT_EQ(streamed.empty.grids().all.front()->getName(), "");
+  EXPECT_EQ(streamed.hash, hash(readVolume(folder / "a.vdb", progress)));
+}
+
 TEST(VolumeStream, ComparesAsWholes) {
   const TemporaryFolder folder;
   Progress progress;

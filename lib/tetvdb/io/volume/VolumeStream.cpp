@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <openvdb/io/GridDescriptor.h>
 #include <type_traits>
 #include <utility>
 
@@ -53,6 +54,9 @@ void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& s
 
 VdbHeader headerOf(const std::string& path) {
   VdbHeader header = readVdbHeader(path);
+  for (VdbGridHeader& grid :
+       header.grids) // a file adds a number to names that are empty or not the only ones
+    grid.name = openvdb::io::GridDescriptor::stripSuffix(grid.name);
   for (const VdbGridHeader& grid : header.grids)
     if (!grid.parent.empty() || !withGridType(grid.type, [](const auto&) {}))
       throw Error(Status::Usage, path, "has grids that cannot be read part by part");

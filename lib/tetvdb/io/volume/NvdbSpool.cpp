@@ -8,8 +8,8 @@ namespace tetvdb {
 namespace {
 
 // What jobs make and .nvdb files can hold.
-using NvdbGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::Int32Grid,
-                                    openvdb::Vec3SGrid>;
+using StreamedNvdbTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid,
+                                            openvdb::Int32Grid, openvdb::Vec3SGrid>;
 
 template <class GridT>
 class TypedNvdbSpool : public JoinedParts<GridT, NvdbSpool> {
@@ -48,7 +48,7 @@ std::unique_ptr<NvdbSpool> makeNvdbSpool(const openvdb::GridBase::Ptr& empty,
                                          const SpoolOptions& options) {
   requireNvdbForm(*empty, "");
   std::unique_ptr<NvdbSpool> spool;
-  empty->apply<NvdbGrids>([&](const auto& typed) {
+  empty->apply<StreamedNvdbTypes>([&](const auto& typed) {
     spool = std::make_unique<TypedNvdbSpool<std::decay_t<decltype(typed)>>>(empty, options);
   });
   if (!spool)

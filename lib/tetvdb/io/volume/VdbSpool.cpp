@@ -18,8 +18,8 @@ namespace tetvdb {
 namespace {
 
 // What jobs make.
-using VdbGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::MaskGrid,
-                                   openvdb::Int32Grid, openvdb::Vec3SGrid>;
+using StreamedVdbTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::MaskGrid,
+                                           openvdb::Int32Grid, openvdb::Vec3SGrid>;
 
 template <class GridT>
 class TypedVdbSpool : public JoinedParts<GridT, VdbSpool> {
@@ -179,7 +179,7 @@ private:
 std::unique_ptr<VdbSpool> makeVdbSpool(const openvdb::GridBase::Ptr& empty,
                                        const SpoolOptions& options) {
   std::unique_ptr<VdbSpool> spool;
-  empty->apply<VdbGrids>([&](const auto& typed) {
+  empty->apply<StreamedVdbTypes>([&](const auto& typed) {
     spool = std::make_unique<TypedVdbSpool<std::decay_t<decltype(typed)>>>(empty, options);
   });
   if (!spool)

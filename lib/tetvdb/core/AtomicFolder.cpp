@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <dirent.h>
 #include <fcntl.h>
 #include <filesystem>
 #include <fmt/format.h>
@@ -30,6 +31,25 @@ std::string makeBeside(const fs::path& path) {
   if (::mkdtemp(pattern.data()) == nullptr)
     failWrite(path.string(), "cannot create a folder beside it");
   return pattern;
+}
+
+// Removes a folder of files without allocating: memory may have run out.
+void removeFiles(const char* path) noexcept {
+  const int folder = ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  for (bool any = folder >= 0; any;) {
+    any = false;
+    ::lseek(folder, 0, SEEK_SET);
+    alignas(dirent64) char entries[4096];
+    for (ssize_t size; (size = ::getdents64(folder, entries, sizeof entries)) > 0;)
+      for (ssize_t at = 0; at < size;) {
+        const auto* entry = reinterpret_cast<const dirent64*>(entries + at);
+        any = ::unlinkat(folder, entry->d_name, 0) == 0 || any;
+        at += entry->d_reclen;
+      }
+  }
+  if (folder >= 0)
+    ::close(folder);
+  ::rmdir(path);
 }
 
 } // namespace
@@ -65,8 +85,7 @@ AtomicFolder::AtomicFolder(std::string path, const Contents& contents) : path_(s
 AtomicFolder::~AtomicFolder() {
   if (temporary_.empty())
     return;
-  std::error_code ignored;
-  fs::remove_all(temporary_, ignored);
+  removeFiles(temporary_.c_str());
 }
 
 void AtomicFolder::commit() {

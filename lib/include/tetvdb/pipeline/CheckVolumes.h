@@ -56,8 +56,8 @@ struct Finding {
 /// - usual-name (a note): no grid has the name that the target's default material expects
 /// - sequence-name, sequence-gap, sequence-grids, sequence-transform: of several files
 /// Facts about Blender are from version 3.4 as run by tests/blender/test_claims.py (docs/dcc.md).
-/// Throws Error(Invalid) for a file that cannot be read, Error(Cancelled). Reads one file at a time,
-/// of a .vdb file one child of a root node.
+/// Throws Error(Invalid) for a file that cannot be read, Error(Cancelled). Reads one file at a
+/// time, of a .vdb file one child of a root node.
 std::vector<Finding> checkVolumes(const std::vector<std::string>& paths,
                                   const CheckOptions& options, Progress& progress);
 

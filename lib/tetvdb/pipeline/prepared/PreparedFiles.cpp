@@ -146,14 +146,14 @@ std::uint64_t bucketFileBytes(const PreparedIndex& index, const TetBucket& bucke
 }
 
 PreparedFile writeBoundary(const std::string& folder, const SpooledBoundary& boundary) {
-  PartWriter out(folder, "boundary.bin", kBoundaryMark);
+  PartWriter out(folder, kPreparedBoundary, kBoundaryMark);
   out.add(boundary.chain.faces);
   out.add(boundary.points);
   return out.finish();
 }
 
 PreparedFile writeNodes(const std::string& folder, const std::vector<MetNode>& nodes) {
-  PartWriter out(folder, "nodes.bin", kNodesMark);
+  PartWriter out(folder, kPreparedNodes, kNodesMark);
   out.add(nodes);
   return out.finish();
 }
@@ -192,7 +192,6 @@ std::vector<MetNode> readNodes(const std::string& folder, const PreparedIndex& i
   PartReader in(folder, index.nodes, kNodesMark);
   in.read(nodes, index.nodeCount);
   in.finish();
-  constexpr std::int32_t kMaxNode = 1 << 24;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const std::int32_t place : nodes[i].node)
       if (place < -kMaxNode || place >= kMaxNode)

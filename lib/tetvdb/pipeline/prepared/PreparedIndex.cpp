@@ -26,12 +26,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kVersion = 1;
 constexpr std::string_view kStem = "tets_";
 constexpr std::string_view kEnding = ".bin";
-constexpr const char* kBoundary = "boundary.bin";
-constexpr const char* kNodes = "nodes.bin";
 constexpr const char* kTypes[] = {"float", "double", "int32", "int64"};
 static_assert(std::size(kTypes) == std::variant_size_v<Attribute::Values>);
-// Nodes of index space reach from here to its negative.
-constexpr std::int32_t kMaxNode = 1 << 24;
 
 bool isBucketName(const std::string& name) {
   const std::size_t around = kStem.size() + kEnding.size();
@@ -197,7 +193,7 @@ private:
     index.boundary = fileOf(json.at("boundary"));
     requireCount(index.counts.boundaryFaces);
     requireCount(index.boundaryPoints);
-    check(index.boundary, index.boundary.name == kBoundary,
+    check(index.boundary, index.boundary.name == kPreparedBoundary,
           boundaryFileBytes(index.counts.boundaryFaces, index.boundaryPoints));
     json.at("has_tets").get_to(index.hasTets);
     json.at("has_regions").get_to(index.hasRegions);
@@ -212,7 +208,7 @@ private:
     requireCount(index.nodeCount);
     if (index.hasTets) {
       index.nodes = fileOf(json.at("nodes"));
-      check(index.nodes, index.nodes.name == kNodes, nodesFileBytes(index.nodeCount));
+      check(index.nodes, index.nodes.name == kPreparedNodes, nodesFileBytes(index.nodeCount));
     }
     for (const Json& bucket : json.at("buckets"))
       index.buckets.push_back(bucketOf(bucket, index));
@@ -318,7 +314,7 @@ std::string PreparedIndex::mark() const {
 
 AtomicFolder::Contents preparedContents() {
   return {"parts of a mesh", kPreparedIndex, [](const std::string& name) {
-            return name == kBoundary || name == kNodes || isBucketName(name);
+            return name == kPreparedBoundary || name == kPreparedNodes || isBucketName(name);
           }};
 }
 

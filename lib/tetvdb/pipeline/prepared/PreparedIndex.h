@@ -19,6 +19,12 @@
 
 namespace tetvdb {
 
+/// Files of a prepared mesh, besides the index and those of its tets.
+constexpr const char* kPreparedBoundary = "boundary.bin";
+constexpr const char* kPreparedNodes = "nodes.bin";
+/// Nodes of index space reach from its negative to here.
+constexpr std::int32_t kMaxNode = 1 << 24;
+
 /// A file of the folder.
 struct PreparedFile {
   std::string name;

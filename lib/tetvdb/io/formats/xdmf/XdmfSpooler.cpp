@@ -7,6 +7,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
 #include "tetvdb/io/formats/xdmf/XdmfNumbers.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
+#include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/text/NumberParser.h"
@@ -51,7 +52,7 @@ public:
 
 private:
   [[noreturn]] void fail(pugi::xml_node node, const std::string& what,
-                         const char* advice = "repair the file or export it again") const {
+                         const char* advice = kExport) const {
     throw Error(Status::Invalid, markup_.where(node), what, advice);
   }
   static constexpr const char* kWhole = "write it as one mesh of tets first, by `write_mesh`";
@@ -125,7 +126,7 @@ private:
       fail(item,
            "its dataset has " + std::to_string(rows.numbers) + " numbers in place of " +
                std::to_string(wanted),
-           "the file is damaged or cut off; export it again");
+           kCut);
     rows.numbers = wanted;
     return rows;
   }

@@ -76,16 +76,8 @@ void FileSpool::flush() {
 }
 
 void FileSpool::writeAt(std::uint64_t at, const char* data, std::size_t size) {
-  while (size > 0) {
-    const ssize_t done = ::pwrite(descriptor_, data, size, static_cast<off_t>(at));
-    if (done < 0 && errno == EINTR)
-      continue;
-    if (done <= 0)
-      fail("cannot write a temporary file", done < 0 ? errno : ENOSPC);
-    data += done;
-    at += static_cast<std::uint64_t>(done);
-    size -= static_cast<std::size_t>(done);
-  }
+  if (!writeAllAt(descriptor_, at, data, size))
+    fail("cannot write a temporary file", errno);
 }
 
 void FileSpool::fail(const char* what, int error) const {

@@ -91,4 +91,20 @@ int createUnnamedFile(const std::string& folder) {
   return descriptor;
 }
 
+bool writeAllAt(int descriptor, std::uint64_t at, const char* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t done = ::pwrite(descriptor, data, size, static_cast<off_t>(at));
+    if (done < 0 && errno == EINTR)
+      continue;
+    if (done == 0)
+      errno = ENOSPC;
+    if (done <= 0)
+      return false;
+    data += done;
+    at += static_cast<std::uint64_t>(done);
+    size -= static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
 } // namespace tetvdb

@@ -4,6 +4,8 @@
 // closed in child programs.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <sys/types.h>
 
@@ -33,5 +35,9 @@ bool nameFile(int descriptor, const std::string& folder, const std::string& base
 /// is gone when the program ends, in whatever way. -1 with errno set where that is not possible.
 /// Thread-safe.
 int createUnnamedFile(const std::string& folder);
+
+/// Writes all of `size` bytes at `at`. Whether that was possible; errno is set where not.
+/// Thread-safe.
+bool writeAllAt(int descriptor, std::uint64_t at, const char* data, std::size_t size);
 
 } // namespace tetvdb

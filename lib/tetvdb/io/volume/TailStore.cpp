@@ -79,18 +79,9 @@ void TailStore::spill() {
   }
   if (descriptor_ < 0)
     open();
-  const char* data = chunks_.back().get();
-  std::uint64_t at = std::uint64_t(chunks_.size() - 1) * kChunk;
-  for (std::size_t left = kChunk; left > 0;) {
-    const ssize_t done = ::pwrite(descriptor_, data, left, static_cast<off_t>(at));
-    if (done < 0 && errno == EINTR)
-      continue;
-    if (done <= 0)
-      fail("cannot write a temporary file", done < 0 ? errno : ENOSPC);
-    data += done;
-    at += static_cast<std::uint64_t>(done);
-    left -= static_cast<std::size_t>(done);
-  }
+  const std::uint64_t at = std::uint64_t(chunks_.size() - 1) * kChunk;
+  if (!writeAllAt(descriptor_, at, chunks_.back().get(), kChunk))
+    fail("cannot write a temporary file", errno);
   chunks_.back().reset();
 }
 

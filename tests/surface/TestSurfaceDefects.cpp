@@ -282,6 +282,11 @@ TEST(SurfaceDefects, WindingShares) {
   expectShares(withFacesFlipped(torus(), 0.3), 0.04);
   expectShares(joined({cylinder(1, 3, 20, false), box(), box()}), 0.04);
   expectShares(moebius(), 0.04);
+  // Nothing is inside a plane, however often it is there.
+  const auto lid = [](std::size_t f) { return f >= 2; };
+  EXPECT_EQ(defectsOf(joined({without(box(), lid), without(box(), lid), without(box(), lid)}))
+                .windingShares,
+            (std::array<double, 4>{0, 1, 0, 0}));
   DefectOptions none;
   none.windingSamples = 0;
   EXPECT_EQ(defectsOf(box(), none).windingShares, (std::array<double, 4>{0, 0, 0, 0}));

@@ -29,6 +29,10 @@ std::array<double, 4> windingShares(const TriangleMesh& mesh,
     box.add(mesh.points[corner]);
   if (samples == 0 || corners.empty())
     return {0, 0, 0, 0};
+  // Nothing is inside a box without volume, and all rays in it may meet all of its faces.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (!(box.low[axis] < box.high[axis]))
+      return {0, 1, 0, 0};
   const WindingField field(mesh, edges);
   samples = std::min(
       samples, std::max(kMinSamples, kMaxWork / std::max<std::size_t>(field.boundaryEdges(), 1)));

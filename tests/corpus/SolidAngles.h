@@ -55,16 +55,16 @@ SOLID_ANGLES_CLONES static void windings(const std::vector<std::array<Point, 3>>
           ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx);
       const double den = a * b * c + (ax * bx + ay * by + az * bz) * c +
                          (bx * cx + by * cy + bz * cz) * a + (cx * ax + cy * ay + cz * az) * b;
-      // Their size does not matter, but must stay in range. A point at a corner has 0, 0.
-      const double size = std::abs(num) + std::abs(den);
-      const double grow = size > 0 ? 1 / size : 0;
-      const double p = size > 0 ? den * grow : 1, q = num * grow;
+      // A point at a corner has 0, 0.
+      const bool atCorner = num == 0 && den == 0;
+      const double p = atCorner ? 1 : den, q = num;
       const double nextRe = re[i] * p - im[i] * q;
       const double nextIm = re[i] * q + im[i] * p;
       // Both arguments in [0, pi] and their sum beyond pi; or both below 0 and beyond -pi.
       const bool above = im[i] >= 0 && q >= 0 && nextIm < 0;
       const bool below = im[i] < 0 && q < 0 && nextIm >= 0;
       turns[i] += (above ? 1.0 : 0.0) - (below ? 1.0 : 0.0);
+      // The size does not matter, but must stay in range.
       const double next = 1 / (std::abs(nextRe) + std::abs(nextIm));
       re[i] = nextRe * next;
       im[i] = nextIm * next;

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 namespace tetvdb {
@@ -276,11 +277,15 @@ SurfaceDefects surfaceDefects(const TriangleMesh& mesh, const DefectOptions& opt
   const EdgeTable edges(corners, mesh.points.size());
   const DuplicateGroups duplicates = findDuplicates(edges);
   defects.duplicateFaces = duplicates.surplus();
-  lookAtTopology(corners, mesh.points.size(), edges, defects, progress);
-  progress.update(0.4);
-  if (options.maxIntersections > 0)
-    countIntersections(mesh, corners, degenerate, duplicates, options.maxIntersections, defects,
-                       progress);
+  progress.update(0.3);
+  // Topology is found by one thread.
+  tbb::parallel_invoke(
+      [&] { lookAtTopology(corners, mesh.points.size(), edges, defects, progress); },
+      [&] {
+        if (options.maxIntersections > 0)
+          countIntersections(mesh, corners, degenerate, duplicates, options.maxIntersections,
+                             defects, progress);
+      });
   progress.update(0.8);
   defects.windingShares = windingShares(mesh, corners, edges, options.windingSamples, progress);
   defects.likelyUnit = unitOf(length(minus(defects.boxMax, defects.boxMin)));

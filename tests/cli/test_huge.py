@@ -327,6 +327,7 @@ class Shards(CommandLineTest):
             self.refuse(3, "merge", names[0], "cut.vdb", names[2], "-o", "m.vdb", says=("cut.vdb",))
         self.write("rod.mesh", "MeshVersionFormatted 2\nDimension 3\n")
         self.refuse(3, "merge", "rod.mesh", "-o", "m.vdb", says=("rod.mesh",))
+        self.refuse(3, "merge", "absent.vdb", "-o", "m.vdb", says=("absent.vdb", "No such file"))
 
     def test_what_cannot_be_a_shard(self):
         for options in (("-o", "a.vdb", "--grid", "surface", "--half-width", "all"),

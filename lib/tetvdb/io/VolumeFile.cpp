@@ -3,8 +3,9 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
+#include "tetvdb/io/source/Source.h"
 
-#include <cstring>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -26,8 +27,7 @@ Volume readVolume(const std::string& path, Progress& progress) {
                 "name a " + endingList(FormatUse::ReadVolume) + " file");
   std::ifstream file(path, std::ios::binary);
   if (!file)
-    throw Error(Status::Invalid, path,
-                std::string("cannot open the file: ") + std::strerror(errno));
+    failToOpen(path, errno);
   char start[4096] = {};
   file.read(start, sizeof start);
   if (file.gcount() == 0)

@@ -28,6 +28,11 @@ struct Descriptor {
 
 } // namespace
 
+void failToOpen(const std::string& path, int error) {
+  fail(path, std::string("cannot open the file: ") + std::strerror(error),
+       error == ENOENT ? "check the path" : "");
+}
+
 // The mapping begins and ends at page boundaries; its pages are clean, so that nothing is lost.
 void Source::release() const noexcept {
   if (isMapped)
@@ -36,11 +41,8 @@ void Source::release() const noexcept {
 
 MappedFile::MappedFile(const std::string& path) : path_(path) {
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.number < 0) {
-    const int error = errno;
-    fail(path, std::string("cannot open the file: ") + std::strerror(error),
-         error == ENOENT ? "check the path" : "");
-  }
+  if (file.number < 0)
+    failToOpen(path, errno);
   struct stat info {};
   if (::fstat(file.number, &info) != 0)
     fail(path, std::string("cannot read: ") + std::strerror(errno));

@@ -19,6 +19,9 @@ struct Source {
   void release() const noexcept;
 };
 
+/// Throws Error(Invalid): the file could not be opened, with this errno.
+[[noreturn]] void failToOpen(const std::string& path, int error);
+
 /// A file mapped read-only, or its bytes where it cannot be mapped (a pipe). A file that becomes
 /// shorter while it is mapped raises SIGBUS where its missing bytes are read.
 class MappedFile {

@@ -2,6 +2,7 @@
 #include "tetvdb/io/MergeVdb.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/io/volume/VdbChildren.h"
@@ -177,7 +178,7 @@ public:
   void copy(const std::string& path, std::uint64_t from, std::uint64_t to) {
     const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (file < 0)
-      fail(path, errno);
+      failToOpen(path, errno);
     try {
       while (from < to) {
         const auto wanted =

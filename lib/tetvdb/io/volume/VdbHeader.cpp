@@ -2,8 +2,10 @@
 #include "tetvdb/io/volume/VdbHeader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Source.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -20,10 +22,12 @@ constexpr std::uint32_t kMaxText = 1 << 20;
 class HeaderReader {
 public:
   explicit HeaderReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+    if (!file_)
+      failToOpen(path, errno);
     std::error_code error;
     size_ = std::filesystem::file_size(path, error);
-    if (!file_ || error)
-      fail("cannot be read");
+    if (error)
+      fail("is no file");
     file_.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
   }
 

@@ -26,7 +26,7 @@ class Formats(CommandLineTest):
                 self.assertIn(ending, text)
         held = {row["name"]: row["holds"] for row in rows}
         self.assertEqual(held["STL"], ["triangles"])
-        self.assertEqual(held["Exodus"], ["tets", "arrays", "steps"])
+        self.assertEqual(held["Exodus"], ["tets", "triangles", "arrays", "steps"])
         self.assertEqual(held["OpenVDB .vdb"], ["volume", "arrays"])
 
     def test_messages_name_every_mesh_format(self):

@@ -14,6 +14,7 @@ try:
     import meshio
     import numpy
     import pyopenvdb
+    import scipy.io
 except ImportError:
     meshio = None
 
@@ -101,6 +102,64 @@ class Meshio(CommandLineTest):
                         self.assertEqual({voxel.value for voxel in grids["q"].citerOnValues()}, {7.0})
                     done += 1
         self.assertGreater(done, 60)
+
+    def write_exodus(self, name, points, blocks):
+        with scipy.io.netcdf_file(str(self.path(name)), "w") as file:
+            cells = sum(len(nodes) for _, nodes in blocks)
+            for dimension, size in (("num_dim", 3), ("num_nodes", len(points)), ("num_elem", cells),
+                                    ("num_el_blk", len(blocks))):
+                file.createDimension(dimension, size)
+            for axis in range(3):
+                file.createVariable("coord" + "xyz"[axis], "d", ("num_nodes",))[:] = points[:, axis]
+            for number, (kind, nodes) in enumerate(blocks, 1):
+                file.createDimension(f"num_el_in_blk{number}", len(nodes))
+                file.createDimension(f"num_nod_per_el{number}", nodes.shape[1])
+                connect = file.createVariable(f"connect{number}", "i",
+                                              (f"num_el_in_blk{number}", f"num_nod_per_el{number}"))
+                connect[:] = nodes + 1
+                connect.elem_type = kind
+
+    def test_surfaces_in_every_format(self):
+        """A box of quadrilaterals and triangles, also where solid cells could be."""
+        points = numpy.array([(x + .3 * z, y + .1 * x, z) for x, y, z in CORNERS["hexahedron"]])
+        quads = numpy.array([(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
+        triangles = numpy.array([(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7)])
+        surface = [("quad", quads), ("triangle", triangles)]
+
+        def write(name, cells):
+            mesh = meshio.Mesh(points, cells)
+            if form == "gmsh":
+                mesh.point_data["gmsh:dim_tags"] = numpy.tile((2, 1), (len(points), 1))
+                for tag in ("gmsh:geometrical", "gmsh:physical"):
+                    mesh.cell_data[tag] = [numpy.full(len(nodes), i) for i, (_, nodes) in enumerate(cells, 1)]
+            meshio.write(self.path(name), mesh, file_format=form, **options)
+
+        shells = [("SHELL4", quads), ("tri3", triangles)]
+        forms = FORMATS[:-1] + [(".avs", "avsucd", {}, False), (".meshb", "medit", {}, False),
+                                (".exo", None, {}, False)]
+        for number, (ending, form, options, _) in enumerate(forms):
+            with self.subTest(form=form, options=options):
+                name = f"box{number}{ending}"
+                if form:
+                    write(name, surface)
+                else:
+                    self.write_exodus(name, points, shells)
+                report = self.report_of("voxelize", name, "-o", "out.vdb", "--resolution", 24, "--grid", "coverage")
+                self.assertEqual(report["status"], 0)
+                self.assertEqual(report["mesh"]["triangles"], 12)
+                self.assertAlmostEqual(report["grids"][0]["filled"], 1, delta=1e-6)
+        # The faces of a mesh of solid cells are no surface.
+        tets = numpy.array([(0, 1, 2, 6)])
+        for number, (ending, form, options, _) in enumerate(forms):
+            with self.subTest(form=form, options=options):
+                name = f"tet{number}{ending}"
+                if form:
+                    write(name, [("triangle", triangles), ("tetra", tets)])
+                else:
+                    self.write_exodus(name, points, [("tri3", triangles), ("TETRA", tets)])
+                report = self.report_of("voxelize", name, "-o", "out.vdb", "--resolution", 24, "--grid", "coverage")
+                self.assertEqual(report["mesh"]["tets"], 1)
+                self.assertAlmostEqual(report["grids"][0]["filled"], 1 / 6, delta=1e-6)
 
     def test_a_time_series(self):
         points = numpy.array([bent(p) for p in CORNERS["hexahedron"]])

@@ -63,6 +63,12 @@ void readFile(std::string_view bytes) {
         throw;
     }
   }
+  if (format.hasSolidCells != nullptr) {
+    try {
+      format.hasSolidCells(source, report, progress);
+    } catch (const Error&) {
+    }
+  }
   if (format.readTimes != nullptr)
     format.readTimes(source, report, progress);
   if (format.readCells != nullptr)

@@ -140,28 +140,35 @@ std::vector<Format> makeTable() {
                           "Scenes, where the build has assimp", isCollada, readCollada, nullptr));
 
   // --- solid cells ---
-  all.push_back(cells(FileFormat::Gmsh, "Gmsh .msh", ".msh", "Versions 1, 2, 4.0 and 4.1",
-                      kTets | kArrays, isGmsh, readGmsh));
+  all.push_back(cellsOrFaces<readGmsh>(FileFormat::Gmsh, "Gmsh .msh", ".msh",
+                                       "Versions 1, 2, 4.0 and 4.1", 0, isGmsh, gmshHasSolidCells));
   all.back().isNamed = isDamagedGmsh;
   all.back().writeTets = writeGmsh;
   all.back().spoolCells = spoolGmsh;
-  all.push_back(
-      cells(FileFormat::Medit, "Medit .mesh", ".mesh", "GMF as text", kTets, isMedit, readMedit));
+  all.push_back(cellsOrFaces<readMedit>(FileFormat::Medit, "Medit .mesh", ".mesh", "GMF as text", 0,
+                                        isMedit, meditHasSolidCells));
+  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedMedit;
   all.back().writeTets = writeMedit;
-  all.push_back(cells(FileFormat::MeditBinary, "Medit .meshb", ".meshb", "GMF in binary", kTets,
-                      isMeditBinary, readMeditBinary));
+  all.push_back(cellsOrFaces<readMeditBinary>(FileFormat::MeditBinary, "Medit .meshb", ".meshb",
+                                              "GMF in binary", 0, isMeditBinary,
+                                              meditBinaryHasSolidCells));
+  all.back().holds &= ~kArrays;
   all.push_back(cells(FileFormat::TetGen, "TetGen .node and .ele", ".ele .node",
                       "Two files side by side", kTets | kArrays, nullptr, readTetGen));
   all.back().isNamed = isAny;
-  all.push_back(cells(FileFormat::Netgen, "Netgen .vol", ".vol", "Netgen's volume meshes", kTets,
-                      isNetgen, readNetgen));
+  all.push_back(cellsOrFaces<readNetgen>(FileFormat::Netgen, "Netgen .vol", ".vol",
+                                         "Netgen's meshes", 0, isNetgen, netgenHasSolidCells));
+  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedNetgen;
-  all.push_back(cells(FileFormat::Abaqus, "Abaqus .inp", ".inp", "Decks of Abaqus and CalculiX",
-                      kTets, isAbaqus, readAbaqus));
+  all.push_back(cellsOrFaces<readAbaqus>(FileFormat::Abaqus, "Abaqus .inp", ".inp",
+                                         "Decks of Abaqus and CalculiX", 0, isAbaqus,
+                                         abaqusHasSolidCells));
+  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedAbaqus;
-  all.push_back(cells(FileFormat::Ucd, "AVS UCD .inp", ".inp .avs .ucd",
-                      "Unstructured cell data, text or binary", kTets | kArrays, isUcd, readUcd));
+  all.push_back(cellsOrFaces<readUcd>(FileFormat::Ucd, "AVS UCD .inp", ".inp .avs .ucd",
+                                      "Unstructured cell data, text or binary", 0, isUcd,
+                                      ucdHasSolidCells));
   all.push_back(cellsOrFaces<readVtk>(FileFormat::Vtk, "VTK .vtk", ".vtk",
                                       "VTK's legacy grids and polygons, text or binary", 0, isVtk,
                                       vtkHasSolidCells));
@@ -178,9 +185,10 @@ std::vector<Format> makeTable() {
   all.push_back(row(FileFormat::Pvd, "ParaView .pvd", ".pvd", "A sequence: the files of every step",
                     kTets | kTriangles | kArrays | kSteps));
   all.back().isContent = isPvd;
-  all.push_back(cells(FileFormat::Xdmf, "XDMF", ".xdmf .xmf",
-                      "XML, with numbers in it, in binary files or in HDF5 files beside it",
-                      kTets | kArrays | kSteps, isXdmf, readXdmf));
+  all.push_back(
+      cellsOrFaces<readXdmf>(FileFormat::Xdmf, "XDMF", ".xdmf .xmf",
+                             "XML, with numbers in it, in binary files or in HDF5 files beside it",
+                             kSteps, isXdmf, xdmfHasSolidCells));
   all.back().readTimes = timesOfXdmf;
   all.back().spoolCells = spoolXdmf;
   all.push_back(cellsOrFaces<readVtkHdf>(FileFormat::VtkHdf, "VTKHDF", ".vtkhdf .hdf",
@@ -203,9 +211,9 @@ std::vector<Format> makeTable() {
                                       "Gambit neutral files, as for Fluent", 0, isNeu,
                                       neuHasSolidCells));
   all.back().holds &= ~kArrays;
-  all.push_back(cells(FileFormat::Exodus, "Exodus", ".exo .e .exo2 .g",
-                      "Exodus II in netCDF or HDF5", kTets | kArrays | kSteps, isExodus,
-                      readExodus));
+  all.push_back(cellsOrFaces<readExodus>(FileFormat::Exodus, "Exodus", ".exo .e .exo2 .g",
+                                         "Exodus II in netCDF or HDF5", kSteps, isExodus,
+                                         exodusHasSolidCells));
   all.back().readTimes = exodusTimes;
 
   // --- volumes ---

@@ -87,10 +87,44 @@ CellKind elementKind(const std::string& type) {
   }
 }
 
+/// The kind of a shell, membrane, rigid face or plane element such as S4R, STRI65, M3D6, R3D3 or
+/// CPS4, with its corners; corners 0 for another. meshio writes quadrilaterals of surfaces as
+/// CAX4P.
+CellKind faceKind(const std::string& type) {
+  if (type == "STRI65")
+    return {"", CellType::Flat, 3, 6};
+  for (const std::string_view family :
+       {"SFM3D", "M3D", "R3D", "STRI", "CPS", "CPE", "CAX", "DS", "S"})
+    if (type.compare(0, family.size(), family) == 0 && type.size() > family.size())
+      switch (type[family.size()]) {
+      case '3':
+        return {"", CellType::Flat, 3, 3};
+      case '6':
+        return {"", CellType::Flat, 3, 6};
+      case '4':
+        return {"", CellType::Flat, 4, 4};
+      case '8':
+        return {"", CellType::Flat, 4, 8};
+      case '9':
+        return {"", CellType::Flat, 4, 9};
+      default:
+        break;
+      }
+  return {"", CellType::Flat, 0, 0};
+}
+
 class AbaqusFile {
 public:
-  AbaqusFile(const Source& source, Report& report, Progress& progress)
-      : source_(source), report_(report), progress_(progress), deck_(source) {}
+  AbaqusFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
+      : source_(source), options_(options), report_(report), progress_(progress), deck_(source) {}
+
+  /// Reads the keywords alone.
+  bool hasSolidCells() {
+    while (deck_.nextKeyword())
+      if (deck_.keyword() == "ELEMENT" && elementKind(name("TYPE")).type != CellType::Flat)
+        return true;
+    return false;
+  }
 
   CellMesh read() {
     Part* part = &root_;
@@ -170,7 +204,9 @@ private:
   void readElements(Part& part) {
     refuseInput();
     const std::string type = name("TYPE");
-    const CellKind kind = elementKind(type);
+    CellKind kind = elementKind(type);
+    if (options_.faces && kind.type == CellType::Flat)
+      kind = faceKind(type);
     ElementSet* set = nullptr;
     if (deck_.parameter("ELSET") != nullptr)
       set = &openSet(part);
@@ -456,6 +492,7 @@ private:
   }
 
   const Source& source_;
+  const ReadOptions& options_;
   Report& report_;
   Progress& progress_;
   AbaqusDeck deck_;
@@ -472,8 +509,13 @@ private:
 
 } // namespace
 
-CellMesh readAbaqus(const Source& source, const ReadOptions&, Report& report, Progress& progress) {
-  return AbaqusFile(source, report, progress).read();
+CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
+                    Progress& progress) {
+  return AbaqusFile(source, options, report, progress).read();
+}
+
+bool abaqusHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  return AbaqusFile(source, {}, report, progress).hasSolidCells();
 }
 
 } // namespace tetvdb

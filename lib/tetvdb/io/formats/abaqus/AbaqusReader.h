@@ -16,7 +16,11 @@ namespace tetvdb {
 /// several belongs to the last one. Steps, materials and loads are ignored. Throws Error(Invalid)
 /// with line for *INCLUDE and INPUT= (data in other files), for generated nodes and elements, and
 /// for an incomplete or inconsistent mesh.
+/// Shells, membranes and rigid faces keep their corners where `options.faces` asks for them.
 CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
+
+/// Reads the keywords up to the first type of elements with a volume.
+bool abaqusHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

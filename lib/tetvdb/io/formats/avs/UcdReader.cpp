@@ -4,6 +4,7 @@
 #include "tetvdb/io/formats/avs/UcdReader.h"
 
 #include "tetvdb/core/Constants.h"
+#include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
@@ -31,6 +32,13 @@ constexpr UcdKind kKinds[] = {
     {"prism", {"wedge", CellType::Wedge, 6, 6}},
     {"hex", {"hexahedron", CellType::Hexahedron, 8, 8}},
 };
+
+/// With the corners of triangles and quadrilaterals where they are asked for.
+CellKind kept(CellKind kind, const ReadOptions& options) {
+  if (options.faces && kind.type == CellType::Flat && kind.nodes >= 3)
+    kind.corners = kind.nodes;
+  return kind;
+}
 
 /// UCD has the apex of a pyramid first; its prisms and hexahedra are VTK's upside down.
 void reorder(const CellKind& kind, std::vector<std::uint32_t>& nodes) {
@@ -96,7 +104,7 @@ private:
                                       [&](const UcdKind& kind) { return kind.name == name; });
       if (known == std::end(kKinds))
         in_.fail("a cell is of no known kind (tet, pyr, prism, hex)");
-      const CellKind& kind = known->kind;
+      const CellKind kind = kept(known->kind, options_);
       for (std::uint32_t k = 0; k < kind.nodes; ++k) {
         const std::int64_t id = in_.integer();
         const std::uint32_t index = nodes_.find(id);
@@ -220,7 +228,7 @@ private:
       if (type < 0 || type >= static_cast<std::int32_t>(std::size(kKinds)) ||
           count != static_cast<std::int32_t>(kKinds[type].kind.nodes))
         in_.fail("a cell of unknown kind", "the file is damaged; export it again");
-      const CellKind& kind = kKinds[type].kind;
+      const CellKind kind = kept(kKinds[type].kind, options_);
       used += kind.nodes;
       if (used > corners_)
         in_.fail("cells use more corners than declared");
@@ -302,6 +310,12 @@ CellMesh readUcd(const Source& source, const ReadOptions& options, Report&, Prog
   if (!source.bytes.empty() && source.bytes[0] == '\x07')
     return BinaryReader(source, options, progress).read();
   return TextReader(source, options, progress).read();
+}
+
+bool ucdHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  ReadOptions options;
+  options.attributes = false;
+  return hasSolidCells(readUcd(source, options, report, progress));
 }
 
 } // namespace tetvdb

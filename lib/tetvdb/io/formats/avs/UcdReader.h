@@ -14,7 +14,11 @@ namespace tetvdb {
 /// Nodes and cells in file order; the material number is the region. Node and cell data become
 /// attributes, of floats in binary and doubles in text files. Throws Error(Invalid) with line or
 /// byte for an incomplete or inconsistent mesh.
+/// Triangles and quadrilaterals keep their corners where `options.faces` asks for them.
 CellMesh readUcd(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
+
+/// Reads the whole mesh. Throws as readUcd() does.
+bool ucdHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -157,6 +157,14 @@ private:
 /// Numbers read at a time, so that reading a long variable can be cancelled.
 constexpr std::size_t kChunk = 1 << 20;
 
+std::string upperPrefix(const std::string& elementType) {
+  std::string prefix = elementType.substr(0, 3);
+  for (char& c : prefix)
+    if (c >= 'a' && c <= 'z')
+      c = static_cast<char>(c - 'a' + 'A');
+  return prefix;
+}
+
 /// The kind of an element type, by its first three letters and its node count.
 CellKind kindOf(const std::string& elementType, std::size_t nodes) {
   struct Known {
@@ -172,15 +180,23 @@ CellKind kindOf(const std::string& elementType, std::size_t nodes) {
       {"EDG", CellType::Flat, 0},  {"LIN", CellType::Flat, 0},       {"ROD", CellType::Flat, 0},
       {"CIR", CellType::Flat, 0},  {"SPH", CellType::Flat, 0},       {"POI", CellType::Flat, 0},
       {"NOD", CellType::Flat, 0},  {"NSI", CellType::Flat, 0}};
-  std::string prefix = elementType.substr(0, 3);
-  for (char& c : prefix)
-    if (c >= 'a' && c <= 'z')
-      c = static_cast<char>(c - 'a' + 'A');
+  const std::string prefix = upperPrefix(elementType);
   const auto each = static_cast<std::uint32_t>(std::min<std::size_t>(nodes, 1000));
   for (const Known& known : kKnown)
     if (prefix == known.prefix)
       return {elementType.c_str(), known.type, known.corners, each};
   return {elementType.c_str(), CellType::OtherSolid, 0, each};
+}
+
+/// The corners of a triangle or quadrilateral, or of a shell of one of these shapes; 0 for others.
+std::uint32_t faceCorners(const std::string& elementType, std::size_t nodes) {
+  const std::string prefix = upperPrefix(elementType);
+  if (prefix == "TRI" || (prefix == "SHE" && (nodes == 3 || nodes == 6)))
+    return 3;
+  if (prefix == "QUA" || prefix == "SQU" ||
+      (prefix == "SHE" && (nodes == 4 || nodes == 8 || nodes == 9)))
+    return 4;
+  return 0;
 }
 
 /// For nodes in VTK's order their index in Exodus', in which the midpoints of vertical edges
@@ -225,6 +241,17 @@ public:
         times.push_back(static_cast<double>(i));
     }
     return times;
+  }
+
+  bool hasSolidCells() {
+    const std::size_t count = file_.dimension("num_el_blk").value_or(0);
+    for (std::size_t i = 1; i <= count; ++i) {
+      const auto connect = file_.variable("connect" + std::to_string(i));
+      if (connect && kindOf(file_.attribute(*connect, "elem_type"), 0).type != CellType::Flat)
+        return true;
+      progress_.check();
+    }
+    return false;
   }
 
 private:
@@ -340,7 +367,9 @@ private:
     std::string type = file_.attribute(*connect, "elem_type");
     if (type.empty())
       type = "unknown";
-    const CellKind kind = kindOf(type, nodes);
+    CellKind kind = kindOf(type, nodes);
+    if (options_.faces && kind.type == CellType::Flat)
+      kind.corners = faceCorners(type, nodes);
     // Also cells whose nodes are not read have numbers in the file.
     file_.checkSize(*connect, cells, name);
     if (kind.corners == 0) {
@@ -512,6 +541,17 @@ std::vector<double> exodusTimes(const Source& source, Report& report, Progress& 
     return ExodusFile(source, {}, childReport, childProgress).readTimes();
   };
   return readTimesIsolated(read, source.path, report, progress);
+}
+
+bool exodusHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  std::lock_guard<std::mutex> lock(netcdfMutex());
+  if (source.bytes.substr(0, 3) == "CDF")
+    return ExodusFile(source, {}, report, progress).hasSolidCells();
+  return answerIsolated(
+      [&](Report& childReport, Progress& childProgress) {
+        return ExodusFile(source, {}, childReport, childProgress).hasSolidCells();
+      },
+      source.path, report, progress);
 }
 
 } // namespace tetvdb

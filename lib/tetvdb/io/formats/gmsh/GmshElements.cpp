@@ -130,4 +130,19 @@ const CellKind* gmshElement(std::int64_t type) {
   return kind.name == nullptr ? nullptr : &kind;
 }
 
+const CellKind* gmshFace(std::int64_t type) {
+  static const std::array<CellKind, kTypes> faces = [] {
+    std::array<CellKind, kTypes> made{};
+    for (const std::size_t triangle : {2, 9})
+      (made[triangle] = *gmshElement(std::int64_t(triangle))).corners = 3;
+    for (const std::size_t quad : {3, 10, 16})
+      (made[quad] = *gmshElement(std::int64_t(quad))).corners = 4;
+    return made;
+  }();
+  if (type < 0 || type >= static_cast<std::int64_t>(kTypes))
+    return nullptr;
+  const CellKind& face = faces[static_cast<std::size_t>(type)];
+  return face.corners == 0 ? nullptr : &face;
+}
+
 } // namespace tetvdb

@@ -12,4 +12,8 @@ namespace tetvdb {
 /// quadratic cells keep all nodes, in an order of Gmsh's own (CellKind::order).
 const CellKind* gmshElement(std::int64_t type);
 
+/// The kind of a triangle or quadrilateral of first or second order, with its corners; null for
+/// other types.
+const CellKind* gmshFace(std::int64_t type);
+
 } // namespace tetvdb

@@ -57,7 +57,21 @@ public:
     return std::move(mesh_);
   }
 
+  /// Reads the elements up to the first solid one.
+  bool hasSolidCells() {
+    kindsAlone_ = true;
+    try {
+      while (!in_.text.atEnd() && !haveElements_)
+        readSection();
+    } catch (const SolidElement&) {
+      return true;
+    }
+    return false;
+  }
+
 private:
+  struct SolidElement {};
+
   // --- Sections ---------------------------------------------------------------------------------
 
   void readSection() {
@@ -75,7 +89,10 @@ private:
       readEntities(in_, false, version_ < 4.05, volumes_);
     else if (name == "PartitionedEntities" && version_ > 4.05)
       readEntities(in_, true, version_ < 4.05, volumes_);
-    else if (name == "Nodes")
+    else if (name == "Nodes" && kindsAlone_) {
+      haveNodes_ = true;
+      skipSection(name);
+    } else if (name == "Nodes")
       version_ < 4 ? readNodes2() : readNodes4();
     else if (name == "NOD")
       readNodes2();
@@ -298,6 +315,8 @@ private:
   }
 
   const CellKind& kindOf(std::int64_t type) const {
+    if (const CellKind* face = options_.faces ? gmshFace(type) : nullptr)
+      return *face;
     const CellKind* kind = gmshElement(type);
     if (kind == nullptr)
       in_.fail("element type " + std::to_string(type) + " is not known",
@@ -311,6 +330,8 @@ private:
       return;
     appendCells(mesh_, kind, count);
     const bool solid = kind.type != CellType::Flat;
+    if (solid && kindsAlone_)
+      throw SolidElement();
     if (!tags_.empty() && tags_.back().physical == physical &&
         tags_.back().geometrical == geometrical && tags_.back().solid == solid)
       tags_.back().count += count;
@@ -341,6 +362,8 @@ private:
   }
 
   void addNode(std::int64_t id) {
+    if (kindsAlone_)
+      return;
     const std::uint32_t index = nodeIds_.find(id);
     if (index == IdMap::kNone)
       in_.fail("element " + std::to_string(elements_ + 1) + " of the file uses node " +
@@ -376,7 +399,8 @@ private:
       if (k < kind.stored())
         addNode(id);
     }
-    orderLast(mesh_, kind);
+    if (!kindsAlone_)
+      orderLast(mesh_, kind);
   }
 
   void readElements2() {
@@ -434,7 +458,8 @@ private:
       numberElement(number(0));
       for (std::uint32_t k = 0; k < kind.stored(); ++k)
         addNode(number(1 + skipped + k));
-      orderLast(mesh_, kind);
+      if (!kindsAlone_)
+        orderLast(mesh_, kind);
       ++alike;
     }
     addElements(kind, alike, physical, geometrical);
@@ -486,6 +511,8 @@ private:
 
   void readElementBlock4(const CellKind& kind, std::size_t n, std::size_t width) {
     const std::string_view data = in_.bytes.take(n * width * (1 + kind.nodes));
+    if (kindsAlone_)
+      return;
     if (width == 8)
       copyElements<std::int64_t>(kind, n, data.data());
     else
@@ -557,6 +584,7 @@ private:
   IdMap nodeIds_;
   IdMap elementIds_;
   std::size_t elements_ = 0;
+  bool kindsAlone_ = false; ///< of hasSolidCells()
   bool haveNodes_ = false;
   bool haveElements_ = false;
   std::vector<TagRun> tags_;
@@ -574,6 +602,12 @@ CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& repo
 void spoolGmsh(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
                Progress& progress) {
   MshReader(source, options, &mesh, report, progress).read();
+}
+
+bool gmshHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  ReadOptions options;
+  options.attributes = false;
+  return MshReader(source, options, nullptr, report, progress).hasSolidCells();
 }
 
 } // namespace tetvdb

@@ -18,10 +18,14 @@ class SpooledMesh;
 /// $ElementData become attributes of doubles with their names, the last time step of each; NaN
 /// for nodes and elements without a value. $ElementNodeData and all other sections are
 /// ignored. Elements of higher order keep their corners; elements without volume keep no
-/// nodes. Throws Error(Invalid) with line (ASCII) or byte (binary) for an incomplete or
-/// inconsistent mesh.
+/// nodes, but for triangles and quadrilaterals where `options.faces` asks for them. Throws
+/// Error(Invalid) with line (ASCII) or byte (binary) for an incomplete or inconsistent mesh.
 CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress);
+
+/// Reads the file up to its first element with a volume. Throws Error(Invalid) where it is damaged
+/// before.
+bool gmshHasSolidCells(const Source& source, Report& report, Progress& progress);
 
 /// The same, of linear tets alone, part by part: elements without a volume are left out, others
 /// are Error(Invalid). Memory: a few million numbers; 4 bytes a node, and an element where there

@@ -17,7 +17,8 @@
 namespace tetvdb {
 namespace {
 
-constexpr std::int32_t kDimension = 3, kVertices = 4, kEnd = 54;
+constexpr std::int32_t kDimension = 3, kVertices = 4, kPolyhedraCode = 46, kEnd = 54,
+                       kPolyhedraHeaders = 207;
 
 struct Keyword {
   std::int32_t code;     ///< in binary files
@@ -79,8 +80,16 @@ const CellKind* cellKind(std::string_view name) {
 template <class In>
 class MeditMesh {
 public:
-  MeditMesh(In& in, const Source& source, Progress& progress)
-      : in_(in), source_(source), progress_(progress) {}
+  MeditMesh(In& in, const Source& source, const ReadOptions& options, Progress& progress)
+      : in_(in), source_(source), options_(options), progress_(progress) {}
+
+  /// With the corners of triangles and quadrilaterals where they are asked for.
+  CellKind kept(CellKind kind) const {
+    const std::string_view name = kind.name;
+    if (options_.faces && kind.type == kFlat)
+      kind.corners = name.rfind("triangle", 0) == 0 ? 3 : name.rfind("quad", 0) == 0 ? 4 : 0;
+    return kind;
+  }
 
   void beginVertices(std::size_t count) {
     if (haveVertices_)
@@ -162,6 +171,7 @@ private:
 
   In& in_;
   const Source& source_;
+  const ReadOptions& options_;
   Progress& progress_;
   CellMesh mesh_;
   bool haveVertices_ = false;
@@ -179,11 +189,45 @@ std::string_view withoutOrdering(std::string_view keyword) {
   return has ? keyword.substr(0, keyword.size() - suffix.size()) : std::string_view();
 }
 
+// --- Binary files.
+
+// The version; numbers are in the file's byte order from then on.
+std::int32_t beginBinary(ByteReader& in) {
+  const auto one = in.get<std::int32_t>();
+  in.setSwap(one != 1);
+  if (one != 1 && byteSwapped(one) != 1)
+    in.fail("not a .meshb file: it does not begin with 1", "check the file's format");
+  const auto version = in.get<std::int32_t>();
+  if (version < 1 || version > 4)
+    in.fail("unknown version " + std::to_string(version) + " of the .meshb format",
+            "save it as version 1 to 4");
+  return version;
+}
+
+std::size_t integerBytes(std::int32_t version) {
+  return version < 4 ? 4 : 8;
+}
+
+std::int64_t readInteger(ByteReader& in, std::size_t bytes) {
+  return bytes == 4 ? in.get<std::int32_t>() : in.get<std::int64_t>();
+}
+
+// Position of the keyword behind this one, 0 where there is none.
+std::int64_t readNext(ByteReader& in, std::int32_t code, std::int32_t version) {
+  const std::int64_t next = version < 3 ? in.get<std::int32_t>() : in.get<std::int64_t>();
+  // A position before the current one would be a loop.
+  if (next != 0 && next < static_cast<std::int64_t>(in.position()))
+    in.fail("keyword " + std::to_string(code) + " is followed by one that lies before it",
+            "the file is damaged; export it again");
+  return next;
+}
+
 } // namespace
 
-CellMesh readMedit(const Source& source, const ReadOptions&, Report& report, Progress& progress) {
+CellMesh readMedit(const Source& source, const ReadOptions& options, Report& report,
+                   Progress& progress) {
   NumberParser in(source, '#');
-  MeditMesh<NumberParser> mesh(in, source, progress);
+  MeditMesh<NumberParser> mesh(in, source, options, progress);
   std::int64_t dimension = 3;
   while (!in.atEnd()) {
     const std::string_view keyword = in.word();
@@ -207,18 +251,19 @@ CellMesh readMedit(const Source& source, const ReadOptions&, Report& report, Pro
       }
     } else if (keyword == "End") {
       break;
-    } else if (const CellKind* kind = cellKind(keyword)) {
-      const std::size_t n = in.count(keyword, 2 * (kind->nodes + 1));
-      mesh.beginCells(*kind, n);
+    } else if (const CellKind* found = cellKind(keyword)) {
+      const CellKind kind = mesh.kept(*found);
+      const std::size_t n = in.count(keyword, 2 * (kind.nodes + 1));
+      mesh.beginCells(kind, n);
       for (std::size_t i = 0; i < n; ++i) {
-        for (std::uint32_t k = 0; k < kind->nodes; ++k) {
+        for (std::uint32_t k = 0; k < kind.nodes; ++k) {
           const std::int64_t number = in.integer();
-          if (k < kind->stored())
+          if (k < kind.stored())
             mesh.addNode(number);
         }
         mesh.addRegion(in.realInteger());
       }
-      mesh.endCells(*kind, n);
+      mesh.endCells(kind, n);
     } else {
       if (const CellKind* ordered = cellKind(withoutOrdering(keyword));
           ordered != nullptr && ordered->quadratic())
@@ -233,33 +278,20 @@ CellMesh readMedit(const Source& source, const ReadOptions&, Report& report, Pro
   return mesh.finish();
 }
 
-CellMesh readMeditBinary(const Source& source, const ReadOptions&, Report& report,
+CellMesh readMeditBinary(const Source& source, const ReadOptions& options, Report& report,
                          Progress& progress) {
   ByteReader in(source);
-  const auto one = in.get<std::int32_t>();
-  in.setSwap(one != 1);
-  if (one != 1 && byteSwapped(one) != 1)
-    in.fail("not a .meshb file: it does not begin with 1", "check the file's format");
-  const auto version = in.get<std::int32_t>();
-  if (version < 1 || version > 4)
-    in.fail("unknown version " + std::to_string(version) + " of the .meshb format",
-            "save it as version 1 to 4");
-  const std::size_t width = version < 4 ? 4 : 8; // of integers
-  const auto integer = [&]() -> std::int64_t {
-    return width == 4 ? in.get<std::int32_t>() : in.get<std::int64_t>();
-  };
+  const std::int32_t version = beginBinary(in);
+  const std::size_t width = integerBytes(version);
+  const auto integer = [&] { return readInteger(in, width); };
   const auto real = [&]() { return version == 1 ? double(in.get<float>()) : in.get<double>(); };
 
-  MeditMesh<ByteReader> mesh(in, source, progress);
+  MeditMesh<ByteReader> mesh(in, source, options, progress);
   while (in.remaining() > 0) {
     const auto code = in.get<std::int32_t>();
     if (code == kEnd)
       break;
-    const std::int64_t next = version < 3 ? in.get<std::int32_t>() : in.get<std::int64_t>();
-    // A position before the current one would be a loop.
-    if (next != 0 && next < static_cast<std::int64_t>(in.position()))
-      in.fail("keyword " + std::to_string(code) + " is followed by one that lies before it",
-              "the file is damaged; export it again");
+    const std::int64_t next = readNext(in, code, version);
     if (code == kDimension) {
       const auto dimension = in.get<std::int32_t>();
       if (dimension != 3)
@@ -273,24 +305,24 @@ CellMesh readMeditBinary(const Source& source, const ReadOptions&, Report& repor
         integer();
         mesh.addVertex({x, y, z});
       }
-    } else if (const CellKind* kind = cellKind(code)) {
-      const std::size_t stride = width * (kind->nodes + 1);
-      const std::size_t n = in.checkCount(integer(), stride, std::string(kind->name) + " cells");
-      mesh.beginCells(*kind, n);
+    } else if (const CellKind* found = cellKind(code)) {
+      const CellKind kind = mesh.kept(*found);
+      const std::size_t stride = width * (kind.nodes + 1);
+      const std::size_t n = in.checkCount(integer(), stride, std::string(kind.name) + " cells");
+      mesh.beginCells(kind, n);
       for (std::size_t i = 0; i < n; ++i) {
         const char* at = in.take(stride).data();
         const auto number = [&](std::size_t k) -> std::int64_t {
           return width == 4 ? loadNumber<std::int32_t>(at + 4 * k, in.swap())
                             : loadNumber<std::int64_t>(at + 8 * k, in.swap());
         };
-        for (std::uint32_t k = 0; k < kind->stored(); ++k)
+        for (std::uint32_t k = 0; k < kind.stored(); ++k)
           mesh.addNode(number(k));
-        mesh.addRegion(number(kind->nodes));
+        mesh.addRegion(number(kind.nodes));
       }
-      mesh.endCells(*kind, n);
+      mesh.endCells(kind, n);
     } else {
-      constexpr std::int32_t polyhedra = 46, polyhedraHeaders = 207;
-      if (code == polyhedra || code == polyhedraHeaders)
+      if (code == kPolyhedraCode || code == kPolyhedraHeaders)
         mesh.skipCells(kPolyhedra, in.checkCount(integer(), width, "polyhedra"));
       const bool ordering = code >= 133 && code <= 140; // of tetrahedra to hexahedra, order 2 and 3
       if (ordering)
@@ -306,6 +338,46 @@ CellMesh readMeditBinary(const Source& source, const ReadOptions&, Report& repor
     in.seek(static_cast<std::uint64_t>(next));
   }
   return mesh.finish();
+}
+
+bool meditHasSolidCells(const Source& source, Report&, Progress& progress) {
+  const auto holds = [&](std::string_view name) {
+    progress.check();
+    const std::string_view text = source.bytes;
+    for (std::size_t at = text.find(name); at != text.npos; at = text.find(name, at + 1)) {
+      if (at > 0 && static_cast<unsigned char>(text[at - 1]) > ' ')
+        continue;
+      NumberParser in(source, '#', at);
+      if (in.word() == name && in.integer() > 0)
+        return true;
+    }
+    return false;
+  };
+  for (const Keyword& keyword : kCellKeywords)
+    if (keyword.kind.type != kFlat && holds(keyword.name))
+      return true;
+  return holds("Polyhedra") || holds("PolyhedraHeaders");
+}
+
+bool meditBinaryHasSolidCells(const Source& source, Report&, Progress& progress) {
+  ByteReader in(source);
+  const std::int32_t version = beginBinary(in);
+  while (in.remaining() > 0) {
+    progress.check();
+    const auto code = in.get<std::int32_t>();
+    if (code == kEnd)
+      break;
+    const std::int64_t next = readNext(in, code, version);
+    const CellKind* kind = cellKind(code);
+    if (((kind != nullptr && kind->type != kFlat) || code == kPolyhedraCode ||
+         code == kPolyhedraHeaders) &&
+        readInteger(in, integerBytes(version)) > 0)
+      return true;
+    if (next == 0)
+      break;
+    in.seek(static_cast<std::uint64_t>(next));
+  }
+  return false;
 }
 
 } // namespace tetvdb

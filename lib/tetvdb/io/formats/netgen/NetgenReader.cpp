@@ -38,10 +38,21 @@ const CellKind* volumeElement(std::int64_t nodes) {
   return nullptr;
 }
 
+const CellKind* surfaceElement(std::int64_t nodes) {
+  static const CellKind kinds[] = {{"triangle", CellType::Flat, 3, 3},
+                                   {"quad", CellType::Flat, 4, 4},
+                                   {"triangle6", CellType::Flat, 3, 6},
+                                   {"quad8", CellType::Flat, 4, 8}};
+  for (const CellKind& kind : kinds)
+    if (kind.nodes == nodes)
+      return &kind;
+  return nullptr;
+}
+
 class NetgenFile {
 public:
-  NetgenFile(const Source& source, Progress& progress)
-      : source_(source), progress_(progress), in_(source, '#') {}
+  NetgenFile(const Source& source, const ReadOptions& options, Progress& progress)
+      : source_(source), options_(options), progress_(progress), in_(source, '#') {}
 
   CellMesh read() {
     bool havePoints = false;
@@ -62,7 +73,8 @@ public:
         readVolumeElements();
       } else if (word == "surfaceelements" || word == "surfaceelementsgi" ||
                  word == "surfaceelementsuv") {
-        skipLines(kTriangle, in_.count("surface elements", 8));
+        const std::size_t n = in_.count("surface elements", 8);
+        options_.faces ? readSurfaceElements(n) : skipLines(kTriangle, n);
       } else if (word == "edgesegments" || word == "edgesegmentsgi" || word == "edgesegmentsgi2") {
         skipLines(kSegment, in_.count("edge segments", 8));
       } else if (word == "bcnames" || word == "cd2names" || word == "cd3names") {
@@ -120,18 +132,42 @@ private:
       if (kind == nullptr)
         in_.fail("a volume element of " + std::to_string(nodes) + " nodes",
                  "known are 4, 5, 6, 8, 10, 12, 13, 15 and 20");
-      for (std::uint32_t k = 0; k < kind->nodes; ++k) {
-        const std::int64_t number = in_.integer();
-        if (number < 1 || number >= std::int64_t(IdMap::kNone))
-          in_.fail("an element uses point " + std::to_string(number) + ", which does not exist");
-        if (k < kind->stored())
-          mesh_.nodes.push_back(static_cast<std::uint32_t>(number - 1));
-      }
+      for (std::uint32_t k = 0; k < kind->stored(); ++k)
+        addNode();
+      for (std::uint32_t k = kind->stored(); k < kind->nodes; ++k)
+        in_.integer();
       mesh_.regions.push_back(static_cast<std::int32_t>(material));
       appendCells(mesh_, *kind);
       if (i % kItemsPerUpdate == 0)
         update();
     }
+  }
+
+  // A line each: surface, condition, two domains, then the nodes, corners first.
+  void readSurfaceElements(std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      for (int k = 0; k < 4; ++k)
+        in_.integer();
+      const std::int64_t nodes = in_.integer();
+      const CellKind* kind = surfaceElement(nodes);
+      if (kind == nullptr)
+        in_.fail("a surface element of " + std::to_string(nodes) + " nodes",
+                 "known are 3, 4, 6 and 8");
+      for (std::uint32_t k = 0; k < kind->corners; ++k)
+        addNode();
+      in_.line();
+      mesh_.regions.push_back(0);
+      appendCells(mesh_, *kind);
+      if (i % kItemsPerUpdate == 0)
+        update();
+    }
+  }
+
+  void addNode() {
+    const std::int64_t number = in_.integer();
+    if (number < 1 || number >= std::int64_t(IdMap::kNone))
+      in_.fail("an element uses point " + std::to_string(number) + ", which does not exist");
+    mesh_.nodes.push_back(static_cast<std::uint32_t>(number - 1));
   }
 
   void skipLines(const CellKind& kind, std::size_t n) {
@@ -164,6 +200,7 @@ private:
   }
 
   const Source& source_;
+  const ReadOptions& options_;
   Progress& progress_;
   NumberParser in_;
   CellMesh mesh_;
@@ -172,8 +209,20 @@ private:
 
 } // namespace
 
-CellMesh readNetgen(const Source& source, const ReadOptions&, Report&, Progress& progress) {
-  return NetgenFile(source, progress).read();
+CellMesh readNetgen(const Source& source, const ReadOptions& options, Report&, Progress& progress) {
+  return NetgenFile(source, options, progress).read();
+}
+
+bool netgenHasSolidCells(const Source& source, Report&, Progress&) {
+  constexpr std::string_view section = "volumeelements";
+  const std::string_view text = source.bytes;
+  for (std::size_t at = text.find(section); at != text.npos; at = text.find(section, at + 1)) {
+    NumberParser in(source, '#', at);
+    in.word();
+    if (in.integer() > 0)
+      return true;
+  }
+  return false;
 }
 
 } // namespace tetvdb

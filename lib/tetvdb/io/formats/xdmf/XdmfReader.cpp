@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/xdmf/XdmfData.h"
@@ -82,6 +83,20 @@ public:
     for (std::size_t i = 1; i < meshes.size(); ++i)
       vtk::appendPiece(whole, std::exchange(meshes[i].mesh, {}), report_);
     return whole;
+  }
+
+  /// By the types of the topologies; none for a mixed one.
+  std::optional<bool> hasSolidCells() {
+    findPieces();
+    std::optional<bool> solid = false;
+    for (const Piece& piece : pieces_) {
+      const Shape* shape = shapeOf(piece.topology);
+      if (shape == nullptr)
+        solid = std::nullopt;
+      else if (vtk::cellKind(shape->vtk).type != CellType::Flat)
+        return true;
+    }
+    return solid;
   }
 
 private:
@@ -345,7 +360,7 @@ private:
     if (declared != kNoXdmfIndex && declared != cells.types.size())
       fail(topology, std::to_string(declared) + " cells are declared, but there are " +
                          std::to_string(cells.types.size()));
-    vtk::appendCells(std::move(cells), mesh, progress_);
+    vtk::appendCells(std::move(cells), mesh, progress_, options_.faces);
   }
 
   template <class Numbers>
@@ -473,6 +488,13 @@ CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& repo
   CellMesh mesh = XdmfFile(source, options, report, progress).read();
   mesh.times = xdmfTimes(source);
   return mesh;
+}
+
+bool xdmfHasSolidCells(const Source& source, Report& report, Progress& progress) {
+  ReadOptions options;
+  options.attributes = false;
+  const std::optional<bool> solid = XdmfFile(source, options, report, progress).hasSolidCells();
+  return solid ? *solid : hasSolidCells(readXdmf(source, options, report, progress));
 }
 
 } // namespace tetvdb

@@ -4,7 +4,7 @@
 import math
 import unittest
 
-from program import CommandLineTest, box_faces, lattice, medit, off
+from program import DATA, CommandLineTest, box_faces, lattice, medit, off
 from test_fields import vtu_with
 
 
@@ -184,6 +184,22 @@ class Fit(CommandLineTest):
             self.refuse(2, "voxelize", "cube.off", "-o", "out.vdb", *options, says="--")
         self.refuse(2, "voxelize", "cube.off", "-o", "out.vdb", "--fit", 8, "--padding", 4,
                     says="--padding")
+
+
+class StoredVolumes(CommandLineTest):
+    def test_the_same_options_give_what_they_gave(self):
+        # docs/stability.md promises it. The files are of version 0.1.0.
+        folder = DATA / "volumes"
+        volumes = {"occupancy.vdb": ("1", "density,mask,tet_id"), "fields.vdb": ("1", "v,T"),
+                   "half.vdb": ("1", "density", "--half"), "mask.vdb": ("1", "mask", "--mask-type", "mask"),
+                   "tiles.vdb": ("0.1", "mask", "--mask-type", "mask"), "fields.nvdb": ("1", "T,v"),
+                   "tiles.nvdb": ("0.1", "mask")}
+        self.assertEqual(sorted(volumes), sorted(p.name for p in folder.iterdir() if "vdb" in p.suffix))
+        for name, (size, grids, *options) in volumes.items():
+            with self.subTest(name):
+                self.succeed("voxelize", str(folder / "tetrahedron.vtk"), "--voxel-size", size, "--grid", grids,
+                             "-o", name, "-q", *options)
+                self.assertEqual(self.hash_of(name), self.hash_of(str(folder / name)))
 
 
 if __name__ == "__main__":

@@ -277,6 +277,10 @@ class Limits(CommandLineTest):
                     preexec_fn=limit(resource.RLIMIT_AS, 700 << 20))
 
     @unittest.skipIf(SANITIZED, "sanitizers reserve address space")
+    def starts_threads(self):
+        """Whether a library does before main(): Debian's OpenVDB has one that does."""
+        return b"liblog4cplus" in subprocess.run(["ldd", PROGRAM], capture_output=True).stdout
+
     def test_loading_without_room_for_threads(self):
         """Libraries start threads before main(): there is no abort where they cannot."""
         seen = set()
@@ -287,7 +291,7 @@ class Limits(CommandLineTest):
             if result.status == 4:
                 self.assertIn("threads cannot be started", result.err)
             seen.add(result.status) # 127: the loader itself has no room
-        self.assertEqual(seen, {0, 4, 127})
+        self.assertEqual(seen, {0, 4, 127} if self.starts_threads() else {0, 127})
 
     def test_loading_without_threads(self):
         def as_nobody():
@@ -298,6 +302,9 @@ class Limits(CommandLineTest):
             result = self.run_program("--version", preexec_fn=as_nobody)
         except PermissionError:
             self.skipTest("the program cannot be read by others")
+        if not self.starts_threads():
+            self.assertEqual(result.status, 0, result.err)
+            return
         self.assertEqual(result.status, 4, result.err)
         self.assertEqual(len(result.lines), 1, result.err)
         self.assertIn("ulimit -u", result.err)

@@ -122,10 +122,13 @@ std::string bytesOfFile(const std::string& path, const openvdb::GridPtrVec& grid
   return bytesOf(path);
 }
 
-/// All but the UUID, which is random in one file and derived from the content in ours.
-std::string withoutUuid(std::string bytes) {
-  if (bytes.size() > 57)
+/// All but the UUID, which is random in one file and derived from the content in ours, and the file
+/// version: OpenVDB 13 writes 225, which differs in a type of grid that ours do not have.
+std::string comparable(std::string bytes) {
+  if (bytes.size() > 57) {
+    bytes.replace(8, 4, 4, '0');
     bytes.replace(21, 36, 36, '0');
+  }
   return bytes;
 }
 
@@ -143,7 +146,8 @@ TEST_F(VolumeFile, SameBytesAsOpenVdbsOwnFile) {
   for (const auto& grid : manyGrids()) {
     const openvdb::GridPtrVec one{grid};
     writeVolume(path("a.vdb"), volumeOf(one), progress);
-    EXPECT_TRUE(withoutUuid(bytesOf(path("a.vdb"))) == withoutUuid(bytesOfFile(path("b.vdb"), one)))
+    EXPECT_EQ(bytesOf(path("a.vdb")).substr(8, 4), std::string("\xE0\0\0\0", 4)); // 224
+    EXPECT_TRUE(comparable(bytesOf(path("a.vdb"))) == comparable(bytesOfFile(path("b.vdb"), one)))
         << grid->getName();
   }
 }
@@ -163,8 +167,8 @@ TEST_F(VolumeFile, SameBytesForSeveralGridsHalfFloatsSharedTreesAndMetadata) {
   for (const auto& [key, text] : volume.metadata)
     metadata.insertMeta(key, openvdb::StringMetadata(text));
   writeVolume(path("a.vdb"), volume, progress);
-  EXPECT_TRUE(withoutUuid(bytesOf(path("a.vdb"))) ==
-              withoutUuid(bytesOfFile(path("b.vdb"), grids, metadata)));
+  EXPECT_TRUE(comparable(bytesOf(path("a.vdb"))) ==
+              comparable(bytesOfFile(path("b.vdb"), grids, metadata)));
 }
 
 TEST_F(VolumeFile, EqualContentGivesEqualFiles) {
@@ -221,6 +225,7 @@ TEST_F(VolumeFile, StatisticsAndCreatorAreInTheFile) {
   EXPECT_EQ(grid->getCreator(), "");
 }
 
+#ifdef OPENVDB_USE_DELAYED_LOADING // OpenVDB can be built without it
 TEST_F(VolumeFile, DelayedLoadingFindsEveryLeaf) {
   const auto grids = manyGrids();
   writeVolume(path("a.vdb"), volumeOf(grids), progress);
@@ -230,6 +235,7 @@ TEST_F(VolumeFile, DelayedLoadingFindsEveryLeaf) {
   const Volume back = volumeOf(*file.getGrids());
   EXPECT_EQ(hash(back), hash(volumeOf(grids)));
 }
+#endif
 
 TEST_F(VolumeFile, OffsetsLetReadersTakeOneGridOfMany) {
   const auto grids = manyGrids();

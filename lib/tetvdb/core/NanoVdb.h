@@ -27,12 +27,21 @@
 namespace nanovdb::tools {}
 namespace tetvdb {
 namespace nanotools = nanovdb::tools;
+/// nanovdb::GridType of grids of `Build`.
+template <class Build>
+std::uint32_t gridTypeOf() {
+  return static_cast<std::uint32_t>(nanovdb::toGridType<Build>());
 }
+} // namespace tetvdb
 #else
 #define TETVDB_NANOVDB_TOOL(name) <nanovdb/util/name.h>
 namespace tetvdb {
 namespace nanotools = nanovdb;
+template <class Build>
+std::uint32_t gridTypeOf() {
+  return static_cast<std::uint32_t>(nanovdb::mapToGridType<Build>());
 }
+} // namespace tetvdb
 #endif
 
 namespace tetvdb {

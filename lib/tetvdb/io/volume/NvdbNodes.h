@@ -234,7 +234,7 @@ private:
     else
       Nodes::setStatistics(root, all);
     NvdbCounts counts;
-    counts.type = static_cast<std::uint32_t>(nanovdb::mapToGridType<typename Nodes::Build>());
+    counts.type = gridTypeOf<typename Nodes::Build>();
     counts.hasStatistics = !Nodes::kIsBool;
     counts.nodes = {leaves_.count(), lowers_.count(), uppers_.count()};
     counts.tiles = tiles_;

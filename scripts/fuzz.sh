@@ -21,6 +21,7 @@ for folder in tests/data "${TETVDB_CORPUS:-/nonexistent}"/{tet,tri}; do
   find "$folder" -type f -size -64k -exec cp -n {} "$seeds" \;
 done
 
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 targets=("$@")
 if [[ ${#targets[@]} -eq 0 ]]; then
   mapfile -t targets < <(cd build/fuzz/bin && printf '%s\n' Fuzz*)
@@ -30,12 +31,13 @@ fuzz() { # target
   mkdir -p "$found"
   echo "fuzz: $1 for $seconds s"
   if ! build/fuzz/bin/"$1" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2500 \
-    -max_len=65536 -artifact_prefix="$found/" -print_final_stats=0 -verbosity=0 \
+    -max_len=65536 -artifact_prefix="$found/" -print_final_stats=1 -verbosity=0 \
     "$found" "$seeds" >build/fuzz/"$1".log 2>&1; then
     tail -40 build/fuzz/"$1".log
     echo "fuzz: $1 FAILED; the input lies in $found"
     return 1
   fi
+  echo "fuzz: $1 done, $(sed -n 's/^stat::number_of_executed_units: *//p' build/fuzz/"$1".log) executions"
 }
 export -f fuzz
 export seconds seeds

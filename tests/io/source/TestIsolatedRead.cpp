@@ -88,7 +88,7 @@ TEST_F(IsolatedRead, WhatDiesIsAnError) {
             Status::Limit);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#ifndef TETVDB_SANITIZED
 TEST_F(IsolatedRead, Limits) {
   const auto grow = []() -> std::vector<std::int32_t> {
     std::vector<std::vector<char>> all;

@@ -201,6 +201,14 @@ class StoredVolumes(CommandLineTest):
                              "-o", name, "-q", *options)
                 self.assertEqual(self.hash_of(name), self.hash_of(str(folder / name)))
 
+    def test_the_file_version_of_openvdb_13(self):
+        # It adds a type of grid to the version before.
+        stored = (DATA / "volumes" / "occupancy.vdb").read_bytes()
+        self.path("new.vdb").write_bytes(stored[:8] + bytes([225]) + stored[9:])
+        self.assertEqual(self.hash_of("new.vdb"), self.hash_of(str(DATA / "volumes" / "occupancy.vdb")))
+        done = self.succeed("info", "new.vdb")
+        self.assertNotIn("WARN", done.out + done.err)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -5,9 +5,11 @@
 #include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/io/volume/NvdbLayout.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
+#include <blosc.h>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -97,6 +99,8 @@ TEST_F(DamagedVolume, OtherVersions) {
                                                           {221, "before OpenVDB 3"},
                                                           {222, ""},
                                                           {223, ""},
+                                                          {225, ""},
+                                                          {226, "newer than"},
                                                           {230, "newer than"},
                                                           {UINT32_MAX, "newer than"}}) {
     std::string bytes = whole;
@@ -192,6 +196,62 @@ std::string mutatedVolume(std::string bytes, std::mt19937& random) {
       break;
   }
   return bytes;
+}
+
+// OpenVDB reads values as the metadata says, whatever the type's suffix.
+TEST_F(DamagedVolume, HalfFloatsThatTheMetadataDenies) {
+  std::string bytes = written({someGrids().at(1)}, "half.vdb");
+  EXPECT_EQ(refusal(bytes), "");
+  const std::size_t key = bytes.find("is_saved_as_half_float");
+  ASSERT_NE(key, std::string::npos);
+  bytes[key] = 'I';
+  EXPECT_NE(refusal(bytes).find("do not agree about half floats"), std::string::npos);
+}
+
+/// A .nvdb file of one grid of booleans without compression and checksum, where the bytes of its
+/// tiles that are true are `yes`.
+std::string withBooleans(const std::string& packed, unsigned char yes) {
+  NvdbHeader header;
+  NvdbEntry entry;
+  std::memcpy(&header, packed.data(), sizeof header);
+  std::memcpy(&entry, packed.data() + sizeof header, sizeof entry);
+  const std::size_t at = sizeof header + sizeof entry + entry.nameSize;
+  struct alignas(32) Block {
+    char bytes[32];
+  };
+  std::vector<Block> blocks(entry.gridSize / sizeof(Block));
+  EXPECT_EQ(blosc_decompress_ctx(packed.data() + at + 8, blocks.data(), entry.gridSize, 1),
+            static_cast<int>(entry.gridSize));
+  auto* grid = reinterpret_cast<nanovdb::NanoGrid<bool>*>(blocks.data());
+  checksumOf(*grid->data()) = ~std::uint64_t(0);
+  auto* lower = const_cast<nanovdb::NanoLower<bool>*>(grid->tree().getFirstLower())->data();
+  std::size_t changed = 0;
+  for (std::uint32_t n = 0; n < 4096; ++n)
+    if (lower->mValueMask.isOn(n)) {
+      std::memcpy(&lower->mTable[n].value, &yes, 1);
+      ++changed;
+    }
+  EXPECT_GT(changed, 0U);
+  header.codec = entry.codec = NvdbCodec::None;
+  std::string file = packed.substr(0, at);
+  std::memcpy(&file[0], &header, sizeof header);
+  std::memcpy(&file[sizeof header], &entry, sizeof entry);
+  return file + std::string(blocks.data()->bytes, entry.gridSize);
+}
+
+TEST_F(DamagedVolume, BytesOfBooleansThatAreNeitherZeroNorOne) {
+  const auto grid = openvdb::BoolGrid::create(false);
+  grid->setName("flag");
+  grid->tree().addTile(1, {8, 0, 0}, true, true);
+  grid->tree().setValueOn({0, 0, 0}, true);
+  const std::string packed = written({grid}, "a.nvdb");
+  const auto hashOf = [&](const std::string& bytes) {
+    write("b.nvdb", bytes);
+    Progress progress;
+    return hash(readVolume(folder_ / "b.nvdb", progress));
+  };
+  EXPECT_EQ(hashOf(withBooleans(packed, 1)), hashOf(packed));
+  EXPECT_EQ(hashOf(withBooleans(packed, 6)), hashOf(packed));
 }
 
 long peakMegabytes() {

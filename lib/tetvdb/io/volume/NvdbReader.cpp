@@ -234,6 +234,8 @@ private:
   static T value(const V& nano) {
     if constexpr (std::is_same<V, nanovdb::Vec3f>::value)
       return T(nano[0], nano[1], nano[2]);
+    else if constexpr (std::is_same<V, bool>::value)
+      return *reinterpret_cast<const unsigned char*>(&nano) != 0; // any byte of the file
     else
       return T(nano);
   }

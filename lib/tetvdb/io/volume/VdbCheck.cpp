@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <cstring>
 #include <fmt/format.h>
-#include <openvdb/version.h>
 #include <set>
 #include <utility>
 
@@ -26,6 +25,7 @@ struct ValueType {
   std::uint64_t bytes = 0;   ///< of a value in memory, and of tiles and backgrounds in the file
   std::uint64_t element = 0; ///< of a value in a compressed array: less for half floats
   bool boolean = false, mask = false;
+  bool half = false; ///< as the type's suffix says
   bool known() const { return bytes != 0; }
 };
 
@@ -46,7 +46,7 @@ ValueType valueTypeOf(std::string type) {
                              Known{"Tree_vec3i_5_4_3", 12, 12}}) {
     if (type == known.name)
       return {known.bytes, half ? known.half : known.bytes, type == "Tree_bool_5_4_3",
-              type == "Tree_mask_5_4_3"};
+              type == "Tree_mask_5_4_3", half};
   }
   return {};
 }
@@ -113,11 +113,11 @@ private:
       throw Error(Status::Invalid, path_,
                   fmt::format("has file version {}, that of a program before OpenVDB 3", version),
                   "write it again by a newer program, such as Houdini or Blender");
-    if (version > openvdb::OPENVDB_FILE_VERSION)
+    if (version > kLastVdbVersion)
       throw Error(Status::Invalid, path_,
                   fmt::format("has file version {}, newer than {}, the last one that this program "
                               "reads",
-                              version, int{openvdb::OPENVDB_FILE_VERSION}),
+                              version, kLastVdbVersion),
                   "write it again by a program with OpenVDB 10, or convert it to .nvdb");
   }
 
@@ -148,7 +148,7 @@ private:
   void metadata() {
     const auto count = value<std::uint32_t>("metadata");
     for (std::uint32_t i = 0; i < count; ++i) {
-      text("metadata");
+      const std::string name = text("metadata");
       const std::string type = text("metadata");
       const auto size = value<std::uint32_t>("metadata");
       const std::uint32_t expected = metadataSize(type);
@@ -157,6 +157,11 @@ private:
       const char* content = take(size, "metadata");
       if (type == "__delayedload")
         delayedLoad({content, size});
+      if (name == "is_saved_as_half_float") {
+        if (type != "bool")
+          fail("metadata has an impossible type");
+        half_ = *content != 0;
+      }
     }
   }
 
@@ -208,7 +213,10 @@ private:
                         (!instance && (buffersAt < gridAt || buffersAt > endAt))))
       fail("a grid's offsets are not within the file");
     compression_ = value<std::uint32_t>("a grid");
+    half_ = false;
     metadata();
+    if (entry.known && half_ != type.half) // OpenVDB believes the metadata
+      fail("a grid's type and metadata do not agree about half floats");
     if (entry.known) {
       transform();
       if (!instance) {
@@ -374,6 +382,7 @@ private:
   std::size_t position_ = 0, released_ = 0;
   std::uint32_t compression_ = 0;
   bool hasOffsets_ = false; ///< false: the file was written as a stream
+  bool half_ = false;       ///< as the metadata of a grid says
   ValueType type_;
   std::vector<Lower> lowers_;
 };

@@ -13,6 +13,8 @@ namespace tetvdb {
 
 /// Of OpenVDB 3, the first with the tree's layout that is read here.
 constexpr std::uint32_t kFirstVdbVersion = 222;
+/// Of OpenVDB 13, which adds a type of grid to the version before and changes nothing else.
+constexpr std::uint32_t kLastVdbVersion = 225;
 
 struct VdbGridHeader {
   std::string name, type, parent;

@@ -25,6 +25,7 @@ public:
     for (std::size_t l = 0; l < leaves_.size(); ++l) {
       if (const openvdb::Index32 place = leaves_[l]->transientData(); place > 0) {
         tails_[l] = packed.tails[place - 1];
+        missing_ += leaves_[l]->buffer().empty(); // OpenVDB 13 makes some for the box
         continue;
       }
       // A leaf with its values, as openFirstTile() makes it; there are few of them or none.
@@ -33,14 +34,13 @@ public:
       tails_[l] = {own_.size(), static_cast<std::uint32_t>(out.bytes().size() - kLeafMaskBytes),
                    static_cast<std::int8_t>(out.bytes()[kLeafMaskBytes])};
       own_.append(out.bytes(), kLeafMaskBytes);
-      ++ordinary_;
     }
   }
 
   std::size_t size() const { return (leaves_.size() + kLeavesAPiece - 1) / kLeavesAPiece; }
   std::size_t leafCount() const { return leaves_.size(); }
   /// The bytes by which the tree is smaller than one with values.
-  std::size_t missingBytes() const { return (leaves_.size() - ordinary_) * Leaf::SIZE * sizeof(T); }
+  std::size_t missingBytes() const { return missing_ * Leaf::SIZE * sizeof(T); }
 
   std::string make(std::size_t piece) const {
     const std::size_t begin = piece * kLeavesAPiece;
@@ -80,7 +80,7 @@ private:
   std::vector<const Leaf*> leaves_;
   std::vector<LeafTail> tails_; ///< in order of the leaves
   std::string own_;             ///< tails of leaves with values
-  std::size_t ordinary_ = 0;    ///< how many these are
+  std::size_t missing_ = 0;     ///< leaves without an array
 };
 
 } // namespace tetvdb

@@ -162,6 +162,22 @@ class Streams(CommandLineTest):
         self.succeed("compare", "trees.vdb", "out.nvdb")
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_convert(self):
+        options = ("ball.off", "--voxel-size", "1", "--grid", "density,mask,surface")
+        for name in ("a.vdb", "a.nvdb"):
+            self.succeed("voxelize", *options, "-o", name)
+        for source in ("a.vdb", "a.nvdb"):  # trees take 900 MB and more
+            for target in ("out.vdb", "out.nvdb"):
+                peak = peak_of(self, "convert", source, "-o", target, "--max-memory", "150M")
+                self.assertLess(peak, 150 << 20, (source, target))
+                if source == "a.vdb" or target == "out.nvdb":  # .nvdb files have no metadata
+                    same = self.path(target.replace("out", "a"))
+                    self.assertTrue(self.path(target).read_bytes() == same.read_bytes(), (source, target))
+                self.succeed("compare", "a.vdb", target)
+        self.assertEqual(sorted(os.listdir(self.folder)),
+                         ["a.nvdb", "a.vdb", "ball.off", "out.nvdb", "out.vdb", "rod.off"])
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_check_reads_by_parts(self):
         self.succeed("voxelize", "rod.off", "-o", "out.vdb", "--voxel-size", "1", "--grid", "density,surface")
         peak = peak_of(self, "check", "out.vdb", ends=8)  # 9000 m long; whole trees take 320 MB

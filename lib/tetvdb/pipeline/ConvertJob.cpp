@@ -12,10 +12,10 @@
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/TetSurface.h"
+#include "tetvdb/volume/ChooseGrids.h"
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
-#include <fmt/format.h>
 #include <utility>
 
 namespace tetvdb {
@@ -122,6 +122,14 @@ private:
       }));
       return;
     }
+    if (toVolume_ && job_.levels.isEmpty() && canConvertVolume(job_.input)) {
+      result_.grids = stage("write", [&] {
+        const std::size_t limit =
+            job_.maxMemory != 0 ? memoryLeft(job_.maxMemory) : availableBytes();
+        return convertVolumeFile({job_.input, job_.output, job_.grids, limit}, progress_);
+      });
+      return;
+    }
     Volume volume = stage("read", [&] { return readVolumeInput(job_.input, report_, progress_); });
     choose(volume);
     if (!volume.unread.empty() && job_.grids.empty())
@@ -161,21 +169,12 @@ private:
     if (job_.grids.empty())
       return;
     openvdb::GridPtrVec& all = volume.grids().all;
-    openvdb::GridPtrVec chosen;
-    std::string names;
+    std::vector<std::string> names;
     for (const auto& grid : all)
-      names += (names.empty() ? "" : ", ") + grid->getName();
-    for (const std::string& name : job_.grids) {
-      const auto found = std::find_if(all.begin(), all.end(),
-                                      [&](const auto& grid) { return grid->getName() == name; });
-      if (found == all.end())
-        throw Error(Status::Usage, "`grid`", fmt::format("{} has no grid '{}'", job_.input, name),
-                    "choose from " + names);
-      if (std::find(chosen.begin(), chosen.end(), *found) != chosen.end())
-        throw Error(Status::Usage, "`grid`", "'" + name + "' is named twice",
-                    "name every grid once");
-      chosen.push_back(*found);
-    }
+      names.push_back(grid->getName());
+    openvdb::GridPtrVec chosen;
+    for (const std::size_t g : chooseGrids(names, job_.grids, job_.input))
+      chosen.push_back(all[g]);
     all = std::move(chosen);
   }
 

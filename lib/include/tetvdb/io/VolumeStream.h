@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What volume/Volume.h says of volumes, of .vdb files that need not fit into memory: one child of a
-// root node, 4096^3 voxels, is read at a time.
+// What volume/Volume.h says of volumes, of files that need not fit into memory: one child of a
+// root node, 4096^3 voxels, is read at a time, or less.
 #pragma once
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/volume/Volume.h"
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -33,5 +34,22 @@ StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress
 
 /// As compareVolumes(), of files. Reads both twice: once for the hashes.
 VolumeComparison compareVolumeFiles(const std::string& a, const std::string& b, Progress& progress);
+
+struct VolumeConversion {
+  std::string input, output;      ///< .vdb or .nvdb files
+  std::vector<std::string> grids; ///< in that order; empty: all
+  std::size_t maxMemory = 0;      ///< bytes that may be taken besides what is
+};
+
+/// Whether convertVolumeFile() reads the file: a .nvdb file, or canStreamVolume() is true.
+bool canConvertVolume(const std::string& path);
+
+/// Writes the grids of a file into another: the bytes that writeVolume() would make of
+/// readVolume()'s. Memory: nodes of 128^3 voxels, a quarter of `maxMemory` of them, or one where
+/// this takes more, and three eighths for what is made of them. The output's folder needs room for
+/// the file twice, and for the bytes of a .nvdb input uncompressed. What was written is returned.
+/// Throws Error(Invalid) for a file that is not whole, Error(Usage) for grids that the output
+/// cannot hold, Error(Write).
+std::vector<GridInfo> convertVolumeFile(const VolumeConversion& files, Progress& progress);
 
 } // namespace tetvdb

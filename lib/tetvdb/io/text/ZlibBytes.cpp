@@ -16,9 +16,4 @@ std::string zlibBytes(const char* bytes, std::size_t size) {
   return packed;
 }
 
-std::uint32_t crc32Of(const void* bytes, std::size_t size) {
-  return static_cast<std::uint32_t>(
-      ::crc32_z(::crc32(0, nullptr, 0), static_cast<const Bytef*>(bytes), size));
-}
-
 } // namespace tetvdb

@@ -31,19 +31,22 @@ protected:
   using Lower = typename Lists::Lower;
   using ChildMask = typename Upper::NodeMaskType;
 
-  explicit JoinedParts(const openvdb::GridBase::Ptr& empty)
-      : info_(describeOne(empty)), background_(static_cast<const GridT&>(*empty).background()) {}
+  JoinedParts(const openvdb::GridBase::Ptr& empty, bool exact)
+      : exact_(exact), info_(describeOne(empty)),
+        background_(static_cast<const GridT&>(*empty).background()) {}
 
   /// The nodes of a part, which are counted.
   virtual void takeNodes(const TreeT& tree, const Lists& nodes) = 0;
   /// The upper node of a cube: its tiles, and which of its entries are the lower nodes that were
   /// taken since the one before.
   virtual void takeUpper(const Upper& upper, const ChildMask& children) = 0;
-  /// A cube of one value, not that of the background.
+  /// A cube of one value.
   virtual void takeTile(const openvdb::Coord& origin, const T& value, bool active) = 0;
 
 public:
   void beginCube(const Vec3i& origin) override {
+    if (exact_)
+      return;
     upper_ = std::make_unique<Upper>(openvdb::Coord(origin[0], origin[1], origin[2]), background_,
                                      false);
     children_ = {};
@@ -56,7 +59,10 @@ public:
       tree.touchLeaf(*opened_);
     const Lists nodes(tree);
     count(part, nodes);
-    takeTiles(tree);
+    if (exact_)
+      keepTiles(tree);
+    else
+      takeTiles(tree);
     if (leaves_ >= std::numeric_limits<std::uint32_t>::max())
       throw Error(Status::Limit, "", "a grid would have 2^32 leaves or more",
                   "OpenVDB cannot count them: write parts with `shard`");
@@ -64,6 +70,8 @@ public:
   }
 
   void endCube() override {
+    if (exact_)
+      return endExactCube();
     T value{};
     bool active = false;
     if (children_.isOff() && upper_->isConstant(value, active)) {
@@ -133,6 +141,28 @@ private:
     }
   }
 
+  /// The root's tile, or the tiles of the upper node, which its first part has.
+  void keepTiles(const TreeT& tree) {
+    for (auto tile = tree.root().cbeginValueAll(); tile; ++tile)
+      takeTile(tile.getCoord(), *tile, tile.isValueOn());
+    for (auto child = tree.root().cbeginChildOn(); child; ++child) {
+      if (!upper_) {
+        upper_ = std::make_unique<Upper>(child->origin(), background_, false);
+        for (auto tile = child->cbeginValueAll(); tile; ++tile)
+          upper_->addTile(tile.pos(), *tile, tile.isValueOn());
+      }
+      children_ |= child->getChildMask();
+    }
+  }
+  void endExactCube() {
+    if (!upper_)
+      return;
+    ++uppers_;
+    takeUpper(*upper_, children_);
+    upper_.reset();
+    children_ = {};
+  }
+
   /// The entries of the cube's node that the part has.
   void takeTiles(const TreeT& tree) {
     for (auto tile = tree.root().cbeginValueAll(); tile; ++tile) {
@@ -151,6 +181,7 @@ private:
     }
   }
 
+  bool exact_;
   GridInfo info_; ///< so far, without the box and the bytes of upper nodes
   VoxelBounds box_;
   T background_;

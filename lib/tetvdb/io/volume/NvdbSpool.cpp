@@ -7,10 +7,6 @@
 namespace tetvdb {
 namespace {
 
-// What jobs make and .nvdb files can hold.
-using StreamedNvdbTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid,
-                                            openvdb::Int32Grid, openvdb::Vec3SGrid>;
-
 template <class GridT>
 class TypedNvdbSpool : public JoinedParts<GridT, NvdbSpool> {
   using Joined = JoinedParts<GridT, NvdbSpool>;
@@ -22,7 +18,7 @@ class TypedNvdbSpool : public JoinedParts<GridT, NvdbSpool> {
 
 public:
   TypedNvdbSpool(const openvdb::GridBase::Ptr& empty, const SpoolOptions& options)
-      : Joined(empty), grid_(openvdb::gridPtrCast<GridT>(empty)),
+      : Joined(empty, options.exact), grid_(openvdb::gridPtrCast<GridT>(empty)),
         nodes_(options.folder, options.inMemory) {}
 
   void writeTo(AtomicFile& file, const ProgressShare& share) override {
@@ -48,12 +44,9 @@ std::unique_ptr<NvdbSpool> makeNvdbSpool(const openvdb::GridBase::Ptr& empty,
                                          const SpoolOptions& options) {
   requireNvdbForm(*empty, "");
   std::unique_ptr<NvdbSpool> spool;
-  empty->apply<StreamedNvdbTypes>([&](const auto& typed) {
+  empty->apply<NvdbGrids>([&](const auto& typed) {
     spool = std::make_unique<TypedNvdbSpool<std::decay_t<decltype(typed)>>>(empty, options);
   });
-  if (!spool)
-    throw Error(Status::Usage, empty->getName(),
-                "grids of type " + empty->type() + " cannot be streamed");
   return spool;
 }
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tetvdb/core/Error.h"
-#include "tetvdb/io/VolumeStream.h"
-#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/StreamedVdb.h"
 #include "tetvdb/io/volume/TileFolder.h"
-#include "tetvdb/io/volume/VdbCheck.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 
-#include <algorithm>
 #include <functional>
 #include <optional>
 
@@ -37,42 +33,14 @@ Entries entriesOf(const std::string& path, const VdbHeader& header, const VdbGri
   return entries;
 }
 
-// Those of the file that are asked for; all of them in the order in which OpenVDB gives them.
-std::vector<const VdbGridHeader*> chosen(const VdbHeader& header, const std::string& path,
-                                         const std::vector<std::string>& names) {
-  std::vector<const VdbGridHeader*> grids;
-  if (names.empty())
-    for (const VdbGridHeader& grid : header.grids)
-      grids.push_back(&grid);
-  std::stable_sort(
-      grids.begin(), grids.end(),
-      [](const VdbGridHeader* one, const VdbGridHeader* other) { return one->name < other->name; });
-  for (const std::string& name : names) {
-    const auto found = std::find_if(header.grids.begin(), header.grids.end(),
-                                    [&](const VdbGridHeader& grid) { return grid.name == name; });
-    if (found == header.grids.end())
-      throw Error(Status::Usage, "`grid`", path + " has no grid '" + name + "'");
-    if (std::find(grids.begin(), grids.end(), &*found) != grids.end())
-      throw Error(Status::Usage, "`grid`", "'" + name + "' is named twice", "name every grid once");
-    grids.push_back(&*found);
-  }
-  return grids;
-}
-
 } // namespace
 
 TileFilesInfo splitVolumeFile(const std::string& path, const std::vector<std::string>& names,
                               const std::string& folder, int size, Progress& progress) {
-  if (!canStreamVolume(path))
-    throw Error(Status::Usage, path, "has grids that cannot be read part by part");
-  const VdbHeader header = readVdbHeader(path);
-  {
-    const MappedFile file(path);
-    checkVdb(file.source());
-  }
+  const VdbHeader header = checkedVdbHeader(path);
   std::vector<Entries> grids;
   openvdb::GridPtrVec empty;
-  for (const VdbGridHeader* grid : chosen(header, path, names)) {
+  for (const VdbGridHeader* grid : chosenGrids(header, path, names)) {
     grids.push_back(entriesOf(path, header, *grid));
     empty.push_back(grids.back().empty);
   }

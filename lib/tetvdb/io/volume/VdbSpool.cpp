@@ -17,10 +17,6 @@
 namespace tetvdb {
 namespace {
 
-// What jobs make.
-using StreamedVdbTypes = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::MaskGrid,
-                                           openvdb::Int32Grid, openvdb::Vec3SGrid>;
-
 template <class GridT>
 class TypedVdbSpool : public JoinedParts<GridT, VdbSpool> {
   using Joined = JoinedParts<GridT, VdbSpool>;
@@ -34,7 +30,7 @@ class TypedVdbSpool : public JoinedParts<GridT, VdbSpool> {
 
 public:
   TypedVdbSpool(const openvdb::GridBase::Ptr& empty, const SpoolOptions& options)
-      : Joined(empty), options_(options), grid_(withCreator(empty)),
+      : Joined(empty, options.exact), options_(options), grid_(withCreator(empty)),
         topology_(options.folder, options.inMemory), buffers_(options.folder, options.inMemory) {}
 
   void writeTo(VdbOutput& output, const ProgressShare& share) override {
@@ -179,7 +175,7 @@ private:
 std::unique_ptr<VdbSpool> makeVdbSpool(const openvdb::GridBase::Ptr& empty,
                                        const SpoolOptions& options) {
   std::unique_ptr<VdbSpool> spool;
-  empty->apply<StreamedVdbTypes>([&](const auto& typed) {
+  withKnownGrid(*empty, [&](const auto& typed) {
     spool = std::make_unique<TypedVdbSpool<std::decay_t<decltype(typed)>>>(empty, options);
   });
   if (!spool)

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/VolumeStream.h"
 
-#include "tetvdb/core/Error.h"
-#include "tetvdb/io/source/Source.h"
 #include "tetvdb/io/volume/AddCounts.h"
-#include "tetvdb/io/volume/VdbCheck.h"
+#include "tetvdb/io/volume/StreamedVdb.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/volume/GridHash.h"
 #include "tetvdb/volume/SumComparisons.h"
@@ -13,26 +11,11 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <openvdb/io/GridDescriptor.h>
 #include <type_traits>
 #include <utility>
 
 namespace tetvdb {
 namespace {
-
-// Calls f(grid type's tag) with the type of a known grid; false for others.
-template <class F>
-bool withGridType(const std::string& type, const F& f) {
-  bool known = false;
-  KnownGrids::foreach ([&](const auto& grid) {
-    using GridT = std::decay_t<decltype(grid)>;
-    if (!known && GridT::gridType() == type) {
-      known = true;
-      f(grid);
-    }
-  });
-  return known;
-}
 
 GridInfo describeOne(const openvdb::GridBase::Ptr& grid) {
   Volume volume;
@@ -52,27 +35,6 @@ void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& s
   addCounts(part, base, sum);
 }
 
-VdbHeader headerOf(const std::string& path) {
-  VdbHeader header = readVdbHeader(path);
-  for (VdbGridHeader& grid :
-       header.grids) // a file adds a number to names that are empty or not the only ones
-    grid.name = openvdb::io::GridDescriptor::stripSuffix(grid.name);
-  for (const VdbGridHeader& grid : header.grids)
-    if (!grid.parent.empty() || !withGridType(grid.type, [](const auto&) {}))
-      throw Error(Status::Usage, path, "has grids that cannot be read part by part");
-  if (header.grids.empty())
-    throw Error(Status::Usage, path, "has no grids");
-  return header;
-}
-
-// The header of a file that is whole.
-VdbHeader checkedHeaderOf(const std::string& path) {
-  VdbHeader header = headerOf(path);
-  const MappedFile file(path);
-  checkVdb(file.source());
-  return header;
-}
-
 using Hashes = std::vector<std::pair<std::string, std::string>>;
 
 // A grid and what describe() says of it.
@@ -87,7 +49,7 @@ StreamedGrid describeGrid(const std::string& path, const VdbHeader& header,
                           Progress& progress) {
   StreamedGrid result;
   GridInfo& sum = result.info;
-  withGridType(grid.type, [&](const auto& tag) {
+  withGridOfType(grid.type, [&](const auto& tag) {
     using GridT = std::decay_t<decltype(tag)>;
     VdbChildren<GridT> children(path, header, grid);
     const openvdb::GridBase::Ptr empty = children.empty();
@@ -139,15 +101,6 @@ std::string hashOf(const std::string& path, const VdbHeader& header, Progress& p
 
 } // namespace
 
-bool canStreamVolume(const std::string& path) {
-  try {
-    headerOf(path);
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 bool isLargeVolume(const std::string& path) {
   constexpr std::uintmax_t kLarge = std::uintmax_t(256) << 20;
   std::error_code error;
@@ -156,7 +109,7 @@ bool isLargeVolume(const std::string& path) {
 }
 
 StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress& progress) {
-  const VdbHeader header = checkedHeaderOf(path);
+  const VdbHeader header = checkedVdbHeader(path);
   StreamedInfo result;
   result.metadata = header.metadata;
   result.empty.metadata = header.metadata;
@@ -180,7 +133,7 @@ StreamedInfo describeVolumeFile(const std::string& path, bool withHash, Progress
 
 VolumeComparison compareVolumeFiles(const std::string& a, const std::string& b,
                                     Progress& progress) {
-  const VdbHeader headerA = checkedHeaderOf(a), headerB = checkedHeaderOf(b);
+  const VdbHeader headerA = checkedVdbHeader(a), headerB = checkedVdbHeader(b);
   VolumeComparison result;
   std::vector<const VdbGridHeader*> unmatched;
   for (const VdbGridHeader& grid : headerB.grids)
@@ -198,7 +151,7 @@ VolumeComparison compareVolumeFiles(const std::string& a, const std::string& b,
       result.incomparable.push_back(gridA.name);
       continue;
     }
-    withGridType(gridA.type, [&](const auto& tag) {
+    withGridOfType(gridA.type, [&](const auto& tag) {
       using GridT = std::decay_t<decltype(tag)>;
       VdbChildren<GridT> childrenA(a, headerA, gridA), childrenB(b, headerB, gridB);
       result.grids.push_back(compareGrids(childrenA, childrenB, progress));

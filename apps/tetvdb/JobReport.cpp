@@ -274,6 +274,20 @@ void reportPreview(const std::optional<PreviewInfo>& preview, const std::string&
                          {"height", preview->height}};
 }
 
+Json preparedSection(const PreparedMesh& mesh, const std::string& folder) {
+  return {{"path", folder},
+          {"tets", mesh.input.tets},
+          {"points", mesh.input.vertices},
+          {"boundary_faces", mesh.counts.boundaryFaces},
+          {"parts", mesh.buckets},
+          {"most_tets", mesh.mostTets},
+          {"stored_tets", mesh.storedTets},
+          {"arrays", mesh.arrays},
+          {"voxel_size", mesh.transform.voxelSize},
+          {"origin", mesh.transform.origin},
+          {"bytes", mesh.bytes}};
+}
+
 std::string methodText(const VoxelizeJob& job, const VoxelizeResult& result) {
   if (job.solid.shell > 0)
     return "shell";

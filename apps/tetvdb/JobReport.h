@@ -6,6 +6,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/RenderJob.h"
 #include "tetvdb/pipeline/RepairJob.h"
 #include "tetvdb/pipeline/SequenceJob.h"
@@ -38,6 +39,9 @@ nlohmann::ordered_json toJson(const MeshSummary& mesh);
 /// The content of a preview, as section "preview"; nothing if there is none.
 void reportPreview(const std::optional<PreviewInfo>& preview, const std::string& path,
                    nlohmann::ordered_json& sections);
+
+/// Section "prepared": what a folder of prepareMesh() holds.
+nlohmann::ordered_json preparedSection(const PreparedMesh& mesh, const std::string& folder);
 
 /// The method by which triangles were made a solid, in words.
 std::string methodText(const VoxelizeJob& job, const VoxelizeResult& result);

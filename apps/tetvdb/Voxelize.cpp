@@ -305,17 +305,7 @@ void runVoxelize(const VoxelizeArguments& options, Session& session) {
 
 // What `--prepare` wrote.
 void reportPrepared(const PreparedMesh& mesh, const std::string& folder, Session& session) {
-  session.sections["prepared"] = {{"path", folder},
-                                  {"tets", mesh.input.tets},
-                                  {"points", mesh.input.vertices},
-                                  {"boundary_faces", mesh.counts.boundaryFaces},
-                                  {"parts", mesh.buckets},
-                                  {"most_tets", mesh.mostTets},
-                                  {"stored_tets", mesh.storedTets},
-                                  {"arrays", mesh.arrays},
-                                  {"voxel_size", mesh.transform.voxelSize},
-                                  {"origin", mesh.transform.origin},
-                                  {"bytes", mesh.bytes}};
+  session.sections["prepared"] = preparedSection(mesh, folder);
   session.text +=
       fmt::format("{}: {}, {} tets, {} boundary faces, {} parts\n", oneLine(folder),
                   bytesText(mesh.bytes), mesh.input.tets, mesh.counts.boundaryFaces, mesh.buckets);

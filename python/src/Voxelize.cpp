@@ -6,9 +6,12 @@
 #include "ParseFields.h"
 #include "ParseQuantities.h"
 #include "Settings.h"
+#include "tetvdb/core/InArena.h"
+#include "tetvdb/pipeline/PrepareMesh.h"
 #include "tetvdb/pipeline/SequenceJob.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
+#include <algorithm>
 #include <limits>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -144,6 +147,46 @@ nb::object voxelizeInputs(const nb::list& given, const nb::dict& keywords) {
   });
 }
 
+// Files in, a file out: only the report is returned, and what is larger than memory is streamed.
+nb::object voxelizeFile(const std::vector<std::string>& inputs, nb::handle output,
+                        const nb::dict& keywords) {
+  Settings settings(keywords);
+  VoxelizeJob job = voxelizeJobOf(settings);
+  const JobLimits limits = settings.finish(job);
+  // The library cannot tell it from the default.
+  if (settings.has("resolution") && std::any_of(inputs.begin(), inputs.end(), isPreparedMesh))
+    Settings::refuse("resolution", "was decided when the mesh was prepared",
+                     "leave it out, or prepare the mesh again");
+  job.inputs = inputs;
+  job.output = pathOf(output);
+  JobRun work(limits);
+  const std::string text = work([&](Report& report, Progress& progress) {
+    const VoxelizeResult result = run(job, report, progress);
+    return cli::reportText("voxelize", statusOf(report), "", report, cli::sectionsOf(job, result));
+  });
+  return reportDict([&] { return text; });
+}
+
+nb::object prepareInput(const std::string& input, nb::handle folder, const nb::dict& keywords) {
+  Settings settings(keywords);
+  VoxelizeJob job = voxelizeJobOf(settings);
+  const JobLimits limits = settings.finish(job);
+  job.inputs = {input};
+  const std::string to = pathOf(folder);
+  JobRun work(limits);
+  const std::string text = work([&](Report& report, Progress& progress) {
+    return inArena(job.threads, [&] {
+      const PreparedMesh mesh = prepareMesh(job, to, report, progress);
+      const nlohmann::ordered_json sections = {{"threads", cli::threadsOf(job.threads)},
+                                               {"input", {{{"path", input}}}},
+                                               {"prepared", cli::preparedSection(mesh, to)},
+                                               {"stages", nullptr}};
+      return cli::reportText("plan", statusOf(report), "", report, sections);
+    });
+  });
+  return reportDict([&] { return text; });
+}
+
 // Files in, files out: only the report is returned.
 nb::object voxelizeFrames(const std::vector<std::string>& inputs, nb::handle output,
                           const nb::dict& keywords) {
@@ -177,6 +220,10 @@ nb::object voxelizeFrames(const std::vector<std::string>& inputs, nb::handle out
 void addVoxelize(nb::module_& module) {
   module.def("voxelize", &voxelizeInputs, nb::arg("inputs"), nb::arg("settings"),
              "Internal: tetvdb.voxelize() with its inputs told apart.");
+  module.def("voxelize_file", &voxelizeFile, nb::arg("inputs"), nb::arg("output"),
+             nb::arg("settings"), "Internal: tetvdb.voxelize_file() with paths as texts.");
+  module.def("prepare_mesh", &prepareInput, nb::arg("input"), nb::arg("folder"),
+             nb::arg("settings"), "Internal: tetvdb.prepare_mesh() with paths as texts.");
   module.def("voxelize_frames", &voxelizeFrames, nb::arg("inputs"), nb::arg("output"),
              nb::arg("settings"), "Internal: tetvdb.voxelize_frames() with paths as texts.");
 }

@@ -168,3 +168,59 @@ def test_exposure_of_layers(tmp_path):
     for wrong in ({"exposure": -1}, {"bottom_layers": 0.5}, {"lift_speed": "fast"}):
         with pytest.raises(tetvdb.Error, match=f"`{next(iter(wrong))}`"):
             tetvdb.slice(*cube_triangles((0, 0, 0), (8, 6, 4)), **settings, **wrong)
+
+
+def test_a_prepared_mesh(tmp_path):
+    source, parts = tmp_path / "cube.vtu", tmp_path / "cube.parts"
+    tetvdb.voxelize(Field(), voxel_size=1, write_mesh=source)
+    grids = {"grid": ["tet_id", "height"], "derive": {"speed": "vel:magnitude"}}
+    for memory in (None, "1G"):  # the second in place of the first
+        report = tetvdb.prepare_mesh(source, parts, voxel_size=0.25, max_memory=memory, **grids)
+    assert report["command"] == "plan" and report["status"] == 0
+    prepared = report["prepared"]
+    assert prepared["path"] == str(parts) and prepared["tets"] == 6 and prepared["points"] == 8
+    assert set(prepared["arrays"]) == {"height", "vel"}
+    assert prepared["voxel_size"] == [0.25] * 3
+    report = tetvdb.voxelize_file(parts, tmp_path / "parts.vdb", max_memory="1G", **grids)
+    assert [grid["name"] for grid in report["grids"]] == ["tet_id", "height", "speed"]
+    whole = tetvdb.voxelize(source, voxel_size=0.25, **grids)
+    assert tetvdb.read(tmp_path / "parts.vdb").hash() == whole.hash()
+    tetvdb.voxelize_file(str(source), tmp_path / "whole.vdb", voxel_size=0.25, **grids)
+    assert (tmp_path / "parts.vdb").read_bytes() == (tmp_path / "whole.vdb").read_bytes()
+    for setting in ({"resolution": 9}, {"voxel_size": 1}, {"region": 1}):
+        with pytest.raises(tetvdb.Error, match="prepared"):
+            tetvdb.voxelize_file(parts, tmp_path / "other.vdb", **setting)
+    with pytest.raises(tetvdb.Error, match="prepared"):
+        tetvdb.voxelize_file([parts, source], tmp_path / "other.vdb")
+    assert not (tmp_path / "other.vdb").exists()
+
+
+def test_what_cannot_be_prepared(tmp_path):
+    source = tmp_path / "cube.vtu"
+    tetvdb.voxelize(Field(), voxel_size=1, write_mesh=source)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "text").write_text("mine")
+    with pytest.raises(tetvdb.Error, match="mine") as caught:
+        tetvdb.prepare_mesh(source, tmp_path / "mine", voxel_size=1)
+    assert caught.value.status == 2
+    with pytest.raises(tetvdb.Error, match="none.vtu"):
+        tetvdb.prepare_mesh(tmp_path / "none.vtu", tmp_path / "new", voxel_size=1)
+    with pytest.raises(tetvdb.Error, match="height2"):
+        tetvdb.prepare_mesh(source, tmp_path / "new", voxel_size=1, grid="height2")
+    with pytest.raises(TypeError):
+        tetvdb.prepare_mesh(source, tmp_path / "new", voxel_size=1, half_width=3)
+    assert not (tmp_path / "new").exists()
+
+
+def test_files_are_those_of_the_program(tmp_path):
+    program = os.environ.get("TETVDB_PROGRAM")
+    if not program:
+        pytest.skip("TETVDB_PROGRAM names no program")
+    source = tmp_path / "cube.vtu"
+    tetvdb.voxelize(Field(), voxel_size=1, write_mesh=source)
+    for name, grids in (("a.vdb", "density,height"), ("a.nvdb", "mask,surface"), ("a.npz", "coverage")):
+        report = tetvdb.voxelize_file(source, tmp_path / name, voxel_size=0.5, grid=grids)
+        assert report["output"][0]["path"] == str(tmp_path / name)
+        subprocess.run([program, "voxelize", source, "-o", tmp_path / ("b" + name[1:]), "--voxel-size", "0.5",
+                        "--grid", grids, "-q"], check=True)
+        assert (tmp_path / name).read_bytes() == (tmp_path / ("b" + name[1:])).read_bytes()

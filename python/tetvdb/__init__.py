@@ -26,9 +26,9 @@ from ._tetvdb import (DeviceTensor, Error, Grid, MeshWarning, TetMesh, TriangleM
                       allow_outside, read)
 
 __all__ = ["Batch", "Dataset", "DeviceTensor", "Error", "Grid", "MeshWarning", "Queried", "Sliced",
-           "Solid", "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "info", "query", "read",
-           "render", "repair", "slice", "tetrahedralize", "voxelize", "voxelize_frames",
-           "__version__"]
+           "Solid", "TetMesh", "TriangleMesh", "Volume", "allow_outside", "check", "info", "prepare_mesh",
+           "query", "read", "render", "repair", "slice", "tetrahedralize", "voxelize", "voxelize_file",
+           "voxelize_frames", "__version__"]
 
 _Length = Union[float, str]
 
@@ -96,6 +96,62 @@ def _spell_fields(settings: dict) -> None:
             settings[name] = text(given)
 
 
+def voxelize_file(inputs: Any, output: Any, **settings: Any) -> dict:
+    """Turns mesh files into a volume file, which need not fit into memory.
+
+    inputs: a file, several of them, or the folder of a mesh that prepare_mesh() has prepared.
+    output: "name.vdb"; or .nvdb or an array file.
+    settings: as of voxelize().
+
+    Volumes are streamed where their trees would not fit into `max_memory`. Returns the report. Raises
+    tetvdb.Error. Warns with tetvdb.MeshWarning.
+    """
+    import os
+
+    return _tetvdb.voxelize_file(_paths_of(inputs), os.fspath(output), _with_fields(settings))
+
+
+def prepare_mesh(path: Any, folder: Any, *, grid: Union[str, Sequence[str]] = "density",
+                 resolution: Optional[int] = None, voxel_size: Any = None,
+                 origin: Optional[Sequence[float]] = None, up_axis: Optional[str] = None,
+                 derive: Any = None, region_array: Optional[str] = None,
+                 threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
+                 max_time: Optional[float] = None) -> dict:
+    """Cuts a mesh of tets that is larger than memory into a folder of parts, for voxelize_file().
+
+    path: a .vtu, .msh or .xdmf file of linear tets. folder: is whole or absent; one of an earlier run
+        is replaced.
+    grid, derive: what the parts are for: tet_id, material and arrays need the tets.
+    resolution, voxel_size, origin, up_axis: as of voxelize(), for which they are decided here.
+
+    Returns the report, whose "prepared" says what the folder holds. Raises tetvdb.Error. Warns with
+    tetvdb.MeshWarning.
+    """
+    import os
+
+    settings = locals()
+    for name in ("path", "folder", "os"):
+        del settings[name]
+    return _tetvdb.prepare_mesh(os.fsdecode(os.fspath(path)), os.fspath(folder),
+                                _with_fields(settings))
+
+
+def _paths_of(inputs: Any) -> list:
+    """One path or several, as texts."""
+    import os
+
+    paths = [inputs] if isinstance(inputs, (str, bytes)) or hasattr(inputs, "__fspath__") else inputs
+    return [os.fsdecode(os.fspath(path)) for path in paths]
+
+
+def _with_fields(settings: dict) -> dict:
+    """Settings of voxelize() with what is said of arrays in the command line's words."""
+    settings = {**dict.fromkeys(("derive", "remap", "clamp", "background")), "grid": "density",
+                **settings}
+    _spell_fields(settings)
+    return settings
+
+
 def voxelize_frames(inputs: Any, output: Any, *, frames: Optional[str] = None,
                     allow_gaps: bool = False, again: bool = False, **settings: Any) -> dict:
     """Turns the frames of a sequence into files that play: name.0001.vdb, name.0002.vdb, ...
@@ -112,13 +168,9 @@ def voxelize_frames(inputs: Any, output: Any, *, frames: Optional[str] = None,
     """
     import os
 
-    paths = [inputs] if isinstance(inputs, (str, bytes)) or hasattr(inputs, "__fspath__") else inputs
-    settings = {**dict.fromkeys(("derive", "remap", "clamp", "background")), **settings}
-    _spell_fields(settings)
+    settings = _with_fields(settings)
     settings.update(frames=frames, allow_gaps=allow_gaps, again=again)
-    settings.setdefault("grid", "density")
-    return _tetvdb.voxelize_frames([os.fsdecode(os.fspath(path)) for path in paths],
-                                   os.fspath(output), settings)
+    return _tetvdb.voxelize_frames(_paths_of(inputs), os.fspath(output), settings)
 
 
 def tetrahedralize(mesh: Any, cells: Any = None, *, epsilon: Optional[_Length] = None,

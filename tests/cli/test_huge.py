@@ -4,6 +4,7 @@
 import math
 import os
 import random
+import re
 import resource
 import signal
 import subprocess
@@ -163,10 +164,10 @@ class Streams(CommandLineTest):
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_convert(self):
-        options = ("ball.off", "--voxel-size", "1", "--grid", "density,mask,surface")
+        options = ("ball.off", "--voxel-size", "2", "--grid", "density,mask,surface")
         for name in ("a.vdb", "a.nvdb"):
             self.succeed("voxelize", *options, "-o", name)
-        for source in ("a.vdb", "a.nvdb"):  # trees take 900 MB and more
+        for source in ("a.vdb", "a.nvdb"):  # trees take 400 MB
             for target in ("out.vdb", "out.nvdb"):
                 peak = peak_of(self, "convert", source, "-o", target, "--max-memory", "150M")
                 self.assertLess(peak, 150 << 20, (source, target))
@@ -263,6 +264,23 @@ class ValuesStream(CommandLineTest):
     def test_a_signal_leaves_nothing(self):
         self.write("large.off", off(*ball(3000, 60)))
         stop_while_it_writes(self, "surface")
+
+    def test_one_progress_over_all_passes(self):
+        points, faces = ball(300, 40)
+        self.write("open.off", off(points, faces[:-9]))
+        for name, size, grids in (("ball.off", "0.5", "surface,fog"), ("open.off", "0.5", "surface,fog"),
+                                  ("ball.off", "0.2", "mask")):
+            result = self.run_program("voxelize", name, "-o", "out.vdb", "--voxel-size", size, "--grid", grids,
+                                      "--max-memory", "200M", "-v")
+            self.assertIn(result.status, (0, 1), result.err)  # an open mesh
+            lines = result.err.splitlines()
+            steps = [step for step in (re.fullmatch(r"tetvdb: ([a-z]+)(?: (\d+) %.*)?", line) for line in lines) if step]
+            self.assertEqual([step[1] for step in steps if step[2] is None], ["read", "clean", "voxelize", "stream"])
+            percents = [int(step[2]) for step in steps if step[2] is not None]
+            self.assertEqual(percents, sorted(set(percents)))
+            self.assertLessEqual(percents[-1], 100)
+            if grids != "mask":  # seconds long: a plan with "fields" and "write" would end at half
+                self.assertGreater(percents[-1], 60)
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_what_does_not_fit_is_refused(self):

@@ -45,6 +45,31 @@ TEST(TimeEstimate, StagesThatDoNotComeAreDone) {
   EXPECT_NEAR(estimate.done(), 0.9, 1e-9);
 }
 
+TEST(TimeEstimate, AStageInPlaceOfTheRest) {
+  const std::vector<PlannedStage> stages = {
+      {"read", 2}, {"voxelize", 5}, {"stream", 1, true}, {"fields", 2}, {"write", 1}};
+  TimeEstimate estimate;
+  estimate.plan(stages, 0);
+  runStage(estimate, "read", 0, 4);
+  estimate.update("voxelize", 0.2, 6);
+  EXPECT_NEAR(estimate.done(), 0.3, 1e-9);
+  estimate.update("stream", 0, 6);
+  EXPECT_NEAR(estimate.done(), 0.3, 1e-9);
+  runStage(estimate, "stream", 6, 70, 0.5);
+  EXPECT_NEAR(estimate.done(), 0.65, 1e-9);
+  EXPECT_NEAR(estimate.left().value(), 35, 1e-6);
+  runStage(estimate, "stream", 6, 70);
+  EXPECT_NEAR(estimate.done(), 1, 1e-9);
+  // Where it does not come the others are all there is.
+  estimate.plan(stages, 0);
+  runStage(estimate, "read", 0, 4);
+  runStage(estimate, "voxelize", 4, 10);
+  EXPECT_NEAR(estimate.done(), 0.7, 1e-9);
+  runStage(estimate, "fields", 14, 4);
+  runStage(estimate, "write", 18, 2);
+  EXPECT_NEAR(estimate.done(), 1, 1e-9);
+}
+
 TEST(TimeEstimate, AStageThatWasNotPlannedSaysNothing) {
   TimeEstimate estimate;
   estimate.plan({{"insert", 1}, {"check", 1}}, 0);

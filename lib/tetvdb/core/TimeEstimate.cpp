@@ -17,7 +17,7 @@ void TimeEstimate::plan(std::vector<PlannedStage> stages, double now) {
   byPlan_ = !stages_.empty();
   began_ = now;
   for (const PlannedStage& stage : stages_)
-    all_ += stage.share;
+    all_ += stage.last ? 0 : stage.share;
 }
 
 void TimeEstimate::update(std::string_view stage, double fraction, double now) {
@@ -39,12 +39,18 @@ void TimeEstimate::enter(std::string_view stage, double now) {
   planned_ = next != stages_.end();
   if (!planned_)
     return;
-  at_ = static_cast<std::size_t>(next - stages_.begin());
-  next_ = at_ + 1;
-  before_ = 0;
-  for (std::size_t i = 0; i < at_; ++i)
-    before_ += stages_[i].share;
+  const auto at = static_cast<std::size_t>(next - stages_.begin());
+  next_ = at + 1;
   stageBegan_ = now;
+  if (next->last) {
+    before_ = done_ * all_;
+    share_ = all_ - before_;
+    return;
+  }
+  before_ = 0;
+  for (std::size_t i = 0; i < at; ++i)
+    before_ += stages_[i].last ? 0 : stages_[i].share;
+  share_ = next->share;
 }
 
 void TimeEstimate::estimate(double fraction, double now) {
@@ -58,16 +64,15 @@ void TimeEstimate::estimate(double fraction, double now) {
   }
   if (!planned_)
     return;
-  const double share = stages_[at_].share;
-  done_ = std::max(done_, (before_ + share * fraction) / all_);
+  done_ = std::max(done_, (before_ + share_ * fraction) / all_);
   if (taken < kMinSeconds || done_ < kMinDone)
     return;
   const double ofShare = taken / (done_ * all_); // seconds
   const double inStage = now - stageBegan_;
   const bool knowsStage = fraction >= kMinDone && inStage >= kMinSeconds / 2;
   const double stageLeft =
-      knowsStage ? inStage * (1 - fraction) / fraction : share * (1 - fraction) * ofShare;
-  left_ = stageLeft + (all_ - before_ - share) * ofShare;
+      knowsStage ? inStage * (1 - fraction) / fraction : share_ * (1 - fraction) * ofShare;
+  left_ = stageLeft + (all_ - before_ - share_) * ofShare;
 }
 
 } // namespace tetvdb

@@ -19,7 +19,8 @@ namespace tetvdb {
 /// A stage of a job, and its usual share of the time.
 struct PlannedStage {
   std::string name;
-  double share = 1; ///< above zero, in any unit
+  double share = 1;  ///< above zero, in any unit
+  bool last = false; ///< is all that is left where it comes, whatever is planned behind it
 };
 
 /// Not thread-safe. Without a plan every stage is a job of its own.
@@ -44,12 +45,12 @@ private:
   void estimate(double fraction, double now);
 
   std::vector<PlannedStage> stages_;
-  std::size_t at_ = 0;   ///< the stage that the job is in
   std::size_t next_ = 0; ///< the first that has not begun
   bool entered_ = false;
-  bool planned_ = false; ///< whether the current stage is stages_[at_]
+  bool planned_ = false; ///< whether the current stage is one of stages_
   bool byPlan_ = false;
   double before_ = 0, all_ = 0; ///< shares of the stages before, and of all
+  double share_ = 0;            ///< of the stage that the job is in
   double began_ = 0, stageBegan_ = 0;
   std::string stage_;
   double done_ = 0;

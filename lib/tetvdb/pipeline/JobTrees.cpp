@@ -255,7 +255,9 @@ openvdb::FloatGrid::Ptr JobTrees::surface(const NodeBox& box, const openvdb::Gri
                         progress);
 }
 
-void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, Progress& progress) {
+void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, const ProgressShare& share,
+                       Progress& progress) {
+  QuietProgress quiet(progress);
   const auto isNear = [&](const Vec3i& a, const Vec3i& b) {
     for (std::size_t k = 0; k < 3; ++k)
       if (std::abs(a[k] / kRootChildSize - b[k] / kRootChildSize) > 1)
@@ -273,32 +275,36 @@ void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, Progress& prog
       NodeBox wide = part;
       for (std::int32_t& high : wide.high)
         ++high;
-      const openvdb::BoolGrid::Ptr inside = maskAround(part, progress);
-      const openvdb::FloatGrid::Ptr level = levelSetWithin(wide, *band_, *inside, inputs_.transform,
-                                                           job_.shapes.halfWidth, 0, progress);
+      const openvdb::BoolGrid::Ptr inside = maskAround(part, quiet);
+      const openvdb::FloatGrid::Ptr level =
+          levelSetWithin(wide, *band_, *inside, inputs_.transform, job_.shapes.halfWidth, 0, quiet);
       const std::vector<CentrePair> found =
-          findPairsWithoutFace(*level, inside, inputs_.transform, &part, progress);
+          findPairsWithoutFace(*level, inside, inputs_.transform, &part, quiet);
       pairs.insert(pairs.end(), found.begin(), found.end());
     }
+    share.update(double(c + 1) / double(origins_.size()));
   }
   if (pairs.empty())
     return;
-  addCapFaces(std::move(pairs), *solid.boundary, solid.mesh, solid.faces, progress);
-  findBand(progress);
-  weighNodes(progress);
+  addCapFaces(std::move(pairs), *solid.boundary, solid.mesh, solid.faces, quiet);
+  findBand(quiet);
+  weighNodes(quiet);
 }
 
-void JobTrees::findFogDepth(Progress& progress) {
+void JobTrees::findFogDepth(const ProgressShare& share, Progress& progress) {
   if (!has(GridKind::Fog))
     return;
   fogDepth_ = std::numeric_limits<float>::max();
-  for (std::size_t c = 0; c < origins_.size(); ++c)
+  QuietProgress quiet(progress);
+  for (std::size_t c = 0; c < origins_.size(); ++c) {
     for (const NodeBox& part : parts(c)) {
-      const openvdb::FloatGrid::Ptr grid = surface(part, occupancy(part, progress), progress);
+      const openvdb::FloatGrid::Ptr grid = surface(part, occupancy(part, quiet), quiet);
       fogDepth_ = std::min(fogDepth_, fogDepth(*grid));
       if (fogDepth_ == -grid->background())
         return;
     }
+    share.update(double(c + 1) / double(origins_.size()));
+  }
 }
 
 void JobTrees::begin() {

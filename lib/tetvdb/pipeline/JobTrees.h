@@ -4,6 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/core/ProgressShare.h"
 #include "tetvdb/fields/Coverage.h"
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/SampledGrids.h"
@@ -44,7 +45,8 @@ public:
   /// Adds the faces over the holes of open triangles to `solid`, which is that of
   /// TreeInputs::distances: those near the cubes of `range`. To be called first; weights() and the
   /// order of the cubes stay. Finds the level set of those cubes and the ones around them.
-  void addCaps(ShapeSolid& solid, const CubeRange& range, Progress& progress);
+  void addCaps(ShapeSolid& solid, const CubeRange& range, const ProgressShare& share,
+               Progress& progress);
 
   /// Parts have trees of at most about so many bytes. Throws Error(Limit) where a single node of
   /// 128^3 voxels may take more.
@@ -56,7 +58,7 @@ public:
   CubeRange all() const { return {0, origins_.size()}; }
   /// The fog's depth, which all of the level set decides (fields/FogVolume.h). To be called before
   /// make() and restrict() where there is a fog; stops at the first part that decides it.
-  void findFogDepth(Progress& progress);
+  void findFogDepth(const ProgressShare& share, Progress& progress);
 
   const std::vector<Vec3i>& cubes() const override { return origins_; }
   void begin() override;

@@ -21,6 +21,8 @@ public:
     stages_.push_back({name, share});
     return *this;
   }
+  // A stage that may come in place of all that follow.
+  void addLast(const char* name) { stages_.push_back({name, 1, true}); }
   void preview() {
     if (preview_)
       add("preview", kPreviewShare);
@@ -58,6 +60,7 @@ std::vector<PlannedStage> plannedStages(const VoxelizeJob& job) {
     plan.tetrahedralize();
   if (job.makesVolume()) {
     plan.add("voxelize", 45);
+    plan.addLast(kStreamStage);
     if (!madeBy(job.grids, {GridMaker::Distance, GridMaker::Share}).empty() || !job.fields.empty())
       plan.add("fields", triangles ? 40 : 150);
     plan.preview();

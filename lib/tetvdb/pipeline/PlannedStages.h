@@ -21,6 +21,9 @@
 
 namespace tetvdb {
 
+/// All passes of a volume that is streamed, from the first node to the last byte.
+constexpr const char* kStreamStage = "stream";
+
 /// The stages that run() will report, with their shares of the time measured over a dozen meshes
 /// from practice at 256 voxels. Reads the kind of the first input; empty if it cannot be
 /// determined.

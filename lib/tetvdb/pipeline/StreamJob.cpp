@@ -7,6 +7,7 @@
 #include "tetvdb/io/volume/TileFolder.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/ShardRanges.h"
 #include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/StreamTrees.h"
@@ -91,6 +92,7 @@ public:
       return;
     }
     timer.part("stream");
+    progress.stage(kStreamStage);
     BitVdbOptions options;
     if (!job_.shard.isWhole()) {
       options.part = true;

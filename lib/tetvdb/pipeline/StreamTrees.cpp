@@ -8,6 +8,7 @@
 #include "tetvdb/pipeline/JobTrees.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/OriginMetadata.h"
+#include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
@@ -183,13 +184,25 @@ public:
                              : shardRanges(trees_->weights(), job_.shard.count)[job_.shard.index];
     const std::size_t left = streamLimit(job_);
     trees_->limitParts(std::min(left / 3, kMostPartBytes));
+    progress_.stage(kStreamStage);
+    // Every pass finds the distances of all; the last one also writes them, and that for the fog's
+    // depth nearly always stops early.
+    const bool fog = contains(job_.grids, GridKind::Fog);
+    const double passes = 1.5 + (open != nullptr ? 1 : 0) + (fog ? 0.2 : 0);
+    const ProgressShare whole(progress_, 0, 1);
+    double begun = 0;
+    const auto nextPass = [&](double length) {
+      const double from = begun / passes;
+      begun += length;
+      return whole.part(from, begun / passes);
+    };
     if (open != nullptr) {
       timer.part("holes");
-      trees_->addCaps(*open, range, progress_);
+      trees_->addCaps(*open, range, nextPass(1), progress_);
     }
-    if (contains(job_.grids, GridKind::Fog)) {
+    if (fog) {
       timer.part("depth");
-      trees_->findFogDepth(progress_);
+      trees_->findFogDepth(nextPass(0.2), progress_);
     }
     timer.part("stream");
     TreeWriterOptions options;
@@ -208,7 +221,7 @@ public:
       writer_ = std::make_unique<TreeNvdbWriter>(job_.output, options);
     else
       writer_ = std::make_unique<TreeVdbWriter>(job_.output, std::move(metadata), options);
-    result.grids = writer_->write(*trees_, progress_);
+    result.grids = writer_->write(*trees_, nextPass(1.5), progress_);
     result.shapes.coverage = trees_->coverageSum();
     warnOfOverlap(result.shapes.coverage, told_);
     checkValues(job_, result.grids, told_);

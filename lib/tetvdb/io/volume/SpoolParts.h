@@ -17,9 +17,7 @@ namespace tetvdb {
 template <class Spool>
 void spoolOnce(TreeSource& source, const std::vector<std::unique_ptr<Spool>>& spools,
                const ProgressShare& share, Progress& progress) {
-  // What parts do in detail is not reported.
-  Progress quiet;
-  quiet.onCheck([&] { progress.check(); });
+  QuietProgress quiet(progress); // what parts do in detail is not reported
   source.begin();
   const std::size_t count = source.cubes().size();
   for (std::size_t c = 0; c < count; ++c) {

@@ -160,14 +160,6 @@ private:
   std::vector<RootCube> cubes_;
 };
 
-/// A job's progress for work within one of its steps: it stops that too, and reports nothing.
-class Within : public Progress {
-public:
-  explicit Within(Progress& whole) {
-    onCheck([&whole] { whole.check(); });
-  }
-};
-
 /// Calls work(origin) for the cubes of a child of the root node, by x, then y, then z.
 template <class Work>
 void forCubes(const openvdb::Coord& origin, std::int32_t size, const Work& work) {
@@ -228,7 +220,7 @@ void TileFolder::finish(const Vec3i& origin, std::vector<GridInfo> infos) {
 
 void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
                      Progress& progress) {
-  Within within(progress);
+  QuietProgress within(progress);
   forCubes(origin, size_, [&](const openvdb::Coord& corner) {
     progress.check();
     Volume volume;
@@ -279,7 +271,7 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
 
 void TileFolder::addCube(BitSource& source, const Vec3i& origin, const BitVdbOptions& options,
                          Progress& progress) {
-  Within within(progress);
+  QuietProgress within(progress);
   openvdb::GridPtrVec grids;
   for (const auto& grid : empty_)
     grids.push_back(emptied(*grid));

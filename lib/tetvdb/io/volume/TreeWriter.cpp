@@ -35,12 +35,12 @@ TreeVdbWriter::TreeVdbWriter(std::string path, std::map<std::string, std::string
     : path_(std::move(path)), metadata_(std::move(metadata)), options_(inFolderOf(path_, options)) {
 }
 
-std::vector<GridInfo> TreeVdbWriter::write(TreeSource& source, Progress& progress) {
-  const ProgressShare whole(progress, 0, 1);
+std::vector<GridInfo> TreeVdbWriter::write(TreeSource& source, const ProgressShare& share,
+                                           Progress& progress) {
   output_ = std::make_unique<VdbOutput>(path_, metadata_, source.make(NodeBox{}, progress).size());
   return writeSpools(spoolParts<VdbSpool>(source, makeVdbSpool, options_.spool,
-                                          options_.openFirstTile, whole.part(0, 0.8), progress),
-                     *output_, whole.part(0.8, 1));
+                                          options_.openFirstTile, share.part(0, 0.8), progress),
+                     *output_, share.part(0.8, 1));
 }
 
 void TreeVdbWriter::commit(Progress& progress) {
@@ -50,11 +50,11 @@ void TreeVdbWriter::commit(Progress& progress) {
 TreeNvdbWriter::TreeNvdbWriter(const std::string& path, const TreeWriterOptions& options)
     : options_(inFolderOf(path, options)), file_(path) {}
 
-std::vector<GridInfo> TreeNvdbWriter::write(TreeSource& source, Progress& progress) {
-  const ProgressShare whole(progress, 0, 1);
+std::vector<GridInfo> TreeNvdbWriter::write(TreeSource& source, const ProgressShare& share,
+                                            Progress& progress) {
   return writeSpools(spoolParts<NvdbSpool>(source, makeNvdbSpool, options_.spool,
-                                           options_.openFirstTile, whole.part(0, 0.6), progress),
-                     file_, whole.part(0.6, 1));
+                                           options_.openFirstTile, share.part(0, 0.6), progress),
+                     file_, share.part(0.6, 1));
 }
 
 void TreeNvdbWriter::commit(Progress& progress) {

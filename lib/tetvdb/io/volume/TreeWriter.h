@@ -3,7 +3,7 @@
 // .vdb and .nvdb files of grids whose whole trees never are in memory: values of any kind.
 //
 //   tetvdb::TreeVdbWriter writer("out.vdb", metadata, {});
-//   std::vector<tetvdb::GridInfo> grids = writer.write(source, progress);
+//   std::vector<tetvdb::GridInfo> grids = writer.write(source, share, progress);
 //   writer.commit(progress);
 //
 // Grids wait in files without names (io/volume/GridSpool.h) in the output's folder, which needs the
@@ -32,11 +32,12 @@ struct TreeWriterOptions {
 class TreeWriter {
 public:
   virtual ~TreeWriter() = default;
-  /// Writes all but the end; the bytes are those that writeVolume() would write. What describe()
-  /// would say of the grids is returned. Memory: the trees of one part of the source, the bytes
-  /// that the options allow, and a few MB a thread. Throws Error(Write), Error(Limit) where a grid
-  /// would have 2^32 leaves or more, and as progress.check() does.
-  virtual std::vector<GridInfo> write(TreeSource& source, Progress& progress) = 0;
+  /// Writes all but the end, within `share`; the bytes are those that writeVolume() would write.
+  /// What describe() would say of the grids is returned. Memory: the trees of one part of the
+  /// source, the bytes that the options allow, and a few MB a thread. Throws Error(Write),
+  /// Error(Limit) where a grid would have 2^32 leaves or more, and as progress.check() does.
+  virtual std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
+                                      Progress& progress) = 0;
   virtual void commit(Progress& progress) = 0;
 };
 
@@ -45,7 +46,8 @@ public:
   /// Throws as VdbOutput does.
   TreeVdbWriter(std::string path, std::map<std::string, std::string> metadata,
                 const TreeWriterOptions& options);
-  std::vector<GridInfo> write(TreeSource& source, Progress& progress) override;
+  std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
+                              Progress& progress) override;
   void commit(Progress& progress) override;
 
 private:
@@ -60,7 +62,8 @@ class TreeNvdbWriter : public TreeWriter {
 public:
   /// Throws as AtomicFile does.
   TreeNvdbWriter(const std::string& path, const TreeWriterOptions& options);
-  std::vector<GridInfo> write(TreeSource& source, Progress& progress) override;
+  std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
+                              Progress& progress) override;
   void commit(Progress& progress) override;
 
 private:

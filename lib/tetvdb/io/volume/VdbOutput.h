@@ -14,6 +14,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/core/ProgressShare.h"
 #include "tetvdb/volume/VoxelBounds.h"
 
 #include <cstdint>
@@ -98,21 +99,6 @@ private:
   std::unique_ptr<XXH3_state_t, Free> state_;
   std::uint64_t uuidAt_ = 0, headAt_ = 0;
   std::size_t headSize_ = 0;
-};
-
-/// Maps work done in one grid to the whole job's fraction.
-class ProgressShare {
-public:
-  ProgressShare(Progress& progress, double from, double to)
-      : progress_(progress), from_(from), to_(to) {}
-  void update(double fraction) const { progress_.update(from_ + (to_ - from_) * fraction); }
-  ProgressShare part(double from, double to) const {
-    return {progress_, from_ + (to_ - from_) * from, from_ + (to_ - from_) * to};
-  }
-
-private:
-  Progress& progress_;
-  double from_, to_;
 };
 
 /// Writes grids whose trees are in memory, after others: their bytes in a file of writeVdb().

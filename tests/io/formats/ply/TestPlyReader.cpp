@@ -182,12 +182,19 @@ TEST(PlyReader, CountsThatTheFileCannotHold) {
   EXPECT_NE(reading(readPly, lists + std::string(3, '\0') + std::string(8, '\xff')).error, "");
 }
 
+TEST(PlyReader, LinesThatAreNoStatements) {
+  expectTetrahedron(
+      reading(readPly, header("ascii", "Created by Blender3D 247\n" + kVertex + kFace) + kRows),
+      "header-line");
+}
+
 TEST(PlyReader, BrokenHeaders) {
   for (const std::string& head :
        {std::string("plx\n"), std::string("ply\n"), "ply\n" + kVertex + kFace + "end_header\n",
         header("ascii", "element vertex x\n"), header("ascii", "property float x\n"),
         header("ascii", "element vertex 3\nproperty flaot x\n"),
         header("ascii", "element vertex 3\nproperty float\n"), header("ascii", "hello\n"),
+        header("ascii", kVertex + "proprety int a\n" + kFace),
         header("binary_middle_endian", kVertex + kFace)}) {
     const Reading read = reading(readPly, head + kRows);
     EXPECT_EQ(read.error.find("file:"), 0U) << read.error;

@@ -44,7 +44,11 @@ public:
       } else if (keyword == "property") {
         parseProperty(words);
       } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info") {
-        fail("an unknown statement stands in the header");
+        // Blender 2.47 wrote a comment without its keyword. Behind an element it could be a
+        // property.
+        if (!header_.elements.empty())
+          fail("an unknown statement stands in the header");
+        header_.unknown = line.substr(0, 80);
       }
     }
     if (!hasFormat)

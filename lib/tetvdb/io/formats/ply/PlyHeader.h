@@ -40,6 +40,7 @@ struct PlyHeader {
   Format format = Format::Text;
   std::vector<PlyElement> elements;
   std::size_t bodyBegin = 0; ///< byte at which the data begins
+  std::string unknown;       ///< a line before the elements that is no statement of the format
 };
 
 /// Throws Error(Invalid) with the line for a header that is incomplete, has unknown types, no

@@ -275,6 +275,9 @@ private:
 
 TriangleMesh readPly(const Source& source, Report& report, Progress& progress) {
   const PlyHeader header = parsePlyHeader(source);
+  if (!header.unknown.empty())
+    report.warn("header-line", "a line of the header is no statement of PLY and was left out: '" +
+                                   header.unknown + "'");
   if (header.format == PlyHeader::Format::Text)
     return PlyBody<TextRows>(source, header, report, progress).read();
   return PlyBody<BinaryRows>(source, header, report, progress).read();

@@ -108,14 +108,27 @@ bool isPly(const FileStart& file) {
   return startsWith(file.text, "ply\n") || startsWith(file.text, "ply\r");
 }
 
-/// A 3MF file is a ZIP archive that contains a model; names are at its beginning and in its
-/// directory at the end.
-bool isThreeMf(const FileStart& file) {
+namespace {
+
+/// Names are at the beginning of a ZIP archive and in its directory at the end.
+bool isZipWith(const FileStart& file, std::string_view name) {
   constexpr std::size_t directory = 65536;
   return startsWith(file.head, "PK\x03\x04") &&
-         (contains(file.head, ".model") ||
+         (contains(file.head, name) ||
           contains(file.bytes.substr(file.bytes.size() - std::min(file.bytes.size(), directory)),
-                   ".model"));
+                   name));
+}
+
+} // namespace
+
+bool isThreeMf(const FileStart& file) {
+  return isZipWith(file, ".model");
+}
+
+bool isAmf(const FileStart& file) {
+  return (startsWith(file.text, "<") &&
+          (contains(file.head, "<amf") || contains(file.head, "<AMF"))) ||
+         isZipWith(file, ".amf");
 }
 
 bool isGltf(const FileStart& file) {

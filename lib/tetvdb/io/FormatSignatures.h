@@ -27,6 +27,7 @@ bool isObj(const FileStart& file);
 bool isOff(const FileStart& file);
 bool isPly(const FileStart& file);
 bool isThreeMf(const FileStart& file);
+bool isAmf(const FileStart& file);
 bool isGltf(const FileStart& file);
 bool isFbx(const FileStart& file);
 bool isCollada(const FileStart& file);

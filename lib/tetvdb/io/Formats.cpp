@@ -7,6 +7,7 @@
 #include "tetvdb/io/VtmReader.h"
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/abaqus/AbaqusReader.h"
+#include "tetvdb/io/formats/amf/AmfReader.h"
 #include "tetvdb/io/formats/assimp/AssimpReader.h"
 #include "tetvdb/io/formats/avs/UcdReader.h"
 #include "tetvdb/io/formats/calculix/FrdReader.h"
@@ -132,6 +133,8 @@ std::vector<Format> makeTable() {
   all.push_back(triangles(FileFormat::ThreeMf, "3MF", ".3mf",
                           "Objects to be printed, placed, with units", isThreeMf, readThreeMf,
                           writeThreeMf));
+  all.push_back(triangles(FileFormat::Amf, "AMF", ".amf",
+                          "Objects to be printed, placed, with units", isAmf, readAmf, nullptr));
   all.push_back(triangles(FileFormat::Gltf, "glTF", ".gltf .glb",
                           "Scenes, where the build has assimp", isGltf, readGltf, nullptr));
   all.push_back(triangles(FileFormat::Fbx, "FBX", ".fbx", "Scenes, where the build has assimp",

@@ -15,8 +15,8 @@
 
 namespace tetvdb {
 
-/// Names are without their namespace's prefix. Text between tags, comments, CDATA and declarations
-/// are skipped; entities are not decoded. UTF-8.
+/// Names are without their namespace's prefix. Comments, CDATA and declarations are skipped;
+/// entities are not decoded. UTF-8.
 class XmlScanner {
 public:
   /// `text` must outlive the scanner; `path` is for messages.
@@ -34,6 +34,11 @@ public:
   /// An attribute of the element that begins; empty if there is none of that name. A prefix is
   /// compared only if `name` has one.
   std::string_view attribute(std::string_view name) const;
+
+  /// What stands between the begin of the element and the next tag.
+  std::string_view text() const {
+    return empty_ ? std::string_view() : text_.substr(at_, text_.find('<', at_) - at_);
+  }
 
   std::size_t position() const { return at_; }
   [[noreturn]] void fail(std::string_view what) const;

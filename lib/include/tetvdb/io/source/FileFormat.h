@@ -14,6 +14,7 @@ enum class FileFormat : std::uint8_t {
   Off, ///< OFF, COFF, NOFF, ...
   Ply,
   ThreeMf,
+  Amf,
   Gltf,
   Fbx,
   Collada,

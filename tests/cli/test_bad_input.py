@@ -95,7 +95,8 @@ class BadMeshFiles(CommandLineTest):
         self.refuse_file("points.msh", gmsh(points, []))
         self.refuse_file("points.vtu", vtu(points, []))
         surface = medit(points, []).replace("Tetrahedra\n0", "Triangles\n1\n1 2 4 0")
-        self.refuse_file("surface.mesh", surface)
+        self.write("surface.mesh", surface)
+        self.refuse(INVALID, "voxelize", "surface.mesh", "-o", "out.vdb", says="--shell")
 
     def test_one_bad_file_of_several(self):
         points, tets = lattice(2)

@@ -353,10 +353,13 @@ bool meditHasSolidCells(const Source& source, Report&, Progress& progress) {
     }
     return false;
   };
-  for (const Keyword& keyword : kCellKeywords)
-    if (keyword.kind.type != kFlat && holds(keyword.name))
-      return true;
-  return holds("Polyhedra") || holds("PolyhedraHeaders");
+  const auto holdsAny = [&](bool flat) {
+    return std::any_of(std::begin(kCellKeywords), std::end(kCellKeywords),
+                       [&](const Keyword& keyword) {
+                         return (keyword.kind.type == kFlat) == flat && holds(keyword.name);
+                       });
+  };
+  return holdsAny(false) || holds("Polyhedra") || holds("PolyhedraHeaders") || !holdsAny(true);
 }
 
 bool meditBinaryHasSolidCells(const Source& source, Report&, Progress& progress) {

@@ -21,7 +21,7 @@ CellMesh readMedit(const Source& source, const ReadOptions& options, Report& rep
 CellMesh readMeditBinary(const Source& source, const ReadOptions& options, Report& report,
                          Progress& progress);
 
-/// Looks for the keywords of cells with a volume.
+/// Looks for the keywords of cells with a volume; true also for a text without any cells.
 bool meditHasSolidCells(const Source& source, Report& report, Progress& progress);
 bool meditBinaryHasSolidCells(const Source& source, Report& report, Progress& progress);
 

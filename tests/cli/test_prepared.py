@@ -243,6 +243,9 @@ class Prepared(CommandLineTest):
         for source, size in (("mesh.vtu", self.SIZE), ("parts", ())):
             self.succeed("voxelize", source, "-o", source + ".vdb", *size, "--grid", "mask", "--lod", "1:3")
         self.assertTrue(self.path("mesh.vtu.vdb").read_bytes() == self.path("parts.vdb").read_bytes())
+        for source, size in (("mesh.vtu", self.SIZE), ("parts", ())):
+            self.succeed("voxelize", source, "-o", source + ".nvdb", *size, "--grid", "mask,coverage", "--lod", "1:3")
+        self.assertTrue(self.path("mesh.vtu.nvdb").read_bytes() == self.path("parts.nvdb").read_bytes())
 
     def test_the_report(self):
         self.write("mesh.vtu", vtu(self.mesh, "raw"))

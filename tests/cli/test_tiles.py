@@ -412,6 +412,10 @@ class Levels(Volumes):
         self.assertEqual(self.hash_of("a.vdb"), self.hash_of("b.vdb"))
         self.succeed("convert", "a.vdb", "-o", "c.vdb", "--grid", "mask,density")
         self.assertEqual(self.hash_of("c.vdb"), self.hash_of("plain.vdb"))
+        self.succeed("voxelize", "ball.off", "-o", "e.nvdb", *self.OPTIONS, "--grid", "mask,density", "--lod", "2:5")
+        self.assertEqual(self.hash_of("e.nvdb"), self.hash_of("a.vdb"))
+        self.succeed("convert", "plain.vdb", "-o", "f.nvdb", "--lod", "2:5")
+        self.assertEqual(self.hash_of("f.nvdb"), self.hash_of("a.vdb"))
         self.succeed("convert", "a.vdb", "-o", "d.nvdb")
         self.assertEqual(self.hash_of("d.nvdb"), self.hash_of("a.vdb"))
 

@@ -3,8 +3,11 @@
 // .nvdb files that are streamed have the bytes of those that are made of whole trees in memory.
 #include "StreamFixture.h"
 #include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/pipeline/ConvertJob.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/LevelsOfDetail.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <gtest/gtest.h>
 
@@ -105,6 +108,105 @@ TEST_F(StreamNvdb, HoldsWhatTheVdbFileHolds) {
   wanted.output = folder_ / "a.vdb";
   make(wanted, Streaming::Never);
   EXPECT_EQ(hash(nano), hash(readVolume(wanted.output, progress_)));
+}
+
+TEST_F(StreamNvdb, LevelsOfDetail) {
+  const Kinds kinds{GridKind::Density, GridKind::Mask, GridKind::Fog, GridKind::Coverage};
+  for (const char* output : {"a.nvdb", "a.vdb"}) {
+    VoxelizeJob wanted = nvdb(
+        joined({sphere({10, -20, 4080}, 130, 16), rod(6000, 12, {-3000, -2600, -2000})}), kinds);
+    wanted.output = folder_ / output;
+    wanted.levels = {1, 12};
+    expectSame(wanted, "of several cubes", {1, 3});
+    limit_ = std::size_t(250) << 20;
+    wanted.levels = {2, 9};
+    wanted.half = true;
+    expectSame(wanted, "as half, by a limit", {2});
+    limit_ = 0;
+    fs::remove(folder_ / output);
+    wanted = nvdb(box({-128.5, -0.5, 127.5}, {255.5, 255.5, 383.5}),
+                  {GridKind::Mask, GridKind::Coverage});
+    wanted.output = folder_ / output;
+    wanted.levels = {1, 9};
+    expectSame(wanted, "tiles alone, of which the first is opened", {2});
+    fs::remove(folder_ / output);
+  }
+  VoxelizeJob full = nvdb(box({-4096.5, -0.5, 4095.5}, {-0.5, 4095.5, 8191.5}), {GridKind::Mask});
+  full.levels = {1, 12};
+  expectSame(full, "a tile of 4096", {2});
+}
+
+TEST_F(StreamNvdb, LevelsOfFields) {
+  TetMesh mesh = mapped(kuhnGrid(40, 2, 2), [](const Vec3d& q) {
+    return Vec3d{q[0] * 30 - 600, q[1] * 16 + 0.3 * q[0], q[2] * 16 + 4090};
+  });
+  std::vector<float> velocity, heat;
+  Random random(4);
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    heat.push_back(static_cast<float>(random.between(-4, 4)));
+    for (int k = 0; k < 3; ++k)
+      velocity.push_back(static_cast<float>(random.between(-4, 4)));
+  }
+  mesh.attributes.push_back({"vel", Attribute::On::Points, 3, std::move(velocity)});
+  mesh.attributes.push_back({"heat", Attribute::On::Points, 1, std::move(heat)});
+  VoxelizeJob fields = nvdb(mesh, {GridKind::Density, GridKind::Coverage});
+  fields.fields.all = true;
+  fields.levels = {1, 8};
+  expectSame(fields, "arrays and grids", {1, 3});
+  fields.grids = {};
+  limit_ = std::size_t(260) << 20;
+  expectSame(fields, "arrays, by a limit", {2});
+}
+
+TEST_F(StreamNvdb, LevelsThatDoNotFitLeaveNothing) {
+  VoxelizeJob wanted = nvdb(sphere({0, 0, 0}, 500, 40), {GridKind::Mask});
+  wanted.streaming = Streaming::Always;
+  wanted.levels = {1, 3};
+  wanted.maxMemory = residentBytes() + (std::size_t(60) << 20);
+  Report report;
+  try {
+    run(wanted, report, progress_);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), Status::Limit) << error.what();
+    EXPECT_NE(std::string(error.what()).find("coarser level"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(StreamNvdb, LevelsOfAFileThatIsConvertedNodeByNode) {
+  VoxelizeJob wanted =
+      nvdb(sphere({4090, 7, -5}, 150, 20), {GridKind::Mask, GridKind::Density, GridKind::Coverage});
+  make(wanted, Streaming::Never);
+  Volume whole = readVolume(wanted.output, progress_);
+  addLevels(whole, {1, 12}, 0, progress_);
+  ASSERT_EQ(whole.grids().all.size(), 39u);
+  for (const char* output : {"b.nvdb", "b.vdb"}) {
+    ConvertJob job;
+    job.isVolume = true;
+    job.input = wanted.output;
+    job.output = folder_ / output;
+    job.levels = {1, 12};
+    job.maxMemory = residentBytes() + (std::size_t(100) << 20); // parts of 25 MB
+    Report report;
+    const ConvertResult result = run(job, report, progress_);
+    EXPECT_EQ(report.stages.front().name, "write"); // nothing is read whole
+    Volume found = readVolume(job.output, progress_);
+    EXPECT_EQ(hash(found), hash(whole));
+    const std::vector<GridInfo> infos = describe(found);
+    ASSERT_EQ(result.grids.size(), infos.size());
+    for (const GridInfo& made : result.grids) { // a .vdb file is read in order of the names
+      const auto info = std::find_if(infos.begin(), infos.end(),
+                                     [&](const GridInfo& one) { return one.name == made.name; });
+      ASSERT_NE(info, infos.end()) << made.name;
+      EXPECT_EQ(made.activeVoxels, info->activeVoxels) << made.name;
+      EXPECT_EQ(made.leaves, info->leaves) << made.name;
+    }
+    job.input = job.output; // which has grids of the names of the levels
+    job.output = folder_ / "c.vdb";
+    EXPECT_THROW(run(job, report, progress_), Error);
+    EXPECT_FALSE(fs::exists(job.output));
+  }
 }
 
 TEST_F(StreamNvdb, CancelLeavesNothing) {

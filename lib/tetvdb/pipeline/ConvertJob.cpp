@@ -122,11 +122,12 @@ private:
       }));
       return;
     }
-    if (toVolume_ && job_.levels.isEmpty() && canConvertVolume(job_.input)) {
+    if (toVolume_ && canConvertVolume(job_.input)) {
       result_.grids = stage("write", [&] {
         const std::size_t limit =
             job_.maxMemory != 0 ? memoryLeft(job_.maxMemory) : availableBytes();
-        return convertVolumeFile({job_.input, job_.output, job_.grids, limit}, progress_);
+        return convertVolumeFile({job_.input, job_.output, job_.grids, limit, job_.levels},
+                                 progress_);
       });
       return;
     }

@@ -114,8 +114,7 @@ public:
     std::optional<BitLevels> levels;
     if (!job_.levels.isEmpty()) {
       levels.emplace(source, job_.levels, limit_ / 2 / grids.size());
-      options.moreGrids =
-          grids.size() * static_cast<std::size_t>(job_.levels.last - job_.levels.first + 1);
+      options.moreGrids = grids.size() * job_.levels.size();
     }
     writer_.emplace(job_.output, std::move(metadata), grids, options);
     BitSource& passed = levels ? static_cast<BitSource&>(*levels) : source;

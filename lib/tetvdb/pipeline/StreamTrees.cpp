@@ -11,6 +11,7 @@
 #include "tetvdb/pipeline/PlannedStages.h"
 #include "tetvdb/pipeline/StreamOptions.h"
 #include "tetvdb/pipeline/VoxelizeOutput.h"
+#include "tetvdb/volume/GridLevels.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/KeepResolution.h"
 #include "tetvdb/voxelize/TreeBuilder.h"
@@ -183,7 +184,10 @@ public:
         job_.shard.isWhole() ? trees_->all()
                              : shardRanges(trees_->weights(), job_.shard.count)[job_.shard.index];
     const std::size_t left = streamLimit(job_);
-    trees_->limitParts(std::min(left / 3, kMostPartBytes));
+    std::optional<TreeLevels> levels;
+    if (!job_.levels.isEmpty())
+      levels.emplace(*trees_, job_.levels, left / 2, progress_);
+    trees_->limitParts(std::min(left / (levels ? 6 : 3), kMostPartBytes));
     progress_.stage(kStreamStage);
     // Every pass finds the distances of all; the last one also writes them, and that for the fog's
     // depth nearly always stops early.
@@ -217,14 +221,25 @@ public:
     const std::size_t grids = std::max<std::size_t>(job_.grids.size(), 1);
     options.spool.inMemory = std::min(left / 16 / grids, std::size_t(32) << 20);
     options.spool.keptBytes = std::min(left / 8, std::size_t(256) << 20);
+    if (levels)
+      options.moreGrids = levels->gridCount();
     if (writesNvdb(job_))
       writer_ = std::make_unique<TreeNvdbWriter>(job_.output, options);
     else
       writer_ = std::make_unique<TreeVdbWriter>(job_.output, std::move(metadata), options);
-    result.grids = writer_->write(*trees_, nextPass(1.5), progress_);
+    const auto coarser = [&] {
+      const openvdb::GridPtrVec made = levels->finish();
+      for (const auto& grid : made)
+        openFirstTile(*grid);
+      return made;
+    };
+    TreeSource& passed = levels ? static_cast<TreeSource&>(*levels) : *trees_;
+    result.grids = writer_->write(passed, levels ? TreeWriter::MoreGrids(coarser) : nullptr,
+                                  nextPass(1.5), progress_);
     result.shapes.coverage = trees_->coverageSum();
     warnOfOverlap(result.shapes.coverage, told_);
-    checkValues(job_, result.grids, told_);
+    const auto own = static_cast<std::ptrdiff_t>(result.grids.size() - options.moreGrids);
+    checkValues(job_, {result.grids.begin(), result.grids.begin() + own}, told_);
   }
   void commit(VoxelizeResult& result) {
     StageTimer timer(told_, "write");
@@ -261,7 +276,7 @@ bool canStreamTrees(const VoxelizeJob& job) {
       !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
       !job.fields.empty();
   return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0 &&
-         job.levels.isEmpty() && !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
+         !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
 }
 
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,

@@ -26,8 +26,9 @@ bool canStreamTrees(const VoxelizeJob& job);
 /// Writes job.output where job.streaming says so, and where the grids' trees would not fit into
 /// memory. The bytes are the same. False, with nothing done and nothing said, where the job is left
 /// to the trees. Memory: the mesh and what is found once for all of it, and a third of what may be
-/// taken, at most 1 GB, for trees. Throws as the in-memory way does, Error(Limit) where that third
-/// is too small for the grids of 128^3 voxels, and Error(Write). `meshes`: one, or the materials.
+/// taken, at most 1 GB, for trees; with levels a sixth, and half for these. Throws as the in-memory
+/// way does, Error(Limit) where this is too small for the grids of 128^3 voxels, and Error(Write).
+/// `meshes`: one, or the materials.
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
                  Report& report, Progress& progress);
 bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,

@@ -4,13 +4,17 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/volume/GridKinds.h"
+#include "tetvdb/volume/GridLevels.h"
 #include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/LevelBuilder.h"
 
 #include <fmt/format.h>
 #include <openvdb/math/Maps.h>
+#include <optional>
+#include <tbb/parallel_for.h>
 #include <type_traits>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -87,47 +91,71 @@ LevelMean meanOf(const openvdb::GridBase& grid) {
 }
 
 template <class GridT>
-openvdb::GridPtrVec levelsOf(const GridT& grid, const LevelRange& levels, std::size_t maxMemory,
-                             Progress& progress) {
+class TypedLevels : public GridLevels {
   using Nodes = NodeLists<typename GridT::TreeType>;
   using Builder = LevelBuilder<LevelTree<GridT>, SumOf<GridT>>;
   using Entries = LowerEntries<typename Nodes::Lower, Builder>;
-  const LevelMean mean = meanOf(grid);
-  Builder builder(levels, mean, maxMemory);
-  for (auto entry = grid.constTree().root().cbeginChildAll(); entry; ++entry) {
-    progress.check();
-    const openvdb::Coord origin = entry.getCoord();
-    typename Builder::RootChild child;
-    typename GridT::ValueType value{};
-    const typename Nodes::Upper* upper = entry.probeChild(value);
-    if (upper == nullptr && !entry.isValueOn())
-      continue;
-    tbb::parallel_for(std::size_t(0), child.kinds.size(), [&](std::size_t n) {
-      const auto index = static_cast<openvdb::Index>(n);
-      if (upper != nullptr && upper->isChildMaskOn(index)) {
-        progress.check();
-        const typename Nodes::Lower& lower = *upper->getTable()[index].getChild();
-        child.nodes[n] = builder.node(lower.origin(), Entries(lower));
-        child.kinds[n] = EntryKind::Mixed;
-        return;
+  using Upper = typename Nodes::Upper;
+  using T = typename GridT::ValueType;
+
+public:
+  TypedLevels(openvdb::GridBase::ConstPtr grid, const LevelRange& levels, std::size_t maxMemory)
+      : grid_(std::move(grid)), levels_(levels), builder_(levels, meanOf(*grid_), maxMemory) {}
+
+  void add(const openvdb::GridBase& part, Progress& progress) override {
+    const auto& root = static_cast<const GridT&>(part).constTree().root();
+    for (auto entry = root.cbeginChildAll(); entry; ++entry) {
+      progress.check();
+      T value{};
+      const Upper* upper = entry.probeChild(value);
+      if (upper == nullptr && !entry.isValueOn())
+        continue;
+      if (origin_ != entry.getCoord()) {
+        endCube();
+        origin_ = entry.getCoord();
       }
-      if (upper != nullptr && !upper->isValueMaskOn(index))
-        return;
-      const typename GridT::ValueType tile =
-          upper != nullptr ? typename GridT::ValueType(upper->getTable()[index].getValue()) : value;
-      if (!isVoxel(tile))
-        return;
-      child.voxels[n] = {asSum(tile), 1};
-      child.kinds[n] = EntryKind::Uniform;
-    });
-    builder.add(origin, std::move(child));
+      tbb::parallel_for(std::size_t(0), child_.kinds.size(), [&](std::size_t n) {
+        const auto index = static_cast<openvdb::Index>(n);
+        if (upper != nullptr && upper->isChildMaskOn(index)) {
+          progress.check();
+          const typename Nodes::Lower& lower = *upper->getTable()[index].getChild();
+          child_.nodes[n] = builder_.node(lower.origin(), Entries(lower));
+          child_.kinds[n] = EntryKind::Mixed;
+          return;
+        }
+        if (upper != nullptr && !upper->isValueMaskOn(index))
+          return;
+        const T tile = upper != nullptr ? T(upper->getTable()[index].getValue()) : value;
+        if (!isVoxel(tile))
+          return;
+        child_.voxels[n] = {asSum(tile), 1};
+        child_.kinds[n] = EntryKind::Uniform;
+      });
+    }
   }
-  openvdb::GridPtrVec grids;
-  int k = levels.first;
-  for (const auto& tree : builder.finish())
-    grids.push_back(levelGrid<LevelTree<GridT>>(tree, grid, k++, mean));
-  return grids;
-}
+
+  openvdb::GridPtrVec finish() override {
+    endCube();
+    openvdb::GridPtrVec grids;
+    int k = levels_.first;
+    for (const auto& tree : builder_.finish())
+      grids.push_back(levelGrid<LevelTree<GridT>>(tree, *grid_, k++, meanOf(*grid_)));
+    return grids;
+  }
+
+private:
+  void endCube() {
+    if (origin_)
+      builder_.add(*origin_, std::exchange(child_, {}));
+    origin_.reset();
+  }
+
+  openvdb::GridBase::ConstPtr grid_;
+  LevelRange levels_;
+  Builder builder_;
+  std::optional<openvdb::Coord> origin_; ///< of the cube under way
+  typename Builder::RootChild child_;
+};
 
 /// Scale and translation without anything else, if it is no more.
 bool isDiagonal(const openvdb::Mat4d& m) {
@@ -202,26 +230,36 @@ void finishLevelGrid(openvdb::GridBase& level, const openvdb::GridBase& grid, in
   level.setTransform(levelTransform(grid, k));
 }
 
+std::unique_ptr<GridLevels> makeGridLevels(const openvdb::GridBase::ConstPtr& grid,
+                                           const LevelRange& levels, std::size_t maxMemory) {
+  checkLevels(levels);
+  requireLevels(grid->getName(), grid->valueType(),
+                openvdb::GridBase::gridClassToString(grid->getGridClass()));
+  levelTransform(*grid, 1);
+  std::unique_ptr<GridLevels> made;
+  using Types = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::MaskGrid,
+                                  openvdb::Vec3SGrid>;
+  grid->apply<Types>([&](const auto& typed) {
+    made = std::make_unique<TypedLevels<std::decay_t<decltype(typed)>>>(grid, levels, maxMemory);
+  });
+  return made;
+}
+
 void addLevels(Volume& volume, const LevelRange& levels, std::size_t maxMemory,
                Progress& progress) {
-  checkLevels(levels);
   openvdb::GridPtrVec& all = volume.grids().all;
-  for (const auto& grid : all) {
-    requireLevels(grid->getName(), grid->valueType(),
-                  openvdb::GridBase::gridClassToString(grid->getGridClass()));
-    levelTransform(*grid, 1);
-  }
-  openvdb::GridPtrVec coarser;
   const std::size_t limit =
       (maxMemory != 0 ? maxMemory : availableBytes()) / std::max<std::size_t>(all.size(), 1);
-  for (const auto& grid : all) {
-    const auto add = [&](const auto& typed) {
-      const openvdb::GridPtrVec own = levelsOf(typed, levels, limit, progress);
-      coarser.insert(coarser.end(), own.begin(), own.end());
-    };
-    using Types = openvdb::TypeList<openvdb::FloatGrid, openvdb::BoolGrid, openvdb::MaskGrid,
-                                    openvdb::Vec3SGrid>;
-    std::as_const(*grid).apply<Types>(add);
+  checkLevels(levels);
+  std::vector<std::unique_ptr<GridLevels>> made; // after all are found to have levels
+  for (const auto& grid : all)
+    made.push_back(makeGridLevels(grid, levels, limit));
+  openvdb::GridPtrVec coarser;
+  for (std::size_t g = 0; g < made.size(); ++g) {
+    made[g]->add(*all[g], progress);
+    const openvdb::GridPtrVec own = made[g]->finish();
+    coarser.insert(coarser.end(), own.begin(), own.end());
+    made[g].reset();
   }
   all.insert(all.end(), coarser.begin(), coarser.end());
 }

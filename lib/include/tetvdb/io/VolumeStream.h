@@ -5,6 +5,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/volume/LevelsOfDetail.h"
 #include "tetvdb/volume/Volume.h"
 
 #include <cstddef>
@@ -39,6 +40,7 @@ struct VolumeConversion {
   std::string input, output;      ///< .vdb or .nvdb files
   std::vector<std::string> grids; ///< in that order; empty: all
   std::size_t maxMemory = 0;      ///< bytes that may be taken besides what is
+  LevelRange levels = {};         ///< coarser grids that come after all others (addLevels())
 };
 
 /// Whether convertVolumeFile() reads the file: a .nvdb file, or canStreamVolume() is true.
@@ -46,10 +48,11 @@ bool canConvertVolume(const std::string& path);
 
 /// Writes the grids of a file into another: the bytes that writeVolume() would make of
 /// readVolume()'s. Memory: nodes of 128^3 voxels, a quarter of `maxMemory` of them, or one where
-/// this takes more, and three eighths for what is made of them. The output's folder needs room for
-/// the file twice, and for the bytes of a .nvdb input uncompressed. What was written is returned.
-/// Throws Error(Invalid) for a file that is not whole, Error(Usage) for grids that the output
-/// cannot hold, Error(Write).
+/// this takes more, three eighths for what is made of them, and half for levels. The output's
+/// folder needs room for the file twice, and for the bytes of a .nvdb input uncompressed. What was
+/// written is returned. Throws Error(Invalid) for a file that is not whole, Error(Usage) for grids
+/// that the output cannot hold or that have no levels, Error(Limit) for levels that do not fit,
+/// Error(Write).
 std::vector<GridInfo> convertVolumeFile(const VolumeConversion& files, Progress& progress);
 
 } // namespace tetvdb

@@ -52,8 +52,8 @@ struct ConvertResult {
 /// into volumes, arrays (io/ArrayFile.h) or, by extractSurface(), triangles. Conversions that
 /// require a method are refused with Error(Usage) that names the command: meshes into volumes,
 /// triangles into tets. Volumes become volumes node by node, without their trees
-/// (convertVolumeFile() in io/VolumeStream.h), unless `levels` are added or a .vdb file has grids
-/// that only OpenVDB reads; a .vdb file of 256 MB or more becomes tiles by one child of the root
+/// (convertVolumeFile() in io/VolumeStream.h), unless a .vdb file has grids that only OpenVDB
+/// reads; a .vdb file of 256 MB or more becomes tiles by one child of the root
 /// node at a time. Adds stages "read" (of what is read whole), "extract" (of surfaces) and "write"
 /// to `report`. Throws the errors of its stages; no output is changed then.
 ConvertResult run(const ConvertJob& job, Report& report, Progress& progress);

@@ -20,6 +20,7 @@ constexpr int kMaxLevel = 12; ///< a voxel of it covers a child of the root node
 struct LevelRange {
   int first = 0, last = 0; ///< 1 to kMaxLevel; 0: none
   bool isEmpty() const { return last == 0; }
+  std::size_t size() const { return isEmpty() ? 0 : static_cast<std::size_t>(last - first + 1); }
 };
 
 /// "NAME_level_3"

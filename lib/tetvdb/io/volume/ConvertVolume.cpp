@@ -9,7 +9,9 @@
 #include "tetvdb/io/volume/NvdbHead.h"
 #include "tetvdb/io/volume/StreamedVdb.h"
 #include "tetvdb/io/volume/VdbChildren.h"
+#include "tetvdb/io/volume/VolumeFormats.h"
 #include "tetvdb/volume/ChooseGrids.h"
+#include "tetvdb/volume/GridLevels.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -28,18 +30,20 @@ constexpr double kUnpacked = 0.1, kSpooled = 0.7;
 /// The output's grids, one after another.
 class ConvertedFile {
 public:
-  ConvertedFile(const std::string& path, std::map<std::string, std::string> metadata,
-                std::size_t grids, std::size_t maxMemory)
-      : path_(path) {
+  ConvertedFile(const VolumeConversion& files, std::map<std::string, std::string> metadata,
+                std::size_t grids)
+      : path_(files.output), range_(files.levels),
+        gridBytes_(files.maxMemory / 2 / std::max<std::size_t>(grids, 1)) {
+    const std::size_t maxMemory = files.maxMemory;
     options_.exact = true;
-    options_.folder = std::filesystem::path(path).parent_path().string();
+    options_.folder = std::filesystem::path(path_).parent_path().string();
     options_.inMemory = std::min(maxMemory / 16, std::size_t(32) << 20);
     options_.keptBytes = std::min(maxMemory / 8, std::size_t(256) << 20);
     partBytes_ = std::min(maxMemory / 4, std::size_t(256) << 20);
-    if (endingOf(path) == ".nvdb")
-      nvdb_.emplace(path);
+    if (endingOf(path_) == ".nvdb")
+      nvdb_.emplace(path_);
     else
-      vdb_.emplace(path, metadata, grids);
+      vdb_.emplace(path_, metadata, grids * (1 + range_.size()));
   }
 
   const std::string& folder() const { return options_.folder; }
@@ -48,9 +52,7 @@ public:
   template <class Entries>
   void add(Entries& entries, const ProgressShare& share, Progress& progress) {
     const openvdb::GridBase::Ptr empty = entries.empty();
-    if (empty->getName().empty() || !names_.insert(empty->getName()).second)
-      throw Error(Status::Usage, path_,
-                  "grid names must be unique and not empty: '" + empty->getName() + "'");
+    requireNames({empty});
     if (nvdb_) {
       requireNvdbForm(*empty, path_);
       write(makeNvdbSpool(empty, options_), *nvdb_, entries, share, progress);
@@ -61,17 +63,36 @@ public:
 
   std::vector<GridInfo> commit(Progress& progress) {
     progress.check();
-    if (nvdb_)
+    const ProgressShare end(progress, 1, 1);
+    requireNames(coarser_);
+    if (nvdb_) {
+      writeNvdbGrids(*nvdb_, coarser_, end);
       nvdb_->commit();
-    else
+    } else {
+      writeGrids(*vdb_, coarser_, end);
       vdb_->commit(progress);
+    }
+    Volume coarser;
+    coarser.grids().all = std::move(coarser_);
+    for (GridInfo& info : describe(coarser))
+      infos_.push_back(std::move(info));
     return std::move(infos_);
   }
 
 private:
+  void requireNames(const openvdb::GridPtrVec& grids) {
+    for (const auto& grid : grids)
+      if (grid->getName().empty() || !names_.insert(grid->getName()).second)
+        throw Error(Status::Usage, path_,
+                    "grid names must be unique and not empty: '" + grid->getName() + "'");
+  }
+
   template <class Spool, class Output, class Entries>
   void write(std::unique_ptr<Spool> spool, Output& output, Entries& entries,
              const ProgressShare& share, Progress& progress) {
+    std::unique_ptr<GridLevels> levels;
+    if (!range_.isEmpty())
+      levels = makeGridLevels(entries.empty(), range_, gridBytes_);
     openvdb::Coord origin;
     std::optional<openvdb::Coord> last;
     while (entries.begin(origin)) {
@@ -83,16 +104,26 @@ private:
       spool->beginCube({origin.x(), origin.y(), origin.z()});
       while (const auto part = entries.part(partBytes_)) {
         progress.check();
+        if (levels)
+          levels->add(*part, progress);
         spool->add(part);
         share.update(kUnpacked + (kSpooled - kUnpacked) * entries.share());
       }
       spool->endCube();
     }
+    if (levels)
+      for (const auto& grid : levels->finish()) {
+        openFirstTile(*grid);
+        coarser_.push_back(grid);
+      }
     spool->writeTo(output, share.part(kSpooled, 1));
     infos_.push_back(spool->describe());
   }
 
   std::string path_;
+  LevelRange range_;
+  std::size_t gridBytes_; ///< that the levels of a grid may take
+  openvdb::GridPtrVec coarser_;
   std::size_t partBytes_;
   SpoolOptions options_;
   std::optional<AtomicFile> nvdb_;
@@ -104,7 +135,7 @@ private:
 std::vector<GridInfo> convertVdb(const VolumeConversion& files, Progress& progress) {
   const VdbHeader header = checkedVdbHeader(files.input);
   const std::vector<const VdbGridHeader*> grids = chosenGrids(header, files.input, files.grids);
-  ConvertedFile output(files.output, header.metadata, grids.size(), files.maxMemory);
+  ConvertedFile output(files, header.metadata, grids.size());
   const ProgressShare whole(progress, 0, 1);
   for (std::size_t g = 0; g < grids.size(); ++g)
     withGridOfType(grids[g]->type, [&](const auto& tag) {
@@ -123,7 +154,7 @@ std::vector<GridInfo> convertNvdb(const VolumeConversion& files, Progress& progr
   for (const NvdbFile::Grid& grid : file.grids())
     names.push_back(grid.name);
   const std::vector<std::size_t> grids = chooseGrids(names, files.grids, files.input);
-  ConvertedFile output(files.output, {}, grids.size(), files.maxMemory);
+  ConvertedFile output(files, {}, grids.size());
   const ProgressShare whole(progress, 0, 1);
   for (std::size_t g = 0; g < grids.size(); ++g) {
     const ProgressShare share =

@@ -103,12 +103,9 @@ void writeNanoGrids(const std::string& path, const std::vector<NanoBytes>& grids
   file.commit();
 }
 
-void writeNvdb(const std::string& path, const Volume& volume, Progress& progress) {
-  initializeOpenVDB();
-  AtomicFile file(path);
-  const auto& grids = volume.grids().all;
-  if (grids.empty())
-    throw Error(Status::Usage, path, "a .nvdb file holds one grid at least");
+void writeNvdbGrids(AtomicFile& file, const openvdb::GridPtrVec& grids,
+                    const ProgressShare& share) {
+  const std::string& path = file.path();
   std::set<std::string> names;
   for (const auto& grid : grids) {
     const std::string name = grid->getName();
@@ -117,13 +114,20 @@ void writeNvdb(const std::string& path, const Volume& volume, Progress& progress
     requireNvdbForm(*grid, path);
   }
   const std::string folder = std::filesystem::path(path).parent_path().string();
-  const ProgressShare whole(progress, 0, 1);
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const double count = double(grids.size());
     grids[i]->apply<NvdbGrids>([&](const auto& typed) {
-      writeGrid(file, typed, folder, whole.part(double(i) / count, double(i + 1) / count));
+      writeGrid(file, typed, folder, share.part(double(i) / count, double(i + 1) / count));
     });
   }
+}
+
+void writeNvdb(const std::string& path, const Volume& volume, Progress& progress) {
+  initializeOpenVDB();
+  AtomicFile file(path);
+  if (volume.grids().all.empty())
+    throw Error(Status::Usage, path, "a .nvdb file holds one grid at least");
+  writeNvdbGrids(file, volume.grids().all, ProgressShare(progress, 0, 1));
   file.commit();
 }
 

@@ -2,6 +2,8 @@
 #include "tetvdb/io/volume/TreeWriter.h"
 
 #include "tetvdb/io/volume/SpoolParts.h"
+#include "tetvdb/io/volume/VolumeFormats.h"
+#include "tetvdb/volume/Grids.h"
 
 #include <filesystem>
 #include <utility>
@@ -15,9 +17,20 @@ TreeWriterOptions inFolderOf(const std::string& path, const TreeWriterOptions& o
   return own;
 }
 
+// In either format.
+void writeMore(VdbOutput& output, const openvdb::GridPtrVec& grids, const ProgressShare& share) {
+  writeGrids(output, grids, share);
+}
+void writeMore(AtomicFile& file, const openvdb::GridPtrVec& grids, const ProgressShare& share) {
+  writeNvdbGrids(file, grids, share);
+}
+
 template <class Spool, class Output>
 std::vector<GridInfo> writeSpools(std::vector<std::unique_ptr<Spool>> spools, Output& output,
-                                  const ProgressShare& share) {
+                                  const TreeWriter::MoreGrids& more, const ProgressShare& share) {
+  Volume others; // before the rest, which takes long: a limit may be met here
+  if (more)
+    others.grids().all = more();
   std::vector<GridInfo> infos;
   for (std::size_t g = 0; g < spools.size(); ++g) {
     const double count = double(spools.size());
@@ -25,6 +38,9 @@ std::vector<GridInfo> writeSpools(std::vector<std::unique_ptr<Spool>> spools, Ou
     infos.push_back(spools[g]->describe());
     spools[g].reset(); // and its files
   }
+  writeMore(output, others.grids().all, share.part(1, 1));
+  for (GridInfo& info : describe(others))
+    infos.push_back(std::move(info));
   return infos;
 }
 
@@ -35,12 +51,13 @@ TreeVdbWriter::TreeVdbWriter(std::string path, std::map<std::string, std::string
     : path_(std::move(path)), metadata_(std::move(metadata)), options_(inFolderOf(path_, options)) {
 }
 
-std::vector<GridInfo> TreeVdbWriter::write(TreeSource& source, const ProgressShare& share,
-                                           Progress& progress) {
-  output_ = std::make_unique<VdbOutput>(path_, metadata_, source.make(NodeBox{}, progress).size());
+std::vector<GridInfo> TreeVdbWriter::write(TreeSource& source, const MoreGrids& more,
+                                           const ProgressShare& share, Progress& progress) {
+  output_ = std::make_unique<VdbOutput>(
+      path_, metadata_, source.make(NodeBox{}, progress).size() + options_.moreGrids);
   return writeSpools(spoolParts<VdbSpool>(source, makeVdbSpool, options_.spool,
                                           options_.openFirstTile, share.part(0, 0.8), progress),
-                     *output_, share.part(0.8, 1));
+                     *output_, more, share.part(0.8, 1));
 }
 
 void TreeVdbWriter::commit(Progress& progress) {
@@ -50,11 +67,11 @@ void TreeVdbWriter::commit(Progress& progress) {
 TreeNvdbWriter::TreeNvdbWriter(const std::string& path, const TreeWriterOptions& options)
     : options_(inFolderOf(path, options)), file_(path) {}
 
-std::vector<GridInfo> TreeNvdbWriter::write(TreeSource& source, const ProgressShare& share,
-                                            Progress& progress) {
+std::vector<GridInfo> TreeNvdbWriter::write(TreeSource& source, const MoreGrids& more,
+                                            const ProgressShare& share, Progress& progress) {
   return writeSpools(spoolParts<NvdbSpool>(source, makeNvdbSpool, options_.spool,
                                            options_.openFirstTile, share.part(0, 0.6), progress),
-                     file_, share.part(0.6, 1));
+                     file_, more, share.part(0.6, 1));
 }
 
 void TreeNvdbWriter::commit(Progress& progress) {

@@ -16,6 +16,7 @@
 #include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/volume/TreeSource.h"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -26,18 +27,22 @@ namespace tetvdb {
 struct TreeWriterOptions {
   /// Open the first tile of a grid without leaves, as openFirstTile() does.
   bool openFirstTile = true;
-  SpoolOptions spool; ///< its folder is replaced
+  std::size_t moreGrids = 0; ///< that come after those of the source, of any types
+  SpoolOptions spool;        ///< its folder is replaced
 };
 
 class TreeWriter {
 public:
+  using MoreGrids = std::function<openvdb::GridPtrVec()>;
+
   virtual ~TreeWriter() = default;
   /// Writes all but the end, within `share`; the bytes are those that writeVolume() would write.
-  /// What describe() would say of the grids is returned. Memory: the trees of one part of the
+  /// `more`: the grids that come after, called when the source has given all of its own. What
+  /// describe() would say of all grids is returned. Memory: the trees of one part of the
   /// source, the bytes that the options allow, and a few MB a thread. Throws Error(Write),
   /// Error(Limit) where a grid would have 2^32 leaves or more, and as progress.check() does.
-  virtual std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
-                                      Progress& progress) = 0;
+  virtual std::vector<GridInfo> write(TreeSource& source, const MoreGrids& more,
+                                      const ProgressShare& share, Progress& progress) = 0;
   virtual void commit(Progress& progress) = 0;
 };
 
@@ -46,7 +51,7 @@ public:
   /// Throws as VdbOutput does.
   TreeVdbWriter(std::string path, std::map<std::string, std::string> metadata,
                 const TreeWriterOptions& options);
-  std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
+  std::vector<GridInfo> write(TreeSource& source, const MoreGrids& more, const ProgressShare& share,
                               Progress& progress) override;
   void commit(Progress& progress) override;
 
@@ -62,7 +67,7 @@ class TreeNvdbWriter : public TreeWriter {
 public:
   /// Throws as AtomicFile does.
   TreeNvdbWriter(const std::string& path, const TreeWriterOptions& options);
-  std::vector<GridInfo> write(TreeSource& source, const ProgressShare& share,
+  std::vector<GridInfo> write(TreeSource& source, const MoreGrids& more, const ProgressShare& share,
                               Progress& progress) override;
   void commit(Progress& progress) override;
 

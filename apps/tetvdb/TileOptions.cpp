@@ -37,9 +37,10 @@ void addTileOptions(CLI::App& command, TileTexts& texts) {
       ->check(CLI::IsMember({512, 1024, 2048, 4096}).description(""))
       ->needs(folder);
   command
-      .add_option("--lod", texts.levels,
-                  "Coarser grids besides: NAME_level_K with voxels 2^K times as long, whose values "
-                  "are the share of the voxel that is inside, or the mean")
+      .add_option(
+          "--lod", texts.levels,
+          "Coarser grids besides: NAME_level_K with voxels 2^K times as long, whose values "
+          "are the share of the voxel that is inside, or the mean; with --tiles, in each file")
       ->type_name("FIRST:LAST")
       ->check(notEmpty());
 }

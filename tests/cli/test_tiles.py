@@ -419,6 +419,46 @@ class Levels(Volumes):
         self.succeed("convert", "a.vdb", "-o", "d.nvdb")
         self.assertEqual(self.hash_of("d.nvdb"), self.hash_of("a.vdb"))
 
+    def check_tiles(self, folder, whole, size):
+        """Levels of tiles against those of a whole volume: each voxel, where a tile has it, and their
+        numbers."""
+        index, names = self.tiles(folder), self.grids(whole)
+        self.assertEqual({grid["name"] for grid in index["grids"]}, set(names))
+        voxels = dict.fromkeys(names, 0)
+        for tile in index["tiles"]:
+            grids = self.grids(folder + "/" + tile["file"])
+            self.assertEqual({own["name"]: own["active_voxels"] for own in tile["grids"]},
+                             {name: grid.activeVoxelCount() for name, grid in grids.items()})
+            self.assertEqual(set(grids), set(names))
+            for name, grid in grids.items():
+                k = int(name.rpartition("_")[2]) if "_level_" in name else 0
+                low = [c >> k for c in tile["box"]["min"]]
+                voxels[name] += grid.activeVoxelCount()
+                if name == "vel":
+                    continue
+                found, wanted = (dense(one, low, [size >> k] * 3) for one in (grid, names[name]))
+                self.assertTrue((found == wanted).all(), (tile["file"], name))
+                self.assertEqual(grid.transform, names[name].transform)
+        self.assertEqual(voxels, {name: grid.activeVoxelCount() for name, grid in names.items()})
+        for grid in index["grids"]:
+            name = grid["name"]
+            self.assertEqual(grid["active_voxels"], voxels[name])
+            box = names[name].evalActiveVoxelBoundingBox()
+            self.assertEqual([grid["box"]["min"], grid["box"]["max"]], [list(c) for c in box])
+            matrix = numpy.array(grid["index_to_world"])
+            self.assertTrue(numpy.allclose((matrix @ [3, 5, 7, 1])[:3], names[name].transform.indexToWorld((3, 5, 7))))
+
+    def test_tiles(self):
+        self.write("ball.off", off(*ball(24, 300, (-20, 500, 1000))))
+        for grids, levels in (("mask,density", "1:9"), ("fog,coverage", "2:4")):
+            make = ("voxelize", "ball.off", *self.OPTIONS, "--grid", grids, "--lod", levels)
+            self.succeed(*make, "-o", "whole.vdb")
+            self.succeed(*make, "--tiles", "made", "--tile-size", 512)
+            self.check_tiles("made", "whole.vdb", 512)
+            self.succeed("voxelize", "ball.off", "-o", "plain.vdb", *self.OPTIONS, "--grid", grids)
+            self.succeed("convert", "plain.vdb", "--tiles", "cut", "--tile-size", 512, "--lod", levels)
+            self.check_tiles("cut", "whole.vdb", 512)
+
     def test_transform(self):
         """Voxels with three sizes and an origin."""
         self.write("ball.off", off(*ball(12, 3, (1, 2, 3))))
@@ -447,7 +487,9 @@ class Levels(Volumes):
         self.refuse(2, *make, "-o", "a.vdb", "--grid", "material", "--lod", "1", says=("material", "mean"))
         self.refuse(2, *make, "-o", "a.npz", "--lod", "1", says="--lod")
         self.refuse(2, *make, "-o", "a.vdb", "--shard", "0/2", "--lod", "1", says="--lod")
-        self.refuse(2, *make, "--tiles", "t", "--lod", "1", says="--lod")
+        self.refuse(2, *make, "--tiles", "t", "--tile-size", 512, "--lod", "1:10", says=("--lod", "--tile-size"))
+        self.refuse(2, *make, "--tiles", "t", "--grid", "surface", "--lod", "1", says="level set")
+        self.assertFalse(self.path("t").exists())
         self.succeed(*make, "-o", "s.vdb", "--grid", "surface")
         self.refuse(2, "convert", "s.vdb", "-o", "a.vdb", "--lod", "1", says="level set")
         self.refuse(2, "convert", "s.vdb", "-o", "a.obj", "--lod", "1", says="--lod")

@@ -4,6 +4,8 @@
 // memory.
 #include "StreamFixture.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/VolumeFile.h"
+#include "tetvdb/volume/Grids.h"
 
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -111,12 +113,63 @@ TEST_F(TileJob, StreamedLevelsAreTheSame) {
   expectSame(wanted, "full cubes");
 }
 
+TEST_F(TileJob, LevelsOfTilesAreThoseOfTheWhole) {
+  for (const bool aligned512 : {false, true}) {
+    VoxelizeJob wanted =
+        job(aligned512
+                ? aligned({-4096, 0, 4096}, {512, 4096, 8704})
+                : joined({sphere({10, -20, 4080}, 130, 16), sphere({700, 30, 4100}, 333.3, 24)}));
+    wanted.output = folder_ / "whole.vdb";
+    wanted.levels = {1, 9};
+    VoxelizeResult result;
+    make(wanted, Streaming::Never, result);
+    std::map<std::string, openvdb::GridBase::Ptr> whole;
+    const Volume all = readVolume(wanted.output, progress_);
+    for (const auto& grid : all.grids().all)
+      whole[grid->getName()] = grid;
+    fs::remove(wanted.output);
+    wanted.output = folder_ / "tiles";
+    wanted.tileSize = aligned512 ? 2048 : 512;
+    expectSame(wanted, "levels of tiles");
+    std::map<std::string, std::uint64_t> voxels;
+    for (const auto& file : fs::directory_iterator(wanted.output)) {
+      if (file.path().extension() != ".vdb")
+        continue;
+      const Volume tile = readVolume(file.path().string(), progress_);
+      const openvdb::GridPtrVec& grids = tile.grids().all;
+      EXPECT_EQ(grids.size(), 20u);
+      for (const auto& grid : grids) {
+        const auto& other = whole.at(grid->getName());
+        EXPECT_EQ(grid->transform(), other->transform());
+        voxels[grid->getName()] += grid->activeVoxelCount();
+        if (grid->getName() == "mask")
+          continue;
+        const auto& fine = static_cast<const openvdb::FloatGrid&>(*other);
+        const auto reader = fine.getConstAccessor();
+        for (auto each = static_cast<const openvdb::FloatGrid&>(*grid).cbeginValueOn(); each;
+             ++each) {
+          openvdb::CoordBBox box;
+          each.getBoundingBox(box);
+          for (const openvdb::Coord& at : {box.min(), box.max()}) {
+            float value = 0;
+            ASSERT_TRUE(reader.probeValue(at, value));
+            ASSERT_EQ(value, *each) << grid->getName() << at;
+          }
+        }
+      }
+    }
+    for (const auto& [name, grid] : whole)
+      EXPECT_EQ(voxels[name], grid->activeVoxelCount()) << name;
+    fs::remove_all(wanted.output);
+  }
+}
+
 TEST_F(TileJob, WhatDoesNotGoTogether) {
   VoxelizeJob wanted = job(sphere({0, 0, 0}, 30, 8));
   Report report;
   wanted.output = folder_ / "tiles";
   wanted.tileSize = 512;
-  wanted.levels = {1, 2};
+  wanted.levels = {1, 10}; // whose voxels are larger than tiles
   EXPECT_THROW(run(wanted, report, progress_), Error);
   wanted.levels = {};
   wanted.shard = {0, 2};

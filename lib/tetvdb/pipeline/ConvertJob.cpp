@@ -72,13 +72,12 @@ private:
     if (!job_.isVolume && (toTiles_ || !job_.levels.isEmpty()))
       throw Error(Status::Usage, toTiles_ ? "`tiles`" : "`lod`",
                   "is of a volume; the input is a mesh", "leave it out");
+    if (!job_.levels.isEmpty())
+      checkLevels(job_.levels);
     if (toTiles_)
-      requireTileFolder(job_.output, job_.tileSize, {job_.input});
-    if (job_.levels.isEmpty())
-      return;
-    checkLevels(job_.levels);
-    if (toTiles_ || !toVolume_)
-      throw Error(Status::Usage, "`lod`", "is for one .vdb or .nvdb file", "leave it out");
+      requireTileFolder(job_.output, job_.tileSize, job_.levels, {job_.input});
+    else if (!job_.levels.isEmpty() && !toVolume_)
+      throw Error(Status::Usage, "`lod`", "is for .vdb and .nvdb files, and tiles", "leave it out");
   }
 
   bool writes(FormatUse use) const { return formatForEnding(job_.output, use) != nullptr; }
@@ -118,7 +117,8 @@ private:
     result_.source = SolidSource::Volume;
     if (toTiles_ && isLargeVolume(job_.input)) {
       take(stage("write", [&] {
-        return splitVolumeFile(job_.input, job_.grids, job_.output, job_.tileSize, progress_);
+        return splitVolumeFile(job_.input, job_.grids, job_.output, job_.tileSize, progress_,
+                               tileLevels());
       }));
       return;
     }
@@ -143,8 +143,9 @@ private:
       return write(stage("extract", [&] { return extractSurface(volume, options, progress_); }));
     }
     if (toTiles_) {
-      take(stage("write",
-                 [&] { return writeTileFiles(job_.output, job_.tileSize, volume, progress_); }));
+      take(stage("write", [&] {
+        return writeTileFiles(job_.output, job_.tileSize, volume, progress_, tileLevels());
+      }));
       return;
     }
     if (!job_.levels.isEmpty())
@@ -159,6 +160,8 @@ private:
         writeVolume(job_.output, volume, progress_);
     });
   }
+
+  TileLevels tileLevels() const { return {job_.levels, memoryLeft(job_.maxMemory)}; }
 
   void take(TileFilesInfo&& files) {
     result_.grids = std::move(files.grids);

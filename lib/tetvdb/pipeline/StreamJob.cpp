@@ -106,7 +106,8 @@ public:
     options.window = std::clamp(limit_ / 2 / kStackBytes, std::size_t(2), 4 * threads);
     const openvdb::GridPtrVec grids = emptyGrids(job_, transform_);
     if (job_.tileSize > 0) {
-      tiles_.emplace(job_.output, job_.tileSize, std::move(metadata), grids);
+      tiles_.emplace(job_.output, job_.tileSize, std::move(metadata), grids,
+                     TileLevels{job_.levels, limit_ / 2});
       tiles_->add(source, options, progress);
       result.grids = tiles_->grids();
       return;

@@ -56,9 +56,6 @@ void checkLevelsOf(const VoxelizeJob& job) {
     requireLevels(std::string(infoOf(kind).name), infoOf(kind).type, infoOf(kind).gridClass);
   if (isArrayFile(job.output))
     throw Error(Status::Usage, "`lod`", "is for .vdb and .nvdb files", "leave it out");
-  if (job.tileSize > 0)
-    throw Error(Status::Usage, "`lod`", "is for one file, not for `tiles`",
-                "write the levels into a file of their own");
   if (!job.shard.isWhole() || job.plan > 0)
     throw Error(Status::Usage, "`lod`", "is for whole volumes, not for shards",
                 "add levels to the merged volume");
@@ -78,7 +75,7 @@ void checkOutputs(const VoxelizeJob& job) {
   std::vector<std::string> outputs;
   if (!job.output.empty()) {
     if (job.tileSize > 0) {
-      requireTileFolder(job.output, job.tileSize, job.inputs);
+      requireTileFolder(job.output, job.tileSize, job.levels, job.inputs);
       if (!job.shard.isWhole() || job.plan > 0)
         throw Error(Status::Usage, "`tiles`", "are of whole volumes, not of shards",
                     "cut the merged volume into tiles");
@@ -190,7 +187,7 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
     result.grids.push_back(describe(*one));
   }
   checkValues(job, result.grids, report);
-  if (!job.levels.isEmpty())
+  if (!job.levels.isEmpty() && job.tileSize == 0) // tiles get theirs when they are cut
     for (GridInfo& info :
          addDescribedLevels(made.volume, job.levels, memoryLeft(job.maxMemory), progress))
       result.grids.push_back(std::move(info));

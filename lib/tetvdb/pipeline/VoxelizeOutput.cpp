@@ -49,7 +49,7 @@ void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Rep
   }
 }
 
-void requireTileFolder(const std::string& folder, int size,
+void requireTileFolder(const std::string& folder, int size, const LevelRange& levels,
                        const std::vector<std::string>& inputs) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -61,7 +61,7 @@ void requireTileFolder(const std::string& folder, int size,
     if (formatForEnding(folder, use) != nullptr)
       throw Error(Status::Usage, folder, "is a file's name; `tiles` names a folder",
                   "choose another name");
-  checkTileFiles(folder, size);
+  checkTileFiles(folder, size, levels);
 }
 
 std::vector<GridInfo> addDescribedLevels(Volume& volume, const LevelRange& levels,
@@ -101,10 +101,13 @@ void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
   }
   if (!job.output.empty()) {
     try {
-      if (job.tileSize > 0)
-        addTileFiles(writeTileFiles(job.output, job.tileSize, volume, progress), job.output,
-                     result);
-      else if (isCurrent(nano, volume))
+      if (job.tileSize > 0) {
+        const TileFilesInfo files = writeTileFiles(job.output, job.tileSize, volume, progress,
+                                                   {job.levels, memoryLeft(job.maxMemory)});
+        const auto own = static_cast<std::ptrdiff_t>(result.grids.size());
+        result.grids.insert(result.grids.end(), files.grids.begin() + own, files.grids.end());
+        addTileFiles(files, job.output, result);
+      } else if (isCurrent(nano, volume))
         writeNanoGrids(job.output, nano, progress);
       else if (!packed.empty())
         writeVdb(job.output, volume, packed, progress);

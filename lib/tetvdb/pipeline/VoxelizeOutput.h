@@ -35,7 +35,8 @@ struct VoxelizeOutput {
 
 /// Throws Error(Usage) for a folder whose name is that of a volume or array file, or that holds one
 /// of the inputs, and as checkTileFiles() does.
-void requireTileFolder(const std::string& folder, int size, const std::vector<std::string>& inputs);
+void requireTileFolder(const std::string& folder, int size, const LevelRange& levels,
+                       const std::vector<std::string>& inputs);
 
 /// As addLevels(), with first tiles opened; what describe() says of the added grids.
 std::vector<GridInfo> addDescribedLevels(Volume& volume, const LevelRange& levels,

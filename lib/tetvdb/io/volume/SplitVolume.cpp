@@ -36,7 +36,8 @@ Entries entriesOf(const std::string& path, const VdbHeader& header, const VdbGri
 } // namespace
 
 TileFilesInfo splitVolumeFile(const std::string& path, const std::vector<std::string>& names,
-                              const std::string& folder, int size, Progress& progress) {
+                              const std::string& folder, int size, Progress& progress,
+                              const TileLevels& levels) {
   const VdbHeader header = checkedVdbHeader(path);
   std::vector<Entries> grids;
   openvdb::GridPtrVec empty;
@@ -44,7 +45,7 @@ TileFilesInfo splitVolumeFile(const std::string& path, const std::vector<std::st
     grids.push_back(entriesOf(path, header, *grid));
     empty.push_back(grids.back().empty);
   }
-  TileFolder tiles(folder, size, header.metadata, empty);
+  TileFolder tiles(folder, size, header.metadata, empty, levels);
   for (;;) {
     progress.check();
     std::optional<openvdb::Coord> origin;

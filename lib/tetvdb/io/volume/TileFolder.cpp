@@ -8,6 +8,7 @@
 #include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/StoredNodes.h"
 #include "tetvdb/io/volume/TileTree.h"
+#include "tetvdb/volume/BitLevels.h"
 
 #include <algorithm>
 #include <array>
@@ -18,6 +19,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <tuple>
 #include <unistd.h>
@@ -52,6 +54,14 @@ void checkSize(int size) {
   if (size != 512 && size != 1024 && size != 2048 && size != kRootChild)
     throw Error(Status::Usage, "`tile_size`", fmt::format("is {}", size),
                 "choose 512, 1024, 2048 or 4096");
+}
+
+void checkSize(int size, const LevelRange& levels) {
+  if (!levels.isEmpty() && (1 << levels.last) > size)
+    throw Error(Status::Usage, "`lod`",
+                fmt::format("a voxel of level {} is {} voxels long, and tiles are cubes of {}",
+                            levels.last, 1 << levels.last, size),
+                "end with a finer level, or choose a larger `tile_size`");
 }
 
 /// The grid without voxels; the tree's statistics are those of another one.
@@ -171,17 +181,20 @@ void forCubes(const openvdb::Coord& origin, std::int32_t size, const Work& work)
 
 } // namespace
 
-void checkTileFiles(const std::string& folder, int size) {
+void checkTileFiles(const std::string& folder, int size, const LevelRange& levels) {
   checkSize(size);
+  checkSize(size, levels);
   const AtomicFolder probe(folder, contents());
 }
 
 TileFolder::TileFolder(const std::string& folder, int size,
                        std::map<std::string, std::string> metadata,
-                       const openvdb::GridPtrVec& grids)
-    : size_(size), metadata_(std::move(metadata)), folder_(folder, contents()) {
+                       const openvdb::GridPtrVec& grids, const TileLevels& levels)
+    : size_(size), metadata_(std::move(metadata)), levels_(levels), own_(grids.size()),
+      folder_(folder, contents()) {
   initializeOpenVDB();
   checkSize(size);
+  checkSize(size, levels.range);
   for (const auto& grid : grids) {
     if (!grid->transform().isLinear() ||
         canonicalBytes(grid->transform()) != canonicalBytes(grids.front()->transform()))
@@ -190,6 +203,13 @@ TileFolder::TileFolder(const std::string& folder, int size,
                   "are cubes of one index space",
                   "choose grids of one transform with `grid`");
     empty_.push_back(emptied(*grid));
+  }
+  if (!levels.range.isEmpty()) {
+    Volume volume;
+    volume.grids().all = empty_;
+    Progress none;
+    addLevels(volume, levels.range, levels.maxMemory, none);
+    empty_ = volume.grids().all;
   }
   grids_ = describeAll(empty_);
 }
@@ -239,6 +259,12 @@ void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& ori
     }
     if (!any)
       return;
+    if (!levels_.range.isEmpty()) {
+      addLevels(volume, levels_.range, levels_.maxMemory, within);
+      openvdb::GridPtrVec& all = volume.grids().all;
+      for (std::size_t g = own_; g < all.size(); ++g)
+        openFirstTile(*all[g]);
+    }
     naming(folder_, [&] { writeVolume(nextPath(), volume, within); });
     finish({corner.x(), corner.y(), corner.z()}, describe(volume));
   });
@@ -273,10 +299,22 @@ void TileFolder::addCube(BitSource& source, const Vec3i& origin, const BitVdbOpt
                          Progress& progress) {
   QuietProgress within(progress);
   openvdb::GridPtrVec grids;
-  for (const auto& grid : empty_)
-    grids.push_back(emptied(*grid));
-  BitVdbWriter writer(nextPath(), metadata_, std::move(grids), options);
-  std::vector<GridInfo> infos = writer.write(source, within);
+  for (std::size_t g = 0; g < own_; ++g)
+    grids.push_back(emptied(*empty_[g]));
+  BitVdbOptions own = options;
+  std::optional<BitLevels> levels;
+  if (!levels_.range.isEmpty()) {
+    levels.emplace(source, levels_.range, levels_.maxMemory / own_);
+    own.moreGrids = empty_.size() - own_;
+  }
+  BitVdbWriter writer(nextPath(), metadata_, grids, own);
+  BitSource& passed = levels ? static_cast<BitSource&>(*levels) : source;
+  std::vector<GridInfo> infos = writer.write(passed, within, [&] {
+    openvdb::GridPtrVec coarser = levels->finish(grids);
+    for (const auto& grid : coarser)
+      openFirstTile(*grid);
+    return coarser;
+  });
   if (infos.front().activeVoxels == 0)
     return;
   writer.commit(within);
@@ -333,9 +371,9 @@ TileFilesInfo TileFolder::commit(Progress& progress) {
 }
 
 TileFilesInfo writeTileFiles(const std::string& folder, int size, const Volume& volume,
-                             Progress& progress) {
+                             Progress& progress, const TileLevels& levels) {
   const openvdb::GridPtrVec& grids = volume.grids().all;
-  TileFolder tiles(folder, size, volume.metadata, grids);
+  TileFolder tiles(folder, size, volume.metadata, grids, levels);
   const std::vector<openvdb::Coord> origins = rootOrigins(grids);
   for (std::size_t i = 0; i < origins.size(); ++i) {
     progress.update(double(i) / double(origins.size()));

@@ -18,9 +18,9 @@ namespace tetvdb {
 class TileFolder {
 public:
   /// `grids`: with names, types, classes and transforms; their trees are not used. `metadata`: of
-  /// every file. Throws as writeTileFiles() does.
+  /// every file. `levels`: that every file gets of what it holds. Throws as writeTileFiles() does.
   TileFolder(const std::string& folder, int size, std::map<std::string, std::string> metadata,
-             const openvdb::GridPtrVec& grids);
+             const openvdb::GridPtrVec& grids, const TileLevels& levels = {});
 
   /// Writes what `parts`, trees of the grids in their order, have in the child of the root node at
   /// `origin`. Memory: that of one file's nodes.
@@ -52,7 +52,9 @@ private:
 
   std::int32_t size_;
   std::map<std::string, std::string> metadata_;
-  openvdb::GridPtrVec empty_;   ///< grids without voxels
+  TileLevels levels_;
+  std::size_t own_;             ///< grids that are no levels
+  openvdb::GridPtrVec empty_;   ///< all grids without voxels, levels last
   std::vector<GridInfo> grids_; ///< sums
   std::vector<File> files_;
   AtomicFolder folder_;

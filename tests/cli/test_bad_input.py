@@ -268,7 +268,7 @@ class Limits(CommandLineTest):
     def test_memory(self):
         self.refuse(4, "voxelize", "big.mesh", "-o", "out.vdb", "--resolution", 2000,
                     "--max-memory", "1M", says="memory")
-        # Coarser grids of .nvdb files are made of whole trees.
+        # The coarser grids are in memory where the others are streamed.
         self.refuse(4, "voxelize", "big.mesh", "-o", "out.nvdb", "--resolution", 4000, "--lod", "1:1",
                     "--max-memory", "200M", says="memory")
 

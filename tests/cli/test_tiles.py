@@ -449,7 +449,7 @@ class Levels(Volumes):
             self.assertTrue(numpy.allclose((matrix @ [3, 5, 7, 1])[:3], names[name].transform.indexToWorld((3, 5, 7))))
 
     def test_tiles(self):
-        self.write("ball.off", off(*ball(24, 300, (-20, 500, 1000))))
+        self.write("ball.off", off(*ball(24, 100, (-20, 500, 1000))))
         for grids, levels in (("mask,density", "1:9"), ("fog,coverage", "2:4")):
             make = ("voxelize", "ball.off", *self.OPTIONS, "--grid", grids, "--lod", levels)
             self.succeed(*make, "-o", "whole.vdb")

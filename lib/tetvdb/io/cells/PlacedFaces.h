@@ -3,6 +3,7 @@
 // Collects the meshes of a scene, with repetitions, in one TriangleMesh.
 #pragma once
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/io/cells/FaceCollector.h"
 #include "tetvdb/mesh/TriangleMesh.h"
@@ -50,7 +51,7 @@ struct Placement {
 /// numbers from 0.
 class PlacedFaces {
 public:
-  explicit PlacedFaces(std::string path) : faces_(std::move(path)) {}
+  explicit PlacedFaces(const std::string& path) : path_(path), faces_(path) {}
 
   void beginMesh(const Placement& placement, std::size_t points) {
     placement_ = placement;
@@ -69,15 +70,45 @@ public:
       std::reverse(corners_.begin() + 1, corners_.end());
     faces_.addPolygon(corners_.data(), n);
   }
+  /// A mesh of triangles, which may be one of many that a file of `fileBytes` repeats: the size of
+  /// a single one is not limited. Throws as failRepeated().
+  void addMesh(const Placement& placement, const std::vector<Vec3d>& points,
+               const std::vector<std::uint32_t>& triangles, std::uint64_t fileBytes) {
+    constexpr std::uint64_t kMaxNumbers = std::uint64_t(1) << 28; // points and corners
+    const std::uint64_t numbers = points.size() + triangles.size();
+    if (numbers_ > 0 && numbers_ + numbers > std::max(kMaxNumbers, fileBytes))
+      failRepeated();
+    numbers_ += numbers;
+    beginMesh(placement, points.size());
+    for (const Vec3d& p : points)
+      addPoint(p);
+    for (std::size_t i = 0; i < triangles.size(); i += 3)
+      addPolygon(triangles.data() + i, 3);
+  }
+  /// To be called for every placement, nested ones counted again. Throws as failRepeated().
+  void countPlacement(std::size_t depth) {
+    constexpr std::size_t kMaxPlacements = std::size_t(1) << 20, kMaxDepth = 256;
+    if (++placements_ > kMaxPlacements || depth > kMaxDepth)
+      failRepeated();
+  }
   TriangleMesh finish(Report& report) { return faces_.finish(report); }
 
 private:
+  /// Throws Error(Limit).
+  [[noreturn]] void failRepeated() const {
+    throw Error(Status::Limit, path_, "its parts contain one another too often or too deeply",
+                "merge the parts and export it again");
+  }
+
+  std::string path_;
   FaceCollector faces_;
   Placement placement_;
   bool mirrored_ = false;
   std::size_t first_ = 0; ///< number of the mesh's first point
   std::size_t points_ = 0;
   std::vector<std::uint32_t> corners_;
+  std::size_t placements_ = 0;
+  std::uint64_t numbers_ = 0; ///< points and corners of addMesh()
 };
 
 } // namespace tetvdb

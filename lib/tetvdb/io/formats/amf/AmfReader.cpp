@@ -12,7 +12,6 @@
 #include "tetvdb/io/text/XmlScanner.h"
 #include "tetvdb/io/text/ZipDirectory.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -23,10 +22,6 @@
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kMaxPlacements = std::size_t(1) << 20; // nested ones counted again
-constexpr std::size_t kMaxDepth = 256;
-constexpr std::uint64_t kMaxCorners = std::uint64_t(1) << 28; // points and corners, if repeated
 
 /// Scaled, then rotated about x, y and z, then moved.
 struct Instance {
@@ -177,8 +172,7 @@ private:
   }
 
   void place(const std::string& id, const Placement& outer, std::size_t depth) {
-    if (++placements_ > kMaxPlacements || depth > kMaxDepth)
-      failRepeated();
+    faces_.countPlacement(depth);
     if (const auto object = objects_.find(id); object != objects_.end()) {
       addMesh(object->second, outer);
       return;
@@ -193,23 +187,8 @@ private:
   }
 
   void addMesh(const Object& object, const Placement& placement) {
-    const std::uint64_t corners = object.points.size() + object.triangles.size();
-    // The size of a single mesh is not limited, only that of its repetitions.
-    if (corners_ > 0 && corners_ + corners > std::max(kMaxCorners, source_.bytes.size()))
-      failRepeated();
-    corners_ += corners;
-    faces_.beginMesh(placement, object.points.size());
-    for (const Vec3d& p : object.points)
-      faces_.addPoint(p);
-    for (std::size_t i = 0; i < object.triangles.size(); i += 3)
-      faces_.addPolygon(object.triangles.data() + i, 3);
+    faces_.addMesh(placement, object.points, object.triangles, source_.bytes.size());
     progress_.check();
-  }
-
-  [[noreturn]] void failRepeated() const {
-    throw Error(Status::Limit, source_.path,
-                "its constellations contain one another too often or too deeply",
-                "merge the parts and export it again");
   }
 
   std::string_view text_;
@@ -222,8 +201,7 @@ private:
   std::map<std::string, std::vector<Instance>, std::less<>> constellations_;
   Object* object_ = nullptr; ///< the current ones
   std::vector<Instance>* constellation_ = nullptr;
-  std::size_t placements_ = 0, missing_ = 0;
-  std::uint64_t corners_ = 0;
+  std::size_t missing_ = 0;
 };
 
 } // namespace

@@ -11,17 +11,11 @@
 #include "tetvdb/io/text/XmlScanner.h"
 #include "tetvdb/io/text/ZipDirectory.h"
 
-#include <algorithm>
 #include <map>
 #include <utility>
 
 namespace tetvdb {
 namespace {
-
-constexpr std::size_t kMaxPlacements = std::size_t(1)
-                                       << 20; // of objects, nested ones counted again
-constexpr std::size_t kMaxDepth = 256;
-constexpr std::uint64_t kMaxCorners = std::uint64_t(1) << 28; // points and corners, if repeated
 
 /// Names in archives: without the first slash, any case.
 std::string normalized(std::string_view name) {
@@ -103,8 +97,7 @@ private:
 
   void place(const ThreeMfReference& reference, const std::string& path, const Placement& outer,
              std::size_t depth) {
-    if (++placements_ > kMaxPlacements || depth > kMaxDepth)
-      failRepeated();
+    faces_.countPlacement(depth);
     const std::string inside = reference.path.empty() ? path : normalized(reference.path);
     const ThreeMfModel* part = model(inside);
     const ThreeMfObject* object = nullptr;
@@ -126,23 +119,8 @@ private:
   }
 
   void addMesh(const ThreeMfObject& object, const Placement& placement) {
-    const std::uint64_t corners = object.points.size() + object.triangles.size();
-    // The size of a single mesh is not limited, only that of its repetitions.
-    if (corners_ > 0 && corners_ + corners > std::max(kMaxCorners, source_.bytes.size()))
-      failRepeated();
-    corners_ += corners;
-    faces_.beginMesh(placement, object.points.size());
-    for (const Vec3d& p : object.points)
-      faces_.addPoint(p);
-    for (std::size_t i = 0; i < object.triangles.size(); i += 3)
-      faces_.addPolygon(object.triangles.data() + i, 3);
+    faces_.addMesh(placement, object.points, object.triangles, source_.bytes.size());
     progress_.check();
-  }
-
-  [[noreturn]] void failRepeated() const {
-    throw Error(Status::Limit, source_.path,
-                "its components contain one another too often or too deeply",
-                "merge the parts and export it again");
   }
 
   const Source& source_;
@@ -153,9 +131,7 @@ private:
   std::vector<MeshPart> parts_;
   std::size_t item_ = 0; ///< of the build: the one that is being placed
   std::string itemName_;
-  std::size_t placements_ = 0;
   std::size_t missing_ = 0;
-  std::uint64_t corners_ = 0;
 };
 
 } // namespace

@@ -112,7 +112,7 @@ Format cellsOrFaces(FileFormat id, std::string_view name, std::string_view endin
                     bool (*isContent)(const FileStart&),
                     bool (*hasSolidCells)(const Source&, Report&, Progress&)) {
   Format format =
-      cells(id, name, endings, description, holds | kTets | kTriangles | kArrays, isContent, read);
+      cells(id, name, endings, description, holds | kTets | kTriangles, isContent, read);
   format.readTriangles = readFaces<read>;
   format.hasSolidCells = hasSolidCells;
   return format;
@@ -144,78 +144,77 @@ std::vector<Format> makeTable() {
 
   // --- solid cells ---
   all.push_back(cellsOrFaces<readGmsh>(FileFormat::Gmsh, "Gmsh .msh", ".msh",
-                                       "Versions 1, 2, 4.0 and 4.1", 0, isGmsh, gmshHasSolidCells));
+                                       "Versions 1, 2, 4.0 and 4.1", kArrays, isGmsh,
+                                       gmshHasSolidCells));
   all.back().isNamed = isDamagedGmsh;
   all.back().writeTets = writeGmsh;
   all.back().spoolCells = spoolGmsh;
   all.push_back(cellsOrFaces<readMedit>(FileFormat::Medit, "Medit .mesh", ".mesh", "GMF as text", 0,
                                         isMedit, meditHasSolidCells));
-  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedMedit;
   all.back().writeTets = writeMedit;
   all.push_back(cellsOrFaces<readMeditBinary>(FileFormat::MeditBinary, "Medit .meshb", ".meshb",
                                               "GMF in binary", 0, isMeditBinary,
                                               meditBinaryHasSolidCells));
-  all.back().holds &= ~kArrays;
   all.push_back(cells(FileFormat::TetGen, "TetGen .node and .ele", ".ele .node",
                       "Two files side by side", kTets | kArrays, nullptr, readTetGen));
   all.back().isNamed = isAny;
   all.push_back(cellsOrFaces<readNetgen>(FileFormat::Netgen, "Netgen .vol", ".vol",
                                          "Netgen's meshes", 0, isNetgen, netgenHasSolidCells));
-  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedNetgen;
   all.push_back(cellsOrFaces<readAbaqus>(FileFormat::Abaqus, "Abaqus .inp", ".inp",
                                          "Decks of Abaqus and CalculiX", 0, isAbaqus,
                                          abaqusHasSolidCells));
-  all.back().holds &= ~kArrays;
   all.back().isNamed = isDamagedAbaqus;
   all.push_back(cellsOrFaces<readUcd>(FileFormat::Ucd, "AVS UCD .inp", ".inp .avs .ucd",
-                                      "Unstructured cell data, text or binary", 0, isUcd,
+                                      "Unstructured cell data, text or binary", kArrays, isUcd,
                                       ucdHasSolidCells));
   all.push_back(cellsOrFaces<readVtk>(FileFormat::Vtk, "VTK .vtk", ".vtk",
-                                      "VTK's legacy grids and polygons, text or binary", 0, isVtk,
-                                      vtkHasSolidCells));
+                                      "VTK's legacy grids and polygons, text or binary", kArrays,
+                                      isVtk, vtkHasSolidCells));
   all.push_back(cellsOrFaces<readVtu>(FileFormat::Vtu, "VTK .vtu", ".vtu",
-                                      "VTK XML unstructured grid", 0, isVtu, vtuHasSolidCells));
+                                      "VTK XML unstructured grid", kArrays, isVtu,
+                                      vtuHasSolidCells));
   all.back().writeTets = writeVtu;
   all.back().spoolCells = spoolVtu;
   all.push_back(cellsOrFaces<readPvtu>(FileFormat::Pvtu, "VTK .pvtu", ".pvtu",
-                                       "An index of .vtu pieces", 0, isPvtu, pvtuHasSolidCells));
+                                       "An index of .vtu pieces", kArrays, isPvtu,
+                                       pvtuHasSolidCells));
   all.push_back(triangles(FileFormat::Vtp, "VTK .vtp", ".vtp", "VTK XML polygons and strips", isVtp,
                           readFaces<readVtu>, nullptr));
   all.push_back(cellsOrFaces<readVtm>(FileFormat::Vtm, "VTK .vtm", ".vtm .vtmb",
-                                      "Blocks, each a file beside it", 0, isVtm, vtmHasSolidCells));
+                                      "Blocks, each a file beside it", kArrays, isVtm,
+                                      vtmHasSolidCells));
   all.push_back(row(FileFormat::Pvd, "ParaView .pvd", ".pvd", "A sequence: the files of every step",
                     kTets | kTriangles | kArrays | kSteps));
   all.back().isContent = isPvd;
   all.push_back(
       cellsOrFaces<readXdmf>(FileFormat::Xdmf, "XDMF", ".xdmf .xmf",
                              "XML, with numbers in it, in binary files or in HDF5 files beside it",
-                             kSteps, isXdmf, xdmfHasSolidCells));
+                             kArrays | kSteps, isXdmf, xdmfHasSolidCells));
   all.back().readTimes = timesOfXdmf;
   all.back().spoolCells = spoolXdmf;
   all.push_back(cellsOrFaces<readVtkHdf>(FileFormat::VtkHdf, "VTKHDF", ".vtkhdf .hdf",
-                                         "VTK's grids and polygons in HDF5", kSteps, isVtkHdf,
-                                         vtkHdfHasSolidCells));
+                                         "VTK's grids and polygons in HDF5", kArrays | kSteps,
+                                         isVtkHdf, vtkHdfHasSolidCells));
   all.back().readTimes = vtkHdfTimes;
   all.push_back(cellsOrFaces<readCgns>(FileFormat::Cgns, "CGNS", ".cgns",
-                                       "Zones of flow solvers in HDF5 or ADF", kSteps, isCgns,
-                                       cgnsHasSolidCells));
+                                       "Zones of flow solvers in HDF5 or ADF", kArrays | kSteps,
+                                       isCgns, cgnsHasSolidCells));
   all.back().readTimes = cgnsTimes;
   all.push_back(cellsOrFaces<readEnsight>(FileFormat::Ensight, "EnSight Gold", ".case .encas",
-                                          "A case that names the files of every step", kSteps,
-                                          isEnsight, ensightHasSolidCells));
+                                          "A case that names the files of every step",
+                                          kArrays | kSteps, isEnsight, ensightHasSolidCells));
   all.back().readTimes = ensightTimes;
   all.push_back(cellsOrFaces<readFrd>(FileFormat::Frd, "CalculiX .frd", ".frd",
-                                      "Results of CalculiX, text or binary", kSteps, isFrd,
-                                      frdHasSolidCells));
+                                      "Results of CalculiX, text or binary", kArrays | kSteps,
+                                      isFrd, frdHasSolidCells));
   all.back().readTimes = frdTimes;
   all.push_back(cellsOrFaces<readNeu>(FileFormat::Neu, "Gambit .neu", ".neu",
                                       "Gambit neutral files, as for Fluent", 0, isNeu,
                                       neuHasSolidCells));
-  all.back().holds &= ~kArrays;
   all.push_back(cellsOrFaces<readExodus>(FileFormat::Exodus, "Exodus", ".exo .e .exo2 .g",
-                                         "Exodus II in netCDF or HDF5", kSteps, isExodus,
+                                         "Exodus II in netCDF or HDF5", kArrays | kSteps, isExodus,
                                          exodusHasSolidCells));
   all.back().readTimes = exodusTimes;
 

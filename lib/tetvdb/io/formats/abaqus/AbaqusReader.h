@@ -13,10 +13,10 @@ namespace tetvdb {
 
 /// Nodes and elements in file order, parts as placed by *INSTANCE. The element sets that a *SOLID
 /// SECTION names, or all if there is none, become regions, numbered from 1 and named; an element in
-/// several belongs to the last one. Steps, materials and loads are ignored. Throws Error(Invalid)
-/// with line for *INCLUDE and INPUT= (data in other files), for generated nodes and elements, and
-/// for an incomplete or inconsistent mesh.
-/// Shells, membranes and rigid faces keep their corners where `options.faces` asks for them.
+/// several belongs to the last one. Steps, materials and loads are ignored. Shells, membranes,
+/// rigid faces and plane elements keep their corners where `options.faces` asks for them. Throws
+/// Error(Invalid) with line for *INCLUDE and INPUT= (data in other files), for generated nodes and
+/// elements, and for an incomplete or inconsistent mesh.
 CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

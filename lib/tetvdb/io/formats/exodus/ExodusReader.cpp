@@ -157,12 +157,9 @@ private:
 /// Numbers read at a time, so that reading a long variable can be cancelled.
 constexpr std::size_t kChunk = 1 << 20;
 
-std::string upperPrefix(const std::string& elementType) {
-  std::string prefix = elementType.substr(0, 3);
-  for (char& c : prefix)
-    if (c >= 'a' && c <= 'z')
-      c = static_cast<char>(c - 'a' + 'A');
-  return prefix;
+/// By which types are told apart.
+std::string prefixOf(const std::string& elementType) {
+  return lowerCase(elementType.substr(0, 3));
 }
 
 /// The kind of an element type, by its first three letters and its node count.
@@ -173,14 +170,14 @@ CellKind kindOf(const std::string& elementType, std::size_t nodes) {
     std::uint32_t corners;
   };
   static constexpr Known kKnown[] = {
-      {"TET", CellType::Tetra, 4}, {"HEX", CellType::Hexahedron, 8}, {"WED", CellType::Wedge, 6},
-      {"PRI", CellType::Wedge, 6}, {"PYR", CellType::Pyramid, 5},    {"TRI", CellType::Flat, 0},
-      {"QUA", CellType::Flat, 0},  {"SHE", CellType::Flat, 0},       {"SQU", CellType::Flat, 0},
-      {"BAR", CellType::Flat, 0},  {"BEA", CellType::Flat, 0},       {"TRU", CellType::Flat, 0},
-      {"EDG", CellType::Flat, 0},  {"LIN", CellType::Flat, 0},       {"ROD", CellType::Flat, 0},
-      {"CIR", CellType::Flat, 0},  {"SPH", CellType::Flat, 0},       {"POI", CellType::Flat, 0},
-      {"NOD", CellType::Flat, 0},  {"NSI", CellType::Flat, 0}};
-  const std::string prefix = upperPrefix(elementType);
+      {"tet", CellType::Tetra, 4}, {"hex", CellType::Hexahedron, 8}, {"wed", CellType::Wedge, 6},
+      {"pri", CellType::Wedge, 6}, {"pyr", CellType::Pyramid, 5},    {"tri", CellType::Flat, 0},
+      {"qua", CellType::Flat, 0},  {"she", CellType::Flat, 0},       {"squ", CellType::Flat, 0},
+      {"bar", CellType::Flat, 0},  {"bea", CellType::Flat, 0},       {"tru", CellType::Flat, 0},
+      {"edg", CellType::Flat, 0},  {"lin", CellType::Flat, 0},       {"rod", CellType::Flat, 0},
+      {"cir", CellType::Flat, 0},  {"sph", CellType::Flat, 0},       {"poi", CellType::Flat, 0},
+      {"nod", CellType::Flat, 0},  {"nsi", CellType::Flat, 0}};
+  const std::string prefix = prefixOf(elementType);
   const auto each = static_cast<std::uint32_t>(std::min<std::size_t>(nodes, 1000));
   for (const Known& known : kKnown)
     if (prefix == known.prefix)
@@ -190,11 +187,11 @@ CellKind kindOf(const std::string& elementType, std::size_t nodes) {
 
 /// The corners of a triangle or quadrilateral, or of a shell of one of these shapes; 0 for others.
 std::uint32_t faceCorners(const std::string& elementType, std::size_t nodes) {
-  const std::string prefix = upperPrefix(elementType);
-  if (prefix == "TRI" || (prefix == "SHE" && (nodes == 3 || nodes == 6)))
+  const std::string prefix = prefixOf(elementType);
+  if (prefix == "tri" || (prefix == "she" && (nodes == 3 || nodes == 6)))
     return 3;
-  if (prefix == "QUA" || prefix == "SQU" ||
-      (prefix == "SHE" && (nodes == 4 || nodes == 8 || nodes == 9)))
+  if (prefix == "qua" || prefix == "squ" ||
+      (prefix == "she" && (nodes == 4 || nodes == 8 || nodes == 9)))
     return 4;
   return 0;
 }

@@ -3,6 +3,7 @@
 // .nvdb files against NanoVDB's own converter and reader.
 #define NANOVDB_USE_BLOSC
 #include "TemporaryFolder.h"
+#include "io/VolumeSamples.h"
 #include "tetvdb/core/NanoVdb.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/volume/Grids.h"
@@ -11,7 +12,6 @@
 #include <cstring>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <random>
 #include <string>
 #include <tbb/global_control.h>
 
@@ -36,26 +36,10 @@ typename GridT::Ptr newGrid(const std::string& name, typename GridT::ValueType b
 template <class GridT, class Make>
 typename GridT::Ptr scattered(const std::string& name, const Make& make, int voxels,
                               openvdb::GridClass gridClass = openvdb::GRID_UNKNOWN) {
-  std::mt19937 random(11);
   auto grid = newGrid<GridT>(name, make(0.25), gridClass);
   auto& tree = grid->tree();
-  std::normal_distribution<double> place(0, 60), value(0, 3);
-  for (int i = 0; i < voxels; ++i) {
-    const int far = static_cast<int>(random() % 3) * 5000 - 5000;
-    const openvdb::Coord at(static_cast<int>(place(random)) + far, static_cast<int>(place(random)),
-                            static_cast<int>(place(random)) - far);
-    if (i % 5 == 0)
-      tree.setValueOff(at, make(value(random)));
-    else
-      tree.setValueOn(at, make(value(random)));
-  }
+  test::scatterNodes(tree, make, voxels, 60, 11);
   tree.setValueOff({1000, 1000, 1000}, make(7)); // a leaf without active voxels
-  tree.addTile(1, {2000, 300, -8}, make(2), true);
-  tree.addTile(1, {2000, 300, -16}, make(-4), false);
-  tree.addTile(2, {-512, 1024, 128}, make(1.5), true);
-  tree.addTile(2, {-512, 1024, 256}, make(2.5), false);
-  tree.addTile(3, {8192, 0, 0}, make(3), true);
-  tree.addTile(3, {-12288, 0, 0}, make(4), false);
   return grid;
 }
 

@@ -206,8 +206,8 @@ class ValuesStream(CommandLineTest):
         self.write("rod.off", off(*rod(9000, 15)))
         self.write("tets.msh", tet_bar(90, 40))
 
-    def expect_same(self, source, *grids, parts=3):
-        options = (source, "--voxel-size", "1", "--grid", ",".join(grids))
+    def expect_same(self, source, *grids, parts=3, more=()):
+        options = (source, "--voxel-size", "1", "--grid", ",".join(grids), *more)
         self.succeed("voxelize", *options, "-o", "trees.vdb")
         expected = self.path("trees.vdb").read_bytes()
         for i in range(parts):
@@ -221,6 +221,19 @@ class ValuesStream(CommandLineTest):
 
     def test_shards_of_tets(self):
         self.expect_same("tets.msh", "tet_id", "material", "surface")
+
+    def test_levels_of_shards(self):
+        # --half: parts have what is rounded when all voxels of a node are known.
+        self.expect_same("rod.off", "fog", "coverage", "mask", more=("--lod", "1:12", "--half"))
+
+    def test_levels_of_shards_of_arrays(self):
+        points = [" ".join("%r" % (8000.0 * c - 4000) for c in p)
+                  for p in ((0, 0, 0), (1, 0.01, 0), (1, 0, 0.01), (0.99, 0.01, 0.02))]
+        self.write("needle.vtk", "# vtk DataFile Version 3.0\nneedle\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                   "POINTS 4 double\n%s\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\n"
+                   "SCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4.5\n"
+                   "VECTORS flow float\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n" % "\n".join(points))
+        self.expect_same("needle.vtk", "heat", "flow", "density", more=("--lod", "2:9"))
 
     def test_shards_of_materials(self):
         self.write("other.off", off(*ball(200, 30, (4000, 20, 0))))
@@ -315,6 +328,42 @@ class Shards(CommandLineTest):
             random.Random(-count).shuffle(names)
             self.succeed("merge", *names, "-o", "merged.vdb")
             self.assertTrue(self.path("merged.vdb").read_bytes() == self.one, count)
+
+    def test_levels(self):
+        levels = ("--lod", "1:12")
+        self.succeed("voxelize", "rod.off", "-o", "one.vdb", *self.OPTIONS, *levels)
+        one = self.path("one.vdb").read_bytes()
+        for count in (1, 2, 3, 7):
+            order = list(range(count))
+            random.Random(count).shuffle(order)
+            for i in order:
+                self.shard(i, count, *levels, "--threads", 1 + i % 2)
+            names = self.parts(count) if count > 1 else ["part.vdb"]
+            if count > 1:
+                random.Random(-count).shuffle(names)
+                self.succeed("merge", *names, "-o", "merged.vdb")
+            self.assertTrue(self.path("merged.vdb" if count > 1 else names[0]).read_bytes() == one, count)
+        # A part can be used as it is: voxels of a level that no other part has.
+        grids = {g["name"]: g["active_voxels"] for g in self.report_of("info", "one.vdb")["input"][0]["grids"]}
+        found = dict.fromkeys(grids, 0)
+        for name in self.parts(7):
+            for grid in self.report_of("info", name)["input"][0]["grids"]:
+                found[grid["name"]] += grid["active_voxels"]
+        self.assertEqual(found, grids)
+        self.shard(0, 7)  # has no levels
+        self.refuse(3, "merge", *self.parts(7), "-o", "m.vdb", says=("part.",))
+        self.shard(0, 7, "--lod", "1:3")
+        self.refuse(3, "merge", *self.parts(7), "-o", "m.vdb", says=("another volume",))
+
+    def test_levels_of_tiles_alone(self):
+        points, faces = box_faces()
+        self.write("box.off", off([tuple(c * 8192 - 0.5 for c in p) for p in points], faces))
+        options = (*self.OPTIONS, "--lod", "1:12")
+        self.succeed("voxelize", "box.off", "-o", "one.vdb", *options, "--shard", "0/1")
+        for i in range(3):
+            self.succeed("voxelize", "box.off", "-o", "tile.vdb", *options, "--shard", "%d/3" % i)
+        self.succeed("merge", *("tile.%d-of-3.vdb" % i for i in range(3)), "-o", "merged.vdb")
+        self.assertTrue(self.path("merged.vdb").read_bytes() == self.path("one.vdb").read_bytes())
 
     def test_parts_are_volumes(self):
         whole = self.report_of("info", "one.vdb")["input"][0]["grids"][0]["active_voxels"]

@@ -119,7 +119,11 @@ public:
     }
     writer_.emplace(job_.output, std::move(metadata), grids, options);
     BitSource& passed = levels ? static_cast<BitSource&>(*levels) : source;
-    result.grids = writer_->write(passed, progress, [&] { return finished(*levels, grids); });
+    result.grids = writer_->write(passed, progress, [&] {
+      openvdb::GridPtrVec coarser = levels->finish(grids);
+      finishLevels(job_, coarser);
+      return coarser;
+    });
   }
   void commit(VoxelizeResult& result, Progress& progress) {
     if (job_.plan > 0)
@@ -134,13 +138,6 @@ public:
   }
 
 private:
-  static openvdb::GridPtrVec finished(BitLevels& levels, const openvdb::GridPtrVec& grids) {
-    openvdb::GridPtrVec coarser = levels.finish(grids);
-    for (const auto& grid : coarser)
-      openFirstTile(*grid);
-    return coarser;
-  }
-
   // A GPU may be faster still.
   bool fasterWins() const {
     std::string why;

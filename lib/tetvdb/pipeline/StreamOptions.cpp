@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/StreamOptions.h"
 
 #include "tetvdb/pipeline/JobFiles.h"
+#include "tetvdb/volume/Grids.h"
 
 #include <filesystem>
 #include <fmt/format.h>
@@ -41,14 +42,27 @@ VoxelizeOptions streamOptions(const VoxelizeJob& job) {
 
 PartMetadata partMetadata(const VoxelizeJob& job, const GridTransform& transform,
                           const std::string& mark) {
-  std::string what = mark + fmt::format(" {} {} {} {}", int(job.voxelize.rule), int(job.maskType),
-                                        job.half, job.shard.count);
+  std::string what =
+      mark + fmt::format(" {} {} {} {} {}:{}", int(job.voxelize.rule), int(job.maskType), job.half,
+                         job.shard.count, job.levels.first, job.levels.last);
   for (const GridKind kind : job.grids)
     what += fmt::format(" {}", infoOf(kind).name);
   for (std::size_t k = 0; k < 3; ++k)
     what += fmt::format(" {} {}", transform.voxelSize[k], transform.origin[k]);
   const XXH128_hash_t hash = XXH3_128bits(what.data(), what.size());
   return {job.shard.index, job.shard.count, fmt::format("{:016x}{:016x}", hash.high64, hash.low64)};
+}
+
+void finishLevels(const VoxelizeJob& job, const openvdb::GridPtrVec& levels) {
+  for (const auto& level : levels) {
+    if (job.shard.isWhole()) {
+      openFirstTile(*level);
+      continue;
+    }
+    level->insertMeta(kPartLevel, openvdb::BoolMetadata(level->saveFloatAsHalf()));
+    if (level->saveFloatAsHalf())
+      level->setSaveFloatAsHalf(false);
+  }
 }
 
 void moveReport(Report& told, Report& report) {

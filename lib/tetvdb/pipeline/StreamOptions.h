@@ -8,6 +8,7 @@
 #include "tetvdb/pipeline/VoxelizeJob.h"
 
 #include <cstddef>
+#include <openvdb/openvdb.h>
 #include <string>
 
 namespace tetvdb {
@@ -31,6 +32,10 @@ VoxelizeOptions streamOptions(const VoxelizeJob& job);
 /// Equal for the shards of one job alone. `mark`: what the mesh's voxels follow from.
 PartMetadata partMetadata(const VoxelizeJob& job, const GridTransform& transform,
                           const std::string& mark);
+
+/// What the grids of levels lack when their voxels are known: as openFirstTile() does, or the mark
+/// of a part, in which several shards may have voxels of a node.
+void finishLevels(const VoxelizeJob& job, const openvdb::GridPtrVec& levels);
 
 /// Moves what was said while it was not known whether the job is done to its report.
 void moveReport(Report& told, Report& report);

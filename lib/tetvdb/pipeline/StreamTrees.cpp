@@ -228,9 +228,8 @@ public:
     else
       writer_ = std::make_unique<TreeVdbWriter>(job_.output, std::move(metadata), options);
     const auto coarser = [&] {
-      const openvdb::GridPtrVec made = levels->finish();
-      for (const auto& grid : made)
-        openFirstTile(*grid);
+      openvdb::GridPtrVec made = levels->finish();
+      finishLevels(job_, made);
       return made;
     };
     TreeSource& passed = levels ? static_cast<TreeSource&>(*levels) : *trees_;

@@ -56,9 +56,6 @@ void checkLevelsOf(const VoxelizeJob& job) {
     requireLevels(std::string(infoOf(kind).name), infoOf(kind).type, infoOf(kind).gridClass);
   if (isArrayFile(job.output))
     throw Error(Status::Usage, "`lod`", "is for .vdb and .nvdb files", "leave it out");
-  if (!job.shard.isWhole() || job.plan > 0)
-    throw Error(Status::Usage, "`lod`", "is for whole volumes, not for shards",
-                "add levels to the merged volume");
 }
 
 void checkOutputs(const VoxelizeJob& job) {

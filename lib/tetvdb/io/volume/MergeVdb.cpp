@@ -20,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <openvdb/io/DelayedLoadMetadata.h>
+#include <openvdb/tools/Prune.h>
 #include <optional>
 #include <unistd.h>
 #include <utility>
@@ -69,7 +70,7 @@ std::vector<VdbPart> readParts(const std::vector<std::string>& paths, Progress& 
       const PartGrid &one = part.grids[g], &other = parts.front().grids[g];
       if (one.header.name != other.header.name || one.header.type != other.header.type ||
           one.header.half != other.header.half || one.transformBytes != other.transformBytes ||
-          one.root != other.root)
+          one.root != other.root || one.level != other.level)
         throw Error(Status::Invalid, part.path, "has other grids than " + parts.front().path);
     }
   return parts;
@@ -211,48 +212,84 @@ private:
   Progress& progress_;
 };
 
-// Grids of tiles alone, one of which is opened, which changes nodes.
-class TileGrid {
+// A grid whose nodes are made anew: one of tiles alone, one of which is opened, or of a level of
+// detail, in whose nodes several parts may have voxels.
+class RemadeGrid {
 public:
-  TileGrid(const std::vector<VdbPart>& parts, std::size_t g, const std::string& output)
+  RemadeGrid(const std::vector<VdbPart>& parts, std::size_t g, const std::string& output)
       : parts_(parts), g_(g) {
     options_.folder = std::filesystem::path(output).parent_path().string();
   }
 
-  void writeTo(VdbOutput& output, const ProgressShare& share) {
+  void writeTo(VdbOutput& output, const ProgressShare& share, Progress& progress) {
     withKnownGrid(*openvdb::GridBase::createGrid(parts_.front().grids[g_].header.type),
                   [&](const auto& typed) {
                     using GridT = std::decay_t<decltype(typed)>;
-                    const std::optional<Vec3i> tile = spool<GridT>({})->tileAlone();
-                    spool<GridT>(tile)->writeTo(output, share);
+                    std::unique_ptr<VdbSpool> made = spool<GridT>({}, progress);
+                    if (const std::optional<Vec3i> tile = made->tileAlone())
+                      made = spool<GridT>(tile, progress);
+                    made->writeTo(output, share);
                   });
   }
 
 private:
+  // The entries of the root nodes of a part's grid, one at a time.
   template <class GridT>
-  std::unique_ptr<VdbSpool> spool(const std::optional<Vec3i>& opened) const {
-    std::unique_ptr<VdbSpool> spool;
+  struct Entries {
+    Entries(const VdbPart& part, std::size_t g)
+        : header(readVdbHeader(part.path)), children(part.path, header, header.grids[g]) {}
+    void advance() { next = children.next(origin); }
+
+    VdbHeader header;
+    VdbChildren<GridT> children;
+    openvdb::Coord origin;
+    typename GridT::Ptr next; ///< at `origin`; null at the end
+  };
+
+  openvdb::GridBase::Ptr emptyGrid(const openvdb::GridBase::Ptr& grid) const {
+    for (const char* name :
+         {kPartLeaves, kPartLevel, Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX,
+          Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION})
+      grid->removeMeta(name);
+    if (parts_.front().grids[g_].level.value_or(false))
+      grid->setSaveFloatAsHalf(true);
+    return grid;
+  }
+
+  template <class GridT>
+  std::unique_ptr<VdbSpool> spool(const std::optional<Vec3i>& opened, Progress& progress) const {
+    std::vector<std::unique_ptr<Entries<GridT>>> parts;
     for (const VdbPart& part : parts_) {
-      const VdbHeader header = readVdbHeader(part.path);
-      VdbChildren<GridT> children(part.path, header, header.grids[g_]);
-      if (!spool) {
-        const openvdb::GridBase::Ptr empty = children.empty();
-        for (const char* name :
-             {kPartLeaves, Base::META_FILE_BBOX_MIN, Base::META_FILE_BBOX_MAX,
-              Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_COMPRESSION})
-          empty->removeMeta(name);
-        spool = makeVdbSpool(empty, options_);
-        if (opened)
-          spool->open(*opened);
-      }
-      openvdb::Coord origin;
-      while (const auto child = children.next(origin)) {
-        spool->beginCube({origin.x(), origin.y(), origin.z()});
-        spool->add(child);
-        spool->endCube();
-      }
+      parts.push_back(std::make_unique<Entries<GridT>>(part, g_));
+      parts.back()->advance();
     }
-    return spool;
+    auto spool = makeVdbSpool(emptyGrid(parts.front()->children.empty()), options_);
+    if (opened)
+      spool->open(*opened);
+    for (;;) {
+      const Entries<GridT>* first = nullptr;
+      for (const auto& part : parts)
+        if (part->next && (first == nullptr || part->origin < first->origin))
+          first = part.get();
+      if (first == nullptr)
+        return spool;
+      progress.check();
+      const openvdb::Coord origin = first->origin;
+      typename GridT::Ptr joined;
+      for (const auto& part : parts) {
+        if (!part->next || part->origin != origin)
+          continue;
+        if (joined)
+          joined->tree().merge(part->next->tree(), openvdb::MERGE_ACTIVE_STATES);
+        else
+          joined = part->next;
+        part->advance();
+      }
+      openvdb::tools::prune(joined->tree());
+      spool->beginCube({origin.x(), origin.y(), origin.z()});
+      spool->add(joined);
+      spool->endCube();
+    }
   }
 
   const std::vector<VdbPart>& parts_;
@@ -294,8 +331,8 @@ MergeResult mergeVdb(const std::vector<std::string>& paths, const std::string& o
   VdbOutput file(output, parts.front().metadata, parts.front().grids.size());
   Copier copier(file, total, progress);
   for (std::size_t g = 0; g < parts.front().grids.size(); ++g) {
-    if (isTilesAlone(parts, g)) {
-      TileGrid(parts, g, output).writeTo(file, {progress, 0, 1});
+    if (parts.front().grids[g].level || isTilesAlone(parts, g)) {
+      RemadeGrid(parts, g, output).writeTo(file, {progress, 0, 1}, progress);
       result.leaves += g == 0 ? 1 : 0;
       continue;
     }

@@ -69,7 +69,10 @@ VdbPart readVdbPart(const std::string& path) {
     grid.header = std::move(one);
     if (const auto leaves = grid.header.metadata.getMetadata<openvdb::Int64Metadata>(kPartLeaves))
       grid.leaves = static_cast<std::uint64_t>(leaves->value());
-    grid.header.metadata.removeMeta(kPartLeaves);
+    if (const auto level = grid.header.metadata.getMetadata<openvdb::BoolMetadata>(kPartLevel))
+      grid.level = level->value();
+    for (const char* name : {kPartLeaves, kPartLevel})
+      grid.header.metadata.removeMeta(name);
     std::ostringstream transform;
     grid.header.transform->write(transform);
     grid.transformBytes = transform.str();

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace tetvdb {
 
 /// A grid of the part.
 struct PartGrid {
-  VdbGridHeader header; ///< without kPartLeaves
+  VdbGridHeader header;      ///< without kPartLeaves and kPartLevel
+  std::optional<bool> level; ///< kPartLevel
   std::string transformBytes;
   std::string root;  ///< bytes of the root node up to the number of tiles
   std::string tiles; ///< bytes of its tiles

@@ -206,8 +206,8 @@ class ValuesStream(CommandLineTest):
         self.write("rod.off", off(*rod(9000, 15)))
         self.write("tets.msh", tet_bar(90, 40))
 
-    def expect_same(self, source, *grids, parts=3, more=()):
-        options = (source, "--voxel-size", "1", "--grid", ",".join(grids), *more)
+    def expect_same(self, source, *grids, parts=3, more=(), size="1"):
+        options = (source, "--voxel-size", size, "--grid", ",".join(grids), *more)
         self.succeed("voxelize", *options, "-o", "trees.vdb")
         expected = self.path("trees.vdb").read_bytes()
         for i in range(parts):
@@ -248,6 +248,27 @@ class ValuesStream(CommandLineTest):
         points, faces = ball(300, 40)
         self.write("open.off", off([(x, y + 4096, z) for x, y, z in points], faces[80:]))
         self.expect_same("open.off", "surface", parts=2)
+
+    def test_a_whole_box(self):
+        points, faces = ball(110, 40, (30, -20, 4096))
+        self.write("closed.off", off(points, faces))
+        self.write("open.off", off(points, faces[80:]))
+        self.write("short.msh", tet_bar(6, 30))
+        for source, grids in (("closed.off", ("surface",)), ("open.off", ("surface", "density")),
+                              ("short.msh", ("tet_id", "coverage", "surface"))):
+            self.expect_same(source, *grids, parts=2, more=("--half-width", "all"))
+        # Where the box reaches into root children that no face is near, and deepest inside.
+        self.expect_same("rod.off", "surface", parts=7, size="40", more=("--half-width", "all"))
+        options = ("open.off", "--voxel-size", "1", "--grid", "surface", "--half-width", "all")
+        for name in ("trees.vdb", "trees.nvdb"):
+            self.succeed("voxelize", *options, "-o", name)
+            out = "out" + name[5:]
+            report = self.report_of("voxelize", *options, "-o", out, "--max-memory", "130M", "--threads", "1")
+            self.assertIn("stream", parts_of(report))
+            self.assertTrue(self.path(out).read_bytes() == self.path(name).read_bytes(), name)
+        if not SANITIZED:
+            peak = peak_of(self, "voxelize", *options, "-o", "out.vdb", "--max-memory", "130M")
+            self.assertLess(peak, 130 << 20)
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_a_limit_streams(self):
@@ -413,8 +434,7 @@ class Shards(CommandLineTest):
         self.refuse(3, "merge", "absent.vdb", "-o", "m.vdb", says=("absent.vdb", "No such file"))
 
     def test_what_cannot_be_a_shard(self):
-        for options in (("-o", "a.vdb", "--grid", "surface", "--half-width", "all"),
-                        ("-o", "a.vdb", "--inside", "flood"), ("-o", "a.nvdb"), ("-o", "a.npz"),
+        for options in (("-o", "a.vdb", "--preview", "a.png"), ("-o", "a.vdb", "--inside", "flood"), ("-o", "a.nvdb"), ("-o", "a.npz"),
                         ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope")):
             self.refuse(2, "voxelize", "rod.off", "--voxel-size", "1", "--shard", "0/2", *options,
                         says=("--shard",))

@@ -233,6 +233,10 @@ class Prepared(CommandLineTest):
         shards = self.report_of("plan", "parts", "--shards", "3", "--grid", "tet_id")["shards"]
         self.assertAlmostEqual(sum(s["share"] for s in shards), 1)
 
+    def test_a_whole_box(self):
+        self.write("mesh.vtu", vtu(self.mesh, "raw"))
+        self.expect_same("mesh.vtu", grids=("--grid", "surface,tet_id", "--half-width", "all"), shards=2)
+
     def test_the_size_follows_from_the_resolution_and_the_axes(self):
         self.write("mesh.vtu", vtu(self.mesh, "raw"))
         self.expect_same("mesh.vtu", "--up-axis", "y", size=("--resolution", "100", "--origin", "3,2,1"))

@@ -122,6 +122,26 @@ TEST(DistanceBlocks, FarFromTheFacesAndAcrossNodes) {
   expectExact(soup, box, distancesOf(soup, box), 7);
 }
 
+// Against all voxels of the box.
+TEST(DistanceBlocks, TheLargestDistance) {
+  for (const unsigned seed : {5u, 6u, 7u, 8u}) {
+    const Soup soup = randomSoup(seed == 5 ? 1 : 90, 40, seed);
+    for (const VoxelBox& box :
+         {VoxelBox{{-5, -3, 2}, {41, 38, 50}}, VoxelBox{{-140, 90, -20}, {-100, 150, 10}},
+          VoxelBox{{3, 3, 3}, {3, 3, 3}}, VoxelBox{{120, 126, 127}, {128, 129, 131}}}) {
+      const Leaves leaves = distancesOf(soup, box);
+      float largest = 0;
+      for (std::int32_t x = box.low[0]; x <= box.high[0]; ++x)
+        for (std::int32_t y = box.low[1]; y <= box.high[1]; ++y)
+          for (std::int32_t z = box.low[2]; z <= box.high[2]; ++z)
+            largest = std::max(largest, at(leaves, {x, y, z}));
+      Progress progress;
+      const SnappedMesh mesh = snapPoints(soup.points, GridTransform(), progress);
+      EXPECT_EQ(DistanceBlocks(mesh, soup.faces).largest(box, progress), largest) << seed;
+    }
+  }
+}
+
 TEST(DistanceBlocks, ManyFacesEquallyNear) {
   // A sphere around the box's middle: every face is as near to it as any other.
   Soup soup;

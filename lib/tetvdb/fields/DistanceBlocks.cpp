@@ -100,8 +100,11 @@ struct DistanceBlocks::Block {
 
 class DistanceBlocks::Run {
 public:
-  Run(const DistanceBlocks& all, const VoxelBox& box, const LeafSink& sink, Progress& progress)
-      : all_(all), box_(box), sink_(sink), progress_(progress) {
+  /// `largestAlone`: leaves that cannot have the largest distance are left out, and squares of
+  /// their blocks of 4^3 are 0.
+  Run(const DistanceBlocks& all, const VoxelBox& box, const LeafSink& sink, bool largestAlone,
+      Progress& progress)
+      : all_(all), box_(box), sink_(sink), largestAlone_(largestAlone), progress_(progress) {
     for (std::size_t k = 0; k < 3; ++k) {
       nodesLow_[k] = nodeOf(box.low[k]);
       nodes_[k] = static_cast<std::size_t>(nodeOf(box.high[k]) - nodesLow_[k]) + 1;
@@ -158,9 +161,21 @@ private:
     return nearestOnTriangle(seen(f.a), seen(f.b), seen(f.c));
   }
 
+  // Whether voxels between `low` and `high`, with this distance at their middle, may have the
+  // largest of all. The voxel next to the middle is within half of a voxel's diagonal.
+  bool allowsLargest(const Vec3d& low, const Vec3d& high, double distance) const {
+    constexpr double kHalfDiagonal = 0.8660255, kRounding = 1e-6;
+    double known = atLeast_;
+    while (known < distance - kHalfDiagonal &&
+           !atLeast_.compare_exchange_weak(known, distance - kHalfDiagonal)) {
+    }
+    const double way = length(minus(high, low)) / 2;
+    return (distance + way) * (1 + kRounding) >= known;
+  }
+
   // Selects from `list` the faces that can be nearest to a voxel of the block. `best` is a face
   // close to the block's parent, and is set to the face nearest to its centre. `face(i)`: that of
-  // list entry i.
+  // list entry i. None where largestAlone_ and the block cannot have the largest distance.
   template <typename FaceOf>
   std::vector<std::uint32_t> narrowed(const VoxelBox& voxels,
                                       const std::vector<std::uint32_t>& list, const FaceOf& face,
@@ -183,6 +198,8 @@ private:
         best = f;
       }
     }
+    if (largestAlone_ && !allowsLargest(low, high, std::sqrt(min.squared)))
+      return {};
     const Vec3d p = plus(midpoint, min.offset);
     // The largest difference of squares along one axis, over the box and at one end of the voxels.
     const auto max = [](double v, double at, double boxLow, double boxHigh) {
@@ -226,6 +243,8 @@ private:
     progress_.check();
     const auto self = [](std::uint32_t face) { return face; };
     const std::vector<std::uint32_t> kept = narrowed(voxelsOf(block), list, self, best);
+    if (kept.empty())
+      return;
     if (block.size > kFramed) {
       forEighths(block, true, [&](const Block& child) { descend(child, kept, best); });
       return;
@@ -251,6 +270,8 @@ private:
                      const std::vector<std::uint32_t>& list, std::uint32_t best) const {
     const auto face = [&](std::uint32_t place) { return framed.faces[place]; };
     const std::vector<std::uint32_t> kept = narrowed(voxelsOf(block), list, face, best);
+    if (kept.empty())
+      return;
     if (block.size > kLeafSize) {
       forEighths(block, block.size > kParallel,
                  [&](const Block& child) { descendFramed(child, framed, kept, best); });
@@ -259,7 +280,9 @@ private:
     alignas(64) float squared[kVoxelsInLeaf] = {};
     forEighths(block, false, [&](const Block& child) {
       std::uint32_t near = best;
-      evaluate(block, child, framed, narrowed(voxelsOf(child), kept, face, near), squared);
+      const auto own = narrowed(voxelsOf(child), kept, face, near);
+      if (!own.empty())
+        evaluate(block, child, framed, own, squared);
     });
     sink_(block.first, squared);
   }
@@ -284,6 +307,8 @@ private:
   const DistanceBlocks& all_;
   const VoxelBox& box_;
   const LeafSink& sink_;
+  bool largestAlone_;
+  mutable std::atomic<double> atLeast_{0}; ///< the largest distance is
   Progress& progress_;
   Vec3i nodesLow_{};
   std::size_t nodes_[3] = {};
@@ -310,7 +335,29 @@ DistanceBlocks::DistanceBlocks(const SnappedMesh& mesh, const Boundary& faces)
 void DistanceBlocks::rasterize(const VoxelBox& box, const LeafSink& sink,
                                Progress& progress) const {
   if (!box.empty() && !boxes_.empty())
-    Run(*this, box, sink, progress).run();
+    Run(*this, box, sink, false, progress).run();
+}
+
+float DistanceBlocks::largest(const VoxelBox& box, Progress& progress) const {
+  std::atomic<float> largest{0};
+  const LeafSink sink = [&](const Vec3i& first, const float* squared) {
+    float own = 0;
+    for (std::int32_t i = 0; i < kVoxelsInLeaf; ++i) {
+      const Vec3i voxel{first[0] + i / (kLeafSize * kLeafSize),
+                        first[1] + i / kLeafSize % kLeafSize, first[2] + i % kLeafSize};
+      bool isIn = true;
+      for (std::size_t k = 0; k < 3; ++k)
+        isIn = isIn && voxel[k] >= box.low[k] && voxel[k] <= box.high[k];
+      if (isIn)
+        own = std::max(own, squared[i]);
+    }
+    float known = largest;
+    while (known < own && !largest.compare_exchange_weak(known, own)) {
+    }
+  };
+  if (!box.empty() && !boxes_.empty())
+    Run(*this, box, sink, true, progress).run();
+  return largest;
 }
 
 } // namespace tetvdb

@@ -42,6 +42,11 @@ public:
   /// number of faces at nearly equal distance. Throws Error(Cancelled).
   void rasterize(const VoxelBox& box, const LeafSink& sink, Progress& progress) const;
 
+  /// The largest square of a voxel in the box that rasterize() would pass. From one voxel to
+  /// another distances change by at most the way between them: only blocks are halved whose middle
+  /// allows a larger one than what is known of others. Throws Error(Cancelled).
+  float largest(const VoxelBox& box, Progress& progress) const;
+
 private:
   struct FaceBox {
     Vec3d low, high;

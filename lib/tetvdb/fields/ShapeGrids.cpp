@@ -44,49 +44,6 @@ double bandOf(const ShapeOptions& options) {
   return options.halfWidth == kWholeBox ? kUsual : options.halfWidth;
 }
 
-// Voxels beyond the mesh on every side of its whole box.
-constexpr std::int32_t kBeyondMesh = 3;
-
-// The box of a level set without a band.
-VoxelBox wholeBox(const ShapeSolid& solid, const openvdb::BoolGrid& inside,
-                  const ShapeOptions& options) {
-  if (options.box)
-    return *options.box;
-  openvdb::CoordBBox box = inside.evalActiveVoxelBoundingBox();
-  for (const BoundaryFace& face : solid.faces.faces)
-    for (const std::uint32_t corner : {face.a, face.b, face.c}) {
-      const LatticePoint& p = solid.mesh.points[corner];
-      const auto voxel = [&](double units, double shell) {
-        return static_cast<std::int32_t>(std::floor(units * kVoxelsPerUnit + shell));
-      };
-      const auto ceiling = [&](double units) {
-        return static_cast<std::int32_t>(std::ceil(units * kVoxelsPerUnit - solid.shell));
-      };
-      box.expand(openvdb::Coord(ceiling(p.x), ceiling(p.y), ceiling(p.z)));
-      box.expand(openvdb::Coord(voxel(p.x, solid.shell), voxel(p.y, solid.shell),
-                                voxel(p.z, solid.shell)));
-    }
-  box.expand(kBeyondMesh);
-  VoxelBox voxels;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    voxels.low[axis] = box.min()[axis];
-    voxels.high[axis] = box.max()[axis];
-  }
-  return voxels;
-}
-
-// Checks the memory of a level set of a whole box and of the blocks that make it.
-void requireBoxMemory(const ShapeSolid& solid, const VoxelBox& box, const ShapeOptions& options) {
-  double leaves = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    leaves *= static_cast<double>(box.size(axis)) / kLeafSize + 2;
-  VoxelizeOptions limit;
-  limit.maxMemory = options.maxMemory;
-  requireMemory(leaves * static_cast<double>(leafBytes(GridKind::Density) + 32) +
-                    100.0 * static_cast<double>(solid.faces.faces.size()),
-                limit);
-}
-
 // Checks the memory of all requested grids; for a whole box, of the preceding steps.
 void requireTreeMemory(const ShapeSolid& solid, const ShapeOptions& options) {
   ShapeOptions banded = options;
@@ -117,8 +74,11 @@ openvdb::FloatGrid::Ptr surfaceOf(ShapeSolid& solid, const openvdb::BoolGrid::Pt
     if (options.halfWidth == kWholeBox) {
       if (solid.boundary)
         addCapFaces(*once(), inside, transform, *solid.boundary, solid.mesh, solid.faces, progress);
-      const VoxelBox box = wholeBox(solid, *inside, options);
-      requireBoxMemory(solid, box, options);
+      const VoxelBox box = options.box.value_or(
+          wholeBox(solid.mesh, solid.faces, inside->evalActiveVoxelBoundingBox(), solid.shell));
+      VoxelizeOptions limit;
+      limit.maxMemory = options.maxMemory;
+      requireMemory(wholeBoxBytes(box, solid.faces.faces.size()), limit);
       return wholeBoxLevelSet(solid.mesh, solid.faces, *inside, transform, box, solid.shell,
                               progress);
     }

@@ -21,8 +21,19 @@
 namespace tetvdb {
 namespace {
 
-// Where a band is only needed to know how many leaves a node has.
-constexpr double kNarrowBand = 1;
+// Calls visit(node) for the 128^3 nodes that a box meets.
+template <typename Visit>
+void eachNodeIn(const VoxelBox& box, const Visit& visit) {
+  if (box.empty())
+    return;
+  for (std::int32_t x = nodeOf(box.low[0]); x <= nodeOf(box.high[0]); ++x)
+    for (std::int32_t y = nodeOf(box.low[1]); y <= nodeOf(box.high[1]); ++y)
+      for (std::int32_t z = nodeOf(box.low[2]); z <= nodeOf(box.high[2]); ++z)
+        visit(NodeIndex{x, y, z});
+}
+
+// Where a band is only needed to know how many leaves a node has, and to find holes.
+constexpr double kNarrowBand = 1, kBandOfHoles = 3;
 
 bool isEmpty(const NodeBox& box) {
   return box.low[0] == box.high[0];
@@ -35,6 +46,28 @@ const openvdb::BoolGrid& maskOf(const openvdb::GridPtrVec& grids) {
 }
 
 } // namespace
+
+bool isWholeBox(const VoxelizeJob& job) {
+  return job.shapes.halfWidth == kWholeBox && contains(job.grids, GridKind::Surface);
+}
+
+openvdb::CoordBBox insideBox(OccupancySource& source, const GridTransform& transform) {
+  openvdb::CoordBBox box;
+  for (const RootCube& cube : source.cubes())
+    for (std::int32_t x = 0; x < kStackNodes; ++x) {
+      NodeBox layer;
+      for (std::size_t k = 0; k < 3; ++k) {
+        layer.low[k] = cube.origin[k] / kNodeSize;
+        layer.high[k] = layer.low[k] + kStackNodes;
+      }
+      layer.low[0] += x;
+      layer.high[0] = layer.low[0] + 1;
+      TreeBuilder builder({GridKind::Mask}, TetMesh());
+      source.rasterize(layer, builder);
+      box.expand(builder.finish(transform).front()->evalActiveVoxelBoundingBox());
+    }
+  return box;
+}
 
 JobTrees::JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& progress)
     : job_(job), inputs_(inputs),
@@ -53,14 +86,39 @@ JobTrees::JobTrees(const VoxelizeJob& job, const TreeInputs& inputs, Progress& p
   if (has(GridKind::Coverage))
     coverage_.emplace(inputs.shares->points, inputs.shares->faces, inputs.transform, progress);
   findBand(progress);
+  findBox();
   weighNodes(progress);
   findCubes();
 }
 
 void JobTrees::findBand(Progress& progress) {
-  if (hasDistances())
-    band_.emplace(inputs_.distances->mesh, inputs_.distances->faces, job_.shapes.halfWidth,
-                  progress);
+  if (!hasDistances())
+    return;
+  const ShapeSolid& solid = *inputs_.distances;
+  if (!isWholeBox(job_))
+    band_.emplace(solid.mesh, solid.faces, job_.shapes.halfWidth, progress);
+  else if (solid.boundary)
+    band_.emplace(solid.mesh, solid.faces, kBandOfHoles, progress);
+}
+
+void JobTrees::findBox() {
+  if (!isWholeBox(job_))
+    return;
+  const ShapeSolid& solid = *inputs_.distances;
+  for (const auto& source : sources_)
+    inside_.expand(insideBox(*source, inputs_.transform));
+  box_ = wholeBox(solid.mesh, solid.faces, inside_, 0);
+  // Faces over holes lie between neighbouring voxels, of which one is inside.
+  for (std::size_t k = 0; k < 3 && solid.boundary; ++k) {
+    --box_.low[k];
+    ++box_.high[k];
+  }
+}
+
+void JobTrees::findLargestDistance(Progress& progress) {
+  const ShapeSolid& solid = *inputs_.distances;
+  wholeBox_.emplace(solid.mesh, solid.faces, inputs_.transform,
+                    wholeBox(solid.mesh, solid.faces, inside_, 0), progress);
 }
 
 bool JobTrees::has(GridKind kind) const {
@@ -78,7 +136,8 @@ void JobTrees::weighNodes(Progress& progress) {
   if (materials_)
     atSurface += static_cast<double>(leafBytes(GridKind::Mask)); // of each
   for (const GridKind kind : shapes_)
-    atSurface += static_cast<double>(leafBytes(kind));
+    if (kind != GridKind::Surface || !isWholeBox(job_))
+      atSurface += static_cast<double>(leafBytes(kind));
   if (has(GridKind::Fog))
     atSurface += static_cast<double>(leafBytes(GridKind::Fog)); // of its level set
   if (inputs_.fields != nullptr)
@@ -96,6 +155,15 @@ void JobTrees::weighNodes(Progress& progress) {
   else
     for (const SolidFaces* faces : inputs_.faces)
       addBand(DistanceBand(faces->snapped, faces->chain, kNarrowBand, progress));
+  eachNodeIn(box_, [&](const NodeIndex& node) {
+    double leaves = 1;
+    for (std::size_t k = 0; k < 3; ++k)
+      leaves *= std::min((box_.high[k] - node[k] * kNodeSize) / kLeafSize, kLeavesAlong - 1) -
+                std::max((box_.low[k] - node[k] * kNodeSize) / kLeafSize, 0) + 1;
+    nodes_.push_back(
+        {node, static_cast<float>(leaves * static_cast<double>(leafBytes(GridKind::Surface) + 32) +
+                                  perNode)});
+  });
   if (const TetSource* tets = inputs_.tets)
     for (std::size_t i = 0; i < tets->size(); ++i)
       nodes_.push_back(
@@ -251,6 +319,8 @@ openvdb::BoolGrid::Ptr JobTrees::maskAround(const NodeBox& part, Progress& progr
 
 openvdb::FloatGrid::Ptr JobTrees::surface(const NodeBox& box, const openvdb::GridPtrVec& occupancy,
                                           Progress& progress) const {
+  if (wholeBox_)
+    return wholeBox_->grid(box, maskOf(occupancy), progress);
   return levelSetWithin(box, *band_, maskOf(occupancy), inputs_.transform, job_.shapes.halfWidth, 0,
                         progress);
 }
@@ -277,7 +347,8 @@ void JobTrees::addCaps(ShapeSolid& solid, const CubeRange& range, const Progress
         ++high;
       const openvdb::BoolGrid::Ptr inside = maskAround(part, quiet);
       const openvdb::FloatGrid::Ptr level =
-          levelSetWithin(wide, *band_, *inside, inputs_.transform, job_.shapes.halfWidth, 0, quiet);
+          levelSetWithin(wide, *band_, *inside, inputs_.transform,
+                         isWholeBox(job_) ? kBandOfHoles : job_.shapes.halfWidth, 0, quiet);
       const std::vector<CentrePair> found =
           findPairsWithoutFace(*level, inside, inputs_.transform, &part, quiet);
       pairs.insert(pairs.end(), found.begin(), found.end());

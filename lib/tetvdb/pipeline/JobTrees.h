@@ -9,6 +9,7 @@
 #include "tetvdb/fields/DistanceBand.h"
 #include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/fields/ShapeSolid.h"
+#include "tetvdb/fields/WholeBoxLevelSet.h"
 #include "tetvdb/pipeline/ShardRanges.h"
 #include "tetvdb/pipeline/TetSource.h"
 #include "tetvdb/pipeline/VoxelizeJob.h"
@@ -36,6 +37,12 @@ struct TreeInputs {
   const ShapeSolid* shares = nullptr;    ///< coverage
 };
 
+/// Whether the job's level set is that of a whole box (fields/WholeBoxLevelSet.h).
+bool isWholeBox(const VoxelizeJob& job);
+
+/// Of what is inside.
+openvdb::CoordBBox insideBox(OccupancySource& source, const GridTransform& transform);
+
 class JobTrees : public TreeSource {
 public:
   /// All but `progress` must outlive it. Memory: that of the parts (DistanceBand, CoverageParts,
@@ -44,7 +51,8 @@ public:
 
   /// Adds the faces over the holes of open triangles to `solid`, which is that of
   /// TreeInputs::distances: those near the cubes of `range`. To be called first; weights() and the
-  /// order of the cubes stay. Finds the level set of those cubes and the ones around them.
+  /// order of the cubes stay. Finds the level set of those cubes and the ones around them. Of a
+  /// whole box, all faces over holes are needed.
   void addCaps(ShapeSolid& solid, const CubeRange& range, const ProgressShare& share,
                Progress& progress);
 
@@ -59,6 +67,9 @@ public:
   /// The fog's depth, which all of the level set decides (fields/FogVolume.h). To be called before
   /// make() and restrict() where there is a fog; stops at the first part that decides it.
   void findFogDepth(const ProgressShare& share, Progress& progress);
+  /// The box and the background of the level set of a whole box. To be called before make() and
+  /// restrict() where isWholeBox(), when faces over holes were added.
+  void findLargestDistance(Progress& progress);
 
   const std::vector<Vec3i>& cubes() const override { return origins_; }
   void begin() override;
@@ -83,6 +94,7 @@ private:
   bool has(GridKind kind) const;
   bool hasDistances() const { return has(GridKind::Surface) || has(GridKind::Fog); }
   void findBand(Progress& progress);
+  void findBox();
   void weighNodes(Progress& progress);
   void findCubes();
   NodeBox boxOf(std::size_t cube) const;
@@ -100,6 +112,9 @@ private:
   bool materials_ = false;                   ///< of triangles
   std::vector<std::unique_ptr<OccupancySource>> sources_;
   std::optional<DistanceBand> band_;
+  openvdb::CoordBBox inside_; ///< of the sources' voxels, for a whole box
+  VoxelBox box_;              ///< that its level set is within; empty where there is none
+  std::optional<WholeBoxParts> wholeBox_;
   std::optional<CoverageParts> coverage_;
   std::vector<NodeWeight> nodes_; ///< ascending
   std::vector<RootCube> cubes_;

@@ -162,8 +162,8 @@ void requireStreamable(const VoxelizeJob& job) {
                 "convert the merged volume to .nvdb");
   if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job) && !canStreamTrees(job))
     throw Error(Status::Usage, "`shard`",
-                "is for .vdb files of solids, found on the CPU, without a preview, a mesh output, "
-                "`fit` or a half-width of all",
+                "is for .vdb files of solids, found on the CPU, without a preview, a mesh output "
+                "or `fit`",
                 "leave the rest out");
 }
 

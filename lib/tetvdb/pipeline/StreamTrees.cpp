@@ -2,6 +2,7 @@
 #include "tetvdb/pipeline/StreamTrees.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/volume/TreeWriter.h"
 #include "tetvdb/mesh/CheckMesh.h"
@@ -102,7 +103,18 @@ double ownerBytes(const VoxelizeJob& job, const SnappedMesh& snapped,
   return bytes;
 }
 
+// The same of level set, fog and coverage.
+double distanceBytes(const ShapeSolid& solid, ShapeOptions shapes) {
+  if (shapes.halfWidth != kWholeBox)
+    return shapeBytes(solid, shapes);
+  shapes.halfWidth = kMinHalfWidth;
+  return shapeBytes(solid, shapes) +
+         wholeBoxBytes(wholeBox(solid.mesh, solid.faces, {}, 0), solid.faces.faces.size());
+}
+
 double reachOf(const VoxelizeJob& job) {
+  if (isWholeBox(job))
+    return kBeyondMesh;
   return hasDistances(job) ? job.shapes.halfWidth : 1;
 }
 
@@ -202,7 +214,11 @@ public:
     };
     if (open != nullptr) {
       timer.part("holes");
-      trees_->addCaps(*open, range, nextPass(1), progress_);
+      trees_->addCaps(*open, isWholeBox(job_) ? trees_->all() : range, nextPass(1), progress_);
+    }
+    if (isWholeBox(job_)) {
+      timer.part("largest distance");
+      trees_->findLargestDistance(progress_);
     }
     if (fog) {
       timer.part("depth");
@@ -274,8 +290,7 @@ bool canStreamTrees(const VoxelizeJob& job) {
   const bool values =
       !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
       !job.fields.empty();
-  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0 &&
-         !(hasDistances(job) && job.shapes.halfWidth == kWholeBox);
+  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0;
 }
 
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,
@@ -320,7 +335,7 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
     if (!shapes.grids.empty()) {
       timer.part("boundary");
       distances.emplace(shapeSolid(mesh, transform, progress));
-      bytes += shapeBytes(*distances, shapes);
+      bytes += distanceBytes(*distances, shapes);
     }
     if (!TreeStream::isNeeded(job, bytes))
       return false;
@@ -387,25 +402,6 @@ void streamTrees(const VoxelizeJob& job, const PreparedInputs& mesh, VoxelizeRes
 
 namespace {
 
-// Of what is inside; voxels may become larger by it.
-openvdb::CoordBBox insideBox(OccupancySource& source, const GridTransform& transform) {
-  openvdb::CoordBBox box;
-  for (const RootCube& cube : source.cubes())
-    for (std::int32_t x = 0; x < kStackNodes; ++x) {
-      NodeBox layer;
-      for (std::size_t k = 0; k < 3; ++k) {
-        layer.low[k] = cube.origin[k] / kNodeSize;
-        layer.high[k] = layer.low[k] + kStackNodes;
-      }
-      layer.low[0] += x;
-      layer.high[0] = layer.low[0] + 1;
-      TreeBuilder builder({GridKind::Mask}, TetMesh());
-      source.rasterize(layer, builder);
-      box.expand(builder.finish(transform).front()->evalActiveVoxelBoundingBox());
-    }
-  return box;
-}
-
 double surfaceVoxels(const SolidFaces& faces) {
   return estimateByBoundary(faces.snapped, faces.chain).leaves * kLeafSize * kLeafSize;
 }
@@ -429,7 +425,7 @@ double factorOf(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
     throw Error(Status::Usage, "`resolution`",
                 "of an open mesh is only known when the whole of it is voxelized",
                 "give shards `voxel_size`");
-  openvdb::CoordBBox box;
+  openvdb::CoordBBox box; // of what is inside
   for (const SolidFaces& faces : solids) {
     OccupancySource source(faces.snapped, faces.chain, faces.fill(), job.voxelize.rule, progress);
     box.expand(insideBox(source, transform));
@@ -480,7 +476,8 @@ bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes
     checkMesh(mesh);
     around += leavesAround(job, mesh, transform);
   }
-  if (!TreeStream::mayBeNeeded(job, std::min(leavesIn(job, box, transform), 2 * around)))
+  const double most = leavesIn(job, box, transform);
+  if (!TreeStream::mayBeNeeded(job, isWholeBox(job) ? most : std::min(most, 2 * around)))
     return false;
   std::optional<TriangleMesh> joined;
   if (meshes.size() > 1 && !shapes.grids.empty()) {
@@ -507,7 +504,7 @@ bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes
         timer.part("boundary");
         distances.emplace(shapeSolid(whole, job.solid, contains(job.grids, GridKind::Coverage),
                                      transform, progress));
-        bytes += shapeBytes(*distances, shapes);
+        bytes += distanceBytes(*distances, shapes);
       }
       if (first && !TreeStream::isNeeded(job, bytes))
         return false;

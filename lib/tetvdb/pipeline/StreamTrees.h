@@ -20,7 +20,7 @@
 namespace tetvdb {
 
 /// Whether the job has other grids than density and mask, or writes a .nvdb file, and all can be
-/// made box by box: not a level set of a whole box.
+/// made box by box.
 bool canStreamTrees(const VoxelizeJob& job);
 
 /// Writes job.output where job.streaming says so, and where the grids' trees would not fit into

@@ -84,7 +84,7 @@ VoxelizeResult runPrepared(const VoxelizeJob& asked, Report& report, Progress& p
   if (!canStream(job) && !canStreamTrees(job))
     throw Error(Status::Usage, folder,
                 "is a prepared mesh, which is voxelized into .vdb files, found on the CPU, without "
-                "a preview, a mesh output or a half-width of all",
+                "a preview or a mesh output",
                 "leave the rest out");
   checkGrids(job, index);
   VoxelizeResult result;

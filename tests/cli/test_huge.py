@@ -179,6 +179,30 @@ class Streams(CommandLineTest):
                          ["a.nvdb", "a.vdb", "ball.off", "out.nvdb", "out.vdb", "rod.off"])
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_convert_says_what_it_takes(self):
+        self.succeed("voxelize", "ball.off", "-o", "a.vdb", "--voxel-size", "2", "--grid", "mask,surface")
+        self.succeed("convert", "a.vdb", "-o", "a.nvdb")
+        for source in ("a.vdb", "a.nvdb"):
+            refused = self.refuse(4, "convert", source, "-o", "b.nvdb", "--max-memory", "70M", "--threads", "2",
+                                  says=(source, "part by part", "--max-memory"))
+            least = int(re.search(r"takes (\d+) MB", refused.err).group(1)) + 4  # resident memory varies
+            peak = peak_of(self, "convert", source, "-o", "b.nvdb", "--max-memory", "%d" % (least * 10**6),
+                           "--threads", "2")
+            self.assertLess(peak, least * 10**6, source)
+        self.succeed("voxelize", "ball.off", "-o", "small.vdb", "--voxel-size", "40", "--grid", "mask")
+        self.succeed("convert", "small.vdb", "-o", "small.nvdb", "--max-memory", "70M")
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_levels_stream(self):
+        self.write("far.off", off(*ball(1500, 60)))
+        options = ("far.off", "--voxel-size", "5", "--grid", "density,coverage", "--lod", "1:6", "--threads", "2")
+        self.assertNotIn("stream", parts_of(self.report_of("voxelize", *options, "-o", "trees.vdb")))
+        limit = ("--max-memory", "220M")  # trees take 170 MB, and with their levels 270
+        self.assertIn("stream", parts_of(self.report_of("voxelize", *options, "-o", "out.vdb", *limit)))
+        self.assertTrue(self.path("out.vdb").read_bytes() == self.path("trees.vdb").read_bytes())
+        self.assertLess(peak_of(self, "voxelize", *options, "-o", "out.vdb", *limit), 220 << 20)
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_check_reads_by_parts(self):
         self.succeed("voxelize", "rod.off", "-o", "out.vdb", "--voxel-size", "1", "--grid", "density,surface")
         peak = peak_of(self, "check", "out.vdb", ends=8)  # 9000 m long; whole trees take 320 MB

@@ -27,10 +27,15 @@ FileSpool::~FileSpool() {
 }
 
 void FileSpool::append(const void* data, std::size_t size) {
+  if (buffer_.size() + size > kBuffer)
+    flush();
+  if (size >= kBuffer) {
+    writeAt(size_, static_cast<const char*>(data), size);
+    size_ += size;
+    return;
+  }
   buffer_.append(static_cast<const char*>(data), size);
   size_ += size;
-  if (buffer_.size() >= kBuffer)
-    flush();
 }
 
 void FileSpool::overwrite(std::uint64_t at, const void* data, std::size_t size) {
@@ -69,13 +74,13 @@ void FileSpool::open() {
 void FileSpool::flush() {
   if (buffer_.empty())
     return;
-  if (descriptor_ < 0)
-    open();
   writeAt(size_ - buffer_.size(), buffer_.data(), buffer_.size());
   buffer_.clear();
 }
 
 void FileSpool::writeAt(std::uint64_t at, const char* data, std::size_t size) {
+  if (descriptor_ < 0)
+    open();
   if (!writeAllAt(descriptor_, at, data, size))
     fail("cannot write a temporary file", errno);
 }

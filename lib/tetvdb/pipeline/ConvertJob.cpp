@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/InArena.h"
+#include "tetvdb/core/ResidentBytes.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshWriter.h"
 #include "tetvdb/io/TileFiles.h"
@@ -16,10 +17,20 @@
 #include "tetvdb/volume/Grids.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
 #include <utility>
 
 namespace tetvdb {
 namespace {
+
+// What converting by parts takes besides what depends on the limit: buffers, a 128^3 node and what
+// is mapped of files; of each thread, pieces that are made ahead of their turn.
+constexpr std::size_t kLeastBytes = std::size_t(64) << 20, kLeastBytesOfThread = std::size_t(8)
+                                                                                 << 20;
 
 class Conversion {
 public:
@@ -124,9 +135,7 @@ private:
     }
     if (toVolume_ && canConvertVolume(job_.input)) {
       result_.grids = stage("write", [&] {
-        const std::size_t limit =
-            job_.maxMemory != 0 ? memoryLeft(job_.maxMemory) : availableBytes();
-        return convertVolumeFile({job_.input, job_.output, job_.grids, limit, job_.levels},
+        return convertVolumeFile({job_.input, job_.output, job_.grids, bytesOfParts(), job_.levels},
                                  progress_);
       });
       return;
@@ -159,6 +168,25 @@ private:
       else
         writeVolume(job_.output, volume, progress_);
     });
+  }
+
+  // What converting by parts may take.
+  std::size_t bytesOfParts() const {
+    if (job_.maxMemory == 0)
+      return availableBytes();
+    const std::size_t used = residentBytes();
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    // Compressed values are rarely more than so many times as large.
+    const std::uintmax_t unpacked = 64 * std::filesystem::file_size(job_.input);
+    const std::size_t least = used + static_cast<std::size_t>(std::min<std::uintmax_t>(
+                                         kLeastBytes + threads * kLeastBytesOfThread, unpacked));
+    if (job_.maxMemory < least)
+      throw Error(Status::Limit, job_.input,
+                  fmt::format("takes {:.0f} MB to be converted part by part, {:.0f} MB are allowed",
+                              std::ceil(static_cast<double>(least) * 1e-6),
+                              static_cast<double>(job_.maxMemory) * 1e-6),
+                  "raise `max_memory`");
+    return job_.maxMemory - used;
   }
 
   TileLevels tileLevels() const { return {job_.levels, memoryLeft(job_.maxMemory)}; }

@@ -64,7 +64,7 @@ public:
   bool isNeeded(const SolidFaces& faces) {
     estimate_ = estimateByBoundary(faces.snapped, faces.chain);
     return mustStream(job_) || (fasterWins() && estimate_.leaves >= kFasterFrom) ||
-           bytesOf(faces) + estimate_.bytes(job_.grids) > static_cast<double>(limit_);
+           tetvdb::bytesOf(faces) + bytesOf(estimate_) > static_cast<double>(limit_);
   }
   // The same, of a box that bounds everything.
   bool mayBeNeeded(const WorldBox& box) const {
@@ -77,7 +77,7 @@ public:
     }
     const double surface = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     return mustStream(job_) || (fasterWins() && surface >= kFasterFrom / 2) ||
-           TreeEstimate{leaves, lowers}.bytes(job_.grids) > static_cast<double>(limit_) / 4;
+           bytesOf(TreeEstimate{leaves, lowers}) > static_cast<double>(limit_) / 4;
   }
   double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
 
@@ -138,6 +138,10 @@ public:
   }
 
 private:
+  double bytesOf(const TreeEstimate& trees) const {
+    return trees.bytes(job_.grids) + trees.levelBytes(job_.levels, job_.grids.size());
+  }
+
   // A GPU may be faster still.
   bool fasterWins() const {
     std::string why;

@@ -84,7 +84,8 @@ double occupancyBytes(const VoxelizeJob& job, const SolidFaces& faces) {
   std::vector<GridKind> kinds = madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner});
   if (!shapesOf(job).grids.empty())
     kinds.push_back(GridKind::Mask);
-  return bytesOf(faces) + estimateByBoundary(faces.snapped, faces.chain).bytes(kinds);
+  const TreeEstimate trees = estimateByBoundary(faces.snapped, faces.chain);
+  return bytesOf(faces) + trees.bytes(kinds) + trees.levelBytes(job.levels, job.grids.size());
 }
 
 double ownerBytes(const VoxelizeJob& job, const SnappedMesh& snapped,
@@ -96,9 +97,10 @@ double ownerBytes(const VoxelizeJob& job, const SnappedMesh& snapped,
         estimateByTets(snapped).bytes(madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner}));
   if (!fields.empty()) {
     const PackOptions pack;
-    const FieldBytes each = fieldBytes(fields, &pack);
+    const FieldBytes each = fieldBytes(fields, job.levels.isEmpty() ? &pack : nullptr);
     const TreeEstimate tree = estimateByVolume(snapped);
-    bytes += tree.leaves * each.leaf + tree.lowerNodes * each.lowerNode;
+    bytes +=
+        (1 + levelShare(job.levels)) * (tree.leaves * each.leaf + tree.lowerNodes * each.lowerNode);
   }
   return bytes;
 }
@@ -161,7 +163,8 @@ public:
     std::vector<GridKind> kinds = job.grids;
     kinds.resize(kinds.size() + job.fields.requests.size() + (job.fields.all ? 64 : 0) + 1,
                  GridKind::Density);
-    return mustStream(job) || TreeEstimate{leaves, leaves / 64 + 64}.bytes(kinds) >
+    const TreeEstimate trees{leaves, leaves / 64 + 64};
+    return mustStream(job) || trees.bytes(kinds) + trees.levelBytes(job.levels, kinds.size()) >
                                   static_cast<double>(streamLimit(job)) / 2;
   }
   // `bytes`: of whole trees.

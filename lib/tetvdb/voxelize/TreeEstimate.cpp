@@ -22,6 +22,17 @@ double TreeEstimate::bytes(const std::vector<GridKind>& grids) const {
          lowerNodes * static_cast<double>(kLowerNodeBytes) * static_cast<double>(grids.size());
 }
 
+double TreeEstimate::levelBytes(const LevelRange& levels, std::size_t grids) const {
+  return levelShare(levels) * static_cast<double>(grids) * bytes({GridKind::Density});
+}
+
+double levelShare(const LevelRange& levels) {
+  double share = 0;
+  for (int k = std::max(levels.first, 1); k <= levels.last; ++k)
+    share += std::ldexp(1.0, -2 * k);
+  return share;
+}
+
 TreeEstimate estimateByBox(const SnappedMesh& mesh) {
   const auto nodes = [&](int shift) {
     const auto along = [&](double low, double high) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/volume/LevelsOfDetail.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace tetvdb {
@@ -16,7 +18,13 @@ struct TreeEstimate {
 
   /// Memory of the trees of all `grids`.
   double bytes(const std::vector<GridKind>& grids) const;
+  /// Memory of the levels of detail of so many grids, which are floats.
+  double levelBytes(const LevelRange& levels, std::size_t grids) const;
 };
+
+/// The expected leaves of levels of detail, for one of the grid: every level has about a quarter of
+/// those of the one before.
+double levelShare(const LevelRange& levels);
 
 /// Nodes that hold the mesh's box: never more than these.
 TreeEstimate estimateByBox(const SnappedMesh& mesh);

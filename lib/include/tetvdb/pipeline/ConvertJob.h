@@ -55,7 +55,9 @@ struct ConvertResult {
 /// (convertVolumeFile() in io/VolumeStream.h), unless a .vdb file has grids that only OpenVDB
 /// reads; a .vdb file of 256 MB or more becomes tiles by one child of the root
 /// node at a time. Adds stages "read" (of what is read whole), "extract" (of surfaces) and "write"
-/// to `report`. Throws the errors of its stages; no output is changed then.
+/// to `report`. Throws the errors of its stages, and Error(Limit) where a maxMemory is below what
+/// parts take: 64 MB, and 8 MB a thread, besides what is in use, less for small files; no output is
+/// changed then.
 ConvertResult run(const ConvertJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

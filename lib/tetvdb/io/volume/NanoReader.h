@@ -16,7 +16,6 @@
 #include <functional>
 #include <memory>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -287,24 +286,17 @@ private:
   }
 
   void checkLeaves(const std::vector<std::uint64_t>& lowers, bool summed, NodeChecksum& sum) {
-    const auto atOnce = 4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     std::uint64_t leaves = 0;
-    for (std::size_t begin = 0; begin < lowers.size(); begin += atOnce) {
-      std::vector<std::vector<std::uint64_t>> sums(std::min(atOnce, lowers.size() - begin));
-      tbb::parallel_for(std::size_t(0), sums.size(), [&](std::size_t i) {
-        const std::uint64_t lowerAt = lowers[begin + i];
-        const auto* lower = dataOf(at<NanoLower>(lowerAt));
-        for (std::uint32_t n = 0; n < NanoLower::SIZE; ++n)
-          if (lower->mChildMask.isOn(n)) {
-            const std::uint64_t leaf = child(lowerAt, lower->mTable[n].child, sizeof(NanoLeaf));
-            sums[i].push_back(summed ? NodeChecksum::of(bytes_ + leaf, sizeof(NanoLeaf)) : 0);
-          }
-      });
-      for (const std::vector<std::uint64_t>& own : sums) {
-        leaves += own.size();
-        sum.add(own);
-        releaseAfter(own.size() * sizeof(NanoLeaf));
-      }
+    std::vector<std::uint64_t> own;
+    for (const std::uint64_t lowerAt : lowers) {
+      const auto* lower = dataOf(at<NanoLower>(lowerAt));
+      own.clear();
+      for (std::uint32_t n = 0; n < NanoLower::SIZE; ++n)
+        if (lower->mChildMask.isOn(n))
+          own.push_back(child(lowerAt, lower->mTable[n].child, sizeof(NanoLeaf)));
+      leaves += own.size();
+      if (summed)
+        addSums(own, sizeof(NanoLeaf), sum);
       requireCount(0, leaves, sizeof(NanoLeaf), false);
     }
     requireCount(0, leaves, sizeof(NanoLeaf), true);

@@ -17,7 +17,7 @@ namespace {
 
 using Origin = std::array<std::int32_t, 3>;
 
-constexpr std::size_t kRelease = std::size_t(64) << 20; ///< bytes of the file in memory at a time
+constexpr std::size_t kRelease = std::size_t(8) << 20; ///< bytes of the file in memory at a time
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
 /// The form of a grid's values in the file.

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/VdbOutput.h"
+#include "tetvdb/io/volume/VolumeCursor.h"
 
 #include <algorithm>
 #include <blosc.h>
@@ -17,41 +18,7 @@ constexpr std::size_t kSliceBytes = std::size_t(1) << 20;   // unpacked at once
 constexpr std::size_t kReleaseBytes = std::size_t(8) << 20; // between two releases of the file
 constexpr std::size_t kWindowBytes = std::size_t(64) << 20; // of slices in memory
 
-[[noreturn]] void failAt(const std::string& path, std::size_t position, const std::string& what) {
-  throw Error(Status::Invalid, path, what + " (byte " + std::to_string(position) + ")",
-              "the file is cut or damaged; write it again");
-}
-
-/// A cursor over the file's bytes.
-class NvdbCursor {
-public:
-  NvdbCursor(std::string_view bytes, const std::string& path, std::size_t position = 0)
-      : bytes_(bytes), path_(path), position_(position) {}
-  bool atEnd() const { return position_ == bytes_.size(); }
-  std::size_t position() const { return position_; }
-  std::size_t left() const { return bytes_.size() - position_; }
-  const char* take(std::uint64_t size, const char* what) {
-    if (size > left())
-      fail(std::string("ends within ") + what);
-    const char* at = bytes_.data() + position_;
-    position_ += static_cast<std::size_t>(size);
-    return at;
-  }
-  template <class T>
-  T value(const char* what) {
-    T result;
-    std::memcpy(&result, take(sizeof result, what), sizeof result);
-    return result;
-  }
-  [[noreturn]] void fail(const std::string& what) const { failAt(path_, position_, what); }
-
-private:
-  std::string_view bytes_;
-  const std::string& path_;
-  std::size_t position_;
-};
-
-void skipGrid(NvdbCursor& cursor, std::uint64_t size, NvdbCodec codec) {
+void skipGrid(VolumeCursor& cursor, std::uint64_t size, NvdbCodec codec) {
   // The largest ratios that the compressors can reach. A file that states more is damaged.
   const std::uint64_t ratio = codec == NvdbCodec::Zip ? 1100 : codec == NvdbCodec::Blosc ? 300 : 1;
   if (size < sizeof(NvdbGrid) || size / ratio > cursor.left())
@@ -74,7 +41,7 @@ void skipGrid(NvdbCursor& cursor, std::uint64_t size, NvdbCodec codec) {
 
 using TakeBytes = std::function<void(const unsigned char*, std::size_t)>;
 
-void inflateGrid(NvdbCursor& cursor, std::uint64_t size, const TakeBytes& take) {
+void inflateGrid(VolumeCursor& cursor, std::uint64_t size, const TakeBytes& take) {
   const auto packed = cursor.value<std::uint64_t>("a grid");
   const char* from = cursor.take(packed, "a grid");
   const auto damaged = [&] { cursor.fail("a compressed grid is damaged"); };
@@ -109,7 +76,7 @@ void inflateGrid(NvdbCursor& cursor, std::uint64_t size, const TakeBytes& take) 
 }
 
 // One chunk of Blosc, `size` bytes of the grid.
-void unpackChunk(NvdbCursor& cursor, std::size_t size, const TakeBytes& take) {
+void unpackChunk(VolumeCursor& cursor, std::size_t size, const TakeBytes& take) {
   const auto packed = cursor.value<std::uint64_t>("a grid");
   const char* from = cursor.take(packed, "a grid");
   std::size_t claimed = 0, type = 0, block = 0, unused = 0;
@@ -146,7 +113,8 @@ void unpackChunk(NvdbCursor& cursor, std::size_t size, const TakeBytes& take) {
 } // namespace
 
 NvdbFile::NvdbFile(const std::string& path) : file_(path), path_(path) {
-  NvdbCursor cursor(file_.bytes(), path_);
+  const Source source = file_.source();
+  VolumeCursor cursor(source);
   while (!cursor.atEnd()) {
     const auto header = cursor.value<NvdbHeader>("a header");
     if (header.magic != kNvdbMagic && header.magic != kNvdbFileMagic)
@@ -167,8 +135,8 @@ NvdbFile::NvdbFile(const std::string& path) : file_(path), path_(path) {
 }
 
 void NvdbFile::unpack(const Grid& grid, const TakeBytes& take) const {
-  NvdbCursor cursor(file_.bytes(), path_, grid.at);
   const Source source = file_.source();
+  VolumeCursor cursor(source, grid.at);
   std::size_t taken = 0;
   const TakeBytes andRelease = [&](const unsigned char* bytes, std::size_t size) {
     take(bytes, size);
@@ -193,7 +161,7 @@ void NvdbFile::unpack(const Grid& grid, const TakeBytes& take) const {
 }
 
 void NvdbFile::fail(const Grid& grid, const std::string& what) const {
-  failAt(path_, grid.at, what);
+  VolumeCursor::failAt(path_, grid.at, what);
 }
 
 } // namespace tetvdb

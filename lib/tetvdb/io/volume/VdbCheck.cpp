@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/VdbHeader.h"
+#include "tetvdb/io/volume/VolumeCursor.h"
 
 #include <array>
 #include <blosc.h>
@@ -17,7 +18,6 @@ namespace {
 
 using Origin = std::array<std::int32_t, 3>;
 
-constexpr std::size_t kRelease = std::size_t(8) << 20; ///< bytes of the file in memory at a time
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
 /// The form of a grid's values in the file.
@@ -80,9 +80,9 @@ std::uint64_t mapSize(const std::string& type) {
   return 0;
 }
 
-class VdbChecker {
+class VdbChecker : VolumeCursor {
 public:
-  explicit VdbChecker(const Source& file) : file_(file), bytes_(file.bytes), path_(file.path) {}
+  explicit VdbChecker(const Source& file) : VolumeCursor(file), path_(file.path) {}
 
   std::vector<VdbGridEntry> run() {
     take(8, "the header");
@@ -103,11 +103,6 @@ public:
   }
 
 private:
-  [[noreturn]] void fail(const std::string& what) const {
-    throw Error(Status::Invalid, path_, what + " (byte " + std::to_string(position_) + ")",
-                "the file is cut or damaged; write it again");
-  }
-
   void requireVersion(std::uint32_t version) const {
     if (version < kFirstVdbVersion)
       throw Error(Status::Invalid, path_,
@@ -119,25 +114,6 @@ private:
                               "reads",
                               version, kLastVdbVersion),
                   "write it again by a program with OpenVDB 10, or convert it to .nvdb");
-  }
-
-  const char* take(std::uint64_t size, const char* what) {
-    if (size > bytes_.size() - position_)
-      fail(std::string("ends within ") + what);
-    const char* at = bytes_.data() + position_;
-    position_ += static_cast<std::size_t>(size);
-    if (position_ - released_ > kRelease) {
-      file_.release();
-      released_ = position_;
-    }
-    return at;
-  }
-
-  template <class T>
-  T value(const char* what) {
-    T result;
-    std::memcpy(&result, take(sizeof result, what), sizeof result);
-    return result;
   }
 
   std::string text(const char* what) {
@@ -179,7 +155,7 @@ private:
     if (content.empty())
       return;
     number(leaves);
-    if (leaves > bytes_.size() / 64)
+    if (leaves > size() / 64)
       fail("metadata names more leaves than the file can hold");
     for (const std::uint64_t each : {1u, 8u}) {
       std::uint32_t packed = 0;
@@ -209,7 +185,7 @@ private:
     const auto gridAt = value<std::uint64_t>("a grid's offsets");
     const auto buffersAt = value<std::uint64_t>("a grid's offsets");
     const auto endAt = value<std::uint64_t>("a grid's offsets");
-    if (hasOffsets_ && (gridAt != position_ || endAt < gridAt || endAt > bytes_.size() ||
+    if (hasOffsets_ && (gridAt != position() || endAt < gridAt || endAt > size() ||
                         (!instance && (buffersAt < gridAt || buffersAt > endAt))))
       fail("a grid's offsets are not within the file");
     compression_ = value<std::uint32_t>("a grid");
@@ -222,17 +198,17 @@ private:
       if (!instance) {
         type_ = type;
         tree();
-        if (hasOffsets_ && position_ != buffersAt)
+        if (hasOffsets_ && position() != buffersAt)
           fail("a grid's buffers are not where they should be");
         buffers();
       }
-      if (hasOffsets_ && !instance && position_ != endAt)
+      if (hasOffsets_ && !instance && position() != endAt)
         fail("a grid does not end where it should");
     }
     if (hasOffsets_) {
-      if (position_ > endAt)
+      if (position() > endAt)
         fail("a grid does not end where it should");
-      position_ = static_cast<std::size_t>(endAt);
+      moveTo(endAt);
     }
     return entry;
   }
@@ -376,10 +352,7 @@ private:
     const char* children; ///< the mask
   };
 
-  const Source& file_;
-  std::string_view bytes_;
   const std::string& path_;
-  std::size_t position_ = 0, released_ = 0;
   std::uint32_t compression_ = 0;
   bool hasOffsets_ = false; ///< false: the file was written as a stream
   bool half_ = false;       ///< as the metadata of a grid says

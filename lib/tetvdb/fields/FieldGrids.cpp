@@ -443,25 +443,17 @@ void FieldGrids::slab(Node& node, int index, const SlabBits& bits, const std::ui
   Scratch& scratch = state_->scratches.local();
   const std::int32_t first[3] = {target.index[0] * kNodeSize + index * kLeafSize,
                                  target.index[1] * kNodeSize, target.index[2] * kNodeSize};
-  for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
-    const LeafRows rows(bits, leafY);
-    if (rows.empty())
-      continue;
-    for (int leafZ = 0; leafZ < kSlabsPerNode; ++leafZ) {
-      if (rows.empty(leafZ))
-        continue;
-      scratch.sample.begin(first[0], first[1] + leafY * kLeafSize, first[2] + leafZ * kLeafSize);
-      const std::uint32_t* corner = owners + (leafY * kLeafSize * kNodeSize + leafZ * kLeafSize);
-      for (int x = 0; x < kLeafSize; ++x)
-        for (std::uint64_t word = rows.word(leafZ, x); word != 0; word &= word - 1) {
-          const int bit = __builtin_ctzll(word);
-          scratch.sample.add(
-              static_cast<std::uint32_t>(64 * x + bit),
-              corner[(x * kNodeSize + bit / kLeafSize) * kNodeSize + bit % kLeafSize]);
-        }
-      target.leaf(static_cast<openvdb::Index>((index << 8) | (leafY << 4) | leafZ), scratch);
-    }
-  }
+  eachLeaf(bits, index, [&](const LeafRows& rows, int leafY, int leafZ, int entry) {
+    scratch.sample.begin(first[0], first[1] + leafY * kLeafSize, first[2] + leafZ * kLeafSize);
+    const std::uint32_t* corner = owners + (leafY * kLeafSize * kNodeSize + leafZ * kLeafSize);
+    for (int x = 0; x < kLeafSize; ++x)
+      for (std::uint64_t word = rows.word(leafZ, x); word != 0; word &= word - 1) {
+        const int bit = __builtin_ctzll(word);
+        scratch.sample.add(static_cast<std::uint32_t>(64 * x + bit),
+                           corner[(x * kNodeSize + bit / kLeafSize) * kNodeSize + bit % kLeafSize]);
+      }
+    target.leaf(static_cast<openvdb::Index>(entry), scratch);
+  });
   state_->any = true;
 }
 

@@ -30,25 +30,17 @@ void BitSink::slab(Node& open, int index, const SlabBits& bits, const std::uint3
   node.last = index;
   std::vector<std::uint64_t>& leaves = node.bits->leaves;
   const std::size_t first = leaves.size();
-  for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
-    const LeafRows rows(bits, leafY);
-    if (rows.empty())
-      continue;
-    for (int leafZ = 0; leafZ < kSlabsPerNode; ++leafZ) {
-      if (rows.empty(leafZ))
-        continue;
-      const int entry = index << 8 | leafY << 4 | leafZ;
-      const auto word = static_cast<std::size_t>(entry >> 6);
-      const std::uint64_t bit = std::uint64_t(1) << (entry & 63);
-      if (rows.full(leafZ)) {
-        node.bits->tiles[word] |= bit;
-        continue;
-      }
-      node.bits->children[word] |= bit;
-      for (int x = 0; x < kLeafSize; ++x)
-        leaves.push_back(rows.word(leafZ, x));
+  eachLeaf(bits, index, [&](const LeafRows& rows, int, int leafZ, int entry) {
+    const auto word = static_cast<std::size_t>(entry >> 6);
+    const std::uint64_t bit = std::uint64_t(1) << (entry & 63);
+    if (rows.full(leafZ)) {
+      node.bits->tiles[word] |= bit;
+      return;
     }
-  }
+    node.bits->children[word] |= bit;
+    for (int x = 0; x < kLeafSize; ++x)
+      leaves.push_back(rows.word(leafZ, x));
+  });
   node.slabs[static_cast<std::size_t>(index)] = {first, leaves.size()};
 }
 

@@ -46,4 +46,16 @@ private:
   std::uint64_t all_[2] = {~std::uint64_t(0), ~std::uint64_t(0)};
 };
 
+/// Calls visit(rows, leafY, leafZ, entry) for the leaves of slab `index` that are not empty, in
+/// order; `entry`: of the 128^3 node.
+template <class Visit>
+void eachLeaf(const SlabBits& bits, int index, const Visit& visit) {
+  for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
+    const LeafRows rows(bits, leafY);
+    for (int leafZ = 0; leafZ < kSlabsPerNode && !rows.empty(); ++leafZ)
+      if (!rows.empty(leafZ))
+        visit(rows, leafY, leafZ, index << 8 | leafY << 4 | leafZ);
+  }
+}
+
 } // namespace tetvdb

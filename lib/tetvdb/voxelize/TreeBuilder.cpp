@@ -77,25 +77,16 @@ public:
   void slab(void* node, int index, const SlabBits& bits, const std::uint32_t* owners) override {
     auto* lower = static_cast<Lower*>(node);
     const openvdb::Coord corner = lower->origin().offsetBy(index * kLeafSize, 0, 0);
-    for (int leafY = 0; leafY < kSlabsPerNode; ++leafY) {
-      const LeafRows rows(bits, leafY);
-      if (rows.empty())
-        continue;
-      for (int leafZ = 0; leafZ < kSlabsPerNode; ++leafZ) {
-        if (rows.empty(leafZ))
-          continue;
-        const auto offset = static_cast<openvdb::Index>((index << 8) | (leafY << 4) | leafZ);
-        const std::uint32_t* first =
-            owners == nullptr ? nullptr
-                              : owners + (leafY * kLeafSize * kNodeSize + leafZ * kLeafSize);
-        if (rows.full(leafZ) && oneValue(first)) {
-          lower->addTile(offset, valueAt(first), true);
-          continue;
-        }
+    eachLeaf(bits, index, [&](const LeafRows& rows, int leafY, int leafZ, int entry) {
+      const std::uint32_t* first =
+          owners == nullptr ? nullptr
+                            : owners + (leafY * kLeafSize * kNodeSize + leafZ * kLeafSize);
+      if (rows.full(leafZ) && oneValue(first))
+        lower->addTile(static_cast<openvdb::Index>(entry), valueAt(first), true);
+      else
         lower->addLeaf(
             makeLeaf(corner.offsetBy(0, leafY * kLeafSize, leafZ * kLeafSize), rows, leafZ, first));
-      }
-    }
+    });
   }
 
   void end(void* node, const NodeIndex& index) override {

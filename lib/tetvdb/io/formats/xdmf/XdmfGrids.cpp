@@ -87,6 +87,19 @@ pugi::xml_node XdmfGrids::temporal(pugi::xml_node grid, std::size_t depth) const
   return {};
 }
 
+XdmfGrids::Step XdmfGrids::step(pugi::xml_node temporal, int timeStep) const {
+  Step step;
+  step.count = temporal ? children(temporal).size() : 0;
+  if (temporal && step.count == 0)
+    throw Error(Status::Invalid, markup_.where(temporal), "the temporal collection is empty",
+                "export it again");
+  if (timeStep >= 0 && static_cast<std::size_t>(timeStep) >= step.count)
+    throw Error(Status::Usage, markup_.path(), "has no time step " + std::to_string(timeStep + 1),
+                "it has " + std::to_string(step.count));
+  step.index = timeStep >= 0 ? static_cast<std::size_t>(timeStep) : step.count - (step.count > 0);
+  return step;
+}
+
 void XdmfGrids::uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,
                         std::size_t depth) const {
   if (depth > kDeepestGrid || found.size() > kMaxGrids)

@@ -23,6 +23,13 @@ public:
   }
   /// The first temporal collection in or below `grid`; null if there is none.
   pugi::xml_node temporal(pugi::xml_node grid, std::size_t depth = 0) const;
+  struct Step {
+    std::size_t count = 0; ///< of the collection; 0 where there is none
+    std::size_t index = 0; ///< of the one to read
+  };
+  /// The step `timeStep` of a temporal collection, or of none; below 0 the last one. Throws also
+  /// Error(Usage) where it has no such step.
+  Step step(pugi::xml_node temporal, int timeStep) const;
   /// Adds the uniform grids of `grid` at a step. Throws for other grids, and for too many.
   void uniform(pugi::xml_node grid, std::size_t step, std::vector<pugi::xml_node>& found,
                std::size_t depth = 0) const;

@@ -25,6 +25,7 @@ public:
   std::vector<pugi::xml_node> children(pugi::xml_node grid, std::string_view name) const;
   /// The first of them; null if there is none.
   pugi::xml_node child(pugi::xml_node grid, std::string_view name) const;
+  const std::string& path() const { return path_; }
   /// "path, <Grid> 'name' at byte N": for messages.
   std::string where(pugi::xml_node element) const;
 

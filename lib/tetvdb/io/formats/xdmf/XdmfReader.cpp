@@ -140,23 +140,15 @@ private:
     if (all.empty())
       throw Error(Status::Invalid, source_.path, "has no <Grid>", "export it again");
     const pugi::xml_node temporal = grids_.temporal(markup_.domain());
-    const std::size_t steps = temporal ? grids_.children(temporal).size() : 0;
-    if (temporal && steps == 0)
-      fail(temporal, "the temporal collection is empty", "export it again");
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(steps));
-    const std::size_t step =
-        options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep) : steps - (steps > 0);
+    const XdmfGrids::Step step = grids_.step(temporal, options_.timeStep);
     for (const pugi::xml_node grid : all) {
       // The mesh to which temporal collections refer is beside them.
       if (temporal && !grids_.temporal(grid))
         continue;
-      if (grids_.isTemporal(grid) && grids_.children(grid).size() != steps)
+      if (grids_.isTemporal(grid) && grids_.children(grid).size() != step.count)
         leaveOut(grid, "has another number of steps");
       else
-        addGrids(grid, step, temporal ? grid : pugi::xml_node());
+        addGrids(grid, step.index, temporal ? grid : pugi::xml_node());
     }
     if (pieces_.empty())
       throw Error(Status::Invalid, source_.path, "has no grid with a topology and a geometry",

@@ -60,21 +60,13 @@ private:
   // The grids of one step; all have the first one's mesh.
   void findGrids() {
     const pugi::xml_node temporal = grids_.temporal(markup_.domain());
-    const std::size_t steps = temporal ? grids_.children(temporal).size() : 0;
-    if (temporal && steps == 0)
-      fail(temporal, "the temporal collection is empty", "export it again");
-    if (options_.timeStep >= 0 && static_cast<std::size_t>(options_.timeStep) >= steps)
-      throw Error(Status::Usage, source_.path,
-                  "has no time step " + std::to_string(options_.timeStep + 1),
-                  "it has " + std::to_string(steps));
-    const std::size_t step =
-        options_.timeStep >= 0 ? static_cast<std::size_t>(options_.timeStep) : steps - (steps > 0);
-    if (steps > 1 && options_.timeStep < 0)
-      report_.warn("last-step", source_.path + ": has " + std::to_string(steps) +
+    const XdmfGrids::Step step = grids_.step(temporal, options_.timeStep);
+    if (step.count > 1 && options_.timeStep < 0)
+      report_.warn("last-step", source_.path + ": has " + std::to_string(step.count) +
                                     " time steps; the last one is taken");
     for (const pugi::xml_node grid : grids_.children(markup_.domain()))
       if (!temporal || grids_.temporal(grid))
-        grids_.uniform(grid, step, pieces_);
+        grids_.uniform(grid, step.index, pieces_);
     if (pieces_.empty())
       throw Error(Status::Invalid, source_.path, "has no grid with a topology and a geometry",
                   "export it again");

@@ -188,7 +188,7 @@ void AtomicFile::fail(const char* what, int error) const {
     (text += ": ") += std::strerror(error);
   throw Error(Status::Write, path_, text,
               error == ENOSPC ? "free some space or write elsewhere; nothing was left behind"
-                              : "choose another output with -o");
+                              : "write elsewhere");
 }
 
 void AtomicFile::flush() {

@@ -88,7 +88,7 @@ void TailStore::spill() {
 void TailStore::fail(const char* what, int error) const {
   throw Error(Status::Write, folder_, std::string(what) + ": " + std::strerror(error),
               error == ENOSPC ? "free some space or write elsewhere; nothing was left behind"
-                              : "choose another output with -o");
+                              : "write elsewhere");
 }
 
 } // namespace tetvdb

@@ -491,7 +491,6 @@ class Levels(Volumes):
         self.refuse(2, *make, "-o", "a.vdb", "--grid", "surface", "--lod", "1", says=("surface", "level set"))
         self.refuse(2, *make, "-o", "a.vdb", "--grid", "material", "--lod", "1", says=("material", "mean"))
         self.refuse(2, *make, "-o", "a.npz", "--lod", "1", says="--lod")
-        self.refuse(2, *make, "-o", "a.vdb", "--shard", "0/2", "--lod", "1", says="--lod")
         self.refuse(2, *make, "--tiles", "t", "--tile-size", 512, "--lod", "1:10", says=("--lod", "--tile-size"))
         self.refuse(2, *make, "--tiles", "t", "--grid", "surface", "--lod", "1", says="level set")
         self.assertFalse(self.path("t").exists())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Tetrahedra and closed triangle meshes into NanoVDB grids on a GPU: plain arrays in, a NanoVDB
+// Tetrahedra and triangle meshes into NanoVDB grids on a GPU: plain arrays in, a NanoVDB
 // buffer out. The grid is bit for bit the one that voxelize/Voxelize.h and VoxelizeTriangles.h make
 // on the CPU. No type of CUDA or NanoVDB is in here.
 //
@@ -15,6 +15,7 @@
 #include "DeviceArray.h"
 #include "DistanceJob.h"
 #include "FieldJob.h"
+#include "HolesView.h"
 #include "tetvdb/geometry/FillRule.h"
 
 #include <cstddef>
@@ -39,6 +40,9 @@ struct MeshView {
   const std::int32_t* values = nullptr;     ///< of every tet, for GridType::Owner; null: its number
   const std::uint32_t* triangles = nullptr; ///< three indices each; null: the mesh is one of tets
   std::uint64_t triangleCount = 0;
+  /// Of triangles that do not close what their winding number takes besides, in host memory; null
+  /// where they close. Ignored for FillRule::Odd.
+  const HolesView* holes = nullptr;
 };
 
 enum class GridType : std::uint8_t {
@@ -54,7 +58,7 @@ enum class Method : std::uint8_t {
   Auto,     ///< whichever a cost estimate finds faster
   Boundary, ///< signed crossings of the boundary faces, or of all triangles
   Tets,     ///< every tet rasterised into a dense array of leaf masks; for small grids
-  Dense     ///< signed crossings of all triangles in a dense array; for small grids
+  Dense     ///< signed crossings of all triangles, closed ones, in a dense array; for small grids
 };
 
 struct Job {
@@ -80,7 +84,8 @@ struct Counts {
 };
 
 /// Valid until the voxelizer that made it runs again or is destroyed. Of triangles that do not
-/// close (openEdges, for FillRule::Odd oddEdges) nothing is made: both pointers are null.
+/// close (openEdges, for FillRule::Odd oddEdges) nothing is made without MeshView::holes: both
+/// pointers are null.
 struct Result {
   const unsigned char* bytes =
       nullptr; ///< the grid in host memory, aligned to 64 bytes; null where not downloaded

@@ -52,6 +52,7 @@ public:
     std::copy_n(from, n, to);
   }
 
+  void await() {}
   void upload(void* to, const void* from, u64 bytes) {
     if (bytes != 0)
       std::memcpy(to, from, bytes);

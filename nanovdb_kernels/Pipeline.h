@@ -84,8 +84,11 @@ public:
     const bool owners = job_.type == GridType::Owner;
     const Method denseMethod = soup() ? Method::Dense : Method::Tets;
     const bool dense =
-        !owners &&
+        !owners && holes() == nullptr &&
         (job_.method == denseMethod ? denseFits() : job_.method == Method::Auto && denseIsFaster());
+    if (holes() != nullptr && job_.method == Method::Dense)
+      throw Error(Status::Usage, "", "holes are not filled by the dense method",
+                  "take the method by the boundary");
     if (!owners && job_.method == denseMethod && !dense)
       throw Error(Status::Limit, "", "the grid is too large for a dense array on the device",
                   "take the method by the boundary");
@@ -99,7 +102,8 @@ public:
 
   /// Whether the mesh has an inside: after build().
   bool closed() const {
-    return (job_.rule == FillRule::Odd ? counts_.oddEdges : counts_.openEdges) == 0;
+    return job_.rule == FillRule::Odd ? counts_.oddEdges == 0
+                                      : counts_.openEdges == 0 || mesh_.holes != nullptr;
   }
 
   /// Second part: the nodes into `buffer`, of layout.sizeHere bytes.
@@ -338,7 +342,12 @@ public:
     leaves_ = tets.runOwners(mesh_.values, -1, shareByTets(), masks_, table_, summaries_);
   }
 
-  // The faces of a soup; null where it is not closed.
+  // What fills the holes of the triangles, where that is asked for.
+  const HolesView* holes() const {
+    return soup() && job_.rule != FillRule::Odd ? mesh_.holes : nullptr;
+  }
+
+  // The faces of a soup; null where it has no inside.
   const Face* closedSoup() {
     b_.stage("edges");
     awaitTriangles();
@@ -370,8 +379,8 @@ public:
       }
       counts_.boundaryFaces = faceCount;
       leaves_ = FaceRasterizer<Backend>(b_, space_, job_.rule)
-                    .run(points_, faces, faceCount, shareByFaces(faces, faceCount), leafSize(kind_),
-                         masks_);
+                    .run(points_, faces, faceCount, holes(), shareByFaces(faces, faceCount),
+                         leafSize(kind_), masks_);
     }
     b_.stage("levels");
     LevelBuilder<Backend> levels(b_, space_, !owners, errors_);
@@ -414,7 +423,13 @@ public:
       if (low > high)
         low = high = 0;
       // A crossing counts from at most one voxel above the box.
-      const i64 first = (low >> kLatticeBits) >> 3, last = ((high >> kLatticeBits) + 1) >> 3;
+      i64 first = (low >> kLatticeBits) >> 3, last = ((high >> kLatticeBits) + 1) >> 3;
+      if (holes() != nullptr)
+        for (u64 i = 0; i < holes()->leafCount; ++i) {
+          const i64 leaf = holes()->leaves[i].first[k] >> 3;
+          first = leaf < first ? leaf : first;
+          last = leaf > last ? leaf : last;
+        }
       space_.base[k] = first >> 9 << 9;
       const u64 leaves = static_cast<u64>(last - space_.base[k] + 1);
       space_.bits[k] = 9;

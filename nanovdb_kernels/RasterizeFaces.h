@@ -2,10 +2,15 @@
 //
 // Leaves from boundary faces: signed crossings along the z columns, added up from below.
 // (face, 128 x 128 columns) -> (face, 8 x 8 columns) -> (face, leaf) pairs by count, scan and fill,
-// sorted by leaf; a team walks up each column of leaves with the counts of its 64 columns.
+// sorted by leaf; a team walks up each column of leaves with the counts of its 64 columns. Of an
+// open soup the triangles over its holes are counted beside, and where voxels have values
+// (WindingLeaves.h) the count becomes the whole number nearest to the winding number, as in
+// voxelize/BoundaryRaster.cpp.
 #pragma once
 
 #include "BoundaryFaces.h"
+#include "WindingLeaves.h"
+#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/FillRule.h"
 
 namespace tetvdb::nano {
@@ -56,18 +61,69 @@ struct WalkShared {
   alignas(8) u8 inside[64];
 };
 
+/// The same where holes are filled.
+struct OpenWalkShared : WalkShared {
+  i32 overHoles[512]; // signed crossings of the triangles over holes
+  i32 below[64];      // their sum
+  i32 rest[64];       // what the crossings fall short of the count by
+  u64 banded;         // the WindingLeaf, or kNotBanded
+};
+constexpr u64 kNotBanded = ~u64(0);
+
+/// What pairs refer to: faces, then triangles over holes, then WindingLeafs.
+struct PairedItems {
+  const CrossedFace* columns;
+  u64 faces, triangles; ///< faces; triangles of both kinds
+  WindingValues winding;
+};
+
+/// What a team knows of a leaf's pairs before it adds their crossings.
+template <typename Shared>
+TETVDB_HD void beginLeaf(const Team&, Shared&) {}
+TETVDB_HD inline void beginLeaf(const Team& team, OpenWalkShared& s) {
+  for (int i = team.rank(); i < 512; i += team.size())
+    s.overHoles[i] = 0;
+  if (team.rank() == 0)
+    s.banded = kNotBanded;
+}
+
+/// Where the crossings of a pair's triangle are added; null for a WindingLeaf.
+TETVDB_HD inline i32* sumsOf(const PairedItems&, u32, WalkShared& s) {
+  return s.delta;
+}
+TETVDB_HD inline i32* sumsOf(const PairedItems& items, u32 item, OpenWalkShared& s) {
+  if (item < items.faces)
+    return s.delta;
+  if (item < items.triangles)
+    return s.overHoles;
+  s.banded = item - items.triangles;
+  return nullptr;
+}
+
 template <typename Backend>
 class FaceRasterizer {
 public:
   FaceRasterizer(Backend& backend, const KeySpace& space, FillRule rule)
       : b_(backend), space_(space), rule_(rule) {}
 
-  /// The leaves of `share` that faces cross. `leafBytes`: of one in the buffer to come.
-  Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, const RootShare& share,
-              u64 leafBytes, LeafMasks& leaves) {
+  /// The leaves of `share` that faces cross. `leafBytes`: of one in the buffer to come. `holes`: of
+  /// an open soup; else null.
+  Entries run(const LatticePoint* points, const Face* faces, u64 faceCount, const HolesView* holes,
+              const RootShare& share, u64 leafBytes, LeafMasks& leaves) {
+    if (holes != nullptr) {
+      b_.stage("winding");
+      WindingLeaves<Backend> winding(b_, *holes, space_);
+      items_.winding = winding.run(share);
+      banded_ = winding.leaves();
+      bandedCount_ = holes->leafCount;
+    }
     b_.stage("pairs");
-    prepare(points, faces, faceCount);
-    pairs(faceCount, share);
+    const u64 holeCount = holes != nullptr ? holes->triangleCount : 0;
+    if (faceCount + holeCount + bandedCount_ >= u64(1) << 32)
+      throw Error(Status::Limit, "", "the mesh has 2^32 triangles or more", "split it in parts");
+    prepare(points, faces, faceCount, holes, holeCount);
+    items_ = {columns_, faceCount, faceCount + holeCount, items_.winding};
+    pairs(faceCount + holeCount, share);
     b_.stage("walk");
     const Entries e = walk(leaves, leafBytes);
     b_.dropTemporaries();
@@ -76,9 +132,19 @@ public:
 
   // Public for nvcc alone, as in LevelBuilder.
 
-  void prepare(const LatticePoint* points, const Face* faces, u64 faceCount) {
-    columns_ = b_.template temp<CrossedFace>(faceCount);
+  void prepare(const LatticePoint* points, const Face* faces, u64 faceCount, const HolesView* holes,
+               u64 holeCount) {
+    columns_ = b_.template temp<CrossedFace>(faceCount + holeCount);
     CrossedFace* columns = columns_;
+    if (holeCount != 0) {
+      FillTriangle* triangles = b_.template temp<FillTriangle>(holeCount);
+      b_.upload(triangles, holes->triangles, holeCount * sizeof(FillTriangle));
+      b_.forEach(
+          holeCount, TETVDB_KERNEL(u64 i) {
+            const FillTriangle& t = triangles[i];
+            columns[faceCount + i] = CrossedFace(t.a, t.b, t.c, t.weight);
+          });
+    }
     b_.forEach(
         faceCount, TETVDB_KERNEL(u64 i) {
           const Face f = faces[i];
@@ -162,7 +228,8 @@ public:
                          static_cast<u64>(low - space.base[2])});
         });
     b_.scan(leafCount, pairOffset, candidates);
-    pairCount_ = b_.read(pairOffset + candidates);
+    const u64 facePairs = b_.read(pairOffset + candidates);
+    pairCount_ = facePairs + countBanded();
     // Twice, since sorting takes from one place to another.
     b_.require(2 * pairCount_ * (sizeof(u64) + sizeof(u32)));
     pairKey_ = b_.template temp<u64>(pairCount_);
@@ -176,7 +243,38 @@ public:
             pairFace[pairOffset[i] + k] = candidateFace[i];
           }
         });
+    placeBanded(facePairs);
     b_.sort(pairKey_, pairFace_, pairCount_, space_.total());
+  }
+
+  // The leaves that have values, which all lie in the share.
+  u64 countBanded() {
+    if (bandedCount_ == 0)
+      return 0;
+    const u64 count = bandedCount_;
+    const WindingValues winding = items_.winding;
+    u32* has = b_.template temp<u32>(count + 1);
+    bandedOffset_ = b_.template temp<u64>(count + 1);
+    b_.forEach(
+        count + 1, TETVDB_KERNEL(u64 i) { has[i] = i < count && winding.octants[i] != 0; });
+    b_.scan(has, bandedOffset_, count);
+    return b_.read(bandedOffset_ + count);
+  }
+  void placeBanded(u64 first) {
+    const u64* offset = bandedOffset_;
+    u64* pairKey = pairKey_ + first;
+    u32* pairFace = pairFace_ + first;
+    const u32 number = static_cast<u32>(items_.triangles);
+    const WindingLeaf* banded = banded_;
+    const KeySpace space = space_;
+    b_.forEach(
+        bandedCount_, TETVDB_KERNEL(u64 i) {
+          if (offset[i + 1] == offset[i])
+            return;
+          pairKey[offset[i]] =
+              columnKey(space, 0, WindingLeaves<Backend>::placeOf(space, banded[i]));
+          pairFace[offset[i]] = number + static_cast<u32>(i);
+        });
   }
 
   // Box (x0, x1, y0, y1, inclusive) of the columns of a face in its k-th block.
@@ -216,47 +314,58 @@ public:
     leaves.top = b_.template alloc<u64>(leafCount);
     // Many faces a column: a larger team shares them.
     const int teamSize = pairCount_ > 128 * columnCount ? 256 : 32;
-    rasterizeColumns(columnBegin, columnCount, begin, e, leaves, teamSize);
+    if (items_.triangles > items_.faces)
+      rasterizeColumns<OpenWalkShared>(columnBegin, columnCount, begin, e, leaves, teamSize);
+    else
+      rasterizeColumns<WalkShared>(columnBegin, columnCount, begin, e, leaves, teamSize);
     return e;
   }
 
+  template <typename Shared>
   void rasterizeColumns(const u64* columnBegin, u64 columnCount, const u64* begin, Entries& e,
                         const LeafMasks& leaves, int teamSize) {
-    const CrossedFace* columns = columns_;
+    const PairedItems items = items_;
     const u32* pairFace = pairFace_;
     const u64* keys = e.key;
     u8* states = e.state;
     u64 *masks = leaves.mask, *tops = leaves.top;
     const KeySpace space = space_;
     const FillRule rule = rule_;
-    b_.template forTeams<WalkShared>(
-        columnCount, teamSize, TETVDB_KERNEL(const Team& team, u64 column, WalkShared& s) {
+    b_.template forTeams<Shared>(
+        columnCount, teamSize, TETVDB_KERNEL(const Team& team, u64 column, Shared& s) {
           for (int c = team.rank(); c < 64; c += team.size())
-            s.count[c] = 0;
+            clearColumn(s, c);
           const u64 first = columnBegin[column], end = columnBegin[column + 1];
           for (u64 leaf = first; leaf < end; ++leaf) {
             for (int i = team.rank(); i < 512; i += team.size())
               s.delta[i] = 0;
+            beginLeaf(team, s);
             team.sync();
             i32 origin[3];
             originOf(space, 0, placeOfColumnKey(space, 0, keys[leaf]), origin);
             const u64 pairBegin = begin[leaf], pairEnd = begin[leaf + 1];
             if (pairEnd - pairBegin <= 8) {
               for (u64 k = pairBegin; k < pairEnd; ++k) {
-                const CrossedFace& f = columns[pairFace[k]];
+                i32* const sums = sumsOf(items, pairFace[k], s);
+                if (sums == nullptr)
+                  continue;
+                const CrossedFace& f = items.columns[pairFace[k]];
                 const bool whole = coversLeaf(f, origin);
                 for (int c = team.rank(); c < 64; c += team.size())
-                  addCrossing(f, origin, c >> 3, c & 7, whole, s.delta);
+                  addCrossing(f, origin, c >> 3, c & 7, whole, sums);
               }
             } else {
               for (u64 k = pairBegin + static_cast<u64>(team.rank()); k < pairEnd;
                    k += static_cast<u64>(team.size())) {
-                const CrossedFace& f = columns[pairFace[k]];
+                i32* const sums = sumsOf(items, pairFace[k], s);
+                if (sums == nullptr)
+                  continue;
+                const CrossedFace& f = items.columns[pairFace[k]];
                 const i32 xLow = f.xMin - origin[0], xHigh = f.xMax - origin[0];
                 const i32 yLow = f.yMin - origin[1], yHigh = f.yMax - origin[1];
                 for (int x = xLow > 0 ? xLow : 0; x <= (xHigh < 7 ? xHigh : 7); ++x)
                   for (int y = yLow > 0 ? yLow : 0; y <= (yHigh < 7 ? yHigh : 7); ++y)
-                    addCrossing(f, origin, x, y, false, s.delta);
+                    addCrossing(f, origin, x, y, false, sums);
               }
             }
             team.sync();
@@ -265,6 +374,7 @@ public:
               u32 run = 0;
               for (int z = 0; z < 8; ++z) {
                 count += s.delta[z * 64 + c];
+                correct(items, s, c, z, count);
                 run |= u32(isInside(count, rule)) << z;
               }
               s.count[c] = count;
@@ -289,6 +399,27 @@ public:
             team.sync();
           }
         });
+  }
+
+  // A column's sums below the lowest leaf.
+  TETVDB_HD static void clearColumn(WalkShared& s, int c) { s.count[c] = 0; }
+  TETVDB_HD static void clearColumn(OpenWalkShared& s, int c) {
+    s.count[c] = s.below[c] = s.rest[c] = 0;
+  }
+
+  // Makes the count at a voxel of column c, whose crossings were added, the whole number nearest to
+  // the winding number; z ascends.
+  TETVDB_HD static void correct(const PairedItems&, WalkShared&, int, int, i32&) {}
+  TETVDB_HD static void correct(const PairedItems& items, OpenWalkShared& s, int c, int z,
+                                i32& count) {
+    s.below[c] += s.overHoles[z * 64 + c];
+    const double* value =
+        s.banded == kNotBanded ? nullptr : items.winding.at(s.banded, c >> 3, c & 7, z);
+    if (value == nullptr)
+      return;
+    const i32 crossings = count - s.rest[c];
+    s.rest[c] = nearestWinding(crossings - s.below[c] + *value) - crossings;
+    count = crossings + s.rest[c];
   }
 
   // Whether all columns of a leaf are certainly inside the face seen along z.
@@ -325,6 +456,10 @@ private:
   KeySpace space_;
   FillRule rule_;
   CrossedFace* columns_ = nullptr;
+  PairedItems items_{};
+  const WindingLeaf* banded_ = nullptr; // with or without values
+  u64 bandedCount_ = 0;
+  u64* bandedOffset_ = nullptr;
   u64* pairKey_ = nullptr;
   u32* pairFace_ = nullptr;
   u64 pairCount_ = 0;

@@ -440,8 +440,7 @@ void addRunOptions(CLI::App& command, DatasetArguments& options) {
   command
       .add_option(
           "--device", options.device,
-          "cpu, or cuda, cuda:1: the GPU that closed models become voxels on; the files are "
-          "the same")
+          "cpu, or cuda, cuda:1: the GPU that models become voxels on; the files are the same")
       ->check(notEmpty())
       ->type_name("cpu|cuda|cuda:N")
       ->capture_default_str();

@@ -137,7 +137,7 @@ class Dataset:
     errors: of a model that cannot be made: "warn" and go on without it, "raise", or "ignore". Those
         that failed are in `failures`, as pairs of name and tetvdb.Error.
     threads: of one model (1). max_time: seconds for one model (300). max_memory: bytes for one.
-    device: "cpu", or "cuda" or "cuda:1": closed models become voxels on that GPU, and occupancy stays
+    device: "cpu", or "cuda" or "cuda:1": models become voxels on that GPU, and occupancy stays
         in its memory, a tetvdb.DeviceTensor in place of an array. The values are the same. A process
         that was forked once CUDA runs has no GPU: give `workers`, which are threads.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The device's steps for triangles, run by their twin on the host, against the CPU's voxelize().
-#include "SoupCases.h"
+#include "OpenSoupCases.h"
 #include "nanovdb_kernels/AnySoup.h"
 #include "tetvdb/core/Error.h"
 
@@ -98,6 +98,36 @@ TEST(SoupFaces, OpenSoupsMakeNoGrid) {
     ASSERT_NE(made.bytes, nullptr);
     EXPECT_EQ(hashOf(made), cpuHash(turned, FillRule::Odd, GridKind::Mask, {}));
   }
+}
+
+void expectSameOpen(const SoupCase& c) {
+  nano::HostTwin twin;
+  FilledSoup soup(c.mesh, c.transform);
+  for (const FillRule rule : {FillRule::Positive, FillRule::NonZero}) {
+    const nano::Result result =
+        twin.run(soup.view, soupJob(GridType::Bool, Method::Auto, rule, c.transform));
+    ASSERT_NE(result.bytes, nullptr) << c.name;
+    EXPECT_GT(result.counts.openEdges, 0u) << c.name;
+    EXPECT_EQ(hashOf(result), cpuHash(c.mesh, rule, GridKind::Mask, c.transform))
+        << c.name << ", rule " << int(rule);
+  }
+}
+
+TEST(SoupFaces, OpenSoupsAreThoseOfTheCpu) {
+  for (const SoupCase& c : openSoupCases(false))
+    expectSameOpen(c);
+}
+
+TEST(SoupFaces, OpenSoupsInSharesMakeTheSameBuffer) {
+  const TriangleMesh mesh = movedBy(meshes::torus(), 60, {0, 0, 0});
+  const TriangleMesh open = meshes::without(mesh, [](std::size_t f) { return f % 3 == 0; });
+  FilledSoup soup(open, {});
+  nano::HostTwin one, several;
+  const nano::Job job = jobFor(GridType::Fog, Method::Auto, {});
+  const nano::Result whole = one.run(soup.view, job);
+  ASSERT_NE(whole.bytes, nullptr);
+  for (const int shares : {2, 3})
+    EXPECT_TRUE(sameBytes(several.run(soup.view, job, shares), whole)) << shares;
 }
 
 TEST(SoupFaces, RefusesWhatItCannotDo) {

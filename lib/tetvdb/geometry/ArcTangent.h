@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tetvdb/core/Constants.h"
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Multiversion.h"
 
 #include <cmath>
@@ -12,7 +13,7 @@ namespace tetvdb {
 /// zero. The arc tangent of the smaller over the larger is computed, above tan(pi / 8) by atan(t)
 /// = pi / 4 + atan((t - 1) / (t + 1)), by the power series, whose first omitted term is below
 /// 1e-11.
-TETVDB_INLINE double arcTangent(double sine, double cosine) {
+TETVDB_HD TETVDB_INLINE double arcTangent(double sine, double cosine) {
   const double y = std::abs(sine), x = std::abs(cosine);
   const double low = y < x ? y : x, high = y < x ? x : y;
   const bool steep = low > 0.41421356237309503 * high;

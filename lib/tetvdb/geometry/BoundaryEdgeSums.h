@@ -13,7 +13,7 @@
 namespace tetvdb {
 
 /// q relative to p.
-inline Vec3d from(const LatticePoint& p, const LatticePoint& q) {
+TETVDB_HD inline Vec3d from(const LatticePoint& p, const LatticePoint& q) {
   return {q.x - p.x, q.y - p.y, q.z - p.z};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -14,9 +15,14 @@ struct NearestOffset {
 
 /// On the segment between a and b, given relative to the point. The same bits for (a, b) and (b,
 /// a), so that triangles that share an edge tie there.
-inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
-  if (b < a)
-    a.swap(b);
+TETVDB_HD inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
+  const bool swapped =
+      b[0] < a[0] || (b[0] == a[0] && (b[1] < a[1] || (b[1] == a[1] && b[2] < a[2])));
+  if (swapped) {
+    const Vec3d first = b;
+    b = a;
+    a = first;
+  }
   const Vec3d edge = minus(b, a);
   const double square = dot(edge, edge), along = -dot(a, edge);
   Vec3d at = a;
@@ -29,11 +35,13 @@ inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
 
 /// On the triangle a, b, c, given relative to the point. For any shape of the triangle, the result
 /// lies on it and is no farther than the nearest point of its edges.
-inline NearestOffset nearestOnTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+TETVDB_HD inline NearestOffset nearestOnTriangle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   NearestOffset best = nearestOnSegment(a, b);
-  for (const NearestOffset& other : {nearestOnSegment(b, c), nearestOnSegment(c, a)})
-    if (other.squared < best.squared)
-      best = other;
+  const NearestOffset second = nearestOnSegment(b, c), third = nearestOnSegment(c, a);
+  if (second.squared < best.squared)
+    best = second;
+  if (third.squared < best.squared)
+    best = third;
   const Vec3d normal = cross(minus(b, a), minus(c, a));
   const double u = dot(normal, cross(b, c)), v = dot(normal, cross(c, a)),
                w = dot(normal, cross(a, b));

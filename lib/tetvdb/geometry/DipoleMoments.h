@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/core/Vec3.h"
 
@@ -18,7 +19,7 @@ public:
   void add(const Vec3d& a, const Vec3d& b, const Vec3d& c, double weight);
 
   /// The solid angle from a viewpoint that sees the centre at r.
-  TETVDB_INLINE double angle(const Vec3d& r) const {
+  TETVDB_HD TETVDB_INLINE double angle(const Vec3d& r) const {
     const double x = r[0], y = r[1], z = r[2];
     const double inverse = 1 / std::sqrt(x * x + y * y + z * z);
     const double i2 = inverse * inverse, i3 = i2 * inverse, i5 = i3 * i2;

@@ -2,7 +2,6 @@
 #include "tetvdb/geometry/TriangleClusters.h"
 
 #include "tetvdb/core/Multiversion.h"
-#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/SplitAlongAxis.h"
 #include "tetvdb/geometry/VectorMath.h"
 
@@ -65,15 +64,6 @@ void addDipoles(const DipoleMoments& moments, const Vec3d& centre, const double*
 }
 
 } // namespace
-
-// The parts of the expansion in y that are left out, n from 3 on: (n + 1) |y|^n / away^(n + 2)
-// each.
-double TriangleClusters::Cluster::momentsError(double away) const {
-  if (!(away > radius))
-    return std::numeric_limits<double>::infinity();
-  const double square = away * away, left = 1 - radius / away;
-  return 4 * third / (square * square * away * left * left);
-}
 
 TriangleClusters::TriangleClusters(std::vector<FillTriangle> triangles)
     : triangles_(std::move(triangles)) {
@@ -157,10 +147,6 @@ void TriangleClusters::summarize(Cluster& cluster) const {
     }
     cluster.third += areaOf(t) * cubes;
   }
-}
-
-SeenTriangle seenFrom(const LatticePoint& p, const FillTriangle& t) {
-  return {from(p, t.a), from(p, t.b), from(p, t.c)};
 }
 
 void addMoments(const TriangleClusters::Cluster& cluster, const LatticePoint& p,

@@ -4,12 +4,15 @@
 // as a whole.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/DipoleMoments.h"
 #include "tetvdb/geometry/FillHoles.h"
 #include "tetvdb/geometry/SolidAngle.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tetvdb {
@@ -29,7 +32,14 @@ public:
 
     /// Bound on the error of moments.angle() from a point at distance `away` from the centre;
     /// infinite within the radius.
-    double momentsError(double away) const;
+    TETVDB_HD double momentsError(double away) const {
+      if (!(away > radius))
+        return std::numeric_limits<double>::infinity();
+      // The parts of the expansion in y that are left out, n from 3 on: (n + 1) |y|^n / away^(n +
+      // 2) each.
+      const double square = away * away, left = 1 - radius / away;
+      return 4 * third / (square * square * away * left * left);
+    }
   };
 
   /// O(n log n), parallel.
@@ -40,6 +50,8 @@ public:
   /// The first one holds all triangles.
   const std::vector<Cluster>& clusters() const { return clusters_; }
   const FillTriangle& triangle(std::size_t i) const { return triangles_[i]; }
+  const std::vector<FillTriangle>& triangles() const { return triangles_; }
+  const std::vector<double>& areas() const { return areas_; }
   double area(std::size_t i) const { return areas_[i]; } ///< by weight
 
 private:
@@ -52,7 +64,9 @@ private:
 };
 
 /// Relative to `p`.
-SeenTriangle seenFrom(const LatticePoint& p, const FillTriangle& t);
+TETVDB_HD inline SeenTriangle seenFrom(const LatticePoint& p, const FillTriangle& t) {
+  return {from(p, t.a), from(p, t.b), from(p, t.c)};
+}
 
 /// Adds moments.angle() at points relative to `p`.
 void addMoments(const TriangleClusters::Cluster& cluster, const LatticePoint& p,

@@ -6,8 +6,10 @@
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/OpenSoup.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SolidFaces.h"
+#include "tetvdb/voxelize/TreeEstimate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -220,6 +222,21 @@ Voxelization voxelizeOn(DeviceSet& devices, const GridTransform& transform,
   return result;
 }
 
+// An open soup with all that the device needs of it.
+struct FilledHoles {
+  FilledHoles(const TriangleMesh& mesh, const SolidOptions& solid, const GridTransform& transform,
+              StageTimer& timer, Progress& progress)
+      : faces(solidFaces(mesh, solid, transform, timer, progress)) {
+    timer.part("leaves");
+    soup.emplace(*faces.holes, progress);
+    view = soup->view();
+  }
+
+  SolidFaces faces;
+  std::optional<OpenSoup> soup;
+  nano::HolesView view;
+};
+
 } // namespace
 
 void requireDevice(const DeviceChoice& choice) {
@@ -338,18 +355,37 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
         progress.stage("voxelize");
         initializeOpenVDB();
         const BorrowedDevices devices = start();
-        Voxelization result = voxelizeOn(
-            *devices, chooseTransform(mesh, options, solid), options.grids, *rule,
-            [&](GridKind) { return viewOf(mesh); }, nanoGrids, report, progress);
-        if (result.volume.grids().all.empty()) {
-          used = {"cpu", "the mesh is open: its winding number is found on the CPU"};
-          if (choice.kind == DeviceKind::Cuda)
-            report.warn("device-unused", used.why);
-          return onCpu();
+        const GridTransform transform = chooseTransform(mesh, options, solid);
+        nano::MeshView view = viewOf(mesh);
+        const auto voxelized = [&] {
+          Voxelization result = voxelizeOn(
+              *devices, transform, options.grids, *rule, [&](GridKind) { return view; }, nanoGrids,
+              report, progress);
+          if (!result.volume.grids().all.empty())
+            reportOrigin(result.transform, options, report);
+          return result;
+        };
+        const auto activeVoxels = [](const Voxelization& result) {
+          return result.volume.grids().all.front()->activeVoxelCount();
+        };
+        Voxelization result = voxelized();
+        if (!result.volume.grids().all.empty()) {
+          checkSolid({}, solid, activeVoxels(result), 0, options, report);
+          return result;
         }
-        reportOrigin(result.transform, options, report);
-        checkSolid({}, solid, result.volume.grids().all.front()->activeVoxelCount(), 0, options,
-                   report);
+        // The mesh is open.
+        std::optional<FilledHoles> filled;
+        {
+          StageTimer timer(report, "holes");
+          filled.emplace(mesh, solid, transform, timer, progress);
+        }
+        view.holes = &filled->view;
+        result = voxelized();
+        result.counts = filled->faces.counts;
+        checkSolid(filled->faces.boundary, solid, activeVoxels(result),
+                   estimateByBoundary(filled->faces.snapped, filled->faces.chain).leaves *
+                       kLeafSize * kLeafSize,
+                   options, report);
         return result;
       },
       onCpu);
@@ -359,7 +395,7 @@ std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
                                                   const GridTransform& transform,
                                                   const VoxelBox& box, const DeviceChoice& choice,
                                                   Report& report, Progress& progress) {
-  const StageTimer timer(report, "voxelize");
+  StageTimer timer(report, "voxelize");
   progress.stage("voxelize");
   requireDevice(choice);
   std::string why, name;
@@ -368,9 +404,14 @@ std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
   nano::Job job = jobFor(GridKind::Mask, transform, FillRule::Positive);
   job.type = nano::GridType::Mask;
   job.download = false;
-  const nano::Result made = devices->run(viewOf(mesh), job, progress);
-  if (made.device == nullptr)
-    return nullptr;
+  nano::MeshView view = viewOf(mesh);
+  nano::Result made = devices->run(view, job, progress);
+  std::optional<FilledHoles> filled;
+  if (made.device == nullptr) {
+    filled.emplace(mesh, SolidOptions(), transform, timer, progress);
+    view.holes = &filled->view;
+    made = devices->run(view, job, progress);
+  }
   nano::VoxelRange range{};
   std::uint64_t voxels = 1;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -45,15 +45,16 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
                       const DeviceChoice& choice, DeviceUsed& used, std::vector<NanoBytes>* nano,
                       Report& report, Progress& progress);
 
-/// The same for triangles. What the GPU cannot do (soups that do not close, shells, `flood`, rules
-/// but Centre) the CPU does, with the warning "device-unused" where a GPU was asked for.
+/// The same for triangles. What the GPU cannot do (shells, `flood`, rules but Centre) the CPU does,
+/// with the warning "device-unused" where a GPU was asked for. Of soups that do not close, the
+/// stage "holes" is added: the CPU fills the holes and finds the leaves in which the winding number
+/// may pass a half off the faces; its values there are the GPU's.
 Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                       const VoxelizeOptions& options, const DeviceChoice& choice, DeviceUsed& used,
                       std::vector<NanoBytes>* nano, Report& report, Progress& progress);
 
 /// The voxels of `box` inside a soup (InsideRule::Winding) as bytes 0 and 1 in the memory of the
-/// first device of `choice`, [x][y][z]; null where the soup is open. Throws Error(Device) where
-/// there is none or it fails.
+/// first device of `choice`, [x][y][z]. Throws Error(Device) where there is none or it fails.
 std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
                                                   const GridTransform& transform,
                                                   const VoxelBox& box, const DeviceChoice& choice,

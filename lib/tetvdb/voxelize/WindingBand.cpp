@@ -3,9 +3,7 @@
 
 #include "tetvdb/core/Constants.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/geometry/BoundaryEdgeSums.h"
-#include "tetvdb/geometry/ClosestPoint.h"
-#include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/geometry/WindingCube.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,32 +15,13 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kVoxel = static_cast<double>(kUnitsPerVoxel);
-// A half counts as passed slightly beyond it (nearestWinding()), and values have an error.
-constexpr double kMargin = 3 * kWindingBandError;
-// A winding number this close to a half is one: in the plane of a flat sheet it is but for
-// rounding.
-constexpr double kTie = kWindingBandError / 10;
 // Bound on what one cluster or triangle seen from afar is wrong by, as a winding number: errors are
 // a hundredth of it as a rule, and of both signs. Where the triangles over the holes are more than
 // kManyTriangles, the second.
 constexpr double kPartError = 1e-4;
 constexpr double kPartErrorOfMany = 1e-3;
 constexpr std::size_t kManyTriangles = 4096;
-// Clusters smaller than this share of a cube's ball are kept whole while they are near.
-constexpr double kKeptWhole = 0.5;
 constexpr std::int64_t kSmallestCube = kExpandedVoxels;
-
-// Distance to the nearest half.
-double toHalf(double winding) {
-  return std::abs(winding - std::floor(winding) - 0.5);
-}
-
-double distanceToBox(const LatticePoint& p, const LatticePoint& low, const LatticePoint& high) {
-  const auto outside = [](double x, double a, double b) { return std::max({a - x, x - b, 0.0}); };
-  return length(
-      {outside(p.x, low.x, high.x), outside(p.y, low.y, high.y), outside(p.z, low.z, high.z)});
-}
 
 struct Offsets {
   std::array<double, kMaxPointSums> x{}, y{}, z{};
@@ -53,17 +32,14 @@ const Offsets& voxelOffsets() {
   static const Offsets offsets = [] {
     Offsets made;
     for (std::size_t i = 0; i < 64; ++i) {
-      made.x[i] = (double(i / 16) - 1.5) * kVoxel;
-      made.y[i] = (double(i / 4 % 4) - 1.5) * kVoxel;
-      made.z[i] = (double(i % 4) - 1.5) * kVoxel;
+      const Vec3d offset = winding::voxelOffset(i);
+      made.x[i] = offset[0];
+      made.y[i] = offset[1];
+      made.z[i] = offset[2];
     }
     return made;
   }();
   return offsets;
-}
-
-double radiusOf(std::int64_t size) {
-  return std::sqrt(0.75) * static_cast<double>(size) * kVoxel;
 }
 
 } // namespace
@@ -71,7 +47,7 @@ double radiusOf(std::int64_t size) {
 // The ball's surface around cubes of a size, and the points at which functions are known there,
 // relative to the centre, in whole numbers.
 struct WindingBand::Sphere {
-  explicit Sphere(std::int64_t size) : radius(radiusOf(size)) {
+  explicit Sphere(std::int64_t size) : radius(winding::radiusOf(size)) {
     for (std::size_t i = 0; i < kExpansionPoints; ++i) {
       const Vec3d& way = expansionDirections()[i];
       offsets.x[i] = std::nearbyint(way[0] * radius);
@@ -87,18 +63,10 @@ struct WindingBand::Sphere {
   Offsets offsets;
 };
 
-std::int32_t nearestWinding(double winding) {
-  const double size = std::ceil(std::abs(winding) - 0.5 - kTie);
-  return static_cast<std::int32_t>(winding < 0 ? -size : size);
-}
-
 void WindingBand::place(const Corner& first, std::int64_t size, Cube& cube) {
   cube.first = first;
   cube.size = size;
-  const double half = static_cast<double>(size - 1) / 2;
-  cube.centre = {(static_cast<double>(first[0]) + half) * kVoxel,
-                 (static_cast<double>(first[1]) + half) * kVoxel,
-                 (static_cast<double>(first[2]) + half) * kVoxel};
+  cube.centre = winding::centreOf(first.data(), size);
   cube.clusters.clear();
   cube.triangles.clear();
 }
@@ -123,17 +91,12 @@ void WindingBand::enter(const Cube& around, std::size_t octant, const Sphere& sp
 
 void WindingBand::sortCluster(std::uint32_t index, const Sphere& sphere, Cube& cube) const {
   const TriangleClusters::Cluster& cluster = fill_.clusters()[index];
-  const double radius = sphere.radius;
-  const double away = length(from(cube.centre, cluster.centre));
-  const double distance =
-      std::max(away - cluster.radius, distanceToBox(cube.centre, cluster.low, cluster.high));
-  const bool far =
-      distance > radius &&
-      expansionError(distance / radius, cluster.area / (radius * radius)) <= tolerance_;
-  if (far && cluster.momentsError(away - radius) <= tolerance_) {
+  const winding::Sorted sorted =
+      winding::sortedCluster(cluster, cube.centre, sphere.radius, tolerance_);
+  if (sorted == winding::Sorted::Far) {
     addMoments(cluster, cube.centre, sphere.sums(cube.far));
     cube.expanded = true;
-  } else if (!far && cluster.radius < kKeptWhole * radius) {
+  } else if (sorted == winding::Sorted::Whole) {
     cube.clusters.push_back(index);
   } else if (cluster.second != 0) {
     sortCluster(index + 1, sphere, cube);
@@ -147,10 +110,8 @@ void WindingBand::sortCluster(std::uint32_t index, const Sphere& sphere, Cube& c
 void WindingBand::sortTriangle(std::uint32_t index, const Sphere& sphere, Cube& cube) const {
   const FillTriangle& triangle = fill_.triangle(index);
   const SeenTriangle seen = seenFrom(cube.centre, triangle);
-  const double radius = sphere.radius, relativeArea = fill_.area(index) / (radius * radius);
-  const double distance = std::sqrt(nearestOnTriangle(seen.a, seen.b, seen.c).squared);
-  if (distance > radius && expansionError(distance / radius, relativeArea) <= tolerance_) {
-    addFarSolidAngles(seen, triangle.weight, radius, sphere.sums(cube.far));
+  if (winding::isFar(seen, fill_.area(index), sphere.radius, tolerance_)) {
+    addFarSolidAngles(seen, triangle.weight, sphere.radius, sphere.sums(cube.far));
     cube.expanded = true;
   } else {
     cube.triangles.push_back(index);
@@ -162,8 +123,7 @@ void WindingBand::sortTriangle(std::uint32_t index, const Sphere& sphere, Cube& 
 template <typename Add>
 void WindingBand::addCluster(std::uint32_t index, const Cube& cube, const Add& add) const {
   const TriangleClusters::Cluster& cluster = fill_.clusters()[index];
-  const double away = length(from(cube.centre, cluster.centre)) - radiusOf(cube.size);
-  if (cluster.momentsError(away) <= tolerance_) {
+  if (winding::byMoments(cluster, cube.centre, winding::radiusOf(cube.size), tolerance_)) {
     add.cluster(cluster);
   } else if (cluster.second != 0) {
     addCluster(index + 1, cube, add);
@@ -188,67 +148,22 @@ struct AddAtPoints {
   }
 };
 
-// How far the part of an edge from a to b in a solid angle gets within `reach` of 0. Its gradient
-// is the field of a current along the edge: f / d around the edge's line, at a distance d from it,
-// with f between 0 and 2, so that it changes by at most twice the angle that one gets around the
-// line; and at a distance h from the edge itself at most 2 / h or length / h^2, here integrated
-// outwards.
-double changeByEdge(const Vec3d& a, const Vec3d& b, double reach) {
-  const double h = std::sqrt(nearestOnSegment(a, b).squared), left = h - reach;
-  if (!(left > 0))
-    return std::numeric_limits<double>::infinity();
-  const Vec3d edge = minus(b, a), moment = cross(a, b);
-  const double square = dot(edge, edge), span = std::sqrt(square);
-  const double q = reach / left;
-  // ln(1 + q) <= q (6 + q) / (6 + 4 q)
-  double change = std::min(2 * q * (6 + q) / (6 + 4 * q), span * reach / (h * left));
-  // asin(x) <= pi x / (2 + sqrt(1 - x^2))
-  const double squaredDistance = dot(moment, moment) / square;
-  const double cosine = 1 - reach * reach / squaredDistance;
-  if (cosine > 0)
-    change =
-        std::min(change, 2 * kPi * reach / std::sqrt(squaredDistance) / (2 + std::sqrt(cosine)));
-  return change;
-}
-
-// How far a triangle's solid angle gets within `reach` of 0, but for jumps by 4 pi where the
-// triangle is crossed.
-double changeOf(const SeenTriangle& t, double area, double weight, double reach) {
-  const double byEdges =
-      changeByEdge(t.a, t.b, reach) + changeByEdge(t.b, t.c, reach) + changeByEdge(t.c, t.a, reach);
-  const double distance = std::sqrt(nearestOnTriangle(t.a, t.b, t.c).squared);
-  // The gradient is at most 2 area / distance^3.
-  const double left = distance - reach;
-  const double byArea = left > 0 ? area * (1 / (left * left) - 1 / (distance * distance))
-                                 : std::numeric_limits<double>::infinity();
-  return std::min(weight * byEdges, byArea);
-}
-
 } // namespace
 
 // From its value at the centre and bounds on its change within the cube.
 bool WindingBand::mayPassHalf(const Cube& cube) const {
   if (cube.size >= kLeafSize)
     progress_.check();
-  const double steps = static_cast<double>(cube.size - 1) / 2;
-  const double reach = kVoxel * std::sqrt(2 * steps * steps + (steps + 1) * (steps + 1));
-  const ExpansionRange range = rangeOf(cube.far, reach / radiusOf(cube.size));
-  const double max = 2 * kPi - 4 * kPi * kMargin;
+  const double reach = winding::reachOf(cube.size), max = winding::kMaxChange;
+  const ExpansionRange range = rangeOf(cube.far, reach / winding::radiusOf(cube.size));
   double change = range.change;
   for (std::size_t i = 0; i < cube.triangles.size() && change < max; ++i) {
     const std::uint32_t t = cube.triangles[i];
-    change += changeOf(seenFrom(cube.centre, fill_.triangle(t)), fill_.area(t),
-                       fill_.triangle(t).weight, reach);
+    change += winding::changeOf(seenFrom(cube.centre, fill_.triangle(t)), fill_.area(t),
+                                fill_.triangle(t).weight, reach);
   }
-  for (std::size_t i = 0; i < cube.clusters.size() && change < max; ++i) {
-    const TriangleClusters::Cluster& c = fill_.clusters()[cube.clusters[i]];
-    const double left = std::max(length(from(cube.centre, c.centre)) - c.radius,
-                                 distanceToBox(cube.centre, c.low, c.high)) -
-                        reach;
-    change += left > 0 ? c.area * reach * (2 * left + reach) /
-                             (left * left * (left + reach) * (left + reach))
-                       : max;
-  }
+  for (std::size_t i = 0; i < cube.clusters.size() && change < max; ++i)
+    change += winding::changeOf(fill_.clusters()[cube.clusters[i]], cube.centre, reach);
   if (!(change < max))
     return true;
   const double zero = 0;
@@ -258,7 +173,7 @@ bool WindingBand::mayPassHalf(const Cube& cube) const {
     add.triangle(t);
   for (const std::uint32_t c : cube.clusters)
     addCluster(c, cube, add);
-  return toHalf(midpoint / (4 * kPi)) <= change / (4 * kPi) + kMargin;
+  return winding::mayPass(midpoint, change);
 }
 
 // The parts of cubes down to `size` that may pass a half.
@@ -336,32 +251,53 @@ std::vector<NodeIndex> WindingBand::nodes() const {
   return found;
 }
 
+std::vector<WindingBand::Cube> WindingBand::leavesOf(const NodeIndex& node) const {
+  const auto found = nodes_.find(node);
+  return found == nodes_.end() ? std::vector<Cube>() : descend({found->second}, kLeafSize);
+}
+
 WindingBand::Node WindingBand::enter(const NodeIndex& node) const {
   Node entered;
-  const auto found = nodes_.find(node);
-  if (found == nodes_.end())
-    return entered;
-  const std::int64_t x = found->second.first[0];
-  for (Cube& cube : descend({found->second}, kLeafSize))
+  const std::int64_t x = std::int64_t(node[0]) * kNodeSize;
+  for (Cube& cube : leavesOf(node))
     entered.leaves_[static_cast<std::size_t>((cube.first[0] - x) / kLeafSize)].push_back(
         std::move(cube));
   return entered;
 }
 
+std::array<Vec3d, kExpansionPoints> WindingBand::octantPoints() {
+  const Sphere sphere(kSmallestCube);
+  std::array<Vec3d, kExpansionPoints> points{};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = {sphere.offsets.x[i], sphere.offsets.y[i], sphere.offsets.z[i]};
+  return points;
+}
+
+WindingBand::Octants::Octants(const WindingBand& band)
+    : band_(band), sphere_(std::make_unique<const Sphere>(kSmallestCube)) {}
+WindingBand::Octants::~Octants() = default;
+
+bool WindingBand::Octants::evaluate(const Cube& leaf, std::size_t octant, Cube& scratch,
+                                    VoxelValues& values) const {
+  band_.enter(leaf, octant, *sphere_, scratch);
+  if (!band_.mayPassHalf(scratch))
+    return false;
+  band_.evaluateVoxels(scratch, values);
+  return true;
+}
+
 bool WindingBand::evaluate(const Node& node, int slab, SlabBits& flags,
                            std::vector<double>& values) const {
   std::fill_n(&flags.rows[0][0], 2 * kSlabRows, std::uint64_t(0));
-  const Sphere sphere(kSmallestCube);
+  const Octants octants(*this);
   bool any = false;
   VoxelValues sums;
   Cube cube;
   for (const Cube& leaf : node.leaves_[static_cast<std::size_t>(slab)])
     for (std::size_t octant = 0; octant < 8; ++octant) {
-      enter(leaf, octant, sphere, cube);
-      if (!mayPassHalf(cube))
+      if (!octants.evaluate(leaf, octant, cube, sums))
         continue;
       any = true;
-      evaluateVoxels(cube, sums);
       const auto x0 = static_cast<std::size_t>(cube.first[0] - leaf.first[0]);
       const auto y0 = static_cast<std::size_t>(cube.first[1] & (kNodeSize - 1));
       const auto z0 = static_cast<std::size_t>(cube.first[2] & (kNodeSize - 1));
@@ -369,7 +305,7 @@ bool WindingBand::evaluate(const Node& node, int slab, SlabBits& flags,
         const std::size_t row = (x0 + i / 16) * kNodeSize + y0 + i / 4 % 4;
         flags.rows[row][z0 / 64] |= lowBits(kExpandedVoxels) << (z0 % 64);
         for (std::size_t z = 0; z < kExpandedVoxels; ++z)
-          values[row * kNodeSize + z0 + z] = sums[i + z] / (4 * kPi);
+          values[row * kNodeSize + z0 + z] = sums[i + z];
       }
     }
   return any;
@@ -384,6 +320,8 @@ void WindingBand::evaluateVoxels(const Cube& cube, VoxelValues& values) const {
     add.triangle(t);
   for (const std::uint32_t c : cube.clusters)
     addCluster(c, cube, add);
+  for (double& value : values)
+    value /= 4 * kPi;
 }
 
 } // namespace tetvdb

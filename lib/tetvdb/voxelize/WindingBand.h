@@ -18,23 +18,16 @@
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/LocalExpansion.h"
 #include "tetvdb/geometry/TriangleClusters.h"
+#include "tetvdb/geometry/WindingCube.h"
 #include "tetvdb/voxelize/Slab.h"
 
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <vector>
 
 namespace tetvdb {
-
-/// The error of the winding numbers that WindingBand computes: measured, not proved. Each
-/// approximated cluster and triangle has a bound, and the sum of these bounds can be larger than
-/// this. The largest error that was measured is four tenths of it (docs/algorithms.md, section 8a).
-constexpr double kWindingBandError = 1e-3;
-
-/// The whole number nearest to a winding number, of a half (within a tenth of kWindingBandError)
-/// the one nearer to zero: what lies at most half around counts as outside.
-std::int32_t nearestWinding(double winding);
 
 /// A cube of voxels represents the columns through their centres, from the centre below the lowest
 /// to the highest: what a sum carried up through the cube passes. It is passed over if the winding
@@ -57,8 +50,8 @@ public:
   /// kept. False where there are none.
   bool evaluate(const Node& node, int slab, SlabBits& flags, std::vector<double>& values) const;
 
-private:
   using Corner = std::array<std::int64_t, 3>;
+  /// A cube of voxels with what its parts take over.
   struct Cube {
     Corner first{};
     std::int64_t size = 0; // voxels
@@ -67,9 +60,36 @@ private:
     Expansion far;
     std::vector<std::uint32_t> clusters, triangles; // that are near
   };
-  struct Sphere;
 
+  /// Sets a cube's place, with nothing near.
   static void place(const Corner& first, std::int64_t size, Cube& cube);
+
+  /// For those who evaluate octants of leaves themselves: the cubes as large as a leaf in which
+  /// values may be needed.
+  std::vector<Cube> leavesOf(const NodeIndex& node) const;
+  /// The points at which expansions of octants of leaves are known, relative to the centre.
+  static std::array<Vec3d, kExpansionPoints> octantPoints();
+  const TriangleClusters& fill() const { return fill_; }
+  /// Bound on what one cluster or triangle may be wrong by: a solid angle.
+  double tolerance() const { return tolerance_; }
+
+  struct Sphere;
+  /// Evaluates octants of leaves one by one.
+  class Octants {
+  public:
+    explicit Octants(const WindingBand& band);
+    ~Octants();
+    Octants(const Octants&) = delete;
+    Octants& operator=(const Octants&) = delete;
+    /// The solid angle of F divided by 4 pi at the octant's voxels; false where it is not needed.
+    bool evaluate(const Cube& leaf, std::size_t octant, Cube& scratch, VoxelValues& values) const;
+
+  private:
+    const WindingBand& band_;
+    std::unique_ptr<const Sphere> sphere_;
+  };
+
+private:
   void enter(const Cube& around, std::size_t octant, const Sphere& sphere, Cube& cube) const;
   void sortCluster(std::uint32_t index, const Sphere& sphere, Cube& cube) const;
   void sortTriangle(std::uint32_t index, const Sphere& sphere, Cube& cube) const;

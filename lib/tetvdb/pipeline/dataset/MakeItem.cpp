@@ -140,8 +140,8 @@ private:
     const bool solid =
         content.occupancy || content.distance || (content.coordinates && !content.surface);
     if (keepsOnDevice() && content.occupancy && !content.distance && !content.coordinates &&
-        !content.surface && occupancyOnDevice(size))
-      return;
+        !content.surface)
+      return occupancyOnDevice(size);
     Volume volume;
     if (solid) {
       DeviceUsed used;
@@ -171,14 +171,12 @@ private:
     return kept_ != nullptr && options_.device.kind == DeviceKind::Cuda;
   }
 
-  // From the mesh to the array within the GPU; false where the mesh is open.
-  bool occupancyOnDevice(int size) {
+  // From the mesh to the array within the GPU.
+  void occupancyOnDevice(int size) {
     const VoxelizeOptions cube = cubeOf(size);
     const auto side = static_cast<std::uint32_t>(size);
     auto voxels = insideOnDevice(mesh_, {cube.voxelSize, cube.origin}, boxOf(size), options_.device,
                                  report_, progress_);
-    if (voxels == nullptr)
-      return false;
     addGridMatrix(size);
     NamedArray array;
     array.name = fmt::format("occupancy_{}", size);
@@ -187,7 +185,6 @@ private:
     array.transform = gridMatrix(size);
     array.device = std::move(voxels);
     arrays_.push_back(std::move(array));
-    return true;
   }
 
   // Cubes that faces pass through: those that the solid meets less those that lie in it.

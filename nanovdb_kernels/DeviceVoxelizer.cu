@@ -4,6 +4,7 @@
 #include "ExpandGrid.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
+#include "SlabVolumes.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -307,6 +308,18 @@ struct Device {
     return leaves;
   }
 
+  u64 coverage(const CoverageJob& job, CoverageReceiver& receiver, const Progress* progress) {
+    begin(progress);
+    SlabVolumes<CudaBackend> volumes(
+        *backend, job, [&](const void* from, u64 bytes) { return copied(from, bytes); });
+    backend->recordFields(upload);
+    events->record(1, upload);
+    backend->awaitFields();
+    const u64 leaves = volumes.run(receiver);
+    finish();
+    return leaves;
+  }
+
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device() {
@@ -393,6 +406,16 @@ u64 DeviceVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receive
                                const Progress* progress) {
   try {
     return state_->distances(job, receiver, progress, shareOfNodes(job, 0, 1));
+  } catch (...) {
+    state_->settle();
+    throw;
+  }
+}
+
+u64 DeviceVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver,
+                              const Progress* progress) {
+  try {
+    return state_->coverage(job, receiver, progress);
   } catch (...) {
     state_->settle();
     throw;
@@ -522,6 +545,19 @@ u64 SharedVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receive
   for (const u64 leaves : s.leaves)
     all += leaves;
   return all;
+}
+
+u64 SharedVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver,
+                              const Progress* progress) {
+  State& s = *state_;
+  s.leaves.assign(s.devices.size(), 0);
+  Device& first = *s.devices.front();
+  try {
+    return s.leaves.front() = first.coverage(job, receiver, progress);
+  } catch (...) {
+    first.settle();
+    throw;
+  }
 }
 
 std::vector<Times> SharedVoxelizer::times() const {

@@ -12,6 +12,7 @@
 //   // result.bytes: a NanoVDB grid
 #pragma once
 
+#include "CoverageJob.h"
 #include "DeviceArray.h"
 #include "DistanceJob.h"
 #include "FieldJob.h"
@@ -123,6 +124,7 @@ public:
   /// `shares`: likewise, one after another.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
+  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver);
 
 private:
   struct State;
@@ -166,6 +168,10 @@ public:
   /// Devices share the nodes; `receiver` is called by several threads at once.
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver,
                           const Progress* progress = nullptr);
+
+  /// The first device does all.
+  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
+                         const Progress* progress = nullptr);
 
   /// Of the last run, by device; downloads are a part of `build` here.
   std::vector<Times> times() const;
@@ -221,6 +227,13 @@ public:
   /// Error(Limit) for memory, Error(Device) and Error(Cancelled) as run() does.
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver,
                           const Progress* progress = nullptr);
+
+  /// Volumes that faces cut off voxels' cubes: the sums of fields/Coverage.h. `receiver` gets them
+  /// in batches of 64 slabs, on the calling thread; what it throws ends the run. Returns how many
+  /// leaves there were. Memory on the device: the job's arrays, 134 MB, and 8 kB for every leaf of
+  /// two batches. Indices of faces and points are trusted. Throws as distances() does.
+  std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
+                         const Progress* progress = nullptr);
 
   /// Measured by copying 256 MB a few times; takes some 0.1 s.
   Speeds measureSpeeds();

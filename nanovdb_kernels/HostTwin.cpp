@@ -4,6 +4,7 @@
 #include "HostBackend.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
+#include "SlabVolumes.h"
 
 namespace tetvdb::nano {
 
@@ -72,6 +73,12 @@ u64 HostTwin::distances(const DistanceJob& job, DistanceReceiver& receiver, int 
     leaves += BandLeaves<HostBackend>(backend, band, starts).run(share.begin, receiver);
   }
   return leaves;
+}
+
+u64 HostTwin::coverage(const CoverageJob& job, CoverageReceiver& receiver) {
+  state_->backend.release();
+  return SlabVolumes<HostBackend>(state_->backend, job, [](const void* from, u64) { return from; })
+      .run(receiver);
 }
 
 void HostTwin::expand(const Result& result, GridType type, const VoxelRange& range,

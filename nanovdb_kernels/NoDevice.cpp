@@ -50,6 +50,9 @@ Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, 
 std::uint64_t DeviceVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
   refuse();
 }
+std::uint64_t DeviceVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
+  refuse();
+}
 Speeds DeviceVoxelizer::measureSpeeds() {
   refuse();
 }
@@ -95,6 +98,9 @@ Counts SharedVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, 
   refuse();
 }
 std::uint64_t SharedVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
+  refuse();
+}
+std::uint64_t SharedVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
   refuse();
 }
 std::vector<Times> SharedVoxelizer::times() const {

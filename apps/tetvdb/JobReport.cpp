@@ -132,6 +132,8 @@ void addDevices(const VoxelizeJob& job, const VoxelizeResult& result, TextOf tex
     add("fields", result.fieldsDevice);
   if (!madeBy(job.grids, {GridMaker::Distance}).empty())
     add("surface", result.shapes.device);
+  if (!madeBy(job.grids, {GridMaker::Share}).empty())
+    add("coverage", result.shapes.coverageDevice);
 }
 
 Json inputsOf(const TetrahedralizeResult& result) {

@@ -275,6 +275,8 @@ void noteDevices(const VoxelizeJob& job, const VoxelizeResult& result, Session& 
     note("arrays", result.fieldsDevice);
   if (!madeBy(job.grids, {GridMaker::Distance}).empty())
     note("level set", result.shapes.device);
+  if (!madeBy(job.grids, {GridMaker::Share}).empty())
+    note("coverage", result.shapes.coverageDevice);
 }
 
 void runVoxelize(const VoxelizeArguments& options, Session& session) {

@@ -5,6 +5,7 @@
 // Arguments: mesh files or folders of them; --small leaves out what is slow under
 // compute-sanitizer. Exit status 1 if anything differs.
 #include "BandCases.h"
+#include "CoverageCases.h"
 #include "FieldCases.h"
 #include "Grids.h"
 #include "Meshes.h"
@@ -181,6 +182,21 @@ void madeBands(Device& device, bool small) {
   check("many nodes", mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
           return Vec3d{p[0] * 300000 - 60000, p[1] * 2 + p[0] * 40, p[2] * 2 - 1};
         }));
+}
+
+// Coverage with the device's slabs against the CPU's.
+template <typename Device>
+void madeCoverage(Device& device, bool small) {
+  for (const CoverageCase& c : coverageCases(small))
+    try {
+      const Covered there =
+          coveredWith(c, [&](const nano::CoverageJob& job, nano::CoverageReceiver& receiver) {
+            device.coverage(job, receiver);
+          });
+      expect(there == coveredWith(c, nullptr), c.name + ", coverage");
+    } catch (const std::exception& e) {
+      expect(false, c.name + ", coverage: " + e.what());
+    }
 }
 
 void madeMeshes(nano::DeviceVoxelizer& device, bool small) {
@@ -392,6 +408,7 @@ void sharedGrids(nano::DeviceVoxelizer& device, int count, bool small) {
   nano::SharedVoxelizer shared(numbers);
   madeArrays(shared, true);
   madeBands(shared, small);
+  madeCoverage(shared, true);
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          std::initializer_list<GridType> types) {
     for (GridType type : types)
@@ -511,6 +528,7 @@ int main(int argc, char** argv) {
   madeArrays(device, small);
   madeBands(device, small);
   madeSoups(device, small);
+  madeCoverage(device, small);
   if (!small) {
     refusals(device);
     stopping(device);

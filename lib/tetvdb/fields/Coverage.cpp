@@ -2,15 +2,10 @@
 #include "tetvdb/fields/Coverage.h"
 
 #include "tetvdb/core/JoinedVectors.h"
-#include "tetvdb/core/LargeVector.h"
-#include "tetvdb/geometry/ClippedFace.h"
-#include "tetvdb/geometry/Exact.h"
-#include "tetvdb/geometry/LeafDistance.h"
-#include "tetvdb/voxelize/Slab.h"
+#include "tetvdb/fields/SlabStack.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -19,6 +14,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
+#include <tbb/task_arena.h>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -27,30 +23,12 @@
 namespace tetvdb {
 namespace {
 
-using FloatLeaf = openvdb::FloatTree::LeafNodeType;
-
-constexpr int kLeavesInSlab = kLeavesAlong * kLeavesAlong; // y, z
-constexpr int kVoxelsInLeaf = kLeafSize * kLeafSize * kLeafSize;
-constexpr int kColumnsInLeaf = kLeafSize * kLeafSize;
-
-// Volumes are summed as integers of this part of a voxel, so that sums do not depend on the order
-// of faces or the number of threads. Up to 2^17 solids may overlap.
-constexpr std::int64_t kWhole = std::int64_t(1) << 46;
-constexpr std::int64_t kSnap = kWhole >> 32;
-
-// A slab of a node, and a face that may pass through it. x in slabs of 8, y and z in nodes.
-struct FaceInSlab {
-  std::int32_t x, y, z;
-  std::uint32_t face;
-  bool operator<(const FaceInSlab& o) const {
-    return std::tie(x, y, z, face) < std::tie(o.x, o.y, o.z, o.face);
-  }
-  bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
-};
-
-// Points in coordinates in which the cube of voxel i is [i, i + 1]. They are not snapped, since no
-// decisions are made here, and the volume is that of the mesh itself.
-using CubePoints = LargeVector<Vec3d>;
+using covered::CubePoints;
+using covered::SlabPart;
+using covered::SlabStack;
+using covered::SlabSums;
+using covered::SlabVolumes;
+using covered::StackState;
 
 CubePoints cubePoints(const std::vector<Vec3d>& points, const GridTransform& transform) {
   CubePoints result(points.size());
@@ -114,279 +92,6 @@ std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& bound
   tbb::parallel_sort(all.begin(), all.end());
   return all;
 }
-
-// The contributions of faces in a slab of a node: for each voxel the volume above the faces within
-// its cube, and their projected area, which is the volume added to each higher voxel. Cleared leaf
-// by leaf, when a face first enters a leaf.
-class SlabVolumes {
-public:
-  SlabVolumes() : volume_(kLeavesInSlab * kVoxelsInLeaf), area_(kLeavesInSlab * kVoxelsInLeaf) {}
-
-  void clear() { touched_.fill(false); }
-  bool touched(int leaf) const { return touched_[static_cast<std::size_t>(leaf)]; }
-  /// For voxel (x, y, z) of a leaf at [(x * 8 + y) * 8 + z].
-  const std::int64_t* volume(int leaf) const { return volume_.data() + leaf * kVoxelsInLeaf; }
-  const std::int64_t* area(int leaf) const { return area_.data() + leaf * kVoxelsInLeaf; }
-
-  // Corners relative to the slab's first cube; `sign` is the change of the sums upward.
-  void add(const Polygon& face, double sign) {
-    cutAlong(face, 0, 0, kLeafSize - 1, [&](int x, const Polygon& slice) {
-      cutAlong(slice, 1, 0, kNodeSize - 1, [&](int y, const Polygon& column) {
-        cutAlong(column, 2, 0, kNodeSize - 1,
-                 [&](int z, const Polygon& piece) { addPiece(x, y, z, piece, sign); });
-      });
-    });
-  }
-
-private:
-  void addPiece(int x, int y, int z, const Polygon& piece, double sign) {
-    double sum = 0, moment = 0;
-    const double* o = piece.at[0];
-    const double top = z + 1;
-    for (int i = 1; i + 1 < piece.count; ++i) {
-      const double *p = piece.at[i], *q = piece.at[i + 1];
-      const double twice = (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
-      sum += twice;
-      moment += twice * ((top - o[2]) + (top - p[2]) + (top - q[2]));
-    }
-    const int leaf = (y >> 3) * kLeavesAlong + (z >> 3);
-    auto& touched = touched_[static_cast<std::size_t>(leaf)];
-    const std::size_t first = static_cast<std::size_t>(leaf) * kVoxelsInLeaf;
-    if (!touched) {
-      touched = true;
-      std::fill_n(volume_.begin() + static_cast<std::ptrdiff_t>(first), kVoxelsInLeaf, 0);
-      std::fill_n(area_.begin() + static_cast<std::ptrdiff_t>(first), kVoxelsInLeaf, 0);
-    }
-    const std::size_t at = first + static_cast<std::size_t>((x << 6) | ((y & 7) << 3) | (z & 7));
-    constexpr auto whole = static_cast<double>(kWhole);
-    area_[at] += std::llrint(sum / 2 * sign * whole);
-    volume_[at] += std::llrint(moment / 6 * sign * whole);
-  }
-
-  LargeVector<std::int64_t> volume_, area_;
-  std::array<bool, kLeavesInSlab> touched_{};
-};
-
-// The finished part of a node in a slab.
-struct SlabPart {
-  NodeIndex node;
-  int slab;
-  bool full = false;                                                        // every leaf is full
-  std::vector<std::pair<std::uint16_t, std::unique_ptr<FloatLeaf>>> leaves; // null: a full one
-};
-
-std::int64_t snapped(std::int64_t volume) {
-  const std::int64_t nearest = (volume + kWhole / 2) & -kWhole;
-  return std::abs(volume - nearest) <= kSnap ? nearest : volume;
-}
-
-// Rounds fractions to floats so that the sum is preserved.
-class Rounding {
-public:
-  float operator()(double fraction) {
-    const auto nearest = static_cast<float>(fraction);
-    const double error = static_cast<double>(nearest) - fraction;
-    if (error == 0)
-      return nearest;
-    const float other = std::nextafter(nearest, error > 0 ? 0.0f : 1.0f);
-    const double otherError = static_cast<double>(other) - fraction;
-    const bool first = std::abs(off_ + error) <= std::abs(off_ + otherError);
-    off_ += first ? error : otherError;
-    return first ? nearest : other;
-  }
-
-private:
-  double off_ = 0;
-};
-
-// What a stack of slabs needs to be continued.
-struct StackState {
-  std::size_t next = 0;   // of its pairs
-  std::int32_t z = 0;     // the first node that is not done, once there is one
-  std::int64_t below = 0; // the carry of all columns where the following are empty
-  std::vector<std::int64_t> carry;
-  Rounding rounding;
-};
-
-// The slabs at one position in x and y, in order of z.
-class SlabStack {
-public:
-  SlabStack(const CubePoints& points, const Boundary& boundary, std::vector<SlabPart>& parts)
-      : points_(points), boundary_(boundary), parts_(parts), carry_(kSlabRows, 0) {}
-
-  void resume(const StackState& state) {
-    rounding_ = state.rounding;
-    if (state.carry.empty())
-      std::fill(carry_.begin(), carry_.end(), state.below);
-    else
-      carry_ = state.carry;
-  }
-  void suspend(StackState& state) const {
-    state.rounding = rounding_;
-    state.below = carry_[0];
-    state.carry.clear();
-    if (!uniform(carry_.data(), carry_[0], carry_.size()))
-      state.carry = carry_;
-  }
-
-  /// The slabs with faces from `begin` to `end`, and those between them.
-  void run(const FaceInSlab* begin, const FaceInSlab* end, SlabVolumes& volumes) {
-    for (const FaceInSlab* first = begin; first != end;) {
-      const FaceInSlab* last = first;
-      while (last != end && last->z == first->z)
-        ++last;
-      if (first != begin)
-        fill(*first, (first - 1)->z + 1, first->z);
-      volumes.clear();
-      for (const FaceInSlab* f = first; f != last; ++f)
-        addFace(*f, volumes);
-      build(*first, first->z, &volumes);
-      first = last;
-    }
-  }
-  /// Slabs from zBegin to zEnd that no face meets; `at`: one of the stack.
-  void fill(const FaceInSlab& at, std::int32_t zBegin, std::int32_t zEnd) {
-    if (zBegin >= zEnd)
-      return;
-    const bool same = uniform(carry_.data(), carry_[0], carry_.size());
-    if (same && carry_[0] == 0)
-      return;
-    for (std::int32_t z = zBegin; z < zEnd; ++z) {
-      if (same && carry_[0] == kWhole) {
-        parts_.push_back({{at.x >> 4, at.y, z}, at.x & 15, true, {}});
-        filled_ += Int128(kWhole) * kSlabRows * kNodeSize;
-      } else {
-        build(at, z, nullptr);
-      }
-    }
-  }
-
-  CoverageSum sum() const {
-    return {static_cast<double>(filled_) / static_cast<double>(kWhole),
-            static_cast<double>(overlap_) / static_cast<double>(kWhole), overlapVoxels_};
-  }
-
-  /// Whether the faces are closed: the value carried beyond the last is only rounding error.
-  bool closes() const {
-    return std::all_of(carry_.begin(), carry_.end(),
-                       [](std::int64_t c) { return std::abs(c) < kWhole >> 20; });
-  }
-
-private:
-  void addFace(const FaceInSlab& at, SlabVolumes& volumes) const {
-    const BoundaryFace& f = boundary_.faces[at.face];
-    const Vec3d* p[3] = {&points_[f.a], &points_[f.b], &points_[f.c]};
-    // In order of position, so that the numbers do not depend on the order of corners.
-    double sign = -f.weight; // outside is above
-    for (const auto& [i, k] : {std::pair(0, 1), std::pair(1, 2), std::pair(0, 1)})
-      if (*p[k] < *p[i]) {
-        std::swap(p[i], p[k]);
-        sign = -sign;
-      }
-    Polygon polygon;
-    for (const Vec3d* q : p) {
-      const double corner[3] = {(*q)[0] - static_cast<double>(at.x) * kLeafSize,
-                                (*q)[1] - static_cast<double>(at.y) * kNodeSize,
-                                (*q)[2] - static_cast<double>(at.z) * kNodeSize};
-      polygon.add(corner);
-    }
-    volumes.add(polygon, sign);
-  }
-
-  void build(const FaceInSlab& at, std::int32_t z, const SlabVolumes* volumes) {
-    SlabPart part{{at.x >> 4, at.y, z}, at.x & 15, false, {}};
-    std::int64_t volume[kVoxelsInLeaf];
-    for (int y = 0; y < kLeavesAlong; ++y) {
-      std::int64_t* carry = carry_.data() + y * kColumnsInLeaf;
-      for (int leafZ = 0; leafZ < kLeavesAlong; ++leafZ) {
-        const int leaf = y * kLeavesAlong + leafZ;
-        const bool touched = volumes != nullptr && volumes->touched(leaf);
-        if (!touched && uniform(carry, 0))
-          continue;
-        const auto offset = static_cast<std::uint16_t>((part.slab << 8) | leaf);
-        if (!touched && uniform(carry, kWhole)) {
-          filled_ += Int128(kWhole) * kVoxelsInLeaf;
-          part.leaves.emplace_back(offset, nullptr);
-          continue;
-        }
-        for (int c = 0; c < kColumnsInLeaf; ++c)
-          sumColumn(touched ? volumes->volume(leaf) + c * kLeafSize : nullptr,
-                    touched ? volumes->area(leaf) + c * kLeafSize : nullptr, carry[c],
-                    volume + c * kLeafSize);
-        const openvdb::Coord origin(at.x * kLeafSize, at.y * kNodeSize + y * kLeafSize,
-                                    z * kNodeSize + leafZ * kLeafSize);
-        addLeaf(origin, offset, volume, part);
-      }
-    }
-    if (!part.leaves.empty())
-      parts_.push_back(std::move(part));
-  }
-
-  static bool uniform(const std::int64_t* carry, std::int64_t value,
-                      std::size_t count = kColumnsInLeaf) {
-    return std::all_of(carry, carry + count, [value](std::int64_t c) { return c == value; });
-  }
-
-  // Volumes of a column of a leaf. `carry` is the sum below it, and is set to that below the next
-  // leaf.
-  static void sumColumn(const std::int64_t* volume, const std::int64_t* area, std::int64_t& carry,
-                        std::int64_t* out) {
-    if (volume == nullptr) {
-      std::fill_n(out, kLeafSize, snapped(carry));
-      return;
-    }
-    for (int z = 0; z < kLeafSize; ++z) {
-      out[z] = snapped(carry + volume[z]);
-      carry += area[z];
-    }
-    carry = snapped(carry);
-  }
-
-  void addLeaf(const openvdb::Coord& origin, std::uint16_t offset, std::int64_t* volume,
-               SlabPart& part) {
-    bool empty = true, full = true;
-    for (int i = 0; i < kVoxelsInLeaf; ++i) {
-      if (volume[i] > kWhole) {
-        overlap_ += volume[i] - kWhole;
-        ++overlapVoxels_;
-        volume[i] = kWhole;
-      }
-      volume[i] = std::max<std::int64_t>(volume[i], 0);
-      filled_ += volume[i];
-      empty = empty && volume[i] == 0;
-      full = full && volume[i] == kWhole;
-    }
-    if (empty)
-      return;
-    if (full) {
-      part.leaves.emplace_back(offset, nullptr);
-      return;
-    }
-    auto leaf = std::make_unique<FloatLeaf>(openvdb::PartialCreate(), origin, 0.0f, false);
-    leaf->allocate();
-    float* values = leaf->buffer().data();
-    for (openvdb::Index x = 0; x < kLeafSize; ++x) {
-      std::uint64_t active = 0;
-      for (openvdb::Index i = 0; i < kColumnsInLeaf; ++i) {
-        const std::int64_t v = volume[x * kColumnsInLeaf + i];
-        values[x * kColumnsInLeaf + i] =
-            rounding_(static_cast<double>(v) / static_cast<double>(kWhole));
-        active |= static_cast<std::uint64_t>(v != 0) << i;
-      }
-      leaf->getValueMask().getWord<openvdb::Index64>(x) = active;
-    }
-    part.leaves.emplace_back(offset, std::move(leaf));
-  }
-
-  const CubePoints& points_;
-  const Boundary& boundary_;
-  std::vector<SlabPart>& parts_;
-  // For column (x, y): [(y / 8) * 64 + x * 8 + y % 8], leaf by leaf.
-  std::vector<std::int64_t> carry_;
-  Rounding rounding_;
-  Int128 filled_ = 0, overlap_ = 0;
-  std::uint64_t overlapVoxels_ = 0;
-};
 
 // Passes the slabs of each node to `assembly` as one node.
 void assemble(std::vector<SlabPart>& parts, TreeAssembly<openvdb::FloatTree>& assembly) {
@@ -558,28 +263,126 @@ openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progre
   return gridOf(found, all.transform);
 }
 
+namespace {
+
+// Stacks whose slabs come from elsewhere, in the order of the pairs.
+class StackReceiver final : public nano::CoverageReceiver {
+public:
+  StackReceiver(const CubePoints& points, const Boundary& faces,
+                const std::vector<FaceInSlab>& pairs, const std::vector<std::size_t>& stacks,
+                std::vector<std::vector<SlabPart>>& found, std::vector<CoverageSum>& sums,
+                Progress& progress)
+      : points_(points), faces_(faces), pairs_(pairs), stacks_(stacks), found_(found), sums_(sums),
+        progress_(progress) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      if (i == 0 || !pairs[i].sameStack(pairs[i - 1]) || pairs[i].z != pairs[i - 1].z)
+        slabs_.push_back(i);
+    slabs_.push_back(pairs.size());
+  }
+
+  nano::CoverageJob job() const {
+    static_assert(sizeof(BoundaryFace) == 4 * sizeof(std::uint32_t));
+    nano::CoverageJob job;
+    job.points = points_.data();
+    job.pointCount = points_.size();
+    job.faces = &faces_.faces.front().a;
+    job.faceCount = faces_.faces.size();
+    job.pairs = pairs_.data();
+    job.starts = slabs_.data();
+    job.slabCount = slabs_.size() - 1;
+    return job;
+  }
+
+  void take(const nano::CoverageBatch& batch) override {
+    progress_.update(static_cast<double>(batch.firstSlab) / static_cast<double>(slabs_.size()));
+    // The stacks of the batch: the first may have begun before it, the last may go on beyond.
+    struct Run {
+      std::uint64_t begin, end; // slabs
+    };
+    std::vector<Run> runs;
+    for (std::uint64_t slab = batch.firstSlab; slab < batch.firstSlab + batch.slabCount; ++slab)
+      if (!runs.empty() && at(slab).sameStack(at(slab - 1)))
+        runs.back().end = slab + 1;
+      else
+        runs.push_back({slab, slab + 1});
+    std::unique_ptr<SlabStack> unfinished;
+    const auto run = [&](std::size_t i) {
+      const auto [begin, end] = runs[i];
+      const std::size_t stack = stackOf(begin);
+      std::unique_ptr<SlabStack> own = i == 0 ? std::move(unfinished_) : nullptr;
+      if (own == nullptr)
+        own = std::make_unique<SlabStack>(points_, faces_, found_[stack]);
+      for (std::uint64_t slab = begin; slab < end; ++slab)
+        addSlab(batch, slab, *own);
+      if (slabs_[end] < stacks_[stack + 1]) {
+        unfinished = std::move(own);
+      } else {
+        requireClosed(*own);
+        sums_[stack] = own->sum();
+      }
+    };
+    arena_.execute([&] { tbb::parallel_for(std::size_t(0), runs.size(), run); });
+    unfinished_ = std::move(unfinished);
+  }
+
+private:
+  const FaceInSlab& at(std::uint64_t slab) const { return pairs_[slabs_[slab]]; }
+  std::size_t stackOf(std::uint64_t slab) const {
+    const auto after = std::upper_bound(stacks_.begin(), stacks_.end(), slabs_[slab]);
+    return static_cast<std::size_t>(after - stacks_.begin()) - 1;
+  }
+  void addSlab(const nano::CoverageBatch& batch, std::uint64_t slab, SlabStack& stack) const {
+    const FaceInSlab& here = at(slab);
+    if (slab > 0 && here.sameStack(at(slab - 1)))
+      stack.fill(here, at(slab - 1).z + 1, here.z);
+    SlabSums sums{};
+    const std::uint64_t* const starts = batch.starts + (slab - batch.firstSlab);
+    for (std::uint64_t i = starts[0]; i < starts[1]; ++i)
+      sums[batch.leaves[i]] = batch.sums + i * kSumsOfLeaf;
+    stack.build(here, here.z, sums);
+  }
+
+  const CubePoints& points_;
+  const Boundary& faces_;
+  const std::vector<FaceInSlab>& pairs_;
+  const std::vector<std::size_t>& stacks_;
+  std::vector<std::vector<SlabPart>>& found_;
+  std::vector<CoverageSum>& sums_;
+  Progress& progress_;
+  std::vector<std::uint64_t> slabs_;                 // where their pairs begin, and the end
+  std::unique_ptr<SlabStack> unfinished_;            // the last of a batch
+  tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, also for a device
+};
+
+} // namespace
+
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
-                                 Progress& progress) {
+                                 Progress& progress, const SlabAdder& addSlabs) {
   const CubePoints cubes = cubePoints(points, transform);
   const std::vector<FaceInSlab> pairs = binFaces(cubes, faces, progress);
   const std::vector<std::size_t> starts = startsOf(pairs);
   std::vector<std::vector<SlabPart>> found(starts.size() - 1);
   std::vector<CoverageSum> sums(starts.size() - 1);
-  tbb::enumerable_thread_specific<SlabVolumes> volumes;
-  std::atomic<std::size_t> done{0};
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, found.size(), 1),
-      [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          SlabStack stack(cubes, faces, found[i]);
-          stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
-          requireClosed(stack);
-          sums[i] = stack.sum();
-          progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
-        }
-      },
-      tbb::simple_partitioner());
+  if (addSlabs != nullptr && !pairs.empty()) {
+    StackReceiver receiver(cubes, faces, pairs, starts, found, sums, progress);
+    addSlabs(receiver.job(), receiver);
+  } else {
+    tbb::enumerable_thread_specific<SlabVolumes> volumes;
+    std::atomic<std::size_t> done{0};
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, found.size(), 1),
+        [&](const auto& range) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            SlabStack stack(cubes, faces, found[i]);
+            stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
+            requireClosed(stack);
+            sums[i] = stack.sum();
+            progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));
+          }
+        },
+        tbb::simple_partitioner());
+  }
 
   sum = {};
   for (const CoverageSum& own : sums)

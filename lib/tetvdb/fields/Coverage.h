@@ -3,12 +3,14 @@
 // The filled share of every voxel's cube.
 #pragma once
 
+#include "nanovdb_kernels/CoverageJob.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/CoverageSum.h"
 #include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -16,6 +18,9 @@ namespace tetvdb {
 
 /// Fractions closer than this to 0 or 1 are set to 0 or 1.
 constexpr double kCoverageError = 0x1p-32;
+
+/// Adds up the volumes of slabs elsewhere, e.g. DeviceVoxelizer::coverage().
+using SlabAdder = std::function<void(const nano::CoverageJob&, nano::CoverageReceiver&)>;
 
 /// Returns a float fog "coverage": the share of each voxel's cube, centred on the sample, that is
 /// inside. `points` are in world space and are not snapped. `faces` must be closed. With N(p) the
@@ -27,10 +32,10 @@ constexpr double kCoverageError = 0x1p-32;
 /// voxel per 8 x 128 columns of voxels that the solid's surface meets. The result depends on the
 /// faces as a set, not on the number of threads. Voxels may be non-cubic. The accuracy is lower
 /// for faces that are millions of voxels long. Cost: about 100 ns per pair of a voxel and a face
-/// that meet.
+/// that meet. `addSlabs`: where slabs are added up; null: here.
 openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundary& faces,
                                  const GridTransform& transform, CoverageSum& sum,
-                                 Progress& progress);
+                                 Progress& progress, const SlabAdder& addSlabs = nullptr);
 
 /// The same grid, box by box. What is carried upward is kept for one column of 4096^3 cubes: 16 to
 /// 8208 bytes a stack of slabs.

@@ -54,9 +54,28 @@ void requireTreeMemory(const ShapeSolid& solid, const ShapeOptions& options) {
 }
 
 openvdb::FloatGrid::Ptr coverageOf(const ShapeSolid& solid, const GridTransform& transform,
-                                   CoverageSum& sum, Report& report, Progress& progress) {
-  openvdb::FloatGrid::Ptr grid = coverage(solid.points, solid.faces, transform, sum, progress);
-  warnOfOverlap(sum, report);
+                                   const ShapeOptions& options, ShapeSums& sums, StageTimer& timer,
+                                   Report& report, Progress& progress) {
+  const auto make = [&](const SlabAdder& addSlabs) {
+    timer.part("coverage");
+    return coverage(solid.points, solid.faces, transform, sums.coverage, progress, addSlabs);
+  };
+  DeviceQuestion question;
+  question.cost = [&] {
+    return estimateCoverageCost(estimateBandLeaves(solid.mesh, solid.faces, 0),
+                                static_cast<double>(solid.faces.faces.size()));
+  };
+  openvdb::FloatGrid::Ptr grid = runOnDevice(
+      options.device, question, sums.coverageDevice, report,
+      [&](const auto& start) {
+        timer.part("start");
+        const BorrowedDevices devices = start();
+        return make([&](const nano::CoverageJob& job, nano::CoverageReceiver& receiver) {
+          devices->coverage(job, receiver, progress);
+        });
+      },
+      [&] { return make(nullptr); });
+  warnOfOverlap(sums.coverage, report);
   return grid;
 }
 
@@ -135,8 +154,7 @@ ShapeSums add(ShapeSolid solid, const ShapeOptions& options, Voxelization& made,
   // Before the level set adds faces where holes are closed.
   openvdb::FloatGrid::Ptr filled, surface;
   if (contains(options.grids, GridKind::Coverage)) {
-    timer.part("coverage");
-    filled = coverageOf(solid, made.transform, sums.coverage, report, progress);
+    filled = coverageOf(solid, made.transform, options, sums, timer, report, progress);
   }
   if (contains(options.grids, GridKind::Surface) || contains(options.grids, GridKind::Fog)) {
     if (solid.filled) {

@@ -3,6 +3,7 @@
 // A face cut along the planes between voxels.
 #pragma once
 
+#include "tetvdb/core/HostDevice.h"
 #include "tetvdb/core/Multiversion.h"
 
 #include <algorithm>
@@ -17,19 +18,19 @@ struct Polygon {
   int count = 0;
   double at[kMax][3];
 
-  double low(int axis) const {
+  TETVDB_HD double low(int axis) const {
     double min = at[0][axis];
     for (int i = 1; i < count; ++i)
       min = std::min(min, at[i][axis]);
     return min;
   }
-  double high(int axis) const {
+  TETVDB_HD double high(int axis) const {
     double max = at[0][axis];
     for (int i = 1; i < count; ++i)
       max = std::max(max, at[i][axis]);
     return max;
   }
-  void add(const double* p) {
+  TETVDB_HD void add(const double* p) {
     at[count][0] = p[0];
     at[count][1] = p[1];
     at[count][2] = p[2];
@@ -39,7 +40,8 @@ struct Polygon {
 
 /// Cuts `polygon` at coordinate `c` of `axis` into the parts below and above. Corners on the cut
 /// belong to both; new ones have exactly the coordinate `c`.
-inline void cut(const Polygon& polygon, int axis, double c, Polygon& below, Polygon& above) {
+TETVDB_HD inline void cut(const Polygon& polygon, int axis, double c, Polygon& below,
+                          Polygon& above) {
   below.count = above.count = 0;
   for (int i = 0; i < polygon.count; ++i) {
     const double* p = polygon.at[i];
@@ -64,8 +66,8 @@ inline void cut(const Polygon& polygon, int axis, double c, Polygon& below, Poly
 /// Calls piece(i, part) for the part of `polygon` between i and i + 1 along `axis`, for first <= i
 /// <= last only. A polygon within the plane i belongs to i only.
 template <typename Piece>
-TETVDB_INLINE void cutAlong(const Polygon& polygon, int axis, int first, int last,
-                            const Piece& piece) {
+TETVDB_HD TETVDB_INLINE void cutAlong(const Polygon& polygon, int axis, int first, int last,
+                                      const Piece& piece) {
   const double low = polygon.low(axis), high = polygon.high(axis);
   if (high < first || (high == first && low < high) || low >= last + 1)
     return;

@@ -16,9 +16,7 @@ struct NearestOffset {
 /// On the segment between a and b, given relative to the point. The same bits for (a, b) and (b,
 /// a), so that triangles that share an edge tie there.
 TETVDB_HD inline NearestOffset nearestOnSegment(Vec3d a, Vec3d b) {
-  const bool swapped =
-      b[0] < a[0] || (b[0] == a[0] && (b[1] < a[1] || (b[1] == a[1] && b[2] < a[2])));
-  if (swapped) {
+  if (comesBefore(b, a)) {
     const Vec3d first = b;
     b = a;
     a = first;

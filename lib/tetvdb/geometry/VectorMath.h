@@ -26,5 +26,9 @@ TETVDB_HD inline Vec3d cross(const Vec3d& a, const Vec3d& b) {
 TETVDB_HD inline double length(const Vec3d& a) {
   return std::sqrt(dot(a, a));
 }
+/// By x, then y, then z.
+TETVDB_HD inline bool comesBefore(const Vec3d& a, const Vec3d& b) {
+  return a[0] < b[0] || (a[0] == b[0] && (a[1] < b[1] || (a[1] == b[1] && a[2] < b[2])));
+}
 
 } // namespace tetvdb

@@ -43,6 +43,12 @@ public:
                            : several_->distances(job, receiver, &progress);
   }
 
+  std::uint64_t coverage(const nano::CoverageJob& job, nano::CoverageReceiver& receiver,
+                         const Progress& progress) {
+    return one_ != nullptr ? one_->coverage(job, receiver, &progress)
+                           : several_->coverage(job, receiver, &progress);
+  }
+
   /// The device's voxelizer where there is one device; else null.
   nano::DeviceVoxelizer* single() const { return one_.get(); }
   /// Held on the device where there is one; else 0.

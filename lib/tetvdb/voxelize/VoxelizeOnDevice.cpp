@@ -95,6 +95,10 @@ constexpr double kSamplerStart = 0.04, kDevicePerSampledTet = 5e-9;
 // much as some leaves; on the device from the host's arrays.
 constexpr double kCpuPerBandLeaf = 3e-6, kCpuPerLeafOfDistances = 2e-6;
 constexpr double kCpuPerBandFace = 3e-6, kDevicePerBandFace = 5e-9;
+// Of coverage: a leaf's pairs of a voxel and a face and of a face and its leaves, as
+// fields/Coverage.h says what one takes (not fitted); on the device the sums that come down.
+constexpr double kCpuPerCoveredLeaf = 100 * 100e-9, kCpuPerCoveringFace = 3 * 100e-9;
+constexpr double kBytesOfCoveredLeaf = 8192;
 // Threads beyond these gain half as much.
 constexpr double kFullThreads = 16;
 
@@ -140,6 +144,15 @@ DeviceCost estimateBandCost(double leaves, double faces) {
   return {kCpuStart + trees + found + leaves * kCpuPerLeafOfDistances / threadsThatGain(),
           kDeviceStart + kSamplerStart + trees + faces * kDevicePerBandFace +
               leaves * 2048 * kDevicePerValueByte};
+}
+
+DeviceCost estimateCoverageCost(double leaves, double faces) {
+  // The host makes the leaves either way.
+  const double trees = leaves * kCpuPerValueLeaf / threadsThatGain();
+  return {kCpuStart + trees +
+              (leaves * kCpuPerCoveredLeaf + faces * kCpuPerCoveringFace) / threadsThatGain(),
+          kDeviceStart + kSamplerStart + trees + faces * kDevicePerBandFace +
+              leaves * kBytesOfCoveredLeaf * kDevicePerValueByte};
 }
 
 DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,

@@ -33,6 +33,9 @@ DeviceCost estimateFieldCost(const TetMesh& mesh, const GridTransform& transform
 /// The same for fields/DistanceOnDevice.h and so many leaves of a narrow band and faces.
 DeviceCost estimateBandCost(double leaves, double faces);
 
+/// The same for fields/Coverage.h and so many leaves that faces meet.
+DeviceCost estimateCoverageCost(double leaves, double faces);
+
 /// Throws Error(Device) where `choice` names a GPU that is not there.
 void requireDevice(const DeviceChoice& choice);
 

@@ -18,7 +18,7 @@ struct StagePart {
 };
 
 /// One of `read`, `clean`, `check`, `tetrahedralize`, `voxelize`, `fields`, `extract`, `upload`,
-/// `download`, `write`.
+/// `holes`, `download`, `write`.
 struct Stage {
   std::string name;
   double seconds = 0;

@@ -44,9 +44,10 @@ struct ShapeOptions {
 
 /// Further results of addShapeGrids().
 struct ShapeSums {
-  CoverageSum coverage; ///< if GridKind::Coverage was requested
-  TrimCounts trim;      ///< if a level set or fog was requested
-  DeviceUsed device;    ///< the device that computed the distances
+  CoverageSum coverage;      ///< if GridKind::Coverage was requested
+  TrimCounts trim;           ///< if a level set or fog was requested
+  DeviceUsed device;         ///< the device that computed the distances
+  DeviceUsed coverageDevice; ///< the device that computed the coverage
 };
 
 /// Throws Error(Usage) for a half-width out of range, a repeated grid, or a level set of voxels

@@ -143,8 +143,8 @@ struct VoxelizeResult {
 /// folders (Error(Write)) of the outputs are checked, and the device. Adds stages "read", "clean"
 /// (triangles), "tetrahedralize" (the envelope mesher), "voxelize" and "write" to `report`, and
 /// with a GPU "upload" and "download"; "preview" if one is requested; "fields" if `shapes` has
-/// grids, and "holes" for open triangles. Coverage is computed on the CPU: requesting a GPU gives
-/// the warning "device-unused". Tets and triangles in one job are Error(Usage), and so are filters
+/// grids, and "holes" for open triangles. What a GPU cannot do the CPU does, with the warning
+/// "device-unused". Tets and triangles in one job are Error(Usage), and so are filters
 /// of cells, `fields` and `warp` for triangles. Fields add stage "fields"; a grid whose values
 /// renderers do not show gives the warning "hidden-values", and one that `half` cannot represent
 /// is Error(Invalid). Throws the errors of its stages; no output file is changed then, unless the

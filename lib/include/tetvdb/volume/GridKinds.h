@@ -37,7 +37,7 @@ struct GridKindInfo {
   GridMaker maker;
   bool needsTets;  ///< rather than triangles
   bool needsCubes; ///< voxels whose three sides are equal
-  bool onDevice;   ///< whether a GPU can find it, of tets
+  bool onDevice;   ///< whether a GPU can find it
   bool drawsSolid; ///< whether a picture of it shows the solid
 };
 
@@ -52,7 +52,7 @@ inline constexpr std::array<GridKindInfo, 7> kGridKinds{{
      "0 at the surface, rising to 1 a half-width inside", GridMaker::Distance, false, true, true,
      true},
     {GridKind::Coverage, "coverage", "float", "fog volume", "0",
-     "share of the voxel's cube that is inside", GridMaker::Share, false, false, false, true},
+     "share of the voxel's cube that is inside", GridMaker::Share, false, false, true, true},
     {GridKind::TetId, "tet_id", "int32", "unknown", "-1",
      "number of the input cell that owns the voxel, from 0", GridMaker::Owner, true, false, true,
      false},

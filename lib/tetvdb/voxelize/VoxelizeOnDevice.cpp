@@ -6,6 +6,7 @@
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/KeepResolution.h"
 #include "tetvdb/voxelize/OpenSoup.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SolidFaces.h"
@@ -368,38 +369,41 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
         progress.stage("voxelize");
         initializeOpenVDB();
         const BorrowedDevices devices = start();
-        const GridTransform transform = chooseTransform(mesh, options, solid);
         nano::MeshView view = viewOf(mesh);
-        const auto voxelized = [&] {
+        const auto voxelized = [&](const GridTransform& transform, Report& told) {
+          if (nanoGrids != nullptr)
+            nanoGrids->clear();
           Voxelization result = voxelizeOn(
               *devices, transform, options.grids, *rule, [&](GridKind) { return view; }, nanoGrids,
-              report, progress);
+              told, progress);
           if (!result.volume.grids().all.empty())
-            reportOrigin(result.transform, options, report);
+            reportOrigin(result.transform, options, told);
           return result;
         };
         const auto activeVoxels = [](const Voxelization& result) {
           return result.volume.grids().all.front()->activeVoxelCount();
         };
-        Voxelization result = voxelized();
-        if (!result.volume.grids().all.empty()) {
-          checkSolid({}, solid, activeVoxels(result), 0, options, report);
+        Voxelization closed = voxelized(chooseTransform(mesh, options, solid), report);
+        if (!closed.volume.grids().all.empty()) {
+          checkSolid({}, solid, activeVoxels(closed), 0, options, report);
+          return closed;
+        }
+        return keepResolution(options, report, [&](const VoxelizeOptions& now, Report& told) {
+          const GridTransform transform = chooseTransform(mesh, now, solid);
+          std::optional<FilledHoles> filled;
+          {
+            StageTimer timer(told, "holes");
+            filled.emplace(mesh, solid, transform, timer, progress);
+          }
+          view.holes = &filled->view;
+          Voxelization result = voxelized(transform, told);
+          result.counts = filled->faces.counts;
+          checkSolid(filled->faces.boundary, solid, activeVoxels(result),
+                     estimateByBoundary(filled->faces.snapped, filled->faces.chain).leaves *
+                         kLeafSize * kLeafSize,
+                     now, told);
           return result;
-        }
-        // The mesh is open.
-        std::optional<FilledHoles> filled;
-        {
-          StageTimer timer(report, "holes");
-          filled.emplace(mesh, solid, transform, timer, progress);
-        }
-        view.holes = &filled->view;
-        result = voxelized();
-        result.counts = filled->faces.counts;
-        checkSolid(filled->faces.boundary, solid, activeVoxels(result),
-                   estimateByBoundary(filled->faces.snapped, filled->faces.chain).leaves *
-                       kLeafSize * kLeafSize,
-                   options, report);
-        return result;
+        });
       },
       onCpu);
 }

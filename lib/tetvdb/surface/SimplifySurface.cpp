@@ -36,11 +36,21 @@ public:
 
   std::size_t regions() const { return regions_.size(); }
 
+  /// Intersections are rare, and excluding them at every step takes longer than all else: regions
+  /// in which some come up are collapsed once more from the start, guarded.
   template <class Done>
-  void run(bool guarded, std::size_t max, Progress& progress, const Done& done) {
+  void run(std::size_t max, Progress& progress, const Done& done) {
+    const Before before{s_.mesh.triangles, s_.isGone, s_.quadrics, s_.firstGone, s_.nextGone};
+    const std::vector<CollapseRegion> regions = regions_;
     tbb::parallel_for(std::size_t(0), regions_.size(), [&](std::size_t i) {
-      collapseEdges(s_, regions_[i], regionOf_, guarded, max, progress);
+      collapseEdges(s_, regions_[i], regionOf_, false, max, progress);
       done();
+    });
+    const std::vector<std::uint32_t> again = regionsWithIntersections(progress);
+    tbb::parallel_for(std::size_t(0), again.size(), [&](std::size_t i) {
+      regions_[again[i]] = regions[again[i]];
+      restore(again[i], before);
+      collapseEdges(s_, regions_[again[i]], regionOf_, true, max, progress);
     });
     s_.features = std::move(mixedFeatures_);
     for (const CollapseRegion& region : regions_)
@@ -49,6 +59,51 @@ public:
   }
 
 private:
+  /// What a pass changes of the surface.
+  struct Before {
+    std::vector<std::uint32_t> triangles;
+    std::vector<char> isGone;
+    std::vector<Quadric> quadrics;
+    std::vector<std::uint32_t> firstGone, nextGone;
+  };
+
+  // A region's own vertices stay within its cube, so that faces of two regions do not meet: one of
+  // two faces that do has all corners in one region.
+  std::vector<std::uint32_t> regionsWithIntersections(Progress& progress) const {
+    std::vector<std::uint32_t> faces, corners, regions;
+    for (std::uint32_t face = 0; face < s_.isGone.size(); ++face)
+      if (!s_.isGone[face]) {
+        faces.push_back(face);
+        for (std::size_t k = 0; k < 3; ++k)
+          corners.push_back(s_.mesh.triangles[3 * std::size_t(face) + k]);
+      }
+    for (const std::uint32_t i : facesThatMeetOthers(s_.mesh.points, corners, {}, progress)) {
+      const auto [a, b, c] = regionsOf(faces[i]);
+      if (a == b && a == c)
+        regions.push_back(a);
+    }
+    std::sort(regions.begin(), regions.end());
+    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+    return regions;
+  }
+
+  // Faces with corners in other regions have not changed.
+  void restore(std::uint32_t region, const Before& before) {
+    for (const std::uint32_t face : regions_[region].faces) {
+      const std::uint32_t* v = &before.triangles[3 * std::size_t(face)];
+      if (regionOf_[v[0]] != region || regionOf_[v[1]] != region || regionOf_[v[2]] != region)
+        continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        s_.mesh.triangles[3 * std::size_t(face) + k] = v[k];
+        s_.quadrics[v[k]] = before.quadrics[v[k]];
+      }
+      s_.isGone[face] = before.isGone[face];
+      s_.firstGone[face] = before.firstGone[face];
+      for (std::uint32_t p = before.firstGone[face]; p != kNone; p = before.nextGone[p])
+        s_.nextGone[p] = before.nextGone[p];
+    }
+  }
+
   void divide(double side, double corner) {
     std::map<Vec3i, std::uint32_t> numbers;
     for (std::uint32_t v = 0; v < regionOf_.size(); ++v) {
@@ -126,7 +181,7 @@ private:
 
 // First cubes, then cubes that contain the borders of the first ones, then the whole. A number of
 // faces needs a single pass, since only the whole determines which collapses are the cheapest.
-void collapse(SimplifyState& surface, std::size_t maxFaces, bool guarded, Progress& progress) {
+void collapse(SimplifyState& surface, std::size_t maxFaces, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
   if (maxFaces == 0 && surface.quadrics.size() > kSerial) {
     const double side = kRegionEdges * surface.meanEdge;
@@ -138,7 +193,7 @@ void collapse(SimplifyState& surface, std::size_t maxFaces, bool guarded, Progre
   for (std::size_t i = 0; i < passes.size(); ++i) {
     Pass pass(surface, passes[i].first, passes[i].second);
     std::atomic<std::size_t> done{0};
-    pass.run(guarded, max, progress, [&] {
+    pass.run(max, progress, [&] {
       progress.update((static_cast<double>(i) +
                        static_cast<double>(++done) / static_cast<double>(pass.regions())) /
                       static_cast<double>(passes.size()));
@@ -168,13 +223,13 @@ void compact(TriangleMesh& mesh, const std::vector<char>& isGone) {
   mesh.faceCount = mesh.triangleCount();
 }
 
-TriangleMesh simplified(const TriangleMesh& mesh, const SimplifyOptions& options, bool guarded,
+TriangleMesh simplified(const TriangleMesh& mesh, const SimplifyOptions& options,
                         Progress& progress) {
   SimplifyState state(mesh, options);
-  collapse(state, options.faces, guarded, progress);
+  collapse(state, options.faces, progress);
   if (options.faces > 0 && !state.features.empty()) {
     state.features.clear();
-    collapse(state, options.faces, guarded, progress);
+    collapse(state, options.faces, progress);
   }
   compact(state.mesh, state.isGone);
   return std::move(state.mesh);
@@ -188,11 +243,7 @@ void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progres
     throw Error(Status::Usage, "simplify", "needs a tolerance above zero or a number of faces");
   if (mesh.triangles.empty())
     return;
-  // Intersections are rare, and excluding them at every step takes longer than all else.
-  TriangleMesh made = simplified(mesh, options, false, progress);
-  if (!countIntersections(made.points, made.triangles, 0, progress).complete)
-    made = simplified(mesh, options, true, progress);
-  mesh = std::move(made);
+  mesh = simplified(mesh, options, progress);
 }
 
 } // namespace tetvdb

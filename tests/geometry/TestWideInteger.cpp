@@ -27,7 +27,9 @@ TEST(WideInteger, SmallOnesAreAsInt128) {
 // Values of some 300 bits whose difference is known.
 TEST(WideInteger, LargeOnesDifferByOne) {
   std::mt19937_64 random(2);
-  const auto number = [&] { return Int128(static_cast<std::int64_t>(random())) << 32; };
+  const auto number = [&] {
+    return Int128(static_cast<std::int64_t>(random())) * (Int128(1) << 32);
+  };
   for (int i = 0; i < 500; ++i) {
     const Wide a(number()), b(number()), c(number()), one(1);
     // (ab + 1)(c - 1) against abc - ab + c - 1

@@ -441,11 +441,14 @@ std::string describeCells(const CellMesh& mesh) {
       known->second += run.count;
   }
   std::string text;
-  for (const auto& [kind, count] : kinds) {
-    // "694 triangles", but "694 tetra" and "694 triangle6".
-    const bool plural = count != 1 && !kind.empty() && kind.back() != 's' && kind.back() != 'a' &&
-                        std::isalpha(static_cast<unsigned char>(kind.back())) != 0;
-    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind + (plural ? "s" : "");
+  for (auto [kind, count] : kinds) {
+    // "694 triangles" and "694 vertices", but "694 tetra" and "694 triangle6".
+    if (count != 1 && kind.size() > 2 && kind.compare(kind.size() - 2, 2, "ex") == 0)
+      kind.replace(kind.size() - 2, 2, "ices");
+    else if (count != 1 && !kind.empty() && kind.back() != 's' && kind.back() != 'a' &&
+             std::isalpha(static_cast<unsigned char>(kind.back())) != 0)
+      kind += 's';
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
   }
   return text.empty() ? "no cells" : text;
 }

@@ -159,7 +159,11 @@ TEST(AssimpReader, GltfWithBytesBesideIt) {
     GTEST_SKIP() << read.error;
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.mesh.triangleCount(), 12U);
-  EXPECT_NE(readingFile("b.gltf", gltf("missing.bin")).error, "");
+  EXPECT_NE(readingFile("b.gltf", gltf("missing.bin")).error.find("put that file beside it"),
+            std::string::npos);
+  std::string ofVersionOne = glb();
+  ofVersionOne[4] = 1;
+  EXPECT_NE(readingFile("b.glb", ofVersionOne).error.find("of a version"), std::string::npos);
 }
 
 TEST(AssimpReader, GltfIndicesAreChecked) {

@@ -90,6 +90,14 @@ TEST(PlyReader, BinaryOfEveryTypeAndOrder) {
   }
 }
 
+TEST(PlyReader, OneLineOfTheHeaderMayEndInAnotherWay) {
+  for (const char* line : {"ply\n", "comment", "end_header"}) {
+    std::string bytes = binary<std::int32_t, std::uint8_t>(false, "uchar int");
+    bytes.replace(bytes.find('\n', bytes.find(line)), 1, "\r\n");
+    expectTetrahedron(reading(readPly, bytes));
+  }
+}
+
 TEST(PlyReader, DataMayBeginWithALineBreak) {
   // The first byte of the data is that of '\n': the header's lines do not end with it.
   const std::string head = header("binary_little_endian",

@@ -120,7 +120,7 @@ TEST(StlReader, Text) {
         allReplaced(text, "\n", " "), allReplaced(text, "solid a", "SOLID"),
         allReplaced(text, "vertex", "  VERTEX\t"), allReplaced(text, " normal 0 0 1", ""),
         allReplaced(text, " normal 0 0 1", " normal nan nan nan"), "\xef\xbb\xbf" + text,
-        "; a comment\n" + text,
+        "; a comment\n" + text, allReplaced(text, "endsolid a", "end solid"),
         allReplaced(text, "solid a", "solid a vertex 1 2 3 facet endsolid")}) {
     const Reading read = reading(readStl, variant);
     expectFacets(read, 2);

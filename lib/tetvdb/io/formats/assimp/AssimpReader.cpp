@@ -61,15 +61,17 @@ void keepImporters(Assimp::Importer& importer, std::string_view part) {
     importer.UnregisterLoader(other);
 }
 
-/// Receives the log of assimp, in which it reports omissions. Messages about materials and similar
-/// content are ignored.
+/// Receives the log of assimp, in which it reports omissions. Messages about materials, normals and
+/// similar content are ignored.
 class Listener : public Assimp::LogStream {
 public:
   void write(const char* message) override {
     const std::string text = lowerCase(message);
     const auto has = [&](const char* word) { return text.find(word) != text.npos; };
-    if (has("material") || has("texture") || has("anim") || has("light") || has("camera"))
-      return;
+    for (const char* other :
+         {"material", "texture", "anim", "light", "camera", "normal", "tangent", "uv", "color"})
+      if (has(other))
+        return;
     if (!has("drop") && !has("ignor") && !has("skip") && !has("fail") && !has("invalid") &&
         !has("range"))
       return;
@@ -152,9 +154,7 @@ public:
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
     scene_ = readBytes(importer);
     if (scene_ == nullptr)
-      throw Error(Status::Invalid, source_.path,
-                  "cannot be read: " + Listener::readable(importer.GetErrorString()),
-                  "the file is damaged; export it again");
+      fail(Listener::readable(importer.GetErrorString()));
     if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
       throw Error(Status::Invalid, source_.path,
                   listener->first().empty() ? "it holds no meshes"
@@ -176,6 +176,17 @@ public:
   }
 
 private:
+  [[noreturn]] void fail(const std::string& reason) const {
+    const bool lacksFile = reason.find("could not open referenced file") != reason.npos;
+    const bool isUnknown = reason.find("No suitable reader") != reason.npos;
+    throw Error(Status::Invalid, source_.path,
+                "cannot be read: " +
+                    (isUnknown ? "its header is damaged, or of a version that assimp does not read"
+                               : reason),
+                lacksFile ? "put that file beside it, or export it as one file"
+                          : "the file is damaged; export it again");
+  }
+
   /// By the path, so that files beside it are found; assimp requires the usual ending of a format.
   const aiScene* readBytes(Assimp::Importer& importer) const {
     const std::size_t dot = source_.path.find_last_of('.');

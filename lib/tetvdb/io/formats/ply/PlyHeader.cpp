@@ -59,14 +59,18 @@ public:
   }
 
 private:
-  /// All lines of a file have the line end of the first: a '\n' after a '\r' may be data.
+  /// Lines end with '\n', which a '\r' may precede in some of them, or all with '\r': then a '\n'
+  /// behind it is data.
   std::string_view nextLine() {
     const std::string_view bytes = source_.bytes;
-    const std::size_t end = std::min(bytes.find_first_of("\r\n", at_), bytes.size());
+    if (lineEnd_ == 0) {
+      const std::size_t first = std::min(bytes.find_first_of("\r\n"), bytes.size());
+      const bool isReturn = bytes.substr(first, 1) == "\r" && bytes.substr(first, 2) != "\r\n";
+      lineEnd_ = isReturn ? '\r' : '\n';
+    }
+    const std::size_t end = std::min(bytes.find(lineEnd_, at_), bytes.size());
     const std::string_view line = bytes.substr(at_, end - at_);
-    if (breakLength_ == 0)
-      breakLength_ = bytes.substr(end, 2) == "\r\n" ? 2 : 1;
-    at_ = std::min(end + breakLength_, bytes.size());
+    at_ = std::min(end + 1, bytes.size());
     ++line_;
     return trimmed(line);
   }
@@ -151,7 +155,7 @@ private:
   PlyHeader header_;
   std::size_t at_ = 0;
   std::size_t line_ = 0;
-  std::size_t breakLength_ = 0;
+  char lineEnd_ = 0; ///< of all lines
 };
 
 } // namespace

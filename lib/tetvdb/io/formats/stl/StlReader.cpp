@@ -166,7 +166,8 @@ private:
       endFacet();
       ++solids_;
       skipName();
-    } else if (equalsIgnoringCase(word, "endsolid")) {
+    } else if (equalsIgnoringCase(word, "endsolid") ||
+               (equalsIgnoringCase(word, "end") && equalsIgnoringCase(in_.peekWord(), "solid"))) {
       endFacet();
       ++endedSolids_;
       skipName();

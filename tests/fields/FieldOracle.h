@@ -32,9 +32,9 @@ inline std::array<long double, 4> weights(const TetMesh& mesh, const GridTransfo
   std::array<std::array<long long, 3>, 4> v;
   for (std::size_t i = 0; i < 4; ++i)
     v[i] = snapped(mesh.points[mesh.tets[4 * tet + i]], transform);
-  const std::array<long long, 3> c{(long long)std::get<0>(voxel) << 20,
-                                   (long long)std::get<1>(voxel) << 20,
-                                   (long long)std::get<2>(voxel) << 20};
+  const std::array<long long, 3> c{(long long)std::get<0>(voxel) * (1LL << 20),
+                                   (long long)std::get<1>(voxel) * (1LL << 20),
+                                   (long long)std::get<2>(voxel) * (1LL << 20)};
   const auto whole = static_cast<long double>(determinant(v[0], v[1], v[2], v[3]));
   return {static_cast<long double>(determinant(c, v[1], v[2], v[3])) / whole,
           static_cast<long double>(determinant(v[0], c, v[2], v[3])) / whole,

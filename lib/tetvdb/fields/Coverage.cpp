@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/Coverage.h"
 
+#include "nanovdb_kernels/CoverageJob.h"
 #include "tetvdb/core/JoinedVectors.h"
 #include "tetvdb/fields/SlabStack.h"
 #include "tetvdb/voxelize/TreeAssembly.h"

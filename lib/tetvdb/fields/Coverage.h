@@ -3,7 +3,6 @@
 // The filled share of every voxel's cube.
 #pragma once
 
-#include "nanovdb_kernels/CoverageJob.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/CoverageSum.h"
 #include "tetvdb/geometry/NodeBox.h"
@@ -15,6 +14,11 @@
 #include <vector>
 
 namespace tetvdb {
+
+namespace nano {
+struct CoverageJob;
+class CoverageReceiver;
+} // namespace nano
 
 /// Fractions closer than this to 0 or 1 are set to 0 or 1.
 constexpr double kCoverageError = 0x1p-32;

@@ -75,7 +75,7 @@ void forEachLayer(LayerSource& source, const Work& work, const Take& take, Progr
     item->made.emplace(work(item->k, std::move(layer)));
     return item;
   };
-  const auto end = [&](const std::shared_ptr<Item>& item) {
+  const auto end = [&](std::shared_ptr<Item> item) { // by value: destroyed if it throws
     take(item->k, std::move(*item->made));
     progress.update(static_cast<double>(item->k + 1) / layers);
   };

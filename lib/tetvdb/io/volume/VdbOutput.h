@@ -107,7 +107,8 @@ void writeGrids(VdbOutput& output, const openvdb::GridPtrVec& grids, const Progr
 
 /// Makes blocks in parallel, a window at a time, and takes them in order: `next(piece)` sets the
 /// next block to make, or returns false at the end; `make(piece)` returns its result;
-/// `take(result)` uses it. `window`: blocks at a time; 0: four a thread.
+/// `take(result)` uses it. `window`: blocks at a time; 0: four a thread. Where one of them throws,
+/// oneTBB does not destroy what it has passed: it is moved from.
 template <class Piece, class Result, class Next, class Make, class Take>
 void makeInOrder(const Next& next, const Make& make, const Take& take, std::size_t window = 0) {
   if (window == 0)
@@ -121,9 +122,9 @@ void makeInOrder(const Next& next, const Make& make, const Take& take, std::size
                                               return piece;
                                             }) &
                   tbb::make_filter<Piece, Result>(tbb::filter_mode::parallel,
-                                                  [&](const Piece& piece) { return make(piece); }) &
+                                                  [&](Piece piece) { return make(piece); }) &
                   tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order,
-                                                 [&](const Result& result) { take(result); }));
+                                                 [&](Result result) { take(result); }));
 }
 
 /// Makes blocks 0 to `count` - 1 in parallel and writes them in order.

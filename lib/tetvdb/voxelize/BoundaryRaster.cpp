@@ -547,15 +547,18 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const 
   const BoundaryStacks stacks(mesh, boundary, fill, progress);
   const std::vector<BoundaryStacks::Column>& columns = stacks.columns();
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const bool splitNodes = columns.size() < 8 * threads;
+  const bool splitNodes = fill.holes != nullptr || columns.size() < 8 * threads;
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, columns.size(), 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           BoundaryCarry carry;
-          stacks.rasterize(columns[i], columns[i].zBegin, columns[i].zEnd, carry, &sink,
-                           splitNodes);
+          // Without isolation a thread that waits for a slab takes another column meanwhile.
+          tbb::this_task_arena::isolate([&] {
+            stacks.rasterize(columns[i], columns[i].zBegin, columns[i].zEnd, carry, &sink,
+                             splitNodes);
+          });
           progress.update(static_cast<double>(++done) / static_cast<double>(columns.size() + 1));
         }
       },

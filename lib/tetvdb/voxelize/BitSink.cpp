@@ -9,13 +9,11 @@
 
 namespace tetvdb {
 
-// A node under construction. Leaves are added slab by slab.
+// A node under construction.
 struct BitSink::OpenNode : NodeSink::Node {
   NodeIndex index;
   std::unique_ptr<BitNode> bits = std::make_unique<BitNode>();
-  std::array<std::pair<std::size_t, std::size_t>, kSlabsPerNode> slabs{}; // of bits->leaves
-  int last = -1;
-  bool inOrder = true;
+  std::array<std::vector<std::uint64_t>, kSlabsPerNode> leaves; // by slab
 };
 
 std::unique_ptr<NodeSink::Node> BitSink::begin(const NodeIndex& index) {
@@ -26,10 +24,7 @@ std::unique_ptr<NodeSink::Node> BitSink::begin(const NodeIndex& index) {
 
 void BitSink::slab(Node& open, int index, const SlabBits& bits, const std::uint32_t*) {
   auto& node = static_cast<OpenNode&>(open);
-  node.inOrder = node.inOrder && index > node.last;
-  node.last = index;
-  std::vector<std::uint64_t>& leaves = node.bits->leaves;
-  const std::size_t first = leaves.size();
+  std::vector<std::uint64_t>& leaves = node.leaves[static_cast<std::size_t>(index)];
   eachLeaf(bits, index, [&](const LeafRows& rows, int, int leafZ, int entry) {
     const auto word = static_cast<std::size_t>(entry >> 6);
     const std::uint64_t bit = std::uint64_t(1) << (entry & 63);
@@ -41,14 +36,16 @@ void BitSink::slab(Node& open, int index, const SlabBits& bits, const std::uint3
     for (int x = 0; x < kLeafSize; ++x)
       leaves.push_back(rows.word(leafZ, x));
   });
-  node.slabs[static_cast<std::size_t>(index)] = {first, leaves.size()};
 }
 
 void BitSink::end(std::unique_ptr<Node> open) {
   auto& node = static_cast<OpenNode&>(*open);
   const auto z = static_cast<std::size_t>(node.index[2] - zFirst_);
   BitNode& bits = *node.bits;
-  if (bits.leaves.empty()) {
+  std::size_t words = 0;
+  for (const std::vector<std::uint64_t>& slab : node.leaves)
+    words += slab.size();
+  if (words == 0) {
     const auto isAll = [&](std::uint64_t word) {
       return std::all_of(bits.tiles.begin(), bits.tiles.end(),
                          [word](std::uint64_t tiles) { return tiles == word; });
@@ -60,14 +57,9 @@ void BitSink::end(std::unique_ptr<Node> open) {
       return;
     }
   }
-  if (!node.inOrder) {
-    std::vector<std::uint64_t> sorted;
-    sorted.reserve(bits.leaves.size());
-    for (const auto& [first, last] : node.slabs)
-      sorted.insert(sorted.end(), bits.leaves.begin() + static_cast<std::ptrdiff_t>(first),
-                    bits.leaves.begin() + static_cast<std::ptrdiff_t>(last));
-    bits.leaves = std::move(sorted);
-  }
+  bits.leaves.reserve(words);
+  for (const std::vector<std::uint64_t>& slab : node.leaves)
+    bits.leaves.insert(bits.leaves.end(), slab.begin(), slab.end());
   stack_.states[z] = NodeState::Mixed;
   stack_.nodes[z] = std::move(node.bits);
 }

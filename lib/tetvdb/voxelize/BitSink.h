@@ -10,8 +10,8 @@
 
 namespace tetvdb {
 
-/// Puts nodes into a stack that has its lowest node at zFirst. Used by one thread. Nodes may be
-/// given in any order, each once; so may the slabs of a node.
+/// Puts nodes into a stack that has its lowest node at zFirst. Nodes may be given in any order,
+/// each once, by one thread; so may the slabs of a node, by several threads at a time.
 class BitSink : public NodeSink {
 public:
   BitSink(std::int32_t zFirst, BitStack& stack) : zFirst_(zFirst), stack_(stack) {}

@@ -531,14 +531,18 @@ std::size_t BoundaryStacks::countNodes(const Column& column, std::int32_t zBegin
 }
 
 void BoundaryStacks::rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd,
-                               BoundaryCarry& carry, NodeSink* sink, bool splitNodes) const {
+                               BoundaryCarry& carry, NodeSink* sink) const {
   const FaceInNode* const end = parts_->pairs.data() + column.end;
   const FaceInNode* const begin =
       std::lower_bound(std::as_const(parts_->pairs).data() + column.begin, end, zBegin,
                        [](const FaceInNode& pair, std::int32_t z) { return pair.z < z; });
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  const bool splitNodes = parts_->band.has_value() || columns_.size() < 8 * threads;
   Stack stack(parts_->faces, parts_->bandOrNull(), parts_->rule, sink, splitNodes);
   stack.resume(carry);
-  stack.run(column.x, column.y, zBegin, zEnd, begin, end, parts_->scratch);
+  // Without isolation a thread that waits for a slab takes another column meanwhile.
+  tbb::this_task_arena::isolate(
+      [&] { stack.run(column.x, column.y, zBegin, zEnd, begin, end, parts_->scratch); });
   carry = stack.carry();
 }
 
@@ -546,19 +550,13 @@ void rasterizeBoundary(const SnappedMesh& mesh, const Boundary& boundary, const 
                        NodeSink& sink, Progress& progress) {
   const BoundaryStacks stacks(mesh, boundary, fill, progress);
   const std::vector<BoundaryStacks::Column>& columns = stacks.columns();
-  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const bool splitNodes = fill.holes != nullptr || columns.size() < 8 * threads;
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, columns.size(), 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           BoundaryCarry carry;
-          // Without isolation a thread that waits for a slab takes another column meanwhile.
-          tbb::this_task_arena::isolate([&] {
-            stacks.rasterize(columns[i], columns[i].zBegin, columns[i].zEnd, carry, &sink,
-                             splitNodes);
-          });
+          stacks.rasterize(columns[i], columns[i].zBegin, columns[i].zEnd, carry, &sink);
           progress.update(static_cast<double>(++done) / static_cast<double>(columns.size() + 1));
         }
       },

@@ -62,9 +62,10 @@ public:
   /// Hands the nodes zBegin <= z < zEnd of a column to `sink`: those that faces meet slab by slab,
   /// full ones between them as runs. `carry` holds the sums at zBegin, which are 0 up to the
   /// column's zBegin, and receives those at zEnd. Without a sink only the sums are computed.
-  /// `splitNodes`: the slabs of a node are tasks of their own. Thread-safe.
+  /// Several threads work on the slabs of a node where columns are few or values of the winding
+  /// number needed. Thread-safe.
   void rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd, BoundaryCarry& carry,
-                 NodeSink* sink, bool splitNodes) const;
+                 NodeSink* sink) const;
 
   /// Nodes of a column that faces meet, zBegin <= z < zEnd.
   std::size_t countNodes(const Column& column, std::int32_t zBegin, std::int32_t zEnd) const;

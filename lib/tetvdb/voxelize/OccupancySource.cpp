@@ -318,9 +318,9 @@ void OccupancySource::rasterize(const CubeColumn& column, const Place& place, st
       carried.z = crossed.zBegin;
     }
     if (carried.z < low)
-      stacks_.rasterize(crossed, carried.z, low, carried.sums, nullptr, false);
+      stacks_.rasterize(crossed, carried.z, low, carried.sums, nullptr);
     const std::int32_t from = std::max(low, carried.z);
-    stacks_.rasterize(crossed, from, high, carried.sums, next, false);
+    stacks_.rasterize(crossed, from, high, carried.sums, next);
     carried.z = high;
   }
   if (rule)

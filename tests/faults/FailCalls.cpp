@@ -6,7 +6,8 @@
 //   FAIL_CALLS="write 3 0 28"  from the third on, all writes into regular files fail, errno 28
 //   FAIL_CALLS="count FILE"    no call fails; the numbers of calls of each kind go into FILE
 //
-// Calls that the C library makes of its own (fwrite, the memory of malloc) are not among them.
+// Calls that the C library makes of its own (fwrite, the memory of malloc) are not among them, nor
+// allocations of Blosc, which uses them unchecked (1.21: serial_blosc).
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -18,6 +19,7 @@
 #include <cstring>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <link.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -36,6 +38,19 @@ std::uint64_t first = 0, number = 0; ///< of them; number 0: all that follow
 int error = 0;
 std::array<char, 4096> countsPath{};
 pid_t counted = 0; ///< the process whose calls are counted
+
+std::uintptr_t bloscBegin = 0, bloscEnd = 0; ///< the library's code
+
+int findBlosc(dl_phdr_info* library, std::size_t, void*) {
+  if (std::strstr(library->dlpi_name, "libblosc.so") == nullptr)
+    return 0;
+  for (int i = 0; i < library->dlpi_phnum; ++i)
+    if (const auto& part = library->dlpi_phdr[i]; part.p_type == PT_LOAD && (part.p_flags & PF_X)) {
+      bloscBegin = library->dlpi_addr + part.p_vaddr;
+      bloscEnd = bloscBegin + part.p_memsz;
+    }
+  return 1;
+}
 
 void writeCounts() {
   if (countsPath[0] == 0 || ::getpid() != counted)
@@ -81,6 +96,12 @@ bool fails(Kind kind, int usual) {
   return true;
 }
 
+/// fails() of an allocation that the code at `caller` asks for.
+bool failsAllocation(const void* caller) {
+  const auto at = reinterpret_cast<std::uintptr_t>(caller);
+  return (at < bloscBegin || at >= bloscEnd) && fails(kAlloc, ENOMEM);
+}
+
 bool isRegular(int descriptor) {
   struct stat info {};
   return ::fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode);
@@ -91,6 +112,7 @@ Main programMain = nullptr;
 
 int runMain(int count, char** words, char** environment) {
   readSettings();
+  ::dl_iterate_phdr(findBlosc, nullptr);
   running = true;
   const int status = programMain(count, words, environment);
   writeCounts();
@@ -119,22 +141,23 @@ int __libc_start_main(Main main, int count, char** words, void (*init)(), void (
 }
 
 void* malloc(std::size_t size) {
-  return fails(kAlloc, ENOMEM) ? nullptr : __libc_malloc(size);
+  return failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) {
-  return fails(kAlloc, ENOMEM) ? nullptr : __libc_calloc(count, size);
+  return failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_calloc(count, size);
 }
 void* realloc(void* block, std::size_t size) {
-  return fails(kAlloc, ENOMEM) ? nullptr : __libc_realloc(block, size);
+  return failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_realloc(block, size);
 }
 void* memalign(std::size_t alignment, std::size_t size) {
-  return fails(kAlloc, ENOMEM) ? nullptr : __libc_memalign(alignment, size);
+  return failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_memalign(alignment, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  return memalign(alignment, size);
+  return failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_memalign(alignment, size);
 }
 int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  void* const made = memalign(alignment, size);
+  void* const made =
+      failsAllocation(__builtin_return_address(0)) ? nullptr : __libc_memalign(alignment, size);
   if (made == nullptr)
     return ENOMEM;
   *block = made;
@@ -160,6 +183,10 @@ int fsync(int descriptor) {
 int rename(const char* from, const char* to) {
   REAL(rename);
   return fails(kRename, EIO) ? -1 : real(from, to);
+}
+int renameat2(int fromFolder, const char* from, int toFolder, const char* to, unsigned flags) {
+  REAL(renameat2);
+  return fails(kRename, EIO) ? -1 : real(fromFolder, from, toFolder, to, flags);
 }
 int linkat(int fromFolder, const char* from, int toFolder, const char* to, int flags) {
   REAL(linkat);

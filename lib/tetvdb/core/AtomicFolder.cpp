@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <dirent.h>
@@ -33,10 +34,14 @@ std::string makeBeside(const fs::path& path) {
   return pattern;
 }
 
-// Removes a folder of files without allocating: memory may have run out.
-void removeFiles(const char* path) noexcept {
-  const int folder = ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  for (bool any = folder >= 0; any;) {
+int openFolder(const std::string& path) {
+  return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+}
+
+// Removes a folder of files, and closes it. Neither allocates nor opens anything: memory or
+// descriptors may have run out.
+void removeFiles(int folder, const std::string& path) noexcept {
+  for (bool any = true; any;) {
     any = false;
     ::lseek(folder, 0, SEEK_SET);
     alignas(dirent64) char entries[4096];
@@ -47,9 +52,31 @@ void removeFiles(const char* path) noexcept {
         at += entry->d_reclen;
       }
   }
-  if (folder >= 0)
-    ::close(folder);
-  ::rmdir(path);
+  ::close(folder);
+  ::rmdir(path.c_str());
+}
+
+// Gives `from` the name `to`, and the folder of that name the name `from`. In one step where the
+// file system can exchange names.
+bool exchangeNames(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_EXCHANGE) == 0)
+    return true;
+  if (errno != EINVAL && errno != ENOSYS)
+    return false;
+  const std::string beside = makeBeside(to);
+  if (::rename(to.c_str(), beside.c_str()) != 0) {
+    const int error = errno;
+    ::rmdir(beside.c_str());
+    errno = error;
+    return false;
+  }
+  if (::rename(from.c_str(), to.c_str()) != 0) {
+    const int error = errno;
+    ::rename(beside.c_str(), to.c_str());
+    errno = error;
+    return false;
+  }
+  return ::rename(beside.c_str(), from.c_str()) == 0;
 }
 
 } // namespace
@@ -58,6 +85,8 @@ AtomicFolder::AtomicFolder(std::string path, const Contents& contents) : path_(s
   while (path_.size() > 1 && path_.back() == '/')
     path_.pop_back();
   std::error_code error;
+  if (fs::is_symlink(path_, error))
+    path_ = fs::weakly_canonical(path_).string(); // what the link names is replaced
   const fs::file_status status = fs::status(path_, error);
   if (fs::exists(status)) {
     if (!fs::is_directory(status))
@@ -80,43 +109,39 @@ AtomicFolder::AtomicFolder(std::string path, const Contents& contents) : path_(s
                   "choose a new folder");
   }
   temporary_ = makeBeside(path_);
+  folder_ = openFolder(temporary_);
+  if (folder_ < 0) {
+    ::rmdir(temporary_.c_str());
+    failWrite(path_, "cannot create a folder beside it");
+  }
 }
 
 AtomicFolder::~AtomicFolder() {
-  if (temporary_.empty())
-    return;
-  removeFiles(temporary_.c_str());
+  if (folder_ >= 0)
+    removeFiles(folder_, temporary_);
 }
 
 void AtomicFolder::commit() {
-  const int folder = ::open(temporary_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0 || ::syncfs(folder) != 0)
+  if (::syncfs(folder_) != 0)
     failWrite(path_, "cannot write");
-  ::close(folder);
   const mode_t mask = ::umask(0);
   ::umask(mask);
-  ::chmod(temporary_.c_str(), 0777 & ~mask);
-  std::error_code error;
-  std::string old;
-  if (fs::exists(path_)) {
-    old = makeBeside(path_);
-    fs::rename(path_, old, error);
-    if (error) {
-      fs::remove(old, error);
-      throw Error(Status::Write, path_, "cannot be replaced");
-    }
+  ::fchmod(folder_, 0777 & ~mask);
+  const int old = openFolder(path_); // before it is too late for an error
+  if (old < 0 && errno != ENOENT)
+    failWrite(path_, "cannot be replaced");
+  const bool renamed =
+      old < 0 ? ::rename(temporary_.c_str(), path_.c_str()) == 0 : exchangeNames(temporary_, path_);
+  if (!renamed) {
+    const int error = errno;
+    if (old >= 0)
+      ::close(old);
+    errno = error;
+    failWrite(path_, old < 0 ? "cannot create the folder" : "cannot be replaced");
   }
-  fs::rename(temporary_, path_, error);
-  if (error) {
-    if (!old.empty()) {
-      std::error_code ignored;
-      fs::rename(old, path_, ignored);
-    }
-    throw Error(Status::Write, path_, "cannot create the folder: " + error.message());
-  }
-  temporary_.clear();
-  if (!old.empty())
-    fs::remove_all(old, error);
+  ::close(std::exchange(folder_, -1));
+  if (old >= 0)
+    removeFiles(old, temporary_);
 }
 
 } // namespace tetvdb

@@ -19,7 +19,8 @@ public:
     std::function<bool(const std::string& name)> isOurs; ///< whether the others have such names
   };
 
-  /// An existing folder is replaced if it is empty, or has the index and no files but ours. Throws
+  /// An existing folder, or the one that a symbolic link names, is replaced if it is empty, or has
+  /// the index and no files but ours. Throws
   /// Error(Usage) if it cannot be replaced, Error(Write) if no folder can be created.
   AtomicFolder(std::string path, const Contents& contents);
   /// Removes the temporary folder.
@@ -27,15 +28,16 @@ public:
   AtomicFolder(const AtomicFolder&) = delete;
   AtomicFolder& operator=(const AtomicFolder&) = delete;
 
-  const std::string& target() const { return path_; } ///< without a slash at its end
+  const std::string& target() const { return path_; } ///< no slash at its end
   const std::string& temporary() const {
     return temporary_;
   } ///< where files are put until commit()
-  /// Throws Error(Write); the target is then unchanged.
+  /// Once. Throws Error(Write); the target is then unchanged.
   void commit();
 
 private:
   std::string path_, temporary_;
+  int folder_ = -1; ///< the temporary folder, opened; -1 after commit()
 };
 
 } // namespace tetvdb

@@ -180,6 +180,9 @@ template <class Mesh>
     std::signal(signal, SIG_IGN);
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE})
     std::signal(signal, SIG_DFL);
+  // HDF5 calls exit() where memory is short, and destructors of other libraries then wait for
+  // threads that this process does not have.
+  std::atexit([] { ::_exit(1); });
   const int nowhere = ::open("/dev/null", O_WRONLY);
   if (nowhere >= 0)
     ::dup2(nowhere, STDERR_FILENO);

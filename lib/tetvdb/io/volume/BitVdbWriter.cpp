@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -172,6 +173,7 @@ private:
             return false;
           piece = std::make_shared<StackPiece>();
           piece->stack = stacks[next++];
+          const std::lock_guard lock(knownMutex_); // blocks are taken at the same time
           piece->known = known_;
           return true;
         },
@@ -203,7 +205,10 @@ private:
               masks.children[entry >> 6] |= bit;
           }
           sum.add(piece->counts);
-          known_.add(piece->counts.box);
+          {
+            const std::lock_guard lock(knownMutex_);
+            known_.add(piece->counts.box);
+          }
           spool.add(piece->bytes);
           if (keeps_)
             leafCounts_.insert(leafCounts_.end(), piece->leaves.begin(), piece->leaves.end());
@@ -316,6 +321,7 @@ private:
   std::vector<FileGrid> grids_;
   std::vector<Vec3i> rootTiles_;
   Counts counts_;
+  std::mutex knownMutex_;
   VoxelBounds known_;  ///< of what was written
   bool keeps_ = false; ///< whether the entries file_delayed_load may come
   std::vector<std::uint16_t> leafCounts_;

@@ -399,7 +399,7 @@ class Levels(Volumes):
             self.assertTrue(numpy.allclose(reader.getValue(i), mean, rtol=1e-6, atol=1e-5), i)
 
     def test_threads_and_streams(self):
-        self.write("ball.off", off(*ball(40, 500, (0, 100, 4000))))
+        self.write("ball.off", off(*ball(24, 200, (0, 100, 4050))))
         made = []
         for threads in (1, 2, 8):
             self.succeed("voxelize", "ball.off", "-o", "a.vdb", *self.OPTIONS, "--grid", "mask,density", "--lod",

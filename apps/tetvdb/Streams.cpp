@@ -50,7 +50,7 @@ void writeToStandardError(std::string_view text) {
 
 void printResult(std::string_view text) {
   const bool whole = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
-  if (!whole || std::fflush(stdout) != 0)
+  if ((!whole || std::fflush(stdout) != 0) && errno != EPIPE)
     throw Error(Status::Write, "standard output",
                 fmt::format("cannot write: {}", std::strerror(errno)));
 }

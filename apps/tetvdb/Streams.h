@@ -22,7 +22,8 @@ void printOutOfMemory();
 /// Writes `text` to standard error as it is. Where it cannot be written it is lost.
 void writeToStandardError(std::string_view text);
 
-/// Writes a result to standard output. Throws Error(Write) where that is not possible.
+/// Writes a result to standard output. Throws Error(Write) where that is not possible, but for a
+/// pipe that nobody reads any more: whoever read it has what was wanted.
 void printResult(std::string_view text);
 
 } // namespace tetvdb::cli

@@ -18,7 +18,7 @@ void checkJob(const TetrahedralizeJob& job) {
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (job.output.empty() && !job.keep)
-    throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.msh");
+    throw Error(Status::Usage, "", "no output was given", "name one by `output`");
   if (!job.output.empty()) {
     requireFormat(job.output, {FormatUse::WriteTets});
     requireWritable(job.output);

@@ -68,7 +68,7 @@ void checkOutputs(const VoxelizeJob& job) {
   if (job.inputs.empty())
     throw Error(Status::Usage, "", "no input was given");
   if (!job.makesVolume() && job.meshOutput.empty())
-    throw Error(Status::Usage, "", "no output was given", "name one with -o OUT.vdb");
+    throw Error(Status::Usage, "", "no output was given", "name one by `output`");
   std::vector<std::string> outputs;
   if (!job.output.empty()) {
     if (job.tileSize > 0) {

@@ -345,12 +345,6 @@ private:
   std::vector<Vertex> neighbours_;
 };
 
-bool isWithin(const SimplifyState& s, std::uint32_t face, std::uint32_t region,
-              const std::vector<std::uint32_t>& regionOf) {
-  const std::uint32_t* v = &s.mesh.triangles[3 * std::size_t(face)];
-  return regionOf[v[0]] == region && regionOf[v[1]] == region && regionOf[v[2]] == region;
-}
-
 // Builds the region's faces as a half-edge mesh, with vertices in the surface's order, and sets the
 // locked vertices and the features.
 void build(Patch& patch, const CollapseRegion& region, const std::vector<std::uint32_t>& regionOf,
@@ -383,7 +377,7 @@ void build(Patch& patch, const CollapseRegion& region, const std::vector<std::ui
     corners.push_back({v[0], v[1], v[2]});
     if (!mesh.add_face(numberOf(v[0]), numberOf(v[1]), numberOf(v[2])).is_valid())
       throw Error(Status::Invalid, "", "the surface is not a closed manifold");
-    if (!isWithin(s, face, region.number, regionOf))
+    if (!isFaceWithin(region.number, &s.mesh.triangles[3 * std::size_t(face)], regionOf))
       for (std::size_t k = 0; k < 3; ++k)
         mesh.status(numberOf(v[k])).set_locked(true);
   }
@@ -421,7 +415,7 @@ std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
   HalfEdgeMesh& mesh = patch.mesh;
   for (const auto face : mesh.all_faces()) {
     const std::uint32_t number = patch.faceOf[at(face)];
-    if (!isWithin(state, number, region.number, regionOf))
+    if (!isFaceWithin(region.number, &state.mesh.triangles[3 * std::size_t(number)], regionOf))
       continue;
     state.isGone[number] = mesh.status(face).deleted();
     std::size_t k = 3 * std::size_t(number);

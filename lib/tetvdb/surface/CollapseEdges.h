@@ -18,6 +18,13 @@ struct CollapseRegion {
   std::vector<VertexPair> features;  ///< features with an end point in the region
 };
 
+/// Whether a face has all three corners in a region. `regionOf`: by vertex.
+inline bool isFaceWithin(std::uint32_t region, const std::uint32_t* corners,
+                         const std::vector<std::uint32_t>& regionOf) {
+  return regionOf[corners[0]] == region && regionOf[corners[1]] == region &&
+         regionOf[corners[2]] == region;
+}
+
 /// Collapses up to `max` edges, the cheapest first, with OpenMesh's half-edge mesh, and returns
 /// their number. Moves only vertices whose neighbours are all in the region (`regionOf`, by
 /// vertex), so that it writes nothing that another region reads. Replaces `features` by those with

@@ -78,9 +78,9 @@ private:
           corners.push_back(s_.mesh.triangles[3 * std::size_t(face) + k]);
       }
     for (const std::uint32_t i : facesThatMeetOthers(s_.mesh.points, corners, {}, progress)) {
-      const auto [a, b, c] = regionsOf(faces[i]);
-      if (a == b && a == c)
-        regions.push_back(a);
+      const std::uint32_t* v = &s_.mesh.triangles[3 * std::size_t(faces[i])];
+      if (isFaceWithin(regionOf_[v[0]], v, regionOf_))
+        regions.push_back(regionOf_[v[0]]);
     }
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
@@ -91,7 +91,7 @@ private:
   void restore(std::uint32_t region, const Before& before) {
     for (const std::uint32_t face : regions_[region].faces) {
       const std::uint32_t* v = &before.triangles[3 * std::size_t(face)];
-      if (regionOf_[v[0]] != region || regionOf_[v[1]] != region || regionOf_[v[2]] != region)
+      if (!isFaceWithin(region, v, regionOf_))
         continue;
       for (std::size_t k = 0; k < 3; ++k) {
         s_.mesh.triangles[3 * std::size_t(face) + k] = v[k];

@@ -115,7 +115,7 @@ const char* const kPlanExamples = R"(Examples:
 
   tetvdb plan engine.vtu --prepare engine.parts --voxel-size 0.5 --grid tet_id,T --max-memory 2G
   tetvdb voxelize engine.parts -o engine.vdb --grid tet_id,T --max-memory 2G
-      a mesh of tets that is larger than memory: reads it part by part into a folder, which then is
+      a mesh of cells that is larger than memory: reads it part by part into a folder, which then is
       voxelized in place of the mesh, whole or by shards
 
 Give the same options as to 'tetvdb voxelize'. A folder that was prepared has its voxels' size and
@@ -558,7 +558,7 @@ Command addPlan(CLI::App& program) {
       ->type_name("N");
   command
       ->add_option("--prepare", options->prepare,
-                   "Write a mesh of tets that may be larger than memory (" +
+                   "Write a mesh of cells that may be larger than memory (" +
                        endingList(FormatUse::SpoolCells) +
                        ") into a folder that 'tetvdb voxelize' takes in its place")
       ->type_name("DIR")

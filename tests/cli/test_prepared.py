@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes of tets that are prepared part by part give the bytes of the mesh read as a whole."""
+"""Meshes that are prepared part by part give the bytes of the mesh read as a whole."""
 
 import base64
 import os
@@ -10,10 +10,12 @@ import subprocess
 import time
 import unittest
 import zlib
+from random import Random
 
 from program import PROGRAM, SANITIZED, CommandLineTest
 from test_huge import peak_of, writes
 
+TRIANGLE, TETRA, VOXEL, HEXAHEDRON, WEDGE, PYRAMID = 5, 10, 11, 12, 13, 14  # of VTK
 TETS_OF_CUBE = ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2))
 
 
@@ -36,12 +38,54 @@ class Mesh:
         self.triangles = [[at(0, y, z), at(0, y + 1, z), at(0, y, z + 1)] for y in range(ny) for z in range(nz)]
         self.cells = self.triangles[::2] + self.tets[: len(self.tets) // 2] + self.triangles[1::2] + \
             self.tets[len(self.tets) // 2:]
+        self.types = [TETRA if len(cell) == 4 else TRIANGLE for cell in self.cells]
 
     def heat(self):
         return [0.25 * i % 17 - 3 for i in range(len(self.points))]
 
     def region(self):
         return [i // 40 % 3 + 1 for i in range(len(self.cells))]
+
+
+class MixedMesh(Mesh):
+    """A block of cubes, each one hexahedron, two wedges, six pyramids or six tets; triangles among them.
+
+    Wedges and tets have the diagonals of faces that the smallest vertices of their neighbours choose where
+    `place` keeps the order of points; points are moved within their cubes, so that faces are warped.
+    """
+
+    def __init__(self, nx, ny, nz, place, voxels=False, seed=3):
+        random = Random(seed)
+        at = lambda x, y, z: (x * (ny + 1) + y) * (nz + 1) + z
+        move = lambda n: 0 if voxels else random.uniform(-0.1, 0.1)
+        self.points = [place(x + move(x), y + move(y), z + move(z))
+                       for x in range(nx + 1) for y in range(ny + 1) for z in range(nz + 1)]
+        self.cells, self.types = [], []
+        for x in range(nx):
+            for y in range(ny):
+                for z in range(nz):
+                    corner = lambda i: at(x + (i in (1, 2, 5, 6)), y + (i in (2, 3, 6, 7)), z + (i > 3))
+                    self.cube([corner(i) for i in range(8)], random.choice("hhwptv" if voxels else "hhwpt"))
+
+    def cube(self, at, kind):
+        add = lambda kind, places: (self.types.append(kind), self.cells.append([at[i] for i in places]))
+        if kind == "h":
+            add(HEXAHEDRON, range(8))
+        elif kind == "v":
+            add(VOXEL, (0, 1, 3, 2, 4, 5, 7, 6))
+        elif kind == "w":
+            add(WEDGE, (0, 1, 2, 4, 5, 6))
+            add(WEDGE, (0, 2, 3, 4, 6, 7))
+        elif kind == "p":
+            at = at + [len(self.points)]
+            self.points.append(tuple(sum(self.points[i][k] for i in at[:8]) / 8 for k in range(3)))
+            add = lambda kind, places: (self.types.append(kind), self.cells.append([at[i] for i in places]))
+            for base in ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)):
+                add(PYRAMID, base + (8,))
+        else:
+            add(TRIANGLE, (0, 1, 2))
+            for a, b in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1)):
+                add(TETRA, (0, a, b, 6))
 
 
 def turned(scale, shift):
@@ -95,7 +139,7 @@ def vtu(mesh, encoding, compressor=None, order="<", wide=True, pieces=1):
         text += '<Piece NumberOfPoints="%d" NumberOfCells="%d">' % (len(mesh.points), len(cells))
         text += "<Points>" + array("Points", "Float64", flat(mesh.points), 3) + "</Points><Cells>"
         text += array("connectivity", "Int32", flat(cells)) + array("offsets", "Int64", ends)
-        text += array("types", "UInt8", [10 if len(cell) == 4 else 5 for cell in cells]) + "</Cells>"
+        text += array("types", "UInt8", mesh.types[piece::pieces]) + "</Cells>"
         text += "<PointData>" + array("heat", "Float32", mesh.heat()) + "</PointData>"
         text += "<CellData>" + array("region", "Int32", mesh.region()[piece::pieces])
         text += array("load", "Float64", [0.5 * i for i in range(2 * len(cells))], 2) + "</CellData></Piece>"
@@ -140,30 +184,30 @@ def msh(mesh, version, binary, order="<", first=1, step=1, data=True):
         if binary:
             out.append("\n")
     out.append("$EndNodes\n$Elements\n")
-    runs = []  # of cells with as many corners and the same region
-    for i, (cell, region) in enumerate(zip(mesh.cells, mesh.region())):
-        if runs and runs[-1][0] == (len(cell), region):
+    runs = []  # of cells of one type and region
+    for i, key in enumerate(zip(mesh.types, mesh.region())):
+        if runs and runs[-1][0] == key:
             runs[-1][1].append(i)
         else:
-            runs.append(((len(cell), region), [i]))
-    kind = {3: 2, 4: 4}
+            runs.append((key, [i]))
+    kind = {TRIANGLE: 2, TETRA: 4, HEXAHEDRON: 5, WEDGE: 6, PYRAMID: 7}
     if version == "4.1":
         head = (len(runs), len(mesh.cells), 1, len(mesh.cells))
         raw("4Q", *head) if binary else line(*head)
-        for (corners, region), cells in runs:
-            block = (corners - 1, region, kind[corners], len(cells))
+        for (shape, region), cells in runs:
+            block = (2 if shape == TRIANGLE else 3, region, kind[shape], len(cells))
             raw("3iQ", *block) if binary else line(*block)
             for i in cells:
                 row = (i + 1, *map(number, mesh.cells[i]))
                 raw("%dQ" % len(row), *row) if binary else line(*row)
     else:
         line(len(mesh.cells))
-        for (corners, region), cells in runs:
+        for (shape, region), cells in runs:
             if binary:
-                raw("3i", kind[corners], len(cells), 2)
+                raw("3i", kind[shape], len(cells), 2)
             for i in cells:
                 row = (i + 1, region, region, *map(number, mesh.cells[i]))
-                raw("%di" % len(row), *row) if binary else line(row[0], kind[corners], 2, *row[1:])
+                raw("%di" % len(row), *row) if binary else line(row[0], kind[shape], 2, *row[1:])
     if binary:
         out.append("\n")
     out.append("$EndElements\n")
@@ -223,6 +267,40 @@ class Prepared(CommandLineTest):
                     self.expect_same("mesh.msh", grids=grids)
         self.write("mesh.msh", msh(self.mesh, "2.2", True, first=7, step=3))
         self.expect_same("mesh.msh", grids=grids)
+
+    def test_hexahedra_wedges_and_pyramids(self):
+        # Warped cells in no order, and VTK's voxels.
+        mixed = MixedMesh(12, 4, 3, turned((12, 9, 10), (-60, -20, -70)))
+        boxes = MixedMesh(12, 4, 3, lambda x, y, z: (11.5 * x - 40, 9.25 * y + 3, 10 * z - 7), voxels=True)
+        for grids in (self.GRIDS, ("--grid", "density"), ("--grid", "surface,coverage,fog"), ("--grid", "heat"),
+                      ("--grid", "load,material")):
+            for name, mesh in (("mixed.vtu", mixed), ("boxes.vtu", boxes)):
+                self.write(name, vtu(mesh, "raw", pieces=2))
+                self.expect_same(name, grids=grids, shards=2)
+        self.write("mixed.vtu", vtu(mixed, "raw", "zlib"))
+        self.expect_same("mixed.vtu", "--up-axis", "y", size=("--resolution", "150"))
+        for version in ("2.2", "4.1"):
+            self.write("mixed.msh", msh(mixed, version, True, first=5, step=2))
+            self.expect_same("mixed.msh")
+        # Voxels larger than most cells: the ranges of arrays are those of all points and cells in use.
+        mapped = ("--grid", "heat,load:magnitude,material", "--remap", "0:1")
+        self.write("mixed.vtu", vtu(mixed, "raw"))
+        self.succeed("voxelize", "mixed.vtu", "-o", "whole.vdb", "--voxel-size", "31", *mapped)
+        self.succeed("plan", "mixed.vtu", "--prepare", "parts", "--voxel-size", "31", *mapped)
+        self.succeed("voxelize", "parts", "-o", "out.vdb", *mapped)
+        self.assertTrue(self.path("out.vdb").read_bytes() == self.path("whole.vdb").read_bytes())
+
+    @unittest.skipIf(SANITIZED, "shadow memory counts")
+    def test_mixed_cells_in_several_parts(self):
+        mesh = MixedMesh(60, 14, 12, turned((6, 6, 6), (200, 200, 200)))
+        self.write("mesh.vtu", vtu(mesh, "raw"))
+        grids = ("--grid", "tet_id,heat")
+        self.succeed("voxelize", "mesh.vtu", "-o", "whole.vdb", *self.SIZE, *grids)
+        made = self.report_of("plan", "mesh.vtu", "--prepare", "parts", *self.SIZE, *grids, "--max-memory",
+                              "130M")["prepared"]
+        self.assertGreaterEqual(made["parts"], 2)
+        self.succeed("voxelize", "parts", "-o", "out.vdb", *grids, "--max-memory", "200M")
+        self.assertTrue(self.path("out.vdb").read_bytes() == self.path("whole.vdb").read_bytes())
 
     def test_shards_of_several_cubes(self):
         mesh = Mesh(90, 1, 1, turned((100, 30, 30), (-4000, -2900, -1700)))
@@ -316,8 +394,11 @@ class Prepared(CommandLineTest):
                 self.refuse(3, "plan", "cut.msh", "--prepare", "parts", *self.SIZE, *self.GRIDS)
         whole = vtu(self.mesh, "ascii")
         self.write("bad.vtu", whole.replace(b'Name="types" NumberOfComponents="1" format="ascii">5',
+                                            b'Name="types" NumberOfComponents="1" format="ascii">24'))
+        self.refuse(3, "plan", "bad.vtu", "--prepare", "parts", *self.SIZE, says=("tetra10", "linear tets"))
+        self.write("bad.vtu", whole.replace(b'Name="types" NumberOfComponents="1" format="ascii">5',
                                             b'Name="types" NumberOfComponents="1" format="ascii">13'))
-        self.refuse(3, "plan", "bad.vtu", "--prepare", "parts", *self.SIZE, says=("wedge", "linear tets"))
+        self.refuse(3, "plan", "bad.vtu", "--prepare", "parts", *self.SIZE, says=("wedge", "6 nodes"))
         last = b" ".join(b"%d" % n for n in self.mesh.cells[-1]) + b"</DataArray>"
         self.write("bad.vtu", whole.replace(last, b"1 2 3 99999</DataArray>"))
         self.refuse(3, "plan", "bad.vtu", "--prepare", "parts", *self.SIZE, says=("refers to a point", "bad.vtu"))

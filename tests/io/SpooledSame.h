@@ -33,6 +33,9 @@ inline void expectSpooledSame(const std::string& path, const ReadOptions& option
   spoolCells(path, options, spooled, format, report, progress);
   EXPECT_EQ(valuesOf<Vec3d>(spooled.points), whole.points);
   EXPECT_EQ(valuesOf<std::uint32_t>(spooled.tets), whole.tets);
+  EXPECT_EQ(valuesOf<std::uint32_t>(spooled.cellOfTet), whole.cellOfTet);
+  EXPECT_EQ(spooled.cellCount(), whole.cellCount);
+  EXPECT_EQ(spooled.hasShapes(), !whole.curved.empty());
   EXPECT_EQ(valuesOf<std::int32_t>(spooled.regions), whole.regions);
   ASSERT_EQ(spooled.arrays.size(), whole.attributes.size());
   for (const Attribute& array : whole.attributes) {

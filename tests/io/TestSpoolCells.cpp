@@ -11,6 +11,7 @@
 #include "tetvdb/io/formats/vtk/VtuLayout.h"
 #include "tetvdb/io/source/Source.h"
 
+#include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
 
@@ -47,6 +48,38 @@ TEST(SpoolCells, LargeFiles) {
     options.attributes = false;
     expectSpooledSame(folder / name, options);
   }
+}
+
+TEST(SpoolCells, CellsOfSeveralKinds) {
+  expectSpooledSame(TETVDB_TEST_DATA "/hybrid_tetwedge.msh");
+  // More than are cut at a time, no two of a kind one after the other.
+  const TemporaryFolder folder;
+  SpooledMesh spooled(folder.path().string());
+  CellMesh cells;
+  for (int level = 0; level < 2; ++level)
+    for (int i = 0; i < 6; ++i)
+      cells.points.push_back({std::cos(i * 1.0471975511965976), std::sin(i * 1.0471975511965976),
+                              static_cast<double>(level)});
+  spooled.points.append(cells.points);
+  const std::vector<std::uint32_t> five{0, 1, 2, 3, 4, 6, 7, 8, 9, 10}, tet{0, 1, 2, 6},
+      six{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  const auto add = [&](CellType type, const std::vector<std::uint32_t>& nodes, const char* name) {
+    cells.runs.push_back({type, static_cast<std::uint32_t>(nodes.size()), 1, name});
+    cells.nodes.insert(cells.nodes.end(), nodes.begin(), nodes.end());
+    spooled.addCells(type, nodes.data(), 1);
+  };
+  for (int i = 0; i < 9000; ++i) {
+    add(CellType::Tetra, tet, "tetra");
+    add(CellType::PentagonalPrism, five, "five");
+    add(CellType::HexagonalPrism, six, "six");
+  }
+  Report report;
+  Progress progress;
+  splitSpooled(spooled, report, progress);
+  spooled.finish();
+  const TetMesh whole = splitCells(std::move(cells), {}, report, progress);
+  EXPECT_EQ(test::valuesOf<std::uint32_t>(spooled.tets), whole.tets);
+  EXPECT_EQ(test::valuesOf<std::uint32_t>(spooled.cellOfTet), whole.cellOfTet);
 }
 
 // Every array of the samples, in steps of odd lengths.
@@ -102,8 +135,7 @@ TEST(SpoolCells, OtherCellsAndFormatsAreRefused) {
       EXPECT_EQ(error.status(), status) << error.what();
     }
   };
-  refuse("vtk/mixed_raw_none_64_little.vtu", Status::Invalid);
-  refuse("hybrid_tetwedge.msh", Status::Invalid);
+  refuse("vtk/mixed_raw_none_64_little.vtu", Status::Invalid); // polyhedra among them
   refuse("quadratic_sphere_tet.msh", Status::Invalid);
   refuse("octahedron.ele", Status::Usage);
 }

@@ -60,6 +60,14 @@ void FileSpool::finish() {
   map_ = map;
 }
 
+void FileSpool::swap(FileSpool& other) noexcept {
+  std::swap(folder_, other.folder_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(size_, other.size_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(map_, other.map_);
+}
+
 void FileSpool::release() const noexcept {
   if (map_ != nullptr)
     ::madvise(map_, static_cast<std::size_t>(size_), MADV_DONTNEED);

@@ -38,6 +38,8 @@ public:
   /// Ends the appending and maps the file. Throws Error(Write).
   void finish();
 
+  void swap(FileSpool& other) noexcept;
+
   std::uint64_t size() const { return size_; }
   /// After finish(); null where nothing was appended.
   template <typename T>

@@ -79,6 +79,14 @@ void chooseRegions(const std::string& path, const std::string& name, SpooledMesh
 
 } // namespace
 
+void refuseToSpool(const std::string& where, const std::string& kind) {
+  throw Error(Status::Invalid, where,
+              "holds cells of the kind '" + kind +
+                  "'; only meshes of linear tets, hexahedra, wedges, pyramids and prisms can be "
+                  "prepared",
+              "write it as tets first, by `write_mesh`");
+}
+
 void spoolCells(const std::string& path, const ReadOptions& options, SpooledMesh& mesh,
                 FileFormat& format, Report& report, Progress& progress) {
   const MappedFile file(path);
@@ -92,12 +100,9 @@ void spoolCells(const std::string& path, const ReadOptions& options, SpooledMesh
                                                    : " (" + std::string(formatName(format)) + ")"),
                 "convert it to " + endingList(FormatUse::SpoolCells));
   spool(source, options, mesh, report, progress);
-  if (mesh.tetCount() == 0)
-    throw Error(Status::Invalid, path, "no tetrahedra",
+  if (mesh.cellCount() == 0)
+    throw Error(Status::Invalid, path, "no tetrahedra or other solid cells",
                 "mesh its volume first, or export the volume mesh too");
-  if (mesh.tetCount() > 0xfffffffeu)
-    throw Error(Status::Limit, path, "more than 4294967294 tetrahedra",
-                "split it into several files");
   chooseRegions(path, options.regionArray, mesh);
   const auto isUnwanted = [&](const SpooledArray& array) { return !options.wants(array.name); };
   if (options.attributes)
@@ -109,6 +114,10 @@ void spoolCells(const std::string& path, const ReadOptions& options, SpooledMesh
                                      return !options.attributes || isUnwanted(array);
                                    }),
                     mesh.arrays.end());
+  splitSpooled(mesh, report, progress);
+  if (mesh.tetCount() == 0)
+    throw Error(Status::Invalid, path, "no solid cell can be split into tetrahedra",
+                "the corners of all of them coincide");
   mesh.finish();
 }
 

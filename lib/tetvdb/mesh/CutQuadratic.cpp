@@ -157,7 +157,7 @@ bool QuadraticCutter::cut(CurvedShape shape, const std::uint32_t* nodes,
     }
     made_.clear();
     const CellShape& form = *shapeOf(part.type);
-    splitByShape(form, own.data(), points_, made_);
+    splitByShape(form, own.data(), points_.data(), made_);
     for (std::size_t t = 0; t < made_.size(); t += 4) {
       std::array<std::uint8_t, 4> places{};
       for (std::size_t i = 0; i < 4; ++i) {
@@ -181,7 +181,9 @@ std::uint32_t QuadraticCutter::add(const std::uint32_t* nodes, const std::uint8_
   for (std::size_t i = 0; i < added.mids(); ++i)
     to[cornerCount + i] = nodes[mids[i]];
   // Sums of the same numbers in the same order, whatever the cell.
-  const auto order = [&](std::uint32_t a, std::uint32_t b) { return isBefore(points_, a, b); };
+  const auto order = [&](std::uint32_t a, std::uint32_t b) {
+    return isBefore(points_.data(), a, b);
+  };
   std::sort(to, to + cornerCount, order);
   std::sort(to + cornerCount, to + cornerCount + added.mids(), order);
   if (points_.size() >= 0xfffffffeu)

@@ -23,9 +23,9 @@ std::array<std::array<std::uint8_t, 4>, 8> cutTet10(const std::uint32_t* nodes,
     double length = 0;
     for (std::size_t k = 0; k < 3; ++k)
       length += (points[a][k] - points[b][k]) * (points[a][k] - points[b][k]);
-    const std::uint32_t first = isBefore(points, a, b) ? a : b;
-    if (d > 0 &&
-        (length > shortest || (length == shortest && !isBefore(points, first, shortestFirst))))
+    const std::uint32_t first = isBefore(points.data(), a, b) ? a : b;
+    if (d > 0 && (length > shortest ||
+                  (length == shortest && !isBefore(points.data(), first, shortestFirst))))
       continue;
     diagonal = d;
     shortest = length;

@@ -3,8 +3,8 @@
 
 #include "tetvdb/mesh/SplitPolyhedron.h"
 
-#include <array>
-#include <cstddef>
+#include <algorithm>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -48,8 +48,8 @@ const CellShape* shapeOf(CellType type) {
   }
 }
 
-bool splitByShape(const CellShape& shape, const std::uint32_t* nodes,
-                  const std::vector<Vec3d>& points, std::vector<std::uint32_t>& tets) {
+bool splitByShape(const CellShape& shape, const std::uint32_t* nodes, const Vec3d* points,
+                  std::vector<std::uint32_t>& tets) {
   std::uint32_t apex = nodes[0];
   for (int i = 1; i < shape.corners; ++i)
     if (isBefore(points, nodes[i], apex))
@@ -83,6 +83,29 @@ bool splitByShape(const CellShape& shape, const std::uint32_t* nodes,
     }
   }
   return positive && negative;
+}
+
+LinearCell::LinearCell(CurvedShape shape, CellType type, const std::uint32_t* corners)
+    : shape_(shape), count_(nodeCount(shape)) {
+  std::copy_n(corners, count_, nodes_.begin());
+  if (type == CellType::Voxel) {
+    std::swap(nodes_[2], nodes_[3]);
+    std::swap(nodes_[6], nodes_[7]);
+  }
+}
+
+std::array<std::uint8_t, 4> LinearCell::placesOf(const std::uint32_t* tet) const {
+  std::array<std::uint8_t, 4> places{};
+  for (std::size_t i = 0; i < 4; ++i)
+    places[i] = static_cast<std::uint8_t>(std::find(begin(), end(), tet[i]) - begin());
+  return places;
+}
+
+void warnConcave(std::size_t cells, Report& report) {
+  if (cells > 0)
+    report.warn("concave-cells", std::to_string(cells) +
+                                     " cells are not convex or turned inside out in places; their "
+                                     "tetrahedra overlap there");
 }
 
 } // namespace tetvdb

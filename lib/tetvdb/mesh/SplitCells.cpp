@@ -209,10 +209,7 @@ void tell(const Tally& tally, Report& report) {
     report.warn("quadratic-cells", std::to_string(tally.quadratic) +
                                        " curved cells of higher order were taken by their corners, "
                                        "with straight edges");
-  if (tally.concave > 0)
-    report.warn("concave-cells", std::to_string(tally.concave) +
-                                     " cells are not convex or turned inside out in places; their "
-                                     "tetrahedra overlap there");
+  warnConcave(tally.concave, report);
 }
 
 // Whether values at points can be asked for.
@@ -223,30 +220,16 @@ bool hasPointArrays(const CellMesh& mesh) {
 }
 
 // Adds a linear cell to `curved`, where `tets` are its own and follow `before` others.
-void addLinear(CurvedShape shape, CellType type, const std::uint32_t* corners, std::size_t before,
-               const std::vector<std::uint32_t>& tets, CurvedCells& curved) {
-  std::array<std::uint32_t, 8> nodes{};
-  const std::size_t count = nodeCount(shape);
-  std::copy_n(corners, count, nodes.begin());
-  if (type == CellType::Voxel) {
-    std::swap(nodes[2], nodes[3]);
-    std::swap(nodes[6], nodes[7]);
-  }
+void addLinear(const LinearCell& cell, std::size_t before, const std::vector<std::uint32_t>& tets,
+               CurvedCells& curved) {
   const auto number = static_cast<std::uint32_t>(curved.cells.size());
-  curved.cells.push_back({curved.nodes.size(), shape});
-  curved.nodes.insert(curved.nodes.end(), nodes.begin(),
-                      nodes.begin() + static_cast<std::ptrdiff_t>(count));
+  curved.cells.push_back({curved.nodes.size(), cell.shape()});
+  curved.nodes.insert(curved.nodes.end(), cell.begin(), cell.end());
   curved.cellOfTet.resize(before, CurvedCells::kLinear);
   curved.corners.resize(before);
   for (std::size_t t = before; t < tets.size() / 4; ++t) {
-    std::array<std::uint8_t, 4> places{};
-    for (std::size_t i = 0; i < 4; ++i)
-      places[i] = static_cast<std::uint8_t>(
-          std::find(nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(count),
-                    tets[4 * t + i]) -
-          nodes.begin());
     curved.cellOfTet.push_back(number);
-    curved.corners.push_back(places);
+    curved.corners.push_back(cell.placesOf(tets.data() + 4 * t));
   }
 }
 
@@ -382,11 +365,11 @@ bool splitCell(const CellMesh& mesh, const CellRun& run, std::size_t cell,
     if (!chooser.keeps(cell, corner, static_cast<std::size_t>(shape->corners)))
       return false;
     const std::size_t before = made.size();
-    if (splitByShape(*shape, corner, mesh.points, made))
+    if (splitByShape(*shape, corner, mesh.points.data(), made))
       ++tally.concave;
     const std::optional<CurvedShape> kind = shaped ? cornerShape(run.type) : std::nullopt;
     if (kind && made.size() > before)
-      addLinear(*kind, run.type, corner, before / 4, made, result.curved);
+      addLinear({*kind, run.type, corner}, before / 4, made, result.curved);
   } else if (run.type == CellType::Polyhedron) {
     const auto faces = polyhedronFaces(corner, run.nodesPerCell);
     if (!chooser.keeps(cell, faces.nodes.data(), faces.nodes.size()))

@@ -102,7 +102,9 @@ bool splitPolyhedron(PolyhedronFaces faces, const std::vector<Vec3d>& points,
                      std::vector<std::uint32_t>& tets) {
   if (faces.count() < 4 || !orientAlike(faces))
     return false;
-  const auto before = [&](std::uint32_t a, std::uint32_t b) { return isBefore(points, a, b); };
+  const auto before = [&](std::uint32_t a, std::uint32_t b) {
+    return isBefore(points.data(), a, b);
+  };
   const std::uint32_t apex = *std::min_element(faces.nodes.begin(), faces.nodes.end(), before);
   const std::size_t tetsBefore = tets.size();
   std::vector<double> volumes;

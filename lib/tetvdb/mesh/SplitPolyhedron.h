@@ -12,7 +12,7 @@
 namespace tetvdb {
 
 /// Whether point a comes before point b: by x, then y, then z, then the index.
-inline bool isBefore(const std::vector<Vec3d>& points, std::uint32_t a, std::uint32_t b) {
+inline bool isBefore(const Vec3d* points, std::uint32_t a, std::uint32_t b) {
   const Vec3d& p = points[a];
   const Vec3d& q = points[b];
   if (p[0] != q[0])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Meshes of tets that are larger than memory: prepared once, then voxelized part by part.
+// Meshes of linear cells that are larger than memory: prepared once, then voxelized part by part.
 //
 //   tetvdb::VoxelizeJob job;
 //   job.inputs = {"engine.vtu"};
@@ -37,15 +37,16 @@ struct PreparedMesh {
   std::vector<std::string> arrays;
 };
 
-/// Reads job.inputs, one file of linear tets of a format with FormatUse::SpoolCells, part by part,
-/// and writes what voxelizing needs of it into `folder`, which is whole or absent: the boundary
-/// faces; and, if job.grids or job.fields need owners, the tets of boxes of nodes, as large as a
-/// share of job.maxMemory allows, with the arrays that job.fields asks for. The voxels' size and
-/// place are those of job.voxelize. Temporary files without names take the mesh's size beside the
-/// folder. Memory: within job.maxMemory, but for 48 bytes a boundary face, 8 bytes for every 512
-/// points, a bit a point, and 100 bytes a node of 128^3 voxels that tets meet; mapped pages are
-/// given back above half of it. Adds stages "read" and "prepare" to `report`. Throws Error(Usage)
-/// for other inputs and settings that need the whole mesh, else as run() does; Error(Write).
+/// Reads job.inputs, one file of linear cells (CellMesh.h) of a format with FormatUse::SpoolCells,
+/// part by part, and writes what voxelizing needs of it into `folder`, which is whole or absent:
+/// the boundary faces; and, if job.grids or job.fields need owners, the tets of boxes of nodes, as
+/// large as a share of job.maxMemory allows, with the arrays that job.fields asks for. The voxels'
+/// size and place are those of job.voxelize. Temporary files without names take the mesh's size
+/// beside the folder. Memory: within job.maxMemory, but for 48 bytes a boundary face, 8 bytes for
+/// every 512 points, a bit a point, and 100 bytes a node of 128^3 voxels that tets meet; mapped
+/// pages are given back above half of it. Adds stages "read" and "prepare" to `report`. Throws
+/// Error(Usage) for other inputs and settings that need the whole mesh, else as run() does;
+/// Error(Write).
 PreparedMesh prepareMesh(const VoxelizeJob& job, const std::string& folder, Report& report,
                          Progress& progress);
 

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostTets = std::uint64_t(1) << 20;
 // Bytes of a tet of a bucket while it is voxelized, arrays apart.
 constexpr std::uint64_t kBytesPerTet = 250;
+// More where its cell has shape functions.
+constexpr std::uint64_t kBytesPerShapedTet = 40;
 
 [[noreturn]] void refuse(const char* setting, const char* why) {
   throw Error(Status::Usage, setting, why, "leave it out, or voxelize the mesh as a whole");
@@ -180,7 +182,7 @@ private:
   }
 
   void writeBuckets(StageTimer& timer) {
-    std::uint64_t each = kBytesPerTet;
+    std::uint64_t each = kBytesPerTet + (mesh_.hasShapes() ? kBytesPerShapedTet : 0);
     for (const SpooledArray& array : mesh_.arrays) {
       index_.arrays.push_back(
           {array.name, array.on, array.components, array.type, isBeyondInt32(array)});
@@ -189,6 +191,7 @@ private:
     index_.unread = mesh_.unread;
     index_.hasTets = true;
     index_.hasRegions = mesh_.regions.size() > 0;
+    index_.hasShapes = mesh_.hasShapes();
     // By the limit itself and not by what is left of it, so that the parts are the same every time.
     const std::uint64_t most =
         job_.maxMemory == 0 ? kMostTets
@@ -208,6 +211,8 @@ private:
       if (bucket.tets > 0) {
         const BucketTets tets = buckets.tets(b);
         bucket.points = tets.mesh.points.size();
+        bucket.cells = tets.mesh.curved.cells.size();
+        bucket.cellNodes = tets.mesh.curved.nodes.size();
         addRanges(tets, fields, index_);
         bucket.file =
             naming([&] { return writeBucket(folder_.temporary(), bucketName(written_), tets); });

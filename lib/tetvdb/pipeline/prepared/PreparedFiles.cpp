@@ -28,6 +28,9 @@ constexpr std::uint64_t kBoundaryMark = 0x5465745644420101u;
 constexpr std::uint64_t kNodesMark = 0x5465745644420201u;
 constexpr std::uint64_t kBucketMark = 0x5465745644420301u;
 
+// Of a tet, in a mesh with shape functions: its cell, and the places of its corners there.
+constexpr std::uint64_t kShapeBytesPerTet = 8;
+static_assert(sizeof(CurvedShape) == 1 && sizeof(CurvedCells().corners[0]) == 4);
 static_assert(sizeof(MetNode) == 16 && sizeof(BoundaryFace) == 16 && sizeof(Vec3d) == 24);
 
 class PartHash {
@@ -137,8 +140,10 @@ std::uint64_t nodesFileBytes(std::uint64_t nodes) {
 }
 
 std::uint64_t bucketFileBytes(const PreparedIndex& index, const TetBucket& bucket) {
-  const std::uint64_t eachTet = 20 + (index.hasRegions ? 4 : 0);
-  std::uint64_t bytes = sizeof kBucketMark + bucket.tets * eachTet + bucket.points * sizeof(Vec3d);
+  const std::uint64_t eachTet =
+      20 + (index.hasRegions ? 4 : 0) + (index.hasShapes ? kShapeBytesPerTet : 0);
+  std::uint64_t bytes = sizeof kBucketMark + bucket.tets * eachTet + bucket.points * sizeof(Vec3d) +
+                        bucket.cellNodes * sizeof(std::uint32_t) + bucket.cells;
   for (const PreparedArray& array : index.arrays)
     bytes += (array.on == Attribute::On::Points ? bucket.points : bucket.tets) *
              SpooledArray{{}, array.on, array.components, array.type, nullptr}.bytesEach();
@@ -165,6 +170,12 @@ PreparedFile writeBucket(const std::string& folder, const std::string& name,
   out.add(tets.numbers);
   out.add(tets.mesh.regions);
   out.add(tets.mesh.points);
+  const CurvedCells& curved = tets.mesh.curved;
+  out.add(curved.cellOfTet);
+  out.add(curved.corners);
+  out.add(curved.nodes);
+  for (const CurvedCells::Cell& cell : curved.cells)
+    out.add(&cell.shape, sizeof cell.shape);
   for (const Attribute& array : tets.mesh.attributes) {
     const auto [bytes, size] = bytesOf(array.values);
     out.add(bytes, size);
@@ -211,6 +222,32 @@ BucketTets emptyBucket(const PreparedIndex& index) {
   return tets;
 }
 
+namespace {
+
+void readShapes(PartReader& in, const PreparedIndex& index, const TetBucket& bucket,
+                CurvedCells& curved) {
+  if (!index.hasShapes)
+    return;
+  in.read(curved.cellOfTet, bucket.tets);
+  in.read(curved.corners, bucket.tets);
+  in.read(curved.nodes, bucket.cellNodes);
+  std::vector<CurvedShape> shapes;
+  in.read(shapes, bucket.cells);
+  std::uint64_t first = 0;
+  curved.cells.reserve(shapes.size());
+  for (const CurvedShape shape : shapes) {
+    if (shape != CurvedShape::Hex8 && shape != CurvedShape::Wedge6 &&
+        shape != CurvedShape::Pyramid5)
+      in.fail("has a cell of no known shape");
+    curved.cells.push_back({first, shape});
+    first += nodeCount(shape);
+  }
+  if (first != curved.nodes.size())
+    in.fail("has cells without their nodes");
+}
+
+} // namespace
+
 BucketTets readBucket(const std::string& folder, const PreparedIndex& index,
                       const TetBucket& bucket) {
   BucketTets tets = emptyBucket(index);
@@ -222,6 +259,7 @@ BucketTets readBucket(const std::string& folder, const PreparedIndex& index,
   in.read(tets.numbers, bucket.tets);
   in.read(mesh.regions, index.hasRegions ? bucket.tets : 0);
   in.read(mesh.points, bucket.points);
+  readShapes(in, index, bucket, mesh.curved);
   for (Attribute& array : mesh.attributes)
     std::visit(
         [&](auto& values) {

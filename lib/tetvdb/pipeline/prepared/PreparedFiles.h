@@ -24,8 +24,8 @@ struct MetNode {
 
 /// The tets of a bucket in their order, with points, regions and values of their own.
 struct BucketTets {
-  TetMesh mesh;                       ///< every tet is a cell
-  std::vector<std::uint32_t> numbers; ///< of these cells in the whole mesh
+  TetMesh mesh;                       ///< every tet is a cell of its own for arrays of the cells
+  std::vector<std::uint32_t> numbers; ///< of the cells in the whole mesh
 };
 
 std::uint64_t boundaryFileBytes(std::uint64_t faces, std::uint64_t points);

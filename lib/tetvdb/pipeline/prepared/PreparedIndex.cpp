@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::string_view kStem = "tets_";
 constexpr std::string_view kEnding = ".bin";
 constexpr const char* kTypes[] = {"float", "double", "int32", "int64"};
@@ -104,6 +104,8 @@ Json toJson(const PreparedIndex& index) {
     Json& one = buckets.emplace_back(toJson(bucket.file));
     one["tets"] = bucket.tets;
     one["points"] = bucket.points;
+    one["cells"] = bucket.cells;
+    one["cell_nodes"] = bucket.cellNodes;
     one["nodes"] = {
         {"min", bucket.box.box.low}, {"end", bucket.box.box.high}, {"axis", bucket.box.axis}};
   }
@@ -121,6 +123,7 @@ Json toJson(const PreparedIndex& index) {
           {"boundary", toJson(index.boundary)},
           {"has_tets", index.hasTets},
           {"has_regions", index.hasRegions},
+          {"has_shapes", index.hasShapes},
           {"node_count", index.nodeCount},
           {"nodes", toJson(index.nodes)},
           {"arrays", arrays},
@@ -197,6 +200,7 @@ private:
           boundaryFileBytes(index.counts.boundaryFaces, index.boundaryPoints));
     json.at("has_tets").get_to(index.hasTets);
     json.at("has_regions").get_to(index.hasRegions);
+    json.at("has_shapes").get_to(index.hasShapes);
     for (const Json& array : json.at("arrays"))
       index.arrays.push_back(arrayOf(array));
     for (const Json& array : json.at("unread_arrays"))
@@ -253,6 +257,12 @@ private:
     json.at("points").get_to(bucket.points);
     requireCount(bucket.tets);
     requireCount(bucket.points);
+    json.at("cells").get_to(bucket.cells);
+    json.at("cell_nodes").get_to(bucket.cellNodes);
+    requireCount(bucket.cells);
+    requireCount(bucket.cellNodes);
+    if (!index.hasShapes && bucket.cells + bucket.cellNodes > 0)
+      fail(kPreparedIndex, "has cells of shapes that it says it has none of");
     const Json& nodes = json.at("nodes");
     nodes.at("min").get_to(bucket.box.box.low);
     nodes.at("end").get_to(bucket.box.box.high);

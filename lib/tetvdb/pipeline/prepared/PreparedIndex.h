@@ -36,6 +36,7 @@ struct PreparedFile {
 struct TetBucket {
   SplitBox box;
   std::uint64_t tets = 0, points = 0;
+  std::uint64_t cells = 0, cellNodes = 0; ///< of those with shape functions (TetMesh::curved)
   PreparedFile file;
 };
 
@@ -64,6 +65,7 @@ struct PreparedIndex {
   PreparedFile boundary;
   bool hasTets = false; ///< whether owners and arrays can be found
   bool hasRegions = false;
+  bool hasShapes = false; ///< whether some cells have shape functions
   std::uint64_t nodeCount = 0;
   PreparedFile nodes;
   std::vector<PreparedArray> arrays;

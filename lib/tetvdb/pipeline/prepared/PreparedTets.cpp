@@ -13,6 +13,7 @@ namespace {
 // What a tet and a point of a bucket take with what is found from them, arrays apart.
 constexpr std::uint64_t kBytesPerLoadedTet = 120;
 constexpr std::uint64_t kBytesPerPoint = 48;
+constexpr std::uint64_t kBytesPerCell = sizeof(CurvedCells::Cell);
 
 Vec3i cubeOf(const NodeIndex& node) {
   return {node[0] >> 5, node[1] >> 5, node[2] >> 5};
@@ -94,8 +95,8 @@ const std::vector<Field>& PreparedTets::resolve(const FieldOptions& options,
 
 void PreparedTets::requireRoom(std::size_t bytes) const {
   for (const TetBucket& bucket : index_.buckets) {
-    const std::uint64_t needed =
-        bucket.file.bytes + bucket.tets * kBytesPerLoadedTet + bucket.points * kBytesPerPoint;
+    const std::uint64_t needed = bucket.file.bytes + bucket.tets * kBytesPerLoadedTet +
+                                 bucket.points * kBytesPerPoint + bucket.cells * kBytesPerCell;
     if (needed > bytes)
       throw Error(Status::Limit, "",
                   fmt::format("the tets of '{}' need about {} MB, {} MB are left for them",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/prepared/TetBuckets.h"
 
-#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/mesh/SplitByShape.h"
 #include "tetvdb/voxelize/TetNodes.h"
 
 #include <algorithm>
@@ -49,6 +50,24 @@ TetBuckets::TetBuckets(const SpooledMesh& mesh, const GridTransform& transform,
   listTets(bytes);
 }
 
+// A tet that meets no voxel is of the node that its first corner lies in.
+template <typename Visit>
+void TetBuckets::eachNode(const SnappedMesh& mesh, std::size_t tet, const Visit& visit) const {
+  constexpr int kBits = kLatticeBits + 7; // of a node of 128^3 voxels
+  bool any = false;
+  eachNodeOf(mesh, tet, [&](const NodeIndex& node, std::uint32_t slabs) {
+    any = true;
+    visit(node, slabs);
+  });
+  if (any || mesh_.arrays.empty())
+    return;
+  const LatticePoint& p = mesh.points[mesh.tets[4 * tet]];
+  const auto along = [](double units) {
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(units) >> kBits);
+  };
+  visit(NodeIndex{along(p.x), along(p.y), along(p.z)}, 0);
+}
+
 void TetBuckets::findNodes() {
   std::map<NodeIndex, Counted> all;
   using Found = std::vector<std::pair<NodeIndex, Counted>>;
@@ -59,7 +78,7 @@ void TetBuckets::findNodes() {
         std::map<NodeIndex, Counted> own;
         auto last = own.end();
         for (std::size_t t = 0; t < end - begin; ++t)
-          eachNodeOf(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t slabs) {
+          eachNode(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t slabs) {
             if (last == own.end() || last->first != node)
               last = own.try_emplace(node).first;
             last->second.slabs |= slabs;
@@ -131,7 +150,7 @@ void TetBuckets::listTets(std::size_t bytes) {
         for (std::size_t t = 0; t < end - begin; ++t) {
           const std::size_t first = found.size();
           const auto tet = static_cast<std::uint32_t>(begin + t);
-          eachNodeOf(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t) {
+          eachNode(range.mesh(), t, [&](const NodeIndex& node, std::uint32_t) {
             if (!any || node != last)
               lastBox = boxOfNode_[findNode(node)];
             last = node;
@@ -181,28 +200,69 @@ void TetBuckets::gather(const void* from, std::size_t size,
   }
 }
 
+// The cells of the tets of `mesh`, whose corners are still the whole mesh's.
+void TetBuckets::addShapes(const std::vector<std::uint32_t>& cells, TetMesh& mesh) const {
+  CurvedCells& curved = mesh.curved;
+  const auto* types = mesh_.types.as<CellType>();
+  const auto* corners = mesh_.corners.as<std::uint32_t>();
+  const auto* first = mesh_.firstCorners.as<std::uint64_t>();
+  curved.cellOfTet.assign(cells.size(), CurvedCells::kLinear);
+  curved.corners.resize(cells.size());
+  for (std::size_t t = 0; t < cells.size();) {
+    const std::uint32_t cell = cells[t];
+    std::size_t end = t;
+    while (end < cells.size() && cells[end] == cell)
+      ++end;
+    if (const auto shape = cornerShape(types[cell])) {
+      const LinearCell nodes(*shape, types[cell], corners + first[cell]);
+      const auto number = static_cast<std::uint32_t>(curved.cells.size());
+      curved.cells.push_back({curved.nodes.size(), *shape});
+      curved.nodes.insert(curved.nodes.end(), nodes.begin(), nodes.end());
+      for (std::size_t i = t; i < end; ++i) {
+        curved.cellOfTet[i] = number;
+        curved.corners[i] = nodes.placesOf(mesh.tets.data() + 4 * i);
+      }
+    }
+    if (t / kGathered != end / kGathered)
+      mesh_.releaseAbove(maxResident_);
+    t = end;
+  }
+}
+
 BucketTets TetBuckets::tets(std::size_t box) const {
   BucketTets result;
-  std::vector<std::uint32_t>& numbers = result.numbers;
-  numbers.reserve(static_cast<std::size_t>(lists_[box].count));
+  std::vector<std::uint32_t> listed;
+  listed.reserve(static_cast<std::size_t>(lists_[box].count));
   for (const auto& [first, count] : lists_[box].pieces) {
     const std::uint32_t* from = spool_.as<std::uint32_t>() + first;
-    numbers.insert(numbers.end(), from, from + count);
+    listed.insert(listed.end(), from, from + count);
   }
   spool_.release();
   TetMesh& mesh = result.mesh;
-  mesh.cellCount = numbers.size();
-  mesh.tets.resize(4 * numbers.size());
-  gather(mesh_.tets.as<char>(), 4 * sizeof(std::uint32_t), numbers, mesh.tets.data());
+  mesh.cellCount = listed.size();
+  mesh.tets.resize(4 * listed.size());
+  gather(mesh_.tets.as<char>(), 4 * sizeof(std::uint32_t), listed, mesh.tets.data());
+  std::vector<std::uint32_t>& numbers = result.numbers;
+  if (mesh_.cellOfTet.size() == 0) {
+    numbers = std::move(listed);
+  } else {
+    numbers.resize(listed.size());
+    gather(mesh_.cellOfTet.as<char>(), sizeof(std::uint32_t), listed, numbers.data());
+    std::vector<std::uint32_t>().swap(listed);
+  }
+  if (mesh_.hasShapes())
+    addShapes(numbers, mesh);
   std::vector<std::uint32_t> used = mesh.tets;
+  used.insert(used.end(), mesh.curved.nodes.begin(), mesh.curved.nodes.end());
   tbb::parallel_sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, mesh.tets.size(), 16384), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i)
-          mesh.tets[i] = static_cast<std::uint32_t>(
-              std::lower_bound(used.begin(), used.end(), mesh.tets[i]) - used.begin());
-      });
+  for (std::vector<std::uint32_t>* points : {&mesh.tets, &mesh.curved.nodes})
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, points->size(), 16384), [&](const auto& range) {
+          for (std::size_t i = range.begin(); i != range.end(); ++i)
+            (*points)[i] = static_cast<std::uint32_t>(
+                std::lower_bound(used.begin(), used.end(), (*points)[i]) - used.begin());
+        });
   mesh.points.resize(used.size());
   gather(mesh_.points.as<char>(), sizeof(Vec3d), used, mesh.points.data());
   if (mesh_.regions.size() > 0) {

@@ -9,6 +9,7 @@
 #include "tetvdb/pipeline/SplitBox.h"
 #include "tetvdb/pipeline/prepared/PreparedFiles.h"
 #include "tetvdb/volume/Volume.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -20,10 +21,11 @@ namespace tetvdb {
 
 class TetBuckets {
 public:
-  /// Finds the nodes that tets meet, cuts their cubes into boxes of at most `mostTets` tets where
-  /// nodes allow it, and lists the tets of each in a temporary file in `folder`. Passes over the
-  /// mesh twice. All but `progress` must outlive it. Memory: 100 bytes a node met, and as many
-  /// lists under way as `bytes` allows, of 1 KB at least. Throws Error(Write), Error(Limit).
+  /// Finds the nodes that tets meet (with arrays also those of tets that meet no voxel, whose
+  /// values count for ranges), cuts their cubes into boxes of at most `mostTets` tets where nodes
+  /// allow it, and lists the tets of each in a temporary file in `folder`. Passes over the mesh
+  /// twice. All but `progress` must outlive it. Memory: 100 bytes a node met, and as many lists
+  /// under way as `bytes` allows, of 1 KB at least. Throws Error(Write), Error(Limit).
   TetBuckets(const SpooledMesh& mesh, const GridTransform& transform, std::uint64_t mostTets,
              const std::string& folder, std::size_t bytes, std::size_t maxResident,
              Progress& progress);
@@ -49,6 +51,9 @@ private:
   void gather(const void* from, std::size_t size, const std::vector<std::uint32_t>& places,
               void* to) const;
   std::size_t findNode(const NodeIndex& node) const;
+  template <typename Visit>
+  void eachNode(const SnappedMesh& mesh, std::size_t tet, const Visit& visit) const;
+  void addShapes(const std::vector<std::uint32_t>& cells, TetMesh& mesh) const;
 
   const SpooledMesh& mesh_;
   const GridTransform& transform_;

@@ -418,6 +418,120 @@ TEST_F(XdmfFiles, Hdf5PartByPart) {
          "in place of");
 }
 
+// A mixed topology of more numbers than are read at a time, with a triangle after every seventh
+// cell, and topologies of one kind.
+TEST_F(XdmfFiles, SpooledCellsOfSeveralKinds) {
+  constexpr int kSide = 50;
+  const auto at = [](int x, int y, int z) { return ((x * (kSide + 1)) + y) * (kSide + 1) + z; };
+  std::vector<double> xyz;
+  for (int x = 0; x <= kSide; ++x)
+    for (int y = 0; y <= kSide; ++y)
+      for (int z = 0; z <= kSide; ++z)
+        xyz.insert(xyz.end(), {x + 0.1 * (y % 3), y + 0.1 * (z % 2), z * 1.0});
+  std::vector<std::int64_t> mixed, hexahedra, wedges, pyramids;
+  std::vector<int> region;
+  const auto add = [&](std::vector<std::int64_t> numbers, std::vector<std::int64_t>& alone) {
+    mixed.insert(mixed.end(), numbers.begin(), numbers.end());
+    alone.insert(alone.end(), numbers.begin() + 1, numbers.end());
+    region.push_back(static_cast<int>(region.size() / 100));
+  };
+  std::vector<std::int64_t> others;
+  for (int x = 0; x < kSide; ++x)
+    for (int y = 0; y < kSide; ++y)
+      for (int z = 0; z < kSide; ++z) {
+        const std::int64_t c[8] = {
+            at(x, y, z),     at(x + 1, y, z),     at(x + 1, y + 1, z),     at(x, y + 1, z),
+            at(x, y, z + 1), at(x + 1, y, z + 1), at(x + 1, y + 1, z + 1), at(x, y + 1, z + 1)};
+        switch ((x + y + z) % 4) {
+        case 0:
+          add({8, c[0], c[1], c[2], c[4], c[5], c[6]}, wedges);
+          add({8, c[0], c[2], c[3], c[4], c[6], c[7]}, wedges);
+          break;
+        case 1:
+          add({7, c[0], c[1], c[2], c[3], c[4]}, pyramids);
+          add({6, c[0], c[1], c[2], c[5]}, others);
+          break;
+        default:
+          add({9, c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]}, hexahedra);
+        }
+        if (region.size() % 7 == 0)
+          add({4, c[0], c[1], c[2]}, others);
+        if (region.size() % 11 == 0)
+          add({3, 5, c[0], c[1], c[2], c[3], c[4]}, others);
+      }
+  ASSERT_GT(mixed.size(), std::size_t(1) << 20);
+  std::vector<double> load(2 * region.size());
+  for (std::size_t i = 0; i < load.size(); ++i)
+    load[i] = static_cast<double>(i);
+  std::vector<double> heat(xyz.size() / 3, 1.5);
+  {
+    const H5File file(path("mesh.h5"));
+    file.put<double>("/xyz", H5T_NATIVE_DOUBLE, {xyz.size() / 3, 3}, xyz);
+    file.put<double>("/heat", H5T_NATIVE_DOUBLE, {heat.size()}, heat);
+    file.put<double>("/load", H5T_NATIVE_DOUBLE, {region.size(), 2}, load);
+    file.put<int>("/region", H5T_NATIVE_INT, {region.size()}, region);
+    const auto putNodes = [&](const char* name, std::size_t each, const auto& nodes) {
+      file.put<std::int64_t>(name, H5T_NATIVE_INT64, {nodes.size() / each, each}, nodes);
+    };
+    file.put<std::int64_t>("/mixed", H5T_NATIVE_INT64, {mixed.size()}, mixed);
+    file.put<std::int64_t>("/cut", H5T_NATIVE_INT64, {mixed.size() - 1},
+                           {mixed.begin(), mixed.end() - 1});
+    putNodes("/hexahedra", 8, hexahedra);
+    putNodes("/wedges", 6, wedges);
+    putNodes("/pyramids", 5, pyramids);
+  }
+  const auto hdf = [&](const std::string& size, const std::string& name, const char* type) {
+    return item(size, "mesh.h5:" + name, "Format=\"HDF\" NumberType=\"" + std::string(type) + "\"");
+  };
+  const std::string points = std::to_string(heat.size()), cells = std::to_string(region.size());
+  const std::string geometry =
+      "<Geometry GeometryType=\"XYZ\">" + hdf(points + " 3", "/xyz", "Float") +
+      "</Geometry><Attribute Name=\"heat\">" + hdf(points, "/heat", "Float") + "</Attribute>";
+  const std::string ofCells = "<Attribute Name=\"load\" Center=\"Cell\">" +
+                              hdf(cells + " 2", "/load", "Float") +
+                              "</Attribute><Attribute Name=\"region\" Center=\"Cell\">" +
+                              hdf(cells, "/region", "Int") + "</Attribute>";
+  const auto topology = [&](const std::string& type, const std::string& count,
+                            const std::string& numbers, const std::string& name) {
+    return "<Topology TopologyType=\"" + type + "\" NumberOfElements=\"" + count + "\">" +
+           hdf(numbers, name, "Int") + "</Topology>";
+  };
+  const auto count = [](std::size_t n) { return std::to_string(n); };
+  write("run.xdmf", document(grid(topology("Mixed", cells, count(mixed.size()), "/mixed") +
+                                  geometry + ofCells)));
+  expectSpooledSame(path("run.xdmf"));
+  ReadOptions options;
+  options.arrays = {"load"};
+  expectSpooledSame(path("run.xdmf"), options);
+  const auto expectAlone = [&](const char* type, const char* name, std::size_t each,
+                               const auto& nodes) {
+    const std::string n = count(nodes.size() / each);
+    write("run.xdmf", document(grid(topology(type, n, n + " " + count(each), name) + geometry)));
+    expectSpooledSame(path("run.xdmf"));
+  };
+  expectAlone("Hexahedron", "/hexahedra", 8, hexahedra);
+  expectAlone("Wedge", "/wedges", 6, wedges);
+  expectAlone("Pyramid", "/pyramids", 5, pyramids);
+  const auto refuse = [&](const std::string& text, const std::string& says) {
+    write("bad.xdmf", document(grid(text + geometry)));
+    Progress progress;
+    SpooledMesh spooled(folder_.path().string());
+    FileFormat format = FileFormat::Unknown;
+    try {
+      spoolCells(path("bad.xdmf"), {}, spooled, format, report_, progress);
+      ADD_FAILURE() << says;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), Status::Invalid);
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  refuse(topology("Mixed", cells, count(mixed.size() - 1), "/cut"), "ends beyond");
+  refuse(topology("Mixed", "3", count(mixed.size()), "/mixed"), "cells are declared");
+  refuse(topology("Mixed", cells, count(region.size()), "/region"), "unknown type");
+  refuse(topology("Hexahedron_20", "3", "60", "/mixed"), "linear");
+  refuse(topology("Triangle", "4", "12", "/mixed"), "linear");
+}
+
 TEST_F(XdmfFiles, Hdf5OfManyTypes) {
   {
     const H5File file(path("mesh.h5"));

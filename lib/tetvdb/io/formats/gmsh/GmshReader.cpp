@@ -4,6 +4,7 @@
 #include "tetvdb/io/formats/gmsh/GmshReader.h"
 
 #include "tetvdb/core/Constants.h"
+#include "tetvdb/io/SpoolCells.h"
 #include "tetvdb/io/cells/CellRuns.h"
 #include "tetvdb/io/cells/IdMap.h"
 #include "tetvdb/io/formats/gmsh/GmshCursor.h"
@@ -349,14 +350,16 @@ private:
     update();
     if (spool_ == nullptr)
       return;
+    const std::uint32_t* nodes = mesh_.nodes.data();
     for (const CellRun& run : mesh_.runs) {
-      if (run.type != CellType::Flat && (run.type != CellType::Tetra || run.quadratic))
-        in_.fail("holds elements of the kind '" + run.fileType +
-                     "'; only meshes of linear tets can be prepared",
-                 "write it as tets first, by `write_mesh`");
       spool_->cells[run.fileType] += run.count;
+      if (run.type == CellType::Flat)
+        continue;
+      if (run.quadratic || run.nodesPerCell != SpooledMesh::cornersOf(run.type))
+        refuseToSpool(source_.path, run.fileType);
+      spool_->addCells(run.type, nodes, run.count);
+      nodes += run.count * std::size_t(run.nodesPerCell);
     }
-    spool_->tets.append(mesh_.nodes);
     mesh_.nodes.clear();
     mesh_.runs.clear();
   }

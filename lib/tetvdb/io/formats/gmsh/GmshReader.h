@@ -27,7 +27,7 @@ CellMesh readGmsh(const Source& source, const ReadOptions& options, Report& repo
 /// before.
 bool gmshHasSolidCells(const Source& source, Report& report, Progress& progress);
 
-/// The same, of linear tets alone, part by part: elements without a volume are left out, others
+/// The same, of linear cells alone, part by part: elements without a volume are left out, others
 /// are Error(Invalid). Memory: a few million numbers; 4 bytes a node, and an element where there
 /// are data of elements, whose numbers are not consecutive.
 void spoolGmsh(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,

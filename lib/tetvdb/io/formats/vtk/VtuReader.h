@@ -22,7 +22,7 @@ class SpooledMesh;
 CellMesh readVtu(const Source& source, const ReadOptions& options, Report& report,
                  Progress& progress);
 
-/// The same, of linear tets alone, part by part: cells without a volume are left out, others are
+/// The same, of linear cells alone, part by part: cells without a volume are left out, others are
 /// Error(Invalid). Memory: a few million numbers, and the largest compressed block.
 void spoolVtu(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
               Progress& progress);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/SpoolCells.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
@@ -20,7 +21,6 @@ using namespace vtk;
 constexpr std::size_t kChunk = std::size_t(1) << 18;
 // Numbers of the connectivity at a time.
 constexpr std::size_t kNumbers = std::size_t(1) << 21;
-constexpr std::uint8_t kTetra = 10;
 
 // The numbers of an array, one after the other.
 class Numbers {
@@ -93,7 +93,7 @@ public:
     // Those that a piece does not have.
     const auto isCut = [&](const SpooledArray& array) {
       const std::size_t elements =
-          array.on == Attribute::On::Points ? mesh_.pointCount() : mesh_.tetCount();
+          array.on == Attribute::On::Points ? mesh_.pointCount() : mesh_.cellCount();
       return array.values->size() != elements * array.bytesEach();
     };
     for (const SpooledArray& array : mesh_.arrays)
@@ -142,50 +142,56 @@ private:
     Numbers offsets = numbers(needed(node, "offsets"), cells);
     Numbers connectivity = numbers(needed(node, "connectivity"), 1);
     std::uint64_t begin = 0;
-    std::vector<std::uint32_t> tets;
     for (std::size_t done = 0; done < cells; done += kChunk) {
       const std::size_t n = std::min(kChunk, cells - done);
       const std::vector<std::uint8_t> kinds = toTypes(types.next(n));
       const std::vector<std::uint64_t> ends = toOffsets(offsets.next(n));
       for (std::size_t i = 0; i < n;) {
-        // Cells that are tets up to one that is none.
-        std::size_t last = i;
-        for (; last < n && kinds[last] == kTetra && 4 * (last - i) < kNumbers; ++last)
-          if (ends[last] != begin + 4 * (last - i + 1))
-            fail(types.where(), "cell " + std::to_string(done + last) +
-                                    " (tetra, VTK type 10) does not have 4 nodes");
-        if (last > i) {
-          tets = toIndices(connectivity.next(4 * (last - i)));
-          append(tets, points, done + i, connectivity.where());
-          begin = ends[last - 1];
-          i = last;
+        const CellProperties& kind = cellKind(kinds[i]);
+        if (kind.type == CellType::Flat) {
+          skipFlat(kind, done + i, begin, ends[i], connectivity);
+          begin = ends[i++];
           continue;
         }
-        skipFlat(kinds[i], done + i, begin, ends[i], connectivity);
-        begin = ends[i++];
+        const std::size_t each = kind.nodes;
+        if (each == 0 || each != SpooledMesh::cornersOf(kind.type))
+          refuseToSpool(where(), kind.name);
+        // Cells of this kind up to one that is none.
+        std::size_t last = i;
+        for (; last < n && kinds[last] == kinds[i] && each * (last - i) < kNumbers; ++last)
+          if (ends[last] != begin + each * (last - i + 1))
+            fail(types.where(), "cell " + std::to_string(done + last) + " " + textOf(kinds[i]) +
+                                    " does not have " + std::to_string(each) + " nodes");
+        append(kinds[i], connectivity.next(each * (last - i)), points, done + i,
+               connectivity.where());
+        begin = ends[last - 1];
+        i = last;
       }
       progress_.update(0.3 + 0.4 * static_cast<double>(done) / static_cast<double>(cells));
     }
   }
 
-  void append(std::vector<std::uint32_t>& tets, std::size_t points, std::size_t first,
-              const std::string& place) {
-    for (std::size_t k = 0; k < tets.size(); ++k) {
-      if (tets[k] >= points)
-        fail(place, "cell " + std::to_string(first + k / 4) +
-                        " (tetra, VTK type 10) refers to a point that is not there: there are " +
-                        std::to_string(points) + ", numbered from 0");
-      tets[k] += static_cast<std::uint32_t>(firstPoint_);
-    }
-    mesh_.tets.append(tets);
-    mesh_.cells[cellKind(kTetra).name] += tets.size() / 4;
+  static std::string textOf(std::uint8_t type) {
+    return "(" + std::string(cellKind(type).name) + ", VTK type " + std::to_string(type) + ")";
   }
 
-  void skipFlat(std::uint8_t type, std::size_t cell, std::uint64_t begin, std::uint64_t end,
-                Numbers& connectivity) {
+  void append(std::uint8_t type, const Array& numbers, std::size_t points, std::size_t first,
+              const std::string& place) {
     const CellProperties& kind = cellKind(type);
-    if (kind.type != CellType::Flat)
-      refuseKind(kind.name);
+    std::vector<std::uint32_t> nodes = toIndices(numbers);
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if (nodes[k] >= points)
+        fail(place, "cell " + std::to_string(first + k / kind.nodes) + " " + textOf(type) +
+                        " refers to a point that is not there: there are " +
+                        std::to_string(points) + ", numbered from 0");
+      nodes[k] += static_cast<std::uint32_t>(firstPoint_);
+    }
+    mesh_.addCells(kind.type, nodes.data(), nodes.size() / kind.nodes);
+    mesh_.cells[kind.name] += nodes.size() / kind.nodes;
+  }
+
+  void skipFlat(const CellProperties& kind, std::size_t cell, std::uint64_t begin,
+                std::uint64_t end, Numbers& connectivity) {
     if (end < begin)
       fail(connectivity.where(), "cell " + std::to_string(cell) +
                                      " ends before it begins: its offset is below that of the "
@@ -193,13 +199,6 @@ private:
     connectivity.skip(end - begin);
     hasFlat_ = true;
     ++mesh_.cells[kind.name];
-  }
-
-  [[noreturn]] void refuseKind(const std::string& name) const {
-    throw Error(Status::Invalid, where(),
-                "holds cells of the kind '" + name +
-                    "'; only meshes of linear tets can be prepared",
-                "write it as tets first, by `write_mesh`");
   }
 
   // As VtuReader does: what is asked for, and whole numbers of cells, which may be regions.
@@ -250,7 +249,7 @@ private:
       const std::size_t n = std::min(each, elements - done);
       Attribute part = toAttribute(name, on, width, in.next(n * width));
       if (types)
-        keepTets(toTypes(types->next(n)), part);
+        keepSolid(toTypes(types->next(n)), part);
       SpooledArray* array = mesh_.find(name, on);
       if (array == nullptr)
         array = mesh_.add(name, on, width, part.values.index());
@@ -262,14 +261,14 @@ private:
     }
   }
 
-  static void keepTets(const std::vector<std::uint8_t>& kinds, Attribute& part) {
+  static void keepSolid(const std::vector<std::uint8_t>& kinds, Attribute& part) {
     std::visit(
         [&](auto& values) {
           auto to = values.begin();
           for (std::size_t i = 0; i < kinds.size(); ++i) {
             const auto from =
                 values.begin() + static_cast<std::ptrdiff_t>(i * std::size_t(part.components));
-            if (kinds[i] == kTetra)
+            if (cellKind(kinds[i]).type != CellType::Flat)
               to = std::copy(from, from + part.components, to);
           }
           values.erase(to, values.end());

@@ -11,6 +11,7 @@
 #include "tetvdb/io/formats/xdmf/XdmfGrids.h"
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
 #include "tetvdb/io/formats/xdmf/XdmfNumbers.h"
+#include "tetvdb/io/formats/xdmf/XdmfShapes.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/NumberParser.h"
 
@@ -25,31 +26,6 @@
 
 namespace tetvdb {
 namespace {
-
-/// A topology type: its cells are VTK's, nodes in VTK's order.
-struct Shape {
-  std::string_view name;   ///< in lower case without underscores
-  std::uint8_t vtk = 0;    ///< cell type
-  std::uint32_t nodes = 0; ///< of each cell; 0: NodesPerElement says, or 1 and 2
-  std::int64_t mixed = -1; ///< its number in a Mixed topology
-};
-
-// The numbers are those of the XDMF model and format.
-constexpr std::array<Shape, 24> kShapes{
-    {{"polyvertex", 2, 0, 1},       {"polyline", 4, 0, 2},         {"polygon", 7, 0, 3},
-     {"triangle", 5, 3, 4},         {"quadrilateral", 9, 4, 5},    {"tetrahedron", 10, 4, 6},
-     {"pyramid", 14, 5, 7},         {"wedge", 13, 6, 8},           {"hexahedron", 12, 8, 9},
-     {"edge3", 21, 3, 34},          {"quadrilateral9", 28, 9, 35}, {"triangle6", 22, 6, 36},
-     {"quadrilateral8", 23, 8, 37}, {"tetrahedron10", 24, 10, 38}, {"pyramid13", 27, 13, 39},
-     {"wedge15", 26, 15, 40},       {"wedge18", 32, 18, 41},       {"hexahedron20", 25, 20, 48},
-     {"hexahedron24", 33, 24, 49},  {"hexahedron27", 29, 27, 50},  {"tet10", 24, 10, -1},
-     {"tri6", 22, 6, -1},           {"hex20", 25, 20, -1},         {"hex27", 29, 27, -1}}};
-
-std::string plainName(std::string_view name) {
-  std::string text = lowerCase(name);
-  text.erase(std::remove(text.begin(), text.end(), '_'), text.end());
-  return text;
-}
 
 /// A mesh: its topology and geometry, and the grids with attributes on it.
 struct Piece {
@@ -90,7 +66,7 @@ public:
     findPieces();
     std::optional<bool> solid = false;
     for (const Piece& piece : pieces_) {
-      const Shape* shape = shapeOf(piece.topology);
+      const XdmfShape* shape = shapeOf(piece.topology);
       if (shape == nullptr)
         solid = std::nullopt;
       else if (vtk::cellKind(shape->vtk).type != CellType::Flat)
@@ -299,16 +275,15 @@ private:
   }
 
   // The shape of all cells; null for a mixed topology.
-  const Shape* shapeOf(pugi::xml_node topology) const {
+  const XdmfShape* shapeOf(pugi::xml_node topology) const {
     std::string_view type = topology.attribute("TopologyType").value();
     if (type.empty())
       type = topology.attribute("Type").value();
-    const std::string name = plainName(type);
+    const std::string name = xdmfTypeName(type);
     if (name == "mixed")
       return nullptr;
-    for (const Shape& shape : kShapes)
-      if (shape.name == name)
-        return &shape;
+    if (const XdmfShape* shape = xdmfShape(name))
+      return shape;
     const bool structured = name.find("mesh") != std::string::npos;
     fail(topology,
          structured ? "is a structured grid (" + std::string(type) + ")"
@@ -333,7 +308,7 @@ private:
   }
 
   void readCells(pugi::xml_node topology, CellMesh& mesh) {
-    const Shape* shape = shapeOf(topology);
+    const XdmfShape* shape = shapeOf(topology);
     const std::uint64_t offset = attributeNumber(topology, "BaseOffset", 0);
     const Attribute::Values values = data_.take(itemOf(topology));
     vtk::Cells cells;
@@ -356,7 +331,7 @@ private:
   }
 
   template <class Numbers>
-  void uniformCells(pugi::xml_node topology, const Shape& shape, const Numbers& numbers,
+  void uniformCells(pugi::xml_node topology, const XdmfShape& shape, const Numbers& numbers,
                     std::uint64_t offset, vtk::Cells& cells) const {
     std::uint64_t each = shape.nodes;
     if (each == 0)
@@ -380,11 +355,9 @@ private:
                   vtk::Cells& cells) const {
     for (std::size_t at = 0; at < numbers.size();) {
       const std::uint64_t number = xdmfIndex(numbers[at++]);
-      const auto* shape = std::find_if(kShapes.begin(), kShapes.end(), [&](const Shape& known) {
-        return known.mixed >= 0 && static_cast<std::uint64_t>(known.mixed) == number;
-      });
+      const XdmfShape* shape = xdmfShapeOf(number);
       const auto cell = "cell " + std::to_string(cells.types.size());
-      if (shape == kShapes.end())
+      if (shape == nullptr)
         fail(topology,
              number == 16 ? cell + " is a polyhedron, which is not read"
                           : cell + " has an unknown type",

@@ -32,7 +32,7 @@ CellMesh readXdmf(const Source& source, const ReadOptions& options, Report& repo
 /// By the types of the topologies; of a mixed one the cells are read. Throws as readXdmf() does.
 bool xdmfHasSolidCells(const Source& source, Report& report, Progress& progress);
 
-/// The same, part by part, of one mesh of linear tets whose numbers lie in HDF5 files; others are
+/// The same, part by part, of one mesh of linear cells whose numbers lie in HDF5 files; others are
 /// Error(Invalid). Memory: some million numbers, and what HDF5 needs for a chunk of a dataset.
 void spoolXdmf(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
                Progress& progress);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/SpoolCells.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/xdmf/Hdf5Arrays.h"
 #include "tetvdb/io/formats/xdmf/XdmfGrids.h"
 #include "tetvdb/io/formats/xdmf/XdmfMarkup.h"
 #include "tetvdb/io/formats/xdmf/XdmfNumbers.h"
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
+#include "tetvdb/io/formats/xdmf/XdmfShapes.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/PathWithin.h"
@@ -36,14 +39,14 @@ public:
   XdmfSpooler(const Source& source, const ReadOptions& options, SpooledMesh& mesh, Report& report,
               Progress& progress)
       : source_(source), options_(options), mesh_(mesh), report_(report), progress_(progress),
-        markup_(source), grids_(markup_) {}
+        markup_(source), grids_(markup_), isSolid_(mesh.folder()) {}
 
   void read() {
     findGrids();
     const pugi::xml_node grid = pieces_.front();
     readPoints(markup_.child(grid, "Geometry"));
     progress_.update(0.3);
-    readTets(markup_.child(grid, "Topology"));
+    readCells(markup_.child(grid, "Topology"));
     progress_.update(0.7);
     for (const pugi::xml_node piece : pieces_)
       for (const pugi::xml_node attribute : markup_.children(piece, "Attribute"))
@@ -198,39 +201,165 @@ private:
     });
   }
 
-  void readTets(pugi::xml_node topology) {
+  void readCells(pugi::xml_node topology) {
     std::string_view type = topology.attribute("TopologyType").value();
     if (type.empty())
       type = topology.attribute("Type").value();
-    if (lowerCase(type) != "tetrahedron")
-      fail(topology,
-           "cells are of type '" + std::string(type) +
-               "'; only meshes of linear tets can be prepared",
-           kWhole);
-    std::uint64_t offset = 0;
+    const std::string name = xdmfTypeName(type);
     if (topology.attribute("BaseOffset"))
-      offset = static_cast<std::uint64_t>(
+      offset_ = static_cast<std::uint64_t>(
           NumberParser(topology.attribute("BaseOffset").value(), markup_.where(topology))
               .integer());
+    const Rows rows = open(topology);
+    if (name == "mixed") {
+      readMixedCells(topology, rows);
+    } else {
+      const XdmfShape* shape = xdmfShape(name);
+      if (shape == nullptr || isFlat(*shape))
+        refuseToSpool(markup_.where(topology), std::string(type));
+      requireLinear(topology, *shape);
+      eachRows(topology, rows, shape->nodes,
+               [&](const Attribute::Values& values, std::uint64_t first) {
+                 std::vector<std::uint32_t> nodes;
+                 std::visit(
+                     [&](const auto& v) {
+                       nodes.resize(v.size());
+                       for (std::size_t i = 0; i < v.size(); ++i)
+                         nodes[i] = xdmfNode(xdmfIndex(v[i]), offset_);
+                     },
+                     values);
+                 addCells(topology, *shape, first, nodes);
+               });
+      cells_ = mesh_.cellCount();
+    }
+    requireDeclared(topology);
+  }
+
+  static bool isFlat(const XdmfShape& shape) {
+    return vtk::cellKind(shape.vtk).type == CellType::Flat;
+  }
+  void requireLinear(pugi::xml_node topology, const XdmfShape& shape) const {
+    const vtk::CellProperties& kind = vtk::cellKind(shape.vtk);
+    if (kind.nodes != SpooledMesh::cornersOf(kind.type))
+      refuseToSpool(markup_.where(topology), kind.name);
+  }
+
+  void requireDeclared(pugi::xml_node topology) const {
+    for (const char* name : {"NumberOfElements", "NumberOfCells"}) {
+      const std::string_view text = topology.attribute(name).value();
+      if (text.empty())
+        continue;
+      NumberParser in(text, markup_.where(topology));
+      std::vector<std::uint64_t> declared;
+      while (!in.atEnd() && declared.size() < 8)
+        declared.push_back(static_cast<std::uint64_t>(std::max<std::int64_t>(in.integer(), 0)));
+      if (const std::uint64_t count = product(topology, declared); count != cells_)
+        fail(topology, std::to_string(count) + " cells are declared, but there are " +
+                           std::to_string(cells_));
+      return;
+    }
+  }
+
+  // `first`: the number of the first of the cells.
+  void addCells(pugi::xml_node topology, const XdmfShape& shape, std::uint64_t first,
+                const std::vector<std::uint32_t>& nodes) {
     const std::size_t points = mesh_.pointCount();
-    eachRows(topology, open(topology), 4,
-             [&](const Attribute::Values& values, std::uint64_t first) {
-               std::vector<std::uint32_t> tets;
-               std::visit(
-                   [&](const auto& v) {
-                     tets.resize(v.size());
-                     for (std::size_t i = 0; i < v.size(); ++i)
-                       tets[i] = xdmfNode(xdmfIndex(v[i]), offset);
-                   },
-                   values);
-               for (std::size_t i = 0; i < tets.size(); ++i)
-                 if (tets[i] >= points)
-                   fail(topology, "cell " + std::to_string(first + i / 4) +
-                                      " refers to a point that is not there: there are " +
-                                      std::to_string(points));
-               mesh_.tets.append(tets);
-               mesh_.cells["tetra"] += tets.size() / 4;
-             });
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (nodes[i] >= points)
+        fail(topology, "cell " + std::to_string(first + i / shape.nodes) +
+                           " refers to a point that is not there: there are " +
+                           std::to_string(points));
+    const vtk::CellProperties& kind = vtk::cellKind(shape.vtk);
+    mesh_.addCells(kind.type, nodes.data(), nodes.size() / shape.nodes);
+    mesh_.cells[kind.name] += nodes.size() / shape.nodes;
+  }
+
+  // For each cell the number of its shape, the number of its nodes if it varies, and its nodes: a
+  // cell may lie in several parts of the dataset.
+  void readMixedCells(pugi::xml_node topology, const Rows& rows) {
+    const XdmfShape* shape = nullptr; // of the cell that is being read
+    bool countFollows = false;
+    std::uint64_t left = 0;
+    std::vector<std::uint32_t> nodes; // of cells of `shape` before this one, and its own
+    std::uint64_t first = 0;
+    std::vector<std::uint8_t> solid;
+    const auto flush = [&] {
+      // The last cell may not be complete.
+      const auto whole = nodes.end() - static_cast<std::ptrdiff_t>(
+                                           left > 0 && !nodes.empty() ? shape->nodes - left : 0);
+      if (whole != nodes.begin())
+        addCells(topology, *shape, first, {nodes.begin(), whole});
+      nodes.erase(nodes.begin(), whole);
+      first = cells_;
+    };
+    const auto endCell = [&] {
+      ++cells_;
+      solid.push_back(isFlat(*shape) ? 0 : 1);
+    };
+    const auto begin = [&](std::uint64_t number) {
+      const XdmfShape* next = xdmfShapeOf(number);
+      const auto cell = [&] { return "cell " + std::to_string(cells_); };
+      if (next == nullptr)
+        fail(topology,
+             number == 16 ? cell() + " is a polyhedron, which is not read"
+                          : cell() + " has an unknown type",
+             "export the mesh with other cells");
+      if (next != shape)
+        flush();
+      shape = next;
+      if (!isFlat(*next))
+        requireLinear(topology, *next);
+      else
+        ++mesh_.cells[vtk::cellKind(next->vtk).name];
+      countFollows = next->nodes == 0;
+      left = next->nodes;
+    };
+    const auto take = [&](std::uint64_t number) {
+      if (countFollows) {
+        countFollows = false;
+        left = number;
+        if (left == 0)
+          endCell();
+        return;
+      }
+      if (left == 0)
+        return begin(number);
+      if (!isFlat(*shape))
+        nodes.push_back(xdmfNode(number, offset_));
+      if (--left == 0)
+        endCell();
+    };
+    eachRows(topology, rows, 1, [&](const Attribute::Values& values, std::uint64_t) {
+      std::visit(
+          [&](const auto& v) {
+            for (const auto number : v)
+              take(xdmfIndex(number));
+          },
+          values);
+      flush();
+      isSolid_.append(solid);
+      solid.clear();
+    });
+    if (left > 0 || countFollows)
+      fail(topology, "cell " + std::to_string(cells_) + " ends beyond the topology's numbers");
+    isSolid_.finish();
+  }
+
+  // Leaves out the rows of cells without a volume.
+  void keepSolid(std::uint64_t first, std::uint64_t width, Attribute::Values& values) const {
+    std::visit(
+        [&](auto& v) {
+          const auto* solid = isSolid_.as<std::uint8_t>() + first;
+          auto to = v.begin();
+          for (std::size_t i = 0; i < v.size() / width; ++i) {
+            const auto from = v.begin() + static_cast<std::ptrdiff_t>(i * width);
+            if (solid[i] != 0)
+              to = std::copy(from, from + static_cast<std::ptrdiff_t>(width), to);
+          }
+          v.erase(to, v.end());
+        },
+        values);
+    isSolid_.release();
   }
 
   bool holdsIntegers(pugi::xml_node attribute) const {
@@ -262,7 +391,7 @@ private:
     if (isFunction)
       fail(node, "is a function, which can only be read with the whole mesh", kWhole);
     const Rows rows = open(node);
-    const std::size_t elements = onPoints ? mesh_.pointCount() : mesh_.tetCount();
+    const std::size_t elements = onPoints ? mesh_.pointCount() : std::size_t(cells_);
     constexpr std::uint64_t kMaxComponents = 1u << 16;
     if (elements == 0)
       return;
@@ -277,6 +406,8 @@ private:
     eachRows(node, rows, width, [&](Attribute::Values&& values, std::uint64_t first) {
       if (isTensor)
         std::visit([](auto& v) { orderXdmfTensor(v); }, values);
+      if (!onPoints && isSolid_.size() > 0)
+        keepSolid(first, width, values);
       if (first == 0)
         mesh_.add(name, on, static_cast<std::uint32_t>(width), values.index());
       SpooledArray* array = mesh_.find(name, on);
@@ -295,6 +426,9 @@ private:
   XdmfMarkup markup_;
   XdmfGrids grids_;
   std::vector<pugi::xml_node> pieces_;
+  std::uint64_t offset_ = 0; ///< of the first point's number
+  std::uint64_t cells_ = 0;  ///< of the file, also those without a volume
+  FileSpool isSolid_;        ///< one std::uint8_t a cell of a Mixed topology
 };
 
 } // namespace

@@ -117,9 +117,9 @@ def prepare_mesh(path: Any, folder: Any, *, grid: Union[str, Sequence[str]] = "d
                  derive: Any = None, region_array: Optional[str] = None,
                  threads: Optional[int] = None, max_memory: Union[None, int, str] = None,
                  max_time: Optional[float] = None) -> dict:
-    """Cuts a mesh of tets that is larger than memory into a folder of parts, for voxelize_file().
+    """Cuts a mesh of cells that is larger than memory into a folder of parts, for voxelize_file().
 
-    path: a .vtu, .msh or .xdmf file of linear tets. folder: is whole or absent; one of an earlier run
+    path: a .vtu, .msh or .xdmf file of linear cells. folder: is whole or absent; one of an earlier run
         is replaced.
     grid, derive: what the parts are for: tet_id, material and arrays need the tets.
     resolution, voxel_size, origin, up_axis: as of voxelize(), for which they are decided here.

@@ -3,6 +3,7 @@
 // An identifier of the HDF5 library that closes itself. Internal: brings in hdf5.h.
 #pragma once
 
+#define H5_USE_110_API // its functions have other parameters from HDF5 1.12 on
 #include <hdf5.h>
 #include <utility>
 

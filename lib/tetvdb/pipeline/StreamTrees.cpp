@@ -239,7 +239,6 @@ public:
     }
     const std::size_t grids = std::max<std::size_t>(job_.grids.size(), 1);
     options.spool.inMemory = std::min(left / 16 / grids, std::size_t(32) << 20);
-    options.spool.keptBytes = std::min(left / 8, std::size_t(256) << 20);
     if (levels)
       options.moreGrids = levels->gridCount();
     if (writesNvdb(job_))

@@ -38,7 +38,6 @@ public:
     options_.exact = true;
     options_.folder = std::filesystem::path(path_).parent_path().string();
     options_.inMemory = std::min(maxMemory / 16, std::size_t(32) << 20);
-    options_.keptBytes = std::min(maxMemory / 8, std::size_t(256) << 20);
     partBytes_ = std::min(maxMemory / 4, std::size_t(256) << 20);
     if (endingOf(path_) == ".nvdb")
       nvdb_.emplace(path_);

@@ -24,10 +24,9 @@
 namespace tetvdb {
 
 struct SpoolOptions {
-  std::string folder;                            ///< of the files
-  std::size_t inMemory = std::size_t(16) << 20;  ///< bytes of topology and of buffers, each
-  std::size_t keptBytes = std::size_t(64) << 20; ///< of compressed leaves of a part, at most
-  bool part = false;                             ///< the grid says how many leaves it has
+  std::string folder;                           ///< of the files
+  std::size_t inMemory = std::size_t(16) << 20; ///< bytes of topology and of buffers, each
+  bool part = false;                            ///< the grid says how many leaves it has
   /// Every node and tile is kept as it is, those too that pruning would change; the tiles of an
   /// upper node are in its cube's first part.
   bool exact = false;

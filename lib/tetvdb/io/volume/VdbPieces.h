@@ -4,14 +4,16 @@
 // written in order. Internal to the .vdb writer.
 #pragma once
 
+#include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/StreamBuffers.h"
+#include "tetvdb/io/volume/TailStore.h"
 #include "tetvdb/volume/BitSelect.h"
 #include "tetvdb/volume/GridTypes.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <cstring>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <openvdb/io/Archive.h>
@@ -170,22 +172,21 @@ private:
 ///
 /// In a fog most leaves hold one value where they are active and the background elsewhere. Their
 /// tail depends only on that value and the number of active voxels: it is compressed once and
-/// shared. plan() reads every leaf once. The tails of other leaves are kept until make() if they
-/// are few, and are compressed a second time otherwise, so that memory stays bounded.
+/// shared. A piece is made in one step by make(), after which describe() knows its tails; or, where
+/// describe() is needed before the first piece is used, in two, plan() and make(), between which
+/// the tails of other leaves lie in a store.
 template <class TreeT>
 class BufferPieces {
 public:
-  /// Whether plan() has to be called before make().
-  static constexpr bool kPlanned = !hasBitLeaves<TreeT>;
+  /// Whether leaves have tails, which plan() and describe() are for.
+  static constexpr bool kHasTails = !hasBitLeaves<TreeT>;
 
-  /// `keptBytes`: of tails between plan() and make(), at most.
-  BufferPieces(const TreeT& tree, bool asHalf, std::uint32_t compression,
-               std::size_t keptBytes = std::size_t(256) << 20)
-      : asHalf_(asHalf), compression_(compression), keptLimit_(keptBytes),
-        background_(tree.background()), leaves_(NodeLists<TreeT>(tree).leaves()),
+  BufferPieces(const TreeT& tree, bool asHalf, std::uint32_t compression)
+      : asHalf_(asHalf), compression_(compression), background_(tree.background()),
+        leaves_(NodeLists<TreeT>(tree).leaves()),
         pieces_((leaves_.size() + kLeavesAPiece - 1) / kLeavesAPiece),
         caches_([] { return std::vector<CacheEntry>(kCacheEntries); }) {
-    if constexpr (kPlanned) {
+    if constexpr (kHasTails) {
       tails_.resize(leaves_.size());
       restore_.resize(leaves_.size());
     }
@@ -194,55 +195,40 @@ public:
   std::size_t size() const { return pieces_.size(); }
   std::size_t leafCount() const { return leaves_.size(); }
 
-  /// Makes the tails of the block's leaves. Thread-safe for different blocks.
-  void plan(std::size_t piece) {
+  /// Makes the tails of the piece's leaves and stores those that are not shared. Where the store
+  /// has no room, make() compresses them again. Thread-safe for different pieces.
+  void plan(std::size_t piece, TailStore& store) {
     NodeStream out(compression_, &background_);
-    std::string& own = pieces_[piece].own;
+    std::string own;
     auto& cache = caches_.local();
-    for (std::size_t l = begin(piece); l < end(piece); ++l) {
-      const Leaf& leaf = *leaves_[l];
-      T value;
-      if (uniform(leaf, value) && shareTail(leaf, value, cache, out, l))
-        continue;
-      out.bytes().clear();
-      leaf.writeBuffers(out.stream(), asHalf_);
-      tails_[l] = kOwn | static_cast<std::uint32_t>(out.bytes().size() - kLeafMaskBytes);
-      restore_[l] = static_cast<std::int8_t>(out.bytes()[kLeafMaskBytes]);
-      own.append(out.bytes(), kLeafMaskBytes);
-    }
-    if (keptBytes_.fetch_add(own.size()) + own.size() > keptLimit_) {
-      keptBytes_.fetch_sub(own.size());
-      std::string().swap(own);
-      pieces_[piece].kept = false;
+    for (std::size_t l = begin(piece); l < end(piece); ++l)
+      if (encode(l, cache, out) == nullptr)
+        own.append(out.bytes(), kLeafMaskBytes);
+    Piece& stored = pieces_[piece];
+    try {
+      for (std::size_t at = 0; at < own.size(); at += TailStore::kChunk)
+        stored.places.push_back(
+            store.add(own.data() + at, std::min(TailStore::kChunk, own.size() - at)));
+      stored.store = &store;
+      stored.size = own.size();
+    } catch (const Error&) {
+      stored.places.clear();
     }
   }
 
-  std::string make(std::size_t piece) const {
+  /// The bytes of a piece. Thread-safe for different pieces. Throws Error(Write) as its store does.
+  std::string make(std::size_t piece) {
     NodeStream out(compression_, &background_);
-    std::string& bytes = out.bytes();
-    bytes.reserve((end(piece) - begin(piece)) * 3 * kLeafMaskBytes + pieces_[piece].own.size());
-    std::size_t next = 0; // in the piece's own tails
-    for (std::size_t l = begin(piece); l < end(piece); ++l) {
-      const Leaf& leaf = *leaves_[l];
-      if constexpr (kPlanned) {
-        const bool own = (tails_[l] & kOwn) != 0;
-        if (!own || pieces_[piece].kept) {
-          leaf.getValueMask().save(out.stream());
-          if (own)
-            bytes.append(pieces_[piece].own, next, tails_[l] & ~kOwn);
-          else
-            bytes += shared_[tails_[l]];
-          if (own)
-            next += tails_[l] & ~kOwn;
-          continue;
-        }
-      }
-      leaf.writeBuffers(out.stream(), asHalf_);
+    if constexpr (!kHasTails) {
+      for (std::size_t l = begin(piece); l < end(piece); ++l)
+        leaves_[l]->writeBuffers(out.stream(), asHalf_);
+      return std::move(out.bytes());
+    } else {
+      return pieces_[piece].store != nullptr ? joinTails(piece) : encodeAll(piece);
     }
-    return std::move(bytes);
   }
 
-  /// The entry for OpenVDB's delayed loading of each leaf.
+  /// The entry for OpenVDB's delayed loading of each leaf, when all pieces are planned or made.
   void describe(openvdb::io::DelayedLoadMetadata& metadata) const {
     metadata.resizeMask(leaves_.size());
     metadata.resizeCompressedSize(leaves_.size());
@@ -262,14 +248,16 @@ private:
   static constexpr std::size_t kSharedTails = 1 << 16;
   static constexpr std::uint32_t kOwn = std::uint32_t(1) << 31;
 
-  struct Piece {
-    std::string own; ///< tails of leaves that share none, if kept
-    bool kept = true;
+  struct Piece { // the tails of its leaves that share none, where they are stored
+    const TailStore* store = nullptr;
+    std::vector<std::uint64_t> places; ///< of their bytes, TailStore::kChunk at each but the last
+    std::size_t size = 0;
   };
   struct CacheEntry {
     openvdb::Index count = ~openvdb::Index(0);
     T value{};
     std::uint32_t tail = 0;
+    const std::string* bytes = nullptr; ///< of the tail
   };
 
   std::size_t begin(std::size_t piece) const { return piece * kLeavesAPiece; }
@@ -320,10 +308,28 @@ private:
     }
   }
 
-  /// Gives leaf `l` the tail of all leaves with its value and number of active voxels; false if
-  /// there are too many different ones.
-  bool shareTail(const Leaf& leaf, const T& value, std::vector<CacheEntry>& cache, NodeStream& out,
-                 std::size_t l) {
+  /// Sets the entries of leaf `l` and returns its tail if that is shared; else makes mask and tail
+  /// the content of `out` and returns null.
+  const std::string* encode(std::size_t l, std::vector<CacheEntry>& cache, NodeStream& out) {
+    const Leaf& leaf = *leaves_[l];
+    T value;
+    if (uniform(leaf, value))
+      if (const CacheEntry* entry = sharedTail(leaf, value, cache, out)) {
+        tails_[l] = entry->tail;
+        restore_[l] = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
+        return entry->bytes;
+      }
+    out.bytes().clear();
+    leaf.writeBuffers(out.stream(), asHalf_);
+    tails_[l] = kOwn | static_cast<std::uint32_t>(out.bytes().size() - kLeafMaskBytes);
+    restore_[l] = static_cast<std::int8_t>(out.bytes()[kLeafMaskBytes]);
+    return nullptr;
+  }
+
+  /// The tail of all leaves with this value and number of active voxels; null if there are too many
+  /// different ones.
+  const CacheEntry* sharedTail(const Leaf& leaf, const T& value, std::vector<CacheEntry>& cache,
+                               NodeStream& out) {
     const openvdb::Index count = leaf.getValueMask().countOn();
     std::uint64_t slot = count;
     for (std::size_t i = 0; i + 4 <= sizeof(T); i += 4) {
@@ -339,7 +345,7 @@ private:
       const std::lock_guard<std::mutex> lock(mutex_);
       const auto found = tailIds_.find(tail);
       if (found == tailIds_.end() && shared_.size() >= kSharedTails)
-        return false;
+        return nullptr;
       if (found == tailIds_.end()) {
         entry.tail = static_cast<std::uint32_t>(shared_.size());
         tailIds_.emplace(tail, entry.tail);
@@ -347,26 +353,62 @@ private:
       } else {
         entry.tail = found->second;
       }
+      entry.bytes = &shared_[entry.tail];
       entry.count = count;
       entry.value = value;
     }
-    tails_[l] = entry.tail;
-    restore_[l] = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
-    return true;
+    return &entry;
+  }
+
+  std::string encodeAll(std::size_t piece) {
+    NodeStream all(compression_, &background_), one(compression_, &background_);
+    auto& cache = caches_.local();
+    for (std::size_t l = begin(piece); l < end(piece); ++l) {
+      if (const std::string* tail = encode(l, cache, one)) {
+        leaves_[l]->getValueMask().save(all.stream());
+        all.bytes() += *tail;
+      } else {
+        all.bytes() += one.bytes();
+      }
+    }
+    return std::move(all.bytes());
+  }
+
+  /// The same of stored tails.
+  std::string joinTails(std::size_t piece) const {
+    const Piece& stored = pieces_[piece];
+    std::string own(stored.size, '\0');
+    for (std::size_t i = 0; i < stored.places.size(); ++i) {
+      const std::size_t at = i * TailStore::kChunk;
+      stored.store->read(stored.places[i], own.data() + at,
+                         std::min(TailStore::kChunk, own.size() - at));
+    }
+    NodeStream all(compression_, &background_);
+    all.bytes().reserve((end(piece) - begin(piece)) * 3 * kLeafMaskBytes + own.size());
+    std::size_t next = 0; // in `own`
+    for (std::size_t l = begin(piece); l < end(piece); ++l) {
+      leaves_[l]->getValueMask().save(all.stream());
+      const std::size_t size = tails_[l] & ~kOwn;
+      if ((tails_[l] & kOwn) != 0) {
+        all.bytes().append(own, next, size);
+        next += size;
+      } else {
+        all.bytes() += shared_[tails_[l]];
+      }
+    }
+    return std::move(all.bytes());
   }
 
   bool asHalf_;
   std::uint32_t compression_;
-  std::size_t keptLimit_;
   T background_;
   std::vector<const Leaf*> leaves_;
   std::vector<Piece> pieces_;
   std::vector<std::uint32_t> tails_; ///< index into shared_, or kOwn with the size in bytes
   std::vector<std::int8_t> restore_; ///< the first byte of each tail
-  std::atomic<std::size_t> keptBytes_{0};
 
-  std::mutex mutex_; ///< for the two below, while planning
-  std::vector<std::string> shared_;
+  std::mutex mutex_; ///< for the two below, while tails are made
+  std::deque<std::string> shared_;
   std::unordered_map<std::string, std::uint32_t> tailIds_;
   tbb::enumerable_thread_specific<std::vector<CacheEntry>> caches_;
 };

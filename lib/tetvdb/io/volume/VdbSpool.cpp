@@ -97,9 +97,19 @@ private:
   }
 
   void spoolBuffers(const TreeT& tree) {
-    Buffers buffers(tree, half(), vdbCompression(), options_.keptBytes);
-    if constexpr (Buffers::kPlanned) {
-      tbb::parallel_for(std::size_t(0), buffers.size(), [&](std::size_t i) { buffers.plan(i); });
+    Buffers buffers(tree, half(), vdbCompression());
+    std::size_t next = 0;
+    makeInOrder<std::size_t, std::string>(
+        [&](std::size_t& piece) {
+          piece = next++;
+          return piece < buffers.size();
+        },
+        [&](std::size_t piece) { return buffers.make(piece); },
+        [&](const std::string& bytes) {
+          buffers_.add(bytes);
+          bufferBytes_ += bytes.size();
+        });
+    if constexpr (Buffers::kHasTails) {
       if (this->leaves() <= kDelayedLoadLeaves) {
         openvdb::io::DelayedLoadMetadata own;
         buffers.describe(own);
@@ -112,17 +122,6 @@ private:
         sizes_ = {};
       }
     }
-    std::size_t next = 0;
-    makeInOrder<std::size_t, std::string>(
-        [&](std::size_t& piece) {
-          piece = next++;
-          return piece < buffers.size();
-        },
-        [&](std::size_t piece) { return buffers.make(piece); },
-        [&](const std::string& bytes) {
-          buffers_.add(bytes);
-          bufferBytes_ += bytes.size();
-        });
   }
 
   std::string makeRoot() const {
@@ -143,7 +142,7 @@ private:
                    {this->box(), this->activeVoxels(), this->leaves(),
                     openvdbNodeBytes<TreeT>().of(this->uppers(), this->lowers(), this->leaves())},
                    options_.part);
-    if (Buffers::kPlanned && this->leaves() <= kDelayedLoadLeaves) {
+    if (Buffers::kHasTails && this->leaves() <= kDelayedLoadLeaves) {
       openvdb::io::DelayedLoadMetadata all;
       all.resizeMask(restore_.size());
       all.resizeCompressedSize(sizes_.size());

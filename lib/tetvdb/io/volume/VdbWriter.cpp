@@ -15,8 +15,11 @@
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/volume/PackedRange.h"
 
+#include <atomic>
+#include <filesystem>
 #include <map>
 #include <openvdb/io/Archive.h>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -59,6 +62,9 @@ public:
   }
 
 private:
+  /// Bytes of tails in memory; what is beyond lies in a file without a name.
+  static constexpr std::size_t kTailsInMemory = std::size_t(256) << 20;
+
   /// Metadata, transform and tree.
   void writeTree(const openvdb::GridBase::Ptr& grid, const PackedGrid* packed,
                  const ProgressShare& share) {
@@ -79,15 +85,19 @@ private:
     using TreeT = typename GridT::TreeType;
     const TreeT& tree = grid.constTree();
     BufferPieces<TreeT> buffers(tree, grid.saveFloatAsHalf(), vdbCompression());
-    if constexpr (BufferPieces<TreeT>::kPlanned) {
-      const ProgressShare planning = share.part(0, 0.5);
-      std::atomic<std::size_t> done{0};
-      tbb::parallel_for(std::size_t(0), buffers.size(), [&](std::size_t piece) {
-        buffers.plan(piece);
-        planning.update(double(++done) / double(buffers.size()));
-      });
-      describeLeaves(buffers, copy);
-    }
+    std::optional<TailStore> store;
+    if constexpr (BufferPieces<TreeT>::kHasTails)
+      if (buffers.leafCount() <= kDelayedLoadLeaves) {
+        store.emplace(std::filesystem::path(output_.file().path()).parent_path().string(),
+                      kTailsInMemory);
+        const ProgressShare planning = share.part(0, 0.5);
+        std::atomic<std::size_t> done{0};
+        tbb::parallel_for(std::size_t(0), buffers.size(), [&](std::size_t piece) {
+          buffers.plan(piece, *store);
+          planning.update(double(++done) / double(buffers.size()));
+        });
+        describeLeaves(buffers, copy);
+      }
     writeNodes(grid, buffers, copy, share);
   }
 
@@ -95,19 +105,18 @@ private:
   template <class GridT>
   void writePacked(const GridT& grid, const PackedGrid& packed, openvdb::GridBase& copy,
                    const ProgressShare& share) {
-    const PackedPieces<typename GridT::TreeType> buffers(grid.constTree(), packed,
-                                                         grid.saveFloatAsHalf());
+    PackedPieces<typename GridT::TreeType> buffers(grid.constTree(), packed,
+                                                   grid.saveFloatAsHalf());
     if (const auto bytes =
             copy.getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_MEM_BYTES))
       bytes->setValue(bytes->value() + static_cast<std::int64_t>(buffers.missingBytes()));
-    describeLeaves(buffers, copy);
+    if (buffers.leafCount() <= kDelayedLoadLeaves)
+      describeLeaves(buffers, copy);
     writeNodes(grid, buffers, copy, share);
   }
 
   template <class Buffers>
   static void describeLeaves(const Buffers& buffers, openvdb::GridBase& copy) {
-    if (buffers.leafCount() > kDelayedLoadLeaves)
-      return;
     openvdb::io::DelayedLoadMetadata delayed;
     buffers.describe(delayed);
     copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
@@ -115,7 +124,7 @@ private:
 
   /// Head, topology and buffers.
   template <class GridT, class Buffers>
-  void writeNodes(const GridT& grid, const Buffers& buffers, const openvdb::GridBase& copy,
+  void writeNodes(const GridT& grid, Buffers& buffers, const openvdb::GridBase& copy,
                   const ProgressShare& share) {
     const TopologyPieces<typename GridT::TreeType> topology(
         grid.constTree(), grid.saveFloatAsHalf(), vdbCompression());

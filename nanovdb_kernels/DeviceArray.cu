@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "CudaCheck.h"
-#include "Team.h"
 #include "DeviceArray.h"
+#include "Team.h"
 
 #include <algorithm>
 #include <mutex>

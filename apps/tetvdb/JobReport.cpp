@@ -229,6 +229,14 @@ Json toJson(const CleanCounts& cleaned) {
           {"doubtful_orientation", cleaned.doubtful}};
 }
 
+Json worstTets(const Tetrahedralization& made) {
+  constexpr std::size_t kMostListed = 20;
+  Json worst = Json::array();
+  for (std::size_t k = 0; k < std::min(kMostListed, made.badTets.size()); ++k)
+    worst.push_back({{"energy", made.badTets[k].energy}, {"centre", made.badTets[k].centre}});
+  return worst;
+}
+
 Json toJson(const MeshSummary& mesh) {
   const Tetrahedralization& made = mesh.made;
   const TwoSidedCheck& check = made.check;
@@ -242,7 +250,9 @@ Json toJson(const MeshSummary& mesh) {
           {"quality",
            {{"worst_energy", made.worstEnergy},
             {"mean_energy", made.meanEnergy},
-            {"box_over_volume", mesh.boxOverVolume()}}},
+            {"box_over_volume", mesh.boxOverVolume()},
+            {"bad_tets", made.badTets.size()},
+            {"worst_tets", worstTets(made)}}},
           {"passes", made.passes},
           {"simplified_faces", made.simplifiedFaces},
           {"inserted_faces", made.insertedFaces},

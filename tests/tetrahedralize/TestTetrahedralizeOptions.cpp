@@ -253,6 +253,40 @@ TEST(TetrahedralizeOptions, StopEnergyIsReached) {
   }
 }
 
+// AMIPS energy by the map from the regular tet, |J|^2 / det(J)^(2/3).
+double amips(const TetMesh& mesh, std::size_t tet) {
+  const auto edge = [&](std::size_t k) {
+    return minus(mesh.points[mesh.tets[4 * tet + k]], mesh.points[mesh.tets[4 * tet]]);
+  };
+  const Vec3d x = edge(1);
+  const Vec3d y = times(minus(edge(2), times(x, 0.5)), 2 / std::sqrt(3.0));
+  const Vec3d z = times(minus(edge(3), times(plus(edge(1), edge(2)), 1.0 / 3)), std::sqrt(1.5));
+  return (dot(x, x) + dot(y, y) + dot(z, z)) / std::cbrt(std::pow(dot(cross(x, y), z), 2));
+}
+
+// A wedge whose faces meet at one degree has tets of that angle however small they are.
+TEST(TetrahedralizeOptions, EndsWhereTheInputForbidsTheStopEnergy) {
+  const double thin = std::tan(3.14159265358979 / 180);
+  TriangleMesh wedge = box();
+  for (auto& p : wedge.points)
+    p[2] *= thin * p[0];
+  TetrahedralizeOptions options = withEpsilon(1e-4);
+  options.stopEnergy = 10;
+  const MadeTets made = madeTets({wedge}, options);
+  ASSERT_FALSE(made.error) << made.message;
+  EXPECT_LT(made.result.passes, options.maxPasses);
+  const TetMesh& mesh = made.result.mesh;
+  std::size_t above = 0;
+  for (std::size_t t = 0; t < mesh.tetCount(); ++t)
+    above += amips(mesh, t) > 10.01 ? 1 : 0;
+  ASSERT_GT(above, 0u);
+  EXPECT_EQ(made.result.badTets.size(), above);
+  const BadTet& worst = made.result.badTets.front();
+  EXPECT_EQ(worst.energy, made.result.worstEnergy);
+  EXPECT_NEAR(amips(mesh, worst.tet), worst.energy, 1e-6 * worst.energy);
+  EXPECT_LT(worst.centre[0], 0.2); // at the sharp edge
+}
+
 // The callback cancels when that stage begins; nothing goes on for long after.
 // Also where a hole was refined after improvement.
 TEST(TetrahedralizeOptions, EnergiesAreThoseOfTheTetsMade) {

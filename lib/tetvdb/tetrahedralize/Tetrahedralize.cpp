@@ -148,10 +148,19 @@ struct Work {
   WorkDone& done;
 };
 
+Vec3d centreOf(const TetMesh& mesh, std::size_t tet) {
+  Vec3d centre = {};
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      centre[axis] += mesh.points[mesh.tets[4 * tet + k]][axis] / 4;
+  return centre;
+}
+
 // Of the tets that are kept, once holes are refined: those tets are not improved any more.
-void measureEnergies(const WorkingLattice& lattice, Tetrahedralization& made) {
+void measureEnergies(const WorkingLattice& lattice, double stopEnergy, Tetrahedralization& made) {
   const TetMesh& mesh = made.mesh;
   made.worstEnergy = made.meanEnergy = 0;
+  made.badTets.clear();
   for (std::size_t t = 0; t < mesh.tetCount(); ++t) {
     const auto at = [&](std::size_t k) {
       return lattice.toLattice(mesh.points[mesh.tets[4 * t + k]]);
@@ -159,7 +168,11 @@ void measureEnergies(const WorkingLattice& lattice, Tetrahedralization& made) {
     const double energy = tetEnergy(at(0), at(1), at(2), at(3));
     made.worstEnergy = std::max(made.worstEnergy, energy);
     made.meanEnergy += energy / static_cast<double>(mesh.tetCount());
+    if (stopEnergy > 0 && energy > kEnergySlack * stopEnergy)
+      made.badTets.push_back({t, energy, centreOf(mesh, t)});
   }
+  std::stable_sort(made.badTets.begin(), made.badTets.end(),
+                   [](const BadTet& a, const BadTet& b) { return a.energy > b.energy; });
 }
 
 // Improves the mesh, keeps the tets that are inside and checks the result in both directions.
@@ -199,7 +212,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
   assertValid(complex);
   made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
                        options.keepOutside, work.lattice);
-  measureEnergies(work.lattice, made);
+  measureEnergies(work.lattice, options.stopEnergy, made);
   const auto& regions = made.mesh.regions;
   if (std::all_of(regions.begin(), regions.end(),
                   [](std::int32_t region) { return region == kOutsideRegion; }))
@@ -274,11 +287,14 @@ void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& mad
 void warnOfLoss(const Tetrahedralization& made, const TetrahedralizeOptions& options,
                 double epsilon, Report& report) {
   const TwoSidedCheck& check = made.check;
-  if (options.stopEnergy > 0 && made.worstEnergy > kEnergySlack * options.stopEnergy) {
+  if (!made.badTets.empty()) {
     report.partial = true;
-    report.warn("energy", fmt::format("the worst tet has energy {:.4g}, more than the {:.4g} asked "
-                                      "for, after {} passes",
-                                      made.worstEnergy, options.stopEnergy, made.passes));
+    const auto& [x, y, z] = made.badTets.front().centre;
+    report.warn("energy",
+                fmt::format("{} of {} tets have an energy above the {:.4g} asked for, after {} "
+                            "passes; the worst has {:.4g}, near ({:.6g}, {:.6g}, {:.6g})",
+                            made.badTets.size(), made.mesh.tetCount(), options.stopEnergy,
+                            made.passes, made.worstEnergy, x, y, z));
   }
   if (std::abs(check.volume - check.windingVolume) > kVolumeSlack * check.windingVolume) {
     report.partial = true;

@@ -4,6 +4,7 @@
 #include "tetvdb/tetrahedralize/complex/SplitEdges.h"
 #include "tetvdb/tetrahedralize/complex/TetEnergy.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -15,6 +16,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kStep = 1e6;
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 const double kQuantum = std::exp2(1.0 / 12); // two neighbouring sizes
 
 double distance(const Vec3d& a, const Vec3d& b) {
@@ -56,7 +58,7 @@ TEST(EdgeSizes, FollowTheSurfaceAndGrowFromThere) {
   TetComplex complex = ballInBox();
   constexpr double kShare = 0.8, kGrowth = 0.3;
   const EdgeSizes sizes(100 * kStep);
-  sizes.followSurface(complex, kShare, kGrowth);
+  sizes.followSurface(complex, kShare, kGrowth, kNoLimit);
   std::map<std::uint32_t, std::set<std::uint32_t>> onSurface; // neighbours along it
   for (const auto& face : trackedFaces(complex).faces)
     for (std::size_t i = 0; i < 3; ++i)
@@ -111,7 +113,7 @@ TEST(EdgeSizes, RefineAroundBadTetsAlone) {
     for (unsigned j = i + 1; j < 4; ++j)
       mean += distance(complex.at(corners[i]), complex.at(corners[j])) / 6;
   constexpr double kGrowth = 2;
-  sizes.refine(complex, 0.99999 * worst, 0.5, kGrowth, 0);
+  EXPECT_TRUE(sizes.refine(complex, 0.99999 * worst, 0.5, kGrowth, 0, kNoLimit));
   for (std::uint32_t p = 0; p < complex.points.size(); ++p) {
     double far = std::numeric_limits<double>::infinity();
     for (const std::uint32_t corner : corners)
@@ -125,9 +127,65 @@ TEST(EdgeSizes, RefineAroundBadTetsAlone) {
   }
   // Never below what is asked as the shortest.
   TetComplex other = ballInBox();
-  sizes.refine(other, 0, 0.01, 2, 0.7 * kStep);
+  EXPECT_TRUE(sizes.refine(other, 0, 0.01, 2, 0.7 * kStep, kNoLimit));
   for (const TetComplex::Point& point : other.points)
     EXPECT_GE(sizes.at(point), 0.7 * kStep / kQuantum);
+}
+
+// The number that a volume filled by regular tets of these edges has, within a factor of two.
+TEST(EdgeSizes, NoSmallerThanTheMostTetsAllow) {
+  constexpr double kMost = 1000;
+  const EdgeSizes sizes(10 * kStep);
+  TetComplex complex = ballInBox();
+  sizes.followSurface(complex, 0.05, 0.01, kMost);
+  double sum = 0, smallest = sizes.longest();
+  for (const TetComplex::Tet& tet : complex.tets)
+    if (tet.weight == 1) {
+      Vec3d edge[3];
+      double size = 0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        size += sizes.at(complex.points[tet.corners[i]]) / 4;
+        for (std::size_t axis = 0; i > 0 && axis < 3; ++axis)
+          edge[i - 1][axis] = complex.at(tet.corners[i])[axis] - complex.at(tet.corners[0])[axis];
+      }
+      const double determinant = edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1]) -
+                                 edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0]) +
+                                 edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+      sum += std::max(1.0, std::abs(determinant) / 6 * 6 * std::sqrt(2.0) / std::pow(size, 3));
+      smallest = std::min(smallest, size);
+    }
+  const auto inside = std::count_if(complex.tets.begin(), complex.tets.end(),
+                                    [](const auto& tet) { return tet.weight == 1; });
+  EXPECT_LE(sum, std::max(kMost, 1.0 * static_cast<double>(inside)));
+  EXPECT_GT(smallest, 0.2 * kStep); // 0.05 of an edge was asked for
+
+  TetComplex other = ballInBox();
+  std::vector<std::uint8_t> before;
+  for (const TetComplex::Point& point : other.points)
+    before.push_back(point.fineness);
+  EXPECT_FALSE(sizes.refine(other, 0, 0.05, 0.01, 0, kMost));
+  for (std::size_t p = 0; p < before.size(); ++p)
+    ASSERT_EQ(other.points[p].fineness, before[p]);
+}
+
+// The size of a midpoint is the mean of its ends', not their geometric mean: sizes that grow along
+// an edge stay as they grow.
+TEST(SplitEdges, SizeOfAMidpointIsTheMean) {
+  TetComplex complex = cubeMesh(4, kStep, 0, ballAt({0, 0, 0}, 0));
+  const EdgeSizes sizes(0.8 * kStep);
+  for (TetComplex::Point& point : complex.points)
+    point.fineness = 0;
+  const std::uint32_t midpoint = (2 * 5 + 2) * 5 + 2;
+  complex.points[midpoint].fineness = 48; // a sixteenth
+  const std::size_t count = complex.points.size();
+  ASSERT_GT(splitEdges(complex, sizes, 1, 1e9), 0u);
+  std::size_t between = 0;
+  for (std::size_t p = count; p < complex.points.size(); ++p) {
+    const double size = sizes.at(complex.points[p]);
+    between += size < 0.8 * kStep;
+    EXPECT_GE(size, 0.8 * kStep * (1 + 1. / 16) / 2 / kQuantum);
+  }
+  EXPECT_GT(between, 0u);
 }
 
 // Flat cells: halving one of the short edges makes tets flatter still.

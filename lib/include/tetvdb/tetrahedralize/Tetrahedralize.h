@@ -50,6 +50,13 @@ struct TwoSidedCheck {
   double windingVolume = 0;   ///< where the input's winding number is above 0.5, by the same points
 };
 
+/// A tet of the result whose energy is above `stopEnergy`.
+struct BadTet {
+  std::size_t tet = 0; ///< of Tetrahedralization::mesh
+  double energy = 0;   ///< AMIPS
+  Vec3d centre = {};   ///< world units
+};
+
 struct Tetrahedralization {
   /// Positive tets. regions: 1, 2, ... for what the first, second, ... input owns (one region for
   /// Booleans), -1 outside; regionNames is left to the caller.
@@ -60,16 +67,18 @@ struct Tetrahedralization {
   std::size_t insertedFaces = 0, notInserted = 0;
   int passes = 0;                         ///< of improvement
   double worstEnergy = 0, meanEnergy = 0; ///< AMIPS, of the tets of `mesh`
+  std::vector<BadTet> badTets;            ///< the worst first; none without a stop energy
   std::size_t boundaryFaces = 0;          ///< between the tets inside and the outside
   TwoSidedCheck check;
 };
 
 /// Inputs are cleaned meshes (cleanTriangles()), one material each. Adds the stage
 /// "tetrahedralize", with a part for each step, to `report`, and warnings with `partial` for faces
-/// that are not in ("not-inserted"), for what was lost ("lost-surface", "volume"). Throws
-/// Error(Usage) for lengths that make no sense, Error(Invalid) where nothing is inside ("sheets"),
-/// Error(Limit) where maxMemory does not suffice, Error(Cancelled). Parallel; the same tets for any
-/// number of threads. Time grows about linearly with faces; docs/benchmarks.md has figures.
+/// that are not in ("not-inserted"), for tets above the stop energy ("energy"), for what was lost
+/// ("lost-surface", "volume"). Throws Error(Usage) for lengths that make no sense, Error(Invalid)
+/// where nothing is inside ("sheets"), Error(Limit) where maxMemory does not suffice,
+/// Error(Cancelled). Parallel; the same tets for any number of threads. Time grows about linearly
+/// with faces; docs/benchmarks.md has figures.
 Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
                                   const TetrahedralizeOptions& options, Report& report,
                                   Progress& progress);

@@ -23,6 +23,27 @@ double lengthOf(const TetComplex& complex, std::uint32_t a, std::uint32_t b) {
   return length(minus(complex.at(a), complex.at(b)));
 }
 
+// About how many tets of weight 1 edges of these sizes lead to, none below `floor`: regular ones,
+// whose edges are a tenth shorter than asked for.
+double tetsOf(const TetComplex& complex, const std::vector<double>& sizes, double floor) {
+  constexpr double kTetsACube = 6 * 1.41421356 * 1.1 * 1.1 * 1.1;
+  double sum = 0;
+  for (const TetComplex::Tet& tet : complex.tets) {
+    if (!tet.exists() || tet.weight < 1)
+      continue;
+    const auto& [a, b, c, d] = tet.corners;
+    const Vec3d& at = complex.at(a);
+    const double volume = std::abs(dot(minus(complex.at(b), at),
+                                       cross(minus(complex.at(c), at), minus(complex.at(d), at)))) /
+                          6;
+    double size = 0;
+    for (const std::uint32_t corner : tet.corners)
+      size += std::max(floor, sizes[corner]) / 4;
+    sum += std::max(1.0, kTetsACube * volume / (size * size * size));
+  }
+  return sum;
+}
+
 } // namespace
 
 EdgeSizes::EdgeSizes(double longest) : lengths_{} {
@@ -37,7 +58,8 @@ std::uint8_t EdgeSizes::finenessOf(double length) const {
   return static_cast<std::uint8_t>(found - lengths_.begin());
 }
 
-void EdgeSizes::followSurface(TetComplex& complex, double share, double growth) const {
+void EdgeSizes::followSurface(TetComplex& complex, double share, double growth,
+                              double mostTets) const {
   std::vector<Edge> edges; // in both directions
   for (const TetComplex::Tet& tet : complex.tets) {
     if (!tet.exists() || tet.weight < 1)
@@ -61,10 +83,19 @@ void EdgeSizes::followSurface(TetComplex& complex, double share, double growth) 
     sizes[edges[i].a] = std::min(longest(), share * sum / static_cast<double>(next - i));
   }
   spread(complex, sizes, growth);
+  double floor = 0;
+  if (tetsOf(complex, sizes, floor) > mostTets)
+    floor = *(std::partition_point(
+                  lengths_.begin(), lengths_.end(),
+                  [&](double length) { return tetsOf(complex, sizes, length) <= mostTets; }) -
+              1);
+  for (double& size : sizes)
+    size = std::max(size, floor);
+  assign(complex, sizes);
 }
 
-void EdgeSizes::refine(TetComplex& complex, double energy, double share, double growth,
-                       double shortest) const {
+bool EdgeSizes::refine(TetComplex& complex, double energy, double share, double growth,
+                       double shortest, double mostTets) const {
   std::vector<double> sizes(complex.points.size(), longest());
   for (std::size_t p = 0; p < sizes.size(); ++p)
     sizes[p] = at(complex.points[p]);
@@ -80,9 +111,13 @@ void EdgeSizes::refine(TetComplex& complex, double energy, double share, double 
       sizes[corner] = std::min(sizes[corner], std::max(shortest, share * sum / 6));
   }
   spread(complex, sizes, growth);
+  if (tetsOf(complex, sizes, 0) > mostTets)
+    return false;
+  assign(complex, sizes);
+  return true;
 }
 
-void EdgeSizes::spread(TetComplex& complex, std::vector<double>& sizes, double growth) const {
+void EdgeSizes::spread(const TetComplex& complex, std::vector<double>& sizes, double growth) const {
   using Item = std::pair<double, std::uint32_t>;
   std::priority_queue<Item, std::vector<Item>, std::greater<Item>> open;
   for (std::uint32_t p = 0; p < sizes.size(); ++p)
@@ -107,6 +142,9 @@ void EdgeSizes::spread(TetComplex& complex, std::vector<double>& sizes, double g
       }
     }
   }
+}
+
+void EdgeSizes::assign(TetComplex& complex, const std::vector<double>& sizes) const {
   for (std::size_t p = 0; p < sizes.size(); ++p) {
     TetComplex::Point& point = complex.points[p];
     const std::uint8_t fineness = finenessOf(sizes[p]);

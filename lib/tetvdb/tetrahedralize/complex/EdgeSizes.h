@@ -29,16 +29,19 @@ public:
 
   /// Makes sizes follow the surface: at its points `share` of the mean length of its edges there;
   /// away from it larger by `growth` times the distance along edges of tets of weight 1; elsewhere
-  /// the longest. n log n.
-  void followSurface(TetComplex& complex, double share, double growth) const;
+  /// the longest. Where edges of these sizes would need more than about `mostTets`, none is less
+  /// than the length that needs as many. n log n.
+  void followSurface(TetComplex& complex, double share, double growth, double mostTets) const;
 
   /// Makes sizes around tets above `energy` `share` of the mean length of their edges, and
-  /// growing from there as above; no size gets larger, or less than `shortest`.
-  void refine(TetComplex& complex, double energy, double share, double growth,
-              double shortest) const;
+  /// growing from there as above; no size gets larger, or less than `shortest`. Changes nothing and
+  /// returns false where that would need more than about `mostTets`.
+  bool refine(TetComplex& complex, double energy, double share, double growth, double shortest,
+              double mostTets) const;
 
 private:
-  void spread(TetComplex& complex, std::vector<double>& sizes, double growth) const;
+  void spread(const TetComplex& complex, std::vector<double>& sizes, double growth) const;
+  void assign(TetComplex& complex, const std::vector<double>& sizes) const;
 
   std::array<double, 256> lengths_;
 };

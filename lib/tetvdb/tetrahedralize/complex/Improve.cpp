@@ -12,9 +12,11 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -76,6 +78,11 @@ constexpr double kFineStop = 30;
 // about the lowest mean energy for their number.
 constexpr double kSurfaceShare = 1.25, kGrowth = 0.48, kRefinedShare = 0.7;
 constexpr int kMaxRefined = 15, kPassesToRefine = 2;
+// Where the input's own angles forbid the stop energy, smaller sizes never reach it: sizes ask for
+// no more than kMostGrowth times the coarse mesh's tets (a truck of 79 thousand grew to 12.7
+// million), and refining ends after kMaxSinceBest refinements without fewer tets above it.
+constexpr double kMostGrowth = 8;
+constexpr int kMaxSinceBest = 2;
 // Edges are split where they are longer than kSplitShare of their size, and collapsed where they
 // are shorter than kCollapseShare; on average they end up a tenth shorter than their size.
 constexpr double kSplitShare = 4. / 3, kCollapseShare = 4. / 5, kSizeOfLength = 1.1;
@@ -116,7 +123,7 @@ void improveParts(TetComplex& complex, const Bounds& bounds, const ImproveOption
         for (int sweep = 0; sweep < kSweeps; ++sweep)
           mine.moves += smoother.sweep();
         progress.check();
-        mine.splits += splitBadTets(part.complex, step.aim);
+        mine.splits += splitBadTets(part.complex, sizes, step.aim);
         mine.swaps += swapper.sweep();
         mine.moves += smoother.sweep();
       },
@@ -179,10 +186,15 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
   const double aim = kAimShare * options.stopEnergy;
   const Step coarse{options.stopEnergy / 2, options.stopEnergy}, fine{3, aim};
   std::size_t bad = countEnergies(complex, options.stopEnergy, counts);
-  int round = 0, refined = 0, sinceRefined = 0;
-  while (counts.passes < options.maxPasses && refined < kMaxRefined) {
-    if (isFine && counts.passes == kCoarsePasses)
-      sizes.followSurface(complex, kSurfaceShare, kGrowth);
+  int round = 0, refined = 0, sinceRefined = 0, sinceBest = 0;
+  double mostTets = std::numeric_limits<double>::infinity();
+  std::size_t fewestBad = std::numeric_limits<std::size_t>::max();
+  TetComplex best; // the one with the fewest tets above the stop energy, before sizes were refined
+  while (counts.passes < options.maxPasses) {
+    if (isFine && counts.passes == kCoarsePasses) {
+      mostTets = kMostGrowth * static_cast<double>(complex.tetCount());
+      sizes.followSurface(complex, kSurfaceShare, kGrowth, mostTets);
+    }
     const bool isCoarse = !isFine || counts.passes < kCoarsePasses;
     for (int i = 0; i < kRoundsAPass; ++i)
       improveParts(complex, bounds, options, sizes, round++, isCoarse ? coarse : fine, counts,
@@ -198,11 +210,24 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
       continue;
     if (bad == 0)
       break;
-    if (5 * bad > 4 * before && sinceRefined >= kPassesToRefine) {
-      sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge);
-      ++refined;
-      sinceRefined = 0;
+    if (5 * bad <= 4 * before || sinceRefined < kPassesToRefine)
+      continue;
+    const std::size_t above = countEnergies(complex, options.stopEnergy, counts);
+    ++sinceBest;
+    if (above < fewestBad) {
+      fewestBad = above;
+      best = complex;
+      sinceBest = 0;
     }
+    if (refined == kMaxRefined || sinceBest == kMaxSinceBest ||
+        !sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge, mostTets))
+      break;
+    ++refined;
+    sinceRefined = 0;
+  }
+  if (countEnergies(complex, options.stopEnergy, counts) > fewestBad) {
+    complex = std::move(best);
+    countEnergies(complex, options.stopEnergy, counts);
   }
   return counts;
 }

@@ -38,8 +38,9 @@ ImproveCounts coarsen(TetComplex& complex, const Bounds& bounds, Progress& progr
 /// as the target length and the surface's bounds allow; the others, where no more than 30 is asked
 /// for, follow sizes that grow away from its surface (EdgeSizes.h) and make all tets better. They
 /// aim a little lower than `stopEnergy`. Around tets that stay bad sizes are made smaller, down to
-/// `smallestEdge`; ends early where that fails. Parallel by TetParts; the same mesh for any
-/// number of threads.
+/// `smallestEdge`, as long as that leaves fewer tets above `stopEnergy` and asks for no more than
+/// eight times the coarse mesh's tets; the mesh with the fewest such tets is the result. Parallel
+/// by TetParts; the same mesh for any number of threads.
 ImproveCounts improve(TetComplex& complex, const Bounds& bounds, const ImproveOptions& options,
                       Progress& progress);
 

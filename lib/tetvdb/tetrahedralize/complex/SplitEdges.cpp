@@ -32,7 +32,7 @@ struct LongEdge {
 
 class EdgeSplitter {
 public:
-  explicit EdgeSplitter(TetComplex& complex) : complex_(complex) {}
+  EdgeSplitter(TetComplex& complex, const EdgeSizes& sizes) : complex_(complex), sizes_(sizes) {}
 
   /// At the midpoint, unless a tet gets worse than `energy` and than all tets around the edge.
   bool split(const LongEdge& edge, double energy) {
@@ -128,7 +128,7 @@ private:
     TetComplex::Point point;
     const auto &a = complex_.points[a_], &b = complex_.points[b_];
     point.at = at;
-    point.fineness = static_cast<std::uint8_t>((a.fineness + b.fineness) / 2);
+    point.fineness = sizes_.finenessOf(sizes_.of(a, b)); // sizes grow linearly along an edge
     point.onBoundary =
         a.onBoundary && b.onBoundary && sheets_ == 2; // both tets of the only tracked face
     complex_.points.push_back(point);
@@ -136,6 +136,7 @@ private:
   }
 
   TetComplex& complex_;
+  const EdgeSizes& sizes_;
   std::vector<std::uint32_t> around_, ring_;
   std::vector<TetComplex::NewTet> fresh_;
   std::vector<PointStar::LinkFace> faces_; // around the new point
@@ -149,10 +150,11 @@ LongEdge longEdge(const TetComplex& complex, std::uint32_t t, unsigned i, unsign
   return {dot(edge, edge), a, b, t};
 }
 
-std::size_t splitAll(TetComplex& complex, std::vector<LongEdge>& edges, double energy) {
+std::size_t splitAll(TetComplex& complex, const EdgeSizes& sizes, std::vector<LongEdge>& edges,
+                     double energy) {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  EdgeSplitter splitter(complex);
+  EdgeSplitter splitter(complex, sizes);
   std::size_t splits = 0;
   for (const LongEdge& edge : edges)
     splits += splitter.split(edge, energy);
@@ -175,12 +177,12 @@ std::size_t splitEdges(TetComplex& complex, const EdgeSizes& sizes, double share
           edges.push_back(edge);
       }
   }
-  return splitAll(complex, edges, energy);
+  return splitAll(complex, sizes, edges, energy);
 }
 
-std::size_t splitBadTets(TetComplex& complex, double energy) {
+std::size_t splitBadTets(TetComplex& complex, const EdgeSizes& sizes, double energy) {
   const auto order = takeChangedTets(complex, kSplitChanged, energy, 0);
-  EdgeSplitter splitter(complex);
+  EdgeSplitter splitter(complex, sizes);
   std::size_t splits = 0;
   for (const auto& [worst, t] : order)
     if (complex.tets[t].exists() && energyOf(complex, t) == worst)

@@ -19,7 +19,7 @@ std::size_t splitEdges(TetComplex& complex, const EdgeSizes& sizes, double share
 /// Splits edges of tets above `energy`, the worst first, where that makes the worst tet around the
 /// edge better: at the midpoint, or, off the surface, where the new point is best. Each tet is
 /// tried once until something around it changes. Serial. Returns how many were split.
-std::size_t splitBadTets(TetComplex& complex, double energy);
+std::size_t splitBadTets(TetComplex& complex, const EdgeSizes& sizes, double energy);
 
 /// Bit of Point::changed that splitBadTets() uses.
 constexpr std::uint8_t kSplitChanged = 8;

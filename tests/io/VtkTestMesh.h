@@ -3,6 +3,7 @@
 // The mesh of tests/data/make_vtk_variants.py as formulas, and damage for any reader's files.
 #pragma once
 
+#include "FileBytes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/MeshReader.h"
 #include "tetvdb/io/source/Source.h"
@@ -25,12 +26,6 @@ using Reader = CellMesh (*)(const Source&, const ReadOptions&, Report&, Progress
 
 inline std::string dataPath(const std::string& name) {
   return std::string(TETVDB_TEST_DATA) + "/vtk/" + name;
-}
-
-inline std::string fileBytes(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  EXPECT_TRUE(in) << path;
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// Files of tests/data/vtk whose names begin and end as given, sorted.

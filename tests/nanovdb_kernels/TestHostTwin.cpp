@@ -2,6 +2,7 @@
 //
 // The device's steps, run by their twin on the host, against the CPU's voxelize(), which shares no
 // code with them but the exact predicates.
+#include "FileBytes.h"
 #include "Grids.h"
 #include "Meshes.h"
 #include "nanovdb_kernels/AnySoup.h"
@@ -188,20 +189,63 @@ TEST(HostTwin, FilesFromBuffersReadBack) {
   nano::HostTwin twin;
   const nano::Result result =
       twin.run(viewOf(mesh), jobFor(GridType::Owner, Method::Auto, GridTransform{}));
-  const auto release = [](unsigned char* p) { std::free(p); };
-  std::vector<NanoBytes> grids;
-  grids.push_back({{static_cast<unsigned char*>(
-                        std::aligned_alloc(64, (result.counts.bufferBytes + 63) / 64 * 64)),
-                    release},
-                   result.counts.bufferBytes});
-  std::memcpy(grids[0].data.get(), result.bytes, result.counts.bufferBytes);
   const std::string path = testing::TempDir() + "twin.nvdb";
   Progress progress;
-  writeNanoGrids(path, grids, progress);
+  writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes}},
+                 progress);
   EXPECT_EQ(hash(readVolume(path, progress)), cpuHash(mesh, GridKind::TetId, GridTransform{}));
-  auto& header = *reinterpret_cast<nanovdb::GridData*>(grids[0].data.get());
-  EXPECT_NE(checksumOf(header) >> 32, 0xFFFFFFFFu);
   std::remove(path.c_str());
+}
+
+// Checksums included.
+TEST(HostTwin, FilesFromBuffersAreThoseOfTrees) {
+  const TetMesh mesh = meshes::ball(5, 90, {10, 20, 30});
+  nano::HostTwin twin;
+  Progress progress;
+  for (const GridType type : {GridType::Bool, GridType::Fog}) {
+    const nano::Result result = twin.run(viewOf(mesh), jobFor(type, Method::Auto, {}));
+    const std::string path = testing::TempDir() + "twin.nvdb";
+    writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes}},
+                   progress);
+    const std::string bytes = test::fileBytes(path);
+    Volume volume;
+    volume.grids().all = {gridOfNano(result.bytes)};
+    writeVolume(path, volume, progress);
+    EXPECT_TRUE(bytes == test::fileBytes(path));
+    std::remove(path.c_str());
+  }
+}
+
+// Counted node by node.
+TEST(HostTwin, BuffersAreDescribedAsTheirTrees) {
+  nano::HostTwin twin;
+  for (const TetMesh& mesh :
+       {meshes::ball(5, 90, {10, 20, 30}), meshes::ball(3, 900, {-7, 4000, 0}),
+        meshes::scaled(kuhnGrid(2, 2, 2), 64), meshes::scaled(kuhnGrid(1, 1, 1), 0.1)})
+    for (const GridType type : {GridType::Mask, GridType::Bool, GridType::Fog, GridType::Owner}) {
+      nano::Job job = jobFor(type, Method::Auto, {{0.5, 0.5, 0.5}, {1, 2, 3}});
+      job.voxelSize[0] = job.voxelSize[1] = job.voxelSize[2] = type == GridType::Owner ? 8 : 2;
+      const nano::Result result = twin.run(viewOf(mesh), job);
+      Volume volume;
+      volume.grids().all = {gridOfNano(result.bytes)};
+      const GridInfo expected = describe(volume).front(), info = describeNano(result.bytes);
+      EXPECT_EQ(info.name, expected.name);
+      EXPECT_EQ(info.type, expected.type);
+      EXPECT_EQ(info.gridClass, expected.gridClass);
+      EXPECT_EQ(info.metadata, expected.metadata);
+      EXPECT_EQ(info.transform.voxelSize, expected.transform.voxelSize);
+      EXPECT_EQ(info.transform.origin, expected.transform.origin);
+      EXPECT_EQ(info.linear, expected.linear);
+      EXPECT_EQ(info.activeVoxels, expected.activeVoxels);
+      EXPECT_EQ(info.activeTiles, expected.activeTiles);
+      EXPECT_EQ(info.leaves, expected.leaves);
+      EXPECT_EQ(info.bytes, expected.bytes);
+      EXPECT_EQ(info.volume, expected.volume);
+      EXPECT_EQ(info.boxMin, expected.boxMin);
+      EXPECT_EQ(info.boxMax, expected.boxMax);
+      EXPECT_EQ(info.minValue, expected.minValue);
+      EXPECT_EQ(info.maxValue, expected.maxValue);
+    }
 }
 
 TEST(HostTwin, CountsFlipsAndDrops) {

@@ -25,6 +25,7 @@
 #include "tetvdb/pipeline/VoxelizeOutput.h"
 #include "tetvdb/pipeline/prepared/PreparedJob.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
 #include "tetvdb/voxelize/VoxelizeMaterials.h"
@@ -162,16 +163,22 @@ std::vector<Mesh> readAll(const VoxelizeJob& job, VoxelizeResult& result, Report
   return meshes;
 }
 
-// `packed`: grids that come after the volume's.
+// `nano`: the grids in place of the volume's, once voxelizeMesh() has run; `packed`: grids that
+// come after the volume's.
 template <typename Voxelize>
-Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeResult& result,
-                  Report& report, Progress& progress, const Voxelize& voxelizeMesh) {
+Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
+                  const PackedGrids& packed, VoxelizeResult& result, Report& report,
+                  Progress& progress, const Voxelize& voxelizeMesh) {
   VoxelizeOptions options = job.voxelize;
   options.grids = voxelizedOf(job);
   options.maxMemory = memoryLeft(job.maxMemory);
   Voxelization made = voxelizeMesh(options);
   result.counts = made.counts;
   result.transform = made.transform;
+  for (const NanoBytes& grid : nano)
+    result.grids.push_back(describeNano(grid.data.get()));
+  if (!nano.empty())
+    return {};
   setMaskType(job, made.volume.grids().all);
   made.volume.metadata = originMetadata(job);
   setHalf(job, made.volume.grids().all);
@@ -191,10 +198,12 @@ Volume makeVolume(const VoxelizeJob& job, const PackedGrids& packed, VoxelizeRes
   return std::move(made.volume);
 }
 
-// Where the device's NanoVDB grids may be written as they are, place for them.
+// Place for the device's NanoVDB grids where they are all that the job needs: they are written as
+// they are.
 std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
   return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() && job.tileSize == 0 &&
-                 job.levels.isEmpty() && voxelizedOf(job).size() == job.grids.size()
+                 job.levels.isEmpty() && voxelizedOf(job).size() == job.grids.size() && !job.keep &&
+                 job.preview.empty() && job.voxelize.fit.voxels == 0
              ? &nano
              : nullptr;
 }
@@ -299,10 +308,11 @@ void runTets(const VoxelizeJob& job, VoxelizeResult& result, Report& report, Pro
   std::vector<NanoBytes> nano;
   PackedGrids packed;
   if (job.makesVolume()) {
-    volume = makeVolume(job, packed, result, report, progress, [&](const VoxelizeOptions& options) {
-      return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed, result, report,
-                          progress);
-    });
+    volume = makeVolume(job, nano, packed, result, report, progress,
+                        [&](const VoxelizeOptions& options) {
+                          return voxelizeTets(job, mesh, options, nanoPlace(job, nano), packed,
+                                              result, report, progress);
+                        });
     if (job.meshOutput.empty())
       mesh = TetMesh(); // its memory serves the writer
     if (!job.preview.empty())
@@ -352,7 +362,7 @@ public:
       return;
     Volume volume;
     if (job_.makesVolume()) {
-      volume = makeVolume(job_, {}, result_, report_, progress_,
+      volume = makeVolume(job_, nano_, {}, result_, report_, progress_,
                           [&](const VoxelizeOptions& options) { return makeGrids(options); });
       for (const auto& [key, text] : unitsFound())
         volume.metadata.emplace(key, text);

@@ -15,16 +15,6 @@
 #include <utility>
 
 namespace tetvdb {
-namespace {
-
-bool isCurrent(const std::vector<NanoBytes>& nano, const Volume& volume) {
-  const auto& grids = volume.grids().all;
-  return !nano.empty() && std::none_of(grids.begin(), grids.end(), [](const auto& grid) {
-    return grid->constBaseTree().leafCount() == 1;
-  });
-}
-
-} // namespace
 
 ShapeOptions shapesOf(const VoxelizeJob& job) {
   ShapeOptions shapes = job.shapes;
@@ -107,7 +97,7 @@ void writeOutputs(const VoxelizeJob& job, const VoxelizeOutput& output,
         const auto own = static_cast<std::ptrdiff_t>(result.grids.size());
         result.grids.insert(result.grids.end(), files.grids.begin() + own, files.grids.end());
         addTileFiles(files, job.output, result);
-      } else if (isCurrent(nano, volume))
+      } else if (!nano.empty())
         writeNanoGrids(job.output, nano, progress);
       else if (!packed.empty())
         writeVdb(job.output, volume, packed, progress);

@@ -26,8 +26,7 @@ void checkValues(const VoxelizeJob& job, const std::vector<GridInfo>& grids, Rep
 
 struct VoxelizeOutput {
   Volume& volume;
-  /// The device's grids of the volume, where these can be written as they are. They are not where
-  /// openFirstTile() has changed a grid of tiles alone.
+  /// The device's grids, written as they are; the volume then has none.
   const std::vector<NanoBytes>& nano;
   const PackedGrids& packed; ///< that come after the volume's
   const Preview& preview;

@@ -6,9 +6,10 @@
 
 namespace tetvdb {
 
-/// A NanoVDB grid in memory that this program built, aligned to 64 bytes.
+/// A NanoVDB grid in memory that this program built, aligned to 64 bytes. It may lie in memory of
+/// the device that made it, which `data` then keeps from other jobs.
 struct NanoBytes {
-  std::unique_ptr<unsigned char[], void (*)(unsigned char*)> data;
+  std::shared_ptr<const unsigned char> data;
   std::size_t size = 0;
 };
 

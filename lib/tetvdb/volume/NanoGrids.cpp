@@ -3,11 +3,13 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/NanoVdb.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <cstring>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <type_traits>
 #include <vector>
 
 namespace tetvdb {
@@ -96,32 +98,30 @@ private:
   Value background_;
 };
 
-template <typename TreeType, typename BuildT>
-openvdb::GridBase::Ptr make(const unsigned char* bytes) {
-  const auto& grid = *reinterpret_cast<const nanovdb::NanoGrid<BuildT>*>(bytes);
-  return openvdb::Grid<TreeType>::create(NanoTree<TreeType, BuildT>(grid).make());
-}
-
-openvdb::GridBase::Ptr makeOf(nanovdb::GridType type, const unsigned char* bytes) {
-  switch (type) {
+// Calls f(grid, tree) with the typed grid at `bytes` and a null pointer to OpenVDB's type of its
+// tree.
+template <typename F>
+auto withNanoGrid(const unsigned char* bytes, const F& f) {
+  const auto typed = [&](auto build, auto* tree) {
+    return f(*reinterpret_cast<const nanovdb::NanoGrid<decltype(build)>*>(bytes), tree);
+  };
+  switch (reinterpret_cast<const nanovdb::GridData*>(bytes)->mGridType) {
   case nanovdb::GridType::Float:
-    return make<openvdb::FloatTree, float>(bytes);
+    return typed(float(), static_cast<openvdb::FloatTree*>(nullptr));
   case nanovdb::GridType::Int32:
-    return make<openvdb::Int32Tree, std::int32_t>(bytes);
+    return typed(std::int32_t(), static_cast<openvdb::Int32Tree*>(nullptr));
   case nanovdb::GridType::Mask:
-    return make<openvdb::BoolTree, nanovdb::ValueMask>(bytes);
+    return typed(nanovdb::ValueMask(), static_cast<openvdb::BoolTree*>(nullptr));
   case nanovdb::GridType::Boolean:
-    return make<openvdb::BoolTree, bool>(bytes);
+    return typed(bool(), static_cast<openvdb::BoolTree*>(nullptr));
   default:
     throw Error(Status::Usage, "", "the NanoVDB grid is of a kind that is not built here");
   }
 }
 
-} // namespace
-
-openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
+// OpenVDB's grid of a tree, with what the head at `bytes` says of it.
+openvdb::GridBase::Ptr named(const openvdb::GridBase::Ptr& grid, const unsigned char* bytes) {
   const auto& header = *reinterpret_cast<const nanovdb::GridData*>(bytes);
-  const openvdb::GridBase::Ptr grid = makeOf(header.mGridType, bytes);
   grid->setName(header.mGridName);
   grid->setGridClass(header.mGridClass == nanovdb::GridClass::FogVolume ? openvdb::GRID_FOG_VOLUME
                                                                         : openvdb::GRID_UNKNOWN);
@@ -130,6 +130,48 @@ openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
   grid->setTransform(
       makeTransform({{size[0], size[1], size[2]}, {origin[0], origin[1], origin[2]}}));
   return grid;
+}
+
+} // namespace
+
+openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
+  return withNanoGrid(bytes, [&](const auto& nano, auto* tree) {
+    using TreeType = std::remove_pointer_t<decltype(tree)>;
+    using BuildT = typename std::decay_t<decltype(nano)>::BuildType;
+    return named(openvdb::Grid<TreeType>::create(NanoTree<TreeType, BuildT>(nano).make()), bytes);
+  });
+}
+
+GridInfo describeNano(const unsigned char* bytes) {
+  return withNanoGrid(bytes, [&](const auto& nano, auto* tree) {
+    using TreeType = std::remove_pointer_t<decltype(tree)>;
+    using Value = typename TreeType::ValueType;
+    const auto& root = *nano.tree().root().data();
+    Volume empty;
+    empty.grids().all = {
+        named(openvdb::Grid<TreeType>::create(static_cast<Value>(root.mBackground)), bytes)};
+    GridInfo info = describe(empty).front();
+    const auto& counts = *nano.tree().data();
+    info.leaves = counts.mNodeCount[0];
+    info.bytes = describedNodeBytes<TreeType>().of(counts.mNodeCount[2], counts.mNodeCount[1],
+                                                   counts.mNodeCount[0]);
+    info.activeVoxels = counts.mVoxelCount;
+    for (const auto tiles : counts.mTileCount)
+      info.activeTiles += tiles;
+    if (info.activeVoxels == 0)
+      return info;
+    info.volume = static_cast<double>(info.activeVoxels) *
+                  empty.grids().all.front()->transform().voxelVolume();
+    const auto box = root.mBBox;
+    info.boxMin = {box.min()[0], box.min()[1], box.min()[2]};
+    info.boxMax = {box.max()[0], box.max()[1], box.max()[2]};
+    info.minValue = info.maxValue = 1;
+    if constexpr (!std::is_same_v<Value, bool>) {
+      info.minValue = static_cast<double>(root.mMinimum);
+      info.maxValue = static_cast<double>(root.mMaximum);
+    }
+    return info;
+  });
 }
 
 } // namespace tetvdb

@@ -11,4 +11,8 @@ namespace tetvdb {
 /// Parallel, by lower nodes; bound by the memory of the result.
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes);
 
+/// The result of describe() for gridOfNano(bytes), from the counts in the buffer's head: no node is
+/// read.
+GridInfo describeNano(const unsigned char* bytes);
+
 } // namespace tetvdb

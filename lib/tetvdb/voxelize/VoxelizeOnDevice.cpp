@@ -68,13 +68,12 @@ std::vector<std::int32_t> valuesOf(GridKind kind, const TetMesh& mesh) {
 }
 
 NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
-  const auto release = [](unsigned char* p) { std::free(p); };
-  NanoBytes copy{
-      {static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), release}, size};
-  if (copy.data == nullptr)
+  const std::shared_ptr<unsigned char> copy(
+      static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), std::free);
+  if (copy == nullptr)
     throw Error(Status::Limit, "", "the grid does not fit in memory");
-  std::memcpy(copy.data.get(), bytes, size);
-  return copy;
+  std::memcpy(copy.get(), bytes, size);
+  return {copy, size};
 }
 
 // Seconds, fitted to what `tetvdb_device_bench auto`, `fields` and `levelset` measure on an H200
@@ -189,12 +188,23 @@ DeviceCost estimateCost(const TriangleMesh& mesh, const GridTransform& transform
 
 namespace {
 
-// The grids of meshOf(kind), of world coordinates; no volume where it does not close.
-template <typename MeshOf>
-Voxelization voxelizeOn(DeviceSet& devices, const GridTransform& transform,
-                        const std::vector<GridKind>& kinds, FillRule rule, const MeshOf& meshOf,
-                        std::vector<NanoBytes>* nanoGrids, Report& report, Progress& progress) {
+// What voxelizeOn() made.
+struct MadeOnDevice {
   Voxelization result;
+  bool closes = true; ///< false: nothing was made, since the mesh needs its holes filled
+  std::uint64_t activeVoxels = 0; ///< of the first grid
+};
+
+// The grids of meshOf(kind), of world coordinates. `nanoGrids`, unless null, receives them in place
+// of the volume if all have leaves.
+template <typename MeshOf>
+MadeOnDevice voxelizeOn(const std::shared_ptr<const BorrowedDevices>& borrowed,
+                        const GridTransform& transform, const std::vector<GridKind>& kinds,
+                        FillRule rule, const MeshOf& meshOf, std::vector<NanoBytes>* nanoGrids,
+                        Report& report, Progress& progress) {
+  DeviceSet& devices = **borrowed;
+  MadeOnDevice all;
+  Voxelization& result = all.result;
   result.transform = transform;
   const auto timed = [&](const char* name, double seconds, Stage stage = {}) {
     stage.name = name;
@@ -214,12 +224,25 @@ Voxelization voxelizeOn(DeviceSet& devices, const GridTransform& transform,
     const nano::Result made = devices.run(meshOf(kind), job, progress);
     counts = made.counts;
     result.counts.openEdges = counts.openEdges;
-    if (made.bytes == nullptr)
-      return result;
+    if (made.bytes == nullptr) {
+      all.closes = false;
+      return all;
+    }
     download.part(job.name);
-    grids->all.push_back(gridOfNano(made.bytes));
-    if (nanoGrids != nullptr)
-      nanoGrids->push_back(copyOf(made.bytes, made.counts.bufferBytes));
+    if (kind == kinds.front())
+      all.activeVoxels = describeNano(made.bytes).activeVoxels;
+    if (nanoGrids != nullptr && counts.leaves == 0) { // tiles alone need one that is opened
+      for (const NanoBytes& before : *nanoGrids)
+        grids->all.push_back(gridOfNano(before.data.get()));
+      nanoGrids->clear();
+      nanoGrids = nullptr;
+    }
+    if (nanoGrids == nullptr)
+      grids->all.push_back(gridOfNano(made.bytes));
+    else if (kind == kinds.back()) // no run follows that needs its memory
+      nanoGrids->push_back({{borrowed, made.bytes}, counts.bufferBytes});
+    else
+      nanoGrids->push_back(copyOf(made.bytes, counts.bufferBytes));
     const nano::Times times = devices.times();
     sum.upload += times.upload;
     sum.build += times.build;
@@ -233,7 +256,7 @@ Voxelization voxelizeOn(DeviceSet& devices, const GridTransform& transform,
   result.counts.dropped = counts.dropped;
   result.counts.boundaryFaces = counts.boundaryFaces;
   result.path = counts.method == nano::Method::Tets ? OccupancyPath::Tets : OccupancyPath::Boundary;
-  return result;
+  return all;
 }
 
 // An open soup with all that the device needs of it.
@@ -320,19 +343,19 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
       [&](const auto& start) {
         progress.stage("voxelize");
         initializeOpenVDB();
-        const BorrowedDevices devices = start();
+        const std::shared_ptr<const BorrowedDevices> devices(new BorrowedDevices(start()));
         std::vector<std::int32_t> values;
         const auto viewOf = [&](GridKind kind) {
           values = valuesOf(kind, mesh);
           return nano::MeshView{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
                                 mesh.tetCount(), values.empty() ? nullptr : values.data()};
         };
-        Voxelization result = voxelizeOn(*devices, chooseTransform(mesh, options), options.grids,
-                                         FillRule::Positive, viewOf, nanoGrids, report, progress);
-        reportOrigin(result.transform, options, report);
-        reportTets(result.counts, mesh.tetCount(), report);
-        requireVoxels(result, options);
-        return result;
+        MadeOnDevice made = voxelizeOn(devices, chooseTransform(mesh, options), options.grids,
+                                       FillRule::Positive, viewOf, nanoGrids, report, progress);
+        reportOrigin(made.result.transform, options, report);
+        reportTets(made.result.counts, mesh.tetCount(), report);
+        requireVoxels(made.activeVoxels == 0, options);
+        return std::move(made.result);
       },
       [&] {
         if (nanoGrids != nullptr)
@@ -368,25 +391,21 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
       [&](const auto& start) {
         progress.stage("voxelize");
         initializeOpenVDB();
-        const BorrowedDevices devices = start();
+        const std::shared_ptr<const BorrowedDevices> devices(new BorrowedDevices(start()));
         nano::MeshView view = viewOf(mesh);
-        const auto voxelized = [&](const GridTransform& transform, Report& told) {
-          if (nanoGrids != nullptr)
-            nanoGrids->clear();
-          Voxelization result = voxelizeOn(
-              *devices, transform, options.grids, *rule, [&](GridKind) { return view; }, nanoGrids,
-              told, progress);
-          if (!result.volume.grids().all.empty())
-            reportOrigin(result.transform, options, told);
-          return result;
+        const auto voxelized = [&](const GridTransform& transform, std::vector<NanoBytes>* nano,
+                                   Report& told) {
+          MadeOnDevice made = voxelizeOn(
+              devices, transform, options.grids, *rule, [&](GridKind) { return view; }, nano, told,
+              progress);
+          if (made.closes)
+            reportOrigin(made.result.transform, options, told);
+          return made;
         };
-        const auto activeVoxels = [](const Voxelization& result) {
-          return result.volume.grids().all.front()->activeVoxelCount();
-        };
-        Voxelization closed = voxelized(chooseTransform(mesh, options, solid), report);
-        if (!closed.volume.grids().all.empty()) {
-          checkSolid({}, solid, activeVoxels(closed), 0, options, report);
-          return closed;
+        MadeOnDevice closed = voxelized(chooseTransform(mesh, options, solid), nanoGrids, report);
+        if (closed.closes) {
+          checkSolid({}, solid, closed.activeVoxels, 0, options, report);
+          return std::move(closed.result);
         }
         return keepResolution(options, report, [&](const VoxelizeOptions& now, Report& told) {
           const GridTransform transform = chooseTransform(mesh, now, solid);
@@ -396,13 +415,14 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
             filled.emplace(mesh, solid, transform, timer, progress);
           }
           view.holes = &filled->view;
-          Voxelization result = voxelized(transform, told);
-          result.counts = filled->faces.counts;
-          checkSolid(filled->faces.boundary, solid, activeVoxels(result),
+          // Trees, whose extent decides whether voxels have to be larger.
+          MadeOnDevice made = voxelized(transform, nullptr, told);
+          made.result.counts = filled->faces.counts;
+          checkSolid(filled->faces.boundary, solid, made.activeVoxels,
                      estimateByBoundary(filled->faces.snapped, filled->faces.chain).leaves *
                          kLeafSize * kLeafSize,
                      now, told);
-          return result;
+          return std::move(made.result);
         });
       },
       onCpu);

@@ -42,8 +42,9 @@ void requireDevice(const DeviceChoice& choice);
 /// voxelize() on the device of `choice`. If it is Auto and the device fails or has too little
 /// memory, the CPU does the job and the warning "device-left" is added. Adds stages "upload",
 /// "voxelize" and "download" to `report` where the GPU is used; making OpenVDB's trees is a part of
-/// "download". `nano`, unless null, receives the grids as NanoVDB where the GPU made them, else
-/// nothing. Throws what voxelize() throws, Error(Device) where the device fails.
+/// "download". `nano`, unless null, receives the grids as NanoVDB in place of the volume, which has
+/// none then, where the GPU made them and all of them have leaves, else nothing. Throws what
+/// voxelize() throws, Error(Device) where the device fails.
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
                       const DeviceChoice& choice, DeviceUsed& used, std::vector<NanoBytes>* nano,
                       Report& report, Progress& progress);
@@ -51,7 +52,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
 /// The same for triangles. What the GPU cannot do (shells, `flood`, rules but Centre) the CPU does,
 /// with the warning "device-unused" where a GPU was asked for. Of soups that do not close, the
 /// stage "holes" is added: the CPU fills the holes and finds the leaves in which the winding number
-/// may pass a half off the faces; its values there are the GPU's.
+/// may pass a half off the faces; its values there are the GPU's; `nano` receives nothing.
 Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                       const VoxelizeOptions& options, const DeviceChoice& choice, DeviceUsed& used,
                       std::vector<NanoBytes>* nano, Report& report, Progress& progress);

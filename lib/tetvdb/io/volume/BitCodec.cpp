@@ -96,9 +96,7 @@ public:
   bool hasDelayedLoad() const override { return !kBits; }
 
   NodeBytes openvdbBytes() const override { return openvdbNodeBytes<TreeT>(); }
-  NodeBytes describedBytes() const override {
-    return {sizeof(TreeT), sizeof(Upper), sizeof(Lower), openvdbNodeBytes<TreeT>().leaf};
-  }
+  NodeBytes describedBytes() const override { return describedNodeBytes<TreeT>(); }
 
 private:
   static constexpr T kInside = T(1);

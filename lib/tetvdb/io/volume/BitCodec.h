@@ -6,8 +6,8 @@
 // decompressing them.
 #pragma once
 
-#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/volume/BitSource.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <cstddef>
 #include <cstdint>

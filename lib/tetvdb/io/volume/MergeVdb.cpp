@@ -4,12 +4,12 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
 #include "tetvdb/io/volume/GridSpool.h"
-#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/io/volume/VdbPart.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <algorithm>
 #include <cerrno>

@@ -5,10 +5,10 @@
 // followed. Internal: instantiates both libraries.
 #pragma once
 
-#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/io/volume/NodeChecksum.h"
 #include "tetvdb/io/volume/NvdbFile.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <algorithm>
 #include <cmath>

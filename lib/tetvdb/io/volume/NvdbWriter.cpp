@@ -56,9 +56,9 @@ void writeGrid(AtomicFile& file, const GridT& grid, const std::string& folder,
   nodes.writeTo(file, grid, share.part(0.6, 1));
 }
 
-// Completes NanoVDB's checksum of a grid whose nodes lie breadth first: adds that over all nodes to
-// that of grid, tree and root, which the grid has.
-void completeChecksum(unsigned char* bytes) {
+// The head of a grid whose nodes lie breadth first, with NanoVDB's full checksum: that over all
+// nodes is added to that of grid, tree and root, which the grid has.
+NvdbGrid headWithChecksum(const unsigned char* bytes) {
   NvdbGrid grid;
   std::memcpy(&grid, bytes, sizeof grid);
   const std::uint64_t ends[3] = {grid.gridSize - kNvdbTreeAt, grid.nodeOffset[0],
@@ -77,11 +77,11 @@ void completeChecksum(unsigned char* bytes) {
     first += count;
   }
   if (sums.empty())
-    return;
+    return grid;
   NodeChecksum tail;
   tail.add(sums);
   grid.checksum = (grid.checksum & 0xFFFFFFFF) | tail.value() << 32;
-  std::memcpy(bytes, &grid, sizeof grid);
+  return grid;
 }
 
 } // namespace
@@ -90,11 +90,10 @@ void writeNanoGrids(const std::string& path, const std::vector<NanoBytes>& grids
                     Progress& progress) {
   AtomicFile file(path);
   for (const NanoBytes& bytes : grids) {
-    completeChecksum(bytes.data.get());
-    NvdbGrid grid;
-    std::memcpy(&grid, bytes.data.get(), sizeof grid);
+    const NvdbGrid grid = headWithChecksum(bytes.data.get());
     NvdbSegment segment(file, bytes.data.get(), grid.name);
-    for (std::size_t done = 0; done < bytes.size; done += kStep) {
+    segment.write(&grid, sizeof grid);
+    for (std::size_t done = sizeof grid; done < bytes.size; done += kStep) {
       progress.check();
       segment.write(bytes.data.get() + done, std::min(kStep, bytes.size - done));
     }

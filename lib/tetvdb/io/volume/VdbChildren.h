@@ -5,9 +5,9 @@
 #pragma once
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/io/volume/VdbHeader.h"
 #include "tetvdb/volume/GridTypes.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -2,9 +2,9 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/io/volume/JoinedParts.h"
-#include "tetvdb/io/volume/NodeBytes.h"
 #include "tetvdb/io/volume/Spool.h"
 #include "tetvdb/io/volume/VdbPieces.h"
+#include "tetvdb/volume/NodeBytes.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Memory of the nodes of a tree, as OpenVDB counts it in a file's metadata.
+// Memory of the nodes of a tree.
 #pragma once
 
 #include "tetvdb/volume/GridTypes.h"
@@ -20,6 +20,7 @@ struct NodeBytes {
   }
 };
 
+/// As OpenVDB counts it in a file's metadata.
 template <class TreeT>
 NodeBytes openvdbNodeBytes() {
   using Lists = NodeLists<TreeT>;
@@ -34,6 +35,14 @@ NodeBytes openvdbNodeBytes() {
           internal(*std::make_unique<typename Lists::Upper>()),
           internal(*std::make_unique<typename Lists::Lower>()),
           static_cast<std::size_t>(leaf.memUsage())};
+}
+
+/// As describe() counts it.
+template <class TreeT>
+NodeBytes describedNodeBytes() {
+  using Lists = NodeLists<TreeT>;
+  return {sizeof(TreeT), sizeof(typename Lists::Upper), sizeof(typename Lists::Lower),
+          openvdbNodeBytes<TreeT>().leaf};
 }
 
 } // namespace tetvdb

@@ -11,5 +11,7 @@ template class tree::Tree<Int32Tree::RootNodeType>;
 template class Grid<Int32Tree>;
 template class tree::Tree<Int64Tree::RootNodeType>;
 template class Grid<Int64Tree>;
+template class tree::Tree<Vec3ITree::RootNodeType>;
+template class Grid<Vec3ITree>;
 } // namespace OPENVDB_VERSION_NAME
 } // namespace openvdb

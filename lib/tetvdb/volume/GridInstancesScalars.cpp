@@ -11,5 +11,7 @@ template class tree::Tree<FloatTree::RootNodeType>;
 template class Grid<FloatTree>;
 template class tree::Tree<DoubleTree::RootNodeType>;
 template class Grid<DoubleTree>;
+template class tree::Tree<Vec3DTree::RootNodeType>;
+template class Grid<Vec3DTree>;
 } // namespace OPENVDB_VERSION_NAME
 } // namespace openvdb

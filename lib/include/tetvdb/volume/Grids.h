@@ -50,5 +50,9 @@ extern template class tree::Tree<Int64Tree::RootNodeType>;
 extern template class Grid<Int64Tree>;
 extern template class tree::Tree<MaskTree::RootNodeType>;
 extern template class Grid<MaskTree>;
+extern template class tree::Tree<Vec3DTree::RootNodeType>;
+extern template class Grid<Vec3DTree>;
+extern template class tree::Tree<Vec3ITree::RootNodeType>;
+extern template class Grid<Vec3ITree>;
 } // namespace OPENVDB_VERSION_NAME
 } // namespace openvdb

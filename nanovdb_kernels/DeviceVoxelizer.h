@@ -71,6 +71,8 @@ struct Job {
   std::string name = "density";       ///< at most 255 bytes
   bool resident = false;              ///< the mesh's arrays are in the device's memory
   bool download = true;               ///< false: the buffer stays on the device
+  bool oneColumn = false;             ///< nothing is made but `column`; of one device alone
+  std::int32_t column[2] = {0, 0};    ///< x and y of a column of root tiles, in 4096 voxels
 };
 
 struct Counts {

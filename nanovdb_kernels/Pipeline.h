@@ -478,11 +478,27 @@ public:
     return dense < boundary;
   }
 
+  // All that one device makes.
+  RootShare ownShare() const {
+    RootShare share;
+    if (!job_.oneColumn)
+      return share;
+    u64 at[2];
+    for (int k = 0; k < 2; ++k) {
+      at[k] = static_cast<u64>(job_.column[k] - space_.base[k] / 512); // negative: very large
+      if (at[k] >= u64(1) << (space_.bits[k] - 9))
+        return {0, 0};
+    }
+    share.begin = at[0] << (space_.bits[1] - 9) | at[1];
+    share.end = share.begin + 1;
+    return share;
+  }
+
   // Shares of about as many columns of root tiles.
   RootShare evenShare() const {
-    RootShare share;
     if (shareOf_.of == 1)
-      return share;
+      return ownShare();
+    RootShare share;
     const auto tiles = [&](int k, u64 node) {
       return node >> 5 << (k == 0 ? space_.bits[1] - 9 : 0);
     };
@@ -529,7 +545,7 @@ public:
   template <typename BoxOf>
   RootShare shareByWork(u64 items, const BoxOf& boxOf) {
     if (shareOf_.of == 1)
-      return {};
+      return ownShare();
     constexpr int kMaxBits = 20;
     const int columnBits = space_.bits[0] + space_.bits[1] - 18;
     if (columnBits > kMaxBits)

@@ -15,9 +15,11 @@
 #include "tetvdb/volume/BitLevels.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/KeepResolution.h"
+#include "tetvdb/voxelize/NanoOccupancySource.h"
 #include "tetvdb/voxelize/OccupancySource.h"
 #include "tetvdb/voxelize/SolidFaces.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <optional>
@@ -81,8 +83,10 @@ public:
   }
   double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
 
-  void write(const SolidFaces& faces, std::map<std::string, std::string> metadata,
-             VoxelizeResult& result, StageTimer& timer, Progress& progress) {
+  // `columns`: what makes the occupancy in place of the CPU; null: nothing does.
+  void write(const SolidFaces& faces, DeviceColumns* columns,
+             std::map<std::string, std::string> metadata, VoxelizeResult& result, StageTimer& timer,
+             Progress& progress) {
     timer.part("cubes");
     result.counts = faces.counts;
     result.transform = transform_;
@@ -101,6 +105,12 @@ public:
       const CubeRange own = shardRanges(source.weights(), job_.shard.count)[job_.shard.index];
       source.restrict(own.begin, own.end);
     }
+    std::optional<NanoOccupancySource> fromDevice;
+    if (columns != nullptr)
+      fromDevice.emplace(source.cubes(), [&](std::int32_t x, std::int32_t y) {
+        return columns->make(x, y, progress);
+      });
+    BitSource& bits = fromDevice ? static_cast<BitSource&>(*fromDevice) : source;
     const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     options.spoolBytes = std::clamp(limit_ / 16, std::size_t(1) << 20, std::size_t(64) << 20);
     options.window = std::clamp(limit_ / 2 / kStackBytes, std::size_t(2), 4 * threads);
@@ -108,17 +118,17 @@ public:
     if (job_.tileSize > 0) {
       tiles_.emplace(job_.output, job_.tileSize, std::move(metadata), grids,
                      TileLevels{job_.levels, limit_ / 2});
-      tiles_->add(source, options, progress);
+      tiles_->add(bits, options, progress);
       result.grids = tiles_->grids();
       return;
     }
     std::optional<BitLevels> levels;
     if (!job_.levels.isEmpty()) {
-      levels.emplace(source, job_.levels, limit_ / 2 / grids.size());
+      levels.emplace(bits, job_.levels, limit_ / 2 / grids.size());
       options.moreGrids = grids.size() * job_.levels.size();
     }
     writer_.emplace(job_.output, std::move(metadata), grids, options);
-    BitSource& passed = levels ? static_cast<BitSource&>(*levels) : source;
+    BitSource& passed = levels ? static_cast<BitSource&>(*levels) : bits;
     result.grids = writer_->write(passed, progress, [&] {
       openvdb::GridPtrVec coarser = levels->finish(grids);
       finishLevels(job_, coarser);
@@ -142,11 +152,11 @@ private:
     return trees.bytes(job_.grids) + trees.levelBytes(job_.levels, job_.grids.size());
   }
 
-  // A GPU may be faster still.
+  // Where it is left open, a GPU may be faster still.
   bool fasterWins() const {
     std::string why;
     return job_.streaming == Streaming::Auto &&
-           (!tets_ || job_.device.kind == DeviceKind::Cpu || nano::listDevices(why).empty());
+           (!tets_ || job_.device.kind != DeviceKind::Auto || nano::listDevices(why).empty());
   }
 
   const VoxelizeJob& job_;
@@ -166,8 +176,8 @@ void requireStreamable(const VoxelizeJob& job) {
                 "convert the merged volume to .nvdb");
   if ((!job.shard.isWhole() || job.plan > 0) && !canStream(job) && !canStreamTrees(job))
     throw Error(Status::Usage, "`shard`",
-                "is for .vdb files of solids, found on the CPU, without a preview, a mesh output "
-                "or `fit`",
+                "is for .vdb files of solids, without a preview, a mesh output or `fit`; on a GPU "
+                "of density and mask alone, by one GPU each",
                 "leave the rest out");
 }
 
@@ -175,8 +185,9 @@ bool canStream(const VoxelizeJob& job) {
   const bool occupancy = std::all_of(job.grids.begin(), job.grids.end(), [](GridKind kind) {
     return kind == GridKind::Density || kind == GridKind::Mask;
   });
+  const bool byDevice = job.device.numbers.size() == 1 && job.voxelize.rule == VoxelRule::Centre;
   return mayStream(job) && !writesNvdb(job) && occupancy && !job.grids.empty() &&
-         job.fields.empty();
+         job.fields.empty() && (job.device.kind != DeviceKind::Cuda || byDevice);
 }
 
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
@@ -201,10 +212,16 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
     SolidFaces faces = solidFaces(mesh, transform, timer, progress);
     if (!stream.isNeeded(faces))
       return false;
-    mesh = TetMesh(); // its memory serves the rasteriser
-    faces.snapped.tets = nullptr;
+    std::optional<DeviceColumns> columns;
+    if (job.device.kind == DeviceKind::Cuda && job.plan == 0) {
+      columns.emplace(mesh, transform, job.device, result.device);
+    } else {
+      mesh = TetMesh(); // its memory serves the rasteriser
+      faces.snapped.tets = nullptr;
+    }
     reportOrigin(transform, options, told);
-    stream.write(faces, originMetadata(job), result, timer, progress);
+    stream.write(faces, columns ? &*columns : nullptr, originMetadata(job), result, timer,
+                 progress);
     reportTets(result.counts, tets, told);
     if (job.plan == 0)
       requireVoxels(whole && result.grids.front().activeVoxels == 0, options);
@@ -214,7 +231,6 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
     stream.commit(result, progress);
   }
   moveReport(told, report);
-  result.device.name = "cpu";
   return true;
 }
 
@@ -223,7 +239,7 @@ void streamFaces(const VoxelizeJob& job, const SolidFaces& faces, const GridTran
   Stream stream(job, transform, true);
   {
     StageTimer timer(report, "voxelize");
-    stream.write(faces, originMetadata(job), result, timer, progress);
+    stream.write(faces, nullptr, originMetadata(job), result, timer, progress);
     if (job.plan == 0)
       requireVoxels(job.shard.isWhole() && result.grids.front().activeVoxels == 0,
                     streamOptions(job));
@@ -260,13 +276,22 @@ bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& me
       const SolidFaces faces = solidFaces(mesh, job.solid, transform, timer, progress);
       if (!stream.isNeeded(faces) && first)
         return false;
+      const bool byDevice = job.device.kind == DeviceKind::Cuda && job.plan == 0;
+      if (byDevice && faces.holes) {
+        if (!mustStream(job))
+          return false;
+        told.warn("device-unused", "shards of open meshes are found on the CPU");
+      }
       const bool coarsens = mayCoarsen(options) && faces.counts.openEdges > 0;
       if (coarsens && (!job.shard.isWhole() || job.plan > 0))
         throw Error(Status::Usage, "`resolution`",
                     "of an open mesh is only known when the whole of it is voxelized",
                     "give shards `voxel_size`");
       reportOrigin(transform, used, told);
-      stream.write(faces, all, result, timer, progress);
+      std::optional<DeviceColumns> columns;
+      if (byDevice && !faces.holes)
+        columns.emplace(mesh, *fillRuleOf(job.solid), transform, job.device, result.device);
+      stream.write(faces, columns ? &*columns : nullptr, all, result, timer, progress);
       if (job.plan > 0) {
         result.openEdges = result.counts.openEdges;
         return true;

@@ -25,12 +25,13 @@ bool canStream(const VoxelizeJob& job);
 void requireStreamable(const VoxelizeJob& job);
 
 /// Writes job.output where job.streaming says so, where the grids' trees would not fit into memory,
-/// or where that is faster: from 2^17 leaves on, unless a GPU could voxelize tets. The bytes are
-/// the same. False, with nothing done and nothing said, where the job is left to the trees.
-/// `metadata`: more of it for the file. Memory: the mesh, which is released where it is not needed
-/// any more, 64 bytes a face, 16 a pair of face and 128^3 node, and about 100 MB. Throws as
-/// voxelize() and BitVdbWriter do. Jobs with other grids: streamTrees(). `meshes`: one, or the
-/// materials.
+/// or where that is faster: from 2^17 leaves on, unless a GPU could voxelize tets and it is not
+/// said whether it should. With DeviceKind::Cuda one GPU finds the occupancy, a column of cubes at
+/// a time, but of open meshes. The bytes are the same. False, with nothing done and nothing said,
+/// where the job is left to the trees. `metadata`: more of it for the file. Memory: the mesh, which
+/// is released where it is not needed any more, 64 bytes a face, 16 a pair of face and 128^3 node,
+/// and about 100 MB. Throws as voxelize() and BitVdbWriter do. Jobs with other grids:
+/// streamTrees(). `meshes`: one, or the materials.
 bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, Report& report,
                 Progress& progress);
 bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,

@@ -18,8 +18,7 @@ bool mayStream(const VoxelizeJob& job) {
          (job.tileSize > 0 || writesNvdb(job) ||
           std::filesystem::path(job.output).extension() == ".vdb") &&
          job.voxelize.fit.voxels == 0 && job.solid.shell == 0 &&
-         job.solid.inside != InsideRule::Flood && job.device.kind != DeviceKind::Cuda &&
-         job.voxelize.path != OccupancyPath::Tets;
+         job.solid.inside != InsideRule::Flood && job.voxelize.path != OccupancyPath::Tets;
 }
 
 bool writesNvdb(const VoxelizeJob& job) {

@@ -14,7 +14,7 @@
 namespace tetvdb {
 
 /// Whether the job writes a .vdb or .nvdb file or tiles alone, of a solid and not of a shell or a
-/// flood, on the CPU, and may stream it.
+/// flood, and may stream it.
 bool mayStream(const VoxelizeJob& job);
 
 /// Whether it writes a .nvdb file.

@@ -292,7 +292,8 @@ bool canStreamTrees(const VoxelizeJob& job) {
   const bool values =
       !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
       !job.fields.empty();
-  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0;
+  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0 &&
+         job.device.kind != DeviceKind::Cuda;
 }
 
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,

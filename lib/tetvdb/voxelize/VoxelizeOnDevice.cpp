@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <tbb/task_arena.h>
 #include <utility>
@@ -44,6 +45,14 @@ nano::Job jobFor(GridKind kind, const GridTransform& transform, FillRule rule) {
   return job;
 }
 
+nano::MeshView viewOf(const TetMesh& mesh) {
+  nano::MeshView view;
+  view.points = mesh.points[0].data();
+  view.pointCount = mesh.points.size();
+  view.tets = mesh.tets.data();
+  view.tetCount = mesh.tetCount();
+  return view;
+}
 nano::MeshView viewOf(const TriangleMesh& mesh) {
   nano::MeshView view;
   view.points = mesh.points[0].data();
@@ -347,8 +356,9 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
         std::vector<std::int32_t> values;
         const auto viewOf = [&](GridKind kind) {
           values = valuesOf(kind, mesh);
-          return nano::MeshView{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
-                                mesh.tetCount(), values.empty() ? nullptr : values.data()};
+          nano::MeshView view = tetvdb::viewOf(mesh);
+          view.values = values.empty() ? nullptr : values.data();
+          return view;
         };
         MadeOnDevice made = voxelizeOn(devices, chooseTransform(mesh, options), options.grids,
                                        FillRule::Positive, viewOf, nanoGrids, report, progress);
@@ -426,6 +436,39 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
         });
       },
       onCpu);
+}
+
+struct DeviceColumns::State {
+  State(const nano::MeshView& seen, FillRule rule, const GridTransform& transform,
+        const DeviceChoice& choice, DeviceUsed& used)
+      : devices({DeviceKind::Cuda, {choice.numbers.front()}}, nano::listDevices(used.why),
+                used.name),
+        mesh(seen), job(jobFor(GridKind::Mask, transform, rule)) {
+    job.type = nano::GridType::Mask;
+    job.oneColumn = true;
+  }
+
+  BorrowedDevices devices;
+  nano::MeshView mesh;
+  nano::Job job;
+};
+
+DeviceColumns::DeviceColumns(const TetMesh& mesh, const GridTransform& transform,
+                             const DeviceChoice& choice, DeviceUsed& used)
+    : state_(std::make_unique<State>(viewOf(mesh), FillRule::Positive, transform, choice, used)) {}
+DeviceColumns::DeviceColumns(const TriangleMesh& mesh, FillRule rule,
+                             const GridTransform& transform, const DeviceChoice& choice,
+                             DeviceUsed& used)
+    : state_(std::make_unique<State>(viewOf(mesh), rule, transform, choice, used)) {}
+DeviceColumns::~DeviceColumns() = default;
+
+const unsigned char* DeviceColumns::make(std::int32_t x, std::int32_t y, Progress& progress) {
+  state_->job.column[0] = x;
+  state_->job.column[1] = y;
+  const nano::Result made = state_->devices->run(state_->mesh, state_->job, progress);
+  if (made.bytes == nullptr)
+    throw std::logic_error("triangles that close are open on the device");
+  return made.bytes;
 }
 
 std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,

@@ -3,6 +3,7 @@
 // voxelize() on a GPU: the same grids, built by nanovdb_kernels.
 #pragma once
 
+#include "tetvdb/geometry/FillRule.h"
 #include "tetvdb/volume/NanoBytes.h"
 #include "tetvdb/volume/VoxelBox.h"
 #include "tetvdb/voxelize/DeviceChoice.h"
@@ -56,6 +57,26 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
 Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
                       const VoxelizeOptions& options, const DeviceChoice& choice, DeviceUsed& used,
                       std::vector<NanoBytes>* nano, Report& report, Progress& progress);
+
+/// Occupancy by columns of 4096^3 cubes, on one device (NanoOccupancySource::MakeColumn).
+class DeviceColumns {
+public:
+  /// A mesh of tets, or of triangles that close by `rule`; it must outlive this. Opens the first
+  /// device of `choice`, whose name `used` receives. Throws Error(Device).
+  DeviceColumns(const TetMesh& mesh, const GridTransform& transform, const DeviceChoice& choice,
+                DeviceUsed& used);
+  DeviceColumns(const TriangleMesh& mesh, FillRule rule, const GridTransform& transform,
+                const DeviceChoice& choice, DeviceUsed& used);
+  ~DeviceColumns();
+
+  /// Uploads the mesh and makes the grid of column (x, y), valid until the next call. Throws as
+  /// nano::DeviceVoxelizer::run().
+  const unsigned char* make(std::int32_t x, std::int32_t y, Progress& progress);
+
+private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// The voxels of `box` inside a soup (InsideRule::Winding) as bytes 0 and 1 in the memory of the
 /// first device of `choice`, [x][y][z]. Throws Error(Device) where there is none or it fails.

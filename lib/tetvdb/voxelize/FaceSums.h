@@ -16,14 +16,17 @@
 
 namespace tetvdb {
 
+// Vertices a bucket covers: its hash table stays in the second cache.
+constexpr int kBucketBits = 9;
+
 // A face, corners ascending; it belongs to the bucket of the first.
 struct FaceRecord {
   std::uint32_t aSign; // first corner << 1 | 1 where the normal of a, b, c points inward
   std::uint32_t b, c;
+
+  std::size_t bucket() const { return aSign >> (kBucketBits + 1); }
 };
 
-// Vertices a bucket covers: its hash table stays in the second cache.
-constexpr int kBucketBits = 9;
 struct SortedTet {
   std::array<std::uint32_t, 4> v;
   std::int32_t sign; // orientation in sorted order
@@ -57,11 +60,24 @@ inline void eachFace(const SortedTet& t, const Visit& visit) {
   visit(t.v[1], t.v[2], t.v[3], t.sign);
 }
 
-// A pseudo-random number for a vertex: half of SplitMix64's finalizer, for speed.
+// The halves of fingerprint(), of one vertex or of a vector of them.
+template <typename Words>
+struct FingerprintHalves {
+  Words high, low;
+};
+template <typename Words>
+TETVDB_INLINE FingerprintHalves<Words> fingerprintHalves(const Words& vertices) {
+  // Products with odd numbers and shifts, each a bijection; after MurmurHash3's finalizer.
+  Words x = (vertices + 1) * 0x9E3779B9u;
+  x ^= x >> 15;
+  const Words high = x * 0x85EBCA6Bu;
+  return {high, (high ^ high >> 13) * 0xC2B2AE35u};
+}
+
+// A pseudo-random number for a vertex.
 inline std::uint64_t fingerprint(std::uint32_t vertex) {
-  std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  return x ^ (x >> 29);
+  const FingerprintHalves<std::uint32_t> halves = fingerprintHalves(vertex);
+  return std::uint64_t(halves.high) << 32 | halves.low;
 }
 
 // What a tet adds to the sums of its smallest two vertices: r_b r_c over the faces a < b < c.

@@ -146,10 +146,6 @@ private:
              });
   }
 
-  static std::size_t bucketOf(const FaceRecord& record) {
-    return record.aSign >> (kBucketBits + 1);
-  }
-
   void matchFaces(SpooledBoundary& result) {
     const std::size_t buckets = (mesh_.pointCount() >> kBucketBits) + 1;
     std::vector<std::uint64_t> counts(buckets);
@@ -158,7 +154,7 @@ private:
         [&](std::size_t from, std::size_t to) {
           for (std::size_t t = from; t < to; ++t)
             eachOpenFace(t, [&](const FaceRecord& record) {
-              __atomic_fetch_add(&counts[bucketOf(record)], 1, __ATOMIC_RELAXED);
+              __atomic_fetch_add(&counts[record.bucket()], 1, __ATOMIC_RELAXED);
             });
           return Nothing();
         },
@@ -195,14 +191,14 @@ private:
           std::vector<FaceRecord> own;
           for (std::size_t t = from; t < to; ++t)
             eachOpenFace(t, [&](const FaceRecord& record) {
-              if (const std::size_t bucket = bucketOf(record); bucket >= begin && bucket < end)
+              if (const std::size_t bucket = record.bucket(); bucket >= begin && bucket < end)
                 own.push_back(record);
             });
           return own;
         },
         [&](const std::vector<FaceRecord>& own) {
           for (const FaceRecord& record : own)
-            records[next[bucketOf(record) - begin]++] = record;
+            records[next[record.bucket() - begin]++] = record;
         });
     std::vector<std::vector<BoundaryFace>> found(end - begin);
     tbb::enumerable_thread_specific<FaceTable> tables;

@@ -3,8 +3,6 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/JoinedVectors.h"
-#include "tetvdb/geometry/Ownership.h"
-#include "tetvdb/geometry/TetBox.h"
 #include "tetvdb/voxelize/FaceSums.h"
 #include "tetvdb/voxelize/VertexSums.h"
 
@@ -26,7 +24,7 @@ constexpr std::size_t kSumBytes = std::size_t(1) << 29;
 
 class BoundaryFinder {
 public:
-  BoundaryFinder(const SnappedMesh& mesh, Progress& progress)
+  BoundaryFinder(const TetsToSnap& mesh, Progress& progress)
       : mesh_(mesh), progress_(progress), open_(mesh.pointCount) {}
 
   Boundary run() {
@@ -44,10 +42,6 @@ public:
 
 private:
   void findOpenVertices() {
-    const LatticePoint& low = mesh_.boxMin;
-    const LatticePoint& high = mesh_.boxMax;
-    const bool checkExtents =
-        std::max({high.x - low.x, high.y - low.y, high.z - low.z}) > kMaxTetExtent;
     const std::size_t points = mesh_.pointCount;
     const std::size_t affordable = std::max<std::size_t>(kSumBytes / (8 * points + 1), 1);
     const std::size_t parts =
@@ -62,7 +56,10 @@ private:
               part + 1 == parts ? mesh_.tetCount : begin + mesh_.tetCount / parts;
           for (std::size_t t = begin; t < end; t += kMinChunk) {
             progress_.check();
-            sumFaces(t, std::min(t + kMinChunk, end), checkExtents, sums[part].data());
+            const OrientationCounts counts =
+                addToVertexSums(mesh_, t, std::min(t + kMinChunk, end), sums[part].data());
+            flipped_ += counts.flipped;
+            dropped_ += counts.dropped;
           }
         },
         tbb::simple_partitioner());
@@ -76,47 +73,29 @@ private:
     });
   }
 
-  void sumFaces(std::size_t begin, std::size_t end, bool checkExtents, std::uint64_t* sums) {
-    if (checkExtents)
-      for (std::size_t t = begin; t != end; ++t)
-        checkExtent(mesh_.tets + 4 * t);
-    const OrientationCounts counts = addToVertexSums(mesh_, begin, end, sums);
-    flipped_ += counts.flipped;
-    dropped_ += counts.dropped;
-  }
-
-  void checkExtent(const std::uint32_t* v) const {
-    if (boxOf(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]])
-            .extent() > kMaxTetExtent)
-      throw Error(Status::Limit, "", "a tet is longer than 2^20 voxels", "use larger voxels");
-  }
-
   // The tets begin <= t < end, positive and sorted, that have faces with an open first corner.
   std::vector<SortedTet> openTets(std::size_t begin, std::size_t end) const {
-    std::vector<SortedTet> tets;
+    std::vector<SortedTet> open;
     constexpr std::size_t block = 1024;
-    std::array<std::uint32_t, block> touching;
+    std::array<std::uint32_t, 4 * block> tets;
+    std::array<std::int8_t, block> signs;
     for (std::size_t first = begin; first < end; first += block) {
       // Few do, at places that no processor predicts: found without a branch.
-      const std::size_t size = std::min(block, end - first);
+      const std::uint32_t* const last = mesh_.tets + 4 * std::min(first + block, end);
       std::size_t count = 0;
-      for (std::uint32_t i = 0; i < size; ++i) {
-        const std::uint32_t* v = mesh_.tets + 4 * (first + i);
-        touching[count] = i;
+      for (const std::uint32_t* v = mesh_.tets + 4 * first; v != last; v += 4) {
+        prefetchIndices(v);
+        std::copy(v, v + 4, &tets[4 * count]);
         count += open_[v[0]] | open_[v[1]] | open_[v[2]] | open_[v[3]];
       }
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::uint32_t* v = mesh_.tets + 4 * (first + touching[k]);
-        SortedTet tet = sortTet(v, 1);
-        if ((open_[tet.v[0]] | open_[tet.v[1]]) == 0)
-          continue;
-        tet.sign *= tetOrientation(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]],
-                                   mesh_.points[v[3]]);
-        if (tet.sign != 0)
-          tets.push_back(tet);
+      orientTets(mesh_, tets.data(), count, signs.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const SortedTet tet = sortTet(&tets[4 * i], signs[i]);
+        if (tet.sign != 0 && (open_[tet.v[0]] | open_[tet.v[1]]) != 0)
+          open.push_back(tet);
       }
     }
-    return tets;
+    return open;
   }
 
   // Calls visit(record) for the faces whose first corner is open.
@@ -182,18 +161,57 @@ private:
     return joinedVectors<BoundaryFace>(found);
   }
 
-  const SnappedMesh& mesh_;
+  const TetsToSnap& mesh_;
   Progress& progress_;
   std::vector<std::uint8_t> open_;
   std::atomic<std::uint64_t> flipped_{0}, dropped_{0};
 };
 
-} // namespace
-
-Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
+Boundary boundaryFaces(const TetsToSnap& mesh, Progress& progress) {
   if (mesh.pointCount >= (std::size_t(1) << 31))
     throw Error(Status::Limit, "", "the mesh has more than 2^31 points", "split it in parts");
   return BoundaryFinder(mesh, progress).run();
+}
+
+} // namespace
+
+Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress) {
+  static_assert(sizeof(LatticePoint) == 3 * sizeof(double));
+  // With which a lattice point is snapped to itself.
+  constexpr auto one = static_cast<double>(kUnitsPerVoxel);
+  return boundaryFaces(TetsToSnap{&mesh.points.data()->x,
+                                  mesh.pointCount,
+                                  mesh.tets,
+                                  mesh.tetCount,
+                                  {{one, one, one}, {0, 0, 0}}},
+                       progress);
+}
+
+Boundary boundaryFaces(const TetMesh& mesh, const GridTransform& transform, Progress& progress) {
+  static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+  return boundaryFaces(TetsToSnap{mesh.points.empty() ? nullptr : mesh.points.front().data(),
+                                  mesh.points.size(), mesh.tets.data(), mesh.tetCount(), transform},
+                       progress);
+}
+
+std::vector<std::uint32_t> renumberPoints(std::vector<BoundaryFace>& faces,
+                                          std::size_t pointCount) {
+  const UsedPoints used(faces, pointCount);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      BoundaryFace& f = faces[i];
+      f = {used.rank(f.a), used.rank(f.b), used.rank(f.c), f.weight};
+    }
+  });
+  return used.points();
+}
+
+SnappedMesh snapUsed(const std::vector<Vec3d>& points, Boundary& boundary,
+                     const GridTransform& transform, Progress& progress) {
+  std::vector<Vec3d> used;
+  for (const std::uint32_t vertex : renumberPoints(boundary.faces, points.size()))
+    used.push_back(points[vertex]);
+  return snapPoints(used, transform, progress);
 }
 
 } // namespace tetvdb

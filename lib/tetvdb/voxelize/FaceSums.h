@@ -139,14 +139,54 @@ private:
   std::size_t mask_ = 0;
 };
 
+// The points that faces use, and their places among these. A bit a point, and half a bit.
+class UsedPoints {
+public:
+  UsedPoints(const std::vector<BoundaryFace>& faces, std::size_t pointCount)
+      : words_((pointCount + 63) / 64), before_(words_.size()) {
+    for (const BoundaryFace& f : faces)
+      for (const std::uint32_t v : {f.a, f.b, f.c})
+        words_[v / 64] |= std::uint64_t(1) << (v % 64);
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      before_[i] = count_;
+      count_ += bitCount(words_[i]);
+    }
+  }
+
+  std::size_t size() const { return count_; }
+  std::uint32_t rank(std::uint32_t v) const {
+    return before_[v / 64] + bitCount(words_[v / 64] & ((std::uint64_t(1) << (v % 64)) - 1));
+  }
+  // In ascending order.
+  std::vector<std::uint32_t> points() const {
+    std::vector<std::uint32_t> all;
+    all.reserve(count_);
+    for (std::size_t i = 0; i < words_.size(); ++i)
+      for (std::uint64_t word = words_[i]; word != 0; word &= word - 1)
+        all.push_back(static_cast<std::uint32_t>(64 * i) +
+                      static_cast<std::uint32_t>(__builtin_ctzll(word)));
+    return all;
+  }
+
+private:
+  static std::uint32_t bitCount(std::uint64_t word) {
+    return static_cast<std::uint32_t>(__builtin_popcountll(word));
+  }
+
+  std::vector<std::uint64_t> words_;
+  std::vector<std::uint32_t> before_; // points used in earlier words
+  std::uint32_t count_ = 0;
+};
+
 // Whether every edge is passed as often one way as the other. The boundary of a boundary vanishes,
 // so this fails if faces around one vertex are missing.
 inline bool closes(const std::vector<BoundaryFace>& faces, std::size_t points) {
-  std::vector<std::uint64_t> sums(points);
+  const UsedPoints used(faces, points);
+  std::vector<std::uint64_t> sums(used.size());
   for (const BoundaryFace& f : faces) {
     const auto edge = [&](std::uint32_t a, std::uint32_t b) {
       const std::uint64_t r = fingerprint(std::max(a, b)) * static_cast<std::uint64_t>(f.weight);
-      sums[std::min(a, b)] += a < b ? r : -r;
+      sums[used.rank(std::min(a, b))] += a < b ? r : -r;
     };
     edge(f.a, f.b);
     edge(f.b, f.c);

@@ -18,7 +18,7 @@ namespace {
 
 // Tets a counting task takes, at least; a count is kept for every bucket and chunk.
 constexpr std::size_t kMinChunk = 65536;
-constexpr std::size_t kMaxChunks = 256;
+constexpr std::size_t kMaxChunks = 64;
 // Bytes for the sums of all threads together.
 constexpr std::size_t kSumBytes = std::size_t(1) << 29;
 
@@ -74,7 +74,9 @@ private:
   }
 
   // The tets begin <= t < end, positive and sorted, that have faces with an open first corner.
-  std::vector<SortedTet> openTets(std::size_t begin, std::size_t end) const {
+  // Counts these faces by buckets.
+  std::vector<SortedTet> openTets(std::size_t begin, std::size_t end,
+                                  std::vector<std::uint32_t>& counts) const {
     std::vector<SortedTet> open;
     constexpr std::size_t block = 1024;
     std::array<std::uint32_t, 4 * block> tets;
@@ -91,20 +93,14 @@ private:
       orientTets(mesh_, tets.data(), count, signs.data());
       for (std::size_t i = 0; i < count; ++i) {
         const SortedTet tet = sortTet(&tets[4 * i], signs[i]);
-        if (tet.sign != 0 && (open_[tet.v[0]] | open_[tet.v[1]]) != 0)
-          open.push_back(tet);
+        if (tet.sign == 0 || (open_[tet.v[0]] | open_[tet.v[1]]) == 0)
+          continue;
+        open.push_back(tet);
+        counts[tet.v[0] >> kBucketBits] += open_[tet.v[0]] * 3u; // of its four faces
+        counts[tet.v[1] >> kBucketBits] += open_[tet.v[1]];
       }
     }
     return open;
-  }
-
-  // Calls visit(record) for the faces whose first corner is open.
-  template <typename Visit>
-  void eachOpenFace(const SortedTet& tet, const Visit& visit) const {
-    eachFace(tet, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t sign) {
-      if (open_[a] != 0)
-        visit(FaceRecord{a << 1 | static_cast<std::uint32_t>(sign < 0), b, c});
-    });
   }
 
   // The faces at open vertices whose signs do not cancel.
@@ -119,10 +115,9 @@ private:
     std::vector<std::vector<SortedTet>> tets(chunks);
     tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
       progress_.check();
-      tets[chunk] = openTets(chunk * chunkSize, std::min((chunk + 1) * chunkSize, mesh_.tetCount));
       std::vector<std::uint32_t> counts(buckets);
-      for (const SortedTet& tet : tets[chunk])
-        eachOpenFace(tet, [&](const FaceRecord& record) { ++counts[record.bucket()]; });
+      tets[chunk] =
+          openTets(chunk * chunkSize, std::min((chunk + 1) * chunkSize, mesh_.tetCount), counts);
       for (std::size_t i = 0; i < buckets; ++i)
         offsets[i * chunks + chunk + 1] = counts[i];
     });
@@ -136,8 +131,11 @@ private:
       for (std::size_t i = 0; i < buckets; ++i)
         next[i] = offsets[i * chunks + chunk];
       for (const SortedTet& tet : tets[chunk])
-        eachOpenFace(tet,
-                     [&](const FaceRecord& record) { records[next[record.bucket()]++] = record; });
+        eachFace(tet, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::int32_t sign) {
+          if (open_[a] != 0)
+            records[next[a >> kBucketBits]++] = {a << 1 | static_cast<std::uint32_t>(sign < 0), b,
+                                                 c};
+        });
       std::vector<SortedTet>().swap(tets[chunk]);
     });
 
@@ -208,9 +206,12 @@ std::vector<std::uint32_t> renumberPoints(std::vector<BoundaryFace>& faces,
 
 SnappedMesh snapUsed(const std::vector<Vec3d>& points, Boundary& boundary,
                      const GridTransform& transform, Progress& progress) {
-  std::vector<Vec3d> used;
-  for (const std::uint32_t vertex : renumberPoints(boundary.faces, points.size()))
-    used.push_back(points[vertex]);
+  const std::vector<std::uint32_t> old = renumberPoints(boundary.faces, points.size());
+  std::vector<Vec3d> used(old.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, old.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      used[i] = points[old[i]];
+  });
   return snapPoints(used, transform, progress);
 }
 

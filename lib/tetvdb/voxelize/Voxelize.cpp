@@ -22,7 +22,7 @@ namespace {
 
 // The rates that the choice of method is based on, in seconds on one core, as `tetvdb_bench paths`
 // measures them.
-constexpr double kSecondsPerTetMatched = 30e-9;  // by the boundary: a tet whose faces cancel
+constexpr double kSecondsPerTetMatched = 15e-9;  // by the boundary: a tet whose faces cancel
 constexpr double kSecondsPerOpenFace = 500e-9;   // a face that does not, matched and rasterised
 constexpr double kSecondsPerTetPrepared = 70e-9; // tet by tet: a tet read and its planes computed
 constexpr double kSecondsPerColumn = 12e-9;      // a column of its box bounded

@@ -9,6 +9,10 @@
 #include <cmath>
 #include <cstdint>
 #include <gtest/gtest.h>
+#include <limits>
+#include <rapidcheck/gtest.h>
+#include <utility>
+#include <vector>
 
 namespace tetvdb {
 namespace {
@@ -266,4 +270,44 @@ TEST(ChooseTransform, Refuses) {
 }
 
 } // namespace
+// Few coordinates, so that points that are not in use share sides of the box with others.
+RC_GTEST_PROP(ChooseTransformProperties, BoxesOfPoints, ()) {
+  meshes::Random random(*rc::gen::arbitrary<std::uint32_t>());
+  std::vector<Vec3d> points(1 + random.below(40));
+  const std::size_t values = 1 + random.below(9);
+  for (Vec3d& p : points)
+    for (double& c : p)
+      c = static_cast<double>(random.below(values)) - 4;
+  if (random.below(8) == 0)
+    points[random.below(points.size())][random.below(3)] =
+        random.below(2) == 0 ? std::numeric_limits<double>::quiet_NaN()
+                             : std::numeric_limits<double>::infinity();
+  std::vector<std::uint32_t> indices(random.below(60));
+  const std::size_t used = 1 + random.below(points.size());
+  for (std::uint32_t& i : indices)
+    i = static_cast<std::uint32_t>(random.below(used));
+  const auto boxOf = [&](const std::vector<Vec3d>& some) {
+    WorldBox box;
+    for (const Vec3d& p : some)
+      for (std::size_t k = 0; k < 3; ++k) {
+        box.min[k] = std::min(box.min[k], p[k]);
+        box.max[k] = std::max(box.max[k], p[k]);
+        box.finite = box.finite && std::isfinite(p[k]);
+      }
+    return box;
+  };
+  std::vector<Vec3d> named;
+  for (const std::uint32_t i : indices)
+    named.push_back(points[i]);
+  const PointBoxes boxes = boxesOf(points, indices);
+  for (const auto& [found, expected] :
+       {std::pair(boxes.all, boxOf(points)), {boxes.used, boxOf(named)}}) {
+    RC_ASSERT(found.finite == expected.finite);
+    if (found.finite) {
+      RC_ASSERT(found.min == expected.min);
+      RC_ASSERT(found.max == expected.max);
+    }
+  }
+}
+
 } // namespace tetvdb

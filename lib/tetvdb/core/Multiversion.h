@@ -8,8 +8,12 @@
 // partly.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(TETVDB_SANITIZED)
 #define TETVDB_MULTIVERSION __attribute__((target_clones("default", "avx2", "avx512f")))
+// For vectors of 256 bits: a compiler that may use registers of 512 bits moves data with them, and
+// processors then have one unit less for all others.
+#define TETVDB_MULTIVERSION_256 __attribute__((target_clones("default", "avx2")))
 #else
 #define TETVDB_MULTIVERSION
+#define TETVDB_MULTIVERSION_256
 #endif
 
 #define TETVDB_INLINE inline __attribute__((always_inline))

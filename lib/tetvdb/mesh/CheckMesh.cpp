@@ -2,9 +2,12 @@
 #include "tetvdb/mesh/CheckMesh.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Multiversion.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -22,6 +25,34 @@ std::string text(std::size_t number) {
   return std::to_string(number);
 }
 
+// Without branches, so that several numbers are compared at once.
+TETVDB_MULTIVERSION bool anyAtLeast(std::uint32_t limit, const std::uint32_t* numbers,
+                                    std::size_t count) {
+  std::uint32_t any = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    any |= static_cast<std::uint32_t>(numbers[i] >= limit);
+  return any != 0;
+}
+
+// A difference from itself is 0 for finite numbers only.
+TETVDB_MULTIVERSION bool anyInfinite(const double* numbers, std::size_t count) {
+  std::uint64_t any = 0;
+  for (std::size_t i = 0; i < count; ++i)
+    any |= static_cast<std::uint64_t>(!(numbers[i] - numbers[i] == 0));
+  return any != 0;
+}
+
+// Whether isWrong(begin, end) for a part of the numbers below `n`.
+template <typename IsWrong>
+bool anyWrong(std::size_t n, const IsWrong& isWrong) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, n, kGrain), false,
+      [&](const tbb::blocked_range<std::size_t>& range, bool wrong) {
+        return wrong || isWrong(range.begin(), range.end());
+      },
+      std::logical_or<>());
+}
+
 // The first i below `n` for which isWrong(i), or n.
 template <typename IsWrong>
 std::size_t firstWrong(std::size_t n, const IsWrong& isWrong) {
@@ -37,6 +68,10 @@ std::size_t firstWrong(std::size_t n, const IsWrong& isWrong) {
 }
 
 void checkPoints(const std::vector<Vec3d>& points) {
+  if (!anyWrong(points.size(), [&](std::size_t begin, std::size_t end) {
+        return anyInfinite(points[begin].data(), 3 * (end - begin));
+      }))
+    return;
   const std::size_t wrong = firstWrong(points.size(), [&](std::size_t i) {
     const Vec3d& p = points[i];
     return !(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]));
@@ -51,6 +86,12 @@ void checkIndices(const std::vector<std::uint32_t>& indices, std::size_t corners
   if (indices.size() % corners != 0)
     fail(text(indices.size()) + " indices are no whole number of " + cell + "s of " +
          text(corners));
+  const auto limit = static_cast<std::uint32_t>(
+      std::min<std::size_t>(points, std::numeric_limits<std::uint32_t>::max()));
+  if (!anyWrong(indices.size(), [&](std::size_t begin, std::size_t end) {
+        return anyAtLeast(limit, &indices[begin], end - begin);
+      }))
+    return;
   const std::size_t wrong =
       firstWrong(indices.size(), [&](std::size_t i) { return indices[i] >= points; });
   if (wrong < indices.size())

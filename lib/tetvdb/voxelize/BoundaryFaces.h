@@ -34,10 +34,20 @@ struct Boundary {
 /// Faces are matched only around open vertices: those where the signed sum of random numbers, one a
 /// face around the vertex, does not vanish. An open vertex is taken for closed with a probability
 /// below 2^-58. The faces found then do not close; this is checked with the same sums, and if it
-/// fails, all faces are matched (docs/algorithms.md). Parallel. Costs about 10 ns a tet on one
-/// core, one byte a tet, 8 bytes a point and thread, and 50 ns and 28 bytes for each face around an
-/// open vertex. The order of the faces depends only on the mesh. Throws Error(Limit) for 2^31
-/// points or more and for tets longer than kMaxTetExtent.
+/// fails, all faces are matched (docs/algorithms.md). Parallel. Costs about 8 ns a tet on one
+/// core, 8 bytes a point and thread, and 30 ns and 28 bytes for each face around an open vertex.
+/// The order of the faces depends only on the mesh. Throws Error(Limit) for 2^31 points or more and
+/// for tets longer than kMaxTetExtent.
 Boundary boundaryFaces(const SnappedMesh& mesh, Progress& progress);
+/// The same of points in world space, as if they were snapped by `transform`; they must lie in
+/// 32-bit index space. Saves the memory and the time for all of them.
+Boundary boundaryFaces(const TetMesh& mesh, const GridTransform& transform, Progress& progress);
+
+/// Numbers the points of the faces anew, in the order that they have; returns their old numbers.
+std::vector<std::uint32_t> renumberPoints(std::vector<BoundaryFace>& faces, std::size_t pointCount);
+
+/// Snaps the points that the faces use, which are numbered anew.
+SnappedMesh snapUsed(const std::vector<Vec3d>& points, Boundary& boundary,
+                     const GridTransform& transform, Progress& progress);
 
 } // namespace tetvdb

@@ -2,16 +2,22 @@
 #include "tetvdb/voxelize/ChooseTransform.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/Lattice.h"
 #include "tetvdb/voxelize/Slab.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+
+// Vectors never cross a function that is not inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace tetvdb {
 namespace {
@@ -20,6 +26,11 @@ namespace {
 constexpr double kMinVoxelVolume = 3e-15;
 // Voxel coordinates are int32; a margin of two root children is kept at both ends.
 constexpr double kMaxIndex = 2147483648.0 - 2 * kRootChildSize;
+
+using Range = tbb::blocked_range<std::size_t>;
+
+typedef double Doubles __attribute__((vector_size(4 * sizeof(double))));
+typedef std::int64_t Mask __attribute__((vector_size(4 * sizeof(double))));
 
 WorldBox join(WorldBox a, const WorldBox& b) {
   a.add(b);
@@ -32,6 +43,95 @@ void add(WorldBox& box, const Vec3d& p) {
     box.max[k] = std::max(box.max[k], p[k]);
     box.finite = box.finite && std::isfinite(p[k]);
   }
+}
+
+// Of `count` points. All but the last are read as four numbers.
+TETVDB_MULTIVERSION void addPoints(const Vec3d* points, std::size_t count, WorldBox& box) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Doubles low = {infinity, infinity, infinity, infinity};
+  Doubles high = -low;
+  Mask infinite{};
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    Doubles p;
+    std::memcpy(&p, &points[i], sizeof p);
+    __builtin_prefetch(points + i + 192); // a page ahead, where processors stop
+    low = p < low ? p : low;
+    high = p > high ? p : high;
+    infinite |= p - p != 0;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.min[k] = std::min(box.min[k], low[k]);
+    box.max[k] = std::max(box.max[k], high[k]);
+    box.finite = box.finite && infinite[k] == 0;
+  }
+  add(box, points[count - 1]);
+}
+
+// The box of all points by blocks.
+constexpr std::size_t kBlock = 16384;
+
+std::vector<WorldBox> boxesOfBlocks(const std::vector<Vec3d>& points) {
+  std::vector<WorldBox> boxes((points.size() + kBlock - 1) / kBlock);
+  tbb::parallel_for(Range(0, boxes.size()), [&](const Range& range) {
+    for (std::size_t b = range.begin(); b != range.end(); ++b)
+      addPoints(points.data() + b * kBlock, std::min(kBlock, points.size() - b * kBlock), boxes[b]);
+  });
+  return boxes;
+}
+
+// The sides of a box: axes 0 to 2, below, then above.
+constexpr std::size_t kSides = 6;
+constexpr std::uint32_t kAllSides = (1u << kSides) - 1;
+
+double side(const WorldBox& box, std::size_t s) {
+  return s < 3 ? box.min[s] : box.max[s - 3];
+}
+
+// A point on each side of the box of all.
+std::array<std::uint32_t, kSides> pointsOnSides(const std::vector<Vec3d>& points,
+                                                const std::vector<WorldBox>& blocks,
+                                                const WorldBox& all) {
+  std::array<std::uint32_t, kSides> found{};
+  for (std::size_t s = 0; s < kSides; ++s) {
+    std::size_t i = 0;
+    while (side(blocks[i / kBlock], s) != side(all, s))
+      i += kBlock;
+    while (points[i][s % 3] != side(all, s))
+      ++i;
+    found[s] = static_cast<std::uint32_t>(i);
+  }
+  return found;
+}
+
+// Bits of those among `six` that are among `count` numbers.
+TETVDB_MULTIVERSION std::uint32_t whichAreIn(const std::uint32_t* numbers, std::size_t count,
+                                             const std::array<std::uint32_t, kSides>& six) {
+  std::uint32_t bits = 0;
+  for (std::size_t s = 0; s < kSides; ++s) {
+    std::uint32_t found = 0;
+    for (std::size_t k = 0; k < count; ++k)
+      found |= static_cast<std::uint32_t>(numbers[k] == six[s]);
+    bits |= found << s;
+  }
+  return bits;
+}
+
+// Calls find(begin, end) for parts of the indices until the bits that it returns are all sides'.
+// From both ends: vertices are often numbered along an axis.
+template <typename Find>
+bool allSidesUsed(std::size_t indices, const Find& find) {
+  std::atomic<std::uint32_t> used{0};
+  const std::size_t chunk = 65536, chunks = (indices + chunk - 1) / chunk;
+  tbb::parallel_for(
+      Range(0, chunks, 1),
+      [&](const Range& range) {
+        for (std::size_t i = range.begin(); i != range.end() && used != kAllSides; ++i) {
+          const std::size_t at = i % 2 == 0 ? i / 2 : chunks - 1 - i / 2;
+          used |= find(at * chunk, std::min((at + 1) * chunk, indices));
+        }
+      },
+      tbb::simple_partitioner());
+  return used == kAllSides;
 }
 
 } // namespace
@@ -51,46 +151,51 @@ void WorldBox::grow(double length) {
   }
 }
 
-// Usually all points are used, or those on the sides of the box of all points are. It is then
-// enough to look for these among the indices.
-WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices) {
-  using Range = tbb::blocked_range<std::size_t>;
-  const auto boxOf = [](std::size_t count, const auto& point) {
-    return tbb::parallel_reduce(
-        Range(0, count, 65536), WorldBox{},
-        [&](const Range& range, WorldBox box) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i)
-            add(box, point(i));
-          return box;
-        },
-        join);
-  };
-  const WorldBox all = boxOf(points.size(), [&](std::size_t i) { return points[i]; });
-  std::vector<std::uint8_t> sides(points.size());
-  tbb::parallel_for(Range(0, points.size(), 65536), [&](const Range& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (std::size_t k = 0; k < 3; ++k)
-        sides[i] = static_cast<std::uint8_t>(sides[i] | (points[i][k] == all.min[k]) << k |
-                                             (points[i][k] == all.max[k]) << (k + 3));
-  });
-  // Scans from both ends: vertices are often numbered along an axis.
-  std::atomic<int> used{0};
-  const std::size_t chunk = 65536, chunks = (indices.size() + chunk - 1) / chunk;
-  tbb::parallel_for(
-      Range(0, chunks, 1),
-      [&](const Range& range) {
-        for (std::size_t i = range.begin(); i != range.end() && used != 0x3F; ++i) {
-          const std::size_t at = i % 2 == 0 ? i / 2 : chunks - 1 - i / 2;
-          int found = 0;
-          for (std::size_t k = at * chunk; k < std::min((at + 1) * chunk, indices.size()); ++k)
-            found |= sides[indices[k]];
-          used |= found;
-        }
+// Usually all points are used, or the first on each side of the box of all points, or some on each
+// side. It is then enough to look for these among the indices.
+PointBoxes boxesOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices) {
+  PointBoxes boxes;
+  const std::vector<WorldBox> blocks = boxesOfBlocks(points);
+  for (const WorldBox& block : blocks)
+    boxes.all.add(block);
+  boxes.used = boxes.all;
+  if (boxes.all.finite && !points.empty()) {
+    const std::array<std::uint32_t, kSides> first = pointsOnSides(points, blocks, boxes.all);
+    if (allSidesUsed(indices.size(), [&](std::size_t begin, std::size_t end) {
+          std::uint32_t bits = 0;
+          for (std::size_t k = begin; k < end && bits != kAllSides; k += 1024) // in the first cache
+            bits |= whichAreIn(&indices[k], std::min<std::size_t>(end - k, 1024), first);
+          return bits;
+        }))
+      return boxes;
+    std::vector<std::uint8_t> sides(points.size());
+    tbb::parallel_for(Range(0, points.size(), 65536), [&](const Range& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i)
+        for (std::size_t s = 0; s < kSides; ++s)
+          sides[i] = static_cast<std::uint8_t>(
+              sides[i] | (points[i][s % 3] == side(boxes.all, s) ? 1 << s : 0));
+    });
+    if (allSidesUsed(indices.size(), [&](std::size_t begin, std::size_t end) {
+          std::uint32_t bits = 0;
+          for (std::size_t k = begin; k < end; ++k)
+            bits |= sides[indices[k]];
+          return bits;
+        }))
+      return boxes;
+  }
+  boxes.used = tbb::parallel_reduce(
+      Range(0, indices.size(), 65536), WorldBox{},
+      [&](const Range& range, WorldBox box) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          add(box, points[indices[i]]);
+        return box;
       },
-      tbb::simple_partitioner());
-  if (all.finite && used == 0x3F)
-    return all;
-  return boxOf(indices.size(), [&](std::size_t i) { return points[indices[i]]; });
+      join);
+  return boxes;
+}
+
+WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices) {
+  return boxesOf(points, indices).used;
 }
 
 namespace {

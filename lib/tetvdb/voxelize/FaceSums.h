@@ -16,14 +16,17 @@
 
 namespace tetvdb {
 
+// Vertices a bucket covers: its hash table stays in the second cache.
+constexpr int kBucketBits = 9;
+
 // A face, corners ascending; it belongs to the bucket of the first.
 struct FaceRecord {
   std::uint32_t aSign; // first corner << 1 | 1 where the normal of a, b, c points inward
   std::uint32_t b, c;
+
+  std::size_t bucket() const { return aSign >> (kBucketBits + 1); }
 };
 
-// Vertices a bucket covers: its hash table stays in the second cache.
-constexpr int kBucketBits = 9;
 struct SortedTet {
   std::array<std::uint32_t, 4> v;
   std::int32_t sign; // orientation in sorted order
@@ -57,11 +60,24 @@ inline void eachFace(const SortedTet& t, const Visit& visit) {
   visit(t.v[1], t.v[2], t.v[3], t.sign);
 }
 
-// A pseudo-random number for a vertex: half of SplitMix64's finalizer, for speed.
+// The halves of fingerprint(), of one vertex or of a vector of them.
+template <typename Words>
+struct FingerprintHalves {
+  Words high, low;
+};
+template <typename Words>
+TETVDB_INLINE FingerprintHalves<Words> fingerprintHalves(const Words& vertices) {
+  // Products with odd numbers and shifts, each a bijection; after MurmurHash3's finalizer.
+  Words x = (vertices + 1) * 0x9E3779B9u;
+  x ^= x >> 15;
+  const Words high = x * 0x85EBCA6Bu;
+  return {high, (high ^ high >> 13) * 0xC2B2AE35u};
+}
+
+// A pseudo-random number for a vertex.
 inline std::uint64_t fingerprint(std::uint32_t vertex) {
-  std::uint64_t x = (vertex + 1) * 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  return x ^ (x >> 29);
+  const FingerprintHalves<std::uint32_t> halves = fingerprintHalves(vertex);
+  return std::uint64_t(halves.high) << 32 | halves.low;
 }
 
 // What a tet adds to the sums of its smallest two vertices: r_b r_c over the faces a < b < c.
@@ -123,14 +139,54 @@ private:
   std::size_t mask_ = 0;
 };
 
+// The points that faces use, and their places among these. A bit a point, and half a bit.
+class UsedPoints {
+public:
+  UsedPoints(const std::vector<BoundaryFace>& faces, std::size_t pointCount)
+      : words_((pointCount + 63) / 64), before_(words_.size()) {
+    for (const BoundaryFace& f : faces)
+      for (const std::uint32_t v : {f.a, f.b, f.c})
+        words_[v / 64] |= std::uint64_t(1) << (v % 64);
+    for (std::size_t i = 0; i < words_.size(); ++i) {
+      before_[i] = count_;
+      count_ += bitCount(words_[i]);
+    }
+  }
+
+  std::size_t size() const { return count_; }
+  std::uint32_t rank(std::uint32_t v) const {
+    return before_[v / 64] + bitCount(words_[v / 64] & ((std::uint64_t(1) << (v % 64)) - 1));
+  }
+  // In ascending order.
+  std::vector<std::uint32_t> points() const {
+    std::vector<std::uint32_t> all;
+    all.reserve(count_);
+    for (std::size_t i = 0; i < words_.size(); ++i)
+      for (std::uint64_t word = words_[i]; word != 0; word &= word - 1)
+        all.push_back(static_cast<std::uint32_t>(64 * i) +
+                      static_cast<std::uint32_t>(__builtin_ctzll(word)));
+    return all;
+  }
+
+private:
+  static std::uint32_t bitCount(std::uint64_t word) {
+    return static_cast<std::uint32_t>(__builtin_popcountll(word));
+  }
+
+  std::vector<std::uint64_t> words_;
+  std::vector<std::uint32_t> before_; // points used in earlier words
+  std::uint32_t count_ = 0;
+};
+
 // Whether every edge is passed as often one way as the other. The boundary of a boundary vanishes,
 // so this fails if faces around one vertex are missing.
 inline bool closes(const std::vector<BoundaryFace>& faces, std::size_t points) {
-  std::vector<std::uint64_t> sums(points);
+  const UsedPoints used(faces, points);
+  std::vector<std::uint64_t> sums(used.size());
   for (const BoundaryFace& f : faces) {
     const auto edge = [&](std::uint32_t a, std::uint32_t b) {
       const std::uint64_t r = fingerprint(std::max(a, b)) * static_cast<std::uint64_t>(f.weight);
-      sums[std::min(a, b)] += a < b ? r : -r;
+      sums[used.rank(std::min(a, b))] += a < b ? r : -r;
     };
     edge(f.a, f.b);
     edge(f.b, f.c);

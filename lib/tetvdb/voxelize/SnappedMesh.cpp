@@ -2,6 +2,7 @@
 #include "tetvdb/voxelize/SnappedMesh.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/voxelize/ChooseTransform.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,9 +29,28 @@ struct PointsBox {
 };
 
 // Voxel coordinates are int32; a node's margin is kept free at both ends.
-constexpr double kMaxLattice = (2147483648.0 - 8192.0) * static_cast<double>(kUnitsPerVoxel);
+constexpr double kMaxVoxelIndex = 2147483648.0 - 8192.0;
+
+// NaN fails every comparison.
+bool isInIndexSpace(const Vec3d& p, const GridTransform& transform) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (!(std::abs((p[k] - transform.origin[k]) / transform.voxelSize[k]) < kMaxVoxelIndex))
+      return false;
+  return true;
+}
+
+[[noreturn]] void failOutsideIndexSpace() {
+  throw Error(Status::Limit, "", "the mesh leaves 32-bit index space at this voxel size",
+              "use larger voxels");
+}
 
 } // namespace
+
+LatticeBox snapBox(const WorldBox& box, const GridTransform& transform) {
+  if (!isInIndexSpace(box.min, transform) || !isInIndexSpace(box.max, transform))
+    failOutsideIndexSpace();
+  return {snapPoint(box.min, transform), snapPoint(box.max, transform)};
+}
 
 SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& transform,
                        Progress& progress) {
@@ -39,24 +59,16 @@ SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& tr
   snapped.pointCount = points.size();
   snapped.points.resize(points.size() + 1);
   snapped.points.back() = {0, 0, 0};
-  const Vec3d o = transform.origin;
-  const Vec3d h = transform.voxelSize;
-
   const PointsBox box = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, points.size(), 16384), PointsBox{},
       [&](const tbb::blocked_range<std::size_t>& range, PointsBox local) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
           const Vec3d& p = points[i];
-          // NaN fails every comparison.
-          const bool inside = std::abs((p[0] - o[0]) / h[0]) < 2147475456.0 &&
-                              std::abs((p[1] - o[1]) / h[1]) < 2147475456.0 &&
-                              std::abs((p[2] - o[2]) / h[2]) < 2147475456.0;
-          if (!inside) {
+          if (!isInIndexSpace(p, transform)) {
             local.bad = true;
             continue;
           }
-          const LatticePoint q{snapToLattice(p[0], o[0], h[0]), snapToLattice(p[1], o[1], h[1]),
-                               snapToLattice(p[2], o[2], h[2])};
+          const LatticePoint q = snapPoint(p, transform);
           snapped.points[i] = q;
           local.min = {std::min(local.min.x, q.x), std::min(local.min.y, q.y),
                        std::min(local.min.z, q.z)};
@@ -69,7 +81,6 @@ SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& tr
         a.join(b);
         return a;
       });
-  static_assert(2147475456.0 * static_cast<double>(kUnitsPerVoxel) <= kMaxLattice);
 
   if (box.bad) {
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -77,8 +88,7 @@ SnappedMesh snapPoints(const std::vector<Vec3d>& points, const GridTransform& tr
         if (!std::isfinite(c))
           throw Error(Status::Invalid, "point " + std::to_string(i),
                       "a coordinate is not a finite number", "repair the mesh");
-    throw Error(Status::Limit, "", "the mesh leaves 32-bit index space at this voxel size",
-                "use larger voxels");
+    failOutsideIndexSpace();
   }
   if (!points.empty()) {
     snapped.boxMin = box.min;

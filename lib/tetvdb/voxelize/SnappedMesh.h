@@ -4,6 +4,7 @@
 #include "tetvdb/core/LargeVector.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/Lattice.h"
+#include "tetvdb/geometry/TetBox.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/volume/Volume.h"
 
@@ -12,6 +13,8 @@
 #include <vector>
 
 namespace tetvdb {
+
+struct WorldBox; // voxelize/ChooseTransform.h
 
 /// A tet mesh with its vertices on the sub-voxel lattice. Refers to the tets of the mesh it was
 /// made from.
@@ -24,6 +27,17 @@ struct SnappedMesh {
   /// Box of the points, lattice units.
   LatticePoint boxMin{0, 0, 0}, boxMax{0, 0, 0};
 };
+
+inline LatticePoint snapPoint(const Vec3d& p, const GridTransform& transform) {
+  const Vec3d& o = transform.origin;
+  const Vec3d& h = transform.voxelSize;
+  return {snapToLattice(p[0], o[0], h[0]), snapToLattice(p[1], o[1], h[1]),
+          snapToLattice(p[2], o[2], h[2])};
+}
+
+/// The box of snapped points from their own, since snapping keeps the order of coordinates. Throws
+/// Error(Limit) for a box that leaves 32-bit index space.
+LatticeBox snapBox(const WorldBox& box, const GridTransform& transform);
 
 /// Snaps the points of `mesh` by `transform`, in parallel. Throws Error(Invalid) for a coordinate
 /// that is not finite, Error(Limit) for one outside 32-bit index space.

@@ -14,7 +14,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 namespace tetvdb {
 namespace {
@@ -55,11 +54,7 @@ public:
 
 private:
   LatticePoint snapped(std::uint32_t vertex) const {
-    const Vec3d& p = points_[vertex];
-    const Vec3d& o = transform_.origin;
-    const Vec3d& h = transform_.voxelSize;
-    return {snapToLattice(p[0], o[0], h[0]), snapToLattice(p[1], o[1], h[1]),
-            snapToLattice(p[2], o[2], h[2])};
+    return snapPoint(points_[vertex], transform_);
   }
 
   bool isInIndexSpace(const Vec3d& p) const {
@@ -146,10 +141,6 @@ private:
              });
   }
 
-  static std::size_t bucketOf(const FaceRecord& record) {
-    return record.aSign >> (kBucketBits + 1);
-  }
-
   void matchFaces(SpooledBoundary& result) {
     const std::size_t buckets = (mesh_.pointCount() >> kBucketBits) + 1;
     std::vector<std::uint64_t> counts(buckets);
@@ -158,7 +149,7 @@ private:
         [&](std::size_t from, std::size_t to) {
           for (std::size_t t = from; t < to; ++t)
             eachOpenFace(t, [&](const FaceRecord& record) {
-              __atomic_fetch_add(&counts[bucketOf(record)], 1, __ATOMIC_RELAXED);
+              __atomic_fetch_add(&counts[record.bucket()], 1, __ATOMIC_RELAXED);
             });
           return Nothing();
         },
@@ -195,14 +186,14 @@ private:
           std::vector<FaceRecord> own;
           for (std::size_t t = from; t < to; ++t)
             eachOpenFace(t, [&](const FaceRecord& record) {
-              if (const std::size_t bucket = bucketOf(record); bucket >= begin && bucket < end)
+              if (const std::size_t bucket = record.bucket(); bucket >= begin && bucket < end)
                 own.push_back(record);
             });
           return own;
         },
         [&](const std::vector<FaceRecord>& own) {
           for (const FaceRecord& record : own)
-            records[next[bucketOf(record) - begin]++] = record;
+            records[next[record.bucket() - begin]++] = record;
         });
     std::vector<std::vector<BoundaryFace>> found(end - begin);
     tbb::enumerable_thread_specific<FaceTable> tables;
@@ -224,30 +215,10 @@ private:
 
   // Numbers the points of the faces anew.
   void usePoints(SpooledBoundary& result) const {
-    std::vector<BoundaryFace>& faces = result.chain.faces;
-    LargeVector<std::uint32_t> used(3 * faces.size());
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      used[3 * i] = faces[i].a;
-      used[3 * i + 1] = faces[i].b;
-      used[3 * i + 2] = faces[i].c;
-    }
-    tbb::parallel_sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const std::vector<std::uint32_t> used = renumberPoints(result.chain.faces, mesh_.pointCount());
     result.points.resize(used.size());
     for (std::size_t i = 0; i < used.size(); ++i)
       result.points[i] = points_[used[i]];
-    const auto place = [&](std::uint32_t& vertex) {
-      vertex = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), vertex) -
-                                          used.begin());
-    };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces.size(), 4096),
-                      [&](const auto& range) {
-                        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                          place(faces[i].a);
-                          place(faces[i].b);
-                          place(faces[i].c);
-                        }
-                      });
   }
 
   // As snapPoints().

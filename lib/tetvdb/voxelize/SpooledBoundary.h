@@ -20,9 +20,9 @@ struct SpooledBoundary {
 
 /// The faces of boundaryFaces(), in the same order. The mesh is passed once for every `bytes` / 8
 /// vertices, once more to count the faces around open ones, and once for every `bytes` / 12 of
-/// these. Memory: about `bytes`, a bit a point, 8 bytes for every 512 points, 16 a face found and
-/// 28 a point on it; mapped pages are given back above `maxResident` bytes of the process. Throws
-/// as boundaryFaces() and snapMesh().
+/// these. Memory: about `bytes`, three bits a point, 8 bytes for every 512 points, 16 a face found
+/// and 28 a point on it; mapped pages are given back above `maxResident` bytes of the process.
+/// Throws as boundaryFaces() and snapMesh().
 SpooledBoundary spooledBoundary(const SpooledMesh& mesh, const GridTransform& transform,
                                 std::size_t bytes, std::size_t maxResident, Progress& progress);
 

@@ -22,22 +22,21 @@ namespace {
 
 // The rates that the choice of method is based on, in seconds on one core, as `tetvdb_bench paths`
 // measures them.
-constexpr double kSecondsPerTetMatched = 30e-9;  // by the boundary: a tet whose faces cancel
+constexpr double kSecondsPerTetMatched = 15e-9;  // by the boundary: a tet whose faces cancel
 constexpr double kSecondsPerOpenFace = 500e-9;   // a face that does not, matched and rasterised
 constexpr double kSecondsPerTetPrepared = 70e-9; // tet by tet: a tet read and its planes computed
 constexpr double kSecondsPerColumn = 12e-9;      // a column of its box bounded
 
 // Whether rasterizing every tet beats finding the boundary. It does for tets that share no points,
 // so that every face stays open, as long as they are small.
-bool tetsAreFaster(const SnappedMesh& mesh) {
-  const auto tets = static_cast<double>(mesh.tetCount);
+bool tetsAreFaster(const TetMesh& mesh, const LatticeBox& box) {
+  const auto tets = static_cast<double>(mesh.tetCount());
   // A welded mesh has about a fifth as many points as tets, a soup four times as many.
   const double open =
-      std::clamp((static_cast<double>(mesh.pointCount) / tets - 0.3) / 3.7, 0.0, 1.0);
+      std::clamp((static_cast<double>(mesh.points.size()) / tets - 0.3) / 3.7, 0.0, 1.0);
   const auto columns = [](double low, double high) { return (high - low) * kVoxelsPerUnit + 1; };
-  const double volume = columns(mesh.boxMin.x, mesh.boxMax.x) *
-                        columns(mesh.boxMin.y, mesh.boxMax.y) *
-                        columns(mesh.boxMin.z, mesh.boxMax.z);
+  const double volume = columns(box.low.x, box.high.x) * columns(box.low.y, box.high.y) *
+                        columns(box.low.z, box.high.z);
   // Edge of a regular tet that takes its share of the box, and the columns its own box covers.
   const double edge = std::cbrt(volume / tets * 6 * std::sqrt(2.0));
   const double boundaryPath = kSecondsPerTetMatched + 4 * open * kSecondsPerOpenFace;
@@ -45,11 +44,15 @@ bool tetsAreFaster(const SnappedMesh& mesh) {
   return tetPath < boundaryPath;
 }
 
+void requireTets(const TetMesh& mesh) {
+  if (mesh.tets.empty())
+    throw Error(Status::Invalid, "", "the mesh has no tetrahedra");
+}
+
 } // namespace
 
 GridTransform chooseTransform(const TetMesh& mesh, const VoxelizeOptions& options) {
-  if (mesh.tets.empty())
-    throw Error(Status::Invalid, "", "the mesh has no tetrahedra");
+  requireTets(mesh);
   return chooseTransform(boxOfUsed(mesh.points, mesh.tets), options);
 }
 
@@ -101,18 +104,19 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   StageTimer timer(report, "voxelize");
   Voxelization result;
   timer.part("transform");
-  result.transform = chooseTransform(mesh, options);
+  requireTets(mesh);
+  const PointBoxes boxes = boxesOf(mesh.points, mesh.tets);
+  result.transform = chooseTransform(boxes.used, options);
   reportOrigin(result.transform, options, report);
-  timer.part("snap");
-  const SnappedMesh snapped = snapMesh(mesh, result.transform, progress);
+  const LatticeBox box = snapBox(boxes.all, result.transform);
 
   const bool tets = owners || options.path == OccupancyPath::Tets ||
-                    (byCentre && options.path == OccupancyPath::Auto && tetsAreFaster(snapped));
+                    (byCentre && options.path == OccupancyPath::Auto && tetsAreFaster(mesh, box));
   result.path = tets ? OccupancyPath::Tets : OccupancyPath::Boundary;
   TreeBuilder builder(options.grids, mesh);
   const auto bytesPerTet = tets ? 16.0 : 40.0;
-  const double working = 24.0 * static_cast<double>(snapped.pointCount) +
-                         bytesPerTet * static_cast<double>(snapped.tetCount);
+  const double working = 24.0 * static_cast<double>(mesh.points.size()) +
+                         bytesPerTet * static_cast<double>(mesh.tetCount());
   const auto estimate = [&](const TreeEstimate& tree) {
     const double bytes = working + tree.bytes(options.grids);
     result.estimatedBytes = static_cast<std::size_t>(bytes);
@@ -120,6 +124,8 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   };
 
   if (tets) {
+    timer.part("snap");
+    const SnappedMesh snapped = snapMesh(mesh, result.transform, progress);
     // The box is a bound for all of them; the tets are examined only if that bound is too large.
     timer.part("estimate");
     const std::size_t limit = options.maxMemory != 0 ? options.maxMemory : availableBytes();
@@ -132,8 +138,12 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   } else {
     requireMemory(working, options);
     timer.part("boundary");
-    const Boundary boundary = boundaryFaces(snapped, progress);
+    Boundary boundary = boundaryFaces(mesh, result.transform, progress);
     result.counts = {boundary.flipped, boundary.dropped, boundary.faces.size()};
+    timer.part("snap");
+    SnappedMesh snapped = snapUsed(mesh.points, boundary, result.transform, progress);
+    snapped.boxMin = box.low;
+    snapped.boxMax = box.high;
     timer.part("estimate");
     requireMemory(estimate(estimateByBoundary(snapped, boundary)), options);
     timer.part("rasterize");
@@ -151,7 +161,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   grids->all = builder.finish(result.transform);
   result.volume = Volume(std::move(grids));
 
-  reportTets(result.counts, snapped.tetCount, report);
+  reportTets(result.counts, mesh.tetCount(), report);
   requireVoxels(result, options);
   return result;
 }

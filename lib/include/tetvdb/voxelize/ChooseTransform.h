@@ -25,6 +25,12 @@ struct WorldBox {
   void grow(double length);
 };
 
+/// Boxes of points: of all, and of those in use.
+struct PointBoxes {
+  WorldBox all, used;
+};
+PointBoxes boxesOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices);
+
 /// Box of those of `points` that `indices` (of cells or faces) name. Parallel; where every side of
 /// the box is touched by some point in use, which is nearly always so, it looks at few indices.
 WorldBox boxOfUsed(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& indices);

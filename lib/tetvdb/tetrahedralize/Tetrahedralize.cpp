@@ -195,6 +195,11 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
     aims.smallestEdge = work.radius;
     aims.stopEnergy = options.stopEnergy;
     aims.maxPasses = options.maxPasses;
+    if (!isChained && !options.keepOutside)
+      aims.weigh = [&](TetComplex& changed) {
+        weighOutside(changed, insideOf(changed, count, work.soup, work.missing, progress), count,
+                     options.boolean);
+      };
     counts = improve(complex, bounds, aims, progress);
   } else {
     work.done.add(complex.tetCount());

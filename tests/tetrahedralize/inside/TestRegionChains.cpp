@@ -36,6 +36,27 @@ struct TwoBalls {
   }
 };
 
+// Makes a hole of one face in an input; returns the points at it.
+std::vector<std::uint32_t> makeHole(TetComplex& complex) {
+  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
+    unsigned localFace = 0;
+    while (localFace < 4 && (complex.tets[t].chains[localFace] == 0 ||
+                             complex.tets[t].neighbours[localFace] == TetComplex::kOutside))
+      ++localFace;
+    if (localFace == 4)
+      continue;
+    const std::uint32_t next = complex.tets[t].neighbours[localFace];
+    const unsigned back = complex.localFaceOf(next, t);
+    complex.tets[t].tracked[localFace] = complex.tets[next].tracked[back] = false;
+    complex.tets[t].chains[localFace] = complex.tets[next].chains[back] = 0;
+    std::vector<std::uint32_t> points;
+    for (const unsigned corner : kFaceCorners[localFace])
+      points.push_back(complex.tets[t].corners[corner]);
+    return points;
+  }
+  return {};
+}
+
 TEST(RegionChains, OnlyWhatPartsRegionsIsTracked) {
   for (const Boolean rule :
        {Boolean::Materials, Boolean::Union, Boolean::Difference, Boolean::Intersection})
@@ -72,21 +93,7 @@ TEST(RegionChains, OnlyWhatPartsRegionsIsTracked) {
 TEST(RegionChains, NothingIsChangedWhereInsideEndsAtNoFace) {
   TwoBalls balls;
   TetComplex& complex = balls.complex;
-  // A hole of one face.
-  for (std::uint32_t t = 0;; ++t) {
-    ASSERT_LT(t, complex.tets.size());
-    unsigned localFace = 0;
-    while (localFace < 4 && (complex.tets[t].chains[localFace] == 0 ||
-                             complex.tets[t].neighbours[localFace] == TetComplex::kOutside))
-      ++localFace;
-    if (localFace == 4)
-      continue;
-    const std::uint32_t next = complex.tets[t].neighbours[localFace];
-    const unsigned back = complex.localFaceOf(next, t);
-    complex.tets[t].tracked[localFace] = complex.tets[next].tracked[back] = false;
-    complex.tets[t].chains[localFace] = complex.tets[next].chains[back] = 0;
-    break;
-  }
+  ASSERT_EQ(makeHole(complex).size(), 3u);
   const TetComplex before = complex;
   EXPECT_FALSE(chainRegions(complex, balls.inside, 2, Boolean::Materials, false));
   for (std::size_t t = 0; t < complex.tets.size(); ++t) {
@@ -94,6 +101,44 @@ TEST(RegionChains, NothingIsChangedWhereInsideEndsAtNoFace) {
     EXPECT_EQ(complex.tets[t].tracked, before.tets[t].tracked);
     EXPECT_EQ(complex.tets[t].weight, 1);
   }
+}
+
+TEST(RegionChains, TetsAroundAHoleKeepTheirWeight) {
+  TwoBalls balls;
+  TetComplex& complex = balls.complex;
+  std::vector<std::uint32_t> near = makeHole(complex);
+  ASSERT_EQ(near.size(), 3u);
+  for (TetComplex::Point& point : complex.points)
+    point.changed = 0;
+  complex.tets[7].weight = 0.5f; // of an earlier time
+  weighOutside(complex, balls.inside, 2, Boolean::Materials);
+  ASSERT_NO_THROW(complex.verify());
+  // Three rings of tets, one point after another.
+  std::vector<bool> isNear(complex.tets.size(), false);
+  for (int ring = 0; ring < 3; ++ring) {
+    std::vector<std::uint32_t> star, next = near;
+    for (const std::uint32_t point : near) {
+      complex.star(point, star);
+      for (const std::uint32_t t : star) {
+        isNear[t] = true;
+        next.insert(next.end(), complex.tets[t].corners.begin(), complex.tets[t].corners.end());
+      }
+    }
+    near = next;
+  }
+  std::size_t light = 0, kept = 0;
+  for (std::uint32_t t = 0; t < complex.tets.size(); ++t) {
+    const bool isOutside = balls.inside[t] == 0;
+    EXPECT_EQ(complex.tets[t].weight < 1, isOutside && !isNear[t]);
+    light += isOutside && !isNear[t];
+    kept += isOutside && isNear[t];
+    if (complex.tets[t].weight < 1) {
+      for (const std::uint32_t corner : complex.tets[t].corners)
+        EXPECT_NE(complex.points[corner].changed, 0);
+    }
+  }
+  EXPECT_GT(light, 100u);
+  EXPECT_GT(kept, 20u);
 }
 
 } // namespace

@@ -80,9 +80,12 @@ constexpr double kSurfaceShare = 1.25, kGrowth = 0.48, kRefinedShare = 0.7;
 constexpr int kMaxRefined = 15, kPassesToRefine = 2;
 // Where the input's own angles forbid the stop energy, smaller sizes never reach it: sizes ask for
 // no more than kMostGrowth times the coarse mesh's tets (a truck of 79 thousand grew to 12.7
-// million), and refining ends after kMaxSinceBest refinements without fewer tets above it.
+// million), and refining ends after kMaxSinceBest refinements without fewer tets above it, unless
+// these are few: no more than one in kFewBad tets. It does not begin where they are more than one
+// in kManyBad.
 constexpr double kMostGrowth = 8;
 constexpr int kMaxSinceBest = 2;
+constexpr std::size_t kFewBad = 1000, kManyBad = 100;
 // Edges are split where they are longer than kSplitShare of their size, and collapsed where they
 // are shorter than kCollapseShare; on average they end up a tenth shorter than their size.
 constexpr double kSplitShare = 4. / 3, kCollapseShare = 4. / 5, kSizeOfLength = 1.1;
@@ -181,6 +184,11 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
   ImproveCounts counts;
   for (TetComplex::Point& point : complex.points)
     point.changed = 0xFF; // other rules may have been in force
+  const auto weigh = [&] {
+    if (options.weigh)
+      options.weigh(complex);
+  };
+  weigh();
   const EdgeSizes sizes(kSizeOfLength * options.edgeLength);
   const bool isFine = options.stopEnergy <= kFineStop;
   const double aim = kAimShare * options.stopEnergy;
@@ -189,9 +197,10 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
   int round = 0, refined = 0, sinceRefined = 0, sinceBest = 0;
   double mostTets = std::numeric_limits<double>::infinity();
   std::size_t fewestBad = std::numeric_limits<std::size_t>::max();
-  TetComplex best; // the one with the fewest tets above the stop energy, before sizes were refined
+  TetComplex best; // the one with the fewest tets above the stop energy, after fine passes
   while (counts.passes < options.maxPasses) {
     if (isFine && counts.passes == kCoarsePasses) {
+      weigh();
       mostTets = kMostGrowth * static_cast<double>(complex.tetCount());
       sizes.followSurface(complex, kSurfaceShare, kGrowth, mostTets);
     }
@@ -210,18 +219,22 @@ ImproveCounts improve(TetComplex& complex, const Bounds& given, const ImproveOpt
       continue;
     if (bad == 0)
       break;
-    if (5 * bad <= 4 * before || sinceRefined < kPassesToRefine)
-      continue;
     const std::size_t above = countEnergies(complex, options.stopEnergy, counts);
-    ++sinceBest;
     if (above < fewestBad) {
       fewestBad = above;
       best = complex;
       sinceBest = 0;
     }
-    if (refined == kMaxRefined || sinceBest == kMaxSinceBest ||
-        !sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge, mostTets))
+    if (5 * bad <= 4 * before || sinceRefined < kPassesToRefine)
+      continue;
+    const bool isStuck = above * kManyBad > complex.tetCount() ||
+                         (sinceBest == kMaxSinceBest && above * kFewBad > complex.tetCount());
+    if (refined == kMaxRefined || isStuck)
       break;
+    weigh();
+    if (!sizes.refine(complex, limit, kRefinedShare, kGrowth, options.smallestEdge, mostTets))
+      break;
+    ++sinceBest;
     ++refined;
     sinceRefined = 0;
   }

@@ -8,6 +8,7 @@
 #include "tetvdb/tetrahedralize/complex/TetComplex.h"
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace tetvdb {
@@ -17,6 +18,9 @@ struct ImproveOptions {
   double smallestEdge = 0; ///< no size is less than this, lattice units
   double stopEnergy = 10;  ///< worst AMIPS energy to reach; 3 is the regular tet
   int maxPasses = 80;
+  /// Where set, called before passes that follow other rules than those before them: may set
+  /// weights of tets.
+  std::function<void(TetComplex&)> weigh;
 };
 
 struct ImproveCounts {

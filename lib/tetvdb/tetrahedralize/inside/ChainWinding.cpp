@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <utility>
@@ -32,22 +31,28 @@ std::vector<Box> boxesOf(const std::vector<ChainWinding::Face>& faces) {
   return boxes;
 }
 
+// A point and its number: together, so that parting them reads memory in order.
+struct Item {
+  Vec3d at;
+  std::uint32_t number;
+};
+
 // Parts points at the median of their box's longest side until groups are small; begins[i] is where
-// group i begins in `order`.
-void findGroups(const std::vector<LatticePoint>& points, std::vector<std::uint32_t>& order,
-                std::ptrdiff_t begin, std::ptrdiff_t end, std::vector<std::uint32_t>& begins) {
+// group i begins.
+void findGroups(std::vector<Item>& items, std::ptrdiff_t begin, std::ptrdiff_t end,
+                std::vector<std::uint32_t>& begins) {
   if (end - begin <= static_cast<std::ptrdiff_t>(kGroupPoints)) {
     begins.push_back(static_cast<std::uint32_t>(begin));
     return;
   }
-  const auto position = [&](std::uint32_t i) { return vectorOf(points[i]); };
+  const auto position = [](const Item& item) -> const Vec3d& { return item.at; };
   const std::ptrdiff_t median = begin + (end - begin) / 2;
-  const auto first = order.begin() + begin, last = order.begin() + end;
-  splitAlongAxis(longestAxis(first, last, position), first, order.begin() + median, last, position,
-                 [](std::uint32_t i) { return i; });
+  const auto first = items.begin() + begin, last = items.begin() + end;
+  splitAlongAxis(longestAxis(first, last, position), first, items.begin() + median, last, position,
+                 [](const Item& item) { return item.number; });
   std::vector<std::uint32_t> later;
-  const auto low = [&] { findGroups(points, order, begin, median, begins); };
-  const auto high = [&] { findGroups(points, order, median, end, later); };
+  const auto low = [&] { findGroups(items, begin, median, begins); };
+  const auto high = [&] { findGroups(items, median, end, later); };
   if (end - begin > kPointsPerTask) {
     tbb::parallel_invoke(low, high);
   } else {
@@ -176,11 +181,15 @@ void ChainWinding::atGroup(const Group& group, double* winding) const {
 
 std::vector<double> ChainWinding::at(const std::vector<LatticePoint>& points,
                                      Progress& progress) const {
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0u);
+  std::vector<Item> items(points.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i)
+    items[i] = {vectorOf(points[i]), i};
   std::vector<std::uint32_t> begins;
-  findGroups(points, order, 0, static_cast<std::ptrdiff_t>(order.size()), begins);
-  begins.push_back(static_cast<std::uint32_t>(order.size()));
+  findGroups(items, 0, static_cast<std::ptrdiff_t>(items.size()), begins);
+  begins.push_back(static_cast<std::uint32_t>(items.size()));
+  std::vector<std::uint32_t> order(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i)
+    order[i] = items[i].number;
   progress.check();
   std::vector<double> winding(points.size());
   tbb::parallel_for(std::size_t(0), begins.size() - 1, [&](std::size_t i) {

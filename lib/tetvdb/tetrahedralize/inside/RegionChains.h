@@ -25,4 +25,10 @@ constexpr float kOutsideWeight = 1.f / 30;
 bool chainRegions(TetComplex& complex, const std::vector<std::uint16_t>& inside,
                   std::size_t inputCount, Boolean rule, bool keepOutside);
 
+/// Where the inside ends elsewhere too, as in the holes of open inputs: tets outside get
+/// kOutsideWeight, but for those within a few tets of where it does, and all others weight 1.
+/// `inside` is insideOf()'s. Linear; about 50 ns a tet.
+void weighOutside(TetComplex& complex, const std::vector<std::uint16_t>& inside,
+                  std::size_t inputCount, Boolean rule);
+
 } // namespace tetvdb

@@ -2,11 +2,13 @@
 #include "tetvdb/tetrahedralize/soup/Envelope.h"
 
 #include "tetvdb/geometry/ClosestPoint.h"
+#include "tetvdb/tetrahedralize/soup/InputSheets.h"
 #include "tetvdb/tetrahedralize/soup/TriangleTree.h"
 
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 
 namespace tetvdb {
 namespace {
@@ -262,12 +264,25 @@ bool containsPolygon(const TriangleTree& tree, const ConvexPolygon& whole, doubl
 
 struct Envelope::Impl {
   TriangleTree tree;
+  InputSheets sheets;
   double epsilon;
+
+  Impl(const std::vector<Vec3d>& points, const std::vector<std::array<std::uint32_t, 3>>& faces,
+       double farthest)
+      : tree(points, faces), sheets(tree, faces, points.size()), epsilon(farthest) {}
+
+  bool contains(const Vec3d& p, double limit) const {
+    return tree.visit(p, limit, [&](std::uint32_t i, double&) {
+      return tree.triangle(i).squaredDistance(p) <= limit;
+    });
+  }
+  /// As Envelope::depth(); a bound below `enough` is not improved.
+  double depth(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius, double enough) const;
 };
 
 Envelope::Envelope(const std::vector<Vec3d>& points,
                    const std::vector<std::array<std::uint32_t, 3>>& faces, double epsilon)
-    : impl_(new Impl{TriangleTree(points, faces), epsilon}) {}
+    : impl_(new Impl(points, faces, epsilon)) {}
 
 Envelope::~Envelope() = default;
 
@@ -290,11 +305,7 @@ std::vector<std::array<Vec3d, 3>> Envelope::faces() const {
 }
 
 bool Envelope::contains(const Vec3d& p, double radius) const {
-  const double limit = radius * radius * kSafety;
-  const TriangleTree& tree = impl_->tree;
-  return tree.visit(p, limit, [&](std::uint32_t i, double&) {
-    return tree.triangle(i).squaredDistance(p) <= limit;
-  });
+  return impl_->contains(p, radius * radius * kSafety);
 }
 
 bool Envelope::contains(const Vec3d& p, const Vec3d& q, double radius) const {
@@ -302,7 +313,40 @@ bool Envelope::contains(const Vec3d& p, const Vec3d& q, double radius) const {
 }
 
 bool Envelope::contains(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius) const {
-  return containsPolygon(impl_->tree, {p, q, r}, radius * radius * kSafety);
+  return impl_->depth(p, q, r, radius, radius) <= radius;
+}
+
+double Envelope::depth(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius) const {
+  return impl_->depth(p, q, r, radius, 0);
+}
+
+// Most candidates are over a sheet of triangles, and near it everywhere; others are cut.
+double Envelope::Impl::depth(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius,
+                             double enough) const {
+  const double limit = radius * radius * kSafety, most = std::sqrt(limit);
+  const Vec3d centre = times(plus(plus(p, q), r), 1.0 / 3);
+  std::uint32_t nearest = kNone;
+  tree.visit(centre, limit, [&](std::uint32_t i, double& farthest) {
+    const double here = tree.triangle(i).squaredDistance(centre);
+    if (here <= farthest) {
+      farthest = here;
+      nearest = i;
+    }
+    return false;
+  });
+  if (nearest == kNone)
+    return std::numeric_limits<double>::infinity();
+  const NearTriangle& triangle = tree.triangle(nearest);
+  const double farthest = std::max(
+      {triangle.squaredDistance(p), triangle.squaredDistance(q), triangle.squaredDistance(r)});
+  if (farthest <= limit)
+    return std::sqrt(farthest);
+  const InputSheets::Gap gap = sheets.gap(p, q, r, nearest, most, std::min(most, enough));
+  if (gap.bound <= radius)
+    return gap.bound;
+  if (gap.isFar && !contains(gap.far, limit))
+    return std::numeric_limits<double>::infinity();
+  return containsPolygon(tree, {p, q, r}, limit) ? radius : std::numeric_limits<double>::infinity();
 }
 
 Envelope::Nearest Envelope::nearest(const Vec3d& p) const {

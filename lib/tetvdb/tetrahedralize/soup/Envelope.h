@@ -44,6 +44,10 @@ public:
   bool contains(const Vec3d& p, const Vec3d& q, double radius) const;
   bool contains(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius) const;
 
+  /// A bound on how far any point of a triangle is from the faces; infinity where the triangle is
+  /// not within `radius`. Costs no more than contains().
+  double depth(const Vec3d& p, const Vec3d& q, const Vec3d& r, double radius) const;
+
   struct Nearest {
     Vec3d point{0, 0, 0};
     double distance = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/soup/Landmarks.h"
 
-#include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/soup/TriangleTree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,13 +38,38 @@ bool isFlat(const EdgeOfFace& one, const EdgeOfFace& other) {
   return dot(u, v) <= kFlat * length(u) * length(v);
 }
 
-double squareTo(const Vec3d& p, const std::vector<Landmarks::Face>& faces) {
-  double minSquared = std::numeric_limits<double>::infinity();
-  for (const auto& [a, b, c] : faces)
-    minSquared =
-        std::min(minSquared, nearestOnTriangle(minus(a, p), minus(b, p), minus(c, p)).squared);
-  return minSquared;
-}
+// Faces that many points are compared with.
+class NearFaces {
+public:
+  void set(const std::vector<Landmarks::Face>& faces) {
+    triangles_.clear();
+    for (const auto& [a, b, c] : faces)
+      triangles_.emplace_back(a, b, c, 0);
+    last_ = 0;
+  }
+  // Whether a face is within a squared distance; most likely it is the one that was the last time.
+  bool isWithin(const Vec3d& p, double limit) {
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      const std::size_t at =
+          last_ + i < triangles_.size() ? last_ + i : last_ + i - triangles_.size();
+      if (triangles_[at].squaredDistance(p) <= limit) {
+        last_ = at;
+        return true;
+      }
+    }
+    return false;
+  }
+  double squareTo(const Vec3d& p) const {
+    double minSquared = std::numeric_limits<double>::infinity();
+    for (const NearTriangle& triangle : triangles_)
+      minSquared = std::min(minSquared, triangle.squaredDistance(p));
+    return minSquared;
+  }
+
+private:
+  std::vector<NearTriangle> triangles_;
+  std::size_t last_ = 0;
+};
 
 std::vector<Box> landmarksOf(const Envelope& surface, double radius, std::vector<Vec3d> points) {
   std::vector<EdgeOfFace> edges;
@@ -97,29 +122,29 @@ bool Landmarks::keeps(const std::vector<Face>& before, const std::vector<Face>& 
     near.low[axis] -= radius_;
     near.high[axis] += radius_;
   }
+  thread_local NearFaces old, fresh;
+  old.set(before);
+  fresh.set(after);
+  const double most = kShare * radius_;
   // Boxes of which every point is known to be kept are not looked into.
   const auto isOpen = [&](const Box& box) {
     if (!near.meets(box))
       return false;
     const Vec3d centre = times(plus(box.low, box.high), 0.5);
-    const double reach = length(minus(box.high, centre));
-    return reach == 0 || !(std::sqrt(squareTo(centre, before)) > radius_ + reach ||
-                           std::sqrt(squareTo(centre, after)) + reach < kShare * radius_);
+    const double reach = length(minus(box.high, centre)), far = radius_ + reach;
+    return reach == 0 ||
+           (!(reach < most && fresh.isWithin(centre, (most - reach) * (most - reach))) &&
+            old.isWithin(centre, far * far));
   };
   bool isLost = false;
   points_.visit(isOpen, [&](std::uint32_t point) {
-    return isLost = !keeps(points_.box(point).low, before, after);
+    const Vec3d& p = points_.box(point).low;
+    if (fresh.isWithin(p, most * most))
+      return false;
+    const double was = old.squareTo(p);
+    return isLost = was <= radius_ * radius_ && !(fresh.squareTo(p) <= was);
   });
   return !isLost;
-}
-
-bool Landmarks::keeps(const Vec3d& p, const std::vector<Face>& before,
-                      const std::vector<Face>& after) const {
-  const double now = squareTo(p, after);
-  if (now <= kShare * kShare * radius_ * radius_)
-    return true;
-  const double was = squareTo(p, before);
-  return now <= was || was > radius_ * radius_;
 }
 
 } // namespace tetvdb

@@ -39,8 +39,6 @@ public:
   static constexpr double kShare = 0.98;
 
 private:
-  bool keeps(const Vec3d& p, const std::vector<Face>& before, const std::vector<Face>& after) const;
-
   double radius_;
   BoxTree points_; ///< a box each
 };

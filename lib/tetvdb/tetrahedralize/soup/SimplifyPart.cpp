@@ -22,6 +22,9 @@ constexpr double kMinCosine = 0.2;  ///< of the angle that a normal may turn by 
 constexpr double kHold = 1e-3;      ///< weight of the edge's midpoint; planes have 1
 constexpr double kCoplanar = 0.996; ///< cosine between faces whose edge may be swapped: 5 degrees
 constexpr double kBetter = 1.1;     ///< what a swap has to gain
+// Points out of a face's box that is enlarged by so many radii are farther from it than a radius,
+// in spite of rounding.
+constexpr double kBoxReach = 1.001;
 constexpr std::size_t kManyTimes = 64; ///< steps between calls of Progress::check()
 
 Vec3d normalOf(const std::array<Vec3d, 3>& at) {
@@ -243,8 +246,10 @@ Vec3d SimplifyPart::bestPlace(const Vec3d& midpoint) const {
 }
 
 void SimplifyPart::addCarried(std::uint32_t face) {
-  for (std::uint32_t p = s_.firstCarried[face]; p != kNone; p = s_.nextCarried[p])
+  for (std::uint32_t p = s_.firstCarried[face]; p != kNone; p = s_.nextCarried[p]) {
     carried_.push_back(p);
+    __builtin_prefetch(&s_.carried[p]); // for keepsCarried(): points are far apart in memory
+  }
 }
 
 // Moves the corner there. Whether the new faces' shapes and normals allow it.
@@ -265,17 +270,29 @@ bool SimplifyPart::isGoodAt(const Vec3d& to) {
 // Whether every carried point is near one of the new faces; finds the nearest.
 bool SimplifyPart::keepsCarried() {
   triangles_.clear();
-  for (const NewFace& changed : newFaces_)
+  nearBoxes_.clear();
+  const Vec3d reach{kBoxReach * radius_, kBoxReach * radius_, kBoxReach * radius_};
+  for (const NewFace& changed : newFaces_) {
     triangles_.emplace_back(changed.at[0], changed.at[1], changed.at[2], changed.face);
+    Box box;
+    for (const Vec3d& corner : changed.at)
+      box.add(corner);
+    nearBoxes_.push_back({minus(box.low, reach), plus(box.high, reach)});
+  }
   nearestOf_.clear();
   for (const std::uint32_t p : carried_) {
+    const Vec3d& at = s_.carried[p];
     double minSquared = std::numeric_limits<double>::infinity();
     std::uint32_t nearest = kNone;
-    for (const NearTriangle& triangle : triangles_) {
-      const double distance = triangle.squaredDistance(s_.carried[p]);
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      const Box& box = nearBoxes_[i];
+      if (!((at[0] >= box.low[0]) & (at[0] <= box.high[0]) & (at[1] >= box.low[1]) &
+            (at[1] <= box.high[1]) & (at[2] >= box.low[2]) & (at[2] <= box.high[2])))
+        continue;
+      const double distance = triangles_[i].squaredDistance(at);
       if (distance < minSquared) {
         minSquared = distance;
-        nearest = triangle.face;
+        nearest = triangles_[i].face;
       }
     }
     if (!(minSquared <= radius_ * radius_))
@@ -336,8 +353,8 @@ bool SimplifyPart::asksEnvelope(const Vec3d& direction) {
     newFaces_[i].depth = after_.faces[i].depth;
     if (newFaces_[i].depth <= radius_)
       continue;
-    newFaces_[i].depth = radius_;
-    if (!envelope_.contains(a, b, c, radius_))
+    newFaces_[i].depth = envelope_.depth(a, b, c, radius_);
+    if (!(newFaces_[i].depth <= radius_))
       return false;
   }
   return true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/tetrahedralize/soup/DiscGap.h"
 #include "tetvdb/tetrahedralize/soup/Envelope.h"
 #include "tetvdb/tetrahedralize/soup/SimplifySoup.h"
@@ -89,7 +90,8 @@ private:
   double worstShape_ = 0; ///< of the faces before
   Disc before_, after_;
   DiscGap gap_;
-  std::vector<NearTriangle> triangles_;
+  std::vector<NearTriangle> triangles_;  ///< the new faces
+  std::vector<Box> nearBoxes_;           ///< out of which no point is near one
   std::vector<std::uint32_t> carried_;   ///< points that the old faces stood for
   std::vector<std::uint32_t> nearestOf_; ///< of each the new face
 };

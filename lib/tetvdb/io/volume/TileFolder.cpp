@@ -4,11 +4,15 @@
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/StoredNodes.h"
+#include "tetvdb/io/volume/TileSpools.h"
 #include "tetvdb/io/volume/TileTree.h"
+#include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/volume/BitLevels.h"
+#include "tetvdb/volume/GridLevels.h"
 
 #include <algorithm>
 #include <array>
@@ -34,7 +38,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kIndex = "tiles.json";
 constexpr std::string_view kStem = "tile_";
 constexpr std::string_view kEnding = ".vdb";
-constexpr std::int32_t kRootChild = 4096;
 constexpr std::size_t kNodesInMemory = std::size_t(32) << 20;
 
 bool isTileFile(const std::string& name) {
@@ -51,7 +54,7 @@ AtomicFolder::Contents contents() {
 }
 
 void checkSize(int size) {
-  if (size != 512 && size != 1024 && size != 2048 && size != kRootChild)
+  if (size != 512 && size != 1024 && size != 2048 && size != kRootChildSize)
     throw Error(Status::Usage, "`tile_size`", fmt::format("is {}", size),
                 "choose 512, 1024, 2048 or 4096");
 }
@@ -170,12 +173,25 @@ private:
   std::vector<RootCube> cubes_;
 };
 
+/// The boxes, each cut where a layer of `nodes` nodes ends.
+std::vector<NodeBox> inLayers(const std::vector<NodeBox>& boxes, std::int32_t nodes) {
+  std::vector<NodeBox> cut;
+  for (NodeBox rest : boxes)
+    while (rest.low[0] < rest.high[0]) {
+      NodeBox own = rest;
+      own.high[0] = std::min(rest.high[0], (rest.low[0] & ~(nodes - 1)) + nodes);
+      cut.push_back(own);
+      rest.low[0] = own.high[0];
+    }
+  return cut;
+}
+
 /// Calls work(origin) for the cubes of a child of the root node, by x, then y, then z.
 template <class Work>
 void forCubes(const openvdb::Coord& origin, std::int32_t size, const Work& work) {
-  for (std::int32_t x = 0; x < kRootChild; x += size)
-    for (std::int32_t y = 0; y < kRootChild; y += size)
-      for (std::int32_t z = 0; z < kRootChild; z += size)
+  for (std::int32_t x = 0; x < kRootChildSize; x += size)
+    for (std::int32_t y = 0; y < kRootChildSize; y += size)
+      for (std::int32_t z = 0; z < kRootChildSize; z += size)
         work(openvdb::Coord(origin.x() + x, origin.y() + y, origin.z() + z));
 }
 
@@ -272,7 +288,7 @@ void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& ori
 
 void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& progress) {
   const std::size_t cubes = source.cubes().size();
-  const auto across = static_cast<std::size_t>(kRootChild / size_);
+  const auto across = static_cast<std::size_t>(kRootChildSize / size_);
   std::size_t full = 0;
   for (const RootCube& cube : source.cubes())
     full += cube.full ? across * across * across : 0;
@@ -280,7 +296,7 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
   for (std::size_t c = 0; c < cubes; ++c) {
     progress.update(double(c) / double(cubes));
     const Vec3i origin = source.cubes()[c].origin;
-    if (size_ == kRootChild) {
+    if (size_ == kRootChildSize) {
       OneCube one(source, c);
       naming(folder_, [&] { addCube(one, origin, options, progress); });
       continue;
@@ -291,6 +307,107 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
       StoredNodes::Part part(nodes, at, size_);
       if (!part.isEmpty())
         naming(folder_, [&] { addCube(part, at, options, progress); });
+    });
+  }
+}
+
+/// Files of which the cubes have the same x.
+class TileFolder::Layer {
+public:
+  Layer(TileFolder& folder, const openvdb::Coord& corner, std::size_t inMemory)
+      : folder_(folder), own_(folder.empty_.begin(),
+                              folder.empty_.begin() + static_cast<std::ptrdiff_t>(folder.own_)),
+        spools_(own_, corner, folder.size_, folder.folder_.temporary(), inMemory) {
+    const TileLevels& levels = folder.levels_;
+    for (std::size_t g = 0; g < own_.size() && !levels.range.isEmpty(); ++g)
+      levels_.push_back(makeGridLevels(own_[g], levels.range, levels.maxMemory / own_.size()));
+  }
+
+  void add(const openvdb::GridPtrVec& parts, const NodeBox& box, Progress& progress) {
+    for (std::size_t g = 0; g < levels_.size(); ++g)
+      levels_[g]->add(*parts[g], progress);
+    spools_.add(parts, box);
+  }
+
+  void write(Progress& progress) {
+    openvdb::GridPtrVec coarser;
+    for (auto& levels : levels_) {
+      const openvdb::GridPtrVec made = levels->finish();
+      coarser.insert(coarser.end(), made.begin(), made.end());
+      levels.reset();
+    }
+    QuietProgress within(progress);
+    const ProgressShare share(within, 0, 1);
+    spools_.finish([&](const openvdb::Coord& corner, TileSpools::Spools& spools) {
+      progress.check();
+      VdbOutput output(folder_.nextPath(), folder_.metadata_, folder_.empty_.size());
+      std::vector<GridInfo> infos;
+      for (auto& spool : spools) {
+        spool->writeTo(output, share);
+        infos.push_back(spool->describe());
+        spool.reset();
+      }
+      Volume levels;
+      levels.grids().all = cutLevels(coarser, corner);
+      writeGrids(output, levels.grids().all, share);
+      for (GridInfo& info : describe(levels))
+        infos.push_back(std::move(info));
+      output.commit(within);
+      folder_.finish({corner.x(), corner.y(), corner.z()}, std::move(infos));
+    });
+  }
+
+private:
+  using LevelGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
+
+  /// What the levels, those of the first grid before those of the next, have in a file's cube.
+  openvdb::GridPtrVec cutLevels(const openvdb::GridPtrVec& levels,
+                                const openvdb::Coord& corner) const {
+    openvdb::GridPtrVec cut;
+    const LevelRange& range = folder_.levels_.range;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const int k = range.first + static_cast<int>(i % range.size());
+      std::as_const(*levels[i]).apply<LevelGrids>([&](const auto& level) {
+        const auto own = emptyLike(level);
+        copyActive(level, corner >> static_cast<std::size_t>(k), folder_.size_ >> k, *own);
+        openFirstTile(*own);
+        cut.push_back(own);
+      });
+    }
+    return cut;
+  }
+
+  TileFolder& folder_;
+  openvdb::GridPtrVec own_; ///< without voxels
+  TileSpools spools_;
+  std::vector<std::unique_ptr<GridLevels>> levels_; ///< by grid
+};
+
+void TileFolder::add(TreeSource& source, std::size_t inMemory, const ProgressShare& share,
+                     Progress& progress) {
+  QuietProgress within(progress);
+  source.begin();
+  const std::size_t cubes = source.cubes().size();
+  for (std::size_t c = 0; c < cubes; ++c) {
+    const Vec3i& origin = source.cubes()[c];
+    std::optional<Layer> layer;
+    std::int32_t layerAt = 0;
+    const std::vector<NodeBox> parts = inLayers(source.parts(c), size_ / kNodeSize);
+    naming(folder_, [&] {
+      for (std::size_t p = 0; p < parts.size(); ++p) {
+        const std::int32_t x = parts[p].low[0] * kNodeSize & ~(size_ - 1);
+        if (layer && layerAt != x) {
+          layer->write(progress);
+          layer.reset();
+        }
+        if (!layer)
+          layer.emplace(*this, openvdb::Coord(x, origin[1], origin[2]), inMemory);
+        layerAt = x;
+        layer->add(source.make(parts[p], within), parts[p], within);
+        share.update((double(c) + double(p + 1) / double(parts.size())) / double(cubes));
+      }
+      if (layer)
+        layer->write(progress);
     });
   }
 }

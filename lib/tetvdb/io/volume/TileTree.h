@@ -3,11 +3,15 @@
 // Cubes of trees, copied node by node.
 #pragma once
 
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <algorithm>
+#include <cstring>
 #include <memory>
+#include <openvdb/tools/Prune.h>
 #include <set>
 #include <utility>
 #include <vector>
@@ -81,6 +85,67 @@ bool copyCube(const GridT& from, const openvdb::Coord& corner, std::int32_t size
       }
   if (any)
     root.addChild(node.release());
+  return any;
+}
+
+/// Copies the active voxels of a cube into the empty grid `to`, whose tree is pruned: a power of
+/// two along a side, below 4096, at multiples of that.
+template <class GridT>
+void copyActive(const GridT& from, const openvdb::Coord& corner, std::int32_t side, GridT& to) {
+  const std::int32_t size = std::max(side, kNodeSize);
+  if (!copyCube(from, corner & ~(size - 1), size, to) || side == size)
+    return;
+  to.tree().clip(openvdb::CoordBBox::createCube(corner, side));
+  openvdb::tools::prune(to.tree());
+}
+
+/// Moves what a grid has in `box`, which lies in one child of the root node, into the empty grid
+/// `to`: of the nodes in `box` nothing stays but their place. False where it has none but inactive
+/// voxels of the background's value; `to` is empty then.
+template <class GridT>
+bool takeNodes(GridT& from, const NodeBox& box, GridT& to) {
+  using TreeT = typename GridT::TreeType;
+  using Upper = typename NodeLists<TreeT>::Upper;
+  using Lower = typename NodeLists<TreeT>::Lower;
+  using T = typename TreeT::ValueType;
+  const T background = from.background();
+  const auto isEntry = [&](const T& value, bool active) {
+    return active || std::memcmp(&value, &background, sizeof(T)) != 0;
+  };
+  const openvdb::Coord corner(box.low[0] * kNodeSize, box.low[1] * kNodeSize,
+                              box.low[2] * kNodeSize);
+  Upper* upper = from.tree().template probeNode<Upper>(corner);
+  T tile{};
+  const bool tileActive = upper == nullptr && from.constTree().probeValue(corner, tile);
+  if (upper == nullptr && !isEntry(tile, tileActive))
+    return false;
+  if (upper == nullptr && box.high[0] - box.low[0] == kRootChildSize / kNodeSize &&
+      box.high[1] - box.low[1] == kRootChildSize / kNodeSize &&
+      box.high[2] - box.low[2] == kRootChildSize / kNodeSize) {
+    to.tree().root().addTile(corner, tile, tileActive);
+    return true;
+  }
+  auto node = std::make_unique<Upper>(corner, background, false);
+  bool any = false;
+  for (std::int32_t x = box.low[0]; x < box.high[0]; ++x)
+    for (std::int32_t y = box.low[1]; y < box.high[1]; ++y)
+      for (std::int32_t z = box.low[2]; z < box.high[2]; ++z) {
+        const openvdb::Coord at(x * kNodeSize, y * kNodeSize, z * kNodeSize);
+        const openvdb::Index n = Upper::coordToOffset(at);
+        if (upper != nullptr && upper->isChildMaskOn(n)) {
+          node->addChild(upper->template stealNode<Lower>(at, background, false));
+          any = true;
+          continue;
+        }
+        const T value = upper == nullptr ? tile : T(upper->getTable()[n].getValue());
+        const bool active = upper == nullptr ? tileActive : upper->isValueMaskOn(n);
+        if (!isEntry(value, active))
+          continue;
+        node->addTile(n, value, active);
+        any = true;
+      }
+  if (any)
+    to.tree().root().addChild(node.release());
   return any;
 }
 

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
 #include "tetvdb/core/Version.h"
 #include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/io/VolumeFile.h"
@@ -38,7 +39,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kIndex = "tiles.json";
 constexpr std::string_view kStem = "tile_";
 constexpr std::string_view kEnding = ".vdb";
-constexpr std::size_t kNodesInMemory = std::size_t(32) << 20;
+constexpr std::size_t kInMemory = std::size_t(32) << 20;
 
 bool isTileFile(const std::string& name) {
   const std::size_t around = kStem.size() + kEnding.size();
@@ -221,10 +222,12 @@ TileFolder::TileFolder(const std::string& folder, int size,
     empty_.push_back(emptied(*grid));
   }
   if (!levels.range.isEmpty()) {
+    if (levels.maxMemory == 0)
+      levels_.maxMemory = availableBytes();
     Volume volume;
     volume.grids().all = empty_;
     Progress none;
-    addLevels(volume, levels.range, levels.maxMemory, none);
+    addLevels(volume, levels.range, levels_.maxMemory, none);
     empty_ = volume.grids().all;
   }
   grids_ = describeAll(empty_);
@@ -254,38 +257,6 @@ void TileFolder::finish(const Vec3i& origin, std::vector<GridInfo> infos) {
   file.grids = std::move(infos);
 }
 
-void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
-                     Progress& progress) {
-  QuietProgress within(progress);
-  forCubes(origin, size_, [&](const openvdb::Coord& corner) {
-    progress.check();
-    Volume volume;
-    volume.metadata = metadata_;
-    bool any = false;
-    for (std::size_t g = 0; g < parts.size(); ++g) {
-      openvdb::GridBase::Ptr tile;
-      withKnownGrid(*empty_[g], [&](const auto& empty) {
-        using GridT = std::decay_t<decltype(empty)>;
-        auto typed = emptyLike(empty);
-        any |= copyCube(static_cast<const GridT&>(*parts[g]), corner, size_, *typed);
-        tile = typed;
-      });
-      openFirstTile(*tile);
-      volume.grids().all.push_back(tile);
-    }
-    if (!any)
-      return;
-    if (!levels_.range.isEmpty()) {
-      addLevels(volume, levels_.range, levels_.maxMemory, within);
-      openvdb::GridPtrVec& all = volume.grids().all;
-      for (std::size_t g = own_; g < all.size(); ++g)
-        openFirstTile(*all[g]);
-    }
-    naming(folder_, [&] { writeVolume(nextPath(), volume, within); });
-    finish({corner.x(), corner.y(), corner.z()}, describe(volume));
-  });
-}
-
 void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& progress) {
   const std::size_t cubes = source.cubes().size();
   const auto across = static_cast<std::size_t>(kRootChildSize / size_);
@@ -301,7 +272,7 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
       naming(folder_, [&] { addCube(one, origin, options, progress); });
       continue;
     }
-    const StoredNodes nodes(source, c, folder_.temporary(), kNodesInMemory, progress);
+    const StoredNodes nodes(source, c, folder_.temporary(), kInMemory, progress);
     forCubes(openvdb::Coord(origin.data()), size_, [&](const openvdb::Coord& corner) {
       const Vec3i at{corner.x(), corner.y(), corner.z()};
       StoredNodes::Part part(nodes, at, size_);
@@ -314,10 +285,10 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
 /// Files of which the cubes have the same x.
 class TileFolder::Layer {
 public:
-  Layer(TileFolder& folder, const openvdb::Coord& corner, std::size_t inMemory)
+  Layer(TileFolder& folder, const openvdb::Coord& corner, std::size_t inMemory, bool exact)
       : folder_(folder), own_(folder.empty_.begin(),
                               folder.empty_.begin() + static_cast<std::ptrdiff_t>(folder.own_)),
-        spools_(own_, corner, folder.size_, folder.folder_.temporary(), inMemory) {
+        spools_(own_, corner, folder.size_, optionsOf(folder, inMemory, exact)) {
     const TileLevels& levels = folder.levels_;
     for (std::size_t g = 0; g < own_.size() && !levels.range.isEmpty(); ++g)
       levels_.push_back(makeGridLevels(own_[g], levels.range, levels.maxMemory / own_.size()));
@@ -358,6 +329,14 @@ public:
   }
 
 private:
+  static SpoolOptions optionsOf(const TileFolder& folder, std::size_t inMemory, bool exact) {
+    SpoolOptions options;
+    options.folder = folder.folder_.temporary();
+    options.inMemory = inMemory;
+    options.exact = exact;
+    return options;
+  }
+
   using LevelGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
 
   /// What the levels, those of the first grid before those of the next, have in a file's cube.
@@ -383,6 +362,28 @@ private:
   std::vector<std::unique_ptr<GridLevels>> levels_; ///< by grid
 };
 
+void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
+                     Progress& progress) {
+  for (std::int32_t x = 0; x < kRootChildSize; x += size_) {
+    const openvdb::Coord corner = origin.offsetBy(x, 0, 0);
+    const NodeBox box = nodesOf(corner, openvdb::Coord(size_, kRootChildSize, kRootChildSize));
+    openvdb::GridPtrVec copies;
+    for (std::size_t g = 0; g < parts.size(); ++g)
+      withKnownGrid(*empty_[g], [&](const auto& empty) {
+        using GridT = std::decay_t<decltype(empty)>;
+        const auto copy = emptyLike(empty);
+        copyNodes(static_cast<const GridT&>(*parts[g]), box, *copy);
+        copies.push_back(copy);
+      });
+    naming(folder_, [&] {
+      Layer layer(*this, corner, kInMemory, /*exact=*/true);
+      layer.add(copies, box, progress);
+      copies.clear();
+      layer.write(progress);
+    });
+  }
+}
+
 void TileFolder::add(TreeSource& source, std::size_t inMemory, const ProgressShare& share,
                      Progress& progress) {
   QuietProgress within(progress);
@@ -401,7 +402,7 @@ void TileFolder::add(TreeSource& source, std::size_t inMemory, const ProgressSha
           layer.reset();
         }
         if (!layer)
-          layer.emplace(*this, openvdb::Coord(x, origin[1], origin[2]), inMemory);
+          layer.emplace(*this, openvdb::Coord(x, origin[1], origin[2]), inMemory, /*exact=*/false);
         layerAt = x;
         layer->add(source.make(parts[p], within), parts[p], within);
         share.update((double(c) + double(p + 1) / double(parts.size())) / double(cubes));

@@ -12,15 +12,6 @@
 namespace tetvdb {
 namespace {
 
-NodeBox boxOf(const openvdb::Coord& corner, std::int32_t size) {
-  NodeBox box;
-  for (std::size_t k = 0; k < 3; ++k) {
-    box.low[k] = nodeOf(corner[static_cast<openvdb::Index>(k)]);
-    box.high[k] = box.low[k] + size / kNodeSize;
-  }
-  return box;
-}
-
 // False where they have no node in common.
 bool intersect(const NodeBox& a, const NodeBox& b, NodeBox& both) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -35,10 +26,10 @@ bool intersect(const NodeBox& a, const NodeBox& b, NodeBox& both) {
 } // namespace
 
 TileSpools::TileSpools(openvdb::GridPtrVec empty, const openvdb::Coord& corner, std::int32_t size,
-                       const std::string& folder, std::size_t inMemory)
+                       const SpoolOptions& options)
     : empty_(std::move(empty)), cube_{corner.x() & ~(kRootChildSize - 1), corner.y(), corner.z()},
-      size_(size) {
-  options_.store = std::make_shared<TailStore>(folder, inMemory);
+      size_(size), options_(options) {
+  options_.store = std::make_shared<TailStore>(options.folder, options.inMemory);
   options_.openFirstTile = true;
   for (std::int32_t y = 0; y < kRootChildSize; y += size)
     for (std::int32_t z = 0; z < kRootChildSize; z += size) {
@@ -51,7 +42,7 @@ void TileSpools::add(const openvdb::GridPtrVec& parts, const NodeBox& box) {
   std::vector<std::pair<VdbSpool*, openvdb::GridBase::Ptr>> cuts;
   for (File& file : files_) {
     NodeBox own;
-    if (!intersect(boxOf(file.corner, size_), box, own))
+    if (!intersect(nodesOf(file.corner, openvdb::Coord(size_)), box, own))
       continue;
     for (std::size_t g = 0; g < parts.size(); ++g)
       withKnownGrid(*parts[g], [&](auto& part) {

@@ -23,9 +23,9 @@ public:
   using Spools = std::vector<std::unique_ptr<VdbSpool>>;
 
   /// `empty`: the grids without voxels. The layer begins at `corner` and is `size` voxels thick in
-  /// x. Bytes are in memory up to `inMemory`, and beyond it in a file in `folder` without a name.
+  /// x. The options say how much is in memory before a file without a name takes it.
   TileSpools(openvdb::GridPtrVec empty, const openvdb::Coord& corner, std::int32_t size,
-             const std::string& folder, std::size_t inMemory);
+             const SpoolOptions& options);
 
   /// What the grids have in `box`, a part of the layer; their nodes are taken from them. Boxes come
   /// in the order of nodes. Parallel. Throws as GridSpool::add() does.

@@ -31,8 +31,21 @@ public:
       throw std::bad_alloc();
     reset();
   }
-  void reset() { XXH3_128bits_reset(state_.get()); }
-  void bytes(const void* data, std::size_t size) { XXH3_128bits_update(state_.get(), data, size); }
+  void reset() {
+    XXH3_128bits_reset(state_.get());
+    used_ = 0;
+  }
+  void bytes(const void* data, std::size_t size) {
+    if (used_ + size > sizeof staged_)
+      flush();
+    if (size > sizeof staged_ / 4) {
+      flush();
+      XXH3_128bits_update(state_.get(), data, size);
+      return;
+    }
+    std::memcpy(staged_ + used_, data, size);
+    used_ += size;
+  }
   template <class T>
   void value(const T& x) {
     bytes(&x, sizeof x);
@@ -41,9 +54,19 @@ public:
     value(std::uint64_t(x.size()));
     bytes(x.data(), x.size());
   }
-  XXH128_hash_t digest() const { return XXH3_128bits_digest(state_.get()); }
+  XXH128_hash_t digest() {
+    flush();
+    return XXH3_128bits_digest(state_.get());
+  }
 
 private:
+  void flush() {
+    XXH3_128bits_update(state_.get(), staged_, used_);
+    used_ = 0;
+  }
+
+  char staged_[4096]; ///< many small updates are several times as slow as one
+  std::size_t used_ = 0;
   std::unique_ptr<XXH3_state_t, FreeState> state_;
 };
 

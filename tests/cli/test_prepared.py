@@ -329,6 +329,19 @@ class Prepared(CommandLineTest):
             self.succeed("voxelize", source, "-o", source + ".nvdb", *size, "--grid", "mask,coverage", "--lod", "1:3")
         self.assertTrue(self.path("mesh.vtu.nvdb").read_bytes() == self.path("parts.nvdb").read_bytes())
 
+    def test_tiles_of_values(self):
+        mesh = Mesh(60, 2, 2, turned((12, 12, 12), (300, -200, 200)))
+        self.write("mesh.vtu", vtu(mesh, "raw"))
+        grids = ("--grid", "tet_id,heat,coverage,mask")
+        self.succeed("plan", "mesh.vtu", "--prepare", "parts", *self.SIZE, *grids, "--max-memory", "100M")
+        for size, more in ((512, ()), (4096, ()), (1024, ("--grid", "heat,coverage", "--lod", "1:4"))):
+            made = []
+            for source, options in (("mesh.vtu", self.SIZE), ("parts", ())):
+                self.succeed("voxelize", source, "--tiles", "tiles", "--tile-size", size, *options, *(more or grids))
+                made.append({path.name: path.read_bytes() for path in self.path("tiles").iterdir()})
+            self.assertGreater(len(made[0]), 1 + (size < 4096))
+            self.assertTrue(made[0] == made[1], size)
+
     def test_the_report(self):
         self.write("mesh.vtu", vtu(self.mesh, "raw"))
         report = self.report_of("plan", "mesh.vtu", "--prepare", "parts", "--shards", "2", *self.SIZE, *self.GRIDS)
@@ -418,6 +431,8 @@ class Prepared(CommandLineTest):
             peak = peak_of(self, "voxelize", "parts", "-o", "out.vdb", *grids, *limit)
             self.assertLess(peak, budget << 20)
             self.assertTrue(self.path("out.vdb").read_bytes() == expected, budget)
+            self.assertLess(peak_of(self, "voxelize", "parts", "--tiles", "tiles", "--tile-size", "512", *grids, *limit),
+                            budget << 20)
 
     def test_a_full_disk_leaves_nothing(self):
         self.write("mesh.vtu", vtu(Mesh(60, 20, 20, turned((6, 6, 6), (20, 200, 200))), "raw"))

@@ -20,9 +20,9 @@ except ImportError as missing:
     print("skipped:", missing)
     sys.exit(77)
 
-from program import PROGRAM, CommandLineTest, ball, box_faces, joined, lattice, off
+from program import PROGRAM, SANITIZED, CommandLineTest, ball, box_faces, joined, lattice, off
 from test_fields import vtu_with
-from test_huge import rod
+from test_huge import parts_of, peak_of, rod
 
 SIZES = (512, 1024, 2048, 4096)
 
@@ -240,7 +240,8 @@ class Tiles(Volumes):
         def limit():
             resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 20, 1 << 20))
 
-        for job in (("voxelize", "ball.off", *self.OPTIONS, "--grid", "mask"), ("convert", "ball.vdb")):
+        for job in (("voxelize", "ball.off", *self.OPTIONS, "--grid", "mask"), ("convert", "ball.vdb"),
+                    ("voxelize", "ball.off", *self.OPTIONS, "--grid", "surface", "--max-memory", "200M")):
             for size in (512, 4096):
                 result = self.run_program(*job, "--tiles", "out", "--tile-size", size, preexec_fn=limit)
                 self.assertEqual(result.status, 7, result.err)
@@ -248,11 +249,14 @@ class Tiles(Volumes):
 
     def test_a_signal_leaves_nothing(self):
         self.write("ball.off", off(*ball(60, 6000, (0, 0, 0))))
+        self.write("small.off", off(*ball(60, 1500, (0, 0, 0))))
         before = sorted(os.listdir(self.folder))
-        for sent, left in ((signal.SIGTERM, 0), (signal.SIGKILL, 1)):
-            process = subprocess.Popen([PROGRAM, "voxelize", "ball.off", "--tiles", "out", "--tile-size", "1024",
-                                        *self.OPTIONS, "--grid", "mask"], cwd=self.folder,
-                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        mask = ("ball.off", "--grid", "mask", "--tile-size", "1024")
+        surface = ("small.off", "--grid", "surface", "--tile-size", "512", "--max-memory", "300M")
+        for options, sent, left in ((mask, signal.SIGTERM, 0), (surface, signal.SIGTERM, 0),
+                                    (mask, signal.SIGKILL, 1)):
+            process = subprocess.Popen([PROGRAM, "voxelize", *options, "--tiles", "out", *self.OPTIONS],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             deadline = time.monotonic() + 60
 
             def under_way():
@@ -266,6 +270,32 @@ class Tiles(Volumes):
             now = sorted(os.listdir(self.folder))
             self.assertEqual(len(now), len(before) + left)
             self.assertNotIn("out", now)
+
+    def expect_within(self, limit, expected, *options):
+        """Streamed by this limit, within it, and the same files."""
+        peak = peak_of(self, "voxelize", *options, "--tiles", "out", "--max-memory", limit, "--json", "report.json")
+        self.assertIn("stream", parts_of(json.loads(self.path("report.json").read_text())))
+        self.assertTrue(self.contents("out") == expected, (options, limit))
+        if not SANITIZED:
+            self.assertLess(peak, int(limit[:-1]) << 20)
+
+    def test_a_limit_streams(self):
+        self.write("ball.off", off(*ball(60, 400, (100, -200, 300))))
+        for grids, more in (("surface,coverage", ()), ("coverage,fog", ("--lod", "2:5"))):
+            for size in (512, 4096):
+                options = ("ball.off", *self.OPTIONS, "--grid", grids, "--tile-size", size, *more)
+                trees = self.report_of("voxelize", *options, "--tiles", "trees")
+                self.assertNotIn("stream", parts_of(trees))
+                # Trees take 400 MB.
+                self.expect_within("160M" if more else "140M", self.contents("trees"), *options)
+
+    def test_a_limit_streams_arrays(self):
+        points, tets = lattice(10, origin=(-100.0, -200.0, 400.0), side=400.0)
+        self.write("a.vtu", vtu_with(points, tets, [("T", [p[0] for p in points]),
+                                                    ("vel", [(p[1], 0.0, 1.0) for p in points])]))
+        options = ("a.vtu", *self.OPTIONS, "--grid", "tet_id,T,vel", "--tile-size", 512)
+        self.succeed("voxelize", *options, "--tiles", "trees")
+        self.expect_within("300M", self.contents("trees"), *options)  # trees take 1.5 GB
 
 
 def shares(voxels, k):

@@ -11,6 +11,8 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <openvdb/tools/LevelSetSphere.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <tbb/task_arena.h>
 
 namespace tetvdb {
 namespace {
@@ -78,6 +80,39 @@ TEST(VolumeStream, DescribesAndHashesAsAWhole) {
     EXPECT_EQ(a.transform.voxelSize, b.transform.voxelSize);
     EXPECT_EQ(a.transform.origin, b.transform.origin);
   }
+}
+
+// More nodes in a child of the root than are read at a time, with tiles among them.
+TEST(VolumeStream, DescribesAndHashesChildrenInParts) {
+  initializeOpenVDB();
+  const TemporaryFolder folder;
+  Progress progress;
+  Volume volume;
+  auto sphere =
+      openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(150, openvdb::Vec3f(60), 1.0F);
+  sphere->setName("surface");
+  auto coverage = sphere->deepCopy();
+  openvdb::tools::sdfToFogVolume(*coverage);
+  coverage->setName("coverage");
+  auto id = gridWith<openvdb::Int32Grid>("tet_id", -1);
+  id->setTransform(sphere->transformPtr());
+  for (const auto& low : {openvdb::Coord(-300, -200, -100), openvdb::Coord(3000, 700, 10)})
+    for (int i = 0; i < 5000; ++i)
+      id->tree().setValueOn(low.offsetBy(8 * (i % 17), 8 * (i / 17 % 17), 8 * (i / 289)), i);
+  id->tree().addTile(2, openvdb::Coord(2048, 2048, 2048), 7, true);
+  id->tree().addTile(2, openvdb::Coord(128, 0, 4096 - 128), 8, false);
+  volume.grids().all = {sphere, coverage, id};
+  writeVolume(folder / "a.vdb", volume, progress);
+  const Volume whole = readVolume(folder / "a.vdb", progress);
+  const std::vector<GridInfo> expected = describe(whole);
+  tbb::task_arena(1).execute([&] {
+    const StreamedInfo streamed = describeVolumeFile(folder / "a.vdb", true, progress);
+    EXPECT_EQ(streamed.hash, hash(whole));
+    for (std::size_t g = 0; g < expected.size(); ++g)
+      for (const GridInfo& grid : streamed.grids)
+        if (grid.name == expected[g].name)
+          test::expectSameCounts(grid, expected[g]);
+  });
 }
 
 // In a file such names have numbers.

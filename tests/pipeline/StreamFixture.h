@@ -193,4 +193,29 @@ inline TriangleMesh rod(double length, double width, const Vec3d& shift) {
   });
 }
 
+// A bar of tets with arrays, turned; `cells` times 2 x 2 cubes of tets.
+inline TetMesh turnedBar(int cells, double width, const Vec3d& shift) {
+  TetMesh mesh =
+      meshes::mapped(meshes::jittered(meshes::kuhnGrid(cells, 2, 2), 0.1, 7), [&](const Vec3d& q) {
+        const Vec3d p{q[0] * width, q[1] * width / 2, q[2] * width / 2};
+        return Vec3d{p[0] * 0.8 - p[1] * 0.6 + shift[0],
+                     p[0] * 0.48 + p[1] * 0.64 - p[2] * 0.6 + shift[1],
+                     p[0] * 0.36 + p[1] * 0.48 + p[2] * 0.8 + shift[2]};
+      });
+  meshes::Random random(3);
+  std::vector<double> temperature;
+  std::vector<float> velocity;
+  std::vector<std::int32_t> kind;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i)
+    temperature.push_back(random.between(-900, 900));
+  for (std::size_t i = 0; i < 3 * mesh.points.size(); ++i)
+    velocity.push_back(static_cast<float>(random.between(-4, 4)));
+  for (std::size_t i = 0; i < mesh.cellCount; ++i)
+    kind.push_back(static_cast<std::int32_t>(random.below(9)));
+  mesh.attributes.push_back({"T", Attribute::On::Points, 1, std::move(temperature)});
+  mesh.attributes.push_back({"vel", Attribute::On::Points, 3, std::move(velocity)});
+  mesh.attributes.push_back({"kind", Attribute::On::Cells, 1, std::move(kind)});
+  return mesh;
+}
+
 } // namespace tetvdb

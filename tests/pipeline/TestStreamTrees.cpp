@@ -25,30 +25,6 @@ class StreamTrees : public StreamFixture {};
 const Kinds kShapes{GridKind::Density, GridKind::Mask, GridKind::Surface, GridKind::Fog,
                     GridKind::Coverage};
 
-// A bar of tets with arrays, turned, `length` voxels long.
-TetMesh bar(int cells, double width, const Vec3d& shift) {
-  TetMesh mesh = mapped(jittered(kuhnGrid(cells, 2, 2), 0.1, 7), [&](const Vec3d& q) {
-    const Vec3d p{q[0] * width, q[1] * width / 2, q[2] * width / 2};
-    return Vec3d{p[0] * 0.8 - p[1] * 0.6 + shift[0],
-                 p[0] * 0.48 + p[1] * 0.64 - p[2] * 0.6 + shift[1],
-                 p[0] * 0.36 + p[1] * 0.48 + p[2] * 0.8 + shift[2]};
-  });
-  Random random(3);
-  std::vector<double> temperature;
-  std::vector<float> velocity;
-  std::vector<std::int32_t> kind;
-  for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    temperature.push_back(random.between(-900, 900));
-  for (std::size_t i = 0; i < 3 * mesh.points.size(); ++i)
-    velocity.push_back(static_cast<float>(random.between(-4, 4)));
-  for (std::size_t i = 0; i < mesh.cellCount; ++i)
-    kind.push_back(static_cast<std::int32_t>(random.below(9)));
-  mesh.attributes.push_back({"T", Attribute::On::Points, 1, std::move(temperature)});
-  mesh.attributes.push_back({"vel", Attribute::On::Points, 3, std::move(velocity)});
-  mesh.attributes.push_back({"kind", Attribute::On::Cells, 1, std::move(kind)});
-  return mesh;
-}
-
 TriangleMesh ballWithHoles(const Vec3d& centre, double radius) {
   return without(sphere(centre, radius, 20), [](std::size_t face) { return face % 40 < 5; });
 }
@@ -159,7 +135,7 @@ TEST_F(StreamTrees, OwnersOfTets) {
     balls.grids = kinds;
     expectSame(balls, "two balls of tets, " + std::string(infoOf(kinds.front()).name));
   }
-  VoxelizeJob long_ = job(bar(70, 30, {-1000, -600, -500}));
+  VoxelizeJob long_ = job(turnedBar(70, 30, {-1000, -600, -500}));
   long_.grids = {GridKind::TetId, GridKind::Material, GridKind::Surface};
   expectSame(long_, "a bar", {2});
   limit_ = std::size_t(110) << 20;
@@ -167,7 +143,7 @@ TEST_F(StreamTrees, OwnersOfTets) {
 }
 
 TEST_F(StreamTrees, FieldsOfTets) {
-  TetMesh mesh = bar(70, 30, {-1000, -600, -500});
+  TetMesh mesh = turnedBar(70, 30, {-1000, -600, -500});
   std::get<std::vector<double>>(mesh.attributes[0].values)[17] = std::nan("");
   VoxelizeJob wanted = job(mesh);
   wanted.grids = {};
@@ -287,7 +263,7 @@ TEST_F(TreeShards, OfTrianglesAreTheWhole) {
 }
 
 TEST_F(TreeShards, OfTetsAreTheWhole) {
-  VoxelizeJob wanted = job(bar(70, 30, {-1000, -600, -500}));
+  VoxelizeJob wanted = job(turnedBar(70, 30, {-1000, -600, -500}));
   wanted.grids = {GridKind::TetId, GridKind::Material, GridKind::Mask, GridKind::Coverage};
   wanted.fields.all = true;
   expectMerged(wanted, "a bar");
@@ -306,11 +282,11 @@ TEST_F(TreeShards, OfTilesAloneAreOpenedInTheWhole) {
 }
 
 TEST_F(TreeShards, OfOtherMeshesAreRefused) {
-  VoxelizeJob wanted = job(bar(70, 30, {-1000, -600, -500}));
+  VoxelizeJob wanted = job(turnedBar(70, 30, {-1000, -600, -500}));
   wanted.grids = {GridKind::TetId};
   std::vector<std::string> parts = makeParts(wanted, 2);
   fs::rename(parts[0], folder_ / "kept.vdb");
-  TetMesh other = bar(70, 30, {-1000, -600, -500});
+  TetMesh other = turnedBar(70, 30, {-1000, -600, -500});
   std::rotate(other.tets.begin(), other.tets.begin() + 4, other.tets.end());
   writeTetMesh(wanted.inputs.front(), other, progress_);
   parts = makeParts(wanted, 2);

@@ -32,7 +32,8 @@ Contents contentsOf(const fs::path& path) {
 
 class TileJob : public StreamFixture {
 protected:
-  VoxelizeJob job(const TriangleMesh& mesh) {
+  template <typename Mesh>
+  VoxelizeJob job(const Mesh& mesh) {
     VoxelizeJob job = StreamFixture::job(mesh);
     job.grids = {GridKind::Density, GridKind::Mask};
     return job;
@@ -49,7 +50,8 @@ protected:
   void expectSame(VoxelizeJob job, const std::string& what) {
     VoxelizeResult tree, stream;
     const Contents expected = make(job, Streaming::Never, tree);
-    for (const int threads : {1, 3}) {
+    job.maxMemory = limit_ > 0 ? residentBytes() + limit_ : 0;
+    for (const int threads : threads_) {
       job.threads = threads;
       const Contents found = make(job, Streaming::Always, stream);
       ASSERT_EQ(found.size(), expected.size()) << what;
@@ -61,11 +63,23 @@ protected:
     for (std::size_t g = 0; g < tree.grids.size(); ++g) {
       EXPECT_EQ(stream.grids[g].name, tree.grids[g].name);
       EXPECT_EQ(stream.grids[g].activeVoxels, tree.grids[g].activeVoxels) << what;
+      EXPECT_EQ(stream.grids[g].minValue, tree.grids[g].minValue) << what;
+      EXPECT_EQ(stream.grids[g].maxValue, tree.grids[g].maxValue) << what;
       EXPECT_EQ(stream.grids[g].boxMin, tree.grids[g].boxMin) << what;
       EXPECT_EQ(stream.grids[g].boxMax, tree.grids[g].boxMax) << what;
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
   }
+  void expectSameTiles(VoxelizeJob job, const std::string& what,
+                       const std::vector<int>& sizes = {512, 4096}) {
+    job.output = folder_ / "tiles";
+    for (const int size : sizes) {
+      job.tileSize = size;
+      expectSame(job, what + ", " + std::to_string(size));
+    }
+  }
+
+  std::vector<int> threads_{1, 3};
 };
 
 TriangleMesh aligned(const Vec3d& low, const Vec3d& high) {
@@ -162,6 +176,114 @@ TEST_F(TileJob, LevelsOfTilesAreThoseOfTheWhole) {
       EXPECT_EQ(voxels[name], grid->activeVoxelCount()) << name;
     fs::remove_all(wanted.output);
   }
+}
+
+class TreeTiles : public TileJob {
+protected:
+  TreeTiles() { threads_ = {1, 2, 8}; }
+};
+
+using Kinds = std::vector<GridKind>;
+
+TEST_F(TreeTiles, ShapesOfClosedTriangles) {
+  VoxelizeJob rods =
+      job(joined({rod(3000, 12, {-1500, -1300, -1000}), sphere({4090, 10, -5}, 90, 16)}));
+  for (const Kinds& kinds :
+       {Kinds{GridKind::Surface}, Kinds{GridKind::Fog}, Kinds{GridKind::Coverage},
+        Kinds{GridKind::Coverage, GridKind::Mask, GridKind::Surface}}) {
+    rods.grids = kinds;
+    expectSameTiles(rods, std::string(infoOf(kinds.front()).name));
+    threads_ = {2};
+  }
+  rods.half = true;
+  rods.maskType = MaskType::Mask;
+  expectSameTiles(rods, "half and MaskGrid", {1024, 2048});
+  rods.half = false;
+  rods.grids = {GridKind::Density, GridKind::Surface, GridKind::Fog, GridKind::Coverage};
+  limit_ = std::size_t(200) << 20;
+  expectSameTiles(rods, "by a limit");
+}
+
+TEST_F(TreeTiles, ShapesOfOpenTriangles) {
+  VoxelizeJob open =
+      job(without(sphere({10, 20, 4090}, 100, 20), [](std::size_t face) { return face % 40 < 5; }));
+  open.grids = {GridKind::Surface, GridKind::Fog};
+  expectSameTiles(open, "a ball with holes");
+}
+
+// Nodes without leaves, of which a file has one opened: in a file that has nothing but one tile, in
+// one beside nodes of 8^3 voxels, and where the first tile is not in the first node.
+TEST_F(TreeTiles, TilesAloneAreOpenedInEveryFile) {
+  threads_ = {2};
+  const std::vector<int> all{512, 1024, 2048, 4096};
+  VoxelizeJob large = job(aligned({-4096, 0, 4096}, {4096, 4096, 8192}));
+  large.grids = {GridKind::Coverage, GridKind::Density};
+  expectSameTiles(large, "tiles of 4096", {2048, 4096});
+  VoxelizeJob small = job(aligned({-128, 0, 896}, {640, 256, 1152}));
+  small.grids = {GridKind::Coverage, GridKind::Surface};
+  expectSameTiles(small, "tiles of 128", all);
+  for (const Vec3d& low : {Vec3d{-8, 504, 0}, Vec3d{8, 120, 8}}) {
+    VoxelizeJob leaves = job(joined({aligned(low, {136, 528, 528}), sphere({1500, 0, 0}, 20, 8)}));
+    leaves.grids = {GridKind::Coverage, GridKind::Mask};
+    expectSameTiles(leaves, "tiles of 8");
+  }
+}
+
+TEST_F(TreeTiles, TilesOfTetsAreOpenedInEveryFile) {
+  threads_ = {2};
+  VoxelizeJob tets = job(mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
+    return Vec3d{p[0] * 512 - 0.5, p[1] * 512 - 0.5, p[2] * 512 - 0.5};
+  }));
+  tets.grids = {GridKind::Material, GridKind::Coverage};
+  expectSameTiles(tets, "a box of tets");
+}
+
+TEST_F(TreeTiles, OwnersAndArraysOfTets) {
+  VoxelizeJob wanted = job(turnedBar(70, 30, {-1000, -600, -500}));
+  wanted.fields.all = true;
+  wanted.grids = {GridKind::TetId, GridKind::Material, GridKind::Mask, GridKind::Surface};
+  expectSameTiles(wanted, "a bar");
+  threads_ = {2};
+  limit_ = std::size_t(250) << 20;
+  expectSameTiles(wanted, "a bar, by a limit", {1024, 2048});
+  wanted.grids = {};
+  wanted.half = true;
+  expectSameTiles(wanted, "arrays alone, half");
+}
+
+TEST_F(TreeTiles, LevelsAreThoseOfEveryFile) {
+  threads_ = {2};
+  VoxelizeJob balls =
+      job(joined({sphere({10, -20, 4080}, 130, 16), sphere({300, 30, 4100}, 133.3, 24)}));
+  balls.grids = {GridKind::Fog, GridKind::Coverage, GridKind::Mask};
+  for (const auto& [size, last] : {std::pair(512, 9), std::pair(1024, 10), std::pair(4096, 12)}) {
+    balls.levels = {1, last};
+    expectSameTiles(balls, "balls", {size});
+  }
+  balls.half = true;
+  balls.levels = {2, 5};
+  expectSameTiles(balls, "balls, half", {512});
+  VoxelizeJob full = job(aligned({-512, 0, 4096}, {640, 512, 4608}));
+  full.grids = {GridKind::Coverage};
+  full.levels = {1, 9};
+  expectSameTiles(full, "tiles");
+}
+
+TEST_F(TreeTiles, LevelsOfArraysAreThoseOfEveryFile) {
+  threads_ = {2};
+  VoxelizeJob tets = job(turnedBar(40, 30, {-500, -300, -200}));
+  tets.fields.requests = {{"T", "T", FieldPart::Whole, ""}, {"vel", "vel", FieldPart::Whole, ""}};
+  tets.grids = {};
+  tets.levels = {1, 9};
+  expectSameTiles(tets, "arrays");
+}
+
+TEST_F(TreeTiles, CancelLeavesNothing) {
+  VoxelizeJob long_ = job(rod(9000, 60, {0, 0, 0}));
+  long_.grids = {GridKind::Surface};
+  long_.output = folder_ / "tiles";
+  long_.tileSize = 512;
+  expectCancelled(long_);
 }
 
 TEST_F(TileJob, WhatDoesNotGoTogether) {

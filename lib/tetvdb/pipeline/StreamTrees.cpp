@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/io/volume/TileFolder.h"
 #include "tetvdb/io/volume/TreeWriter.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/pipeline/JobTrees.h"
@@ -36,6 +37,9 @@ namespace {
 
 // Trees of a part: more would not be faster.
 constexpr std::size_t kMostPartBytes = std::size_t(1) << 30;
+
+// What may wait in memory to be written; beyond it a file takes it.
+constexpr std::size_t kMostSpoolBytes = std::size_t(32) << 20;
 
 bool hasDistances(const VoxelizeJob& job) {
   return !madeBy(job.grids, {GridMaker::Distance}).empty();
@@ -199,10 +203,10 @@ public:
         job_.shard.isWhole() ? trees_->all()
                              : shardRanges(trees_->weights(), job_.shard.count)[job_.shard.index];
     const std::size_t left = streamLimit(job_);
-    std::optional<TreeLevels> levels;
-    if (!job_.levels.isEmpty())
+    std::optional<TreeLevels> levels; // of one file
+    if (!job_.levels.isEmpty() && job_.tileSize == 0)
       levels.emplace(*trees_, job_.levels, left / 2, progress_);
-    trees_->limitParts(std::min(left / (levels ? 6 : 3), kMostPartBytes));
+    trees_->limitParts(std::min(left / (job_.levels.isEmpty() ? 3 : 6), kMostPartBytes));
     progress_.stage(kStreamStage);
     // Every pass finds the distances of all; the last one also writes them, and that for the fog's
     // depth nearly always stops early.
@@ -228,6 +232,42 @@ public:
       trees_->findFogDepth(nextPass(0.2), progress_);
     }
     timer.part("stream");
+    std::size_t own = 0; // grids that are no levels
+    if (job_.tileSize > 0) {
+      const openvdb::GridPtrVec grids = trees_->make(NodeBox{}, progress_);
+      own = grids.size();
+      tiles_.emplace(job_.output, job_.tileSize, std::move(metadata), grids,
+                     TileLevels{job_.levels, left / 2});
+      tiles_->add(*trees_, std::min(left / 16, kMostSpoolBytes), nextPass(1.5), progress_);
+      result.grids = tiles_->grids();
+    } else {
+      result.grids =
+          writeFile(std::move(metadata), transform, mark, range, left, levels, nextPass(1.5));
+      own = result.grids.size() - (levels ? levels->gridCount() : 0);
+    }
+    result.shapes.coverage = trees_->coverageSum();
+    warnOfOverlap(result.shapes.coverage, told_);
+    checkValues(job_,
+                {result.grids.begin(), result.grids.begin() + static_cast<std::ptrdiff_t>(own)},
+                told_);
+  }
+  void commit(VoxelizeResult& result) {
+    StageTimer timer(told_, "write");
+    progress_.check();
+    if (tiles_) {
+      addTileFiles(tiles_->commit(progress_), job_.output, result);
+      return;
+    }
+    writer_->commit(progress_);
+    result.outputs.push_back(written(job_.output));
+  }
+
+private:
+  // One file, of a shard or of all; returns what describe() says of its grids.
+  std::vector<GridInfo> writeFile(std::map<std::string, std::string> metadata,
+                                  const GridTransform& transform, const std::string& mark,
+                                  const CubeRange& range, std::size_t left,
+                                  std::optional<TreeLevels>& levels, const ProgressShare& share) {
     TreeWriterOptions options;
     if (!job_.shard.isWhole()) {
       options.spool.part = true;
@@ -238,7 +278,7 @@ public:
       trees_->restrict(range);
     }
     const std::size_t grids = std::max<std::size_t>(job_.grids.size(), 1);
-    options.spool.inMemory = std::min(left / 16 / grids, std::size_t(32) << 20);
+    options.spool.inMemory = std::min(left / 16 / grids, kMostSpoolBytes);
     if (levels)
       options.moreGrids = levels->gridCount();
     if (writesNvdb(job_))
@@ -251,26 +291,16 @@ public:
       return made;
     };
     TreeSource& passed = levels ? static_cast<TreeSource&>(*levels) : *trees_;
-    result.grids = writer_->write(passed, levels ? TreeWriter::MoreGrids(coarser) : nullptr,
-                                  nextPass(1.5), progress_);
-    result.shapes.coverage = trees_->coverageSum();
-    warnOfOverlap(result.shapes.coverage, told_);
-    const auto own = static_cast<std::ptrdiff_t>(result.grids.size() - options.moreGrids);
-    checkValues(job_, {result.grids.begin(), result.grids.begin() + own}, told_);
-  }
-  void commit(VoxelizeResult& result) {
-    StageTimer timer(told_, "write");
-    progress_.check();
-    writer_->commit(progress_);
-    result.outputs.push_back(written(job_.output));
+    return writer_->write(passed, levels ? TreeWriter::MoreGrids(coarser) : nullptr, share,
+                          progress_);
   }
 
-private:
   const VoxelizeJob& job_;
   Report& told_;
   Progress& progress_;
   std::optional<JobTrees> trees_;
   std::unique_ptr<TreeWriter> writer_;
+  std::optional<TileFolder> tiles_;
 };
 
 // Of occupancy alone, or of coverage where this is all.
@@ -292,8 +322,7 @@ bool canStreamTrees(const VoxelizeJob& job) {
   const bool values =
       !madeBy(job.grids, {GridMaker::Owner, GridMaker::Distance, GridMaker::Share}).empty() ||
       !job.fields.empty();
-  return mayStream(job) && (values || writesNvdb(job)) && job.tileSize == 0 &&
-         job.device.kind != DeviceKind::Cuda;
+  return mayStream(job) && (values || writesNvdb(job)) && job.device.kind != DeviceKind::Cuda;
 }
 
 bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& result,

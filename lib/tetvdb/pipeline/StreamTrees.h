@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A job's grids of any kind into a .vdb or .nvdb file, box by box (pipeline/JobTrees.h,
-// io/volume/TreeWriter.h).
+// A job's grids of any kind into a .vdb or .nvdb file or tiles, box by box (pipeline/JobTrees.h,
+// io/volume/TreeWriter.h, io/volume/TileFolder.h).
 #pragma once
 
 #include "tetvdb/core/Progress.h"

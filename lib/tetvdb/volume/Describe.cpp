@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
 #include "tetvdb/volume/BitSelect.h"
+#include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/volume/PackedRange.h"
@@ -246,16 +247,6 @@ double sumOfActive(const openvdb::FloatTree& tree) {
   return sum;
 }
 
-// Whether values are shares of their voxels: coverage, and the levels of detail of what is inside.
-bool holdsShares(const std::string& name) {
-  if (name == "coverage")
-    return true;
-  for (const char* base : {"coverage_level_", "density_level_", "mask_level_"})
-    if (name.rfind(base, 0) == 0)
-      return true;
-  return false;
-}
-
 // The volume inside, in voxels.
 double voxelsInside(const openvdb::GridBase& grid, std::uint64_t active) {
   if (grid.isType<openvdb::FloatGrid>()) {
@@ -323,6 +314,15 @@ GridInfo describeGrid(const openvdb::GridBase& grid, const PackedRange* packed) 
 }
 
 } // namespace
+
+bool holdsShares(const std::string& name) {
+  if (name == "coverage")
+    return true;
+  for (const char* base : {"coverage_level_", "density_level_", "mask_level_"})
+    if (name.rfind(base, 0) == 0)
+      return true;
+  return false;
+}
 
 std::vector<GridInfo> describe(const Volume& volume) {
   std::vector<GridInfo> result;

@@ -14,8 +14,9 @@
 
 namespace tetvdb {
 
-/// The hash of a grid that is given in parts, in any order; each part has other entries of the root
-/// node.
+/// The hash of a grid that is given in parts: each has other entries of the root node, in any
+/// order, or other entries of one of its children. Those of a child come together; what a part does
+/// not have of it are inactive voxels of the background's value.
 class GridHash {
 public:
   /// `grid`: with name, class, transform and background. Throws Error(Usage) for a grid type that

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <openvdb/openvdb.h>
+#include <string>
 
 namespace tetvdb {
 
@@ -15,5 +16,9 @@ inline void removeStatistics(openvdb::GridBase& grid) {
         Base::META_FILE_MEM_BYTES, Base::META_FILE_VOXEL_COUNT, Base::META_FILE_DELAYED_LOAD})
     grid.removeMeta(name);
 }
+
+/// Whether values of a grid of this name are shares of their voxels: coverage, and the levels of
+/// detail of what is inside. Its volume is their sum.
+bool holdsShares(const std::string& name);
 
 } // namespace tetvdb

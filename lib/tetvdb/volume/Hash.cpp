@@ -11,8 +11,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 #include <xxhash.h>
@@ -31,8 +31,21 @@ public:
       throw std::bad_alloc();
     reset();
   }
-  void reset() { XXH3_128bits_reset(state_.get()); }
-  void bytes(const void* data, std::size_t size) { XXH3_128bits_update(state_.get(), data, size); }
+  void reset() {
+    XXH3_128bits_reset(state_.get());
+    used_ = 0;
+  }
+  void bytes(const void* data, std::size_t size) {
+    if (used_ + size > sizeof staged_)
+      flush();
+    if (size > sizeof staged_ / 4) {
+      flush();
+      XXH3_128bits_update(state_.get(), data, size);
+      return;
+    }
+    std::memcpy(staged_ + used_, data, size);
+    used_ += size;
+  }
   template <class T>
   void value(const T& x) {
     bytes(&x, sizeof x);
@@ -41,9 +54,19 @@ public:
     value(std::uint64_t(x.size()));
     bytes(x.data(), x.size());
   }
-  XXH128_hash_t digest() const { return XXH3_128bits_digest(state_.get()); }
+  XXH128_hash_t digest() {
+    flush();
+    return XXH3_128bits_digest(state_.get());
+  }
 
 private:
+  void flush() {
+    XXH3_128bits_update(state_.get(), staged_, used_);
+    used_ = 0;
+  }
+
+  char staged_[4096]; ///< many small updates are several times as slow as one
+  std::size_t used_ = 0;
   std::unique_ptr<XXH3_state_t, FreeState> state_;
 };
 
@@ -121,67 +144,68 @@ struct Bytes {
   }
 };
 
-template <class TreeT>
-std::vector<RootEntry> rootEntries(const TreeT& tree) {
-  using T = typename TreeT::ValueType;
-  const T background = tree.background();
-  const NodeLists<TreeT> nodes(tree);
+/// A child of the root node whose entries come part by part.
+class UpperEntries {
+public:
+  explicit UpperEntries(const openvdb::Coord& origin) : origin_(origin) {}
+  const openvdb::Coord& origin() const { return origin_; }
 
+  /// `lowers`: the hashes of the node's children, in order.
+  template <class Upper, class T>
+  void add(const Upper& node, const NodeHash* lowers, const T& background) {
+    for (openvdb::Index i = 0; i < Upper::NUM_VALUES; ++i) {
+      const std::size_t begin = bytes_.text.size();
+      if (node.getChildMask().isOn(i)) {
+        const NodeHash& child = *lowers++;
+        if (child.empty)
+          continue;
+        bytes_.value(Tag::Lower);
+        bytes_.value(std::uint32_t(i));
+        bytes_.value(child.hash);
+      } else if (!addTile(bytes_, i, T(node.getTable()[i].getValue()), node.getValueMask().isOn(i),
+                          background)) {
+        continue;
+      }
+      pieces_.push_back({i, begin, bytes_.text.size() - begin});
+    }
+  }
+
+  /// Adds the node to the root's entries, unless it holds nothing.
+  void finish(std::vector<RootEntry>& entries) {
+    if (pieces_.empty())
+      return;
+    std::sort(pieces_.begin(), pieces_.end(),
+              [](const Piece& a, const Piece& b) { return a.entry < b.entry; });
+    Hasher hasher;
+    for (const Piece& piece : pieces_)
+      hasher.bytes(bytes_.text.data() + piece.begin, piece.size);
+    Bytes bytes;
+    bytes.value(Tag::Upper);
+    bytes.bytes(origin_.data(), 3 * sizeof(openvdb::Int32));
+    bytes.value(hasher.digest());
+    entries.push_back({origin_, std::move(bytes.text)});
+  }
+
+private:
+  struct Piece {
+    openvdb::Index entry;
+    std::size_t begin, size; ///< in bytes_
+  };
+
+  openvdb::Coord origin_;
+  Bytes bytes_;
+  std::vector<Piece> pieces_;
+};
+
+template <class TreeT>
+std::vector<NodeHash> hashLowers(const NodeLists<TreeT>& nodes, const TreeT& tree) {
   std::vector<NodeHash> lowers(nodes.lowers.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lowers.size()), [&](const auto& range) {
     Hasher own;
     for (std::size_t i = range.begin(); i < range.end(); ++i)
-      lowers[i] = hashLower(own, *nodes.lowers[i], background);
+      lowers[i] = hashLower(own, *nodes.lowers[i], tree.background());
   });
-
-  std::vector<std::size_t> first(nodes.uppers.size() + 1, 0);
-  for (std::size_t i = 0; i < nodes.uppers.size(); ++i)
-    first[i + 1] = first[i] + nodes.uppers[i]->getChildMask().countOn();
-  std::vector<NodeHash> uppers(nodes.uppers.size());
-  tbb::parallel_for(std::size_t(0), uppers.size(), [&](std::size_t u) {
-    Hasher own;
-    const auto& node = *nodes.uppers[u];
-    std::size_t next = first[u];
-    for (openvdb::Index i = 0; i < node.NUM_VALUES; ++i) {
-      if (node.getChildMask().isOn(i)) {
-        const NodeHash& child = lowers[next++];
-        if (child.empty)
-          continue;
-        own.value(Tag::Lower);
-        own.value(std::uint32_t(i));
-        own.value(child.hash);
-        uppers[u].empty = false;
-      } else if (addTile(own, i, T(node.getTable()[i].getValue()), node.getValueMask().isOn(i),
-                         background)) {
-        uppers[u].empty = false;
-      }
-    }
-    uppers[u].hash = own.digest();
-  });
-
-  // Children are met in the order of nodes.uppers.
-  std::vector<RootEntry> entries;
-  std::size_t next = 0;
-  for (auto entry = tree.root().cbeginChildAll(); entry; ++entry) {
-    T value = background;
-    RootEntry one{entry.getCoord(), {}};
-    Bytes bytes;
-    if (entry.probeChild(value)) {
-      const NodeHash& child = uppers[next++];
-      if (child.empty)
-        continue;
-      bytes.value(Tag::Upper);
-      bytes.bytes(one.origin.data(), 3 * sizeof(openvdb::Int32));
-      bytes.value(child.hash);
-    } else if (addTile(bytes, 0, value, entry.isValueOn(), background)) {
-      bytes.bytes(one.origin.data(), 3 * sizeof(openvdb::Int32));
-    } else {
-      continue;
-    }
-    one.bytes = std::move(bytes.text);
-    entries.push_back(std::move(one));
-  }
-  return entries;
+  return lowers;
 }
 
 void addHead(Hasher& hasher, const openvdb::GridBase& grid) {
@@ -202,6 +226,36 @@ std::string textOf(const XXH128_hash_t& hash) {
 struct GridHash::Entries {
   Hasher hasher;
   std::vector<RootEntry> all;
+  std::optional<UpperEntries> upper; ///< under way
+
+  void endUpper() {
+    if (upper)
+      upper->finish(all);
+    upper.reset();
+  }
+
+  template <class TreeT>
+  void add(const TreeT& tree) {
+    using T = typename TreeT::ValueType;
+    const NodeLists<TreeT> nodes(tree);
+    const std::vector<NodeHash> lowers = hashLowers(nodes, tree);
+    const NodeHash* next = lowers.data();
+    for (const auto* node : nodes.uppers) {
+      if (upper && upper->origin() != node->origin())
+        endUpper();
+      if (!upper)
+        upper.emplace(node->origin());
+      upper->add(*node, next, tree.background());
+      next += node->getChildMask().countOn();
+    }
+    for (auto tile = tree.root().cbeginValueAll(); tile; ++tile) {
+      Bytes bytes;
+      if (!addTile(bytes, 0, T(*tile), tile.isValueOn(), tree.background()))
+        continue;
+      bytes.bytes(tile.getCoord().data(), 3 * sizeof(openvdb::Int32));
+      all.push_back({tile.getCoord(), std::move(bytes.text)});
+    }
+  }
 };
 
 GridHash::GridHash(const openvdb::GridBase& grid) : entries_(std::make_unique<Entries>()) {
@@ -215,13 +269,11 @@ GridHash::GridHash(const openvdb::GridBase& grid) : entries_(std::make_unique<En
 GridHash::~GridHash() = default;
 
 void GridHash::add(const openvdb::GridBase& part) {
-  withKnownGrid(part, [&](const auto& typed) {
-    std::vector<RootEntry> own = rootEntries(typed.constTree());
-    std::move(own.begin(), own.end(), std::back_inserter(entries_->all));
-  });
+  withKnownGrid(part, [&](const auto& typed) { entries_->add(typed.constTree()); });
 }
 
 std::string GridHash::finish() {
+  entries_->endUpper();
   std::sort(entries_->all.begin(), entries_->all.end(),
             [](const RootEntry& a, const RootEntry& b) { return a.origin < b.origin; });
   for (const RootEntry& entry : entries_->all)

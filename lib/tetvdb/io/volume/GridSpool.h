@@ -12,6 +12,7 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/io/volume/TailStore.h"
 #include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/volume/Volume.h"
 
@@ -27,9 +28,14 @@ struct SpoolOptions {
   std::string folder;                           ///< of the files
   std::size_t inMemory = std::size_t(16) << 20; ///< bytes of topology and of buffers, each
   bool part = false;                            ///< the grid says how many leaves it has
-  /// Every node and tile is kept as it is, those too that pruning would change; the tiles of an
-  /// upper node are in its cube's first part.
+  /// Every node and tile is kept as it is, those too that pruning would change.
   bool exact = false;
+  /// Where the bytes wait with those of other grids until none of them is needed any more, in place
+  /// of stores of the grid's own.
+  std::shared_ptr<TailStore> store;
+  /// Of a grid for a .vdb file that is one cube: its first tile is opened as openFirstTile() does,
+  /// without open().
+  bool openFirstTile = false;
 };
 
 class GridSpool {

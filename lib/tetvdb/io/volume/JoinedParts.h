@@ -12,11 +12,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace tetvdb {
 
@@ -31,8 +32,8 @@ protected:
   using Lower = typename Lists::Lower;
   using ChildMask = typename Upper::NodeMaskType;
 
-  JoinedParts(const openvdb::GridBase::Ptr& empty, bool exact)
-      : exact_(exact), info_(describeOne(empty)),
+  JoinedParts(const openvdb::GridBase::Ptr& empty, const SpoolOptions& options)
+      : exact_(options.exact), opensFirst_(options.openFirstTile), info_(describeOne(empty)),
         background_(static_cast<const GridT&>(*empty).background()) {}
 
   /// The nodes of a part, which are counted.
@@ -42,13 +43,17 @@ protected:
   virtual void takeUpper(const Upper& upper, const ChildMask& children) = 0;
   /// A cube of one value.
   virtual void takeTile(const openvdb::Coord& origin, const T& value, bool active) = 0;
+  /// The grid's one leaf, in a lower node, which `tree` has alone: of those that were taken it
+  /// replaces the one at `place`, or comes before that where it is new. Only where the options ask
+  /// for openFirstTile.
+  virtual void takeOpened(const TreeT& /*tree*/, std::size_t /*place*/, bool /*isNew*/) {}
 
 public:
   void beginCube(const Vec3i& origin) override {
-    if (exact_)
-      return;
-    upper_ = std::make_unique<Upper>(openvdb::Coord(origin[0], origin[1], origin[2]), background_,
-                                     false);
+    origin_ = openvdb::Coord(origin[0], origin[1], origin[2]);
+    whole_.reset();
+    hasUpper_ = false;
+    entries_.clear();
     children_ = {};
     countedTiles_ = 0;
   }
@@ -59,10 +64,7 @@ public:
       tree.touchLeaf(*opened_);
     const Lists nodes(tree);
     count(part, nodes);
-    if (exact_)
-      keepTiles(tree);
-    else
-      takeTiles(tree);
+    takeTiles(tree);
     if (leaves_ >= std::numeric_limits<std::uint32_t>::max())
       throw Error(Status::Limit, "", "a grid would have 2^32 leaves or more",
                   "OpenVDB cannot count them: write parts with `shard`");
@@ -70,20 +72,28 @@ public:
   }
 
   void endCube() override {
-    if (exact_)
-      return endExactCube();
-    T value{};
-    bool active = false;
-    if (children_.isOff() && upper_->isConstant(value, active)) {
-      if (active)
+    if (opensFirst_ && firstTile_ && leaves_ == 0)
+      openFirst();
+    if (whole_) {
+      if (exact_ || isEntry(*whole_))
+        takeTile(origin_, whole_->value, whole_->active);
+      return;
+    }
+    if (!hasUpper_)
+      return;
+    const auto upper = std::make_unique<Upper>(origin_, background_, false);
+    for (const auto& [place, tile] : entries_)
+      upper->addTile(place, tile.value, tile.active);
+    Tile all{};
+    if (!exact_ && children_.isOff() && upper->isConstant(all.value, all.active)) {
+      if (all.active)
         info_.activeTiles = info_.activeTiles + 1 - countedTiles_;
-      if (active || value != background_)
-        takeTile(upper_->origin(), value, active);
+      if (isEntry(all))
+        takeTile(origin_, all.value, all.active);
     } else {
       ++uppers_;
-      takeUpper(*upper_, children_);
+      takeUpper(*upper, children_);
     }
-    upper_.reset();
   }
 
   std::optional<Vec3i> tileAlone() const override {
@@ -111,6 +121,16 @@ protected:
   std::uint64_t uppers() const { return uppers_; }
 
 private:
+  struct Tile {
+    T value;
+    bool active;
+  };
+
+  /// Whether a node has it for itself.
+  bool isEntry(const Tile& tile) const {
+    return tile.active || std::memcmp(&tile.value, &background_, sizeof(T)) != 0;
+  }
+
   static GridInfo describeOne(const openvdb::GridBase::Ptr& grid) {
     Volume volume;
     volume.grids().all.push_back(grid);
@@ -133,55 +153,76 @@ private:
     lowers_ += nodes.lowers.size();
     if (leaves_ != 0)
       return;
+    std::optional<openvdb::Coord> found; // a first tile, so far
     for (auto tile = static_cast<const GridT&>(*part).cbeginValueOn(); tile; ++tile) {
       const openvdb::Coord at = tile.getCoord();
       const Vec3i origin{at.x(), at.y(), at.z()};
-      if (!firstTile_ || origin < *firstTile_)
-        firstTile_ = origin;
+      if (firstTile_ && !(origin < *firstTile_))
+        continue;
+      firstTile_ = origin;
+      found = at;
     }
-  }
-
-  /// The root's tile, or the tiles of the upper node, which its first part has.
-  void keepTiles(const TreeT& tree) {
-    for (auto tile = tree.root().cbeginValueAll(); tile; ++tile)
-      takeTile(tile.getCoord(), *tile, tile.isValueOn());
-    for (auto child = tree.root().cbeginChildOn(); child; ++child) {
-      if (!upper_) {
-        upper_ = std::make_unique<Upper>(child->origin(), background_, false);
-        for (auto tile = child->cbeginValueAll(); tile; ++tile)
-          upper_->addTile(tile.pos(), *tile, tile.isValueOn());
-      }
-      children_ |= child->getChildMask();
-    }
-  }
-  void endExactCube() {
-    if (!upper_)
+    if (!opensFirst_ || !found)
       return;
-    ++uppers_;
-    takeUpper(*upper_, children_);
-    upper_.reset();
-    children_ = {};
+    const Lower* lower =
+        static_cast<const GridT&>(*part).constTree().template probeConstNode<Lower>(*found);
+    firstLower_ = lower != nullptr ? std::make_unique<Lower>(*lower) : nullptr;
   }
 
   /// The entries of the cube's node that the part has.
   void takeTiles(const TreeT& tree) {
-    for (auto tile = tree.root().cbeginValueAll(); tile; ++tile) {
-      countedTiles_ += tile.isValueOn() ? 1 : 0;
-      for (openvdb::Index i = 0; i < Upper::NUM_VALUES; ++i)
-        upper_->addTile(i, *tile, tile.isValueOn());
-    }
+    for (auto tile = tree.root().cbeginValueAll(); tile; ++tile)
+      whole_ = Tile{*tile, tile.isValueOn()};
     for (auto child = tree.root().cbeginChildOn(); child; ++child) {
+      hasUpper_ = true;
       for (auto tile = child->cbeginValueAll(); tile; ++tile) {
-        const bool active = tile.isValueOn();
-        countedTiles_ += active ? 1 : 0;
-        if (active || *tile != background_)
-          upper_->addTile(tile.pos(), *tile, active);
+        const Tile own{*tile, tile.isValueOn()};
+        countedTiles_ += own.active ? 1 : 0;
+        if (isEntry(own))
+          entries_.emplace_back(tile.pos(), own);
       }
       children_ |= child->getChildMask();
     }
   }
 
-  bool exact_;
+  /// Opens the first tile to a leaf, as openFirstTile() does.
+  void openFirst() {
+    const openvdb::Coord at((*firstTile_)[0], (*firstTile_)[1], (*firstTile_)[2]);
+    const openvdb::Index place = Upper::coordToOffset(at);
+    if (whole_) {
+      for (openvdb::Index i = 0; i < Upper::NUM_VALUES; ++i)
+        entries_.emplace_back(i, *whole_);
+      info_.activeTiles += Upper::NUM_VALUES - 1;
+      whole_.reset();
+      hasUpper_ = true;
+    }
+    const auto grid = GridT::create(background_);
+    auto upper = std::make_unique<Upper>(origin_, background_, false);
+    const bool isNew = firstLower_ == nullptr;
+    if (isNew) {
+      const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                      [&](const auto& one) { return one.first == place; });
+      upper->addTile(place, entry->second.value, entry->second.active);
+      entries_.erase(entry);
+      ++lowers_;
+    } else {
+      upper->addChild(firstLower_.release());
+    }
+    grid->tree().root().addChild(upper.release());
+    const GridInfo before = describeOne(grid);
+    grid->tree().touchLeaf(at);
+    const GridInfo after = describeOne(grid);
+    info_.activeTiles += after.activeTiles - before.activeTiles;
+    info_.bytes += after.bytes - before.bytes;
+    leaves_ = 1;
+    std::size_t lowersBefore = 0;
+    for (auto child = children_.beginOn(); child && child.pos() < place; ++child)
+      ++lowersBefore;
+    children_.setOn(place);
+    takeOpened(grid->tree(), lowersBefore, isNew);
+  }
+
+  bool exact_, opensFirst_;
   GridInfo info_; ///< so far, without the box and the bytes of upper nodes
   VoxelBounds box_;
   T background_;
@@ -189,10 +230,14 @@ private:
   std::optional<Vec3i> firstTile_;
   std::optional<openvdb::Coord> opened_;
 
-  /// The cube under way: its tiles, and which entries are children.
-  std::unique_ptr<Upper> upper_;
+  /// The cube under way: a tile, or a node's entries: tiles, by place, and which are children.
+  openvdb::Coord origin_;
+  std::optional<Tile> whole_;
+  bool hasUpper_ = false;
+  std::vector<std::pair<openvdb::Index, Tile>> entries_;
   ChildMask children_;
-  std::uint64_t countedTiles_ = 0; ///< active ones that info_ counts
+  std::uint64_t countedTiles_ = 0;    ///< active ones of the node that info_ counts
+  std::unique_ptr<Lower> firstLower_; ///< that firstTile_ is in, where that is to be opened
 };
 
 } // namespace tetvdb

@@ -18,7 +18,7 @@ class TypedNvdbSpool : public JoinedParts<GridT, NvdbSpool> {
 
 public:
   TypedNvdbSpool(const openvdb::GridBase::Ptr& empty, const SpoolOptions& options)
-      : Joined(empty, options.exact), grid_(openvdb::gridPtrCast<GridT>(empty)),
+      : Joined(empty, options), grid_(openvdb::gridPtrCast<GridT>(empty)),
         nodes_(options.folder, options.inMemory) {}
 
   void writeTo(AtomicFile& file, const ProgressShare& share) override {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <streambuf>
 #include <string>
+#include <string_view>
 
 namespace tetvdb {
 
@@ -37,6 +38,15 @@ protected:
 private:
   Sink& sink_;
   off_type written_ = 0;
+};
+
+/// Bytes in memory, to be read.
+class ByteSource : public std::streambuf {
+public:
+  explicit ByteSource(std::string_view bytes) {
+    char* begin = const_cast<char*>(bytes.data());
+    setg(begin, begin, begin + bytes.size());
+  }
 };
 
 /// Bytes in memory, as a sink.

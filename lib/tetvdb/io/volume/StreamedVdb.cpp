@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <openvdb/io/GridDescriptor.h>
+#include <utility>
 
 namespace tetvdb {
 namespace {
@@ -31,7 +32,9 @@ VdbHeader streamedHeader(const std::string& path) {
 VdbHeader checkedVdbHeader(const std::string& path) {
   VdbHeader header = streamedHeader(path);
   const MappedFile file(path);
-  checkVdb(file.source());
+  std::vector<VdbGridEntry> entries = checkVdb(file.source());
+  for (std::size_t g = 0; g < header.grids.size(); ++g)
+    header.grids[g].lowers = std::move(entries[g].lowers);
   return header;
 }
 

@@ -3,12 +3,17 @@
 
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/Report.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/StoredNodes.h"
+#include "tetvdb/io/volume/TileSpools.h"
 #include "tetvdb/io/volume/TileTree.h"
+#include "tetvdb/io/volume/VdbOutput.h"
 #include "tetvdb/volume/BitLevels.h"
+#include "tetvdb/volume/GridLevels.h"
 
 #include <algorithm>
 #include <array>
@@ -34,8 +39,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kIndex = "tiles.json";
 constexpr std::string_view kStem = "tile_";
 constexpr std::string_view kEnding = ".vdb";
-constexpr std::int32_t kRootChild = 4096;
-constexpr std::size_t kNodesInMemory = std::size_t(32) << 20;
+constexpr std::size_t kInMemory = std::size_t(32) << 20;
 
 bool isTileFile(const std::string& name) {
   const std::size_t around = kStem.size() + kEnding.size();
@@ -51,7 +55,7 @@ AtomicFolder::Contents contents() {
 }
 
 void checkSize(int size) {
-  if (size != 512 && size != 1024 && size != 2048 && size != kRootChild)
+  if (size != 512 && size != 1024 && size != 2048 && size != kRootChildSize)
     throw Error(Status::Usage, "`tile_size`", fmt::format("is {}", size),
                 "choose 512, 1024, 2048 or 4096");
 }
@@ -170,12 +174,25 @@ private:
   std::vector<RootCube> cubes_;
 };
 
+/// The boxes, each cut where a layer of `nodes` nodes ends.
+std::vector<NodeBox> inLayers(const std::vector<NodeBox>& boxes, std::int32_t nodes) {
+  std::vector<NodeBox> cut;
+  for (NodeBox rest : boxes)
+    while (rest.low[0] < rest.high[0]) {
+      NodeBox own = rest;
+      own.high[0] = std::min(rest.high[0], (rest.low[0] & ~(nodes - 1)) + nodes);
+      cut.push_back(own);
+      rest.low[0] = own.high[0];
+    }
+  return cut;
+}
+
 /// Calls work(origin) for the cubes of a child of the root node, by x, then y, then z.
 template <class Work>
 void forCubes(const openvdb::Coord& origin, std::int32_t size, const Work& work) {
-  for (std::int32_t x = 0; x < kRootChild; x += size)
-    for (std::int32_t y = 0; y < kRootChild; y += size)
-      for (std::int32_t z = 0; z < kRootChild; z += size)
+  for (std::int32_t x = 0; x < kRootChildSize; x += size)
+    for (std::int32_t y = 0; y < kRootChildSize; y += size)
+      for (std::int32_t z = 0; z < kRootChildSize; z += size)
         work(openvdb::Coord(origin.x() + x, origin.y() + y, origin.z() + z));
 }
 
@@ -205,10 +222,12 @@ TileFolder::TileFolder(const std::string& folder, int size,
     empty_.push_back(emptied(*grid));
   }
   if (!levels.range.isEmpty()) {
+    if (levels.maxMemory == 0)
+      levels_.maxMemory = availableBytes();
     Volume volume;
     volume.grids().all = empty_;
     Progress none;
-    addLevels(volume, levels.range, levels.maxMemory, none);
+    addLevels(volume, levels.range, levels_.maxMemory, none);
     empty_ = volume.grids().all;
   }
   grids_ = describeAll(empty_);
@@ -238,41 +257,9 @@ void TileFolder::finish(const Vec3i& origin, std::vector<GridInfo> infos) {
   file.grids = std::move(infos);
 }
 
-void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
-                     Progress& progress) {
-  QuietProgress within(progress);
-  forCubes(origin, size_, [&](const openvdb::Coord& corner) {
-    progress.check();
-    Volume volume;
-    volume.metadata = metadata_;
-    bool any = false;
-    for (std::size_t g = 0; g < parts.size(); ++g) {
-      openvdb::GridBase::Ptr tile;
-      withKnownGrid(*empty_[g], [&](const auto& empty) {
-        using GridT = std::decay_t<decltype(empty)>;
-        auto typed = emptyLike(empty);
-        any |= copyCube(static_cast<const GridT&>(*parts[g]), corner, size_, *typed);
-        tile = typed;
-      });
-      openFirstTile(*tile);
-      volume.grids().all.push_back(tile);
-    }
-    if (!any)
-      return;
-    if (!levels_.range.isEmpty()) {
-      addLevels(volume, levels_.range, levels_.maxMemory, within);
-      openvdb::GridPtrVec& all = volume.grids().all;
-      for (std::size_t g = own_; g < all.size(); ++g)
-        openFirstTile(*all[g]);
-    }
-    naming(folder_, [&] { writeVolume(nextPath(), volume, within); });
-    finish({corner.x(), corner.y(), corner.z()}, describe(volume));
-  });
-}
-
 void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& progress) {
   const std::size_t cubes = source.cubes().size();
-  const auto across = static_cast<std::size_t>(kRootChild / size_);
+  const auto across = static_cast<std::size_t>(kRootChildSize / size_);
   std::size_t full = 0;
   for (const RootCube& cube : source.cubes())
     full += cube.full ? across * across * across : 0;
@@ -280,17 +267,148 @@ void TileFolder::add(BitSource& source, const BitVdbOptions& options, Progress& 
   for (std::size_t c = 0; c < cubes; ++c) {
     progress.update(double(c) / double(cubes));
     const Vec3i origin = source.cubes()[c].origin;
-    if (size_ == kRootChild) {
+    if (size_ == kRootChildSize) {
       OneCube one(source, c);
       naming(folder_, [&] { addCube(one, origin, options, progress); });
       continue;
     }
-    const StoredNodes nodes(source, c, folder_.temporary(), kNodesInMemory, progress);
+    const StoredNodes nodes(source, c, folder_.temporary(), kInMemory, progress);
     forCubes(openvdb::Coord(origin.data()), size_, [&](const openvdb::Coord& corner) {
       const Vec3i at{corner.x(), corner.y(), corner.z()};
       StoredNodes::Part part(nodes, at, size_);
       if (!part.isEmpty())
         naming(folder_, [&] { addCube(part, at, options, progress); });
+    });
+  }
+}
+
+/// Files of which the cubes have the same x.
+class TileFolder::Layer {
+public:
+  Layer(TileFolder& folder, const openvdb::Coord& corner, std::size_t inMemory, bool exact)
+      : folder_(folder), own_(folder.empty_.begin(),
+                              folder.empty_.begin() + static_cast<std::ptrdiff_t>(folder.own_)),
+        spools_(own_, corner, folder.size_, optionsOf(folder, inMemory, exact)) {
+    const TileLevels& levels = folder.levels_;
+    for (std::size_t g = 0; g < own_.size() && !levels.range.isEmpty(); ++g)
+      levels_.push_back(makeGridLevels(own_[g], levels.range, levels.maxMemory / own_.size()));
+  }
+
+  void add(const openvdb::GridPtrVec& parts, const NodeBox& box, Progress& progress) {
+    for (std::size_t g = 0; g < levels_.size(); ++g)
+      levels_[g]->add(*parts[g], progress);
+    spools_.add(parts, box);
+  }
+
+  void write(Progress& progress) {
+    openvdb::GridPtrVec coarser;
+    for (auto& levels : levels_) {
+      const openvdb::GridPtrVec made = levels->finish();
+      coarser.insert(coarser.end(), made.begin(), made.end());
+      levels.reset();
+    }
+    QuietProgress within(progress);
+    const ProgressShare share(within, 0, 1);
+    spools_.finish([&](const openvdb::Coord& corner, TileSpools::Spools& spools) {
+      progress.check();
+      VdbOutput output(folder_.nextPath(), folder_.metadata_, folder_.empty_.size());
+      std::vector<GridInfo> infos;
+      for (auto& spool : spools) {
+        spool->writeTo(output, share);
+        infos.push_back(spool->describe());
+        spool.reset();
+      }
+      Volume levels;
+      levels.grids().all = cutLevels(coarser, corner);
+      writeGrids(output, levels.grids().all, share);
+      for (GridInfo& info : describe(levels))
+        infos.push_back(std::move(info));
+      output.commit(within);
+      folder_.finish({corner.x(), corner.y(), corner.z()}, std::move(infos));
+    });
+  }
+
+private:
+  static SpoolOptions optionsOf(const TileFolder& folder, std::size_t inMemory, bool exact) {
+    SpoolOptions options;
+    options.folder = folder.folder_.temporary();
+    options.inMemory = inMemory;
+    options.exact = exact;
+    return options;
+  }
+
+  using LevelGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::Vec3SGrid>;
+
+  /// What the levels, those of the first grid before those of the next, have in a file's cube.
+  openvdb::GridPtrVec cutLevels(const openvdb::GridPtrVec& levels,
+                                const openvdb::Coord& corner) const {
+    openvdb::GridPtrVec cut;
+    const LevelRange& range = folder_.levels_.range;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      const int k = range.first + static_cast<int>(i % range.size());
+      std::as_const(*levels[i]).apply<LevelGrids>([&](const auto& level) {
+        const auto own = emptyLike(level);
+        copyActive(level, corner >> static_cast<std::size_t>(k), folder_.size_ >> k, *own);
+        openFirstTile(*own);
+        cut.push_back(own);
+      });
+    }
+    return cut;
+  }
+
+  TileFolder& folder_;
+  openvdb::GridPtrVec own_; ///< without voxels
+  TileSpools spools_;
+  std::vector<std::unique_ptr<GridLevels>> levels_; ///< by grid
+};
+
+void TileFolder::add(const openvdb::GridPtrVec& parts, const openvdb::Coord& origin,
+                     Progress& progress) {
+  for (std::int32_t x = 0; x < kRootChildSize; x += size_) {
+    const openvdb::Coord corner = origin.offsetBy(x, 0, 0);
+    const NodeBox box = nodesOf(corner, openvdb::Coord(size_, kRootChildSize, kRootChildSize));
+    openvdb::GridPtrVec copies;
+    for (std::size_t g = 0; g < parts.size(); ++g)
+      withKnownGrid(*empty_[g], [&](const auto& empty) {
+        using GridT = std::decay_t<decltype(empty)>;
+        const auto copy = emptyLike(empty);
+        copyNodes(static_cast<const GridT&>(*parts[g]), box, *copy);
+        copies.push_back(copy);
+      });
+    naming(folder_, [&] {
+      Layer layer(*this, corner, kInMemory, /*exact=*/true);
+      layer.add(copies, box, progress);
+      copies.clear();
+      layer.write(progress);
+    });
+  }
+}
+
+void TileFolder::add(TreeSource& source, std::size_t inMemory, const ProgressShare& share,
+                     Progress& progress) {
+  QuietProgress within(progress);
+  source.begin();
+  const std::size_t cubes = source.cubes().size();
+  for (std::size_t c = 0; c < cubes; ++c) {
+    const Vec3i& origin = source.cubes()[c];
+    std::optional<Layer> layer;
+    std::int32_t layerAt = 0;
+    const std::vector<NodeBox> parts = inLayers(source.parts(c), size_ / kNodeSize);
+    naming(folder_, [&] {
+      for (std::size_t p = 0; p < parts.size(); ++p) {
+        const std::int32_t x = parts[p].low[0] * kNodeSize & ~(size_ - 1);
+        if (layer && layerAt != x) {
+          layer->write(progress);
+          layer.reset();
+        }
+        if (!layer)
+          layer.emplace(*this, openvdb::Coord(x, origin[1], origin[2]), inMemory, /*exact=*/false);
+        layerAt = x;
+        layer->add(source.make(parts[p], within), parts[p], within);
+        share.update((double(c) + double(p + 1) / double(parts.size())) / double(cubes));
+      }
+      if (layer)
+        layer->write(progress);
     });
   }
 }

@@ -4,10 +4,12 @@
 #pragma once
 
 #include "tetvdb/core/AtomicFolder.h"
+#include "tetvdb/core/ProgressShare.h"
 #include "tetvdb/io/TileFiles.h"
 #include "tetvdb/io/volume/BitVdbWriter.h"
 #include "tetvdb/volume/BitSource.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/TreeSource.h"
 
 #include <map>
 #include <string>
@@ -29,6 +31,11 @@ public:
   /// and 32 MB where the files' cubes are smaller than the root's children, beyond which nodes wait
   /// in a file without a name.
   void add(BitSource& source, const BitVdbOptions& options, Progress& progress);
+  /// Writes the grids of a source, in their order. Memory: the trees of one of its parts, those of
+  /// the levels of a layer of files, and `inMemory` bytes, beyond which the files of a layer wait
+  /// in one without a name.
+  void add(TreeSource& source, std::size_t inMemory, const ProgressShare& share,
+           Progress& progress);
 
   /// Writes tiles.json and gives the folder its name.
   TileFilesInfo commit(Progress& progress);
@@ -42,6 +49,8 @@ private:
     std::uint64_t bytes = 0;
     std::vector<GridInfo> grids;
   };
+
+  class Layer;
 
   void requireRoom(std::size_t files) const;
   std::string nextPath() const;

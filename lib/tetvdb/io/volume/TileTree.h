@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Cubes of trees, copied node by node.
+// Parts of trees, node by node.
 #pragma once
 
+#include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
 
+#include <algorithm>
+#include <cstring>
 #include <memory>
+#include <openvdb/tools/Prune.h>
 #include <set>
+#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -24,64 +29,112 @@ typename GridT::Ptr emptyLike(const GridT& grid) {
   return copy;
 }
 
-/// Whether a node has children, or tiles but inactive ones of the background's value.
-template <class Node, class T>
-bool holdsAnything(const Node& node, const T& background) {
-  if (!node.getChildMask().isOff() || !node.getValueMask().isOff())
-    return true;
-  for (openvdb::Index n = 0; n < Node::NUM_VALUES; ++n)
-    if (T(node.getTable()[n].getValue()) != background)
-      return true;
-  return false;
-}
-
-/// Copies the voxels of a cube at `corner` into the empty grid `to`: 128 to 4096 voxels along a
-/// side, in one child of the root node. False where it has none but inactive ones of the
-/// background's value; `to` is empty then.
-template <class GridT>
-bool copyCube(const GridT& from, const openvdb::Coord& corner, std::int32_t size, GridT& to) {
-  using TreeT = typename GridT::TreeType;
-  using Upper = typename NodeLists<TreeT>::Upper;
-  using Lower = typename NodeLists<TreeT>::Lower;
-  using T = typename TreeT::ValueType;
-  constexpr std::int32_t kAll = Upper::DIM, kNode = Lower::DIM;
+/// Gives the empty grid `to` what `from` has in `box`, which lies in one child of the root node:
+/// entries of that child, or its tile where `box` is all of it. lowersOf(upper, entries): the lower
+/// nodes at these entries. False where there is nothing but inactive voxels of the background's
+/// value; `to` is empty then.
+template <class From, class GridT, class LowersOf>
+bool joinNodes(From& from, const NodeBox& box, GridT& to, const LowersOf& lowersOf) {
+  using Upper = typename NodeLists<typename GridT::TreeType>::Upper;
+  using T = typename GridT::ValueType;
   const T background = from.background();
-  auto& root = to.tree().root();
-  const Upper* upper = from.constTree().template probeConstNode<Upper>(corner);
+  const auto isEntry = [&](const T& value, bool active) {
+    return active || std::memcmp(&value, &background, sizeof(T)) != 0;
+  };
+  const openvdb::Coord corner(box.low[0] * kNodeSize, box.low[1] * kNodeSize,
+                              box.low[2] * kNodeSize);
+  auto* upper = from.tree().template probeNode<Upper>(corner);
   T tile{};
-  const bool tileActive = upper == nullptr && from.constTree().probeValue(corner, tile);
-  if (upper == nullptr && !tileActive && tile == background)
+  const bool tileActive = upper == nullptr && from.tree().probeValue(corner, tile);
+  if (upper == nullptr && !isEntry(tile, tileActive))
     return false;
-  if (size == kAll) {
-    if (upper != nullptr && !holdsAnything(*upper, background))
-      return false;
-    if (upper != nullptr)
-      root.addChild(new Upper(*upper));
-    else
-      root.addTile(corner, tile, tileActive);
+  bool isWhole = true;
+  for (std::size_t k = 0; k < 3; ++k)
+    isWhole = isWhole && box.high[k] - box.low[k] == kRootChildSize / kNodeSize;
+  if (upper == nullptr && isWhole) {
+    to.tree().root().addTile(corner, tile, tileActive);
     return true;
   }
   auto node = std::make_unique<Upper>(corner, background, false);
+  std::vector<openvdb::Index> children;
   bool any = false;
-  for (std::int32_t x = 0; x < size; x += kNode)
-    for (std::int32_t y = 0; y < size; y += kNode)
-      for (std::int32_t z = 0; z < size; z += kNode) {
-        const openvdb::Index n = Upper::coordToOffset(corner.offsetBy(x, y, z));
+  for (std::int32_t x = box.low[0]; x < box.high[0]; ++x)
+    for (std::int32_t y = box.low[1]; y < box.high[1]; ++y)
+      for (std::int32_t z = box.low[2]; z < box.high[2]; ++z) {
+        const openvdb::Index n =
+            Upper::coordToOffset(openvdb::Coord(x * kNodeSize, y * kNodeSize, z * kNodeSize));
         if (upper != nullptr && upper->isChildMaskOn(n)) {
-          node->addChild(new Lower(*upper->getTable()[n].getChild()));
-          any = true;
+          children.push_back(n);
           continue;
         }
         const T value = upper == nullptr ? tile : T(upper->getTable()[n].getValue());
         const bool active = upper == nullptr ? tileActive : upper->isValueMaskOn(n);
-        if (!active && value == background)
+        if (!isEntry(value, active))
           continue;
         node->addTile(n, value, active);
         any = true;
       }
-  if (any)
-    root.addChild(node.release());
-  return any;
+  if (!any && children.empty())
+    return false;
+  if (!children.empty())
+    for (auto* lower : lowersOf(*upper, children))
+      node->addChild(lower);
+  to.tree().root().addChild(node.release());
+  return true;
+}
+
+/// joinNodes() by copies of the nodes. Parallel.
+template <class GridT>
+bool copyNodes(const GridT& from, const NodeBox& box, GridT& to) {
+  using Lists = NodeLists<typename GridT::TreeType>;
+  using Lower = typename Lists::Lower;
+  return joinNodes(
+      from, box, to,
+      [](const typename Lists::Upper& upper, const std::vector<openvdb::Index>& entries) {
+        std::vector<Lower*> copies(entries.size());
+        tbb::parallel_for(std::size_t(0), entries.size(), [&](std::size_t i) {
+          copies[i] = new Lower(*upper.getTable()[entries[i]].getChild());
+        });
+        return copies;
+      });
+}
+
+/// joinNodes() by the nodes themselves, in whose place `from` has inactive tiles then.
+template <class GridT>
+bool takeNodes(GridT& from, const NodeBox& box, GridT& to) {
+  using Lists = NodeLists<typename GridT::TreeType>;
+  using Lower = typename Lists::Lower;
+  return joinNodes(from, box, to,
+                   [&](typename Lists::Upper& upper, const std::vector<openvdb::Index>& entries) {
+                     std::vector<Lower*> taken;
+                     for (const openvdb::Index n : entries)
+                       taken.push_back(upper.template stealNode<Lower>(upper.offsetToGlobalCoord(n),
+                                                                       from.background(), false));
+                     return taken;
+                   });
+}
+
+/// Nodes from the one at `corner` on, `size` voxels along a side.
+inline NodeBox nodesOf(const openvdb::Coord& corner, const openvdb::Coord& size) {
+  NodeBox box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto axis = static_cast<int>(k);
+    box.low[k] = nodeOf(corner[axis]);
+    box.high[k] = box.low[k] + size[axis] / kNodeSize;
+  }
+  return box;
+}
+
+/// Copies the active voxels of a cube into the empty grid `to`, whose tree is pruned: a power of
+/// two along a side, below 4096, at multiples of that.
+template <class GridT>
+void copyActive(const GridT& from, const openvdb::Coord& corner, std::int32_t side, GridT& to) {
+  const std::int32_t size = std::max(side, kNodeSize);
+  const NodeBox box = nodesOf(corner & ~(size - 1), openvdb::Coord(size));
+  if (!copyNodes(from, box, to) || side == size)
+    return;
+  to.tree().clip(openvdb::CoordBBox::createCube(corner, side));
+  openvdb::tools::prune(to.tree());
 }
 
 /// Of all entries of the grids' root nodes but inactive ones of the background's value, by x, then

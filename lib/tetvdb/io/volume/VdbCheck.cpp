@@ -201,6 +201,8 @@ private:
         if (hasOffsets_ && position() != buffersAt)
           fail("a grid's buffers are not where they should be");
         buffers();
+        for (const Lower& lower : lowers_)
+          entry.lowers.push_back(lower.place);
       }
       if (hasOffsets_ && !instance && position() != endAt)
         fail("a grid does not end where it should");
@@ -256,11 +258,15 @@ private:
       for (std::uint32_t n = 0; n < 32768; ++n) {
         if (!isOn(upper, n))
           continue;
+        VdbLowerPlace place{};
+        place.topologyAt = position();
         const char* lower = internal(4);
-        lowers_.push_back({within(origin, n, 5, 128), lower});
         for (std::uint32_t m = 0; m < 512; ++m)
-          take(64 * std::uint64_t(__builtin_popcount(static_cast<unsigned char>(lower[m]))),
-               "leaves");
+          place.leaves +=
+              static_cast<std::uint32_t>(__builtin_popcount(static_cast<unsigned char>(lower[m])));
+        take(64 * std::uint64_t(place.leaves), "leaves");
+        place.topologyBytes = static_cast<std::uint32_t>(position() - place.topologyAt);
+        lowers_.push_back({within(origin, n, 5, 128), lower, place});
       }
     }
   }
@@ -330,7 +336,8 @@ private:
   }
 
   void buffers() {
-    for (const Lower& lower : lowers_) {
+    for (Lower& lower : lowers_) {
+      lower.place.buffersAt = position();
       for (std::uint32_t n = 0; n < 4096; ++n) {
         if (!isOn(lower.children, n))
           continue;
@@ -344,12 +351,14 @@ private:
         if (type_.boolean)
           take(64, "a leaf");
       }
+      lower.place.buffersBytes = static_cast<std::uint32_t>(position() - lower.place.buffersAt);
     }
   }
 
   struct Lower {
     Origin origin;
     const char* children; ///< the mask
+    VdbLowerPlace place;
   };
 
   const std::string& path_;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/VdbHeader.h"
 
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@ struct VdbGridEntry {
   std::string name;   ///< as the file's table has it, with the suffix that tells equal names apart
   std::string type;   ///< "Tree_float_5_4_3", ...
   bool known = false; ///< of KnownGrids: its structure is checked and OpenVDB may read it
+  std::vector<VdbLowerPlace> lowers; ///< of a known one that is no instance
 };
 
 /// The grids of a .vdb file in the order of the file. For grids of other types than KnownGrids only

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Reads a grid of a .vdb file, one entry of its root node at a time, or less. Internal:
-// instantiates OpenVDB's streams.
+// Reads a grid of a .vdb file, one entry of its root node at a time, or less; in parallel where the
+// places of its nodes are known. Internal: instantiates OpenVDB's streams.
 #pragma once
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/StreamBuffers.h"
 #include "tetvdb/io/volume/VdbHeader.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/NodeBytes.h"
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <istream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -19,6 +22,7 @@
 #include <openvdb/io/io.h>
 #include <optional>
 #include <string>
+#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -34,22 +38,15 @@ public:
 
   /// `grid`: of the file, no instance, of GridT's type. Throws Error(Invalid).
   VdbChildren(const std::string& path, const VdbHeader& header, const VdbGridHeader& grid)
-      : path_(path), grid_(grid), background_(openvdb::zeroVal<T>()) {
+      : path_(path), grid_(grid), fileVersion_(header.fileVersion),
+        libraryVersion_(header.libraryMajor, header.libraryMinor),
+        background_(openvdb::zeroVal<T>()) {
     for (Stream* stream : {&topology_, &buffers_}) {
       stream->file.open(path, std::ios::binary);
-      stream->file.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
-      openvdb::io::setVersion(stream->file, {header.libraryMajor, header.libraryMinor},
-                              header.fileVersion);
-      stream->metadata = std::make_shared<openvdb::io::StreamMetadata>();
-      stream->metadata->setFileVersion(header.fileVersion);
-      stream->metadata->setLibraryVersion({header.libraryMajor, header.libraryMinor});
-      stream->metadata->setHalfFloat(grid.half);
-      stream->metadata->setCompression(grid.compression);
-      stream->metadata->setSeekable(false);
-      openvdb::io::setStreamMetadataPtr(stream->file, stream->metadata, false);
-      openvdb::io::setDataCompression(stream->file, grid.compression);
-      openvdb::io::setGridBackgroundValuePtr(stream->file, &background_);
+      prepare(stream->file, stream->metadata);
     }
+    if (!grid.lowers.empty())
+      mapped_.emplace(path);
     guarded([&] { readRoot(); });
   }
 
@@ -113,10 +110,10 @@ public:
     guarded([&] {
       auto upper = first_ ? std::move(first_)
                           : std::make_unique<Upper>(origin_, background_, /*active=*/false);
-      std::size_t used = 0;
-      for (; entry_ < Upper::NUM_VALUES && (used == 0 || used < bytes);
-           entry_ = children_.findNextOn(entry_ + 1))
-        used += readLower(*upper);
+      if (mapped_)
+        readPlaced(bytes, *upper);
+      else
+        readNext(bytes, *upper);
       grid->tree().root().addChild(upper.release());
     });
     under_ = entry_ < Upper::NUM_VALUES;
@@ -125,7 +122,11 @@ public:
 
   /// The share of the file's grid that has been read.
   double share() {
-    const auto at = static_cast<std::uint64_t>(std::streamoff(buffers_.file.tellg()));
+    const std::vector<VdbLowerPlace>& lowers = grid_.lowers;
+    const std::uint64_t at = !mapped_
+                                 ? static_cast<std::uint64_t>(std::streamoff(buffers_.file.tellg()))
+                             : nextLower_ < lowers.size() ? lowers[nextLower_].buffersAt
+                                                          : grid_.end;
     return at <= grid_.buffersAt
                ? 0
                : double(at - grid_.buffersAt) / double(grid_.end - grid_.buffersAt);
@@ -136,6 +137,24 @@ private:
     std::ifstream file;
     openvdb::io::StreamMetadata::Ptr metadata;
   };
+
+  /// Of nodes that are read at a time; more would not be faster.
+  static constexpr std::size_t kMappedBytes = std::size_t(8) << 20;
+
+  /// `metadata` must outlive the stream's use.
+  void prepare(std::istream& stream, openvdb::io::StreamMetadata::Ptr& metadata) const {
+    stream.exceptions(std::ios::badbit | std::ios::failbit | std::ios::eofbit);
+    openvdb::io::setVersion(stream, libraryVersion_, fileVersion_);
+    metadata = std::make_shared<openvdb::io::StreamMetadata>();
+    metadata->setFileVersion(fileVersion_);
+    metadata->setLibraryVersion(libraryVersion_);
+    metadata->setHalfFloat(grid_.half);
+    metadata->setCompression(grid_.compression);
+    metadata->setSeekable(false);
+    openvdb::io::setStreamMetadataPtr(stream, metadata, false);
+    openvdb::io::setDataCompression(stream, grid_.compression);
+    openvdb::io::setGridBackgroundValuePtr(stream, &background_);
+  }
 
   template <class Read>
   void guarded(const Read& read) const {
@@ -163,15 +182,58 @@ private:
       first_->addTile(tile.pos(), values[tile.pos()], active.isOn(tile.pos()));
     entry_ = children_.findFirstOn();
   }
-  // Returns its bytes.
-  std::size_t readLower(Upper& upper) {
-    auto lower = std::make_unique<Lower>(openvdb::PartialCreate(),
-                                         upper.offsetToGlobalCoord(entry_), background_, false);
-    lower->readTopology(topology_.file, grid_.half);
-    lower->readBuffers(buffers_.file, grid_.half);
-    const std::size_t bytes = nodeBytes_.of(0, 1, lower->getChildMask().countOn());
-    upper.addChild(lower.release());
-    return bytes;
+  // Lower nodes at the streams' places, about so many bytes of them in memory.
+  void readNext(std::size_t bytes, Upper& upper) {
+    std::size_t used = 0;
+    for (; entry_ < Upper::NUM_VALUES && (used == 0 || used < bytes);
+         entry_ = children_.findNextOn(entry_ + 1)) {
+      auto lower = readLower(upper.offsetToGlobalCoord(entry_), topology_.file, buffers_.file);
+      used += nodeBytes_.of(0, 1, lower->getChildMask().countOn());
+      upper.addChild(lower.release());
+    }
+  }
+  // The same, in parallel.
+  void readPlaced(std::size_t bytes, Upper& upper) {
+    std::size_t used = 0;
+    while (entry_ < Upper::NUM_VALUES && (used == 0 || used < bytes)) {
+      std::vector<openvdb::Index> entries;
+      const VdbLowerPlace* const first = &grid_.lowers[nextLower_];
+      for (std::size_t inFile = 0;
+           entry_ < Upper::NUM_VALUES && (used == 0 || used < bytes) && inFile < kMappedBytes;
+           entry_ = children_.findNextOn(entry_ + 1)) {
+        const VdbLowerPlace& place = grid_.lowers[nextLower_++];
+        entries.push_back(entry_);
+        used += nodeBytes_.of(0, 1, place.leaves);
+        inFile += place.topologyBytes + place.buffersBytes;
+      }
+      std::vector<std::unique_ptr<Lower>> lowers(entries.size());
+      tbb::parallel_for(std::size_t(0), entries.size(), [&](std::size_t i) {
+        lowers[i] = readMapped(upper.offsetToGlobalCoord(entries[i]), first[i]);
+      });
+      for (auto& lower : lowers)
+        upper.addChild(lower.release());
+      mapped_->source().release();
+      const VdbLowerPlace& last = first[entries.size() - 1];
+      topology_.file.seekg(static_cast<std::streamoff>(last.topologyAt + last.topologyBytes));
+    }
+  }
+  std::unique_ptr<Lower> readMapped(const openvdb::Coord& origin,
+                                    const VdbLowerPlace& place) const {
+    ByteSource topology(mapped_->bytes().substr(place.topologyAt, place.topologyBytes));
+    ByteSource buffers(mapped_->bytes().substr(place.buffersAt, place.buffersBytes));
+    std::istream streams[2]{std::istream(&topology), std::istream(&buffers)};
+    openvdb::io::StreamMetadata::Ptr metadata[2]; // one for both would be contended
+    for (int i = 0; i < 2; ++i)
+      prepare(streams[i], metadata[i]);
+    return readLower(origin, streams[0], streams[1]);
+  }
+  std::unique_ptr<Lower> readLower(const openvdb::Coord& origin, std::istream& topology,
+                                   std::istream& buffers) const {
+    auto lower =
+        std::make_unique<Lower>(openvdb::PartialCreate(), origin, background_, /*active=*/false);
+    lower->readTopology(topology, grid_.half);
+    lower->readBuffers(buffers, grid_.half);
+    return lower;
   }
 
   void readRoot() {
@@ -198,8 +260,12 @@ private:
 
   std::string path_;
   const VdbGridHeader& grid_;
+  std::uint32_t fileVersion_;
+  openvdb::VersionId libraryVersion_;
   T background_;
   Stream topology_, buffers_;
+  std::optional<MappedFile> mapped_; ///< where the grid's places are known
+  std::size_t nextLower_ = 0;        ///< of these
   std::map<openvdb::Coord, std::pair<T, bool>> tiles_;
   std::uint32_t childrenLeft_ = 0;
   std::optional<openvdb::Coord> nextChild_;

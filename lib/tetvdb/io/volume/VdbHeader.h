@@ -16,6 +16,13 @@ constexpr std::uint32_t kFirstVdbVersion = 222;
 /// Of OpenVDB 13, which adds a type of grid to the version before and changes nothing else.
 constexpr std::uint32_t kLastVdbVersion = 225;
 
+/// A lower node in the file.
+struct VdbLowerPlace {
+  std::uint64_t topologyAt, buffersAt;
+  std::uint32_t topologyBytes, buffersBytes;
+  std::uint32_t leaves;
+};
+
 struct VdbGridHeader {
   std::string name, type, parent;
   bool half = false; ///< `type` is without its suffix for that
@@ -23,6 +30,7 @@ struct VdbGridHeader {
   openvdb::MetaMap metadata;
   openvdb::math::Transform::Ptr transform;          ///< exact
   std::uint64_t rootAt = 0, buffersAt = 0, end = 0; ///< in the file
+  std::vector<VdbLowerPlace> lowers; ///< in order; only where the file was looked through
 };
 
 struct VdbHeader {

@@ -30,8 +30,9 @@ class TypedVdbSpool : public JoinedParts<GridT, VdbSpool> {
 
 public:
   TypedVdbSpool(const openvdb::GridBase::Ptr& empty, const SpoolOptions& options)
-      : Joined(empty, options.exact), options_(options), grid_(withCreator(empty)),
-        topology_(options.folder, options.inMemory), buffers_(options.folder, options.inMemory) {}
+      : Joined(empty, options), options_(options), grid_(withCreator(empty)),
+        topology_(makeSpool(options)), buffers_(makeSpool(options)),
+        described_(makeSpool(options)) {}
 
   void writeTo(VdbOutput& output, const ProgressShare& share) override {
     const VdbHead head = makeHead();
@@ -59,6 +60,15 @@ public:
   }
 
 private:
+  /// A leaf's entries in file_delayed_load.
+  struct Described {
+    std::int8_t restore;
+    std::uint16_t size;
+  };
+
+  static Spool makeSpool(const SpoolOptions& options) {
+    return options.store ? Spool(options.store) : Spool(options.folder, options.inMemory);
+  }
   bool half() const { return grid_->saveFloatAsHalf(); }
 
   void takeNodes(const TreeT& tree, const Lists& nodes) override {
@@ -75,25 +85,35 @@ private:
     tiles_.emplace(origin, std::pair(value, active));
   }
 
+  void takeOpened(const TreeT& tree, std::size_t place, bool isNew) override {
+    topology_.put(place, topologyOf(Lists(tree).lowers, 0, 1), !isNew);
+    spoolBuffers(tree);
+  }
+
   void spoolTopology(const std::vector<const Lower*>& lowers) {
-    constexpr std::size_t kNodesAPiece = 4;
+    // One at a time where takeOpened() may replace it.
+    const std::size_t nodesAPiece = options_.openFirstTile ? 1 : 4;
     std::size_t next = 0;
     makeInOrder<std::size_t, std::string>(
         [&](std::size_t& first) {
           first = next;
-          next += kNodesAPiece;
+          next += nodesAPiece;
           return first < lowers.size();
         },
         [&](std::size_t first) {
-          NodeStream out(vdbCompression(), &this->background());
-          for (std::size_t i = first; i < std::min(first + kNodesAPiece, lowers.size()); ++i)
-            lowers[i]->writeTopology(out.stream(), half());
-          return std::move(out.bytes());
+          return topologyOf(lowers, first, std::min(first + nodesAPiece, lowers.size()));
         },
         [&](const std::string& bytes) {
           topology_.add(bytes);
           topologyBytes_ += bytes.size();
         });
+  }
+  std::string topologyOf(const std::vector<const Lower*>& lowers, std::size_t begin,
+                         std::size_t end) const {
+    NodeStream out(vdbCompression(), &this->background());
+    for (std::size_t i = begin; i < end; ++i)
+      lowers[i]->writeTopology(out.stream(), half());
+    return std::move(out.bytes());
   }
 
   void spoolBuffers(const TreeT& tree) {
@@ -109,18 +129,15 @@ private:
           buffers_.add(bytes);
           bufferBytes_ += bytes.size();
         });
-    if constexpr (Buffers::kHasTails) {
-      if (this->leaves() <= kDelayedLoadLeaves) {
-        openvdb::io::DelayedLoadMetadata own;
-        buffers.describe(own);
-        for (std::size_t l = 0; l < buffers.leafCount(); ++l) {
-          restore_.push_back(own.getMask(l));
-          sizes_.push_back(static_cast<std::uint16_t>(own.getCompressedSize(l)));
-        }
-      } else {
-        restore_ = {};
-        sizes_ = {};
+    if (Buffers::kHasTails && this->leaves() <= kDelayedLoadLeaves) {
+      openvdb::io::DelayedLoadMetadata own;
+      buffers.describe(own);
+      std::string bytes;
+      for (std::size_t l = 0; l < buffers.leafCount(); ++l) {
+        const Described one{own.getMask(l), static_cast<std::uint16_t>(own.getCompressedSize(l))};
+        bytes.append(reinterpret_cast<const char*>(&one), sizeof one);
       }
+      described_.add(bytes);
     }
   }
 
@@ -136,7 +153,7 @@ private:
     return root;
   }
 
-  VdbHead makeHead() const {
+  VdbHead makeHead() {
     const openvdb::GridBase::Ptr copy =
         withCounts(grid_,
                    {this->box(), this->activeVoxels(), this->leaves(),
@@ -144,12 +161,17 @@ private:
                    options_.part);
     if (Buffers::kHasTails && this->leaves() <= kDelayedLoadLeaves) {
       openvdb::io::DelayedLoadMetadata all;
-      all.resizeMask(restore_.size());
-      all.resizeCompressedSize(sizes_.size());
-      for (std::size_t l = 0; l < sizes_.size(); ++l) {
-        all.setMask(l, restore_[l]);
-        all.setCompressedSize(l, sizes_[l]);
-      }
+      all.resizeMask(this->leaves());
+      all.resizeCompressedSize(this->leaves());
+      std::size_t l = 0;
+      described_.drain([&](const std::string& bytes) {
+        for (std::size_t at = 0; at < bytes.size(); at += sizeof(Described), ++l) {
+          Described one;
+          std::memcpy(&one, bytes.data() + at, sizeof one);
+          all.setMask(l, one.restore);
+          all.setCompressedSize(l, one.size);
+        }
+      });
       copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, all);
     }
     return makeVdbHead(grid_->getName(), vdbTypeOf(*grid_), "", *copy, grid_->transform(),
@@ -159,14 +181,12 @@ private:
   SpoolOptions options_;
   openvdb::GridBase::Ptr grid_; ///< empty, with its creator
   Spool topology_, buffers_;    ///< of lower nodes; of leaves
+  Spool described_;             ///< of leaves, while file_delayed_load is for so many
   std::uint64_t topologyBytes_ = 0, bufferBytes_ = 0;
   std::uint64_t cubeStart_ = 0; ///< bytes of topology before the cube under way
   /// Upper nodes, each with the bytes of topology that come before its children.
   std::vector<std::pair<std::uint64_t, std::string>> uppers_;
   std::map<openvdb::Coord, std::pair<T, bool>> tiles_; ///< of the root
-  /// Of leaves, for file_delayed_load.
-  std::vector<std::int8_t> restore_;
-  std::vector<std::uint16_t> sizes_;
 };
 
 } // namespace

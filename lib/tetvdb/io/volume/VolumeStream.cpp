@@ -5,12 +5,15 @@
 #include "tetvdb/io/volume/StreamedVdb.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/volume/GridHash.h"
+#include "tetvdb/volume/GridStatistics.h"
 #include "tetvdb/volume/SumComparisons.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
+#include <tbb/task_arena.h>
 #include <type_traits>
 #include <utility>
 
@@ -43,6 +46,18 @@ struct StreamedGrid {
   GridInfo info;
 };
 
+// Of nodes in memory at a time, few enough to stay in the processor's cache. Sums of fractions, and
+// of what is inside a level set whose background is inside, are those of whole children of the
+// root.
+template <class GridT>
+std::size_t bytesOfParts(const GridT& grid) {
+  constexpr std::size_t kBytesOfThread = std::size_t(4) << 20;
+  if constexpr (std::is_same_v<GridT, openvdb::FloatGrid>)
+    if (holdsShares(grid.getName()) || grid.background() < 0)
+      return std::numeric_limits<std::size_t>::max();
+  return kBytesOfThread * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+}
+
 // One pass over a grid.
 StreamedGrid describeGrid(const std::string& path, const VdbHeader& header,
                           const VdbGridHeader& grid, bool withHash, Hashes& hashes,
@@ -57,13 +72,17 @@ StreamedGrid describeGrid(const std::string& path, const VdbHeader& header,
     sum = base;
     double voxels = 0;
     GridHash hash(*empty);
+    const std::size_t partBytes = bytesOfParts(static_cast<const GridT&>(*empty));
     openvdb::Coord origin;
-    while (const auto part = children.next(origin)) {
-      progress.check();
-      add(describeOne(part), base, voxels, sum);
-      if (withHash)
-        hash.add(*part);
-    }
+    while (children.begin(origin))
+      for (bool first = true; const auto part = children.part(partBytes); first = false) {
+        progress.check();
+        add(describeOne(part), base, voxels, sum);
+        if (!first)
+          sum.bytes -= sizeof(typename NodeLists<typename GridT::TreeType>::Upper);
+        if (withHash)
+          hash.add(*part);
+      }
     sum.volume = voxels * empty->transform().voxelVolume();
     hashes.emplace_back(grid.name, hash.finish());
     result.empty = empty;

@@ -225,6 +225,10 @@ TEST_F(TileFiles, OtherTransformsAndTypesAreRefused) {
   volume.grids().all[1]->setTransform(makeTransform({{0.25, 0.25, 0.25}, {0, 0, 0}}));
   EXPECT_THROW(writeTileFiles(folder_ / "t", 512, volume, progress_), Error);
   EXPECT_THROW(checkTileFiles(folder_ / "t", 500), Error);
+  for (const char* name : {"a", ""}) { // equal names, and none
+    volume.grids().all = {named<openvdb::FloatGrid>("a", 0), named<openvdb::FloatGrid>(name, 0)};
+    EXPECT_THROW(writeTileFiles(folder_ / "t", 512, volume, progress_), Error);
+  }
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 

@@ -25,6 +25,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <unistd.h>
@@ -230,6 +231,11 @@ TileFolder::TileFolder(const std::string& folder, int size,
     addLevels(volume, levels.range, levels_.maxMemory, none);
     empty_ = volume.grids().all;
   }
+  std::set<std::string> names;
+  for (const auto& grid : empty_)
+    if (grid->getName().empty() || !names.insert(grid->getName()).second)
+      throw Error(Status::Usage, folder,
+                  "grid names must be unique and not empty: '" + grid->getName() + "'");
   grids_ = describeAll(empty_);
 }
 

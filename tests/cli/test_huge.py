@@ -465,7 +465,9 @@ class Shards(CommandLineTest):
 
     def test_what_cannot_be_a_shard(self):
         for options in (("-o", "a.vdb", "--preview", "a.png"), ("-o", "a.vdb", "--inside", "flood"), ("-o", "a.nvdb"), ("-o", "a.npz"),
-                        ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope")):
+                        ("-o", "a.vdb", "--shell", "3"), ("-o", "a.vdb", "--mesher", "envelope"),
+                        ("-o", "a.vdb", "--grid", "surface", "--device", "cuda"),
+                        ("-o", "a.vdb", "--rule", "any", "--device", "cuda"), ("-o", "a.vdb", "--device", "cuda:0,1")):
             self.refuse(2, "voxelize", "rod.off", "--voxel-size", "1", "--shard", "0/2", *options,
                         says=("--shard",))
         self.write("rod_1.off", off(*rod(900, 60)))

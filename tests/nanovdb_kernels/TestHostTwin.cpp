@@ -5,6 +5,7 @@
 #include "FileBytes.h"
 #include "Grids.h"
 #include "Meshes.h"
+#include "io/VolumeSamples.h"
 #include "nanovdb_kernels/AnySoup.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/NanoVdb.h"
@@ -229,22 +230,14 @@ TEST(HostTwin, BuffersAreDescribedAsTheirTrees) {
       Volume volume;
       volume.grids().all = {gridOfNano(result.bytes)};
       const GridInfo expected = describe(volume).front(), info = describeNano(result.bytes);
+      test::expectSameCounts(info, expected);
       EXPECT_EQ(info.name, expected.name);
-      EXPECT_EQ(info.type, expected.type);
       EXPECT_EQ(info.gridClass, expected.gridClass);
       EXPECT_EQ(info.metadata, expected.metadata);
       EXPECT_EQ(info.transform.voxelSize, expected.transform.voxelSize);
       EXPECT_EQ(info.transform.origin, expected.transform.origin);
       EXPECT_EQ(info.linear, expected.linear);
-      EXPECT_EQ(info.activeVoxels, expected.activeVoxels);
-      EXPECT_EQ(info.activeTiles, expected.activeTiles);
-      EXPECT_EQ(info.leaves, expected.leaves);
-      EXPECT_EQ(info.bytes, expected.bytes);
       EXPECT_EQ(info.volume, expected.volume);
-      EXPECT_EQ(info.boxMin, expected.boxMin);
-      EXPECT_EQ(info.boxMax, expected.boxMax);
-      EXPECT_EQ(info.minValue, expected.minValue);
-      EXPECT_EQ(info.maxValue, expected.maxValue);
     }
 }
 

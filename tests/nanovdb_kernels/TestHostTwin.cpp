@@ -8,13 +8,10 @@
 #include "io/VolumeSamples.h"
 #include "nanovdb_kernels/AnySoup.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/NanoVdb.h"
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/volume/NanoFile.h"
 
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <gtest/gtest.h>
 #include <initializer_list>
 #include <limits>

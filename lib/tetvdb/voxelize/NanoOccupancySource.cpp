@@ -3,7 +3,8 @@
 
 #include "tetvdb/core/NanoVdb.h"
 
-#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <stdexcept>

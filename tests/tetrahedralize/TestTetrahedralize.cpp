@@ -217,6 +217,55 @@ TEST(Tetrahedralize, ThinPlates) {
   }
 }
 
+// A saddle of two sheets, `thickness` apart, with a wall around them.
+TriangleMesh saddle(double thickness, std::uint32_t n) {
+  TriangleMesh mesh;
+  for (const double above : {0.0, thickness})
+    for (std::uint32_t i = 0; i <= n; ++i)
+      for (std::uint32_t j = 0; j <= n; ++j) {
+        const double x = -1 + 2.0 * i / n, y = -1 + 2.0 * j / n;
+        mesh.points.push_back({x, y, 0.3 * (x * x - y * y) + above});
+      }
+  const std::uint32_t upper = (n + 1) * (n + 1);
+  const auto at = [&](std::uint32_t i, std::uint32_t j) { return i * (n + 1) + j; };
+  const auto addWall = [&](std::uint32_t a, std::uint32_t b) {
+    meshes::addTriangle(mesh, a, b, upper + b);
+    meshes::addTriangle(mesh, a, upper + b, upper + a);
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      for (const auto& [p, q, r] : {std::array{a, b, c}, std::array{a, c, d}}) {
+        meshes::addTriangle(mesh, p, r, q);
+        meshes::addTriangle(mesh, upper + p, upper + q, upper + r);
+      }
+    }
+    addWall(at(i, 0), at(i + 1, 0));
+    addWall(at(n, i), at(n, i + 1));
+    addWall(at(i + 1, n), at(i, n));
+    addWall(at(0, i + 1), at(0, i));
+  }
+  return mesh;
+}
+
+// Simplification alone would move many of the two sides onto each other.
+TEST(Tetrahedralize, ThinCurvedPartsStay) {
+  TetrahedralizeOptions options;
+  options.epsilon = 1e-2;
+  for (const double thickness : {0.6, 1.6, 2.0}) {
+    const MadeTets made =
+        madeTets({joined({sphere({0, 0, 0}, 0.5, 16),
+                          shifted(saddle(thickness * options.epsilon, 24), {0, 2.5, 0})})},
+                 options);
+    ASSERT_FALSE(made.error) << made.message;
+    EXPECT_EQ(made.result.check.lostPoints, 0u) << thickness;
+    EXPECT_FALSE(made.report.partial) << thickness;
+    const TetMeshCheck check = checkOf(made);
+    EXPECT_EQ(check.faults(), "") << check.json();
+    EXPECT_LE(check.inToOut, 1.05 * options.epsilon) << check.json();
+  }
+}
+
 TEST(Tetrahedralize, GapsWiderThanTwoEpsilonStay) {
   TetrahedralizeOptions options;
   options.epsilon = 2e-3;

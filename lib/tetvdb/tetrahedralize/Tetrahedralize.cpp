@@ -19,6 +19,7 @@
 #include "tetvdb/tetrahedralize/soup/LatticeSoup.h"
 #include "tetvdb/tetrahedralize/soup/PerturbSoup.h"
 #include "tetvdb/tetrahedralize/soup/SimplifySoup.h"
+#include "tetvdb/tetrahedralize/soup/TriangleTree.h"
 #include "tetvdb/tetrahedralize/soup/WorkingLattice.h"
 
 #include <algorithm>
@@ -61,9 +62,19 @@ constexpr double kMinEpsilon = 256;
 constexpr double kHoleShare = 0.5;
 constexpr std::size_t kMaxHoleTets = 25000;
 // Where no more than one in kFewLost owed points is lost, the surface around them is kept as it was
-// inserted and improvement is run again, at most kMaxMends times.
+// inserted and improvement is run again, at most kMaxMends times, as long as half or less is lost.
 constexpr std::size_t kFewLost = 20;
 constexpr int kMaxMends = 2;
+// How near to lost points the surface's points are fixed, in envelope radii.
+constexpr double kKeptRadii = 4;
+// Points that are lost in spite of that were lost in simplification or at insertion: in parts
+// thinner than this, in radii. The surface there stays as in the input and all is done again, at
+// most kMaxRepeats times: as long as less was lost each time, for no more than kMaxGrowth times the
+// tets, and where no more than kMaxRepeated tets were coarsened so far.
+constexpr int kMaxRepeats = 3;
+constexpr double kThinRadii = 3;
+constexpr std::size_t kMaxGrowth = 2;
+constexpr double kMaxRepeated = 2e6;
 // The report warns of energies, and of volumes against the input's, that are farther off.
 constexpr double kEnergySlack = 1.001, kVolumeSlack = 0.05;
 // Memory of the whole work for a triangle: above what the models of docs/benchmarks.md take, small
@@ -134,18 +145,21 @@ void assertValid([[maybe_unused]] const TetComplex& complex) {
 #endif
 }
 
-// What the steps after insertion work on.
+using LostPoints = std::vector<LostSurface::Point>;
+
+// What all steps work on.
 struct Work {
   const std::vector<TriangleMesh>& inputs;
   const TetrahedralizeOptions& options;
   const Lengths& lengths;
   const WorkingLattice& lattice;
-  const LatticeSoup& soup;
+  const LatticeSoup& soup; ///< the inputs
   const Envelope& surface;
   const Envelope& boundary;
-  const std::vector<std::uint32_t>& missing;
   double radius; // lattice units
   WorkDone& done;
+
+  double toLattice(double length) const { return length / lattice.unit(); }
 };
 
 Vec3d centreOf(const TetMesh& mesh, std::size_t tet) {
@@ -176,20 +190,23 @@ void measureEnergies(const WorkingLattice& lattice, double stopEnergy, Tetrahedr
 }
 
 // Improves the mesh, keeps the tets that are inside and checks the result in both directions.
-LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& complex,
-                   Tetrahedralization& made, StageTimer& timer, Progress& progress) {
+LostSurface finish(const Work& work, const InsertedSurface& inserted, const Landmarks* landmarks,
+                   TetComplex& complex, Tetrahedralization& made, StageTimer& timer,
+                   Progress& progress) {
   const TetrahedralizeOptions& options = work.options;
   const std::size_t count = work.inputs.size();
-  const double edge = work.lengths.edge / work.lattice.unit();
+  const double edge = work.toLattice(work.lengths.edge);
+  const LatticeSoup& soup = inserted.soup;
+  const std::vector<std::uint32_t>& missing = inserted.missing;
   timer.part("improve");
   progress.stage("improve");
   const Bounds bounds{work.surface, work.boundary, work.radius, landmarks};
   ImproveCounts counts;
   bool isChained = false; // by regions
   if (options.stopEnergy > 0) {
-    if (work.missing.empty())
-      isChained = chainRegions(complex, insideOf(complex, count, work.soup, work.missing, progress),
-                               count, options.boolean, options.keepOutside);
+    if (missing.empty())
+      isChained = chainRegions(complex, insideOf(complex, count, soup, missing, progress), count,
+                               options.boolean, options.keepOutside);
     ImproveOptions aims;
     aims.edgeLength = edge;
     aims.smallestEdge = work.radius;
@@ -197,7 +214,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
     aims.maxPasses = options.maxPasses;
     if (!isChained && !options.keepOutside)
       aims.weigh = [&](TetComplex& changed) {
-        weighOutside(changed, insideOf(changed, count, work.soup, work.missing, progress), count,
+        weighOutside(changed, insideOf(changed, count, soup, missing, progress), count,
                      options.boolean);
       };
     counts = improve(complex, bounds, aims, progress);
@@ -210,10 +227,9 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
 
   timer.part("classify");
   progress.stage("classify");
-  std::vector<std::uint16_t> inside = insideOf(complex, count, work.soup, work.missing, progress,
+  std::vector<std::uint16_t> inside = insideOf(complex, count, soup, missing, progress,
                                                kSumsOfTet * (work.done.most - work.done.tets));
-  refineHoles(complex, count, work.soup, work.missing, kHoleShare * edge, kMaxHoleTets, inside,
-              progress);
+  refineHoles(complex, count, soup, missing, kHoleShare * edge, kMaxHoleTets, inside, progress);
   assertValid(complex);
   made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
                        options.keepOutside, work.lattice);
@@ -234,7 +250,7 @@ LostSurface finish(const Work& work, const Landmarks* landmarks, TetComplex& com
 }
 
 // Fixes the surface's points near lost points, so that these are not lost again.
-void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, double distance,
+void keepNear(TetComplex& complex, const LostPoints& lost, double distance,
               const WorkingLattice& lattice) {
   if (lost.empty())
     return;
@@ -255,21 +271,27 @@ void keepNear(TetComplex& complex, const std::vector<LostSurface::Point>& lost, 
         }
 }
 
-// finish(), repeated where a few points are lost. The next round keeps them: by fixed points, or,
-// where an energy is asked for, by landmarks, since fixed points make energies worse.
-void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& made,
-                   StageTimer& timer, Progress& progress) {
+// Whether lost points are looked after. Where an energy is asked for, rounds take long, and around
+// boundary edges the winding number decides what is kept.
+bool mends(const Work& work) {
+  return !(work.options.stopEnergy > 0) || work.boundary.empty();
+}
+
+// finish(), repeated where a few points are lost. The next round keeps them, and `kept`: by fixed
+// points, or, where an energy is asked for, by landmarks, since fixed points make energies worse.
+// Returns what is lost in the end.
+LostPoints finishAndMend(const Work& work, InsertedSurface inserted, LostPoints kept,
+                         Tetrahedralization& made, StageTimer& timer, Progress& progress) {
   const bool isFixed = !(work.options.stopEnergy > 0);
-  std::vector<LostSurface::Point> kept;
   Tetrahedralization best;
+  LostPoints bestLost;
   for (int round = 0;; ++round) {
-    // Around boundary edges the winding number decides what is kept.
-    const bool last = round == kMaxMends || !work.boundary.empty();
+    const bool last = round == kMaxMends || !mends(work);
     // Moved in the last round alone. NOLINTNEXTLINE(bugprone-use-after-move)
-    TetComplex mesh = last ? std::move(complex) : complex;
+    TetComplex mesh = last ? std::move(inserted.complex) : inserted.complex;
     std::unique_ptr<const Landmarks> landmarks;
     if (isFixed) {
-      keepNear(mesh, kept, 4 * work.radius, work.lattice);
+      keepNear(mesh, kept, kKeptRadii * work.radius, work.lattice);
     } else if (!kept.empty()) {
       std::vector<Vec3d> points;
       points.reserve(kept.size());
@@ -277,15 +299,18 @@ void finishAndMend(const Work& work, TetComplex complex, Tetrahedralization& mad
         points.push_back(work.lattice.toLattice(point.at));
       landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, points);
     }
-    const LostSurface lost = finish(work, landmarks.get(), mesh, made, timer, progress);
-    if (round > 0 && lost.lost.size() >= best.check.lostPoints) {
+    LostSurface lost = finish(work, inserted, landmarks.get(), mesh, made, timer, progress);
+    if (round > 0 && lost.lost.size() >= bestLost.size()) {
       made = std::move(best);
-      break;
+      return bestLost;
     }
-    if (last || lost.lost.empty() || lost.lost.size() > lost.figures.owedPoints / kFewLost)
-      break;
+    const bool isWorthwhile = round == 0 || 2 * lost.lost.size() <= bestLost.size();
+    if (last || lost.lost.empty() || !isWorthwhile ||
+        lost.lost.size() > lost.figures.owedPoints / kFewLost)
+      return std::move(lost.lost);
     kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
     best = made;
+    bestLost = std::move(lost.lost);
   }
 }
 
@@ -365,22 +390,66 @@ void checkSoup(const LatticeSoup& soup, const TetrahedralizeOptions& options) {
         "raise `max_memory`");
 }
 
+// The soup's points that are corners of a face near a lost point: such a face belongs to a thin
+// part, or bounds one, whose two sides simplification has moved onto each other. Empty if none are.
+std::vector<std::uint8_t> cornersNear(const LatticeSoup& soup, const LostPoints& lost,
+                                      double distance, const WorkingLattice& lattice) {
+  if (lost.empty())
+    return {};
+  std::vector<Box> boxes;
+  for (const LostSurface::Point& point : lost) {
+    const Vec3d at = lattice.toLattice(point.at);
+    boxes.push_back({at, at});
+  }
+  const BoxTree points(std::move(boxes));
+  std::vector<std::uint8_t> isNear(soup.points.size(), 0);
+  for (const auto& face : soup.faces) {
+    const NearTriangle triangle(soup.points[face[0]], soup.points[face[1]], soup.points[face[2]],
+                                0);
+    Box near;
+    for (const std::uint32_t v : face)
+      near.add(soup.points[v]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      near.low[axis] -= distance;
+      near.high[axis] += distance;
+    }
+    points.visit([&](const Box& box) { return near.meets(box); },
+                 [&](std::uint32_t point) {
+                   if (!(triangle.squaredDistance(points.box(point).low) <= distance * distance))
+                     return false;
+                   for (const std::uint32_t v : face)
+                     isNear[v] = 1;
+                   return true;
+                 });
+  }
+  return isNear;
+}
+
+// Whether some of the soup's points in question are not among `left`, which is sorted.
+bool areMoved(const LatticeSoup& soup, const std::vector<std::uint8_t>& inQuestion,
+              const std::vector<Vec3d>& left) {
+  for (std::size_t v = 0; v < inQuestion.size(); ++v)
+    if (inQuestion[v] && !std::binary_search(left.begin(), left.end(), soup.points[v]))
+      return true;
+  return false;
+}
+
 // A mesh with the soup's triangles as faces, of the first variant of which all are in, or else of
-// the best. `edge`, `epsilon` in lattice units.
-InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, double edge,
-                               double diagonal, double epsilon, const Envelope& surface,
-                               const Envelope& boundary, bool limitsWork, WorkDone& done,
-                               StageTimer& timer, Progress& progress) {
-  const double radius = surface.epsilon();
+// the best. The soup's points in `fixed` are not simplified, the surface near `kept` not coarsened.
+InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>& fixed,
+                               const LostPoints& kept, StageTimer& timer, Progress& progress) {
+  const double radius = work.radius, epsilon = work.toLattice(work.lengths.epsilon);
   InsertSurfaceOptions options;
-  options.spacing = std::min(edge, diagonal / 10);
+  options.spacing =
+      std::min(work.toLattice(work.lengths.edge), work.toLattice(work.lengths.diagonal) / 10);
   options.margin = std::max(options.spacing, 2 * epsilon);
   options.clearance = 10 * epsilon;
   options.reach = kReachShare * radius;
   LatticeSoup simple;
   options.coarsen = [&](TetComplex& complex) {
-    done.add(complex.tetCount());
-    coarsen(complex, {surface, boundary, kThinShare * radius}, progress);
+    work.done.add(complex.tetCount());
+    keepNear(complex, kept, kKeptRadii * radius, work.lattice);
+    coarsen(complex, {work.surface, work.boundary, kThinShare * radius}, progress);
   };
   const auto soupOf = [&](int variant) {
     if (variant != kSimplified && variant != kCareful)
@@ -389,14 +458,55 @@ InsertedSurface insertVariants(const LatticeSoup& soup, std::size_t inputCount, 
                            static_cast<std::uint32_t>(variant));
     timer.part("simplify");
     progress.stage("simplify");
-    simple = soup;
+    simple = work.soup;
     const double share = variant == kSimplified ? kSimplifyShare : kCarefulShare;
-    simplifySoup(simple, surface, share * radius, progress);
-    if (limitsWork)
-      done.most = kMaxCoarsened + kMaxCoarsenedOfFace * static_cast<double>(simple.faces.size());
+    simplifySoup(simple, work.surface, share * radius, fixed, progress);
+    if (work.options.limitsWork)
+      work.done.most =
+          kMaxCoarsened + kMaxCoarsenedOfFace * static_cast<double>(simple.faces.size());
     return simple;
   };
-  return insertSurface(soupOf, kVariants, inputCount, options, timer, progress);
+  return insertSurface(soupOf, kVariants, work.inputs.size(), options, timer, progress);
+}
+
+// Tets of the inputs. Where improvement cannot keep a few points, since they were lost before, all
+// is done again with the surface near them as it is in the inputs.
+Tetrahedralization meshInputs(const Work& work, StageTimer& timer, Progress& progress) {
+  Tetrahedralization best;
+  LostPoints kept, bestLost;
+  std::vector<std::uint8_t> fixed;
+  for (int round = 0; round <= kMaxRepeats; ++round) {
+    Tetrahedralization made;
+    LostPoints lost;
+    std::vector<Vec3d> inserted;
+    try {
+      InsertedSurface surface = insertVariants(work, fixed, kept, timer, progress);
+      assertValid(surface.complex);
+      made.simplifiedFaces = surface.soup.faces.size();
+      made.notInserted = surface.missing.size();
+      made.insertedFaces = made.simplifiedFaces - made.notInserted;
+      inserted = surface.soup.points;
+      lost = finishAndMend(work, std::move(surface), kept, made, timer, progress);
+    } catch (const Error& error) {
+      if (round == 0 || error.status() != Status::Limit)
+        throw;
+      break; // what was made before the limit stands
+    }
+    if (round > 0 && (lost.size() >= bestLost.size() || made.notInserted > best.notInserted ||
+                      made.mesh.tetCount() > kMaxGrowth * best.mesh.tetCount()))
+      break;
+    best = std::move(made);
+    bestLost = std::move(lost);
+    if (bestLost.empty() || bestLost.size() > best.check.owedPoints / kFewLost || !mends(work) ||
+        work.done.tets > kMaxRepeated)
+      break;
+    kept.insert(kept.end(), bestLost.begin(), bestLost.end());
+    fixed = cornersNear(work.soup, kept, kThinRadii * work.radius, work.lattice);
+    std::sort(inserted.begin(), inserted.end());
+    if (!work.boundary.empty() && !areMoved(work.soup, fixed, inserted))
+      break; // the winding number at hole boundaries decides, not what was inserted
+  }
+  return best;
 }
 
 } // namespace
@@ -407,9 +517,6 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Box box = checkInputs(inputs);
   const Lengths lengths = checkLengths(box, options);
   StageTimer timer(report, "tetrahedralize");
-  Tetrahedralization made;
-  made.epsilonAsked = lengths.epsilon;
-  made.edgeLength = lengths.edge;
 
   timer.part("snap");
   progress.stage("snap");
@@ -421,22 +528,15 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   timer.part("envelope");
   progress.stage("envelope");
   // Snapping has moved points by half a grain's diagonal at most.
-  const double epsilon = lengths.epsilon / lattice.unit(), radius = epsilon - grain;
+  const double radius = lengths.epsilon / lattice.unit() - grain;
   const Envelope surface(soup.points, soup.faces, radius);
   const Envelope boundary(soup.points, boundaryEdges(soup), radius);
 
   WorkDone done;
-  InsertedSurface inserted = insertVariants(soup, inputs.size(), lengths.edge / lattice.unit(),
-                                            lengths.diagonal / lattice.unit(), epsilon, surface,
-                                            boundary, options.limitsWork, done, timer, progress);
-  assertValid(inserted.complex);
-  made.simplifiedFaces = inserted.soup.faces.size();
-  made.notInserted = inserted.missing.size();
-  made.insertedFaces = made.simplifiedFaces - made.notInserted;
-
-  const Work work{inputs,  options,  lengths,          lattice, inserted.soup,
-                  surface, boundary, inserted.missing, radius,  done};
-  finishAndMend(work, std::move(inserted.complex), made, timer, progress);
+  Tetrahedralization made = meshInputs(
+      {inputs, options, lengths, lattice, soup, surface, boundary, radius, done}, timer, progress);
+  made.epsilonAsked = lengths.epsilon;
+  made.edgeLength = lengths.edge;
   warnOfLoss(made, options, lengths.epsilon, report);
   return made;
 }

@@ -127,7 +127,7 @@ Simplified simplified(const LatticeSoup& before, double radius) {
   Progress progress;
   const Envelope envelope(before.points, before.faces, radius * kScale * 1.5);
   Simplified after{before, {}};
-  after.counts = simplifySoup(after.soup, envelope, radius * kScale, progress);
+  after.counts = simplifySoup(after.soup, envelope, radius * kScale, {}, progress);
   expectPromises(after.soup);
   EXPECT_EQ(after.soup.faces.size(), before.faces.size() - 2 * after.counts.collapses);
   EXPECT_EQ(eulerCharacteristic(after.soup), eulerCharacteristic(before));
@@ -260,7 +260,28 @@ TEST(SimplifySoup, DegenerateFacesAndSmallSolids) {
   LatticeSoup none;
   Progress progress;
   const Envelope envelope({}, {}, 1);
-  EXPECT_EQ(simplifySoup(none, envelope, 1, progress).collapses, 0u);
+  EXPECT_EQ(simplifySoup(none, envelope, 1, {}, progress).collapses, 0u);
+}
+
+TEST(SimplifySoup, FixedPointsStay) {
+  const LatticeSoup before = soupOf(meshes::sphere({0, 0, 0}, 1, 20));
+  const Envelope envelope(before.points, before.faces, 0.02 * kScale);
+  std::vector<std::uint8_t> fixed;
+  std::size_t count = 0;
+  for (const Vec3d& p : before.points) {
+    fixed.push_back(p[0] > 0.5 * kScale);
+    count += fixed.back();
+  }
+  Progress progress;
+  LatticeSoup after = before;
+  simplifySoup(after, envelope, 0.02 * kScale, fixed, progress);
+  expectPromises(after);
+  const std::set<Vec3d> left(after.points.begin(), after.points.end());
+  for (std::size_t v = 0; v < fixed.size(); ++v)
+    EXPECT_TRUE(!fixed[v] || left.count(before.points[v]) == 1) << v;
+  // The others do not.
+  EXPECT_GT(count, 100u);
+  EXPECT_LT(after.points.size() - count, (before.points.size() - count) / 2);
 }
 
 // Enough points for many parts, whose borders have to move.
@@ -275,7 +296,7 @@ TEST(SimplifySoup, TheSameForAnyNumberOfThreads) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     Progress progress;
     LatticeSoup after = before;
-    simplifySoup(after, envelope, 0.005 * kScale, progress);
+    simplifySoup(after, envelope, 0.005 * kScale, {}, progress);
     expectPromises(after);
     EXPECT_EQ(eulerCharacteristic(after), 2);
     EXPECT_LT(after.faces.size(), before.faces.size() / 5);
@@ -293,7 +314,7 @@ TEST(SimplifySoup, StopsWhenCancelled) {
   const Envelope envelope(soup.points, soup.faces, 0.01 * kScale);
   Progress progress;
   progress.cancel();
-  EXPECT_THROW(simplifySoup(soup, envelope, 0.005 * kScale, progress), Error);
+  EXPECT_THROW(simplifySoup(soup, envelope, 0.005 * kScale, {}, progress), Error);
   EXPECT_EQ(soup.points, before.points);
   EXPECT_EQ(soup.faces, before.faces);
 }

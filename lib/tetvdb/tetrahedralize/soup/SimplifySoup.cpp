@@ -41,9 +41,11 @@ void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::itera
 } // namespace
 
 SimplifyCounts simplifySoup(LatticeSoup& soup, const Envelope& envelope, double radius,
-                            Progress& progress) {
+                            const std::vector<std::uint8_t>& fixed, Progress& progress) {
   SimplifyCounts counts;
   SoupSurface surface(soup, radius);
+  for (std::size_t v = 0; v < fixed.size(); ++v)
+    surface.isFixed[v] = surface.isFixed[v] || fixed[v];
   for (int round = 0; round < kMaxRounds; ++round) {
     progress.update(double(round) / kMaxRounds);
     Points left;

@@ -207,7 +207,10 @@ class StoredVolumes(CommandLineTest):
         self.path("new.vdb").write_bytes(stored[:8] + bytes([225]) + stored[9:])
         self.assertEqual(self.hash_of("new.vdb"), self.hash_of(str(DATA / "volumes" / "occupancy.vdb")))
         done = self.succeed("info", "new.vdb")
-        self.assertNotIn("WARN", done.out + done.err)
+        # Where OpenVDB is built without log4cplus, versions before 13 warn by themselves.
+        own = "WARNING: unsupported VDB file format (expected version 224 or earlier, got version 225)\n"
+        self.assertNotIn("WARN", done.out)
+        self.assertIn(done.err, ("", own))
 
 
 if __name__ == "__main__":

@@ -80,6 +80,11 @@ print(status, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)""",
     return peak
 
 
+def beside_program(test, megabytes):
+    """A limit that leaves so much beside what the program takes as it starts, which depends on OpenVDB's build."""
+    return "%dM" % (peak_of(test, "--version") / 1e6 + megabytes)
+
+
 def writes(folder, process):
     """Whether it has a file in this folder open that is none of the inputs."""
     try:
@@ -200,10 +205,10 @@ class Streams(CommandLineTest):
         self.write("far.off", off(*ball(1500, 60)))
         options = ("far.off", "--voxel-size", "5", "--grid", "density,coverage", "--lod", "1:6", "--threads", "2")
         self.assertNotIn("stream", parts_of(self.report_of("voxelize", *options, "-o", "trees.vdb")))
-        limit = ("--max-memory", "220M")  # trees take 170 MB, and with their levels 270
+        limit = ("--max-memory", beside_program(self, 165))  # trees take 115 MB, and with their levels 215
         self.assertIn("stream", parts_of(self.report_of("voxelize", *options, "-o", "out.vdb", *limit)))
         self.assertTrue(self.path("out.vdb").read_bytes() == self.path("trees.vdb").read_bytes())
-        self.assertLess(peak_of(self, "voxelize", *options, "-o", "out.vdb", *limit), 220 << 20)
+        self.assertLess(peak_of(self, "voxelize", *options, "-o", "out.vdb", *limit), int(limit[1][:-1]) * 10**6)
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_check_reads_by_parts(self):
@@ -291,7 +296,7 @@ class ValuesStream(CommandLineTest):
         options = ("open.off", "--voxel-size", "1", "--grid", "surface", "--half-width", "all")
         for name in ("trees.vdb", "trees.nvdb"):
             self.succeed("voxelize", *options, "-o", name)
-            self.expect_streamed("130M", name, *options, "--threads", "1")
+            self.expect_streamed(beside_program(self, 65), name, *options, "--threads", "1")
 
     def expect_streamed(self, limit, trees, *options):
         """By this limit, within it, and with the bytes of `trees`."""

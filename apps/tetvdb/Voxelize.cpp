@@ -528,7 +528,7 @@ Command addVoxelize(CLI::App& program) {
   addFilterOptions(*command, *options);
   command
       ->add_option("--device", options->device,
-                   "Where to voxelize tets and closed triangles, sample arrays and find distances "
+                   "Where to voxelize tets and triangles, sample arrays, find distances and volumes "
                    "(default auto)")
       ->type_name("auto|cpu|cuda[:N[,M...]]");
   command

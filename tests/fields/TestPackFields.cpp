@@ -2,6 +2,7 @@
 //
 // Packed grids make the file that the same grids with their values make, byte for byte, and are
 // described alike.
+#include "FileBytes.h"
 #include "Meshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/fields/SampleFields.h"
@@ -10,9 +11,7 @@
 
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <tbb/parallel_for.h>
 #include <unistd.h>
@@ -22,10 +21,7 @@ namespace {
 using namespace tetvdb;
 namespace fs = std::filesystem;
 
-std::string bytesOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
+using test::fileBytes;
 
 class PackFields : public testing::Test {
 protected:
@@ -99,7 +95,7 @@ protected:
       EXPECT_EQ(info.metadata, infos[i].metadata);
     }
     writeVdb(file("packed.vdb"), none, packed, progress);
-    EXPECT_EQ(bytesOf(file("packed.vdb")), bytesOf(file("whole.vdb")));
+    EXPECT_EQ(fileBytes(file("packed.vdb")), fileBytes(file("whole.vdb")));
     EXPECT_EQ(hash(readVolume(file("packed.vdb"), progress)),
               hash(readVolume(file("whole.vdb"), progress)));
   }

@@ -2,6 +2,7 @@
 //
 // Damaged volume files end in an Error or in a volume that can be described and hashed, without a
 // crash and in little memory. TETVDB_MUTANTS sets how many of each file are tried.
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
@@ -34,10 +35,7 @@ protected:
   void write(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
   }
-  std::string bytesOf(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string bytesOf(const std::string& name) const { return test::fileBytes(folder_ / name); }
   /// What the error says; "" where the file is read.
   std::string refusal(const std::string& bytes, const std::string& name = "a.vdb") const {
     write(name, bytes);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Every voxel of a volume is in the file of its cube, and in no other.
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/TileFiles.h"
@@ -8,7 +9,6 @@
 #include "tetvdb/volume/Grids.h"
 
 #include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -22,15 +22,12 @@ namespace fs = std::filesystem;
 using openvdb::Coord;
 using openvdb::CoordBBox;
 
-std::string bytesOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+using test::fileBytes;
 
 std::map<std::string, std::string> contentsOf(const std::string& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : fs::directory_iterator(folder))
-    contents[entry.path().filename()] = bytesOf(entry.path());
+    contents[entry.path().filename()] = fileBytes(entry.path());
   return contents;
 }
 
@@ -85,7 +82,7 @@ protected:
   };
   std::vector<Tile> read(const std::string& folder) {
     std::vector<Tile> tiles;
-    const auto index = nlohmann::json::parse(bytesOf(folder + "/tiles.json"));
+    const auto index = nlohmann::json::parse(fileBytes(folder + "/tiles.json"));
     for (const auto& tile : index.at("tiles")) {
       const auto corner = [&](const char* which) {
         const auto& c = tile.at("box").at(which);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/VolumeFile.h"
@@ -37,10 +38,7 @@ protected:
   Progress progress;
 };
 
-std::string bytesOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+using test::fileBytes;
 
 void writeBytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), std::streamsize(bytes.size()));
@@ -119,7 +117,7 @@ std::string bytesOfFile(const std::string& path, const openvdb::GridPtrVec& grid
   file.setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
   file.write(grids, metadata);
   file.close();
-  return bytesOf(path);
+  return fileBytes(path);
 }
 
 /// All but the UUID, which is random in one file and derived from the content in ours, and the file
@@ -146,8 +144,8 @@ TEST_F(VolumeFile, SameBytesAsOpenVdbsOwnFile) {
   for (const auto& grid : manyGrids()) {
     const openvdb::GridPtrVec one{grid};
     writeVolume(path("a.vdb"), volumeOf(one), progress);
-    EXPECT_EQ(bytesOf(path("a.vdb")).substr(8, 4), std::string("\xE0\0\0\0", 4)); // 224
-    EXPECT_TRUE(comparable(bytesOf(path("a.vdb"))) == comparable(bytesOfFile(path("b.vdb"), one)))
+    EXPECT_EQ(fileBytes(path("a.vdb")).substr(8, 4), std::string("\xE0\0\0\0", 4)); // 224
+    EXPECT_TRUE(comparable(fileBytes(path("a.vdb"))) == comparable(bytesOfFile(path("b.vdb"), one)))
         << grid->getName();
   }
 }
@@ -167,17 +165,17 @@ TEST_F(VolumeFile, SameBytesForSeveralGridsHalfFloatsSharedTreesAndMetadata) {
   for (const auto& [key, text] : volume.metadata)
     metadata.insertMeta(key, openvdb::StringMetadata(text));
   writeVolume(path("a.vdb"), volume, progress);
-  EXPECT_TRUE(comparable(bytesOf(path("a.vdb"))) ==
+  EXPECT_TRUE(comparable(fileBytes(path("a.vdb"))) ==
               comparable(bytesOfFile(path("b.vdb"), grids, metadata)));
 }
 
 TEST_F(VolumeFile, EqualContentGivesEqualFiles) {
   writeVolume(path("a.vdb"), volumeOf(manyGrids()), progress);
   writeVolume(path("b.vdb"), volumeOf(manyGrids()), progress);
-  EXPECT_TRUE(bytesOf(path("a.vdb")) == bytesOf(path("b.vdb")));
+  EXPECT_TRUE(fileBytes(path("a.vdb")) == fileBytes(path("b.vdb")));
   writeVolume(path("a.nvdb"), volumeOf({fog(), levelSet()}), progress);
   writeVolume(path("b.nvdb"), volumeOf({fog(), levelSet()}), progress);
-  EXPECT_TRUE(bytesOf(path("a.nvdb")) == bytesOf(path("b.nvdb")));
+  EXPECT_TRUE(fileBytes(path("a.nvdb")) == fileBytes(path("b.nvdb")));
 }
 
 TEST_F(VolumeFile, RoundTripKeepsEverything) {
@@ -308,7 +306,7 @@ TEST_F(VolumeFile, FullDiskIsAnErrorAndLeavesNoFile) {
       const FileSizeLimit limit(room);
       expectError(Status::Write, [&] { writeVolume(path(file), volume, progress); });
     }
-    EXPECT_EQ(bytesOf(path(file)), "an older file");
+    EXPECT_EQ(fileBytes(path(file)), "an older file");
     fs::remove(path("whole" + file));
     fs::remove(path(file));
     EXPECT_EQ(filesInFolder(), 0U);
@@ -355,7 +353,7 @@ TEST_F(VolumeFile, EveryCutFileIsAnError) {
     for (const openvdb::GridPtrVec& grids :
          {openvdb::GridPtrVec{mask}, openvdb::GridPtrVec{velocity, mask}}) {
       writeVolume(path(file), volumeOf(grids), progress);
-      const std::string whole = bytesOf(path(file));
+      const std::string whole = fileBytes(path(file));
       const std::size_t step = std::max<std::size_t>(1, whole.size() / 150);
       for (std::size_t size = 0; size < whole.size(); size += size < 400 ? 7 : step)
         EXPECT_FALSE(reads(path("cut-" + file), whole.substr(0, size))) << file << " " << size;
@@ -371,7 +369,7 @@ TEST_F(VolumeFile, MutatedFilesGiveAVolumeOrAnError) {
     for (int i = 0; i < 90; ++i)
       small->tree().setValueOn({i, 2, 3}, float(i));
     writeVolume(path(file), volumeOf({small}), progress);
-    const std::string whole = bytesOf(path(file));
+    const std::string whole = fileBytes(path(file));
     int good = 0;
     for (int i = 0; i < 120; ++i) {
       std::string bytes = whole;

@@ -3,6 +3,7 @@
 // Jobs that are made both ways, streamed and by OpenVDB's nodes in memory, and by shards.
 #pragma once
 
+#include "FileBytes.h"
 #include "Meshes.h"
 #include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
@@ -26,10 +27,7 @@
 
 namespace tetvdb {
 
-inline std::string bytesOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+using test::fileBytes;
 
 inline bool wasStreamed(const Report& report) {
   for (const Stage& stage : report.stages)
@@ -73,7 +71,7 @@ protected:
         warnings->push_back(warning.code + ": " + warning.text);
       std::sort(warnings->begin(), warnings->end());
     }
-    return bytesOf(job.output);
+    return fileBytes(job.output);
   }
 
   // Makes the job both ways.
@@ -176,7 +174,7 @@ protected:
   std::string merged(std::vector<std::string> parts, unsigned seed) {
     std::shuffle(parts.begin(), parts.end(), std::mt19937(seed));
     mergeVdb(parts, folder_ / "merged.vdb", {}, progress_);
-    return bytesOf(folder_ / "merged.vdb");
+    return fileBytes(folder_ / "merged.vdb");
   }
 
   TemporaryFolder folder_;

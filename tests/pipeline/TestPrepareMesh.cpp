@@ -75,7 +75,7 @@ protected:
     job.streaming = Streaming::Never;
     Report report;
     const VoxelizeResult whole = run(job, report, progress_);
-    const std::string expected = bytesOf(job.output);
+    const std::string expected = fileBytes(job.output);
     job.streaming = Streaming::Auto;
     VoxelizeJob limited = job;
     limited.maxMemory = residentBytes() + limit_;
@@ -85,7 +85,7 @@ protected:
       one.threads = threads;
       Report told;
       const VoxelizeResult result = run(one, told, progress_);
-      EXPECT_TRUE(bytesOf(one.output) == expected) << what << ", " << threads << " threads";
+      EXPECT_TRUE(fileBytes(one.output) == expected) << what << ", " << threads << " threads";
       EXPECT_EQ(result.tets, whole.tets);
       EXPECT_EQ(result.counts.flipped, whole.counts.flipped);
       EXPECT_EQ(result.counts.dropped, whole.counts.dropped);
@@ -236,7 +236,7 @@ TEST_F(PrepareMesh, RefusesFilesThatAreMissingDamagedOrForeign) {
     EXPECT_FALSE(std::filesystem::exists(parts.output));
   };
   for (const std::string name : {"boundary.bin", "nodes.bin", "tets_0.bin", "prepared.json"}) {
-    const std::string path = folder + "/" + name, whole = bytesOf(path);
+    const std::string path = folder + "/" + name, whole = fileBytes(path);
     const auto put = [&](const std::string& bytes) {
       std::ofstream(path, std::ios::binary) << bytes;
     };
@@ -266,7 +266,7 @@ TEST_F(PrepareMesh, MutatedIndices) {
   wanted.grids = {GridKind::TetId};
   wanted.maxMemory = 0;
   const std::string folder = prepare(fieldsOf(wanted, {"heat"}));
-  const std::string path = folder + "/prepared.json", whole = bytesOf(path);
+  const std::string path = folder + "/prepared.json", whole = fileBytes(path);
   meshes::Random random(11);
   const std::string signs = "0123456789-.,{}[]\"en";
   for (int i = 0; i < 400; ++i) {

@@ -176,7 +176,7 @@ TEST_F(Shards, AreRefusedByNameWhereTheyDoNotFit) {
   EXPECT_NE(text.find("1/3"), std::string::npos) << text;
   EXPECT_EQ(statusOf({parts[0], parts[1], parts[2], parts[1]}, text), Status::Invalid);
   EXPECT_NE(text.find("part1.vdb"), std::string::npos) << text;
-  const std::string bytes = bytesOf(parts[1]);
+  const std::string bytes = fileBytes(parts[1]);
   for (const std::size_t size :
        {bytes.size() - 1, bytes.size() / 2, std::size_t(700), std::size_t(60), std::size_t(0)}) {
     std::ofstream(folder_ / "cut.vdb", std::ios::binary)

@@ -220,7 +220,7 @@ TEST_F(StreamNvdb, StreamsByItselfWhereTreesDoNotFit) {
   Report report;
   run(wanted, report, progress_);
   EXPECT_TRUE(wasStreamed(report));
-  EXPECT_TRUE(bytesOf(wanted.output) == expected);
+  EXPECT_TRUE(fileBytes(wanted.output) == expected);
 }
 
 TEST_F(StreamNvdb, WhatCannotBeMadeIsRefusedBeforeTheWork) {

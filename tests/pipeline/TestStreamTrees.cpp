@@ -222,7 +222,7 @@ TEST_F(StreamTrees, StreamsByItselfWhereTreesDoNotFit) {
   Report streamed;
   run(wanted, streamed, progress_);
   EXPECT_TRUE(wasStreamed(streamed));
-  EXPECT_TRUE(bytesOf(wanted.output) == expected);
+  EXPECT_TRUE(fileBytes(wanted.output) == expected);
 }
 
 TEST_F(StreamTrees, RefusesWhatDoesNotFitInParts) {

@@ -21,7 +21,7 @@ using Contents = std::map<std::string, std::string>;
 
 Contents contentsOf(const fs::path& path) {
   Contents contents;
-  const auto add = [&](const fs::path& one) { contents[one.filename()] = bytesOf(one); };
+  const auto add = [&](const fs::path& one) { contents[one.filename()] = fileBytes(one); };
   if (!fs::is_directory(path))
     add(path);
   else

@@ -271,18 +271,21 @@ void keepNear(TetComplex& complex, const LostPoints& lost, double distance,
         }
 }
 
+// Whether points of the surface may be fixed: where an energy is asked for, they make it worse.
+bool fixesPoints(const Work& work) {
+  return !(work.options.stopEnergy > 0);
+}
+
 // Whether lost points are looked after. Where an energy is asked for, rounds take long, and around
 // boundary edges the winding number decides what is kept.
 bool mends(const Work& work) {
-  return !(work.options.stopEnergy > 0) || work.boundary.empty();
+  return fixesPoints(work) || work.boundary.empty();
 }
 
 // finish(), repeated where a few points are lost. The next round keeps them, and `kept`: by fixed
-// points, or, where an energy is asked for, by landmarks, since fixed points make energies worse.
-// Returns what is lost in the end.
+// points, or, where an energy is asked for, by landmarks. Returns what is lost in the end.
 LostPoints finishAndMend(const Work& work, InsertedSurface inserted, LostPoints kept,
                          Tetrahedralization& made, StageTimer& timer, Progress& progress) {
-  const bool isFixed = !(work.options.stopEnergy > 0);
   Tetrahedralization best;
   LostPoints bestLost;
   for (int round = 0;; ++round) {
@@ -290,7 +293,7 @@ LostPoints finishAndMend(const Work& work, InsertedSurface inserted, LostPoints 
     // Moved in the last round alone. NOLINTNEXTLINE(bugprone-use-after-move)
     TetComplex mesh = last ? std::move(inserted.complex) : inserted.complex;
     std::unique_ptr<const Landmarks> landmarks;
-    if (isFixed) {
+    if (fixesPoints(work)) {
       keepNear(mesh, kept, kKeptRadii * work.radius, work.lattice);
     } else if (!kept.empty()) {
       std::vector<Vec3d> points;
@@ -448,7 +451,8 @@ InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>
   LatticeSoup simple;
   options.coarsen = [&](TetComplex& complex) {
     work.done.add(complex.tetCount());
-    keepNear(complex, kept, kKeptRadii * radius, work.lattice);
+    if (fixesPoints(work))
+      keepNear(complex, kept, kKeptRadii * radius, work.lattice);
     coarsen(complex, {work.surface, work.boundary, kThinShare * radius}, progress);
   };
   const auto soupOf = [&](int variant) {

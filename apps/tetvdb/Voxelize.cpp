@@ -527,9 +527,10 @@ Command addVoxelize(CLI::App& program) {
   addSolidOptions(*command, *options);
   addFilterOptions(*command, *options);
   command
-      ->add_option("--device", options->device,
-                   "Where to voxelize tets and triangles, sample arrays, find distances and volumes "
-                   "(default auto)")
+      ->add_option(
+          "--device", options->device,
+          "Where to voxelize tets and triangles, sample arrays, find distances and volumes "
+          "(default auto)")
       ->type_name("auto|cpu|cuda[:N[,M...]]");
   command
       ->add_option(

@@ -529,7 +529,7 @@ Command addVoxelize(CLI::App& program) {
   command
       ->add_option(
           "--device", options->device,
-          "Where to voxelize tets and triangles, sample arrays, find distances and volumes "
+          "Where to voxelize tets and triangles, sample arrays, compute distances and coverage "
           "(default auto)")
       ->type_name("auto|cpu|cuda[:N[,M...]]");
   command

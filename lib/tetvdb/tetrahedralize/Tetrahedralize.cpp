@@ -145,8 +145,6 @@ void assertValid([[maybe_unused]] const TetComplex& complex) {
 #endif
 }
 
-using LostPoints = std::vector<LostSurface::Point>;
-
 // What all steps work on.
 struct Work {
   const std::vector<TriangleMesh>& inputs;
@@ -249,19 +247,24 @@ LostSurface finish(const Work& work, const InsertedSurface& inserted, const Land
   return lost;
 }
 
+// Where points were lost, in lattice units.
+std::vector<Vec3d> placesOf(const std::vector<LostSurface::Point>& lost,
+                            const WorkingLattice& lattice) {
+  std::vector<Vec3d> places;
+  places.reserve(lost.size());
+  for (const LostSurface::Point& point : lost)
+    places.push_back(lattice.toLattice(point.at));
+  return places;
+}
+
 // Fixes the surface's points near lost points, so that these are not lost again.
-void keepNear(TetComplex& complex, const LostPoints& lost, double distance,
-              const WorkingLattice& lattice) {
+void keepNear(TetComplex& complex, const std::vector<Vec3d>& lost, double distance) {
   if (lost.empty())
     return;
-  std::vector<Vec3d> points;
   std::vector<std::array<std::uint32_t, 3>> faces;
-  for (const LostSurface::Point& point : lost) {
-    const auto i = static_cast<std::uint32_t>(points.size());
-    points.push_back(lattice.toLattice(point.at));
+  for (std::uint32_t i = 0; i < lost.size(); ++i)
     faces.push_back({i, i, i});
-  }
-  const Envelope near(points, faces, distance);
+  const Envelope near(lost, faces, distance);
   for (const TetComplex::Tet& tet : complex.tets)
     for (unsigned localFace = 0; tet.exists() && localFace < 4; ++localFace)
       if (tet.tracked[localFace])
@@ -284,36 +287,32 @@ bool mends(const Work& work) {
 
 // finish(), repeated where a few points are lost. The next round keeps them, and `kept`: by fixed
 // points, or, where an energy is asked for, by landmarks. Returns what is lost in the end.
-LostPoints finishAndMend(const Work& work, InsertedSurface inserted, LostPoints kept,
-                         Tetrahedralization& made, StageTimer& timer, Progress& progress) {
+std::vector<Vec3d> finishAndMend(const Work& work, InsertedSurface inserted,
+                                 std::vector<Vec3d> kept, Tetrahedralization& made,
+                                 StageTimer& timer, Progress& progress) {
   Tetrahedralization best;
-  LostPoints bestLost;
+  std::vector<Vec3d> bestLost;
   for (int round = 0;; ++round) {
     const bool last = round == kMaxMends || !mends(work);
     // Moved in the last round alone. NOLINTNEXTLINE(bugprone-use-after-move)
     TetComplex mesh = last ? std::move(inserted.complex) : inserted.complex;
     std::unique_ptr<const Landmarks> landmarks;
-    if (fixesPoints(work)) {
-      keepNear(mesh, kept, kKeptRadii * work.radius, work.lattice);
-    } else if (!kept.empty()) {
-      std::vector<Vec3d> points;
-      points.reserve(kept.size());
-      for (const LostSurface::Point& point : kept)
-        points.push_back(work.lattice.toLattice(point.at));
-      landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, points);
-    }
-    LostSurface lost = finish(work, inserted, landmarks.get(), mesh, made, timer, progress);
-    if (round > 0 && lost.lost.size() >= bestLost.size()) {
+    if (fixesPoints(work))
+      keepNear(mesh, kept, kKeptRadii * work.radius);
+    else if (!kept.empty())
+      landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, kept);
+    const LostSurface found = finish(work, inserted, landmarks.get(), mesh, made, timer, progress);
+    std::vector<Vec3d> lost = placesOf(found.lost, work.lattice);
+    if (round > 0 && lost.size() >= bestLost.size()) {
       made = std::move(best);
       return bestLost;
     }
-    const bool isWorthwhile = round == 0 || 2 * lost.lost.size() <= bestLost.size();
-    if (last || lost.lost.empty() || !isWorthwhile ||
-        lost.lost.size() > lost.figures.owedPoints / kFewLost)
-      return std::move(lost.lost);
-    kept.insert(kept.end(), lost.lost.begin(), lost.lost.end());
+    const bool isWorthwhile = round == 0 || 2 * lost.size() <= bestLost.size();
+    if (last || lost.empty() || !isWorthwhile || lost.size() > found.figures.owedPoints / kFewLost)
+      return lost;
+    kept.insert(kept.end(), lost.begin(), lost.end());
     best = made;
-    bestLost = std::move(lost.lost);
+    bestLost = std::move(lost);
   }
 }
 
@@ -394,45 +393,28 @@ void checkSoup(const LatticeSoup& soup, const TetrahedralizeOptions& options) {
 }
 
 // The soup's points that are corners of a face near a lost point: such a face belongs to a thin
-// part, or bounds one, whose two sides simplification has moved onto each other. Empty if none are.
-std::vector<std::uint8_t> cornersNear(const LatticeSoup& soup, const LostPoints& lost,
-                                      double distance, const WorkingLattice& lattice) {
-  if (lost.empty())
-    return {};
-  std::vector<Box> boxes;
-  for (const LostSurface::Point& point : lost) {
-    const Vec3d at = lattice.toLattice(point.at);
-    boxes.push_back({at, at});
-  }
-  const BoxTree points(std::move(boxes));
+// part, or bounds one, whose two sides simplification has moved onto each other.
+std::vector<std::uint8_t> cornersNear(const LatticeSoup& soup, const std::vector<Vec3d>& lost,
+                                      double distance) {
+  const TriangleTree tree(soup.points, soup.faces);
+  const double square = distance * distance;
   std::vector<std::uint8_t> isNear(soup.points.size(), 0);
-  for (const auto& face : soup.faces) {
-    const NearTriangle triangle(soup.points[face[0]], soup.points[face[1]], soup.points[face[2]],
-                                0);
-    Box near;
-    for (const std::uint32_t v : face)
-      near.add(soup.points[v]);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      near.low[axis] -= distance;
-      near.high[axis] += distance;
-    }
-    points.visit([&](const Box& box) { return near.meets(box); },
-                 [&](std::uint32_t point) {
-                   if (!(triangle.squaredDistance(points.box(point).low) <= distance * distance))
-                     return false;
-                   for (const std::uint32_t v : face)
-                     isNear[v] = 1;
-                   return true;
-                 });
-  }
+  for (const Vec3d& p : lost)
+    tree.visit(p, square, [&](std::uint32_t i, double) {
+      const NearTriangle& triangle = tree.triangle(i);
+      if (triangle.squaredDistance(p) <= square)
+        for (const std::uint32_t v : soup.faces[triangle.face])
+          isNear[v] = 1;
+      return false;
+    });
   return isNear;
 }
 
-// Whether some of the soup's points in question are not among `left`, which is sorted.
-bool areMoved(const LatticeSoup& soup, const std::vector<std::uint8_t>& inQuestion,
+// Whether some of the soup's points `chosen` are not among `left`, which is sorted.
+bool areMoved(const LatticeSoup& soup, const std::vector<std::uint8_t>& chosen,
               const std::vector<Vec3d>& left) {
-  for (std::size_t v = 0; v < inQuestion.size(); ++v)
-    if (inQuestion[v] && !std::binary_search(left.begin(), left.end(), soup.points[v]))
+  for (std::size_t v = 0; v < chosen.size(); ++v)
+    if (chosen[v] && !std::binary_search(left.begin(), left.end(), soup.points[v]))
       return true;
   return false;
 }
@@ -440,7 +422,8 @@ bool areMoved(const LatticeSoup& soup, const std::vector<std::uint8_t>& inQuesti
 // A mesh with the soup's triangles as faces, of the first variant of which all are in, or else of
 // the best. The soup's points in `fixed` are not simplified, the surface near `kept` not coarsened.
 InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>& fixed,
-                               const LostPoints& kept, StageTimer& timer, Progress& progress) {
+                               const std::vector<Vec3d>& kept, StageTimer& timer,
+                               Progress& progress) {
   const double radius = work.radius, epsilon = work.toLattice(work.lengths.epsilon);
   InsertSurfaceOptions options;
   options.spacing =
@@ -452,7 +435,7 @@ InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>
   options.coarsen = [&](TetComplex& complex) {
     work.done.add(complex.tetCount());
     if (fixesPoints(work))
-      keepNear(complex, kept, kKeptRadii * radius, work.lattice);
+      keepNear(complex, kept, kKeptRadii * radius);
     coarsen(complex, {work.surface, work.boundary, kThinShare * radius}, progress);
   };
   const auto soupOf = [&](int variant) {
@@ -477,12 +460,11 @@ InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>
 // is done again with the surface near them as it is in the inputs.
 Tetrahedralization meshInputs(const Work& work, StageTimer& timer, Progress& progress) {
   Tetrahedralization best;
-  LostPoints kept, bestLost;
+  std::vector<Vec3d> kept, bestLost;
   std::vector<std::uint8_t> fixed;
   for (int round = 0; round <= kMaxRepeats; ++round) {
     Tetrahedralization made;
-    LostPoints lost;
-    std::vector<Vec3d> inserted;
+    std::vector<Vec3d> lost, inserted;
     try {
       InsertedSurface surface = insertVariants(work, fixed, kept, timer, progress);
       assertValid(surface.complex);
@@ -505,7 +487,7 @@ Tetrahedralization meshInputs(const Work& work, StageTimer& timer, Progress& pro
         work.done.tets > kMaxRepeated)
       break;
     kept.insert(kept.end(), bestLost.begin(), bestLost.end());
-    fixed = cornersNear(work.soup, kept, kThinRadii * work.radius, work.lattice);
+    fixed = cornersNear(work.soup, kept, kThinRadii * work.radius);
     std::sort(inserted.begin(), inserted.end());
     if (!work.boundary.empty() && !areMoved(work.soup, fixed, inserted))
       break; // the winding number at hole boundaries decides, not what was inserted

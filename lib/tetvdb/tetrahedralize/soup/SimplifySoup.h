@@ -24,7 +24,8 @@ struct SimplifyCounts {
 /// points are lattice points. Faces keep their orientation and their input; the order of what stays
 /// is kept. Parallel by parts of space whose borders move between rounds; the same result for any
 /// number of threads. Keeps LatticeSoup's conditions.
-/// Points of `fixed` (one entry a point, or none) stay.
+/// Points that `fixed` is not 0 for stay; it has an entry a point, or
+/// none at all.
 SimplifyCounts simplifySoup(LatticeSoup& soup, const Envelope& envelope, double radius,
                             const std::vector<std::uint8_t>& fixed, Progress& progress);
 

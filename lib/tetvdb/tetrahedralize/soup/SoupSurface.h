@@ -29,7 +29,8 @@ struct SoupSurface {
   std::vector<std::uint16_t> inputs;               ///< of faces; empty: all of input 0
   std::vector<std::uint32_t> firstCorner;          ///< of a point; kNone: gone
   std::vector<std::uint32_t> nextCorner;           ///< of a corner, 3 * face + k
-  std::vector<std::uint8_t> isFixed; ///< points whose faces are not one closed fan of one input
+  std::vector<std::uint8_t> isFixed; ///< points whose faces are not one closed fan of one input,
+                                     ///< and those that are asked to stay
   std::vector<std::uint32_t> part;   ///< of a point
   std::vector<std::uint8_t> isDue;   ///< points whose edges are to be tried in the next round
 

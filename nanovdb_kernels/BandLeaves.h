@@ -249,7 +249,7 @@ public:
               min[z] = 0x1p127f;
             for (int k = 0; k < faces; ++k) {
               const LeafFace& face = s.faces[k];
-              FaceRow row;
+              FaceRow<float> row;
               if (x < face.x0 || x > face.x1 || y < face.y0 || y > face.y1 ||
                   !rowOf(face, x, y, reach, row))
                 continue;

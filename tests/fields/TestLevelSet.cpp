@@ -271,7 +271,7 @@ void expectClosed(const Made& made, double voxel) {
   int wrong = 0;
   std::size_t pairs = 0;
   for (auto at = box.begin(); at; ++at)
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       openvdb::Coord next = *at;
       ++next[axis];
       const double a = surface.getValue(*at), b = surface.getValue(next);

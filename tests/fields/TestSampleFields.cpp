@@ -95,7 +95,9 @@ void expectOracle(const TetMesh& mesh, const GridTransform& transform = {{1, 1, 
   const auto yz = grid<openvdb::FloatGrid>(s, 8).getConstAccessor();
   EXPECT_EQ(grid<openvdb::FloatGrid>(s, 8).getName(), "stress.yz");
   const auto& arrays = mesh.attributes;
-  for (const auto& [voxel, owner] : expected) {
+  for (const auto& each : expected) {
+    const auto& voxel = each.first; // lambdas cannot refer to structured bindings
+    const auto& owner = each.second;
     const openvdb::Coord c = coord(voxel);
     const auto at = [&](std::size_t array, std::uint32_t component) {
       return oracle::interpolated(mesh, transform, owner.tet, voxel, arrays[array], component);

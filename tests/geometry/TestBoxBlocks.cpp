@@ -28,7 +28,7 @@ std::vector<Box> randomBoxes(std::size_t count, unsigned seed, int max, int size
 TEST(BoxBlocks, PairsAreThoseThatMeet) {
   for (const std::size_t count : {0u, 1u, 7u, 8u, 9u, 64u, 65u, 700u}) {
     const std::vector<Box> boxes = randomBoxes(count, unsigned(count), 40, 9);
-    const BoxBlocks blocks(boxes);
+    const BoxBlocks blocks(boxes.size(), [&](std::size_t i) { return boxes[i]; });
     std::vector<Pair> found, expected;
     for (std::size_t block = 0; block < blocks.blocks(); ++block) {
       std::vector<Pair> part;
@@ -49,7 +49,7 @@ TEST(BoxBlocks, PairsAreThoseThatMeet) {
 
 TEST(BoxBlocks, AboveIsALineUpward) {
   const std::vector<Box> boxes = randomBoxes(500, 3, 30, 7);
-  const BoxBlocks blocks(boxes);
+  const BoxBlocks blocks(boxes.size(), [&](std::size_t i) { return boxes[i]; });
   std::mt19937 random(9);
   for (int i = 0; i < 300; ++i) {
     const Vec3d at{double(random() % 35), double(random() % 35), double(random() % 35)};

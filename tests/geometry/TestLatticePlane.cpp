@@ -17,7 +17,7 @@ Vec3d randomPoint(std::mt19937_64& random, std::uint64_t max) {
 TEST(LatticePlane, CornersLieWhereTheyWereMade) {
   std::mt19937_64 random(3);
   int zero = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (std::uint64_t i = 0; i < 3000; ++i) {
     const std::uint64_t max = std::uint64_t(1) << (3 + i % 38); // up to 2^40
     const Vec3d p = randomPoint(random, max);
     const auto through = [&] {
@@ -50,7 +50,7 @@ TEST(LatticePlane, CornersLieWhereTheyWereMade) {
 
 TEST(LatticePlane, SidesAreDeterminants) {
   std::mt19937_64 random(4);
-  for (int i = 0; i < 3000; ++i) {
+  for (std::uint64_t i = 0; i < 3000; ++i) {
     const std::uint64_t max = 2 + i % 7; // many in the plane
     const Vec3d a = randomPoint(random, max), b = randomPoint(random, max),
                 c = randomPoint(random, max), p = randomPoint(random, max);

@@ -49,7 +49,7 @@ inline std::vector<SoupCase> openSoupCases(bool small) {
                    })});
   // Voxel centres lie in the plane of the hole: angles that no formula in doubles decides.
   const TriangleMesh cube = box({-16, -16, -16}, {16, 16, 16}, 4);
-  for (const std::size_t axis : {0, 1, 2})
+  for (const std::size_t axis : {0u, 1u, 2u})
     cases.push_back(
         {"a box without a side " + std::to_string(axis), without(cube, [&](std::size_t f) {
            bool side = true;

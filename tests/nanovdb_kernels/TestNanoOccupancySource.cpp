@@ -77,7 +77,7 @@ TEST(NanoOccupancySource, ColumnsOfTets) {
        {meshes::ball(3, 2100, {10, 20, 30}), meshes::ball(4, 60, {-5, 4090, 8})})
     EXPECT_GT(expectSame(viewOf(mesh), solidFaces(mesh, {}, timer, progress), {}), 0U);
   // Cubes that are full, or empty beside a face: no node is mixed.
-  const TetMesh block = meshes::scaled(kuhnGrid(2, 1, 3), 4096);
+  const TetMesh block = meshes::scaled(meshes::kuhnGrid(2, 1, 3), 4096);
   EXPECT_EQ(expectSame(viewOf(block), solidFaces(block, {}, timer, progress), {}), 0U);
 }
 

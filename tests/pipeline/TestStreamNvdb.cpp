@@ -61,7 +61,7 @@ TEST_F(StreamNvdb, SeveralCubesByAnyLimit) {
   VoxelizeJob wanted =
       nvdb(joined({rod(6000, 12, {-3000, -2600, -2000}), sphere({4090, 10, -5}, 90, 16)}), kAll);
   expectSame(wanted, "no limit", {1, 2});
-  for (const std::size_t limit : {110, 200}) {
+  for (const std::size_t limit : {110u, 200u}) {
     limit_ = limit << 20;
     expectSame(wanted, "a limit of " + std::to_string(limit) + " MB", {2});
   }

@@ -56,7 +56,7 @@ TEST_F(StreamTrees, ShapesThroughSeveralCubesByAnyLimit) {
   wanted.grids = {GridKind::Coverage, GridKind::Fog};
   expectSame(wanted, "no limit, fog and coverage", {8});
   wanted.grids = kShapes;
-  for (const std::size_t limit : {110, 200}) {
+  for (const std::size_t limit : {110u, 200u}) {
     limit_ = limit << 20;
     expectSame(wanted, "a limit of " + std::to_string(limit) + " MB", {2});
   }

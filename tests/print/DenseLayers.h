@@ -21,7 +21,8 @@ struct DenseStack {
   std::vector<std::uint8_t> solid;
 
   DenseStack(std::int32_t w, std::int32_t h, std::int32_t n)
-      : width(w), height(h), layers(n), solid(static_cast<std::size_t>(w) * h * n, 0) {}
+      : width(w), height(h), layers(n),
+        solid(static_cast<std::size_t>(std::int64_t(w) * h * n), 0) {}
   std::size_t index(std::int32_t x, std::int32_t y, std::int32_t z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(height) +
             static_cast<std::size_t>(y)) *

@@ -107,7 +107,7 @@ TEST(Tetrahedralize, SoupsOfTheSameSolid) {
 
 TEST(Tetrahedralize, Holes) {
   expectSolid(meshes::without(box({0, 0, 0}, {1, 1, 1}, 3), [](std::size_t f) { return f < 18; }));
-  for (const std::size_t hole : {6, 150})
+  for (const std::size_t hole : {6u, 150u})
     expectSolid(meshes::without(sphere({0, 0, 0}, 1, 8), [&](std::size_t f) { return f < hole; }));
   expectSolid(meshes::cylinder(1, 3, 32, false));
 }

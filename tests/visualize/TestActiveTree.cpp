@@ -144,9 +144,8 @@ TEST(ActiveTree, spansOfARayAreThoseOfTheNodesThatItPasses) {
     for (const openvdb::CoordBBox& node : nodes) {
       double begin = 0, end = ray.tMax;
       for (std::size_t a = 0; a < 3; ++a) {
-        const int axis = static_cast<int>(a);
-        const double p = (node.min()[axis] - ray.origin[a]) / ray.direction[a];
-        const double q = (node.max()[axis] + 1 - ray.origin[a]) / ray.direction[a];
+        const double p = (node.min()[a] - ray.origin[a]) / ray.direction[a];
+        const double q = (node.max()[a] + 1 - ray.origin[a]) / ray.direction[a];
         begin = std::max(begin, std::min(p, q));
         end = std::min(end, std::max(p, q));
       }

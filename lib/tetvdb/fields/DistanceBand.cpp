@@ -22,22 +22,118 @@ namespace {
 
 typedef float Floats __attribute__((vector_size(kLeafSize * sizeof(float))));
 
-// Sets the squared distances to their minimum with those to `face`.
-TETVDB_INLINE void addFace(const LeafFace& face, float reach, float* squared) {
-  const Floats z = {-3.5f, -2.5f, -1.5f, -0.5f, 0.5f, 1.5f, 2.5f, 3.5f};
-  FaceRow row;
-  for (int x = face.x0; x <= face.x1; ++x)
-    for (int y = face.y0; y <= face.y1; ++y)
-      if (rowOf(face, x, y, reach, row)) {
-        Floats* min = reinterpret_cast<Floats*>(squared + (x * kLeafSize + y) * kLeafSize);
-        *min = smallerOf(*min, squaredDistance(face, row, z));
-      }
+typedef std::int32_t Ints __attribute__((vector_size(kLeafSize * sizeof(std::int32_t))));
+
+// A leaf is looked at in blocks of 2^3 voxels, a vector each, in order [x][y][z], eight blocks at a
+// time: two along y, four along z.
+constexpr int kBlock = 2, kBlocksAlong = kLeafSize / kBlock, kBlocksAtOnce = 8;
+constexpr int kBlocks = kBlocksAlong * kBlocksAlong * kBlocksAlong;
+// A block's voxels relative to its centre, and the centres of eight blocks relative to theirs.
+constexpr Floats kVoxelX = {-0.5f, -0.5f, -0.5f, -0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
+constexpr Floats kVoxelY = {-0.5f, -0.5f, 0.5f, 0.5f, -0.5f, -0.5f, 0.5f, 0.5f};
+constexpr Floats kVoxelZ = {-0.5f, 0.5f, -0.5f, 0.5f, -0.5f, 0.5f, -0.5f, 0.5f};
+constexpr Floats kBlockY = {-1, -1, -1, -1, 1, 1, 1, 1}, kBlockZ = {-3, -1, 1, 3, -3, -1, 1, 3};
+
+TETVDB_INLINE float largestOf(Floats v) {
+  v = largerOf(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+  v = largerOf(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+  return largerOf(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6))[0];
 }
 
+// Bit i is set where v[i], 0 or -1, is not 0.
+TETVDB_INLINE unsigned bitsOf(Ints v) {
+  v &= Ints{1, 2, 4, 8, 16, 32, 64, 128};
+  v |= __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+  v |= __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+  return static_cast<unsigned>(v[0] | v[1]);
+}
+
+/// Squared distances of a leaf's voxels. The voxels of a block lie closer together than those of a
+/// row, so that fewer faces are near enough to lower the distance of one of them.
+class BlockDistances {
+public:
+  explicit BlockDistances(float reach) : slack_(2e-5f + 2e-6f * reach) {
+    std::fill(squared_, squared_ + kVoxelsInLeaf, std::numeric_limits<float>::max());
+    std::fill(largest_, largest_ + kBlocks, reach * reach);
+  }
+
+  /// Sets the squared distances to their minimum with those to `face`; only in blocks where a lower
+  /// bound permits a distance that is smaller than one there and within reach.
+  TETVDB_INLINE void add(const LeafFace& face) {
+    constexpr int kAtOnceAlong = kBlocksAlong * kBlocksAlong / kBlocksAtOnce;
+    for (int i = face.x0 / kBlock * kAtOnceAlong; i < (face.x1 / kBlock + 1) * kAtOnceAlong; ++i) {
+      const Floats x = Floats{} + (static_cast<float>(i / kAtOnceAlong * kBlock) - 3);
+      const Floats y = kBlockY + static_cast<float>(i % kAtOnceAlong * 4 - 2);
+      const unsigned lower =
+          bitsOf(lowerBound(face, x, y) <= *vectorAt(largest_, static_cast<std::size_t>(i)));
+      changed_ |= static_cast<std::uint64_t>(lower) << i * kBlocksAtOnce;
+      for (int first = 0; first < kBlocksAtOnce; first += kBlocksAlong) {
+        unsigned blocks = lower >> first & ((1u << kBlocksAlong) - 1);
+        if (blocks == 0)
+          continue;
+        const FaceRow<Floats> row = rowAt(face, x + kVoxelX, y[first] + kVoxelY);
+        for (; blocks != 0; blocks &= blocks - 1) {
+          const int block = first + __builtin_ctz(blocks);
+          Floats* min = vectorAt(squared_, static_cast<std::size_t>(i * kBlocksAtOnce + block));
+          *min = smallerOf(*min, squaredDistance(face, row, kBlockZ[block] + kVoxelZ));
+        }
+      }
+    }
+  }
+
+  /// Makes lower bounds exclude what the distances so far do.
+  TETVDB_INLINE void tighten() {
+    for (; changed_ != 0; changed_ &= changed_ - 1) {
+      const auto block = static_cast<std::size_t>(__builtin_ctzll(changed_));
+      largest_[block] = smallerOf(largest_[block], largestOf(*vectorAt(squared_, block)));
+    }
+  }
+
+  /// In the order of a leaf's voxels.
+  void copyTo(float* leaf) const {
+    for (int x = 0; x < kLeafSize; ++x)
+      for (int y = 0; y < kLeafSize; ++y)
+        for (int z = 0; z < kLeafSize; ++z) {
+          const int block = (x / kBlock * kBlocksAlong + y / kBlock) * kBlocksAlong + z / kBlock;
+          const int voxel = (x % kBlock * kBlock + y % kBlock) * kBlock + z % kBlock;
+          *leaf++ = squared_[block * kLeafSize + voxel];
+        }
+  }
+
+private:
+  static Floats* vectorAt(float* values, std::size_t i) {
+    return reinterpret_cast<Floats*>(values) + i;
+  }
+
+  // Of the squared distances in eight blocks with these centres.
+  TETVDB_INLINE Floats lowerBound(const LeafFace& face, Floats x, Floats y) const {
+    const auto at = [&](const LeafForm& form) { return form.row(x, y) + form.z * kBlockZ; };
+    // From the centre of a block to its outermost voxel centres, and the errors of both sides.
+    const auto swing = [&](const LeafForm& form) {
+      return 0.5f * (std::abs(form.x) + std::abs(form.y) + std::abs(form.z)) + slack_;
+    };
+    Floats outside{};
+    for (const LeafForm& beyond : face.beyond)
+      outside = largerOf(outside, at(beyond) - swing(beyond));
+    const Floats height = at(face.height);
+    const Floats above = largerOf(largerOf(height, -height) - swing(face.height), Floats{});
+    return above * above + outside * outside;
+  }
+
+  alignas(64) float squared_[kVoxelsInLeaf]; // by block
+  alignas(64) float largest_[kBlocks];       // of each block, at most the square of the reach
+  std::uint64_t changed_ = 0;                // blocks that largest_ does not know yet
+  float slack_; // above the errors of a few roundings of lengths up to the reach and a leaf's size
+};
+
 TETVDB_MULTIVERSION
-void addFaces(const LeafFace* faces, std::size_t count, float reach, float* squared) {
-  for (std::size_t i = 0; i < count; ++i)
-    addFace(faces[i], reach, squared);
+void addFaces(const LeafFace* faces, std::size_t count, BlockDistances& leaf) {
+  constexpr std::size_t kFacesAtOnce = 16; // for less, tightening costs more than it excludes
+  for (std::size_t i = 0; i < count; ++i) {
+    leaf.add(faces[i]);
+    if (i % kFacesAtOnce == kFacesAtOnce - 1)
+      leaf.tighten();
+  }
 }
 
 // The faces of a node, leaf by leaf.
@@ -136,15 +232,16 @@ void DistanceBand::rasterize(std::size_t node, const LeafSink& sink) const {
     LeafFace seen[kAtOnce];
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const auto leaf = static_cast<std::size_t>(lists.used[i]);
-      std::fill(squared, squared + kVoxelsInLeaf, std::numeric_limits<float>::max());
+      BlockDistances blocks(reach);
       std::size_t count = 0;
       for (std::uint32_t k = lists.starts[leaf]; k != lists.starts[leaf + 1]; ++k) {
         seen[count++] = seenFrom(frames[lists.faces[k]], lists.used[i], radius_);
         if (count == kAtOnce || k + 1 == lists.starts[leaf + 1]) {
-          addFaces(seen, count, reach, squared);
+          addFaces(seen, count, blocks);
           count = 0;
         }
       }
+      blocks.copyTo(squared);
       sink(lists.used[i], squared);
     }
   };

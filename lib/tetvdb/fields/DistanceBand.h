@@ -46,7 +46,7 @@ public:
   /// Passes each leaf of nodes()[node] that may contain voxels within the radius to `sink` once,
   /// from several threads. A distance depends on the faces as a set: it is the minimum over faces
   /// of numbers that depend on each face only, with its corners in order of position. Thread-safe.
-  /// Cost: about 5 ns per face and row of eight voxels within reach.
+  /// Cost: about 10 ns per face and block of 2^3 voxels that it may be nearest to.
   void rasterize(std::size_t node, const LeafSink& sink) const;
 
 private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/DistanceBlocks.h"
 
+#include "tetvdb/core/AtomicBounds.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/FaceFrame.h"
@@ -165,12 +166,9 @@ private:
   // largest of all. The voxel next to the middle is within half of a voxel's diagonal.
   bool allowsLargest(const Vec3d& low, const Vec3d& high, double distance) const {
     constexpr double kHalfDiagonal = 0.8660255, kRounding = 1e-6;
-    double known = atLeast_;
-    while (known < distance - kHalfDiagonal &&
-           !atLeast_.compare_exchange_weak(known, distance - kHalfDiagonal)) {
-    }
+    raiseTo(atLeast_, distance - kHalfDiagonal);
     const double way = length(minus(high, low)) / 2;
-    return (distance + way) * (1 + kRounding) >= known;
+    return (distance + way) * (1 + kRounding) >= atLeast_;
   }
 
   // Selects from `list` the faces that can be nearest to a voxel of the block. `best` is a face
@@ -351,9 +349,7 @@ float DistanceBlocks::largest(const VoxelBox& box, Progress& progress) const {
       if (isIn)
         own = std::max(own, squared[i]);
     }
-    float known = largest;
-    while (known < own && !largest.compare_exchange_weak(known, own)) {
-    }
+    raiseTo(largest, own);
   };
   if (!box.empty() && !boxes_.empty())
     Run(*this, box, sink, true, progress).run();

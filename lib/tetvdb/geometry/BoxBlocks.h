@@ -4,6 +4,7 @@
 // build, and fast to query for pairs of intersecting boxes.
 #pragma once
 
+#include "tetvdb/core/LargeVector.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/core/Vec3.h"
 #include "tetvdb/geometry/BoxTree.h"
@@ -11,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -24,8 +26,8 @@ class BoxBlocks {
 public:
   static constexpr std::size_t kWidth = 8;
 
-  /// Parallel except for a radix sort: about 40 ns per box.
-  explicit BoxBlocks(const std::vector<Box>& boxes);
+  /// Of boxOf(0) to boxOf(count - 1), which several threads call. About 40 ns of a core per box.
+  BoxBlocks(std::size_t count, const std::function<Box(std::size_t)>& boxOf);
 
   std::size_t blocks() const { return levels_.empty() ? 0 : levels_.front().size(); }
 
@@ -63,11 +65,11 @@ private:
     return static_cast<unsigned>(one | one >> 32);
   }
   static FloatBox outward(const Box& box);
-  static FloatBox boxOf(const Block& block, std::size_t i) {
+  static FloatBox boxIn(const Block& block, std::size_t i) {
     return {{block.low[0][i], block.low[1][i], block.low[2][i]},
             {block.high[0][i], block.high[1][i], block.high[2][i]}};
   }
-  static FloatBox boxOf(const Block& block);
+  static FloatBox boundOf(const Block& block);
 
   // Calls visit(block of the lowest level) for those with boxes that intersect `box` and a number
   // of at least `first`, ascending; ends when visit() returns true.
@@ -97,9 +99,9 @@ private:
     }
   }
 
-  std::vector<std::uint32_t> order_;       // item in each place of the lowest level
-  std::vector<std::vector<Block>> levels_; // the lowest first; block i of one holds 8 i ... 8 i + 7
-  std::vector<FloatBox> bounds_;           // of the lowest level's blocks
+  LargeVector<std::uint32_t> order_;       // item in each place of the lowest level
+  std::vector<LargeVector<Block>> levels_; // the lowest first; block i of one holds 8 i ... 8 i + 7
+  LargeVector<FloatBox> bounds_;           // of the lowest level's blocks
 };
 
 template <typename Found>

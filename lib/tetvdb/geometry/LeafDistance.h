@@ -82,7 +82,8 @@ struct LeafForm {
   TETVDB_HD LeafForm(const LinearForm& form, const Vec3d& at)
       : x(static_cast<float>(form.slope[0])), y(static_cast<float>(form.slope[1])),
         z(static_cast<float>(form.slope[2])), midpoint(static_cast<float>(form(at))) {}
-  TETVDB_HD TETVDB_INLINE float row(float dx, float dy) const {
+  template <typename Number>
+  TETVDB_HD TETVDB_INLINE Number row(Number dx, Number dy) const {
     return midpoint + (x * dx + y * dy);
   }
   TETVDB_HD TETVDB_INLINE float swingZ() const {
@@ -126,14 +127,29 @@ TETVDB_HD inline LeafFace seenFrom(const FaceFrame& face, int leaf, double radiu
   return seen;
 }
 
-/// The terms of a face's forms that are constant along a row of voxels.
+/// The terms of a face's forms that are constant along a row of voxels; of several rows if Number
+/// is a vector.
+template <typename Number>
 struct FaceRow {
-  float height, beyond[3], along[3];
+  Number height, beyond[3], along[3];
 };
+
+/// The row at dx, dy relative to the leaf's centre.
+template <typename Number>
+TETVDB_HD TETVDB_INLINE FaceRow<Number> rowAt(const LeafFace& face, Number dx, Number dy) {
+  FaceRow<Number> row;
+  row.height = face.height.row(dx, dy);
+  for (int k = 0; k < 3; ++k) {
+    row.beyond[k] = face.beyond[k].row(dx, dy);
+    row.along[k] = face.along[k].x * dx + face.along[k].y * dy;
+  }
+  return row;
+}
 
 /// Row (x, y) of a face's leaf; returns whether its voxels may be within `reach`, the radius plus
 /// kReachSlack.
-TETVDB_HD TETVDB_INLINE bool rowOf(const LeafFace& face, int x, int y, float reach, FaceRow& row) {
+TETVDB_HD TETVDB_INLINE bool rowOf(const LeafFace& face, int x, int y, float reach,
+                                   FaceRow<float>& row) {
   const float dx = static_cast<float>(x) - 3.5f, dy = static_cast<float>(y) - 3.5f;
   row.height = face.height.row(dx, dy);
   if ((row.height < 0 ? -row.height : row.height) > reach + face.height.swingZ())
@@ -159,8 +175,9 @@ TETVDB_HD TETVDB_INLINE Number smallerOf(Number a, Number b) {
 
 /// Squared distance of the row's voxel at `z` relative to the leaf's centre; of several if Number
 /// is a vector.
-template <typename Number>
-TETVDB_HD TETVDB_INLINE Number squaredDistance(const LeafFace& face, const FaceRow& row, Number z) {
+template <typename Row, typename Number>
+TETVDB_HD TETVDB_INLINE Number squaredDistance(const LeafFace& face, const FaceRow<Row>& row,
+                                               Number z) {
   const Number zero = z - z;
   const auto edge = [&](int k, Number q) {
     const Number uz = row.along[k] + face.along[k].z * z;

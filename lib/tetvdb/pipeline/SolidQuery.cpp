@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/SolidQuery.h"
 
+#include "tetvdb/core/AtomicBounds.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/mesh/CheckMesh.h"
@@ -68,9 +69,7 @@ std::size_t firstNotFinite(const Vec3d* points, std::size_t count) {
     for (std::size_t i = range.begin(); i != range.end() && i < first; ++i) {
       if (std::isfinite(points[i][0]) && std::isfinite(points[i][1]) && std::isfinite(points[i][2]))
         continue;
-      std::size_t known = first;
-      while (i < known && !first.compare_exchange_weak(known, i)) {
-      }
+      lowerTo(first, i);
       return;
     }
   });

@@ -463,9 +463,9 @@ double factorOf(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
     box.expand(insideBox(source, transform));
   }
   VoxelBox voxels;
-  for (int k = 0; k < 3; ++k) {
-    voxels.low[static_cast<std::size_t>(k)] = box.min()[k];
-    voxels.high[static_cast<std::size_t>(k)] = box.max()[k];
+  for (std::size_t k = 0; k < 3; ++k) {
+    voxels.low[k] = box.min()[k];
+    voxels.high[k] = box.max()[k];
   }
   return box.empty() ? 1 : tooFine(voxels, options);
 }

@@ -87,7 +87,7 @@ public:
 private:
   Crossing crossingAt(const Vec3i& voxel, std::size_t axis, bool startInside) const {
     openvdb::Coord from(voxel.data()), to = from;
-    to[static_cast<int>(axis)] += 1;
+    to[axis] += 1;
     if (!startInside)
       std::swap(from, to);
     const Accessor squares(guard_.squared.constTree());

@@ -70,7 +70,7 @@ private:
     Vec3d p;
     for (std::size_t k = 0; k < 3; ++k)
       p[k] = transform_.origin[k] +
-             transform_.voxelSize[k] * (block.first[static_cast<int>(k)] + 0.5 * (block.size - 1));
+             transform_.voxelSize[k] * (block.first[k] + 0.5 * (block.size - 1));
     return p;
   }
 
@@ -106,7 +106,7 @@ private:
 
   bool meetsBox(const Block& block) const {
     for (std::size_t k = 0; k < 3; ++k)
-      if (block.first[static_cast<int>(k)] > box_.high[k])
+      if (block.first[k] > box_.high[k])
         return false;
     return true; // blocks begin at the box's low corner
   }

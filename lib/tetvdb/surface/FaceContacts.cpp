@@ -79,7 +79,10 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   const std::size_t max = kMaxPairs + kMaxPairsOfFace * count;
   tbb::enumerable_thread_specific<Found> locals;
   // Number of other faces at the edge opposite to a corner: 0, 1 or more.
-  std::vector<std::uint8_t> atEdge(3 * count, 0);
+  std::vector<std::atomic<std::uint8_t>> atEdge(3 * count);
+  const auto countAt = [&](std::uint32_t face, std::uint8_t corner) -> std::atomic<std::uint8_t>& {
+    return atEdge[3 * std::size_t(face) + corner];
+  };
   std::atomic<std::size_t> looked{0};
   std::atomic<bool> equal{false};
   const auto look = [&](std::uint32_t first, std::uint32_t second, Found& found) {
@@ -97,8 +100,13 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
     const auto lone = [](unsigned bits) { // two of three bits
       return static_cast<std::uint8_t>(bits == 6 ? 0 : bits == 5 ? 1 : 2);
     };
-    if (shared == 3 || shared == 5 || shared == 6)
+    if (shared == 3 || shared == 5 || shared == 6) {
       found.edges.push_back({first, second, lone(shared), lone(sharedOfB)});
+      for (std::atomic<std::uint8_t>* at :
+           {&countAt(first, lone(shared)), &countAt(second, lone(sharedOfB))})
+        if (std::uint8_t none = 0; !at->compare_exchange_strong(none, 1, std::memory_order_relaxed))
+          at->store(2, std::memory_order_relaxed);
+    }
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.blocks(), 64), [&](const auto& range) {
     progress.check();
@@ -135,19 +143,13 @@ FaceContacts findContacts(const WeldedFaces& welded, const BoxBlocks& boxes, Pro
   }
   for (std::size_t i = 0; i < count; ++i)
     contacts.starts[i + 1] += contacts.starts[i];
-  for (const Found& found : locals)
-    for (const EdgePair& pair : found.edges) {
-      std::uint8_t &a = atEdge[3 * std::size_t(pair.a) + pair.cornerA],
-                   &b = atEdge[3 * std::size_t(pair.b) + pair.cornerB];
-      a = a == 0 ? 1 : 2;
-      b = b == 0 ? 1 : 2;
-    }
-  for (const Found& found : locals)
-    for (const EdgePair& pair : found.edges)
-      if (atEdge[3 * std::size_t(pair.a) + pair.cornerA] == 1 &&
-          atEdge[3 * std::size_t(pair.b) + pair.cornerB] == 1 && !contacts.isMet(pair.a) &&
-          !contacts.isMet(pair.b))
-        contacts.neighbours.emplace_back(pair.a, pair.b);
+  contacts.neighbours.resize(locals.size());
+  tbb::parallel_for(std::size_t(0), locals.size(), [&](std::size_t i) {
+    for (const EdgePair& pair : (locals.begin() + static_cast<std::ptrdiff_t>(i))->edges)
+      if (countAt(pair.a, pair.cornerA) == 1 && countAt(pair.b, pair.cornerB) == 1 &&
+          !contacts.isMet(pair.a) && !contacts.isMet(pair.b))
+        contacts.neighbours[i].emplace_back(pair.a, pair.b);
+  });
   return contacts;
 }
 

@@ -18,9 +18,9 @@ struct FaceContacts {
   /// The faces that face i meets: others[starts[i]] to others[starts[i + 1] - 1].
   std::vector<std::size_t> starts;
   std::vector<std::uint32_t> others;
-  /// Pairs of faces at an edge of exactly these two faces; neither meets any other face.
-  /// Unordered.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours;
+  /// Pairs of faces at an edge of exactly these two faces; neither meets any other face. In several
+  /// vectors, unordered.
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> neighbours;
   bool complete = true; ///< false: there are too many candidates, and all else is empty
   bool equal = false;   ///< some faces have the same three points, and all else is empty
 

@@ -126,7 +126,7 @@ private:
   }
 
   static void add(const openvdb::Coord& block, std::vector<Vec3i>& blocks) {
-    for (int axis = 0; axis < 3; ++axis)
+    for (std::size_t axis = 0; axis < 3; ++axis)
       if (block[axis] > kFarthest || block[axis] < -kFarthest)
         throw Error(Status::Limit, "", "the grid reaches the end of 32-bit index space",
                     "move the model nearer to the origin");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/TrimChain.h"
 
+#include "tetvdb/core/AtomicBounds.h"
 #include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/FaceColumns.h"
 #include "tetvdb/surface/FaceContacts.h"
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -27,7 +30,7 @@ constexpr unsigned kMaxAttempts = 32;                   // to find a point that 
 class Trimmer {
 public:
   Trimmer(const WeldedFaces& welded, bool (*isInside)(std::int64_t), Progress& progress)
-      : welded_(welded), isInside_(isInside), progress_(progress), boxes_(boxesOf(welded)),
+      : welded_(welded), isInside_(isInside), progress_(progress), boxes_(faceBoxes(welded)),
         columns_(welded, boxes_), contacts_(findContacts(welded, boxes_, progress)) {}
 
   const FaceContacts& contacts() const { return contacts_; }
@@ -70,26 +73,33 @@ private:
   // Faces that no face meets, connected by edges of exactly two faces, have the same winding
   // numbers on their sides: one point decides for all of them.
   void judgePatches() {
-    DisjointSets patches(welded_.faces.size());
-    for (const auto& [a, b] : contacts_.neighbours)
-      if (areContinued(welded_.faces[a], welded_.faces[b]))
-        patches.join(a, b);
-    std::vector<std::uint32_t> first, patchOf(welded_.faces.size());
-    for (std::uint32_t i = 0; i < patchOf.size(); ++i) {
-      patchOf[i] = patches.find(i);
+    const std::size_t count = welded_.faces.size();
+    DisjointSets patches(count);
+    for (const auto& neighbours : contacts_.neighbours)
+      forEachIndex(neighbours.size(), [&](std::size_t i) {
+        const auto& [a, b] = neighbours[i];
+        if (areContinued(welded_.faces[a], welded_.faces[b]))
+          patches.join(a, b);
+      });
+    // A thin face may have no point that decides; the first of the patch's largest faces is used.
+    std::vector<std::uint32_t> patchOf(count);
+    std::vector<std::atomic<double>> area(count);
+    std::vector<std::atomic<std::uint32_t>> largest(count);
+    forEachIndex(count, [&](std::size_t i) {
+      patchOf[i] = patches.find(static_cast<std::uint32_t>(i));
+      raiseTo(area[patchOf[i]], roughArea(i));
+      largest[i] = std::numeric_limits<std::uint32_t>::max();
+    });
+    forEachIndex(count, [&](std::size_t i) {
+      if (roughArea(i) == area[patchOf[i]])
+        lowerTo(largest[patchOf[i]], static_cast<std::uint32_t>(i));
+    });
+    std::vector<std::uint32_t> first;
+    for (std::uint32_t i = 0; i < count; ++i)
       if (patchOf[i] == i && !contacts_.isMet(i))
         first.push_back(i);
-    }
-    // A thin face may have no point that decides; the largest face of the patch is used.
-    std::vector<std::uint32_t> largest = patchOf;
-    std::vector<double> area(patchOf.size(), -1);
-    for (std::uint32_t i = 0; i < patchOf.size(); ++i)
-      if (const double own = roughArea(i); own > area[patchOf[i]]) {
-        area[patchOf[i]] = own;
-        largest[patchOf[i]] = i;
-      }
     // By patch: the fate of faces with positive weight.
-    std::vector<PartFate> fates(patchOf.size(), PartFate::Stays);
+    std::vector<PartFate> fates(count, PartFate::Stays);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, first.size(), 16), [&](const auto& r) {
       progress_.check();
       for (std::size_t i = r.begin(); i != r.end() && !gaveUp_; ++i) {
@@ -99,9 +109,10 @@ private:
             turned(fateOf(FacePieces(face), 0, face, asked), welded_.faces[asked].weight < 0);
       }
     });
-    for (std::uint32_t i = 0; i < patchOf.size(); ++i)
+    forEachIndex(count, [&](std::size_t i) {
       if (!contacts_.isMet(i))
         rests_[i].fate = turned(fates[patchOf[i]], welded_.faces[i].weight < 0);
+    });
   }
 
   static PartFate turned(PartFate fate, bool turn) {
@@ -126,7 +137,7 @@ private:
     return a.weight == turn * b.weight;
   }
 
-  double roughArea(std::uint32_t face) const {
+  double roughArea(std::size_t face) const {
     const std::array<Vec3d, 3> c = welded_.cornersOf(face);
     const Vec3d n = cross(minus(c[1], c[0]), minus(c[2], c[0]));
     return dot(n, n);
@@ -234,8 +245,8 @@ TrimmedChain trimChain(const WeldedFaces& welded, bool (*isInside)(std::int64_t)
   trimmed.complete = contacts.complete && !contacts.equal;
   if (!trimmed.complete)
     return trimmed;
-  for (std::size_t i = 0; i < welded.faces.size(); ++i)
-    trimmed.isMet.push_back(contacts.isMet(i));
+  trimmed.isMet.resize(welded.faces.size());
+  forEachIndex(welded.faces.size(), [&](std::size_t i) { trimmed.isMet[i] = contacts.isMet(i); });
   trimmed.rests = trimmer.run();
   trimmed.complete = trimmed.rests.size() == welded.faces.size();
   return trimmed;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/WeldedFaces.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 #include <tuple>
 #include <utility>
@@ -23,14 +21,13 @@ WeldedFace ascendingFace(const std::vector<Vec3d>& points, std::array<std::uint3
   return {c, weight};
 }
 
-std::vector<Box> boxesOf(const WeldedFaces& welded) {
-  std::vector<Box> boxes(welded.faces.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, boxes.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (const Vec3d& corner : welded.cornersOf(i))
-        boxes[i].add(corner);
+BoxBlocks faceBoxes(const WeldedFaces& welded) {
+  return BoxBlocks(welded.faces.size(), [&](std::size_t i) {
+    Box box;
+    for (const Vec3d& corner : welded.cornersOf(i))
+      box.add(corner);
+    return box;
   });
-  return boxes;
 }
 
 void mergeEqualFaces(WeldedFaces& welded) {

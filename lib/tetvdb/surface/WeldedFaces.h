@@ -4,7 +4,7 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
-#include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/BoxBlocks.h"
 #include "tetvdb/geometry/Lattice.h"
 
 #include <array>
@@ -39,8 +39,8 @@ struct WeldedFaces {
   }
 };
 
-/// The box of every face. Parallel.
-std::vector<Box> boxesOf(const WeldedFaces& welded);
+/// The boxes of all faces. Parallel.
+BoxBlocks faceBoxes(const WeldedFaces& welded);
 
 /// Merges faces with the same corners and adds their weights; removes those of weight 0.
 void mergeEqualFaces(WeldedFaces& welded);

@@ -60,10 +60,10 @@ struct ActiveTree::Step {
   static double greater(double a, double b) { return a > b ? a : b; }
 
   bool isWithin(const Vec3i& low, const Vec3i& high) const {
-    bool is = true;
+    int is = 1;
     for (std::size_t a = 0; a < 3; ++a)
-      is = is & (at[a] >= low[a]) & (at[a] <= high[a]);
-    return is;
+      is &= int(at[a] >= low[a]) & int(at[a] <= high[a]);
+    return is != 0;
   }
   /// Whether both are in the same cube of side 2^log2Side.
   bool isNear(const Vec3i& other, int log2Side) const {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/visualize/EntryMap.h"
 
+#include "tetvdb/core/AtomicBounds.h"
+
 #include <limits>
 
 namespace tetvdb {
@@ -22,13 +24,8 @@ void EntryMap::add(const Vec3d& centre, const Vec3d& reach) {
   const Camera::Footprint print = camera_.footprint(centre, reach);
   const auto nearest = static_cast<float>(print.depth * kNearer);
   for (int y = print.top; y <= print.bottom; ++y)
-    for (int x = print.left; x <= print.right; ++x) {
-      std::atomic<float>& entry = entries_[index(x, y)];
-      float known = entry.load(std::memory_order_relaxed);
-      while (nearest < known &&
-             !entry.compare_exchange_weak(known, nearest, std::memory_order_relaxed)) {
-      }
-    }
+    for (int x = print.left; x <= print.right; ++x)
+      lowerTo(entries_[index(x, y)], nearest);
 }
 
 } // namespace tetvdb

@@ -83,7 +83,7 @@ bool fillSlab(const Piece* begin, const Piece* end, int index, SlabOwners& slab)
             activeWord(*piece, static_cast<openvdb::Index>(index << 8 | leaf), x) & ~taken;
         taken |= word;
         for (std::uint64_t rest = word; rest != 0; rest &= rest - 1) {
-          const int bit = openvdb::util::FindLowestOn(rest);
+          const auto bit = static_cast<int>(openvdb::util::FindLowestOn(rest));
           const int row = x * kNodeSize + y0 + bit / kLeafSize;
           slab.owners[static_cast<std::size_t>(row * kNodeSize + z0 + bit % kLeafSize)] =
               piece->owner;

@@ -90,10 +90,10 @@ TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRu
 
 std::size_t countMetFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress) {
   WeldedFaces welded = weldFaces(mesh, boundary, progress);
-  FaceContacts contacts = findContacts(welded, BoxBlocks(boxesOf(welded)), progress);
+  FaceContacts contacts = findContacts(welded, faceBoxes(welded), progress);
   if (contacts.equal) {
     mergeEqualFaces(welded);
-    contacts = findContacts(welded, BoxBlocks(boxesOf(welded)), progress);
+    contacts = findContacts(welded, faceBoxes(welded), progress);
   }
   if (!contacts.complete)
     return welded.faces.size();

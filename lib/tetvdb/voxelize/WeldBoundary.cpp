@@ -1,55 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/WeldBoundary.h"
 
-#include "tetvdb/core/MixBits.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/surface/WeldPoints.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <utility>
 
 namespace tetvdb {
 namespace {
 
 // Fills points, `first` and `extent`, and says which of them every point of the mesh is.
-std::vector<std::uint32_t> weldPoints(const SnappedMesh& mesh, const Boundary& boundary,
-                                      WeldedFaces& welded) {
-  constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-  std::vector<std::uint32_t> number(mesh.pointCount, kNone);
+std::vector<std::uint32_t> weldUsedPoints(const SnappedMesh& mesh, const Boundary& boundary,
+                                          WeldedFaces& welded, Progress& progress) {
+  std::vector<std::atomic<bool>> isUsed(mesh.pointCount);
+  forEachIndex(boundary.faces.size(), [&](std::size_t i) {
+    const BoundaryFace& f = boundary.faces[i];
+    for (const std::uint32_t corner : {f.a, f.b, f.c})
+      isUsed[corner].store(true, std::memory_order_relaxed);
+  });
+  std::vector<std::uint32_t> used;
   constexpr double kFar = std::numeric_limits<double>::infinity();
   LatticePoint& first = welded.first;
   first = {kFar, kFar, kFar};
-  std::size_t used = 0;
-  for (const BoundaryFace& f : boundary.faces)
-    for (const std::uint32_t i : {f.a, f.b, f.c})
-      if (number[i] == kNone) {
-        number[i] = 0;
-        ++used;
-        const LatticePoint& p = mesh.points[i];
-        first = {std::min(first.x, p.x), std::min(first.y, p.y), std::min(first.z, p.z)};
-      }
-  std::size_t size = 64;
-  while (size < 2 * used)
-    size *= 2;
-  std::vector<std::uint32_t> table(size, kNone); // open addressing, linear probing
-  welded.points.reserve(used);
-  for (std::uint32_t i = 0; i < mesh.pointCount; ++i) {
-    if (number[i] == kNone)
-      continue;
-    const LatticePoint& p = mesh.points[i];
-    const Vec3d at{p.x - first.x, p.y - first.y, p.z - first.z};
-    std::size_t slot = hashOfPoint(at) & (size - 1);
-    while (table[slot] != kNone && welded.points[table[slot]] != at)
-      slot = (slot + 1) & (size - 1);
-    if (table[slot] == kNone) {
-      table[slot] = static_cast<std::uint32_t>(welded.points.size());
-      welded.points.push_back(at);
-      welded.extent = std::max({welded.extent, at[0], at[1], at[2]});
+  for (std::uint32_t i = 0; i < mesh.pointCount; ++i)
+    if (isUsed[i].load(std::memory_order_relaxed)) {
+      used.push_back(i);
+      const LatticePoint& p = mesh.points[i];
+      first = {std::min(first.x, p.x), std::min(first.y, p.y), std::min(first.z, p.z)};
     }
-    number[i] = table[slot];
+  std::vector<Vec3d> points(used.size());
+  forEachIndex(used.size(), [&](std::size_t i) {
+    const LatticePoint& p = mesh.points[used[i]];
+    points[i] = {p.x - first.x, p.y - first.y, p.z - first.z};
+  });
+  const std::vector<std::uint32_t> becomes = weldPoints(points, 0, progress);
+  std::vector<std::uint32_t> number(mesh.pointCount);
+  welded.points.reserve(used.size());
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (becomes[i] == i) {
+      const Vec3d& p = points[i];
+      number[used[i]] = static_cast<std::uint32_t>(welded.points.size());
+      welded.points.push_back(p);
+      welded.extent = std::max({welded.extent, p[0], p[1], p[2]});
+    } else {
+      number[used[i]] = number[used[becomes[i]]]; // an earlier one
+    }
   }
   return number;
 }
@@ -59,20 +58,18 @@ std::vector<std::uint32_t> weldPoints(const SnappedMesh& mesh, const Boundary& b
 WeldedFaces weldFaces(const SnappedMesh& mesh, const Boundary& boundary, Progress& progress) {
   progress.check();
   WeldedFaces welded;
-  const std::vector<std::uint32_t> number = weldPoints(mesh, boundary, welded);
+  const std::vector<std::uint32_t> number = weldUsedPoints(mesh, boundary, welded, progress);
   progress.check();
   const std::size_t count = boundary.faces.size();
   std::vector<WeldedFace>& all = welded.faces;
   all.resize(count);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const BoundaryFace& f = boundary.faces[i];
-      all[i] = ascendingFace(welded.points, {number[f.a], number[f.b], number[f.c]}, f.weight);
-      const std::array<std::uint32_t, 3>& c = all[i].corners;
-      if (c[0] == c[1] || c[1] == c[2] ||
-          areCollinear(welded.points[c[0]], welded.points[c[1]], welded.points[c[2]]))
-        all[i].weight = 0;
-    }
+  forEachIndex(count, [&](std::size_t i) {
+    const BoundaryFace& f = boundary.faces[i];
+    all[i] = ascendingFace(welded.points, {number[f.a], number[f.b], number[f.c]}, f.weight);
+    const std::array<std::uint32_t, 3>& c = all[i].corners;
+    if (c[0] == c[1] || c[1] == c[2] ||
+        areCollinear(welded.points[c[0]], welded.points[c[1]], welded.points[c[2]]))
+      all[i].weight = 0;
   });
   const auto solid =
       std::remove_if(all.begin(), all.end(), [](const WeldedFace& f) { return f.weight == 0; });

@@ -34,7 +34,7 @@ TEST(GridArrays, BitsAreTheActiveVoxels) {
     const auto& grid = static_cast<const openvdb::BoolGrid&>(*volume.grids().all.front());
     const NamedArray packed = activeArray(volume, "mask", size, "a");
     const NamedArray plain = unpacked(packed);
-    const auto cubed = static_cast<std::size_t>(size) * size * size;
+    const auto side = static_cast<std::size_t>(size), cubed = side * side * side;
     ASSERT_EQ(packed.bytes.size(), (cubed + 7) / 8);
     ASSERT_EQ(plain.bytes.size(), cubed);
     std::size_t at = 0, count = 0;

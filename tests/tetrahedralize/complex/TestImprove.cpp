@@ -235,7 +235,7 @@ TEST(Coarsen, EndsOnFewTets) {
 
 TEST(Coarsen, SameForAnyNumberOfThreads) {
   std::vector<TetComplex> results;
-  for (const std::size_t threads : {1, 2, 8}) {
+  for (const std::size_t threads : {1u, 2u, 8u}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Kept kept(ball(16), 0.3 * kImproveStep);
     Progress progress;
@@ -271,7 +271,7 @@ TEST(SwapEdges, EverySwapMakesTheWorstBetter) {
 
 TEST(Improve, ReachesTheEnergyWithinBounds) {
   std::vector<TetComplex> results;
-  for (const std::size_t threads : {1, 2, 8}) {
+  for (const std::size_t threads : {1u, 2u, 8u}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     Kept kept(ball(12), 0.4 * kImproveStep);
     Progress progress;

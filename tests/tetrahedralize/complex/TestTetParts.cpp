@@ -126,7 +126,7 @@ TEST(TetParts, JoinedAgainTheMeshIsWhatItWas) {
 
 TEST(TetParts, WorkOnPartsIsTheSameForAnyNumberOfThreads) {
   std::vector<TetComplex> results;
-  for (const std::size_t threads : {1, 2, 8}) {
+  for (const std::size_t threads : {1u, 2u, 8u}) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     TetComplex complex = mesh();
     const Int128 volume = volumeOf(complex);

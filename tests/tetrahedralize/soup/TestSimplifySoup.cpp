@@ -292,7 +292,7 @@ TEST(SimplifySoup, TheSameForAnyNumberOfThreads) {
   const LatticeSoup before = soupOf(mesh);
   const Envelope envelope(before.points, before.faces, 0.01 * kScale);
   LatticeSoup first;
-  for (const std::size_t threads : {1, 2, 8}) {
+  for (const std::size_t threads : {1u, 2u, 8u}) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
     Progress progress;
     LatticeSoup after = before;

@@ -31,8 +31,8 @@ nanovdb::GridClass classOf(const openvdb::GridBase& grid) {
 void setWorldBox(const nanovdb::Map& map, const openvdb::CoordBBox& box, double* world) {
   for (int corner = 0; corner < 8; ++corner) {
     nanovdb::Vec3d at;
-    for (int k = 0; k < 3; ++k)
-      at[k] = (corner >> k & 1) != 0 ? box.max()[k] + 1 : box.min()[k];
+    for (unsigned k = 0; k < 3; ++k)
+      at[static_cast<int>(k)] = (corner >> k & 1) != 0 ? box.max()[k] + 1 : box.min()[k];
     at = map.applyMap(at);
     for (int k = 0; k < 3; ++k) {
       world[k] = corner == 0 ? at[k] : std::min(world[k], at[k]);

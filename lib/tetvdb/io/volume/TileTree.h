@@ -118,9 +118,8 @@ bool takeNodes(GridT& from, const NodeBox& box, GridT& to) {
 inline NodeBox nodesOf(const openvdb::Coord& corner, const openvdb::Coord& size) {
   NodeBox box;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<int>(k);
-    box.low[k] = nodeOf(corner[axis]);
-    box.high[k] = box.low[k] + size[axis] / kNodeSize;
+    box.low[k] = nodeOf(corner[k]);
+    box.high[k] = box.low[k] + size[k] / kNodeSize;
   }
   return box;
 }

@@ -31,14 +31,14 @@ void setRun(PackedBits& bits, Side size, Side x, Side y, Side z0, Side z1) {
 // Adds the part of a box of voxels that is in the cube.
 void setBox(PackedBits& bits, Side size, const openvdb::CoordBBox& box) {
   std::array<Side, 3> low{}, high{};
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto last = static_cast<std::int64_t>(size) - 1;
     const std::int64_t from = std::max<std::int64_t>(box.min()[axis], 0),
                        to = std::min<std::int64_t>(box.max()[axis], last);
     if (from > to)
       return;
-    low[static_cast<std::size_t>(axis)] = static_cast<Side>(from);
-    high[static_cast<std::size_t>(axis)] = static_cast<Side>(to);
+    low[axis] = static_cast<Side>(from);
+    high[axis] = static_cast<Side>(to);
   }
   for (Side x = low[0]; x <= high[0]; ++x)
     for (Side y = low[1]; y <= high[1]; ++y)
@@ -59,7 +59,8 @@ std::vector<char> packedBits(const openvdb::BoolGrid& grid, Side size) {
     }
     // Word x of a leaf's mask has bit 8 y + z.
     for (Side x = 0; x < 8; ++x) {
-      const std::uint64_t word = leaf->valueMask().getWord<std::uint64_t>(static_cast<int>(x));
+      const std::uint64_t word =
+          leaf->valueMask().getWord<std::uint64_t>(static_cast<openvdb::Index>(x));
       for (Side y = 0; y < 8 && word != 0; ++y) {
         const Side at =
             ((Side(origin.x()) + x) * size + Side(origin.y()) + y) * size + Side(origin.z());

@@ -286,8 +286,10 @@ bool SimplifyPart::keepsCarried() {
     std::uint32_t nearest = kNone;
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       const Box& box = nearBoxes_[i];
-      if (!((at[0] >= box.low[0]) & (at[0] <= box.high[0]) & (at[1] >= box.low[1]) &
-            (at[1] <= box.high[1]) & (at[2] >= box.low[2]) & (at[2] <= box.high[2])))
+      int isIn = 1; // without jumps
+      for (std::size_t k = 0; k < 3; ++k)
+        isIn &= int(at[k] >= box.low[k]) & int(at[k] <= box.high[k]);
+      if (isIn == 0)
         continue;
       const double distance = triangles_[i].squaredDistance(at);
       if (distance < minSquared) {

@@ -133,9 +133,9 @@ const CellKind* gmshElement(std::int64_t type) {
 const CellKind* gmshFace(std::int64_t type) {
   static const std::array<CellKind, kTypes> faces = [] {
     std::array<CellKind, kTypes> made{};
-    for (const std::size_t triangle : {2, 9})
+    for (const std::size_t triangle : {2u, 9u})
       (made[triangle] = *gmshElement(std::int64_t(triangle))).corners = 3;
-    for (const std::size_t quad : {3, 10, 16})
+    for (const std::size_t quad : {3u, 10u, 16u})
       (made[quad] = *gmshElement(std::int64_t(quad))).corners = 4;
     return made;
   }();

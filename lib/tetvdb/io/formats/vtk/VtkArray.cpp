@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 
+#include "tetvdb/core/AtomicBounds.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/source/Advice.h"
@@ -217,9 +218,7 @@ std::vector<Vec3d> toPoints(const Array& array) {
         if (!std::isfinite(points[i][0] + points[i][1] + points[i][2]) &&
             (!std::isfinite(points[i][0]) || !std::isfinite(points[i][1]) ||
              !std::isfinite(points[i][2]))) {
-          std::size_t first = bad.load();
-          while (i < first && !bad.compare_exchange_weak(first, i)) {
-          }
+          lowerTo(bad, i);
           break;
         }
     };

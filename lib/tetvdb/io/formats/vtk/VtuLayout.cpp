@@ -10,11 +10,7 @@
 #include <string_view>
 
 namespace tetvdb::vtk {
-namespace {
-
-constexpr std::uint32_t kBigEndianMark = 0x01020304u;
-
-} // namespace
+namespace {} // namespace
 
 VtuLayout::VtuLayout(const Source& source) : source_(source), markup_(source) {
   readEncoding();

@@ -32,6 +32,7 @@ apt-get "${apt[@]}" update
 tar -xf "$work"/source/onetbb_*.orig.tar.* -C "$work/source"
 
 cmake -S "$work"/source/oneTBB-*/ -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+  -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
   -DTBB_SANITIZE=thread -DTBB_TEST=OFF -DTBB_STRICT=OFF -DCMAKE_INSTALL_LIBDIR=lib \
   -DCMAKE_INSTALL_PREFIX="$target"
 cmake --build "$work/build"

@@ -8,13 +8,12 @@
 //       progress);
 #pragma once
 
+#include "tetvdb/core/MakeInOrder.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/print/Layer.h"
 
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 #include <type_traits>
 #include <utility>
@@ -50,42 +49,30 @@ void forEachLayer(LayerSource& source, const Work& work, const Take& take, Progr
   struct Item {
     std::int32_t k = 0;
     std::shared_ptr<const LayerBatch> batch;
-    std::optional<Made> made;
   };
   const std::int32_t layers = source.frame().layers;
-  std::int32_t next = 0;
+  std::int32_t next = 0, taken = 0;
   std::shared_ptr<const LayerBatch> batch;
-  const auto begin = [&](tbb::flow_control& flow) -> std::shared_ptr<Item> {
-    if (next == layers) {
-      flow.stop();
-      return nullptr;
-    }
-    if (!batch || batch->end() == next)
-      batch = source.batch(next);
-    auto item = std::make_shared<Item>();
-    item->k = next++;
-    item->batch = batch;
-    return item;
-  };
-  const auto make = [&](std::shared_ptr<Item> item) {
-    progress.check();
-    Layer layer;
-    item->batch->make(item->k, layer);
-    item->batch.reset();
-    item->made.emplace(work(item->k, std::move(layer)));
-    return item;
-  };
-  const auto end = [&](std::shared_ptr<Item> item) { // by value: destroyed if it throws
-    take(item->k, std::move(*item->made));
-    progress.update(static_cast<double>(item->k + 1) / layers);
-  };
-  const auto tokens = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  tbb::parallel_pipeline(
-      tokens,
-      tbb::make_filter<void, std::shared_ptr<Item>>(tbb::filter_mode::serial_in_order, begin) &
-          tbb::make_filter<std::shared_ptr<Item>, std::shared_ptr<Item>>(tbb::filter_mode::parallel,
-                                                                         make) &
-          tbb::make_filter<std::shared_ptr<Item>, void>(tbb::filter_mode::serial_in_order, end));
+  makeInOrder<Item, Made>(
+      [&](Item& item) {
+        if (next == layers)
+          return false;
+        if (!batch || batch->end() == next)
+          batch = source.batch(next);
+        item = {next++, batch};
+        return true;
+      },
+      [&](const Item& item) {
+        progress.check();
+        Layer layer;
+        item.batch->make(item.k, layer);
+        return work(item.k, std::move(layer));
+      },
+      [&](Made& made) {
+        take(taken++, std::move(made));
+        progress.update(static_cast<double>(taken) / layers);
+      },
+      2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
 }
 
 } // namespace tetvdb

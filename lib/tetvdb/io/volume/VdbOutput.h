@@ -13,6 +13,7 @@
 #pragma once
 
 #include "tetvdb/core/AtomicFile.h"
+#include "tetvdb/core/MakeInOrder.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/core/ProgressShare.h"
 #include "tetvdb/volume/VoxelBounds.h"
@@ -22,8 +23,6 @@
 #include <memory>
 #include <openvdb/openvdb.h>
 #include <string>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
 #include <xxhash.h>
 
 namespace tetvdb {
@@ -104,28 +103,6 @@ private:
 /// Writes grids whose trees are in memory, after others: their bytes in a file of writeVdb().
 /// Throws as that does.
 void writeGrids(VdbOutput& output, const openvdb::GridPtrVec& grids, const ProgressShare& share);
-
-/// Makes blocks in parallel, a window at a time, and takes them in order: `next(piece)` sets the
-/// next block to make, or returns false at the end; `make(piece)` returns its result;
-/// `take(result)` uses it. `window`: blocks at a time; 0: four a thread. Where one of them throws,
-/// oneTBB does not destroy what it has passed: it is moved from.
-template <class Piece, class Result, class Next, class Make, class Take>
-void makeInOrder(const Next& next, const Make& make, const Take& take, std::size_t window = 0) {
-  if (window == 0)
-    window = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) * 4;
-  tbb::parallel_pipeline(
-      window, tbb::make_filter<void, Piece>(tbb::filter_mode::serial_in_order,
-                                            [&](tbb::flow_control& flow) {
-                                              Piece piece{};
-                                              if (!next(piece))
-                                                flow.stop();
-                                              return piece;
-                                            }) &
-                  tbb::make_filter<Piece, Result>(tbb::filter_mode::parallel,
-                                                  [&](Piece piece) { return make(piece); }) &
-                  tbb::make_filter<Result, void>(tbb::filter_mode::serial_in_order,
-                                                 [&](Result result) { take(result); }));
-}
 
 /// Makes blocks 0 to `count` - 1 in parallel and writes them in order.
 template <class Make>

@@ -95,7 +95,7 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
   return chain;
 }
 
-std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed) {
+std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain& trimmed) {
   std::vector<std::uint32_t> met;
   std::vector<Box> boxes;
   for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i) {
@@ -107,7 +107,7 @@ std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const Trimm
       boxes.back().add(p);
   }
   const BoxTree tree(boxes);
-  std::vector<TouchedFace> all;
+  std::vector<MetFace> all;
   for (std::size_t at = 0; at < met.size(); ++at) {
     if (!trimmed.rests[met[at]].parts.empty())
       continue;
@@ -139,7 +139,7 @@ std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const Trimm
       if (inPlane == 2)
         pieces.cut(cuts.emplace_back(chain.welded.cornersOf(met[item])));
     }
-    TouchedFace touched{met[at], {corners.begin(), corners.end()}, {}};
+    MetFace touched{met[at], {corners.begin(), corners.end()}, {}};
     for (std::size_t i = 0; i < pieces.size() && pieces.size() > 1; ++i)
       if (pieces.isLeaf(i))
         touched.parts.push_back(pieces.outline(i));

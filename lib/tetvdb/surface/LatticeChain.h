@@ -31,7 +31,7 @@ struct LatticeChain {
 LatticeChain latticeChain(const TriangleMesh& mesh);
 
 /// A face that remains whole, and the corners and edges of other remaining faces that lie in it.
-struct TouchedFace {
+struct MetFace {
   std::uint32_t face;                    ///< of the chain
   std::vector<std::uint32_t> corners;    ///< lattice points on the face's edges or inside it
   std::vector<std::vector<Vec3d>> parts; ///< convex, divided by edges; empty: not divided
@@ -39,6 +39,6 @@ struct TouchedFace {
 
 /// Of the faces that meet others (TrimmedChain::isMet), returns those that remain whole, with the
 /// corners and edges of other remaining faces that lie in them. Exact.
-std::vector<TouchedFace> findTouchedFaces(const LatticeChain& chain, const TrimmedChain& trimmed);
+std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain& trimmed);
 
 } // namespace tetvdb

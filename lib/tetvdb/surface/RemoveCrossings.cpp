@@ -456,27 +456,27 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
     }
   }
   // Faces that others touch, divided into parts by edges that lie in them.
-  const std::vector<TouchedFace> touched = findTouchedFaces(chain, trimmed);
+  const std::vector<MetFace> touched = findMetFaces(chain, trimmed);
   const auto isInverse = [&](std::uint32_t face) {
     return trimmed.rests[face].fate == PartFate::StaysInverse;
   };
-  for (const TouchedFace& face : touched)
+  for (const MetFace& face : touched)
     for (const std::uint32_t corner : face.corners) {
       points.addCorner(corner);
       faceCorners.insert(chain.pointOf[corner]);
     }
-  for (const TouchedFace& face : touched)
+  for (const MetFace& face : touched)
     for (const std::uint32_t corner : chain.welded.faces[face.face].corners) {
       points.addCorner(corner);
       faceCorners.insert(chain.pointOf[corner]);
     }
-  const auto cornersIn = [&](const TouchedFace& face) {
+  const auto cornersIn = [&](const MetFace& face) {
     std::vector<std::uint32_t> corners;
     for (const std::uint32_t corner : face.corners)
       corners.push_back(points.at(chain.welded.points[corner]));
     return corners;
   };
-  for (const TouchedFace& face : touched) {
+  for (const MetFace& face : touched) {
     if (face.parts.empty())
       continue;
     const std::size_t first = regions.size();
@@ -489,7 +489,7 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
     ++cut;
   }
   regions.dropStraightCorners(faceCorners);
-  for (const TouchedFace& face : touched) {
+  for (const MetFace& face : touched) {
     if (!face.parts.empty())
       continue;
     const std::size_t first = regions.size();

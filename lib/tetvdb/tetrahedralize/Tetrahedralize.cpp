@@ -189,8 +189,8 @@ void measureEnergies(const WorkingLattice& lattice, double stopEnergy, Tetrahedr
 
 // Improves the mesh, keeps the tets that are inside and checks the result in both directions.
 LostSurface finish(const Work& work, const InsertedSurface& inserted, const Landmarks* landmarks,
-                   TetComplex& complex, Tetrahedralization& made, StageTimer& timer,
-                   Progress& progress) {
+                   const std::vector<Vec3d>& kept, TetComplex& complex, Tetrahedralization& made,
+                   StageTimer& timer, Progress& progress) {
   const TetrahedralizeOptions& options = work.options;
   const std::size_t count = work.inputs.size();
   const double edge = work.toLattice(work.lengths.edge);
@@ -227,7 +227,8 @@ LostSurface finish(const Work& work, const InsertedSurface& inserted, const Land
   progress.stage("classify");
   std::vector<std::uint16_t> inside = insideOf(complex, count, soup, missing, progress,
                                                kSumsOfTet * (work.done.most - work.done.tets));
-  refineHoles(complex, count, soup, missing, kHoleShare * edge, kMaxHoleTets, inside, progress);
+  refineHoles(complex, count, soup, missing, {kHoleShare * edge, kMaxHoleTets, kept, work.radius},
+              inside, progress);
   assertValid(complex);
   made.mesh = keptTets(complex, inside, count, isChained ? Boolean::Materials : options.boolean,
                        options.keepOutside, work.lattice);
@@ -301,7 +302,8 @@ std::vector<Vec3d> finishAndMend(const Work& work, InsertedSurface inserted,
       keepNear(mesh, kept, kKeptRadii * work.radius);
     else if (!kept.empty())
       landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, kept);
-    const LostSurface found = finish(work, inserted, landmarks.get(), mesh, made, timer, progress);
+    const LostSurface found =
+        finish(work, inserted, landmarks.get(), kept, mesh, made, timer, progress);
     std::vector<Vec3d> lost = placesOf(found.lost, work.lattice);
     if (round > 0 && lost.size() >= bestLost.size()) {
       made = std::move(best);

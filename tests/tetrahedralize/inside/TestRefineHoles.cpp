@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TetMeshes.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/inside/Classify.h"
 #include "tetvdb/tetrahedralize/inside/RefineHoles.h"
 
@@ -68,6 +69,34 @@ double volumeWrong(const TetComplex& complex, const std::vector<std::uint16_t>& 
   return wrong / all;
 }
 
+double longestEdge(const TetComplex& complex, const TetComplex::Tet& tet) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vec3d along = minus(complex.at(tet.corners[i]), complex.at(tet.corners[j]));
+      longest = std::max(longest, std::sqrt(dot(along, along)));
+    }
+  return longest;
+}
+
+// Tets with a face at which the inside ends, but the input is not.
+std::vector<std::size_t> tetsAtHoles(const TetComplex& complex,
+                                     const std::vector<std::uint16_t>& inside) {
+  std::vector<std::size_t> found;
+  for (std::size_t t = 0; t < complex.tets.size(); ++t) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    bool ends = false;
+    for (std::size_t localFace = 0; tet.exists() && localFace < 4; ++localFace) {
+      const std::uint32_t next = tet.neighbours[localFace];
+      ends = ends || (next != TetComplex::kOutside && tet.chains[localFace] == 0 &&
+                      inside[next] != inside[t]);
+    }
+    if (ends)
+      found.push_back(t);
+  }
+  return found;
+}
+
 TEST(RefineHoles, SurfaceComesNearTheWindingNumbersAsTetsGetSmall) {
   Progress progress;
   TetComplex complex = bowl();
@@ -76,30 +105,51 @@ TEST(RefineHoles, SurfaceComesNearTheWindingNumbersAsTetsGetSmall) {
   std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
   const double before = volumeWrong(complex, inside, surface);
   const double length = kHoleStep / 3;
-  EXPECT_GT(refineHoles(complex, 1, {}, {}, length, 200000, inside, progress), 100u);
+  EXPECT_GT(refineHoles(complex, 1, {}, {}, {length, 200000}, inside, progress), 100u);
   complex.verify();
   EXPECT_TRUE(volumeOf(complex) == volume);
   EXPECT_LT(volumeWrong(complex, inside, surface), before / 2.5);
   EXPECT_EQ(inside, insideOf(complex, 1, {}, {}, progress));
-  std::size_t ends = 0;
-  for (std::size_t t = 0; t < complex.tets.size(); ++t) {
-    const TetComplex::Tet& tet = complex.tets[t];
-    for (std::size_t localFace = 0; localFace < 4; ++localFace) {
-      if (tet.neighbours[localFace] == TetComplex::kOutside || tet.chains[localFace] != 0 ||
-          inside[tet.neighbours[localFace]] == inside[t])
-        continue;
-      ++ends;
-      for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < i; ++j) {
-          double square = 0;
-          for (std::size_t axis = 0; axis < 3; ++axis)
-            square +=
-                std::pow(complex.at(tet.corners[i])[axis] - complex.at(tet.corners[j])[axis], 2);
-          EXPECT_LE(std::sqrt(square), length);
-        }
-    }
+  const std::vector<std::size_t> ends = tetsAtHoles(complex, inside);
+  for (const std::size_t t : ends)
+    EXPECT_LE(longestEdge(complex, complex.tets[t]), length);
+  EXPECT_GT(ends.size(), 100u);
+}
+
+TEST(RefineHoles, TetsNearPointsGetSmaller) {
+  Progress progress;
+  const double near = kHoleStep / 8, length = kHoleStep / 2;
+  TetComplex complex = bowl();
+  // Where the surface that closes the hole passes the axis.
+  const TriangleMesh surface = surfaceWithHoles(complex);
+  Vec3d point = kHoleCentre;
+  double in = kHoleMiddle - 3 * kHoleStep, out = kHoleMiddle + 3 * kHoleStep;
+  for (int i = 0; i < 40; ++i) {
+    point[0] = (in + out) / 2;
+    (meshes::windingNumberAt(surface, point) > 0.5 ? in : out) = point[0];
   }
-  EXPECT_GT(ends, 100u);
+  std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
+  refineHoles(complex, 1, {}, {}, {length, 200000, {point}, near}, inside, progress);
+  complex.verify();
+  std::size_t small = 0, large = 0;
+  for (const std::size_t t : tetsAtHoles(complex, inside)) {
+    const TetComplex::Tet& tet = complex.tets[t];
+    bool isNear = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double low = complex.at(tet.corners[0])[axis], high = low;
+      for (const std::uint32_t corner : tet.corners) {
+        low = std::min(low, complex.at(corner)[axis]);
+        high = std::max(high, complex.at(corner)[axis]);
+      }
+      isNear = isNear && low - near <= point[axis] && point[axis] <= high + near;
+    }
+    const double longest = longestEdge(complex, tet);
+    EXPECT_LE(longest, isNear ? near : length);
+    ++(longest <= near ? small : large);
+  }
+  EXPECT_GT(small, 5u);
+  EXPECT_GT(large, 100u);
+  EXPECT_EQ(inside, insideOf(complex, 1, {}, {}, progress));
 }
 
 TEST(RefineHoles, LeavesClosedInputsAlone) {
@@ -107,7 +157,7 @@ TEST(RefineHoles, LeavesClosedInputsAlone) {
   TetComplex complex = cubeMesh(kHoleCells, kHoleStep, 0.2, ballAt(kHoleCentre, 3.2 * kHoleStep));
   std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
   const std::vector<std::uint16_t> before = inside;
-  EXPECT_EQ(refineHoles(complex, 1, {}, {}, 1, 1000, inside, progress), 0u);
+  EXPECT_EQ(refineHoles(complex, 1, {}, {}, {1, 1000}, inside, progress), 0u);
   EXPECT_EQ(inside, before);
 }
 
@@ -132,7 +182,7 @@ TEST(RefineHoles, ClosedInputsKeepWhatTheyHave) {
         tet.tracked[localFace] = tet.tracked[localFace] || change != 0;
       }
   std::vector<std::uint16_t> inside = insideOf(complex, 2, {}, {}, progress);
-  refineHoles(complex, 2, {}, {}, kHoleStep / 2, 200000, inside, progress);
+  refineHoles(complex, 2, {}, {}, {kHoleStep / 2, 200000}, inside, progress);
   complex.verify();
   EXPECT_EQ(inside, insideOf(complex, 2, {}, {}, progress));
 }
@@ -142,7 +192,7 @@ TEST(RefineHoles, StopsWhereThereAreManyTets) {
   TetComplex complex = bowl();
   const std::size_t before = complex.tetCount();
   std::vector<std::uint16_t> inside = insideOf(complex, 1, {}, {}, progress);
-  refineHoles(complex, 1, {}, {}, 1, 3000, inside, progress);
+  refineHoles(complex, 1, {}, {}, {1, 3000}, inside, progress);
   EXPECT_GE(complex.tetCount(), before + 3000);
   EXPECT_LT(complex.tetCount(), before + 3100);
 }

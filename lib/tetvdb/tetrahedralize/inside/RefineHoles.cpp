@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/inside/RefineHoles.h"
 
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/tetrahedralize/complex/InsertPoint.h"
 #include "tetvdb/tetrahedralize/inside/InputChains.h"
@@ -19,10 +20,10 @@ constexpr double kShareOfLongest = 0.5;
 
 class HoleRefiner {
 public:
-  HoleRefiner(TetComplex& complex, const InputChains& chains, std::vector<std::uint16_t>& inside,
-              Progress& progress);
+  HoleRefiner(TetComplex& complex, const InputChains& chains, const HoleSizes& sizes,
+              std::vector<std::uint16_t>& inside, Progress& progress);
 
-  std::size_t run(double length, std::size_t maxMore);
+  std::size_t run();
 
 private:
   struct Edge {
@@ -35,12 +36,15 @@ private:
   };
   bool endsInside(const TetComplex::Tet& tet, std::uint16_t here, unsigned localFace) const;
   Edge longestEdge(const TetComplex::Tet& tet) const;
-  std::vector<Edge> edgesToHalve(double length) const;
+  double lengthAt(const TetComplex::Tet& tet) const;
+  std::vector<Edge> edgesToHalve() const;
   bool halve(const Edge& edge);
   void classifyNew();
 
   TetComplex& complex_;
   const std::size_t inputCount_;
+  const HoleSizes& sizes_;
+  const BoxTree nearPoints_; // boxes around the points
   std::vector<std::uint16_t>& inside_;
   Progress& progress_;
   std::vector<std::unique_ptr<ChainWinding>> windings_; // of open inputs; null for others
@@ -51,9 +55,19 @@ private:
   std::vector<std::uint32_t> fresh_; // tets to be classified; may have changed or gone since
 };
 
-HoleRefiner::HoleRefiner(TetComplex& complex, const InputChains& chains,
+BoxTree boxesAround(const std::vector<Vec3d>& points, double distance) {
+  std::vector<Box> boxes;
+  for (const Vec3d& p : points) {
+    const Vec3d reach{distance, distance, distance};
+    boxes.push_back({minus(p, reach), plus(p, reach)});
+  }
+  return BoxTree(std::move(boxes));
+}
+
+HoleRefiner::HoleRefiner(TetComplex& complex, const InputChains& chains, const HoleSizes& sizes,
                          std::vector<std::uint16_t>& inside, Progress& progress)
-    : complex_(complex), inputCount_(chains.inputs.size()), inside_(inside), progress_(progress),
+    : complex_(complex), inputCount_(chains.inputs.size()), sizes_(sizes),
+      nearPoints_(boxesAround(sizes.points, sizes.near)), inside_(inside), progress_(progress),
       windings_(chains.inputs.size()), insertion_(complex) {
   for (std::size_t input = 0; input < inputCount_; ++input)
     if (!chains.inputs[input].isFlooded()) {
@@ -88,7 +102,18 @@ HoleRefiner::Edge HoleRefiner::longestEdge(const TetComplex::Tet& tet) const {
   return longest;
 }
 
-std::vector<HoleRefiner::Edge> HoleRefiner::edgesToHalve(double length) const {
+// The longest that the tet's edges may be.
+double HoleRefiner::lengthAt(const TetComplex::Tet& tet) const {
+  Box box;
+  for (const std::uint32_t corner : tet.corners)
+    box.add(complex_.at(corner));
+  bool isNear = false;
+  nearPoints_.visit([&](const Box& other) { return other.meets(box); },
+                    [&](std::uint32_t) { return isNear = true; });
+  return isNear ? sizes_.near : sizes_.length;
+}
+
+std::vector<HoleRefiner::Edge> HoleRefiner::edgesToHalve() const {
   std::vector<Edge> edges;
   for (std::size_t t = 0; t < complex_.tets.size(); ++t) {
     const TetComplex::Tet& tet = complex_.tets[t];
@@ -97,6 +122,7 @@ std::vector<HoleRefiner::Edge> HoleRefiner::edgesToHalve(double length) const {
     for (unsigned localFace = 0; localFace < 4; ++localFace)
       if (endsInside(tet, inside_[t], localFace)) {
         const Edge edge = longestEdge(tet);
+        const double length = lengthAt(tet);
         if (edge.square > length * length)
           edges.push_back(edge);
         break;
@@ -149,11 +175,11 @@ void HoleRefiner::classifyNew() {
   fresh_.clear();
 }
 
-std::size_t HoleRefiner::run(double length, std::size_t maxMore) {
-  const std::size_t maxTets = complex_.tetCount() + maxMore;
+std::size_t HoleRefiner::run() {
+  const std::size_t maxTets = complex_.tetCount() + sizes_.maxMore;
   std::size_t points = 0;
   while (open_ != 0) {
-    const std::vector<Edge> edges = edgesToHalve(length);
+    const std::vector<Edge> edges = edgesToHalve();
     std::size_t halved = 0;
     const double minSquare =
         edges.empty() ? 0 : edges.front().square * kShareOfLongest * kShareOfLongest;
@@ -175,14 +201,13 @@ std::size_t HoleRefiner::run(double length, std::size_t maxMore) {
 } // namespace
 
 std::size_t refineHoles(TetComplex& complex, std::size_t inputCount, const LatticeSoup& soup,
-                        const std::vector<std::uint32_t>& missing, double length,
-                        std::size_t maxMore, std::vector<std::uint16_t>& inside,
-                        Progress& progress) {
+                        const std::vector<std::uint32_t>& missing, const HoleSizes& sizes,
+                        std::vector<std::uint16_t>& inside, Progress& progress) {
   const InputChains chains = inputChains(complex, inputCount, soup, missing, progress);
   if (std::all_of(chains.inputs.begin(), chains.inputs.end(),
                   [](const InputChain& chain) { return chain.isFlooded(); }))
     return 0;
-  return HoleRefiner(complex, chains, inside, progress).run(length, maxMore);
+  return HoleRefiner(complex, chains, sizes, inside, progress).run();
 }
 
 } // namespace tetvdb

@@ -430,7 +430,7 @@ public:
           first = leaf < first ? leaf : first;
           last = leaf > last ? leaf : last;
         }
-      space_.base[k] = first >> 9 << 9;
+      space_.base[k] = first & ~i64(511); // whole root children
       const u64 leaves = static_cast<u64>(last - space_.base[k] + 1);
       space_.bits[k] = 9;
       while (u64(1) << space_.bits[k] < leaves)

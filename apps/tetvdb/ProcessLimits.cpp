@@ -15,7 +15,7 @@
 namespace tetvdb::cli {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef TETVDB_SANITIZED
 constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;

@@ -40,7 +40,9 @@ public:
                Progress& progress);
 
   /// The contributions of a group, by sample.
-  const float* of(std::uint32_t group) const { return values_.data() + std::size_t(group) * samples_; }
+  const float* of(std::uint32_t group) const {
+    return values_.data() + std::size_t(group) * samples_;
+  }
   std::size_t sampleCount() const { return samples_; }
 
   /// The number of edges at which groups are not closed, over all groups: determines the cost.

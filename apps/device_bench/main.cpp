@@ -196,8 +196,9 @@ void shared(const TetMesh& ball, int resolution, int times, int count) {
 void automatic(const TetMesh& ball, const char* name, int resolution, GridKind kind) {
   const VoxelizeOptions options = optionsAt(resolution, kind);
   bench::besideCpu(fmt::format("{}, {} at {}^3", name, infoOf(kind).name, resolution),
-                   estimateCost(ball, chooseTransform(ball, options), options), 3,
-                   [&](const DeviceChoice& choice) {
+                   estimateCost(boxOfUsed(ball.points, ball.tets), ball.tetCount(),
+                                chooseTransform(ball, options), options),
+                   3, [&](const DeviceChoice& choice) {
                      DeviceUsed used;
                      Report report;
                      Progress progress;

@@ -59,13 +59,15 @@ openvdb::GridPtrVec emptyGrids(const VoxelizeJob& job, const GridTransform& tran
 // A way to the file by one voxel size.
 class Stream {
 public:
-  Stream(const VoxelizeJob& job, const GridTransform& transform, bool tets)
-      : job_(job), transform_(transform), limit_(streamLimit(job)), tets_(tets) {}
+  // `deviceIsFaster`: a GPU voxelizes into trees in less time than the CPU.
+  Stream(const VoxelizeJob& job, const GridTransform& transform, bool deviceIsFaster)
+      : job_(job), transform_(transform), limit_(streamLimit(job)),
+        fasterWins_(job.streaming == Streaming::Auto && !deviceIsFaster) {}
 
   // Whether trees of the job's grids would be too large, or streaming is asked for.
   bool isNeeded(const SolidFaces& faces) {
     estimate_ = estimateByBoundary(faces.snapped, faces.chain);
-    return mustStream(job_) || (fasterWins() && estimate_.leaves >= kFasterFrom) ||
+    return mustStream(job_) || (fasterWins_ && estimate_.leaves >= kFasterFrom) ||
            tetvdb::bytesOf(faces) + bytesOf(estimate_) > static_cast<double>(limit_);
   }
   // The same, of a box that bounds everything.
@@ -78,7 +80,7 @@ public:
       lowers *= voxels / kNodeSize + 2;
     }
     const double surface = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
-    return mustStream(job_) || (fasterWins() && surface >= kFasterFrom / 2) ||
+    return mustStream(job_) || (fasterWins_ && surface >= kFasterFrom / 2) ||
            bytesOf(TreeEstimate{leaves, lowers}) > static_cast<double>(limit_) / 4;
   }
   double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
@@ -152,17 +154,10 @@ private:
     return trees.bytes(job_.grids) + trees.levelBytes(job_.levels, job_.grids.size());
   }
 
-  // Where it is left open, a GPU may be faster still.
-  bool fasterWins() const {
-    std::string why;
-    return job_.streaming == Streaming::Auto &&
-           (!tets_ || job_.device.kind != DeviceKind::Auto || nano::listDevices(why).empty());
-  }
-
   const VoxelizeJob& job_;
   GridTransform transform_;
   std::size_t limit_;
-  bool tets_; // rather than triangles
+  bool fasterWins_; // streaming, where it is faster than trees
   TreeEstimate estimate_;
   std::optional<BitVdbWriter> writer_;
   std::optional<TileFolder> tiles_;
@@ -197,10 +192,15 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
   if (!canStream(job) || mesh.tets.empty())
     return false;
   const VoxelizeOptions options = streamOptions(job);
-  const GridTransform transform = chooseTransform(mesh, options);
-  Stream stream(job, transform, true);
+  const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
+  const GridTransform transform = chooseTransform(box, options);
+  std::string why;
+  const bool deviceIsFaster = job.device.kind == DeviceKind::Auto &&
+                              estimateCost(box, mesh.tetCount(), transform, options).gains() &&
+                              !nano::listDevices(why).empty();
+  Stream stream(job, transform, deviceIsFaster);
   const bool whole = job.shard.isWhole();
-  if (!stream.mayBeNeeded(boxOfUsed(mesh.points, mesh.tets)))
+  if (!stream.mayBeNeeded(box))
     return false;
   checkMesh(mesh);
   progress.stage("voxelize");
@@ -236,7 +236,7 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
 
 void streamFaces(const VoxelizeJob& job, const SolidFaces& faces, const GridTransform& transform,
                  VoxelizeResult& result, Report& report, Progress& progress) {
-  Stream stream(job, transform, true);
+  Stream stream(job, transform, false);
   {
     StageTimer timer(report, "voxelize");
     stream.write(faces, nullptr, originMetadata(job), result, timer, progress);

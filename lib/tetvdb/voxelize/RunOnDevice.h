@@ -17,7 +17,7 @@ namespace tetvdb {
 /// What is known of a job before it runs.
 struct DeviceQuestion {
   std::string unable; ///< why no GPU can do it; empty: one can
-  /// Asked where the choice is Auto and there is a GPU.
+  /// Asked where the choice is Auto, before anything starts CUDA.
   std::function<DeviceCost()> cost;
 };
 

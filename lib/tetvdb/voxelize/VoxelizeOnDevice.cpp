@@ -164,10 +164,10 @@ DeviceCost estimateCoverageCost(double leaves, double faces) {
               leaves * kBytesOfCoveredLeaf * kDevicePerValueByte};
 }
 
-DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+DeviceCost estimateCost(const WorldBox& box, std::size_t tetCount, const GridTransform& transform,
                         const VoxelizeOptions& options) {
-  const auto [surface, volume] = leavesOf(boxOfUsed(mesh.points, mesh.tets), transform);
-  const auto tets = static_cast<double>(mesh.tetCount());
+  const auto [surface, volume] = leavesOf(box, transform);
+  const auto tets = static_cast<double>(tetCount);
   const double threads = threadsThatGain();
   DeviceCost cost{kCpuStart, kDeviceStart};
   for (const GridKind kind : options.grids) {
@@ -314,21 +314,21 @@ bool takesDevice(const DeviceChoice& choice, const DeviceQuestion& question, Dev
     used.why = question.unable;
     return false;
   }
+  if (choice.kind == DeviceKind::Auto && nano::deviceSupport()) {
+    const DeviceCost cost = question.cost();
+    if (!cost.gains()) { // found before CUDA starts, which takes longer than such a job
+      used.why = fmt::format("the job is small: about {:.2f} s, {:.2f} s with a GPU", cost.cpu,
+                             cost.device);
+      return false;
+    }
+    used.why = fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu);
+  }
   requireDevice(choice);
   std::string why;
   names = nano::listDevices(why);
-  if (choice.kind == DeviceKind::Cuda)
-    return true;
-  if (names.empty()) {
+  if (names.empty())
     used.why = why;
-    return false;
-  }
-  const DeviceCost cost = question.cost();
-  const bool gains = cost.device <= cost.cpu;
-  used.why = gains ? fmt::format("about {:.2f} s, {:.2f} s on the CPU", cost.device, cost.cpu)
-                   : fmt::format("the job is small: about {:.2f} s, {:.2f} s with the GPU",
-                                 cost.cpu, cost.device);
-  return gains;
+  return choice.kind == DeviceKind::Cuda || !names.empty();
 }
 
 Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
@@ -346,7 +346,10 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
   DeviceQuestion question;
   if (options.rule != VoxelRule::Centre)
     question.unable = "`rule=any` and all are the CPU's";
-  question.cost = [&] { return estimateCost(mesh, chooseTransform(mesh, options), options); };
+  question.cost = [&] {
+    const WorldBox box = boxOfUsed(mesh.points, mesh.tets);
+    return estimateCost(box, mesh.tetCount(), chooseTransform(box, options), options);
+  };
   return runOnDevice(
       choice, question, used, report,
       [&](const auto& start) {

@@ -23,8 +23,11 @@ class DeviceArray;
 /// Seconds that a job is expected to take; from making the device ready to OpenVDB's trees.
 struct DeviceCost {
   double cpu = 0, device = 0;
+
+  bool gains() const { return device <= cpu; }
 };
-DeviceCost estimateCost(const TetMesh& mesh, const GridTransform& transform,
+/// `box` and `tets`: boxOfUsed() and tetCount() of the mesh.
+DeviceCost estimateCost(const WorldBox& box, std::size_t tets, const GridTransform& transform,
                         const VoxelizeOptions& options);
 DeviceCost estimateCost(const TriangleMesh& mesh, const GridTransform& transform,
                         const VoxelizeOptions& options);

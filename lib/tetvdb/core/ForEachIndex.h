@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 namespace tetvdb {
 
@@ -15,6 +17,19 @@ void forEachIndex(std::size_t count, const Visit& visit) {
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       visit(i);
   });
+}
+
+/// The number of i from 0 to count - 1 for which holds(i), in the same way.
+template <typename Holds>
+std::size_t countWhere(std::size_t count, const Holds& holds) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, count, 4096), std::size_t(0),
+      [&](const auto& range, std::size_t sum) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          sum += holds(i) ? 1 : 0;
+        return sum;
+      },
+      std::plus<>());
 }
 
 } // namespace tetvdb

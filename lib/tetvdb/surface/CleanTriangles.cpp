@@ -2,6 +2,7 @@
 #include "tetvdb/surface/CleanTriangles.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/CanonicalOrder.h"
@@ -14,8 +15,6 @@
 
 #include <cmath>
 #include <optional>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 
 namespace tetvdb {
@@ -43,19 +42,19 @@ std::size_t keepFaces(TriangleMesh& mesh, const Keep& keep) {
 
 // Replaces points as given by `becomes`; removes faces with a repeated point.
 void renumber(TriangleMesh& mesh, const std::vector<std::uint32_t>& becomes, CleanCounts& counts) {
-  std::size_t welded = 0;
-  for (std::size_t point = 0; point < becomes.size(); ++point)
-    welded += becomes[point] != point;
+  const std::size_t welded =
+      countWhere(becomes.size(), [&](std::size_t point) { return becomes[point] != point; });
   if (welded > 0)
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 1 << 16),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i != range.end(); ++i)
-                          mesh.triangles[i] = becomes[mesh.triangles[i]];
-                      });
+    forEachIndex(mesh.triangles.size(),
+                 [&](std::size_t i) { mesh.triangles[i] = becomes[mesh.triangles[i]]; });
   counts.weldedPoints += welded;
-  counts.degenerateFaces += keepFaces(mesh, [](const std::uint32_t* v, std::size_t) {
+  const auto isWhole = [](const std::uint32_t* v) {
     return v[0] != v[1] && v[1] != v[2] && v[2] != v[0];
-  });
+  };
+  if (countWhere(mesh.triangleCount(),
+                 [&](std::size_t face) { return !isWhole(&mesh.triangles[3 * face]); }) > 0)
+    counts.degenerateFaces +=
+        keepFaces(mesh, [&](const std::uint32_t* v, std::size_t) { return isWhole(v); });
   // Merged points have no faces any more; they are not counted twice.
   counts.unreferencedPoints += dropUnusedPoints(mesh) - welded;
 }
@@ -91,9 +90,10 @@ bool weldNearPoints(TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates c
 // Whether every edge has two faces in opposite directions, and all shells are oriented
 // outward.
 bool isPlainSolid(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress) {
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
-    if (!edges.isManifold(edge))
-      return false;
+  if (countWhere(edges.edgeCount(), [&](std::size_t edge) {
+        return !edges.isManifold(static_cast<std::uint32_t>(edge));
+      }) > 0)
+    return false;
   FaceSides sides(mesh, edges, progress);
   sides.alignPatches({});
   return sides.allShellsLookOutward();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/CompactMesh.h"
 
+#include "tetvdb/core/ForEachIndex.h"
+
+#include <atomic>
 #include <cstdint>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace tetvdb {
 
@@ -24,26 +25,26 @@ std::size_t dropFaces(TriangleMesh& mesh, const std::vector<char>& drops) {
 }
 
 std::size_t dropUnusedPoints(TriangleMesh& mesh) {
-  constexpr std::uint32_t kUsed = 1;
-  std::vector<std::uint32_t> number(mesh.points.size(), 0);
-  for (const std::uint32_t v : mesh.triangles)
-    number[v] = kUsed;
-  std::uint32_t kept = 0;
-  for (std::size_t point = 0; point < number.size(); ++point) {
-    if (number[point] != kUsed)
-      continue;
-    mesh.points[kept] = mesh.points[point];
-    number[point] = kept++;
-  }
-  const std::size_t dropped = mesh.points.size() - kept;
+  std::vector<std::atomic<bool>> used(mesh.points.size());
+  forEachIndex(mesh.triangles.size(), [&](std::size_t i) {
+    std::atomic<bool>& own = used[mesh.triangles[i]];
+    if (!own.load(std::memory_order_relaxed))
+      own.store(true, std::memory_order_relaxed);
+  });
+  const std::size_t dropped =
+      countWhere(used.size(), [&](std::size_t point) { return !used[point]; });
   if (dropped == 0)
     return 0;
+  std::vector<std::uint32_t> number(used.size());
+  std::uint32_t kept = 0;
+  for (std::size_t point = 0; point < used.size(); ++point)
+    if (used[point]) {
+      mesh.points[kept] = mesh.points[point];
+      number[point] = kept++;
+    }
   mesh.points.resize(kept);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 1 << 16),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t i = range.begin(); i != range.end(); ++i)
-                        mesh.triangles[i] = number[mesh.triangles[i]];
-                    });
+  forEachIndex(mesh.triangles.size(),
+               [&](std::size_t i) { mesh.triangles[i] = number[mesh.triangles[i]]; });
   return dropped;
 }
 

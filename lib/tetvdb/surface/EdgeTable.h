@@ -8,6 +8,7 @@
 //       boundary.push_back(edge);
 #pragma once
 
+#include "tetvdb/core/LargeVector.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 
 #include <array>
@@ -74,10 +75,10 @@ public:
 
 private:
   const std::vector<std::uint32_t>& corners_;
-  std::vector<std::array<std::uint32_t, 2>> points_;
-  std::vector<std::uint32_t> first_; ///< in sides_; one more than there are edges
-  std::vector<std::uint32_t> sides_;
-  std::vector<std::uint32_t> edgeOf_;
+  LargeVector<std::array<std::uint32_t, 2>> points_;
+  LargeVector<std::uint32_t> first_; ///< in sides_; one more than there are edges
+  LargeVector<std::uint32_t> sides_;
+  LargeVector<std::uint32_t> edgeOf_;
 };
 
 } // namespace tetvdb

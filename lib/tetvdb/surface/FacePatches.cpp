@@ -2,38 +2,10 @@
 #include "tetvdb/surface/FacePatches.h"
 
 #include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/core/ForEachIndex.h"
 
 namespace tetvdb {
 namespace {
-
-void flood(std::uint32_t seed, const EdgeTable& edges, FacePatches& patches,
-           std::vector<std::uint32_t>& stack) {
-  const auto patch = static_cast<std::uint32_t>(patches.orientable.size());
-  patches.orientable.push_back(1);
-  patches.patchOf[seed] = patch;
-  stack.assign(1, seed);
-  while (!stack.empty()) {
-    const std::uint32_t face = stack.back();
-    stack.pop_back();
-    for (std::uint32_t side = 3 * face; side < 3 * face + 3; ++side) {
-      const EdgeTable::Sides sides = edges.sides(edges.edgeOf(side));
-      if (sides.size() != 2)
-        continue;
-      const std::uint32_t otherSide = sides[sides[0] == side];
-      const std::uint32_t other = EdgeTable::faceOf(otherSide);
-      // Two faces are consistent if they traverse their edge in opposite directions.
-      const bool disagree = edges.ascends(side) == edges.ascends(otherSide);
-      const auto against = static_cast<std::uint8_t>(patches.against[face] ^ disagree);
-      if (patches.patchOf[other] == EdgeTable::kNone) {
-        patches.patchOf[other] = patch;
-        patches.against[other] = against;
-        stack.push_back(other);
-      } else if (patches.against[other] != against) {
-        patches.orientable[patch] = 0;
-      }
-    }
-  }
-}
 
 template <typename ListOf>
 FaceLists listFaces(std::size_t faces, std::size_t lists, const ListOf& listOf) {
@@ -62,28 +34,62 @@ FaceLists listFaces(std::size_t faces, std::size_t lists, const ListOf& listOf) 
 } // namespace
 
 FacePatches findPatches(std::size_t faceCount, const EdgeTable& edges, Progress& progress) {
+  // Two faces are consistent if they traverse their edge in opposite directions.
+  const auto disagree = [&](const EdgeTable::Sides& sides) {
+    return edges.ascends(sides[0]) == edges.ascends(sides[1]);
+  };
+  const bool anyDisagree = countWhere(edges.edgeCount(), [&](std::size_t edge) {
+                             const EdgeTable::Sides sides =
+                                 edges.sides(static_cast<std::uint32_t>(edge));
+                             return sides.size() == 2 && disagree(sides);
+                           }) > 0;
+  progress.check();
+
+  // Where faces disagree, each has two elements: as it is and reversed.
+  const std::uint32_t elements = anyDisagree ? 2 : 1;
+  DisjointSets sets(elements * faceCount);
+  forEachIndex(edges.edgeCount(), [&](std::size_t edge) {
+    const EdgeTable::Sides sides = edges.sides(static_cast<std::uint32_t>(edge));
+    if (sides.size() != 2)
+      return;
+    const std::uint32_t reversed = disagree(sides) ? 1 : 0;
+    for (std::uint32_t k = 0; k < elements; ++k)
+      sets.join(elements * EdgeTable::faceOf(sides[0]) + k,
+                elements * EdgeTable::faceOf(sides[1]) + (k ^ reversed));
+  });
+  progress.check();
+
   FacePatches patches;
   patches.patchOf.assign(faceCount, EdgeTable::kNone);
   patches.against.assign(faceCount, 0);
-  std::vector<std::uint32_t> stack;
+  forEachIndex(faceCount, [&](std::size_t face) {
+    if (!edges.hasFace(static_cast<std::uint32_t>(face)))
+      return;
+    const std::uint32_t first = sets.find(elements * static_cast<std::uint32_t>(face));
+    patches.patchOf[face] = first / elements;
+    patches.against[face] = static_cast<std::uint8_t>(first % elements);
+  });
   for (std::uint32_t face = 0; face < faceCount; ++face) {
-    if (face % 65536 == 0)
-      progress.check();
-    if (patches.patchOf[face] == EdgeTable::kNone && edges.hasFace(face))
-      flood(face, edges, patches, stack);
+    std::uint32_t& patch = patches.patchOf[face]; // the first face of its patch so far
+    if (patch == face) {
+      patch = static_cast<std::uint32_t>(patches.orientable.size());
+      patches.orientable.push_back(elements == 1 || sets.find(2 * face) != sets.find(2 * face + 1));
+    } else if (patch != EdgeTable::kNone) {
+      patch = patches.patchOf[patch];
+    }
   }
 
   const std::size_t count = patches.orientable.size();
-  DisjointSets sets(count);
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-    const EdgeTable::Sides sides = edges.sides(edge);
+  DisjointSets parts(count);
+  forEachIndex(edges.edgeCount(), [&](std::size_t edge) {
+    const EdgeTable::Sides sides = edges.sides(static_cast<std::uint32_t>(edge));
     for (std::size_t i = 1; sides.size() > 2 && i < sides.size(); ++i)
-      sets.join(patches.patchOf[EdgeTable::faceOf(sides[i - 1])],
-                patches.patchOf[EdgeTable::faceOf(sides[i])]);
-  }
+      parts.join(patches.patchOf[EdgeTable::faceOf(sides[i - 1])],
+                 patches.patchOf[EdgeTable::faceOf(sides[i])]);
+  });
   patches.partOf.resize(count);
   for (std::uint32_t patch = 0; patch < count; ++patch) {
-    const std::uint32_t root = sets.find(patch); // the component's first patch
+    const std::uint32_t root = parts.find(patch); // the component's first patch
     patches.partOf[patch] = root == patch ? patches.partCount++ : patches.partOf[root];
   }
   return patches;

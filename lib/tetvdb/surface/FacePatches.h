@@ -25,7 +25,8 @@ struct FacePatches {
   std::uint32_t patchCount() const { return static_cast<std::uint32_t>(partOf.size()); }
 };
 
-/// Patches and components are numbered in the order of their first faces. Linear.
+/// Patches and components are numbered in the order of their first faces. Parallel,
+/// nearly linear, independent of the number of threads.
 FacePatches findPatches(std::size_t faceCount, const EdgeTable& edges, Progress& progress);
 
 /// Faces listed by patch or by group of patches.

@@ -2,14 +2,13 @@
 #include "tetvdb/surface/FaceSides.h"
 
 #include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/core/MixBits.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/PatchesAtEdge.h"
 
 #include <algorithm>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 namespace tetvdb {
 namespace {
@@ -24,11 +23,9 @@ double component(std::uint64_t number) {
 FaceSides::FaceSides(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress)
     : mesh_(mesh), edges_(edges), patches_(findPatches(mesh.triangleCount(), edges, progress)),
       areas_(mesh.triangleCount()), turned_(mesh.triangleCount(), 0) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, areas_.size(), 1 << 13),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t face = range.begin(); face != range.end(); ++face)
-                        areas_[face] = length(normal(static_cast<std::uint32_t>(face))) / 2;
-                    });
+  forEachIndex(areas_.size(), [&](std::size_t face) {
+    areas_[face] = length(normal(static_cast<std::uint32_t>(face))) / 2;
+  });
   Box box;
   for (const Vec3d& p : mesh.points)
     box.add(p);
@@ -75,19 +72,20 @@ void FaceSides::alignPatches(const std::vector<std::uint8_t>& withoutSide) {
   sideless_.resize(patches_.patchCount());
   for (std::uint32_t patch = 0; patch < sideless_.size(); ++patch)
     sideless_[patch] = !withoutSide.empty() && with[patch] + against[patch] == 0;
-  for (std::size_t face = 0; face < areas_.size(); ++face) {
+  forEachIndex(areas_.size(), [&](std::size_t face) {
     const std::uint32_t patch = patches_.patchOf[face];
     if (patch != EdgeTable::kNone && patches_.orientable[patch])
       turned_[face] = patches_.against[face] != (against[patch] > with[patch]);
-  }
+  });
   findShells();
 }
 
 void FaceSides::findShells() {
   DisjointSets sets(patches_.patchCount());
-  for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
+  forEachIndex(edges_.edgeCount(), [&](std::size_t i) {
+    const auto edge = static_cast<std::uint32_t>(i);
     if (edges_.sides(edge).size() <= 2)
-      continue;
+      return;
     std::uint32_t before = EdgeTable::kNone;
     eachPatchAt(edge, [&](std::uint32_t patch, int imbalance) {
       if (imbalance == 0)
@@ -96,7 +94,7 @@ void FaceSides::findShells() {
         sets.join(before, patch);
       before = patch;
     });
-  }
+  });
   shellOf_.resize(patches_.patchCount());
   for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch) {
     const std::uint32_t root = sets.find(patch); // the shell's first patch

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/ForEachIndex.h"
+#include "tetvdb/core/LargeVector.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/FaceSides.h"
 #include "tetvdb/surface/PatchesAtEdge.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -29,7 +32,7 @@ struct FaceSides::Shell {
   double area = 0;
   double volume = 0; ///< signed, as reversed so far; about the area's centroid
   Vec3d centroid{0, 0, 0};
-  Box box;
+  Box box; ///< in turnShells()
   bool closed = true;
   bool orientable = true;
   bool sideless = true; ///< no face has a side of its own
@@ -49,37 +52,47 @@ struct FaceSides::Shell {
 
 std::vector<FaceSides::Shell> FaceSides::measureShells() const {
   std::vector<Shell> shells(shellCount_);
-  const auto eachFace = [&](const auto& visit) {
+  const auto eachFace = [&](const auto& visit) { // in their order, since sums are rounded
     for (std::uint32_t face = 0; face < areas_.size(); ++face)
       if (patches_.patchOf[face] != EdgeTable::kNone)
         visit(face, shells[shellOf(face)]);
   };
+  LargeVector<Vec3d> moments(areas_.size());
+  forEachIndex(areas_.size(), [&](std::size_t face) {
+    moments[face] = times(centroid(static_cast<std::uint32_t>(face)), areas_[face]);
+  });
   eachFace([&](std::uint32_t face, Shell& shell) {
     shell.area += areas_[face];
-    shell.centroid = plus(shell.centroid, times(centroid(face), areas_[face]));
-    for (std::size_t k = 0; k < 3; ++k)
-      shell.box.add(mesh_.points[mesh_.triangles[3 * std::size_t(face) + k]]);
+    shell.centroid = plus(shell.centroid, moments[face]);
   });
   for (std::uint32_t number = 0; number < shells.size(); ++number) {
     shells[number].number = number;
     if (shells[number].area > 0)
       shells[number].centroid = times(shells[number].centroid, 1 / shells[number].area);
   }
-  eachFace([&](std::uint32_t face, Shell& shell) {
-    const Vec3d& corner = mesh_.points[mesh_.triangles[3 * std::size_t(face)]];
-    shell.volume += dot(minus(corner, shell.centroid), normal(face)) / 6;
+  LargeVector<double> volumes(areas_.size());
+  forEachIndex(areas_.size(), [&](std::size_t i) {
+    const auto face = static_cast<std::uint32_t>(i);
+    if (patches_.patchOf[face] == EdgeTable::kNone)
+      return;
+    const Vec3d& corner = mesh_.points[mesh_.triangles[3 * i]];
+    volumes[i] = dot(minus(corner, shells[shellOf(face)].centroid), normal(face)) / 6;
   });
-  for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge) {
+  eachFace([&](std::uint32_t face, Shell& shell) { shell.volume += volumes[face]; });
+  std::vector<std::atomic<bool>> open(shells.size());
+  forEachIndex(edges_.edgeCount(), [&](std::size_t edge) {
     // All patches that do not balance by themselves are of one shell.
     int sum = 0;
     std::uint32_t shell = 0;
-    eachPatchAt(edge, [&](std::uint32_t patch, int imbalance) {
+    eachPatchAt(static_cast<std::uint32_t>(edge), [&](std::uint32_t patch, int imbalance) {
       sum += imbalance;
       shell = imbalance == 0 ? shell : shellOf_[patch];
     });
     if (sum != 0)
-      shells[shell].closed = false;
-  }
+      open[shell].store(true, std::memory_order_relaxed);
+  });
+  for (std::size_t shell = 0; shell < shells.size(); ++shell)
+    shells[shell].closed = !open[shell];
   for (std::uint32_t patch = 0; patch < shellOf_.size(); ++patch) {
     Shell& shell = shells[shellOf_[patch]];
     shell.orientable = shell.orientable && patches_.orientable[patch] != 0;
@@ -197,6 +210,9 @@ void FaceSides::findContainers(std::vector<Shell>& ranked, Progress& progress) {
 
 void FaceSides::turnShells(Progress& progress) {
   std::vector<Shell> shells = measureShells(), ranked;
+  for (std::uint32_t face = 0; face < areas_.size(); ++face)
+    for (std::size_t k = 0; k < 3 && patches_.patchOf[face] != EdgeTable::kNone; ++k)
+      shells[shellOf(face)].box.add(mesh_.points[mesh_.triangles[3 * std::size_t(face) + k]]);
   askOpenShells(shells, progress);
   for (const Shell& shell : shells)
     if (shell.hasSide)

@@ -2,6 +2,7 @@
 #include "tetvdb/surface/WeldBoundary.h"
 
 #include "tetvdb/core/DisjointSets.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/DuplicateFaces.h"
@@ -145,10 +146,9 @@ private:
 };
 
 std::size_t boundaryEdges(const EdgeTable& edges) {
-  std::size_t count = 0;
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
-    count += edges.sides(edge).size() == 1;
-  return count;
+  return countWhere(edges.edgeCount(), [&](std::size_t edge) {
+    return edges.sides(static_cast<std::uint32_t>(edge)).size() == 1;
+  });
 }
 
 } // namespace
@@ -156,6 +156,8 @@ std::size_t boundaryEdges(const EdgeTable& edges) {
 BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates wanted,
                           Progress& progress) {
   BoundaryWeld weld;
+  if (wanted == WeldCandidates::BoundaryPoints && boundaryEdges(edges) == 0)
+    return weld;
   const Candidates candidates = findCandidates(mesh, edges, wanted);
   if (candidates.points.empty())
     return weld;

@@ -26,6 +26,7 @@ namespace {
 constexpr double kMaxChange = 0.01; // relative to the solid's volume
 constexpr double kNoChange = 0.001; // limit above which the change is reported
 constexpr double kMinSamples = 4;   // points that may differ in any case
+constexpr int kMoreCuts = 4;        // of a mesh that is still broken after the first
 
 // Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
@@ -152,41 +153,81 @@ std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& p
   const std::size_t points = mesh.points.size();
   splitFans(mesh, progress);
   const SeparatedPoints separated = separateEqualPoints(mesh, points, progress);
-  repair.separatedPoints = separated.points;
-  repair.largestMove = std::max(repair.stitched.largestMove, separated.largestMove);
+  repair.separatedPoints += separated.points;
+  repair.largestMove =
+      std::max({repair.largestMove, repair.stitched.largestMove, separated.largestMove});
   return whatIsBroken(mesh, progress, true);
 }
 
-// Returns the remaining defect. Rounding corners to floats, or merging points that are equal as
-// floats, may create new intersections in fine details; the second attempt does neither.
-std::string cutCrossings(const TriangleMesh& closed, TriangleMesh& mesh, LocalRepair& repair,
-                         Progress& progress) {
-  std::string broken;
-  for (const NewCorners corners : {NewCorners::FloatsAsGiven, NewCorners::Doubles}) {
-    TriangleMesh cut = closed;
-    if (corners == NewCorners::Doubles && !repair.crossings.floats)
-      break; // the attempt would be identical
-    const CrossingCounts crossings = removeCrossings(cut, corners, progress);
-    repair.crossings = crossings;
-    if (!crossings.complete) {
-      broken = "too many intersecting faces to cut";
-      continue;
-    }
-    for (const bool joins : {true, false}) {
-      if (!joins && equalAsFloats(cut.points).empty())
-        break; // the attempt would be identical
-      mesh = cut;
-      const StitchCounts stitched = repair.stitched;
-      if (joins)
-        joinEqualAsFloats(mesh, repair);
-      broken = isBalanced(mesh) ? partWhatTouches(mesh, repair, progress)
-                                : "open edges where faces were cut";
-      if (broken.empty())
-        return broken;
-      repair.stitched = stitched;
-    }
+// A mesh whose faces were cut along one another, and what made it from the closed one.
+struct CutMesh {
+  TriangleMesh mesh;
+  LocalRepair repair;
+  NewCorners corners;
+  bool joins; // points that are equal as floats are merged
+  std::string broken = "too many intersecting faces to cut"; // the remaining defect
+};
+
+void finishCut(CutMesh& cut, Progress& progress) {
+  if (cut.joins)
+    joinEqualAsFloats(cut.mesh, cut.repair);
+  cut.broken = isBalanced(cut.mesh) ? partWhatTouches(cut.mesh, cut.repair, progress)
+                                    : "open edges where faces were cut";
+}
+
+// Merging and separating points may create new intersections in fine details.
+void cutAgain(CutMesh& cut, Progress& progress) {
+  for (int k = 0; k < kMoreCuts && !cut.broken.empty() && isBalanced(cut.mesh); ++k) {
+    const CrossingCounts more = removeCrossings(cut.mesh, cut.corners, progress);
+    if (!more.complete || more.cutFaces + more.removedFaces == 0)
+      return;
+    CrossingCounts& all = cut.repair.crossings;
+    all.metFaces += more.metFaces;
+    all.cutFaces += more.cutFaces;
+    all.removedFaces += more.removedFaces;
+    all.addedFaces += more.addedFaces;
+    all.rounds += more.rounds;
+    finishCut(cut, progress);
   }
-  return broken;
+}
+
+// Cuts the closed mesh, with corners and merging of points as they are first found to leave no
+// defect; if none do, cuts what they gave again. Returns the remaining defect.
+std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
+  std::vector<CutMesh> cuts;
+  const auto isWhole = [&](CutMesh& cut) {
+    if (cut.broken.empty()) {
+      mesh = std::move(cut.mesh);
+      repair = cut.repair;
+    }
+    return cut.broken.empty();
+  };
+  for (const NewCorners corners : {NewCorners::FloatsAsGiven, NewCorners::Doubles}) {
+    if (corners == NewCorners::Doubles && !cuts.front().repair.crossings.floats)
+      break; // the attempt would be identical
+    CutMesh cut{mesh, repair, corners, true};
+    cut.repair.crossings = removeCrossings(cut.mesh, corners, progress);
+    cuts.push_back(cut);
+    if (!cut.repair.crossings.complete)
+      continue;
+    finishCut(cuts.back(), progress);
+    if (isWhole(cuts.back()))
+      return "";
+    if (equalAsFloats(cut.mesh.points).empty())
+      continue; // the attempt would be identical
+    cut.joins = false;
+    finishCut(cut, progress);
+    if (isWhole(cut))
+      return "";
+    cuts.push_back(std::move(cut));
+  }
+  for (CutMesh& cut : cuts) {
+    cutAgain(cut, progress);
+    if (isWhole(cut))
+      return "";
+  }
+  repair = cuts.back().repair;
+  return cuts.back().broken;
 }
 
 std::string counted(std::size_t count, const char* one, const char* many) {
@@ -250,12 +291,16 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
     if (!isBalanced(work))
       return failed("boundary edges that cannot be closed");
   }
-  const TriangleMesh closed = work;
-  std::string broken = partWhatTouches(work, repair, progress);
-  if (!broken.empty())
-    broken = cutCrossings(closed, work, repair, progress);
-  if (!broken.empty())
-    return failed(broken);
+  TriangleMesh closed = work;
+  LocalRepair parted = repair;
+  if (partWhatTouches(work, parted, progress).empty()) {
+    repair = parted;
+  } else {
+    const std::string broken = cutCrossings(closed, repair, progress);
+    if (!broken.empty())
+      return failed(broken);
+    work = std::move(closed);
+  }
   repair.solids = compareSolids(mesh, work, progress);
   const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
   const double changed = std::max(repair.solids.lost, repair.solids.gained);

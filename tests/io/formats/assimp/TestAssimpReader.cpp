@@ -204,6 +204,23 @@ TEST(AssimpReader, Fbx) {
   EXPECT_EQ(read.mesh.units, "centimetre");
 }
 
+TEST(AssimpReader, NodesWithoutMeshesAreNothing) {
+  const auto without = [](std::string text, const std::string& from, const std::string& to) {
+    for (std::size_t at; (at = text.find(from)) != std::string::npos;)
+      text.erase(at, text.find(to, at) + to.size() - at);
+    return text;
+  };
+  const std::pair<const char*, std::string> files[] = {
+      {"n.dae", without(kCollada, "<instance_geometry", "/>")},
+      {"n.fbx", without(kFbx, "	C: \"OO\",1000", "\n")}};
+  for (const auto& [name, text] : files) {
+    const Reading read = readingFile(name, text);
+    if (isWithoutAssimp(read))
+      GTEST_SKIP() << read.error;
+    EXPECT_NE(read.error.find("it holds no meshes"), std::string::npos) << name << read.error;
+  }
+}
+
 TEST(AssimpReader, DamagedFilesEndInOneSentence) {
   const std::pair<const char*, std::string> files[] = {
       {"d.gltf", gltfText()}, {"d.glb", glb()}, {"d.dae", kCollada}, {"d.fbx", kFbx}};

@@ -166,6 +166,48 @@ bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
   return along > kSame && along < size - kSame && length(cross(way, to)) <= kStraight * size;
 }
 
+// Corners by their positions on the lattice.
+class CornerTree {
+public:
+  CornerTree(const PartPoints& points, const std::set<std::uint32_t>& corners)
+      : points_(points), corners_(corners.begin(), corners.end()), tree_(boxesOf(points, corners)) {
+  }
+
+  // Those on the edge between its ends, with their distances from its first point.
+  std::map<std::uint32_t, double> between(const Edge& edge) const {
+    const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
+    Box box;
+    box.add(a);
+    box.add(b);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.low[axis] -= kStraight;
+      box.high[axis] += kStraight;
+    }
+    std::map<std::uint32_t, double> found;
+    tree_.visit([&](const Box& other) { return other.meets(box); },
+                [&](std::uint32_t item) {
+                  double along;
+                  if (isBetween(a, b, points_.lattice(corners_[item]), along))
+                    found.emplace(corners_[item], along);
+                  return false;
+                });
+    return found;
+  }
+
+private:
+  static std::vector<Box> boxesOf(const PartPoints& points,
+                                  const std::set<std::uint32_t>& corners) {
+    std::vector<Box> boxes;
+    for (const std::uint32_t v : corners)
+      boxes.push_back(Box{points.lattice(v), points.lattice(v)});
+    return boxes;
+  }
+
+  const PartPoints& points_;
+  std::vector<std::uint32_t> corners_;
+  BoxTree tree_;
+};
+
 class Regions {
 public:
   Regions(const TriangleMesh& mesh, PartPoints& points) : mesh_(mesh), points_(points) {}
@@ -194,9 +236,15 @@ public:
       }
       if (corners.size() > kMaxPartCorners)
         return false;
+      if (corners.empty())
+        continue;
+      const CornerTree tree(points_, corners);
       EdgeSum edges;
       for (const Loop& loop : outlines)
-        addOutline(loop, corners, edges);
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+          const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
+          edges.add(edge, tree.between(edge));
+        }
       region.edges = edges.edges();
       if (!region.edges.empty())
         regions_.push_back(std::move(region));
@@ -301,32 +349,11 @@ public:
     for (const Region& region : regions_)
       for (const Edge& edge : region.edges)
         all.insert(edge.first);
-    const std::vector<std::uint32_t> corners(all.begin(), all.end());
-    std::vector<Box> boxes;
-    for (const std::uint32_t v : corners)
-      boxes.push_back(Box{points_.lattice(v), points_.lattice(v)});
-    const BoxTree tree(boxes);
+    const CornerTree corners(points_, all);
     for (Region& region : regions_) {
       EdgeSum edges;
-      for (const Edge& edge : region.edges) {
-        const Vec3d &a = points_.lattice(edge.first), &b = points_.lattice(edge.second);
-        Box box;
-        box.add(a);
-        box.add(b);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          box.low[axis] -= kStraight;
-          box.high[axis] += kStraight;
-        }
-        std::map<std::uint32_t, double> between;
-        tree.visit([&](const Box& other) { return other.meets(box); },
-                   [&](std::uint32_t item) {
-                     double along;
-                     if (isBetween(a, b, points_.lattice(corners[item]), along))
-                       between.emplace(corners[item], along);
-                     return false;
-                   });
-        edges.add(edge, between);
-      }
+      for (const Edge& edge : region.edges)
+        edges.add(edge, corners.between(edge));
       region.edges = edges.edges();
     }
   }
@@ -391,21 +418,6 @@ private:
       return isBetween(points_.lattice(edge.first), points_.lattice(edge.second),
                        points_.lattice(v), along);
     });
-  }
-
-  void addOutline(const Loop& loop, const std::set<std::uint32_t>& corners, EdgeSum& edges) const {
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const Edge edge{loop[i], loop[(i + 1) % loop.size()]};
-      std::map<std::uint32_t, double> between;
-      for (const std::uint32_t v : corners) {
-        double along;
-        if (v != edge.first && v != edge.second &&
-            isBetween(points_.lattice(edge.first), points_.lattice(edge.second), points_.lattice(v),
-                      along))
-          between.emplace(v, along);
-      }
-      edges.add(edge, between);
-    }
   }
 
   const TriangleMesh& mesh_;

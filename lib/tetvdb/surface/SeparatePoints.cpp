@@ -21,6 +21,7 @@ namespace tetvdb {
 namespace {
 
 constexpr int kFirstStep = -22, kLastStep = -12; // powers of two of the largest coordinate
+constexpr int kThinStep = -20;                   // of the height of a face
 constexpr int kMaxRounds = 8;
 
 using FloatPosition = std::array<float, 3>;
@@ -59,17 +60,18 @@ public:
       ways.push_back(minus(midpoint(face), from));
       ways[1] = plus(ways[1], ways.back());
     }
-    for (int step = kFirstStep; step <= kLastStep; ++step)
-      for (const Vec3d& way : ways) {
-        const double size = length(way);
-        if (size > 0 &&
-            moveTo(point, plus(from, times(way, std::ldexp(size_, step) / size)), faces, before)) {
-          if (!free || !crosses(point))
-            return true;
-          used_.erase(rounded(mesh_.points[point]));
-          mesh_.points[point] = from;
+    for (const bool thinTurn : {false, true})
+      for (int step = kFirstStep; step <= kLastStep; ++step)
+        for (const Vec3d& way : ways) {
+          const double size = length(way);
+          if (size > 0 && moveTo(point, plus(from, times(way, std::ldexp(size_, step) / size)),
+                                 faces, before, thinTurn)) {
+            if (!(free || thinTurn) || !crosses(point))
+              return true;
+            used_.erase(rounded(mesh_.points[point]));
+            mesh_.points[point] = from;
+          }
         }
-      }
     mesh_.points[point] = last;
     used_.insert(rounded(last));
     return false;
@@ -111,21 +113,30 @@ public:
 
 private:
   // Whether `position`, rounded, is free and preserves the orientation of the faces, whose normals
-  // are given; collinear faces may change.
+  // are given; collinear faces may change, with `thinTurn` also those that floats hardly resolve.
   bool moveTo(std::uint32_t point, const Vec3d& position, const std::vector<std::uint32_t>& faces,
-              const std::vector<Vec3d>& before) {
+              const std::vector<Vec3d>& before, bool thinTurn) {
     const FloatPosition to = rounded(position);
     if (used_.count(to) > 0)
       return false;
     const Vec3d from = mesh_.points[point];
     mesh_.points[point] = nearestFloats(position);
     for (std::size_t i = 0; i < faces.size(); ++i)
-      if (dot(before[i], before[i]) > 0 && !(dot(normal(faces[i]), before[i]) > 0)) {
+      if (dot(before[i], before[i]) > 0 && !(dot(normal(faces[i]), before[i]) > 0) &&
+          !(thinTurn && isThin(faces[i], length(before[i])))) {
         mesh_.points[point] = from;
         return false;
       }
     used_.insert(to);
     return true;
+  }
+  // Whether the least height of a face of twice the area is that of some floats.
+  bool isThin(std::uint32_t face, double twiceArea) const {
+    const std::size_t i = 3 * std::size_t(face);
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      longest = std::max(longest, length(minus(at(i + k), at(i + (k + 1) % 3))));
+    return twiceArea <= longest * std::ldexp(size_, kThinStep);
   }
   const Vec3d& at(std::size_t corner) const { return mesh_.points[mesh_.triangles[corner]]; }
   Vec3d normal(std::size_t face) const {

@@ -31,13 +31,16 @@ fuzz() { # target
   mkdir -p "$found"
   echo "fuzz: $1 for $seconds s"
   if ! build/fuzz/bin/"$1" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2500 \
-    -max_len=65536 -artifact_prefix="$found/" -print_final_stats=1 -verbosity=0 \
+    -max_len=65536 -artifact_prefix="$found/" -print_final_stats=1 \
     "$found" "$seeds" >build/fuzz/"$1".log 2>&1; then
     tail -40 build/fuzz/"$1".log
     echo "fuzz: $1 FAILED; the input lies in $found"
     return 1
   fi
-  echo "fuzz: $1 done, $(sed -n 's/^stat::number_of_executed_units: *//p' build/fuzz/"$1".log) executions"
+  local executions edges
+  executions=$(sed -n 's/^stat::number_of_executed_units: *//p' build/fuzz/"$1".log)
+  edges=$(sed -n 's/.*DONE *cov: \([0-9]*\).*/\1/p' build/fuzz/"$1".log)
+  echo "fuzz: $1 done, $executions executions, $edges edges of the program covered"
 }
 export -f fuzz
 export seconds seeds

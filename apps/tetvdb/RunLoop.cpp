@@ -133,8 +133,8 @@ void checkReport(const CommonOptions& options, FileUse& files) {
   requireWritableReport(options.json);
 }
 
-void printNotes(const Session& session) {
-  if (session.options.quiet)
+void printNotes(const Session& session, Status status) {
+  if (session.options.quiet && status != Status::Partial)
     return;
   for (const Warning& warning : session.report.warnings)
     printMessage("warning: " + warning.text);
@@ -186,7 +186,7 @@ int runCommand(const Command& command) {
   for (const std::string& line : session.errors)
     printMessage(line);
   if (failure.status == Status::Ok)
-    printNotes(session);
+    printNotes(session, status);
   else
     printMessage(failure.text);
 

@@ -39,7 +39,8 @@ std::shared_ptr<CommonOptions> addCommonOptions(CLI::App& command) {
                    "Replace the FILE of --json though it is no report of this program");
   command.add_flag("--allow-outside", options->allowOutside,
                    "Read files outside of its folder that an input refers to");
-  command.add_flag("-q,--quiet", options->quiet, "Print only errors");
+  command.add_flag("-q,--quiet", options->quiet,
+                   "Print only errors, and warnings where the status is 1");
   command.add_flag("-v,--verbose", options->verbose, "Say what each stage takes");
   return options;
 }

@@ -310,6 +310,8 @@ class BadInput(CommandLineTest):
         report = self.report_of("tetrahedralize", "part.off", "-o", "out.msh", status=1)
         self.assertIn("bad-faces", [w["code"] for w in report["warnings"]])
         self.assertAlmostEqual(report["mesh"]["volume"], 1, delta=0.012)
+        quiet = self.succeed("tetrahedralize", "part.off", "-o", "out.msh", "-q", status=1)
+        self.assertEqual(quiet.lines, ["tetvdb: warning: " + w["text"] for w in report["warnings"]])
 
     def test_other_kinds_of_files(self):
         self.write("box.mesh", medit(*lattice(1)))

@@ -190,7 +190,8 @@ TriangleMesh almostAlignedBoxes(Random& random) {
 }
 
 TEST(LocalRepair, WhatSeparatedPointsMakeCrossIsCutAgain) {
-  for (const std::uint64_t seed : {19u, 120u, 159u, 178u, 340u, 535u}) { // those of the first 600 that need it
+  // Those of the first 600 that need it.
+  for (const std::uint64_t seed : {19u, 120u, 159u, 178u, 340u, 535u}) {
     Random random(seed);
     TriangleMesh mesh = almostAlignedBoxes(random);
     const LocalRepair repair = repaired(mesh);

@@ -195,7 +195,7 @@ void cutAgain(CutMesh& cut, Progress& progress) {
 // defect; if none do, cuts what they gave again. Returns the remaining defect.
 std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   std::vector<CutMesh> cuts;
-  const auto isWhole = [&](CutMesh& cut) {
+  const auto takeIfWhole = [&](CutMesh& cut) {
     if (cut.broken.empty()) {
       mesh = std::move(cut.mesh);
       repair = cut.repair;
@@ -211,19 +211,19 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
     if (!cut.repair.crossings.complete)
       continue;
     finishCut(cuts.back(), progress);
-    if (isWhole(cuts.back()))
+    if (takeIfWhole(cuts.back()))
       return "";
     if (equalAsFloats(cut.mesh.points).empty())
       continue; // the attempt would be identical
     cut.joins = false;
     finishCut(cut, progress);
-    if (isWhole(cut))
+    if (takeIfWhole(cut))
       return "";
     cuts.push_back(std::move(cut));
   }
   for (CutMesh& cut : cuts) {
     cutAgain(cut, progress);
-    if (isWhole(cut))
+    if (takeIfWhole(cut))
       return "";
   }
   repair = cuts.back().repair;

@@ -156,7 +156,8 @@ std::size_t boundaryEdges(const EdgeTable& edges) {
 BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, WeldCandidates wanted,
                           Progress& progress) {
   BoundaryWeld weld;
-  if (wanted == WeldCandidates::BoundaryPoints && boundaryEdges(edges) == 0)
+  const std::size_t open = boundaryEdges(edges);
+  if (wanted == WeldCandidates::BoundaryPoints && open == 0)
     return weld;
   const Candidates candidates = findCandidates(mesh, edges, wanted);
   if (candidates.points.empty())
@@ -201,7 +202,7 @@ BoundaryWeld weldBoundary(const TriangleMesh& mesh, const EdgeTable& edges, Weld
   for (std::size_t i = 0; i < corners.size(); ++i)
     corners[i] = becomes[mesh.triangles[i]];
   const EdgeTable after(corners, mesh.points.size());
-  const std::size_t open = boundaryEdges(edges), left = boundaryEdges(after);
+  const std::size_t left = boundaryEdges(after);
   const bool accepted = wanted == WeldCandidates::AllPoints
                             ? 2 * findDuplicates(after).surplus() >= mesh.triangleCount() / 2
                             : left + gone <= open && 2 * left <= open;

@@ -132,6 +132,8 @@ std::string changesText(const RepairResult& result) {
   if (local.stitched.joinedPoints + local.separatedPoints > 0)
     text += fmt::format("  vertices moved: {}, up to {:.4g}\n",
                         local.stitched.joinedPoints + local.separatedPoints, local.largestMove);
+  if (local.roundsToFloats)
+    text += "  coordinates rounded to 32-bit floats\n";
   if (local.crossings.cutFaces + local.crossings.removedFaces > 0)
     text += fmt::format("  faces cut along others: {}; within the solid and removed: {}\n",
                         local.crossings.cutFaces, local.crossings.removedFaces);

@@ -25,6 +25,7 @@ Json localOf(const LocalRepair& local) {
           {"cut_faces", local.crossings.cutFaces},
           {"removed_faces", local.crossings.removedFaces},
           {"separated_points", local.separatedPoints},
+          {"rounded_to_floats", local.roundsToFloats},
           {"largest_move", local.largestMove},
           {"solid_lost", local.solids.lost},
           {"solid_gained", local.solids.gained}};

@@ -77,7 +77,7 @@ TEST(Formats, EveryReaderOfOurOwnHasAFuzzTarget) {
     ++targets;
   // assimp reads scenes, and a .pvtu is read as the .vtu files that it names.
   const std::set<FileFormat> others{FileFormat::Gltf, FileFormat::Fbx, FileFormat::Collada,
-                                    FileFormat::Pvtu};
+                                    FileFormat::ThreeDs, FileFormat::Pvtu};
   std::size_t readers = 0;
   for (const Format& format : formats())
     readers += (can(format, FormatUse::ReadCells) || can(format, FormatUse::ReadTriangles)) &&

@@ -38,6 +38,8 @@ TEST(TriangleReader, FormatsAreToldByContent) {
   EXPECT_EQ(sniff("Kaydara FBX Binary  ", "a"), FileFormat::Fbx);
   EXPECT_EQ(sniff("; FBX 7.4.0 project file\n", "a"), FileFormat::Fbx);
   EXPECT_EQ(sniff("<?xml version=\"1.0\"?>\n<COLLADA>", "a.xml"), FileFormat::Collada);
+  EXPECT_EQ(sniff(std::string("MM\x20\0\0\0\x02\0", 8), "a"), FileFormat::ThreeDs);
+  EXPECT_EQ(sniff(std::string("MM\0\x2a\0\0\0\x08", 8), "a.tif"), FileFormat::Unknown);
 }
 
 TEST(TriangleReader, TheNameDecidesWhatTheContentLeavesOpen) {
@@ -50,7 +52,7 @@ TEST(TriangleReader, TheNameDecidesWhatTheContentLeavesOpen) {
 TEST(TriangleReader, HoldsTriangles) {
   for (const FileFormat format :
        {FileFormat::Stl, FileFormat::Obj, FileFormat::Off, FileFormat::Ply, FileFormat::ThreeMf,
-        FileFormat::Gltf, FileFormat::Fbx, FileFormat::Collada})
+        FileFormat::Gltf, FileFormat::Fbx, FileFormat::Collada, FileFormat::ThreeDs})
     EXPECT_TRUE(holdsTriangles(format));
   for (const FileFormat format : {FileFormat::Unknown, FileFormat::Gmsh, FileFormat::Exodus})
     EXPECT_FALSE(holdsTriangles(format));

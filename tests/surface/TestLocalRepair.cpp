@@ -199,6 +199,21 @@ TEST(LocalRepair, WhatSeparatedPointsMakeCrossIsCutAgain) {
   }
 }
 
+// With coordinates that are not 32-bit floats.
+TEST(LocalRepair, CoordinatesAreRoundedWhereCuttingNeedsIt) {
+  std::size_t rounded = 0;
+  for (const std::uint64_t seed : {61u, 98u, 217u, 308u, 340u, 555u}) {
+    Random random(seed);
+    TriangleMesh mesh = almostAlignedBoxes(random);
+    for (Vec3d& p : mesh.points)
+      p = times(p, 1.0 / 3);
+    const LocalRepair repair = repaired(mesh);
+    EXPECT_TRUE(repair.succeeded) << seed << ": " << repair.why;
+    rounded += repair.roundsToFloats;
+  }
+  EXPECT_EQ(rounded, 2u); // 98 and 308
+}
+
 TEST(LocalRepair, WhatFailsIsLeftAsItWas) {
   TriangleMesh mesh = moebius();
   Progress progress;

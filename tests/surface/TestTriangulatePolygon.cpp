@@ -2,7 +2,9 @@
 #include "TriangleMeshes.h"
 #include "tetvdb/surface/TriangulatePolygon.h"
 
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <gtest/gtest.h>
 #include <map>
 #include <numeric>
@@ -188,7 +190,8 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
     if (edges.empty())
       continue;
     Loop corners;
-    ASSERT_TRUE(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, corners));
+    ASSERT_TRUE(
+        triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, Overlaps::Refused, corners));
     EXPECT_NEAR(planarArea(points, corners), area, 1e-12);
     std::map<PolygonEdge, int> excess;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -208,8 +211,8 @@ TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
 TEST(TriangulatePolygon, InnerPointsAreCorners) {
   const std::vector<Vec3d> points{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {1, 1, 0}, {2, 1, 0}, {1, 2, 0}};
   Loop corners;
-  ASSERT_TRUE(
-      triangulateEdges(points, {{0, 1}, {1, 2}, {2, 0}}, {3, 4, 5}, {0, 0, 1}, kAllFree, corners));
+  ASSERT_TRUE(triangulateEdges(points, {{0, 1}, {1, 2}, {2, 0}}, {3, 4, 5}, {0, 0, 1}, kAllFree,
+                               Overlaps::Refused, corners));
   EXPECT_NEAR(planarArea(points, corners), 8, 1e-14);
   expectBoundary(corners, {{0, 1, 2}});
   EXPECT_EQ(corners.size(), 3u * 7u);
@@ -226,8 +229,52 @@ TEST(TriangulatePolygon, RefusesWhatHasNoInside) {
            {{0, 1}, {1, 2}, {2, 4}, {4, 3}, {3, 0}}, // through a point of its own
            {{0, 4}, {4, 1}, {1, 0}}}) {              // without area
     Loop corners;
-    EXPECT_FALSE(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, corners));
+    EXPECT_FALSE(
+        triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, Overlaps::Refused, corners));
     EXPECT_TRUE(corners.empty());
+  }
+}
+
+TEST(TriangulatePolygon, MergesRegionsThatOverlap) {
+  // Cells of a sheared grid with winding numbers from -1 to 2: the edges between two cells are as
+  // many as their winding numbers differ by.
+  Random random(23);
+  constexpr std::uint32_t kSize = 6;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Vec3d> points;
+    for (std::uint32_t i = 0; i <= kSize; ++i)
+      for (std::uint32_t k = 0; k <= kSize; ++k)
+        points.push_back({i + 0.125 * k, k - 0.25 * i, 0.5});
+    std::array<std::array<int, kSize + 2>, kSize + 2> winding{};
+    double area = 0;
+    bool simple = true;
+    const double share = random.unit();
+    for (std::uint32_t i = 1; i <= kSize; ++i)
+      for (std::uint32_t k = 1; k <= kSize; ++k) {
+        winding[i][k] = random.unit() < share ? static_cast<int>(random.below(4)) - 1 : 1;
+        area += winding[i][k] > 0 ? 1 + 0.125 * 0.25 : 0;
+        simple = simple && winding[i][k] >= 0 && winding[i][k] <= 1;
+      }
+    std::vector<PolygonEdge> edges;
+    const auto add = [&](std::uint32_t from, std::uint32_t to, int count) {
+      const PolygonEdge edge = count > 0 ? PolygonEdge{from, to} : PolygonEdge{to, from};
+      edges.insert(edges.end(), static_cast<std::size_t>(std::abs(count)), edge);
+    };
+    const auto at = [&](std::uint32_t i, std::uint32_t k) { return i * (kSize + 1) + k; };
+    for (std::uint32_t i = 0; i <= kSize; ++i)
+      for (std::uint32_t k = 0; k <= kSize; ++k) {
+        if (i < kSize)
+          add(at(i, k), at(i + 1, k), winding[i + 1][k + 1] - winding[i + 1][k]);
+        if (k < kSize)
+          add(at(i, k), at(i, k + 1), winding[i][k + 1] - winding[i + 1][k + 1]);
+      }
+    Loop corners;
+    EXPECT_EQ(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, Overlaps::Refused, corners),
+              simple && area > 0);
+    corners.clear();
+    ASSERT_EQ(triangulateEdges(points, edges, {}, {0, 0, 1}, kAllFree, Overlaps::Merged, corners),
+              area > 0);
+    EXPECT_NEAR(planarArea(points, corners), area, 1e-12);
   }
 }
 

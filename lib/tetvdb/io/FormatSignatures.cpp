@@ -144,6 +144,13 @@ bool isCollada(const FileStart& file) {
   return startsWith(file.text, "<") && contains(file.head, "<COLLADA");
 }
 
+// The main chunk, of which the first is the version or the editor's data.
+bool isThreeDs(const FileStart& file) {
+  return startsWith(file.head, "MM") && file.head.size() >= 8 &&
+         (file.head.substr(6, 2) == std::string_view("\x02\0", 2) ||
+          file.head.substr(6, 2) == "==");
+}
+
 // --- Solid cells --------------------------------------------------------------------------------
 
 bool isGmsh(const FileStart& file) {

@@ -31,6 +31,7 @@ bool isAmf(const FileStart& file);
 bool isGltf(const FileStart& file);
 bool isFbx(const FileStart& file);
 bool isCollada(const FileStart& file);
+bool isThreeDs(const FileStart& file);
 
 bool isGmsh(const FileStart& file);
 bool isMedit(const FileStart& file);

@@ -141,6 +141,8 @@ std::vector<Format> makeTable() {
                           isFbx, readFbx, nullptr));
   all.push_back(triangles(FileFormat::Collada, "COLLADA .dae", ".dae",
                           "Scenes, where the build has assimp", isCollada, readCollada, nullptr));
+  all.push_back(triangles(FileFormat::ThreeDs, "3DS", ".3ds", "Scenes, where the build has assimp",
+                          isThreeDs, readThreeDs, nullptr));
 
   // --- solid cells ---
   all.push_back(cellsOrFaces<readGmsh>(FileFormat::Gmsh, "Gmsh .msh", ".msh",

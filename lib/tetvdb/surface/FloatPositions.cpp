@@ -26,6 +26,11 @@ std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
   return equal;
 }
 
+bool areFloats(const std::vector<Vec3d>& points) {
+  return std::all_of(points.begin(), points.end(),
+                     [](const Vec3d& p) { return nearestFloats(p) == p; });
+}
+
 Vec3d nearestFloats(const Vec3d& p) {
   Vec3d rounded;
   for (std::size_t axis = 0; axis < 3; ++axis) {

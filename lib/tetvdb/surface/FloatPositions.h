@@ -12,6 +12,9 @@ namespace tetvdb {
 /// the points of STL and 3MF files would merge them.
 std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points);
 
+/// Whether all coordinates are 32-bit floats.
+bool areFloats(const std::vector<Vec3d>& points);
+
 /// The nearest point with 32-bit float coordinates.
 Vec3d nearestFloats(const Vec3d& p);
 

@@ -23,10 +23,11 @@
 namespace tetvdb {
 namespace {
 
-constexpr double kMaxChange = 0.01; // relative to the solid's volume
-constexpr double kNoChange = 0.001; // limit above which the change is reported
-constexpr double kMinSamples = 4;   // points that may differ in any case
-constexpr int kMoreCuts = 4;        // of a mesh that is still broken after the first
+constexpr double kMaxChange = 0.01;      // relative to the solid's volume
+constexpr double kNoChange = 0.001;      // limit above which the change is reported
+constexpr double kMinSamples = 4;        // points that may differ in any case
+constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
+constexpr std::size_t kMoreMetFaces = 4; // times as many meet where rounding does not help
 
 // Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
@@ -178,6 +179,7 @@ void finishCut(CutMesh& cut, Progress& progress) {
 // Merging and separating points may create new intersections in fine details.
 void cutAgain(CutMesh& cut, Progress& progress) {
   for (int k = 0; k < kMoreCuts && !cut.broken.empty() && isBalanced(cut.mesh); ++k) {
+    const auto before = std::make_pair(cut.broken, cut.mesh.triangleCount());
     const CrossingCounts more = removeCrossings(cut.mesh, cut.corners, progress);
     if (!more.complete || more.cutFaces + more.removedFaces == 0)
       return;
@@ -188,46 +190,73 @@ void cutAgain(CutMesh& cut, Progress& progress) {
     all.addedFaces += more.addedFaces;
     all.rounds += more.rounds;
     finishCut(cut, progress);
+    if (std::make_pair(cut.broken, cut.mesh.triangleCount()) == before)
+      return; // the next attempt would be identical
   }
 }
 
-// Cuts the closed mesh, with corners and merging of points as they are first found to leave no
-// defect; if none do, cuts what they gave again. Returns the remaining defect.
-std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
+// Cuts a closed mesh with each of these corners, and points that are equal as floats merged or not;
+// if all leave a defect, cuts what they gave again. Gives up where more faces meet than this.
+// Returns the first without defect, or the last.
+CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
+                std::size_t maxMetFaces, Progress& progress) {
   std::vector<CutMesh> cuts;
-  const auto takeIfWhole = [&](CutMesh& cut) {
-    if (cut.broken.empty()) {
-      mesh = std::move(cut.mesh);
-      repair = cut.repair;
-    }
-    return cut.broken.empty();
-  };
-  for (const NewCorners corners : {NewCorners::FloatsAsGiven, NewCorners::Doubles}) {
-    if (corners == NewCorners::Doubles && !cuts.front().repair.crossings.floats)
-      break; // the attempt would be identical
-    CutMesh cut{mesh, repair, corners, true};
-    cut.repair.crossings = removeCrossings(cut.mesh, corners, progress);
+  for (const NewCorners one : corners) {
+    CutMesh cut = uncut;
+    cut.corners = one;
+    cut.repair.crossings = removeCrossings(cut.mesh, one, progress);
     cuts.push_back(cut);
+    if (cut.repair.crossings.metFaces > maxMetFaces)
+      return cut;
     if (!cut.repair.crossings.complete)
       continue;
     finishCut(cuts.back(), progress);
-    if (takeIfWhole(cuts.back()))
-      return "";
+    if (cuts.back().broken.empty())
+      return cuts.back();
     if (equalAsFloats(cut.mesh.points).empty())
       continue; // the attempt would be identical
     cut.joins = false;
     finishCut(cut, progress);
-    if (takeIfWhole(cut))
-      return "";
-    cuts.push_back(std::move(cut));
+    cuts.push_back(cut);
+    if (cut.broken.empty())
+      return cut;
   }
   for (CutMesh& cut : cuts) {
     cutAgain(cut, progress);
-    if (takeIfWhole(cut))
-      return "";
+    if (cut.broken.empty())
+      return cut;
   }
-  repair = cuts.back().repair;
-  return cuts.back().broken;
+  return cuts.back();
+}
+
+CutMesh roundedToFloats(CutMesh cut) {
+  cut.repair.roundsToFloats = true;
+  for (Vec3d& p : cut.mesh.points) {
+    const Vec3d to = nearestFloats(p);
+    cut.repair.largestMove = std::max(cut.repair.largestMove, length(minus(to, p)));
+    p = to;
+  }
+  joinEqualAsFloats(cut.mesh, cut.repair);
+  return cut;
+}
+
+// Cuts the closed mesh as given or, if that fails, rounded to floats. Returns the remaining defect.
+std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
+  const CutMesh uncut{mesh, repair, NewCorners::Doubles, true};
+  const std::vector<NewCorners> both{NewCorners::FloatsAsGiven, NewCorners::Doubles};
+  const bool floats = areFloats(mesh.points);
+  CutMesh cut = cutWith(uncut, floats ? both : std::vector<NewCorners>{NewCorners::Doubles},
+                        mesh.triangleCount(), progress);
+  if (!cut.broken.empty() && !floats) {
+    const std::size_t metFaces = cut.repair.crossings.metFaces;
+    CutMesh rounded = cutWith(roundedToFloats(uncut), both, kMoreMetFaces * metFaces, progress);
+    if (rounded.broken.empty())
+      cut = std::move(rounded);
+  }
+  repair = cut.repair;
+  if (cut.broken.empty())
+    mesh = std::move(cut.mesh);
+  return cut.broken;
 }
 
 std::string counted(std::size_t count, const char* one, const char* many) {

@@ -10,15 +10,15 @@
 namespace tetvdb {
 namespace {
 
-using Face = std::array<Vec3d, 3>;
+using Face = std::array<std::array<float, 3>, 3>;
 
 std::vector<Face> sortedFaces(const TriangleMesh& mesh) {
   std::vector<Face> faces(mesh.triangleCount());
   for (std::size_t face = 0; face < faces.size(); ++face) {
     for (std::size_t k = 0; k < 3; ++k) {
-      faces[face][k] = mesh.points[mesh.triangles[3 * face + k]];
-      for (double& c : faces[face][k])
-        c += 0.0; // -0 equals 0
+      const Vec3d& p = mesh.points[mesh.triangles[3 * face + k]];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        faces[face][k][axis] = static_cast<float>(p[axis]) + 0.0f; // -0 equals 0
     }
     std::sort(faces[face].begin(), faces[face].end());
   }

@@ -31,6 +31,7 @@ constexpr double kStraight = 16;              // lattice units: tolerance of a s
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
+using EdgeCounts = std::map<Edge, int>; // several where parts overlap by rounding
 using Loop = std::vector<std::uint32_t>;
 
 bool isPositive(std::int64_t winding) {
@@ -117,12 +118,12 @@ private:
 // Directed edges; those in opposite directions cancel.
 class EdgeSum {
 public:
-  void add(std::uint32_t from, std::uint32_t to) {
+  void add(std::uint32_t from, std::uint32_t to, int count = 1) {
     int& sum = sums_[{std::min(from, to), std::max(from, to)}];
-    sum += from < to ? 1 : -1;
+    sum += from < to ? count : -count;
   }
   // Adds an edge through corners at the given distances from its first point.
-  void add(const Edge& edge, const std::map<std::uint32_t, double>& between) {
+  void add(const Edge& edge, const std::map<std::uint32_t, double>& between, int count = 1) {
     std::vector<std::pair<double, std::uint32_t>> ordered;
     for (const auto& [v, along] : between)
       ordered.emplace_back(along, v);
@@ -130,17 +131,15 @@ public:
     ordered.emplace_back(0, edge.second);
     std::uint32_t from = edge.first;
     for (const auto& [along, to] : ordered) {
-      add(from, to);
+      add(from, to, count);
       from = to;
     }
   }
-  // An edge that remains twice, where parts overlap by rounding, is returned once: a slit stays
-  // open.
-  std::set<Edge> edges() const {
-    std::set<Edge> edges;
+  EdgeCounts edges() const {
+    EdgeCounts edges;
     for (const auto& [edge, sum] : sums_)
       if (sum != 0)
-        edges.insert(sum > 0 ? edge : Edge{edge.second, edge.first});
+        edges.emplace(sum > 0 ? edge : Edge{edge.second, edge.first}, std::abs(sum));
     return edges;
   }
 
@@ -152,10 +151,17 @@ private:
 struct Region {
   std::uint32_t face; ///< of the chain
   bool inverse;
-  std::set<Edge> edges;
+  EdgeCounts edges;
   std::set<std::uint32_t> inner; ///< corners of other faces inside it, off its edges
   bool whole = false;            ///< a face that was not cut
 };
+
+std::vector<Edge> repeated(const EdgeCounts& counts) {
+  std::vector<Edge> edges;
+  for (const auto& [edge, count] : counts)
+    edges.insert(edges.end(), static_cast<std::size_t>(count), edge);
+  return edges;
+}
 
 bool isBetween(const Vec3d& a, const Vec3d& b, const Vec3d& p, double& along) {
   const Vec3d way = minus(b, a), to = minus(p, a);
@@ -264,7 +270,7 @@ public:
       std::reverse(outline.begin(), outline.end());
     regions_.push_back({face, inverse, {}, {}, true});
     for (std::size_t i = 0; i < 3; ++i)
-      regions_.back().edges.insert({outline[i], outline[(i + 1) % 3]});
+      regions_.back().edges.insert({{outline[i], outline[(i + 1) % 3]}, 1});
     return true;
   }
 
@@ -299,7 +305,7 @@ public:
   void dropStraightCorners(const std::set<std::uint32_t>& faceCorners) {
     std::map<std::uint32_t, std::vector<std::size_t>> regionsAt;
     for (std::size_t i = 0; i < regions_.size(); ++i)
-      for (const Edge& edge : regions_[i].edges)
+      for (const auto& [edge, count] : regions_[i].edges)
         if (auto& at = regionsAt[edge.first]; at.empty() || at.back() != i)
           at.push_back(i);
     std::map<Edge, std::set<std::uint32_t>> dropped; // removed corners of an edge, low first
@@ -310,14 +316,16 @@ public:
       std::vector<Edge> spans; // from the previous corner to the next, by region
       for (const std::size_t i : at) {
         Edge span{kNone, kNone};
-        std::size_t out = 0, in = 0;
-        const std::set<Edge>& edges = regions_[i].edges;
-        for (auto e = edges.lower_bound({v, 0}); e != edges.end() && e->first == v; ++e, ++out)
-          span.second = e->second;
-        for (const Edge& edge : edges)
+        int out = 0, in = 0;
+        const EdgeCounts& edges = regions_[i].edges;
+        for (auto e = edges.lower_bound({v, 0}); e != edges.end() && e->first.first == v; ++e) {
+          span.second = e->first.second;
+          out += e->second;
+        }
+        for (const auto& [edge, count] : edges)
           if (edge.second == v) {
             span.first = edge.first;
-            ++in;
+            in += count;
           }
         passed.push_back({v});
         for (const std::uint32_t other : {span.first, span.second})
@@ -332,10 +340,10 @@ public:
         spans.push_back(span);
       }
       for (std::size_t k = 0; k < spans.size(); ++k) {
-        std::set<Edge>& edges = regions_[at[k]].edges;
+        EdgeCounts& edges = regions_[at[k]].edges;
         edges.erase({spans[k].first, v});
         edges.erase({v, spans[k].second});
-        edges.insert(spans[k]);
+        edges.emplace(spans[k], 1);
         dropped[{std::min(spans[k].first, spans[k].second),
                  std::max(spans[k].first, spans[k].second)}]
             .insert(passed[k].begin(), passed[k].end());
@@ -347,13 +355,13 @@ public:
   void addCornersOfOthers() {
     std::set<std::uint32_t> all = others_;
     for (const Region& region : regions_)
-      for (const Edge& edge : region.edges)
+      for (const auto& [edge, count] : region.edges)
         all.insert(edge.first);
     const CornerTree corners(points_, all);
     for (Region& region : regions_) {
       EdgeSum edges;
-      for (const Edge& edge : region.edges)
-        edges.add(edge, corners.between(edge));
+      for (const auto& [edge, count] : region.edges)
+        edges.add(edge, corners.between(edge), count);
       region.edges = edges.edges();
     }
   }
@@ -370,28 +378,32 @@ public:
           times(cross(minus(c[1], c[0]), minus(c[2], c[0])), region.inverse ? -1.0 : 1.0);
       const EdgeTaken none = [](std::uint32_t, std::uint32_t) { return false; };
       EdgeSum sum;
-      for (const auto& [from, to] : region.edges)
-        if (becomes[from] != becomes[to])
-          sum.add(becomes[from], becomes[to]);
-      const std::set<Edge> rounded = sum.edges();
+      for (const auto& [edge, count] : region.edges)
+        if (becomes[edge.first] != becomes[edge.second])
+          sum.add(becomes[edge.first], becomes[edge.second], count);
+      const std::vector<Edge> rounded = repeated(sum.edges());
       std::set<std::uint32_t> inner;
       for (const std::uint32_t v : region.inner)
         inner.insert(becomes[v]);
       for (const Edge& edge : rounded)
         inner.erase(edge.first);
-      if (rounded.empty() || triangulateEdges(mesh_.points, {rounded.begin(), rounded.end()},
-                                              {inner.begin(), inner.end()}, normal, none, corners))
+      if (rounded.empty() || triangulateEdges(mesh_.points, rounded, {inner.begin(), inner.end()},
+                                              normal, none, Overlaps::Refused, corners))
         continue;
       // Rounding makes edges cross: triangles of the unrounded points, some of which collapse.
+      const std::vector<Edge> edges = repeated(region.edges);
       std::vector<std::uint32_t> unrounded;
-      if (!triangulateEdges(lattice, {region.edges.begin(), region.edges.end()},
-                            {region.inner.begin(), region.inner.end()}, normal, none, unrounded))
+      bool made = false;
+      for (const Overlaps overlaps : {Overlaps::Refused, Overlaps::Merged})
+        made = made || triangulateEdges(lattice, edges, {region.inner.begin(), region.inner.end()},
+                                        normal, none, overlaps, unrounded);
+      if (!made)
         return false;
       for (std::size_t i = 0; i < unrounded.size(); i += 3) {
-        const std::array<std::uint32_t, 3> made{becomes[unrounded[i]], becomes[unrounded[i + 1]],
+        const std::array<std::uint32_t, 3> face{becomes[unrounded[i]], becomes[unrounded[i + 1]],
                                                 becomes[unrounded[i + 2]]};
-        if (made[0] != made[1] && made[1] != made[2] && made[2] != made[0])
-          corners.insert(corners.end(), made.begin(), made.end());
+        if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0])
+          corners.insert(corners.end(), face.begin(), face.end());
       }
     }
     return true;
@@ -401,11 +413,12 @@ private:
   // For a convex region: farther from each edge than the tolerance of corners on it.
   bool isWithin(const Region& region, const Vec3d& p) const {
     Vec3d normal{0, 0, 0};
-    const Vec3d& origin = points_.lattice(region.edges.begin()->first);
-    for (const auto& [from, to] : region.edges)
-      normal = plus(
-          normal, cross(minus(points_.lattice(from), origin), minus(points_.lattice(to), origin)));
-    return std::all_of(region.edges.begin(), region.edges.end(), [&](const Edge& edge) {
+    const Vec3d& origin = points_.lattice(region.edges.begin()->first.first);
+    for (const auto& [edge, count] : region.edges)
+      normal = plus(normal, cross(minus(points_.lattice(edge.first), origin),
+                                  minus(points_.lattice(edge.second), origin)));
+    return std::all_of(region.edges.begin(), region.edges.end(), [&](const auto& entry) {
+      const Edge& edge = entry.first;
       const Vec3d way = minus(points_.lattice(edge.second), points_.lattice(edge.first));
       const Vec3d to = minus(p, points_.lattice(edge.first));
       return dot(cross(way, to), normal) > kStraight * length(way) * length(normal);
@@ -425,11 +438,6 @@ private:
   std::vector<Region> regions_;
   std::set<std::uint32_t> others_; ///< corners that are not those of regions
 };
-
-bool areFloats(const std::vector<Vec3d>& points) {
-  return std::all_of(points.begin(), points.end(),
-                     [](const Vec3d& p) { return nearestFloats(p) == p; });
-}
 
 enum class Round { Done, Again, GivenUp };
 

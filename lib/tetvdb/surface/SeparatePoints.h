@@ -21,7 +21,9 @@ struct SeparatedPoints {
 /// the faces if that fails, by the smallest step that makes it differ as floats from all other
 /// points: 2^-22 of the largest coordinate first, doubled up to 2^-12. New positions are floats,
 /// and no face's normal changes by more than a right angle. Points whose faces then intersect
-/// others (geometry/FaceContact.h) are moved again in other directions and by larger steps.
+/// others (geometry/FaceContact.h) are moved again in other directions and by larger steps. If
+/// such a point cannot be moved, the first of its group is. After 2^14 tests for intersections the
+/// others stay as they are.
 SeparatedPoints separateEqualPoints(TriangleMesh& mesh, std::size_t firstAdded, Progress& progress);
 
 } // namespace tetvdb

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <unordered_map>
 #include <utility>
@@ -112,43 +113,51 @@ public:
     return true;
   }
 
-  // Collects the triangles to the left of directed constrained edges, bounded by constrained edges.
-  // Returns false if a triangle is also to the right of one, or if there is none.
-  bool collect(const std::set<PolygonEdge>& boundary, std::vector<std::uint32_t>& corners) const {
-    std::vector<char> isInside(corners_.size() / 3, 0);
-    std::vector<std::size_t> open;
-    const auto enter = [&](std::size_t triangle) {
-      if (isInside[triangle] == 0) {
-        isInside[triangle] = 1;
-        open.push_back(triangle);
-      }
+  // Collects the triangles with a winding number above 0 of directed constrained edges, which are
+  // counted. Returns false if there is none, if the edges are not closed, or if overlaps are
+  // refused and a winding number is neither 0 nor 1.
+  bool collect(const std::map<PolygonEdge, int>& edges, Overlaps overlaps,
+               std::vector<std::uint32_t>& corners) const {
+    const auto countOf = [&](std::uint32_t a, std::uint32_t b) {
+      const auto found = edges.find({a, b});
+      return found == edges.end() ? 0 : found->second;
     };
-    for (const auto& [a, b] : boundary) {
-      const auto side = sides_.find(key(a, b));
-      if (side == sides_.end())
-        return false;
-      enter(side->second / 3);
-    }
+    std::vector<std::optional<int>> windings(corners_.size() / 3);
+    std::vector<std::size_t> open;
+    bool closed = true;
+    const auto reach = [&](std::size_t triangle, int winding) {
+      if (!windings[triangle])
+        open.push_back(triangle);
+      closed = closed && windings[triangle].value_or(winding) == winding;
+      windings[triangle] = winding;
+    };
+    const auto across = [&](std::size_t side) {
+      return sides_.find(key(corners_[nextOf(side)], corners_[side]));
+    };
+    const auto rise = [&](std::size_t side) { // from the right of the side to its left
+      const std::uint32_t a = corners_[side], b = corners_[nextOf(side)];
+      return countOf(a, b) - countOf(b, a);
+    };
+    for (std::size_t side = 0; side < corners_.size(); ++side)
+      if (across(side) == sides_.end())
+        reach(side / 3, rise(side));
     while (!open.empty()) {
       const std::size_t triangle = open.back();
       open.pop_back();
-      for (std::size_t side = 3 * triangle; side < 3 * triangle + 3; ++side) {
-        const std::uint32_t a = corners_[side], b = corners_[nextOf(side)];
-        if (constrained_.count({std::min(a, b), std::max(a, b)}) > 0) {
-          if (boundary.count({a, b}) == 0)
-            return false;
-          continue;
-        }
-        const auto back = sides_.find(key(b, a));
-        if (back == sides_.end())
-          return false;
-        enter(back->second / 3);
-      }
+      for (std::size_t side = 3 * triangle; side < 3 * triangle + 3; ++side)
+        if (const auto other = across(side); other != sides_.end())
+          reach(other->second / 3, *windings[triangle] - rise(side));
     }
-    for (std::size_t i = 0; i < corners_.size(); ++i)
-      if (isInside[i / 3] != 0)
-        corners.push_back(corners_[i]);
-    return true;
+    std::vector<std::uint32_t> inside;
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const int winding = *windings[i / 3];
+      if (overlaps == Overlaps::Refused && (winding < 0 || winding > 1))
+        return false;
+      if (winding > 0)
+        inside.push_back(corners_[i]);
+    }
+    corners.insert(corners.end(), inside.begin(), inside.end());
+    return closed && !inside.empty();
   }
 
 private:
@@ -284,24 +293,26 @@ void flipEdges(const FlatPoints& flat, const EdgeTaken& isTaken,
 
 bool triangulateEdges(const std::vector<Vec3d>& points, const std::vector<PolygonEdge>& edges,
                       const std::vector<std::uint32_t>& inner, const Vec3d& normal,
-                      const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners) {
+                      const EdgeTaken& isTaken, Overlaps overlaps,
+                      std::vector<std::uint32_t>& corners) {
   const FlatPoints flat(points, normal);
-  const std::set<PolygonEdge> boundary(edges.begin(), edges.end());
+  std::map<PolygonEdge, int> counts;
   std::vector<std::uint32_t> used = inner;
   for (const PolygonEdge& edge : edges) {
+    ++counts[edge];
     used.push_back(edge.first);
     used.push_back(edge.second);
   }
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
   ConstrainedTriangles triangles(flat);
-  if (boundary.size() != edges.size() || used.size() < 3 || !triangles.build(std::move(used)))
+  if (used.size() < 3 || !triangles.build(std::move(used)))
     return false;
-  for (const auto& [a, b] : boundary)
-    if (!triangles.constrain(a, b))
+  for (const auto& [edge, count] : counts)
+    if (!triangles.constrain(edge.first, edge.second))
       return false;
   std::vector<std::uint32_t> made;
-  if (!triangles.collect(boundary, made))
+  if (!triangles.collect(counts, overlaps, made))
     return false;
   flipEdges(flat, isTaken, made);
   corners.insert(corners.end(), made.begin(), made.end());
@@ -315,7 +326,7 @@ bool triangulatePolygon(const std::vector<Vec3d>& points,
   for (const std::vector<std::uint32_t>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i)
       edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
-  return triangulateEdges(points, edges, {}, normal, isTaken, corners);
+  return triangulateEdges(points, edges, {}, normal, isTaken, Overlaps::Refused, corners);
 }
 
 } // namespace tetvdb

@@ -22,6 +22,12 @@ using EdgeTaken = std::function<bool(std::uint32_t, std::uint32_t)>;
 /// A directed edge of a boundary: the points from and to.
 using PolygonEdge = std::pair<std::uint32_t, std::uint32_t>;
 
+/// What becomes of edges that wind around a place more than once, or in the wrong direction.
+enum class Overlaps {
+  Refused,
+  Merged ///< triangles are where the winding number of the edges is above 0, each once
+};
+
 /// Appends to `corners`, three point numbers per triangle, triangles over exactly the points of
 /// `edges` and the `inner` points, which lie inside; none is collinear in the projection along
 /// the normal's largest axis. The edges, in any order, bound one or several regions to the left
@@ -31,11 +37,13 @@ using PolygonEdge = std::pair<std::uint32_t, std::uint32_t>;
 /// (geometry/Orientation.h). Inner edges are then flipped if they are taken or if the smallest
 /// angle grows. A taken edge that no flip removes stays. Returns false, and appends nothing, if
 /// there is no such triangulation: edges that cross one another or pass through points, points
-/// that coincide in the projection, regions without a closed boundary. About O(n^1.5) for n
-/// points, 2 us each.
+/// that coincide in the projection, regions without a closed boundary, regions that overlap unless
+/// they are merged, no region at all. An edge that is given several times counts as often. About
+/// O(n^1.5) for n points, 2 us each.
 bool triangulateEdges(const std::vector<Vec3d>& points, const std::vector<PolygonEdge>& edges,
                       const std::vector<std::uint32_t>& inner, const Vec3d& normal,
-                      const EdgeTaken& isTaken, std::vector<std::uint32_t>& corners);
+                      const EdgeTaken& isTaken, Overlaps overlaps,
+                      std::vector<std::uint32_t>& corners);
 
 /// The same for loops: the first loop is the outline, counter-clockwise around `normal`; the others
 /// are holes in it, clockwise.

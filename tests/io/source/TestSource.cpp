@@ -57,6 +57,14 @@ TEST(MappedFile, MissingEmptyAndDirectory) {
   std::remove(path.c_str());
 }
 
+TEST(MappedFile, PointersOfGitLfsAreNamed) {
+  const std::string path = temporaryPath("pointer.stl");
+  std::ofstream(path)
+      << "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+  EXPECT_NE(openingError(path).find("pointer of Git LFS"), std::string::npos);
+  std::remove(path.c_str());
+}
+
 TEST(MappedFile, PipesAreReadToTheirEnd) {
   const std::string path = temporaryPath("pipe");
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);

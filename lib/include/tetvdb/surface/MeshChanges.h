@@ -9,7 +9,7 @@ namespace tetvdb {
 
 /// The number of faces that two meshes have in common.
 struct MeshChanges {
-  std::size_t kept = 0;    ///< the same three positions, bit for bit, in either orientation
+  std::size_t kept = 0;    ///< the same three positions as 32-bit floats, in either orientation
   std::size_t removed = 0; ///< faces of the first mesh only
   std::size_t added = 0;   ///< faces of the second mesh only
 };

@@ -58,6 +58,12 @@ MappedFile::MappedFile(const std::string& path) : path_(path) {
     if (mapped != MAP_FAILED) {
       ::madvise(mapped, size_, MADV_SEQUENTIAL);
       data_ = static_cast<const char*>(mapped);
+      // In place of the file, where Git LFS has not fetched it (its specification, version 1).
+      constexpr std::string_view kPointer = "version https://git-lfs.github.com/spec/";
+      if (bytes().substr(0, kPointer.size()) == kPointer) {
+        ::munmap(mapped, size_);
+        fail(path, "is a pointer of Git LFS to the file, not the file", "run git lfs pull");
+      }
       return;
     }
   }

@@ -26,7 +26,8 @@ struct Source {
 /// shorter while it is mapped raises SIGBUS where its missing bytes are read.
 class MappedFile {
 public:
-  /// Throws Error(Invalid) for a missing, unreadable or empty file, a directory or a device.
+  /// Throws Error(Invalid) for a missing, unreadable or empty file, a pointer of Git LFS, a
+  /// directory or a device.
   explicit MappedFile(const std::string& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;

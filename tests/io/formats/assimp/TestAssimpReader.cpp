@@ -204,6 +204,49 @@ TEST(AssimpReader, Fbx) {
   EXPECT_EQ(read.mesh.units, "centimetre");
 }
 
+// Chunks of a number and a length, with what they hold.
+std::string chunk(std::uint16_t id, const std::string& content) {
+  Bytes bytes;
+  bytes.add<std::uint16_t>({id}).add<std::uint32_t>(
+      {static_cast<std::uint32_t>(6 + content.size())});
+  return bytes.text(content).str();
+}
+
+/// The corner tetrahedron, moved by `x`, as an object.
+std::string threeDsObject(const std::string& name, float x) {
+  const TriangleMesh mesh = cornerTetrahedron();
+  Bytes points, faces;
+  points.add<std::uint16_t>({static_cast<std::uint16_t>(mesh.points.size())});
+  for (const Vec3d& p : mesh.points)
+    points.floats(
+        {static_cast<float>(p[0]) + x, static_cast<float>(p[1]), static_cast<float>(p[2])});
+  faces.add<std::uint16_t>({static_cast<std::uint16_t>(mesh.triangleCount())});
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
+    faces.add<std::uint16_t>({static_cast<std::uint16_t>(mesh.triangles[i]),
+                              static_cast<std::uint16_t>(mesh.triangles[i + 1]),
+                              static_cast<std::uint16_t>(mesh.triangles[i + 2]), 0});
+  const std::string lists = chunk(0x4110, points.str()) + chunk(0x4120, faces.str());
+  return chunk(0x4000, name + std::string(1, '\0') + chunk(0x4100, lists));
+}
+
+std::string threeDs() {
+  return chunk(0x4D4D, chunk(0x0002, std::string("\3\0\0\0", 4)) +
+                           chunk(0x3D3D, threeDsObject("a", 0) + threeDsObject("b", 7)));
+}
+
+TEST(AssimpReader, ThreeDs) {
+  FileFormat format = FileFormat::Unknown;
+  const Reading read = readingFile("a.3ds", threeDs(), &format);
+  EXPECT_EQ(format, FileFormat::ThreeDs);
+  if (isWithoutAssimp(read))
+    GTEST_SKIP() << read.error;
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(read.mesh.triangleCount(), 8U);
+  EXPECT_EQ(top(read.mesh), (Vec3d{8, 1, 1}));
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 2.0 / 6, 1e-6);
+  EXPECT_EQ(read.mesh.units, "");
+}
+
 TEST(AssimpReader, NodesWithoutMeshesAreNothing) {
   const auto without = [](std::string text, const std::string& from, const std::string& to) {
     for (std::size_t at; (at = text.find(from)) != std::string::npos;)
@@ -222,8 +265,11 @@ TEST(AssimpReader, NodesWithoutMeshesAreNothing) {
 }
 
 TEST(AssimpReader, DamagedFilesEndInOneSentence) {
-  const std::pair<const char*, std::string> files[] = {
-      {"d.gltf", gltfText()}, {"d.glb", glb()}, {"d.dae", kCollada}, {"d.fbx", kFbx}};
+  const std::pair<const char*, std::string> files[] = {{"d.gltf", gltfText()},
+                                                       {"d.glb", glb()},
+                                                       {"d.dae", kCollada},
+                                                       {"d.fbx", kFbx},
+                                                       {"d.3ds", threeDs()}};
   for (const auto& [name, bytes] : files)
     for (std::size_t part = 1; part < 8; ++part)
       readingFile(name, bytes.substr(0, bytes.size() * part / 8));

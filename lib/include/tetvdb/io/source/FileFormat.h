@@ -18,6 +18,7 @@ enum class FileFormat : std::uint8_t {
   Gltf,
   Fbx,
   Collada,
+  ThreeDs,
   Gmsh,
   Medit,
   MeditBinary,

@@ -40,6 +40,26 @@ constexpr std::uint64_t kMemoryPerByte = 100, kMemory = std::uint64_t(4) << 30;
 constexpr std::uint64_t kBytesPerSecond = std::uint64_t(1) << 18;
 constexpr unsigned kSeconds = 60;
 
+// What assimp is told of a format, and what it makes of its coordinates.
+struct SceneFormat {
+  const char* importer; ///< part of its name
+  const char* ending;   ///< assimp requires the usual one
+  const char* units;
+};
+
+SceneFormat sceneFormat(FileFormat format, std::string_view bytes) {
+  switch (format) {
+  case FileFormat::Gltf:
+    return {"glTF", bytes.substr(0, 4) == "glTF" ? "glb" : "gltf", "metre"};
+  case FileFormat::Fbx:
+    return {"FBX", "fbx", "centimetre"};
+  case FileFormat::ThreeDs:
+    return {"3DS", "3ds", ""};
+  default:
+    return {"Collada", "dae", "metre"}; // converts the file's unit
+  }
+}
+
 Placement toPlacement(const aiMatrix4x4& m) {
   Placement placement;
   for (unsigned i = 0; i < 3; ++i)
@@ -144,9 +164,8 @@ public:
                                                Assimp::Logger::Err | Assimp::Logger::Warn);
     Assimp::Importer importer;
     importer.SetIOHandler(new FilesWithin(source_.path)); // the importer's from now on
-    keepImporters(importer, format_ == FileFormat::Gltf  ? "glTF"
-                            : format_ == FileFormat::Fbx ? "FBX"
-                                                         : "Collada");
+    const SceneFormat format = sceneFormat(format_, source_.bytes);
+    keepImporters(importer, format.importer);
     // Axes and points of rotation are those of the file; only meshes are read.
     importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
     // Where a scene has no meshes, assimp makes some that show its nodes.
@@ -154,7 +173,7 @@ public:
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-    scene_ = readBytes(importer);
+    scene_ = readBytes(importer, format.ending);
     if (scene_ == nullptr)
       fail(Listener::readable(importer.GetErrorString()));
     if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
@@ -169,11 +188,12 @@ public:
       for (std::size_t i = 0; i < 3; ++i)
         world.rows[i][i] = scale;
     }
+    if (format_ == FileFormat::ThreeDs) // assimp turns z, which points up, to y
+      world.rows = {{{1, 0, 0, 0}, {0, 0, -1, 0}, {0, 1, 0, 0}}};
     addNode(*scene_->mRootNode, world, 0);
     listener->report(report);
     TriangleMesh mesh = faces_.finish(report);
-    // assimp converts COLLADA's unit to metres.
-    mesh.units = format_ == FileFormat::Fbx ? "centimetre" : "metre";
+    mesh.units = format.units;
     return mesh;
   }
 
@@ -189,14 +209,10 @@ private:
                           : "the file is damaged; export it again");
   }
 
-  /// By the path, so that files beside it are found; assimp requires the usual ending of a format.
-  const aiScene* readBytes(Assimp::Importer& importer) const {
+  /// By the path, so that files beside it are found.
+  const aiScene* readBytes(Assimp::Importer& importer, const char* usual) const {
     const std::size_t dot = source_.path.find_last_of('.');
     const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
-    const bool binary = source_.bytes.substr(0, 4) == "glTF";
-    const char* usual = format_ == FileFormat::Gltf  ? binary ? "glb" : "gltf"
-                        : format_ == FileFormat::Fbx ? "fbx"
-                                                     : "dae";
     if (::strcasecmp(ending.c_str(), usual) == 0)
       return importer.ReadFile(source_.path, 0);
     return importer.ReadFileFromMemory(source_.bytes.data(), source_.bytes.size(), 0, usual);
@@ -268,7 +284,7 @@ namespace {
 TriangleMesh readScene(const Source& source, FileFormat, Report&, Progress&) {
   throw Error(
       Status::Invalid, source.path,
-      "glTF, FBX and COLLADA files are read by assimp, which this program was built without",
+      "glTF, FBX, COLLADA and 3DS files are read by assimp, which this program was built without",
       "install libassimp-dev and build it again, or export the mesh as STL or OBJ");
 }
 
@@ -290,6 +306,10 @@ TriangleMesh readFbx(const Source& source, Report& report, Progress& progress) {
 
 TriangleMesh readCollada(const Source& source, Report& report, Progress& progress) {
   return readScene(source, FileFormat::Collada, report, progress);
+}
+
+TriangleMesh readThreeDs(const Source& source, Report& report, Progress& progress) {
+  return readScene(source, FileFormat::ThreeDs, report, progress);
 }
 
 } // namespace tetvdb

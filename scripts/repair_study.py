@@ -7,7 +7,7 @@
 
 --corpus: files as they are found. Every file is repaired into an STL file. PrusaSlicer (`prusa-slicer --info`), which shares no code with the library,
 says whether it is manifold; that column stays empty where it is not installed. Faces kept are those that the report
-counts as bit for bit the same, of the faces that cleaning left. Ends with status 1 where PrusaSlicer finds a result
+counts as the same as 32-bit floats, of the faces that cleaning left. Ends with status 1 where PrusaSlicer finds a result
 that is not manifold.
 
 --spoiled: clean closed models (tests/corpus/clean_meshes.py), spoiled in known ways (spoiled_meshes.py). Of a case whose

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TemporaryFolder.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/TriangleWriter.h"
 #include "tetvdb/pipeline/ReadInput.h"
 #include "tetvdb/pipeline/TetrahedralizeJob.h"
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
@@ -181,6 +184,32 @@ TEST_F(TetrahedralizeJobTest, CancelledJobsLeaveNothing) {
   const TetrahedralizeJob wanted = job(sphere());
   progress_.cancel();
   EXPECT_EQ(statusOf(wanted), Status::Cancelled);
+}
+
+// Plates through one another, in all directions: some minutes, so that it runs where tests are
+// scaled up (scripts/weekly.sh).
+TEST_F(TetrahedralizeJobTest, PlatesThatCutOneAnotherTooOftenAreRepairedFirst) {
+  const char* scale = std::getenv("TETVDB_TEST_SCALE");
+  if (scale == nullptr || std::atoi(scale) < 2)
+    GTEST_SKIP();
+  Random random(7);
+  TriangleMesh plates;
+  for (int i = 0; i < 70; ++i) {
+    const double a = random.between(0, kPi), b = random.between(0, kPi);
+    const Vec3d offset{random.between(-0.3, 0.3), random.between(-0.3, 0.3),
+                       random.between(-0.3, 0.3)};
+    plates = joined({plates, moved(box({-1, -1, -0.04}, {1, 1, 0.04}), [&](const Vec3d& p) {
+                       const Vec3d q{p[0], p[1] * std::cos(a) - p[2] * std::sin(a),
+                                     p[1] * std::sin(a) + p[2] * std::cos(a)};
+                       return plus(offset, {q[0] * std::cos(b) - q[1] * std::sin(b),
+                                            q[0] * std::sin(b) + q[1] * std::cos(b), q[2]});
+                     })});
+  }
+  const TetrahedralizeResult result = run(job(plates), report_, progress_);
+  EXPECT_EQ(result.cutFaces.at(0), plates.triangleCount());
+  EXPECT_FALSE(report_.partial);
+  EXPECT_GT(result.mesh.made.check.owedPoints, 1000u);
+  EXPECT_EQ(result.mesh.made.check.lostPoints, 0u);
 }
 
 } // namespace

@@ -7,6 +7,7 @@
 #include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/surface/LocalRepair.h"
 
 #include <algorithm>
 #include <utility>
@@ -80,6 +81,37 @@ std::map<std::int32_t, std::string> regionNames(const TetrahedralizeJob& job) {
   return names;
 }
 
+// Replaces meshes by their repaired surfaces; returns whether any was.
+bool repairAll(std::vector<TriangleMesh>& meshes, TetrahedralizeResult& result, Report& report,
+               Progress& progress) {
+  StageTimer timer(report, "repair");
+  progress.stage("repair");
+  bool any = false;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    TriangleMesh mesh = meshes[i];
+    const LocalRepair repair = repairLocally(mesh, progress);
+    if (!repair.succeeded || repair.changesVolume)
+      continue;
+    result.cutFaces[i] = repair.crossings.cutFaces;
+    meshes[i] = std::move(mesh);
+    any = true;
+  }
+  return any;
+}
+
+Tetrahedralization tetsOf(std::vector<TriangleMesh>& meshes, const TetrahedralizeOptions& options,
+                          TetrahedralizeResult& result, Report& report, Progress& progress) {
+  try {
+    progress.stage("tetrahedralize");
+    return tetrahedralize(meshes, options, report, progress);
+  } catch (const TooManyTets&) {
+    if (!repairAll(meshes, result, report, progress))
+      throw;
+    progress.stage("tetrahedralize");
+    return tetrahedralize(meshes, options, report, progress);
+  }
+}
+
 TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progress& progress) {
   checkJob(job);
   TetrahedralizeResult result;
@@ -91,14 +123,14 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
     preview.input(mergeMeshes(std::vector<TriangleMesh>(meshes), told), report, progress);
   }
   cleanAll(job, meshes, result, report, progress);
+  result.cutFaces.resize(meshes.size());
 
   TetrahedralizeOptions options = job.mesher;
   const double diagonal = diagonalOf(boxOf(meshes));
   options.epsilon = job.epsilon.inWorld(diagonal, 0);
   options.edgeLength = job.edgeLength.inWorld(diagonal, 0);
   options.maxMemory = job.maxMemory == 0 ? availableBytes() : memoryLeft(job.maxMemory);
-  progress.stage("tetrahedralize");
-  Tetrahedralization made = tetrahedralize(meshes, options, report, progress);
+  Tetrahedralization made = tetsOf(meshes, options, result, report, progress);
   meshes = {};
   if (!job.preview.empty())
     preview.tets(made.mesh, report, progress);

@@ -46,6 +46,7 @@ struct TetrahedralizeResult {
   std::vector<InputInfo> inputs;
   std::vector<CleanCounts> cleaned;      ///< of each input
   std::vector<std::size_t> cleanedFaces; ///< of each input, after cleaning
+  std::vector<std::size_t> cutFaces;     ///< of each input: along others, where it was repaired
   MeshSummary mesh;
   std::map<std::int32_t, std::string> regionNames; ///< as written
   OutputInfo output;                               ///< empty if nothing was to be written
@@ -57,7 +58,9 @@ struct TetrahedralizeResult {
 /// belongs to the first, second, ... input and is named by the file without folder and extension
 /// ("_2" and so on is appended to repeated names); a Boolean is one region, named by the operation.
 /// The outside (keepOutside) is region 0, which Gmsh's format also distinguishes from the others.
-/// Outputs are checked before the work starts. Adds stages "read", "clean", "tetrahedralize" and
+/// Inputs whose triangles cut one another into too many tets are repaired in place
+/// (repairLocally()), and meshed if their solids do not change by that. Outputs are checked before
+/// the work starts. Adds stages "read", "clean", "tetrahedralize" (and "repair") and
 /// "write" to `report`. Inputs with tets and lengths in voxels are Error(Usage). Throws the errors
 /// of its stages; nothing is written then.
 TetrahedralizeResult run(const TetrahedralizeJob& job, Report& report, Progress& progress);

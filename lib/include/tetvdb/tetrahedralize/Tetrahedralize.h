@@ -16,6 +16,7 @@
 #include "tetvdb/core/Report.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/tetrahedralize/TooManyTets.h"
 #include "tetvdb/tetrahedralize/inside/Boolean.h"
 
 #include <cstddef>
@@ -77,8 +78,8 @@ struct Tetrahedralization {
 /// that are not in ("not-inserted"), for tets above the stop energy ("energy"), for what was lost
 /// ("lost-surface", "volume"). Throws Error(Usage) for lengths that make no sense, Error(Invalid)
 /// where nothing is inside ("sheets"), Error(Limit) where maxMemory does not suffice,
-/// Error(Cancelled). Parallel; the same tets for any number of threads. Time grows about linearly
-/// with faces; docs/benchmarks.md has figures.
+/// TooManyTets, Error(Cancelled). Parallel; the same tets for any number of threads. Time grows
+/// about linearly with faces; docs/benchmarks.md has figures.
 Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
                                   const TetrahedralizeOptions& options, Report& report,
                                   Progress& progress);

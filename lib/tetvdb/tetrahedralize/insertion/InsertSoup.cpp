@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/insertion/InsertSoup.h"
 
-#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/tetrahedralize/TooManyTets.h"
 #include "tetvdb/tetrahedralize/complex/TetParts.h"
 
 #include <algorithm>
@@ -394,9 +394,9 @@ void SoupInsertion::thin(TetComplex& complex) {
   for (const std::uint32_t point : held)
     complex.points[point].fixed = false;
   if (complex.tetCount() > kMaxTets + kMaxTetsOfFace * soup_.faces.size())
-    throw Error(Status::Limit, "",
-                "the triangles cut one another into more tets than can be meshed",
-                "a larger epsilon may help; voxelize with `mesher=winding` needs no tets");
+    throw TooManyTets(Status::Limit, "",
+                      "the triangles cut one another into more tets than can be meshed",
+                      "a larger epsilon may help; voxelize with `mesher=winding` needs no tets");
 }
 
 std::vector<std::uint32_t> SoupInsertion::missing() const {

@@ -92,6 +92,23 @@ TEST(ExodusReader, TruncatedIsRefused) {
     expectTruncatedIsRefused(readExodus, dataPath(name));
 }
 
+// Found by fuzzing: 117 million names of variables were looked up.
+TEST(ExodusReader, BlocksThatAreDeclaredAreLimited) {
+  // NetCDF's classic header with one dimension, without attributes and variables.
+  std::string bytes = std::string("CDF\1\0\0\0\0\0\0\0\x0a\0\0\0\1\0\0\0\x0a", 20) + "num_el_blk" +
+                      std::string("\0\0\7\0\0\7", 6);
+  bytes.resize(256);
+  Report report;
+  Progress progress;
+  try {
+    exodusHasSolidCells({bytes, "test"}, report, progress);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("element blocks are declared"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(ExodusReader, DamageIsHarmless) {
   for (const std::string& name : dataFiles("", ".exo"))
     expectDamageIsHarmless(readExodus, dataPath(name), name == "mixed_hdf5.exo" ? 60 : 1000);

@@ -156,6 +156,7 @@ private:
 
 /// Numbers read at a time, so that reading a long variable can be cancelled.
 constexpr std::size_t kChunk = 1 << 20;
+constexpr std::size_t kMaxBlocks = 1 << 20;
 
 /// By which types are told apart.
 std::string prefixOf(const std::string& elementType) {
@@ -241,7 +242,7 @@ public:
   }
 
   bool hasSolidCells() {
-    const std::size_t count = file_.dimension("num_el_blk").value_or(0);
+    const std::size_t count = blockCount();
     for (std::size_t i = 1; i <= count; ++i) {
       const auto connect = file_.variable("connect" + std::to_string(i));
       if (connect && kindOf(file_.attribute(*connect, "elem_type"), 0).type != CellType::Flat)
@@ -307,8 +308,16 @@ private:
     }
   }
 
-  void readBlocks() {
+  // Names of variables are made for each.
+  std::size_t blockCount() const {
     const std::size_t count = file_.dimension("num_el_blk").value_or(0);
+    if (count > kMaxBlocks)
+      file_.fail(std::to_string(count) + " element blocks are declared");
+    return count;
+  }
+
+  void readBlocks() {
+    const std::size_t count = blockCount();
     const std::vector<long long> ids = blockIds(count);
     const std::vector<std::string> names = file_.strings("eb_names");
     for (std::size_t i = 0; i < count; ++i) {
@@ -347,8 +356,6 @@ private:
     if (!variable || !fit) {
       if (variable)
         report_.warn("block-ids", "block ids beyond 32 bits are replaced by the blocks' numbers");
-      if (count > 1u << 20)
-        file_.fail(std::to_string(count) + " element blocks are declared");
       ids.clear();
       for (std::size_t i = 0; i < count; ++i)
         ids.push_back(static_cast<long long>(i + 1));

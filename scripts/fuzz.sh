@@ -22,6 +22,7 @@ for folder in tests/data "${TETVDB_CORPUS:-/nonexistent}"/{tet,tri}; do
 done
 
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp
 targets=("$@")
 if [[ ${#targets[@]} -eq 0 ]]; then
   mapfile -t targets < <(cd build/fuzz/bin && printf '%s\n' Fuzz*)

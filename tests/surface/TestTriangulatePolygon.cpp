@@ -153,16 +153,22 @@ TEST(TriangulatePolygon, HolesThatTouchTheOutlineOrOneAnother) {
   expectFilled(points, {{0, 1, 2, 3}, {0, 5, 4}, {6, 7, 8, 9}});
 }
 
+// Corners of size^2 cells, sheared so that not all lines are along the axes.
+std::vector<Vec3d> shearedGrid(std::uint32_t size) {
+  std::vector<Vec3d> points;
+  for (std::uint32_t i = 0; i <= size; ++i)
+    for (std::uint32_t k = 0; k <= size; ++k)
+      points.push_back({i + 0.125 * k, k - 0.25 * i, 0.5});
+  return points;
+}
+
 TEST(TriangulatePolygon, RegionsOfCellsThatTouchAtCorners) {
   // Any set of the cells of a grid: its boundary runs through corners twice where cells touch
-  // there. The grid is sheared so that not all lines are along the axes.
+  // there.
   Random random(17);
   constexpr std::uint32_t kSize = 7;
   for (int round = 0; round < 200; ++round) {
-    std::vector<Vec3d> points;
-    for (std::uint32_t i = 0; i <= kSize; ++i)
-      for (std::uint32_t k = 0; k <= kSize; ++k)
-        points.push_back({i + 0.125 * k, k - 0.25 * i, 0.5});
+    const std::vector<Vec3d> points = shearedGrid(kSize);
     const double share = random.unit();
     std::vector<char> isFull(kSize * kSize);
     for (char& full : isFull)
@@ -241,10 +247,7 @@ TEST(TriangulatePolygon, MergesRegionsThatOverlap) {
   Random random(23);
   constexpr std::uint32_t kSize = 6;
   for (int round = 0; round < 200; ++round) {
-    std::vector<Vec3d> points;
-    for (std::uint32_t i = 0; i <= kSize; ++i)
-      for (std::uint32_t k = 0; k <= kSize; ++k)
-        points.push_back({i + 0.125 * k, k - 0.25 * i, 0.5});
+    const std::vector<Vec3d> points = shearedGrid(kSize);
     std::array<std::array<int, kSize + 2>, kSize + 2> winding{};
     double area = 0;
     bool simple = true;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/FloatPositions.h"
 
-#include <array>
+#include <algorithm>
 #include <numeric>
 #include <tbb/parallel_sort.h>
 
 namespace tetvdb {
 
+FloatPosition asFloats(const Vec3d& p) {
+  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
 std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
-  const auto rounded = [&](std::uint32_t v) {
-    return std::array<float, 3>{static_cast<float>(points[v][0]), static_cast<float>(points[v][1]),
-                                static_cast<float>(points[v][2])};
-  };
+  const auto rounded = [&](std::uint32_t v) { return asFloats(points[v]); };
   std::vector<std::uint32_t> order(points.size());
   std::iota(order.begin(), order.end(), 0u);
   tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {

@@ -3,10 +3,16 @@
 
 #include "tetvdb/core/Vec3.h"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace tetvdb {
+
+/// A position in 32-bit floats, as STL and 3MF files have it.
+using FloatPosition = std::array<float, 3>;
+
+FloatPosition asFloats(const Vec3d& p);
 
 /// Numbers of the points that equal another one after rounding to 32-bit floats. Programs that weld
 /// the points of STL and 3MF files would merge them.

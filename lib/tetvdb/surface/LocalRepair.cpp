@@ -61,18 +61,14 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
   const std::vector<std::uint32_t> equal = equalAsFloats(mesh.points);
   if (equal.empty())
     return;
-  std::map<std::array<float, 3>, std::uint32_t> first;
+  std::map<FloatPosition, std::uint32_t> first;
   std::vector<std::uint32_t> becomes(mesh.points.size());
   std::iota(becomes.begin(), becomes.end(), 0u);
   std::vector<std::uint32_t> ascending = equal;
   std::sort(ascending.begin(), ascending.end());
   for (const std::uint32_t point : ascending) {
     const Vec3d& p = mesh.points[point];
-    becomes[point] = first
-                         .try_emplace({static_cast<float>(p[0]), static_cast<float>(p[1]),
-                                       static_cast<float>(p[2])},
-                                      point)
-                         .first->second;
+    becomes[point] = first.try_emplace(asFloats(p), point).first->second;
     if (becomes[point] == point)
       continue;
     ++repair.stitched.joinedPoints;

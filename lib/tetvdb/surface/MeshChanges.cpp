@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/MeshChanges.h"
 
+#include "tetvdb/surface/FloatPositions.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,15 +12,15 @@
 namespace tetvdb {
 namespace {
 
-using Face = std::array<std::array<float, 3>, 3>;
+using Face = std::array<FloatPosition, 3>;
 
 std::vector<Face> sortedFaces(const TriangleMesh& mesh) {
   std::vector<Face> faces(mesh.triangleCount());
   for (std::size_t face = 0; face < faces.size(); ++face) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d& p = mesh.points[mesh.triangles[3 * face + k]];
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        faces[face][k][axis] = static_cast<float>(p[axis]) + 0.0f; // -0 equals 0
+      faces[face][k] = asFloats(mesh.points[mesh.triangles[3 * face + k]]);
+      for (float& c : faces[face][k])
+        c += 0.0f; // -0 equals 0
     }
     std::sort(faces[face].begin(), faces[face].end());
   }

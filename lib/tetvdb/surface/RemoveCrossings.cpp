@@ -393,11 +393,8 @@ public:
       // Rounding makes edges cross: triangles of the unrounded points, some of which collapse.
       const std::vector<Edge> edges = repeated(region.edges);
       std::vector<std::uint32_t> unrounded;
-      bool made = false;
-      for (const Overlaps overlaps : {Overlaps::Refused, Overlaps::Merged})
-        made = made || triangulateEdges(lattice, edges, {region.inner.begin(), region.inner.end()},
-                                        normal, none, overlaps, unrounded);
-      if (!made)
+      if (!triangulateEdges(lattice, edges, {region.inner.begin(), region.inner.end()}, normal,
+                            none, Overlaps::Merged, unrounded))
         return false;
       for (std::size_t i = 0; i < unrounded.size(); i += 3) {
         const std::array<std::uint32_t, 3> face{becomes[unrounded[i]], becomes[unrounded[i + 1]],
@@ -441,7 +438,7 @@ private:
 
 enum class Round { Done, Again, GivenUp };
 
-Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
+Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress& progress) {
   const LatticeChain chain = latticeChain(mesh);
   const TrimmedChain trimmed = trimChain(chain.welded, isPositive, progress);
   if (!trimmed.complete)
@@ -529,7 +526,7 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
   if (cut == 0 && kept + chain.welded.flat == mesh.triangleCount())
     return Round::Done; // faces without area intersect nothing
   std::vector<std::uint32_t> added;
-  if (!regions.triangulate(chain, points.round(counts.floats), added))
+  if (!regions.triangulate(chain, points.round(floats), added))
     return Round::GivenUp;
   counts.cutFaces += cut;
   counts.addedFaces += added.size() / 3;
@@ -547,10 +544,10 @@ Round cutOnce(TriangleMesh& mesh, CrossingCounts& counts, Progress& progress) {
 CrossingCounts removeCrossings(TriangleMesh& mesh, NewCorners corners, Progress& progress) {
   CrossingCounts counts;
   const TriangleMesh before = mesh;
-  counts.floats = corners == NewCorners::FloatsAsGiven && areFloats(mesh.points);
+  const bool floats = corners == NewCorners::FloatsAsGiven && areFloats(mesh.points);
   Round round = Round::Again;
   for (; round == Round::Again && counts.rounds < kMaxRounds; ++counts.rounds)
-    round = cutOnce(mesh, counts, progress);
+    round = cutOnce(mesh, floats, counts, progress);
   if (round == Round::GivenUp) {
     counts.complete = false;
     mesh = before;

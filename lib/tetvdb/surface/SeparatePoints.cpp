@@ -8,7 +8,6 @@
 #include "tetvdb/surface/FloatPositions.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -24,20 +23,14 @@ namespace {
 constexpr int kFirstStep = -22, kLastStep = -12; // powers of two of the largest coordinate
 constexpr int kThinStep = -20;                   // of the height of a face
 constexpr int kMaxRounds = 8;
-// Where points could be separated, a mesh of the corpus or of 600 arrangements of boxes took 4,600.
+// The measured meshes whose points could be separated took up to 4,600.
 constexpr int kMaxTests = 1 << 14; // of the faces of a point against others
-
-using FloatPosition = std::array<float, 3>;
-
-FloatPosition rounded(const Vec3d& p) {
-  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-}
 
 class Separating {
 public:
   Separating(TriangleMesh& mesh, const std::vector<std::uint32_t>& equal) : mesh_(mesh) {
     for (const Vec3d& p : mesh.points) {
-      used_.insert(rounded(p));
+      used_.insert(asFloats(p));
       for (const double c : p)
         size_ = std::max(size_, std::abs(c));
     }
@@ -73,12 +66,12 @@ public:
               largestMove_ = std::max(largestMove_, moveOf(point));
               return true;
             }
-            used_.erase(rounded(mesh_.points[point]));
+            used_.erase(asFloats(mesh_.points[point]));
             mesh_.points[point] = from;
           }
         }
     mesh_.points[point] = last;
-    used_.insert(rounded(last));
+    used_.insert(asFloats(last));
     return false;
   }
 
@@ -124,7 +117,7 @@ private:
   // are given; collinear faces may change, with `thinTurn` also those that floats hardly resolve.
   bool moveTo(std::uint32_t point, const Vec3d& position, const std::vector<std::uint32_t>& faces,
               const std::vector<Vec3d>& before, bool thinTurn) {
-    const FloatPosition to = rounded(position);
+    const FloatPosition to = asFloats(position);
     if (used_.count(to) > 0)
       return false;
     const Vec3d from = mesh_.points[point];
@@ -186,7 +179,7 @@ SeparatedPoints separateEqualPoints(TriangleMesh& mesh, std::size_t firstAdded,
   std::vector<std::uint32_t> moved;
   for (const std::uint32_t point : moving) {
     progress.check();
-    const auto [first, isFirst] = kept.try_emplace(rounded(mesh.points[point]), point);
+    const auto [first, isFirst] = kept.try_emplace(asFloats(mesh.points[point]), point);
     if (isFirst && point < firstAdded)
       continue;
     if (separating.move(point, false)) {

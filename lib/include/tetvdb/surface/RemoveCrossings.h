@@ -20,7 +20,6 @@ struct CrossingCounts {
   std::size_t removedFaces = 0; ///< faces not on the solid's boundary, or cancelled by an equal one
   std::size_t addedFaces = 0;   ///< faces that replace the cut ones
   std::size_t rounds = 0;       ///< rounds of cutting; the last one has nothing to cut
-  bool floats = false;          ///< new corners are 32-bit floats
   bool complete = true;         ///< false: it failed, and the mesh did not change
 };
 

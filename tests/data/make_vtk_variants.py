@@ -132,6 +132,59 @@ def write_exodus(path, mesh):
     w.Write()
 
 
+def structured():
+    """Bent, with an array at points, one at cells, and hidden cells and a hidden point."""
+    size = (4, 3, 3)
+    mesh = vtk.vtkStructuredGrid()
+    mesh.SetDimensions(*size)
+    points = vtk.vtkPoints()
+    points.SetDataTypeToDouble()
+    for k, j, i in itertools.product(*map(range, reversed(size))):
+        points.InsertNextPoint(i + 0.25 * j, j - 0.125 * k, k + 0.0625 * i * j)
+    mesh.SetPoints(points)
+    add_array(mesh.GetPointData(), "T", np.arange(mesh.GetNumberOfPoints()) * 0.5)
+    add_array(mesh.GetCellData(), "number", np.arange(mesh.GetNumberOfCells(), dtype=np.int32))
+    mesh.BlankCell(1)
+    mesh.BlankCell(10)
+    mesh.BlankPoint(mesh.GetNumberOfPoints() - 1)
+    return mesh
+
+
+def rectilinear():
+    mesh = vtk.vtkRectilinearGrid()
+    mesh.SetDimensions(3, 2, 4)
+    for axis, x in zip("XYZ", ([-1, 0.5, 2], [0, 3], [1, 1.25, 2, 4])):
+        along = numpy_to_vtk(np.array(x, dtype=np.float32), deep=True)
+        along.SetName(axis.lower())
+        getattr(mesh, "Set%sCoordinates" % axis)(along)
+    add_array(mesh.GetPointData(), "T", np.arange(mesh.GetNumberOfPoints()) * 0.5)
+    return mesh
+
+
+def write_grid(path, mesh, writer, binary=True):
+    w = writer()
+    w.SetFileName(path)
+    w.SetInputData(mesh)
+    if not path.endswith(".vtk"):
+        w.SetDataModeToBinary() if binary else w.SetDataModeToAscii()
+    elif binary:
+        w.SetFileTypeToBinary()
+    w.Write()
+
+
+def visible(mesh):
+    """VTK's own cells of a structured or rectilinear grid, those that are not hidden."""
+    cells = vtk.vtkIdList()
+    for i in range(mesh.GetNumberOfCells()):
+        if mesh.IsCellVisible(i):
+            cells.InsertNextId(i)
+    extract = vtk.vtkExtractCells()
+    extract.SetInputData(mesh)
+    extract.SetCellList(cells)
+    extract.Update()
+    return extract.GetOutput()
+
+
 KEPT = {
     ("ascii", "none", 32, "little"), ("inline", "none", 32, "little"),
     ("inline", "none", 64, "big"), ("inline", "zlib", 32, "big"), ("inline", "zlib", 64, "little"),
@@ -170,6 +223,13 @@ def main():
         for i in range(3):
             f.write('    <Piece Source="piece_%d.vtu"/>\n' % i)
         f.write("  </PUnstructuredGrid>\n</VTKFile>\n")
+    bent, straight = structured(), rectilinear()
+    write_grid(at("structured.vts"), bent, vtk.vtkXMLStructuredGridWriter)
+    write_grid(at("structured_binary.vtk"), bent, vtk.vtkStructuredGridWriter)
+    write_grid(at("structured_visible.vtu"), visible(bent), vtk.vtkXMLUnstructuredGridWriter, False)
+    write_grid(at("rectilinear.vtr"), straight, vtk.vtkXMLRectilinearGridWriter, False)
+    write_grid(at("rectilinear_ascii.vtk"), straight, vtk.vtkRectilinearGridWriter, False)
+    write_grid(at("rectilinear_visible.vtu"), visible(straight), vtk.vtkXMLUnstructuredGridWriter, False)
 
 
 if __name__ == "__main__":

@@ -75,9 +75,9 @@ TEST(Formats, EveryReaderOfOurOwnHasAFuzzTarget) {
   std::size_t targets = 0;
   for (std::string name; names >> name;)
     ++targets;
-  // assimp reads scenes, and a .pvtu is read as the .vtu files that it names.
+  // assimp reads scenes; a .vts is read by the reader of .vtu, a .pvtu as the files that it names.
   const std::set<FileFormat> others{FileFormat::Gltf, FileFormat::Fbx, FileFormat::Collada,
-                                    FileFormat::ThreeDs, FileFormat::Pvtu};
+                                    FileFormat::ThreeDs, FileFormat::Vts, FileFormat::Pvtu};
   std::size_t readers = 0;
   for (const Format& format : formats())
     readers += (can(format, FormatUse::ReadCells) || can(format, FormatUse::ReadTriangles)) &&

@@ -36,6 +36,11 @@ bool isVtkXml(const FileStart& file) {
   return startsWith(file.start, "<?xml") || startsWith(file.start, "<vtkfile") ||
          startsWith(file.start, "<!--");
 }
+/// Whether its type is `type`.
+bool isVtkXmlOf(const FileStart& file, const std::string& type) {
+  return isVtkXml(file) && contains(file.head, "<VTKFile") &&
+         (contains(file.head, '"' + type + '"') || contains(file.head, "'" + type + "'"));
+}
 
 /// By the name of a group, which is near the beginning of most files, or by the file's ending.
 bool isHdf5With(const FileStart& file, std::string_view group, std::string_view ending) {
@@ -207,13 +212,18 @@ bool isVtu(const FileStart& file) {
          !contains(file.head, "PUnstructuredGrid");
 }
 
+bool isVts(const FileStart& file) {
+  return isVtkXmlOf(file, "StructuredGrid") || isVtkXmlOf(file, "RectilinearGrid");
+}
+
 bool isPvtu(const FileStart& file) {
-  return isVtkXml(file) && contains(file.head, "PUnstructuredGrid");
+  return isVtkXml(file) &&
+         (contains(file.head, "PUnstructuredGrid") || isVtkXmlOf(file, "PStructuredGrid") ||
+          isVtkXmlOf(file, "PRectilinearGrid"));
 }
 
 bool isVtp(const FileStart& file) {
-  return isVtkXml(file) && contains(file.head, "<VTKFile") &&
-         (contains(file.head, "\"PolyData\"") || contains(file.head, "'PolyData'"));
+  return isVtkXmlOf(file, "PolyData");
 }
 
 bool isVtm(const FileStart& file) {

@@ -41,6 +41,7 @@ bool isAbaqus(const FileStart& file);
 bool isUcd(const FileStart& file);
 bool isVtk(const FileStart& file);
 bool isVtu(const FileStart& file);
+bool isVts(const FileStart& file);
 bool isPvtu(const FileStart& file);
 bool isVtp(const FileStart& file);
 bool isVtm(const FileStart& file);

@@ -179,8 +179,11 @@ std::vector<Format> makeTable() {
                                       vtuHasSolidCells));
   all.back().writeTets = writeVtu;
   all.back().spoolCells = spoolVtu;
-  all.push_back(cellsOrFaces<readPvtu>(FileFormat::Pvtu, "VTK .pvtu", ".pvtu",
-                                       "An index of .vtu pieces", kArrays, isPvtu,
+  all.push_back(cellsOrFaces<readVtu>(FileFormat::Vts, "VTK .vts", ".vts .vtr",
+                                      "VTK XML structured and rectilinear grids", kArrays, isVts,
+                                      vtuHasSolidCells));
+  all.push_back(cellsOrFaces<readPvtu>(FileFormat::Pvtu, "VTK .pvtu", ".pvtu .pvts .pvtr",
+                                       "An index of .vtu, .vts or .vtr pieces", kArrays, isPvtu,
                                        pvtuHasSolidCells));
   all.push_back(triangles(FileFormat::Vtp, "VTK .vtp", ".vtp", "VTK XML polygons and strips", isVtp,
                           readFaces<readVtu>, nullptr));
@@ -400,7 +403,7 @@ std::string describeUnknownFormat(std::string_view bytes, const std::string& pat
   if (contains("BEGIN BULK") || file.ending == ".bdf" || file.ending == ".nas")
     return "is a Nastran deck, which is not read; convert it to .vtu or .msh";
   if (file.start.rfind("<?xml", 0) == 0 || file.start.rfind("<vtkfile", 0) == 0)
-    return contains("VTKFile") ? "is a VTK file of another kind than UnstructuredGrid"
+    return contains("VTKFile") ? "is a VTK file of another kind than grids and polygons"
                                : "is an XML file of an unknown kind";
   return isText(file.head) ? "is not a mesh format that is known (text)"
                            : "is not a mesh format that is known (binary data)";

@@ -90,12 +90,12 @@ private:
     CellMesh mesh;
     if (format == FileFormat::Vtp)
       mesh = readVtu(bytes.source(), options_, report_, progress_);
-    else if (format == FileFormat::Vtu || format == FileFormat::Pvtu || format == FileFormat::Vtk)
+    else if (format == FileFormat::Vtu || format == FileFormat::Vts || format == FileFormat::Pvtu ||
+             format == FileFormat::Vtk)
       mesh = formatOf(format).readCells(bytes.source(), options_, report_, progress_);
     else {
-      report_.warn("block-left-out",
-                   "the block '" + (name.empty() ? file : name) +
-                       "' is left out: it is neither an unstructured grid nor polygons");
+      report_.warn("block-left-out", "the block '" + (name.empty() ? file : name) +
+                                         "' is left out: it is neither a grid nor polygons");
       report_.partial = true;
       return;
     }

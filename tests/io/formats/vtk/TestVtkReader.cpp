@@ -51,6 +51,25 @@ TEST(VtkReader, QuadraticCells) {
   EXPECT_EQ(mesh.attributes.at(0).name, "material");
 }
 
+TEST(VtkReader, QuadraticCellsUnderTheLinearTypeAreReadByTheirCorners) {
+  std::string text = std::string(kHead) + "POINTS 20 float\n";
+  for (int i = 0; i < 20; ++i)
+    text += std::to_string(i) + " 0 0\n";
+  text += "CELLS 2 42\n";
+  for (const int first : {0, 10}) {
+    text += "20";
+    for (int i = 0; i < 20; ++i)
+      text += " " + std::to_string((first + i) % 20);
+    text += "\n";
+  }
+  const CellMesh mesh = read(readVtk, text + "CELL_TYPES 2\n12 12\n");
+  ASSERT_EQ(mesh.runs.size(), 1u);
+  EXPECT_TRUE(mesh.runs[0].quadratic);
+  EXPECT_EQ(mesh.nodes,
+            (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13, 14, 15, 16, 17}));
+  EXPECT_FALSE(errorOf(readVtk, text + "CELL_TYPES 2\n12 13\n").empty()) << "no wedge has 20";
+}
+
 TEST(VtkReader, BulletsFileWithoutSpaceSizeAndTypes) {
   Report report;
   const CellMesh mesh = read(readVtk, fileBytes(dataPath("bullet3__beam_mesh.vtk")), report);
@@ -120,7 +139,7 @@ TEST(VtkReader, MeshesThatDoNotFitNameTheirLine) {
   EXPECT_TRUE(contains(with("POINTS 4", "POINTS 400000000000"), "more than the file holds"));
   EXPECT_TRUE(contains(with("POINTS 4", "POINTS 6148914691236517209"), "more"));
   EXPECT_TRUE(contains(with("POINTS 4 float", "POINTS 4 string"), "number type"));
-  EXPECT_TRUE(contains(with("UNSTRUCTURED_GRID", "STRUCTURED_GRID"), "STRUCTURED_GRID"));
+  EXPECT_TRUE(contains(with("UNSTRUCTURED_GRID", "STRUCTURED_POINTS"), "STRUCTURED_POINTS"));
   EXPECT_TRUE(contains(with("CELL_TYPES 1\n10\n", ""), "CELL_TYPES"));
   EXPECT_TRUE(contains(with("CELL_TYPES", "CELL_STUFF"), "unknown keyword"));
   EXPECT_TRUE(contains(with("10\n", "10\nPOINT_DATA 5\n"), "POINT_DATA has 5"));

@@ -28,7 +28,8 @@ enum class FileFormat : std::uint8_t {
   Ucd,
   Vtk,
   Vtu,
-  Pvtu,
+  Vts, ///< structured and rectilinear grids
+  Pvtu, ///< .pvts and .pvtr, too
   Vtp,
   Vtm,
   Pvd,

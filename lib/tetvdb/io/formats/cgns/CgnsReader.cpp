@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/cgns/CgnsElements.h"
 #include "tetvdb/io/formats/cgns/CgnsFile.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
@@ -218,27 +219,17 @@ private:
   }
 
   void readBlock(const cgsize_t* size, CellMesh& mesh) {
-    double n = 1;
+    BlockSize points{1, 1, 1};
     for (int k = 0; k < 3; ++k) {
       size_[k] = k < dimension_ ? size[k] : 1;
       if (size_[k] < 1)
         file_.fail("zone '" + zoneName_ + "' has no points", kExport);
-      n *= static_cast<double>(size_[k]);
+      points[std::size_t(k)] = static_cast<std::size_t>(size_[k]);
     }
-    readPoints(file_.checked(n, 4, "points"), mesh);
-    const cgsize_t ni = size_[0], nj = size_[1], nk = size_[2];
-    const auto number = [&](cgsize_t i, cgsize_t j, cgsize_t k) {
-      return static_cast<std::uint32_t>(i + ni * (j + nj * k));
-    };
-    std::size_t count = 0;
-    for (cgsize_t k = 0; k + 1 < nk; ++k)
-      for (cgsize_t j = 0; j + 1 < nj; ++j)
-        for (cgsize_t i = 0; i + 1 < ni; ++i, ++count)
-          mesh.nodes.insert(mesh.nodes.end(),
-                            {number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k),
-                             number(i, j + 1, k), number(i, j, k + 1), number(i + 1, j, k + 1),
-                             number(i + 1, j + 1, k + 1), number(i, j + 1, k + 1)});
-    appendCells(mesh, {"structured", CellType::Hexahedron, 8, 8}, count);
+    readPoints(
+        file_.checked(double(points[0]) * double(points[1]) * double(points[2]), 4, "points"),
+        mesh);
+    const std::size_t count = appendBlock(mesh, points, 0, options_.faces);
     for (std::size_t i = 0; i < count; ++i)
       cellOfValue_.push_back(i);
   }

@@ -6,6 +6,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/ensight/EnsightCase.h"
 #include "tetvdb/io/formats/ensight/EnsightInput.h"
 #include "tetvdb/io/source/Advice.h"
@@ -167,32 +168,21 @@ private:
       in_.fail("a part is a '" + line + "', which is not read",
                "write it as unstructured elements or as a plain curvilinear block");
     const std::vector<std::int64_t> n = in_.integers(3);
-    for (const std::int64_t one : n)
-      if (one < 1 || one > std::numeric_limits<std::int32_t>::max())
-        in_.fail("a block has " + std::to_string(one) + " nodes along a side", kCut);
-    const double all = double(n[0]) * double(n[1]) * double(n[2]);
-    if (all > static_cast<double>(source_.bytes.size()))
-      in_.fail("a block has more nodes than the file holds", kCut);
-    part.points = static_cast<std::size_t>(n[0] * n[1] * n[2]);
+    BlockSize size{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (n[k] < 1 || n[k] > std::numeric_limits<std::int32_t>::max())
+        in_.fail("a block has " + std::to_string(n[k]) + " nodes along a side", kCut);
+      size[k] = static_cast<std::size_t>(n[k]);
+    }
+    part.points = blockPoints(size, source_.bytes.size(), source_.path);
     readPoints(part);
     if (kindsAlone_) {
-      isSolid_ = std::all_of(n.begin(), n.end(), [](std::int64_t one) { return one > 1; });
+      isSolid_ = isSolidBlock(size);
       return;
     }
-    const CellKind& kind = *kindOf("hexa8");
-    const auto number = [&](std::int64_t i, std::int64_t j, std::int64_t k) {
-      return static_cast<std::uint32_t>(part.firstPoint +
-                                        static_cast<std::size_t>(i + n[0] * (j + n[1] * k)));
-    };
-    std::size_t count = 0;
-    for (std::int64_t k = 0; k + 1 < n[2]; ++k)
-      for (std::int64_t j = 0; j + 1 < n[1]; ++j)
-        for (std::int64_t i = 0; i + 1 < n[0]; ++i, ++count)
-          mesh.nodes.insert(mesh.nodes.end(),
-                            {number(i, j, k), number(i + 1, j, k), number(i + 1, j + 1, k),
-                             number(i, j + 1, k), number(i, j, k + 1), number(i + 1, j, k + 1),
-                             number(i + 1, j + 1, k + 1), number(i, j + 1, k + 1)});
-    addCells(part, "block", kind, count);
+    const std::size_t count = appendBlock(mesh, size, part.firstPoint, options_.faces);
+    part.sections.push_back({"block", cells_, count});
+    cells_ += count;
   }
 
   // --- elements ---

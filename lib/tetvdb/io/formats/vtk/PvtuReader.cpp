@@ -20,9 +20,13 @@ namespace {
 template <class UsePiece>
 void forPieces(const Source& source, Progress& progress, UsePiece use) {
   const vtk::VtuMarkup markup(source);
-  const pugi::xml_node grid = markup.root().child("PUnstructuredGrid");
+  pugi::xml_node grid;
+  for (const char* name : {"PUnstructuredGrid", "PStructuredGrid", "PRectilinearGrid"})
+    if (!grid)
+      grid = markup.root().child(name);
   if (!grid)
-    throw Error(Status::Invalid, source.path, "has no <PUnstructuredGrid>",
+    throw Error(Status::Invalid, source.path,
+                "has no <PUnstructuredGrid>, <PStructuredGrid> or <PRectilinearGrid>",
                 "save the mesh as an unstructured grid");
   const auto pieces = grid.children("Piece");
   const auto count = std::distance(pieces.begin(), pieces.end());

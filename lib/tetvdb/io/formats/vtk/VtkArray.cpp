@@ -275,4 +275,12 @@ Attribute toAttribute(std::string name, Attribute::On on, std::uint32_t componen
   return attribute;
 }
 
+std::vector<double> toDoubles(const Array& array) {
+  const Attribute values = toAttribute({}, Attribute::On::Points, 1, array);
+  std::vector<double> numbers(values.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    numbers[i] = values.number(i);
+  return numbers;
+}
+
 } // namespace tetvdb::vtk

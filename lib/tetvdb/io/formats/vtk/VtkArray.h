@@ -63,6 +63,8 @@ Array parseText(NumberParser& in, Number type, std::size_t count, Progress& prog
 
 /// Throws Error(Invalid) for a number that is not finite. `array.count` is a multiple of 3.
 std::vector<Vec3d> toPoints(const Array& array);
+/// Coordinates of a rectilinear grid.
+std::vector<double> toDoubles(const Array& array);
 /// Point indices; values outside 0 to 2^32 - 2 become 2^32 - 1, which no mesh has. Throws
 /// Error(Invalid) for floating-point numbers, as do the next two functions.
 std::vector<std::uint32_t> toIndices(const Array& array);

@@ -178,9 +178,18 @@ private:
                    (wide ? std::string("a point out of range") : "point " + std::to_string(node)) +
                    ", but there are " + std::to_string(points_) + " points, numbered from 0");
   }
-  void checkSizes(const CellProperties& kind, std::size_t beginCell, std::size_t endCell) const {
-    const std::uint64_t nodes = kind.nodes != 0 ? kind.nodes : kind.corners;
-    const bool exact = kind.nodes != 0;
+  /// Nodes of the kind's first cell in the file; 0: any number. Some programs write quadratic cells
+  /// under the number of the linear type, of which VTK takes the corners.
+  std::size_t nodesInFile(const CellProperties& kind, std::size_t cell) const {
+    const std::uint64_t nodes = cells_.ends[cell] - begin(cell);
+    const bool curved = kind.nodes == kind.corners && nodes <= 32 &&
+                        curvedShape(kind.type, static_cast<std::uint32_t>(nodes));
+    return curved ? static_cast<std::size_t>(nodes) : kind.nodes;
+  }
+  void checkSizes(const CellProperties& kind, std::size_t inFile, std::size_t beginCell,
+                  std::size_t endCell) const {
+    const std::uint64_t nodes = inFile != 0 ? inFile : kind.corners;
+    const bool exact = inFile != 0;
     const std::uint64_t* ends = cells_.ends.data();
     if (begin(beginCell) + nodes > ends[beginCell] ||
         (exact && begin(beginCell) + nodes != ends[beginCell]))
@@ -209,7 +218,7 @@ private:
     const std::uint8_t* types = cells_.types.data();
     if (firstBad(0, n, [=](std::size_t i) { return types[i] != type; }) < n)
       return false;
-    checkSizes(kind, 0, n);
+    checkSizes(kind, kind.nodes, 0, n);
     checkNodes(0, n);
     cells_.connectivity.resize(cells_.ends.back());
     mesh_.nodes = std::move(cells_.connectivity);
@@ -225,14 +234,15 @@ private:
       return appendPolygons(kind, beginCell, endCell);
     if (kind.corners == 0)
       return addRun(kind, 0, endCell - beginCell, false);
-    checkSizes(kind, beginCell, endCell);
+    const std::size_t inFile = nodesInFile(kind, beginCell);
+    checkSizes(kind, inFile, beginCell, endCell);
     const std::uint32_t* from = cells_.connectivity.data();
     if (mesh_.nodes.capacity() == 0)
       mesh_.nodes.reserve(cells_.connectivity.size());
-    if (kind.nodes != 0) {
+    if (inFile != 0) {
       const std::uint8_t kept = curvedShape(kind.type, kind.nodes) ? kind.nodes : kind.corners;
-      copyCorners(from + begin(beginCell), kind.nodes, kept, endCell - beginCell);
-      return addRun(kind, kept, endCell - beginCell, kind.nodes != kind.corners);
+      copyCorners(from + begin(beginCell), inFile, kept, endCell - beginCell);
+      return addRun(kind, kept, endCell - beginCell, inFile != kind.corners);
     }
     for (std::size_t cell = beginCell; cell < endCell; ++cell) {
       const std::uint32_t* nodes = from + begin(cell);

@@ -2,10 +2,11 @@
 #include "tetvdb/io/formats/vtk/VtkReader.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellFaces.h"
-#include "tetvdb/io/formats/vtk/VtkArray.h"
+#include "tetvdb/io/cells/StructuredBlock.h"
+#include "tetvdb/io/formats/vtk/HiddenCells.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
+#include "tetvdb/io/formats/vtk/VtkInput.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/text/ByteReader.h"
 #include "tetvdb/io/text/NumberParser.h"
@@ -22,51 +23,30 @@ namespace {
 
 using namespace vtk;
 
-/// A keyword; longer words are not keywords.
-std::string lower(std::string_view word) {
-  return lowerCase(word.substr(0, 64));
-}
-
-// Names contain %20 for a space, and so on.
-std::string percentDecoded(std::string_view name) {
-  const auto digit = [](char c) {
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-  };
-  std::string out;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    if (name[i] == '%' && i + 2 < name.size() && digit(name[i + 1]) >= 0 &&
-        digit(name[i + 2]) >= 0) {
-      out += static_cast<char>(digit(name[i + 1]) * 16 + digit(name[i + 2]));
-      i += 2;
-    } else {
-      out += name[i];
-    }
-  }
-  return out;
-}
-
-class VtkFile {
+class VtkFile : VtkInput {
 public:
   VtkFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), in_(source) {}
+      : VtkInput(source, progress), source_(source), options_(options), report_(report),
+        progress_(progress) {}
 
   CellMesh read() {
     readHeader();
-    while (!in_.atEnd()) {
-      const std::string keyword = lower(in_.word());
+    while (!text().atEnd()) {
+      const std::string keyword = word();
       if (!readGeometry(keyword) && !readData(keyword))
         fail("unknown keyword '" + readable(keyword) + "'", kExport);
       source_.release();
-      progress_.update(static_cast<double>(in_.position()) /
+      progress_.update(static_cast<double>(text().position()) /
                        static_cast<double>(source_.bytes.size()));
     }
-    if (!seenPoints_)
+    if (dataset_ == Dataset::Rectilinear)
+      mesh_.points = rectilinearPoints(coordinates_, source_.bytes.size(), source_.path);
+    else if (!seenPoints_)
       fail("the file ends without POINTS", kCut);
-    if (isPoly_)
+    if (dataset_ == Dataset::Poly)
       return finishPolygons();
+    if (isStructured())
+      return finishBlock();
     if (!seenCells_ || !seenTypes_)
       fail(seenCells_ ? "the file ends without CELL_TYPES" : "the file ends without CELLS", kCut);
     checkElements(Attribute::On::Points, mesh_.points.size());
@@ -81,135 +61,42 @@ public:
   }
 
 private:
-  std::string where() const {
-    return binary_ ? source_.path + " at byte " + std::to_string(in_.position()) : in_.where();
-  }
-  [[noreturn]] void fail(const std::string& what, const char* advice) const {
-    throw Error(Status::Invalid, where(), what, advice);
-  }
-  static std::string readable(std::string_view word) {
-    std::string out(word.substr(0, 40));
-    for (char& c : out)
-      if (c < 0x20 || c > 0x7e)
-        c = '?';
-    return out;
+  enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
+  static constexpr std::string_view kDatasets[] = {"unstructured_grid", "polydata",
+                                                   "structured_grid", "rectilinear_grid"};
+  bool isStructured() const {
+    return dataset_ == Dataset::Structured || dataset_ == Dataset::Rectilinear;
   }
 
   void readHeader() {
-    const std::string first = lower(in_.line());
+    const std::string first = keywordOf(text().line());
     const std::size_t version = first.find("version");
     if (first.find("vtk datafile") == first.npos)
       fail("does not begin with '# vtk DataFile Version'", kExport);
     if (version != first.npos && first.find_first_of("0123456789", version) == first.npos)
       fail("has no file version", kExport);
-    in_.line(); // the title
-    const std::string mode = lower(in_.word());
+    text().line(); // the title
+    const std::string mode = word();
     if (mode != "ascii" && mode != "binary")
       fail("the third line is neither ASCII nor BINARY", kExport);
-    if (lower(in_.word()) != "dataset")
+    if (word() != "dataset")
       fail("DATASET is missing", kExport);
-    const std::string_view dataset = in_.word();
-    isPoly_ = lower(dataset) == "polydata";
-    if (lower(dataset) != "unstructured_grid" && !isPoly_)
-      fail("holds a DATASET " + readable(dataset) + ", not an UNSTRUCTURED_GRID or POLYDATA",
+    const std::string_view dataset = text().word();
+    const auto* known = std::find(std::begin(kDatasets), std::end(kDatasets), keywordOf(dataset));
+    if (known == std::end(kDatasets))
+      fail("holds a DATASET " + readable(dataset) +
+               ", not an UNSTRUCTURED_GRID, STRUCTURED_GRID, RECTILINEAR_GRID or POLYDATA",
            "save the mesh as an unstructured grid");
-    binary_ = mode == "binary";
-  }
-
-  // --- pieces of the syntax ---
-
-  std::size_t count() {
-    std::int64_t n = 0;
-    if (!in_.tryInteger(n) || n < 0)
-      fail("expected a count, found '" + readable(in_.peekWord()) + "'", kCut);
-    return static_cast<std::size_t>(n);
-  }
-  std::size_t product(std::size_t a, std::size_t b) const {
-    if (b != 0 && a > std::numeric_limits<std::size_t>::max() / 16 / b)
-      fail("more numbers are declared than the file holds", kCut);
-    return a * b;
-  }
-  std::string name() {
-    in_.skipSpace();
-    const std::string_view rest = source_.bytes.substr(in_.position());
-    if (!rest.empty() && rest[0] == '"') {
-      const std::size_t end = rest.substr(0, 1000).find_first_of("\"\n\r", 1);
-      if (end != rest.npos && rest[end] == '"') {
-        in_.seek(in_.position() + end + 1);
-        return percentDecoded(rest.substr(1, end - 1));
-      }
-    }
-    return percentDecoded(in_.word());
-  }
-  Number type() {
-    const std::string_view word = in_.word();
-    const auto found = legacyNumber(word);
-    if (!found)
-      fail("unknown number type '" + readable(word) + "'", kExport);
-    return *found;
-  }
-  /// Whether the next word is `keyword` (lower case), which is then consumed. Reads no more than
-  /// that many bytes, since binary data may follow.
-  bool next(std::string_view keyword) {
-    const std::size_t before = in_.position();
-    in_.skipSpace();
-    const std::string_view rest = source_.bytes.substr(in_.position());
-    if (lower(rest.substr(0, keyword.size())) == keyword &&
-        (rest.size() == keyword.size() || isBlank(rest[keyword.size()]))) {
-      in_.seek(in_.position() + keyword.size());
-      return true;
-    }
-    in_.seek(before);
-    return false;
-  }
-  /// Binary data begin on the next line.
-  void endLine() {
-    if (binary_ && !trimmed(in_.line()).empty())
-      fail("more words than expected before binary data", kCut);
-  }
-
-  /// The `n` numbers that follow the header line.
-  Array numbers(Number type, std::size_t n) {
-    if (!binary_) {
-      const std::string start = in_.where();
-      Array array = parseText(in_, type, n, progress_);
-      array.where = start;
-      return array;
-    }
-    Array array;
-    array.where = where();
-    const std::uint64_t bytes = bytesFor(type, n);
-    if (bytes > in_.remaining())
-      fail(std::to_string(n) + " numbers are declared, more than the file holds", kCut);
-    array.type = type;
-    array.swap = machineIsLittleEndian();
-    array.data = source_.bytes.data() + in_.position();
-    array.count = n;
-    in_.seek(in_.position() + bytes);
-    return array;
-  }
-  void skipNumbers(Number type, std::size_t n) {
-    if (binary_) {
-      numbers(type, n);
-      return;
-    }
-    in_.checkCount(static_cast<std::int64_t>(std::min<std::size_t>(n, SIZE_MAX / 2)), "numbers");
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i % 65536 == 0)
-        progress_.check();
-      if (in_.word().empty())
-        in_.failNumber("a number");
-    }
-  }
-  static bool machineIsLittleEndian() {
-    const std::uint16_t one = 1;
-    return *reinterpret_cast<const char*>(&one) == 1;
+    dataset_ = Dataset(known - std::begin(kDatasets));
+    setBinary(mode == "binary");
   }
 
   // --- points and cells ---
 
   bool readGeometry(const std::string& keyword) {
-    if (isPoly_ && readPolygons(keyword))
+    if (dataset_ == Dataset::Poly && readPolygons(keyword))
+      return true;
+    if (isStructured() && readStructure(keyword))
       return true;
     if (keyword == "points")
       readPoints();
@@ -268,6 +155,40 @@ private:
     return std::move(mesh_);
   }
 
+  // Structured grids have dimensions in place of cells, rectilinear ones coordinates in place of
+  // points.
+  bool readStructure(const std::string& keyword) {
+    if (keyword == "dimensions") {
+      once(seenCells_, "DIMENSIONS");
+      for (std::size_t& points : size_)
+        points = count();
+      return true;
+    }
+    const std::size_t axis = keyword.empty() ? 0 : std::size_t(keyword[0] - 'x');
+    if (dataset_ != Dataset::Rectilinear || keyword.substr(1) != "_coordinates" || axis > 2)
+      return false;
+    if (!coordinates_[axis].empty())
+      fail("a second section " + keyword, kExport);
+    const std::size_t n = count();
+    const Number as = type();
+    endLine();
+    coordinates_[axis] = toDoubles(numbers(as, n));
+    return true;
+  }
+  CellMesh finishBlock() {
+    if (!seenCells_)
+      fail("the file ends without DIMENSIONS", kCut);
+    const std::size_t points = blockPoints(size_, mesh_.points.size(), source_.path);
+    if (points != mesh_.points.size())
+      fail("DIMENSIONS declares " + std::to_string(points) + " points, but there are " +
+               std::to_string(mesh_.points.size()),
+           kExport);
+    checkElements(Attribute::On::Points, mesh_.points.size());
+    checkElements(Attribute::On::Cells, appendBlock(mesh_, size_, 0, options_.faces));
+    removeHiddenCells(mesh_);
+    return std::move(mesh_);
+  }
+
   void readCells() {
     once(seenCells_, "CELLS");
     readConnectivity();
@@ -284,10 +205,10 @@ private:
 
   // Some writers do not include the node counts in the declared size: a text defines its own end.
   void readStream(std::size_t n, std::size_t size) {
-    const Array array = numbers(binary_ ? Number::Int32 : Number::Int64, size);
+    const Array array = numbers(isBinary() ? Number::Int32 : Number::Int64, size);
     std::vector<std::uint32_t> stream = toIndices(array);
-    if (!binary_) {
-      for (std::int64_t more = 0; in_.tryInteger(more);)
+    if (!isBinary()) {
+      for (std::int64_t more = 0; text().tryInteger(more);)
         stream.push_back(more >= 0 && more < 0xffffffff ? static_cast<std::uint32_t>(more)
                                                         : 0xffffffffu);
       if (stream.size() > size)
@@ -365,19 +286,10 @@ private:
   // Bullet's files end with "CELL_TYPES 10": the type of all cells. A file truncated there would
   // have as many types as cells.
   bool isTypeOfAll(std::size_t n) {
-    if (binary_ || !seenCells_ || n > 255 || n == cells_.ends.size() || !in_.atEnd())
+    if (isBinary() || !seenCells_ || n > 255 || n == cells_.ends.size() || !text().atEnd())
       return false;
     const CellProperties& kind = cellKind(static_cast<std::uint8_t>(n));
     return kind.nodes != 0 && cells_.connectivity.size() == kind.nodes * cells_.ends.size();
-  }
-
-  /// Lines up to an empty one.
-  void skipMetadata() {
-    in_.line();
-    do
-      if (in_.remaining() == 0)
-        fail("the file ends within METADATA", kCut);
-    while (!trimmed(in_.line()).empty());
   }
 
   // --- arrays ---
@@ -394,14 +306,14 @@ private:
       name();
       const std::size_t n = product(count(), 4);
       endLine();
-      skipNumbers(binary_ ? Number::UInt8 : Number::Float32, n);
+      skipNumbers(isBinary() ? Number::UInt8 : Number::Float32, n);
     } else if (keyword == "scalars") {
       readScalars();
     } else if (keyword == "color_scalars") {
       std::string label = name();
       const std::size_t width = count();
       endLine();
-      readArray(std::move(label), width, elements_, binary_ ? Number::UInt8 : Number::Float32);
+      readArray(std::move(label), width, elements_, isBinary() ? Number::UInt8 : Number::Float32);
     } else if (keyword == "texture_coordinates") {
       std::string label = name();
       const std::size_t width = count();
@@ -433,7 +345,7 @@ private:
   void readScalars() {
     std::string label = name();
     const Number as = type();
-    const std::string_view rest = in_.line();
+    const std::string_view rest = text().line();
     NumberParser words(rest, source_.path);
     std::int64_t width = 1;
     if (!words.atEnd() && (!words.tryInteger(width) || width < 1))
@@ -450,7 +362,7 @@ private:
     const std::size_t arrays = count();
     for (std::size_t i = 0; i < arrays; ++i) {
       std::string label = name();
-      while (lower(label) == "metadata") {
+      while (keywordOf(label) == "metadata") {
         skipMetadata();
         label = name();
       }
@@ -460,11 +372,11 @@ private:
         continue;
       const std::size_t width = count();
       const std::size_t tuples = count();
-      const std::string word = lower(in_.peekWord());
+      const std::string word = keywordOf(text().peekWord());
       if (word == "string" || word == "utf8_string" || word == "variant") {
-        in_.word();
-        in_.line();
-        skipStrings(product(width, tuples), binary_ && word != "variant");
+        text().word();
+        text().line();
+        skipStrings(product(width, tuples), isBinary() && word != "variant");
         continue;
       }
       const Number as = type();
@@ -473,37 +385,13 @@ private:
     }
   }
 
-  // One per line, or after its length: the highest two bits of the first byte are the number of
-  // bytes of the length.
-  void skipStrings(std::size_t n, bool binary) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (in_.remaining() == 0)
-        fail("the file ends within strings", kCut);
-      if (i % 65536 == 0)
-        progress_.check();
-      if (!binary) {
-        in_.line();
-        continue;
-      }
-      const char* at = source_.bytes.data() + in_.position();
-      const unsigned first = static_cast<unsigned char>(*at);
-      const std::size_t bytes = std::size_t(8) >> (first >> 6);
-      std::uint64_t length = first & 0x3f;
-      if (bytes <= in_.remaining())
-        for (std::size_t k = 1; k < bytes; ++k)
-          length = length << 8 | static_cast<unsigned char>(at[k]);
-      if (bytes > in_.remaining() || length > in_.remaining() - bytes)
-        fail("a string is longer than the file", kCut);
-      in_.seek(in_.position() + bytes + length);
-    }
-  }
-
   void readArray(std::string label, std::size_t width, std::size_t tuples, Number as) {
     const std::size_t n = product(width, tuples);
-    const bool wanted = inData_ && !(options_.faces && on_ == Attribute::On::Cells) && width > 0 &&
-                        width <= 1u << 16 && tuples == elements_ &&
-                        (options_.wants(label) || label == options_.regionArray ||
-                         (on_ == Attribute::On::Cells && isInteger(as)));
+    const bool isAsked = !(options_.faces && on_ == Attribute::On::Cells) &&
+                         (options_.wants(label) || label == options_.regionArray ||
+                          (on_ == Attribute::On::Cells && isInteger(as)));
+    const bool wanted = inData_ && width > 0 && width <= 1u << 16 && tuples == elements_ &&
+                        (isAsked || (isStructured() && label == kGhostArray));
     if (!wanted) {
       if (inData_ && tuples != elements_)
         report_.warn("array-of-other-length",
@@ -531,13 +419,13 @@ private:
   const ReadOptions& options_;
   Report& report_;
   Progress& progress_;
-  NumberParser in_;
-  bool binary_ = false;
-  bool isPoly_ = false;
+  Dataset dataset_ = Dataset::Unstructured;
   bool seenPoints_ = false, seenCells_ = false, seenTypes_ = false;
   CellMesh mesh_;
   Cells cells_;
-  std::array<Cells, 4> polygons_; ///< of polygonal data
+  std::array<Cells, 4> polygons_;                  ///< of polygonal data
+  BlockSize size_{};                               ///< of structured grids
+  std::array<std::vector<double>, 3> coordinates_; ///< of rectilinear ones
   // The section to which arrays belong; preceding field data are the dataset's.
   bool inData_ = false;
   Attribute::On on_ = Attribute::On::Points;
@@ -560,7 +448,7 @@ bool vtkHasSolidCells(const Source& source, Report& report, Progress& progress) 
   NumberParser in(source);
   in.line();
   in.line();
-  const bool binary = lower(in.word()) == "binary";
+  const bool binary = keywordOf(in.word()) == "binary";
   // The types follow the cells; arrays may follow.
   const std::size_t at = source.bytes.rfind("CELL_TYPES");
   if (at == source.bytes.npos) {

@@ -5,12 +5,22 @@
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstdlib>
+#include <iterator>
 #include <limits>
 #include <string_view>
 
 namespace tetvdb::vtk {
-namespace {} // namespace
+namespace {
+
+// By Dataset: the type of <VTKFile>, which is also the name of its element.
+constexpr const char* kDatasets[] = {"UnstructuredGrid", "PolyData", "StructuredGrid",
+                                     "RectilinearGrid"};
+
+// VTK's extents are of type int.
+constexpr std::int64_t kMaxExtent = std::int64_t(1) << 31;
+
+} // namespace
 
 VtuLayout::VtuLayout(const Source& source) : source_(source), markup_(source) {
   readEncoding();
@@ -25,7 +35,7 @@ std::string VtuLayout::where() const {
 }
 
 std::vector<pugi::xml_node> VtuLayout::pieces() const {
-  const auto all = root().child(isPoly_ ? "PolyData" : "UnstructuredGrid").children("Piece");
+  const auto all = root().child(kDatasets[std::size_t(dataset_)]).children("Piece");
   if (all.begin() == all.end())
     fail(source_.path, "the file has no <Piece>", "export it again");
   return {all.begin(), all.end()};
@@ -34,12 +44,13 @@ std::vector<pugi::xml_node> VtuLayout::pieces() const {
 void VtuLayout::readEncoding() {
   const pugi::xml_node root = markup_.root();
   const std::string_view type = root.attribute("type").value();
-  isPoly_ = type == "PolyData";
-  if (type != "UnstructuredGrid" && !isPoly_)
+  const auto* known = std::find(std::begin(kDatasets), std::end(kDatasets), type);
+  if (known == std::end(kDatasets))
     fail(source_.path,
          "holds " + std::string(type.empty() ? "no type" : type) +
-             ", not an UnstructuredGrid or PolyData",
+             ", not an UnstructuredGrid, StructuredGrid, RectilinearGrid or PolyData",
          "save the mesh as an unstructured grid");
+  dataset_ = Dataset(known - std::begin(kDatasets));
   const std::string_view compressor = root.attribute("compressor").value();
   if (compressor == "vtkZLibDataCompressor")
     encoding_.compressor = Compressor::Zlib;
@@ -69,6 +80,22 @@ std::size_t VtuLayout::count(pugi::xml_node node, const char* name) const {
   return static_cast<std::size_t>(n);
 }
 
+BlockSize VtuLayout::blockSize(pugi::xml_node piece) const {
+  const std::string_view text = piece.attribute("Extent").value();
+  NumberParser in(text, where());
+  BlockSize size{};
+  for (std::size_t& points : size) {
+    std::int64_t first = 0, last = 0;
+    if (!in.tryInteger(first) || !in.tryInteger(last) || std::abs(first) > kMaxExtent ||
+        std::abs(last) > kMaxExtent)
+      fail(where(), "Extent is not six numbers of points");
+    if (last < first)
+      return {};
+    points = static_cast<std::size_t>(last - first + 1);
+  }
+  return size;
+}
+
 std::uint32_t VtuLayout::components(pugi::xml_node node, std::uint32_t missing) const {
   if (!node.attribute("NumberOfComponents"))
     return missing;
@@ -88,9 +115,11 @@ std::size_t VtuLayout::product(std::size_t a, std::size_t b) const {
 pugi::xml_node VtuLayout::needed(pugi::xml_node cells, const char* name) const {
   const pugi::xml_node node = named(cells, name);
   if (!node)
-    fail(where(), "<" + std::string(isPoly_ ? "Polys" : "Cells") + "> has no array '" + name + "'");
+    fail(where(), "<" + std::string(dataset_ == Dataset::Poly ? "Polys" : "Cells") +
+                      "> has no array '" + name + "'");
   return node;
 }
+
 ArrayPlace VtuLayout::locate(pugi::xml_node node, std::size_t numbers) const {
   const std::string name = node.attribute("Name").value();
   const std::string_view typeName = node.attribute("type").value();

@@ -3,6 +3,7 @@
 // What a VTK XML file says of its arrays: how they are encoded, and where each of them lies.
 #pragma once
 
+#include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
@@ -24,6 +25,9 @@ struct ArrayPlace {
   bool base64 = false; ///< otherwise raw, where it is no text
 };
 
+/// Kinds of <VTKFile>; each stores its cells in another way.
+enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
+
 /// Methods throw Error(Invalid) for what the format does not allow.
 class VtuLayout {
 public:
@@ -31,7 +35,7 @@ public:
   explicit VtuLayout(const Source& source);
 
   pugi::xml_node root() const { return markup_.root(); }
-  bool isPoly() const { return isPoly_; } ///< PolyData rather than UnstructuredGrid
+  Dataset dataset() const { return dataset_; }
   const Encoding& encoding() const { return encoding_; }
   /// All <Piece>, at least one.
   std::vector<pugi::xml_node> pieces() const;
@@ -41,6 +45,8 @@ public:
 
   /// The attribute as a count.
   std::size_t count(pugi::xml_node node, const char* name) const;
+  /// Points of a structured piece along the axes, by its Extent; (0, 0, 0) for an empty one.
+  BlockSize blockSize(pugi::xml_node piece) const;
   /// NumberOfComponents, or `missing`.
   std::uint32_t components(pugi::xml_node node, std::uint32_t missing) const;
   /// a * b, as a number of numbers.
@@ -62,7 +68,7 @@ private:
   const Source& source_;
   VtuMarkup markup_;
   Encoding encoding_;
-  bool isPoly_ = false;
+  Dataset dataset_ = Dataset::Unstructured;
   std::size_t piece_ = 0;
 };
 

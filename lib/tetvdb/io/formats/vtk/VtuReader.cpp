@@ -2,12 +2,16 @@
 #include "tetvdb/io/formats/vtk/VtuReader.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/cells/StructuredBlock.h"
+#include "tetvdb/io/formats/vtk/HiddenCells.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
 #include "tetvdb/io/formats/vtk/VtuLayout.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <utility>
 
 namespace tetvdb {
@@ -37,8 +41,14 @@ public:
     return whole;
   }
 
-  /// By the cells' types only.
+  /// By the cells' types or the extents only.
   bool hasSolidCells() {
+    if (isStructured()) {
+      for (const pugi::xml_node piece : pieces())
+        if (isSolidBlock(blockSize(piece)))
+          return true;
+      return false;
+    }
     for (const pugi::xml_node piece : root().child("UnstructuredGrid").children("Piece"))
       if (const std::size_t cells = count(piece, "NumberOfCells"); cells > 0)
         for (const std::uint8_t type : toTypes(array(needed(piece.child("Cells"), "types"), cells)))
@@ -48,6 +58,10 @@ public:
   }
 
 private:
+  bool isStructured() const {
+    return dataset() == Dataset::Structured || dataset() == Dataset::Rectilinear;
+  }
+
   /// The `numbers` numbers of a <DataArray>. Previous ones have already been used.
   Array array(pugi::xml_node node, std::size_t numbers) {
     source_.release();
@@ -91,30 +105,60 @@ private:
   }
 
   CellMesh readPiece(pugi::xml_node piece) {
-    const std::size_t points = count(piece, "NumberOfPoints");
-    const std::size_t cells = isPoly() ? polyCellCount(piece) : count(piece, "NumberOfCells");
     CellMesh mesh;
-    if (points > 0) {
-      const pugi::xml_node node = piece.child("Points").child("DataArray");
-      if (!node)
-        fail(where(), "<Points> has no array");
-      if (components(node, 3) != 3)
-        fail(where(), "points have " + std::to_string(components(node, 3)) + " coordinates, not 3");
-      mesh.points = toPoints(array(node, product(points, 3)));
-      if (points >= 0xffffffffu)
-        throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
+    std::size_t cells = 0;
+    if (isStructured()) {
+      cells = readBlock(piece, mesh);
+    } else {
+      readPoints(piece.child("Points"), count(piece, "NumberOfPoints"), mesh);
       progress_.update(0.2);
+      cells = dataset() == Dataset::Poly ? polyCellCount(piece) : count(piece, "NumberOfCells");
+      if (dataset() == Dataset::Poly)
+        readPolyCells(piece, mesh);
+      else if (cells > 0)
+        readCells(piece.child("Cells"), cells, mesh);
     }
-    if (isPoly())
-      readPolyCells(piece, mesh);
-    else if (cells > 0)
-      readCells(piece.child("Cells"), cells, mesh);
     progress_.update(0.7);
-    readAttributes(piece.child("PointData"), Attribute::On::Points, points, mesh);
-    if (!options_.faces)
-      readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
+    readAttributes(piece.child("PointData"), Attribute::On::Points, mesh.points.size(), mesh);
+    readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
+    if (isStructured())
+      removeHiddenCells(mesh);
     source_.release();
     return mesh;
+  }
+
+  void readPoints(pugi::xml_node section, std::size_t points, CellMesh& mesh) {
+    if (points == 0)
+      return;
+    const pugi::xml_node node = section.child("DataArray");
+    if (!node)
+      fail(where(), "<Points> has no array");
+    if (components(node, 3) != 3)
+      fail(where(), "points have " + std::to_string(components(node, 3)) + " coordinates, not 3");
+    mesh.points = toPoints(array(node, product(points, 3)));
+    if (points >= 0xffffffffu)
+      throw Error(Status::Limit, source_.path, "more than 2^32 - 2 points", "split the mesh");
+  }
+
+  /// Points and cells of a structured or rectilinear grid; returns the number of cells.
+  std::size_t readBlock(pugi::xml_node piece, CellMesh& mesh) {
+    const BlockSize size = blockSize(piece);
+    if (dataset() == Dataset::Structured) {
+      readPoints(piece.child("Points"),
+                 blockPoints(size, std::numeric_limits<std::uint32_t>::max(), where()), mesh);
+    } else {
+      std::array<std::vector<double>, 3> along;
+      const pugi::xml_node section = piece.child("Coordinates");
+      pugi::xml_node node = section.child("DataArray");
+      for (std::size_t k = 0; k < 3; ++k, node = node.next_sibling("DataArray")) {
+        if (!node)
+          fail(where(), "<Coordinates> has no three arrays");
+        along[k] = toDoubles(array(node, size[k]));
+      }
+      mesh.points = rectilinearPoints(along, source_.bytes.size(), where());
+    }
+    progress_.update(0.5);
+    return appendBlock(mesh, size, 0, options_.faces);
   }
 
   void readCells(pugi::xml_node node, std::size_t n, CellMesh& mesh) {
@@ -215,7 +259,10 @@ private:
       std::string name = node.attribute("Name").value();
       if (!type)
         continue; // strings
-      if (!options_.attributes && name != options_.regionArray &&
+      const bool isGhost = isStructured() && name == kGhostArray;
+      if (!isGhost && options_.faces && on == Attribute::On::Cells)
+        continue;
+      if (!isGhost && !options_.attributes && name != options_.regionArray &&
           (on == Attribute::On::Points || !isInteger(*type)))
         continue;
       if (name.empty())
@@ -228,7 +275,7 @@ private:
       const std::uint32_t width = components(node, 1);
       const bool forRegions =
           on == Attribute::On::Cells && (isInteger(*type) || name == options_.regionArray);
-      if (options_.attributes && !options_.wants(name) && !forRegions) {
+      if (!isGhost && options_.attributes && !options_.wants(name) && !forRegions) {
         mesh.unread.push_back({std::move(name), on, width});
         continue;
       }

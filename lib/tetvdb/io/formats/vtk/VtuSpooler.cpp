@@ -82,9 +82,8 @@ public:
         progress_(progress) {}
 
   void read() {
-    if (isPoly())
-      fail(source_.path, "holds PolyData, not an UnstructuredGrid",
-           "save the mesh as an unstructured grid");
+    if (dataset() != Dataset::Unstructured)
+      fail(source_.path, "holds no UnstructuredGrid", "save the mesh as an unstructured grid");
     const std::vector<pugi::xml_node> all = pieces();
     for (std::size_t i = 0; i < all.size(); ++i) {
       beginPiece(i);

@@ -8,6 +8,7 @@
 #include "tetvdb/io/text/NumberParser.h"
 
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -50,6 +51,10 @@ std::optional<vtk::Number> numberType(pugi::xml_node item) {
            : precision == 4 ? Number::UInt32
                             : Number::UInt64;
   return {};
+}
+
+bool isHdf(std::string_view format) {
+  return sameWord(format, "HDF") || sameWord(format, "HDF5") || sameWord(format, "H5");
 }
 
 } // namespace
@@ -142,6 +147,29 @@ XdmfData::Item XdmfData::resolve(pugi::xml_node asked) const {
   return result;
 }
 
+Hdf5Dataset XdmfData::datasetOf(pugi::xml_node item) const {
+  const std::string text(trimmedText(item));
+  const std::size_t colon = datasetColon(text);
+  if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
+    fail(item, "'" + text.substr(0, 80) + "' names no dataset, as file.h5:/path does");
+  Hdf5Dataset dataset;
+  dataset.file = pathWithin(source_.path, text.substr(0, colon));
+  dataset.path = text.substr(colon + 1);
+  if (dataset.path.front() != '/') // FEniCS's checkpoints
+    dataset.path.insert(dataset.path.begin(), '/');
+  return dataset;
+}
+
+std::size_t XdmfData::fileBytes(pugi::xml_node item) const {
+  const pugi::xml_node node = resolve(item).node;
+  const std::string_view format = node.attribute("Format").value();
+  if (isHdf(format))
+    return std::filesystem::file_size(datasetOf(node).file);
+  if (sameWord(format, "Binary"))
+    return std::filesystem::file_size(pathWithin(source_.path, std::string(trimmedText(node))));
+  return 0;
+}
+
 void XdmfData::need(pugi::xml_node asked) {
   if (const auto known = items_.find(asked.hash_value()); known != items_.end()) {
     ++known->second.uses;
@@ -149,16 +177,8 @@ void XdmfData::need(pugi::xml_node asked) {
   }
   Item item = resolve(asked);
   const std::string_view format = item.node.attribute("Format").value();
-  if (sameWord(format, "HDF") || sameWord(format, "HDF5") || sameWord(format, "H5")) {
-    const std::string text(trimmedText(item.node));
-    const std::size_t colon = datasetColon(text);
-    if (colon == 0 || colon == std::string::npos || colon + 1 == text.size())
-      fail(item.node, "'" + text.substr(0, 80) + "' names no dataset, as file.h5:/path does");
-    Hdf5Dataset dataset;
-    dataset.file = pathWithin(source_.path, text.substr(0, colon));
-    dataset.path = text.substr(colon + 1);
-    if (dataset.path.front() != '/') // FEniCS's checkpoints
-      dataset.path.insert(dataset.path.begin(), '/');
+  if (isHdf(format)) {
+    Hdf5Dataset dataset = datasetOf(item.node);
     dataset.sliced = item.sliced;
     dataset.slab = item.slab;
     dataset.min = item.declared ? item.numbers : 0;

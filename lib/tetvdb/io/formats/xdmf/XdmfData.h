@@ -36,6 +36,8 @@ public:
   void need(pugi::xml_node item);
   /// Reads the required items in HDF5 files; others are read by take().
   void load();
+  /// Bytes of the file that holds an item's numbers; 0 if they are in the XML. Throws as need().
+  std::size_t fileBytes(pugi::xml_node item) const;
   /// The numbers of an item; once per call of need().
   Attribute::Values take(pugi::xml_node item);
 
@@ -54,6 +56,7 @@ private:
   [[noreturn]] void fail(pugi::xml_node item, const std::string& what,
                          const char* advice = kExport) const;
   Item resolve(pugi::xml_node item) const;
+  Hdf5Dataset datasetOf(pugi::xml_node item) const;
   std::vector<std::uint64_t> wholeNumbers(pugi::xml_node item, const std::string& text) const;
   std::vector<std::uint64_t> dimensions(pugi::xml_node item) const;
   std::size_t product(pugi::xml_node item, const std::vector<std::uint64_t>& factors) const;

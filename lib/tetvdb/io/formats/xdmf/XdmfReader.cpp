@@ -5,6 +5,7 @@
 #include "tetvdb/core/Letters.h"
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/cells/CellRuns.h"
+#include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/xdmf/XdmfData.h"
 #include "tetvdb/io/formats/xdmf/XdmfFunction.h"
@@ -66,6 +67,11 @@ public:
     findPieces();
     std::optional<bool> solid = false;
     for (const Piece& piece : pieces_) {
+      if (isStructured(piece.topology)) {
+        if (isSolidBlock(blockSize(piece.topology)))
+          return true;
+        continue;
+      }
       const XdmfShape* shape = shapeOf(piece.topology);
       if (shape == nullptr)
         solid = std::nullopt;
@@ -193,8 +199,10 @@ private:
   void need(const Piece& piece) {
     for (const pugi::xml_node item : geometryItems(piece))
       data_.need(item);
-    shapeOf(piece.topology);
-    data_.need(itemOf(piece.topology));
+    if (!isStructured(piece.topology)) {
+      shapeOf(piece.topology);
+      data_.need(itemOf(piece.topology));
+    }
     for (const pugi::xml_node attribute : piece.attributes)
       if (isWanted(attribute))
         for (const pugi::xml_node item : itemsOf(attribute))
@@ -221,27 +229,54 @@ private:
     return items;
   }
 
+  static std::string_view typeOf(pugi::xml_node node, const char* name) {
+    const std::string_view type = node.attribute(name).value();
+    return type.empty() ? node.attribute("Type").value() : type;
+  }
+
+  /// How a geometry gives the points.
+  struct Points {
+    const char* type;
+    std::size_t items; ///< data items
+    std::size_t width; ///< coordinates of a point
+    bool straight;     ///< those of the axes of a rectilinear grid, not of the points
+  };
+  static constexpr Points kPoints[] = {{"XYZ", 1, 3, false},          {"XY", 1, 2, false},
+                                       {"X_Y_Z", 3, 1, false},        {"X_Y", 2, 1, false},
+                                       {"VXVYVZ", 3, 1, true},        {"VXVY", 2, 1, true},
+                                       {"ORIGIN_DXDYDZ", 2, 3, true}, {"ORIGIN_DXDY", 2, 2, true}};
+  const Points& pointsOf(const Piece& piece) const {
+    const std::string_view type = typeOf(piece.geometry, "GeometryType");
+    for (const Points& known : kPoints)
+      if (sameWord(type, known.type) || (type.empty() && &known == kPoints)) {
+        if (known.straight && !isStructured(piece.topology))
+          fail(piece.geometry,
+               "the points are given as " + std::string(type) +
+                   ", as those of structured grids are",
+               "export the points as XYZ or X_Y_Z");
+        return known;
+      }
+    fail(piece.geometry, "points given as " + std::string(type) + " are not read",
+         "export the points as XYZ or X_Y_Z");
+  }
+
   std::vector<pugi::xml_node> geometryItems(const Piece& piece) const {
-    std::string_view type = piece.geometry.attribute("GeometryType").value();
-    if (type.empty())
-      type = piece.geometry.attribute("Type").value();
-    const bool together = type.empty() || sameWord(type, "XYZ") || sameWord(type, "XY");
-    const std::size_t apart = sameWord(type, "X_Y_Z") ? 3 : sameWord(type, "X_Y") ? 2 : 0;
-    if (!together && apart == 0)
-      fail(piece.geometry,
-           "the points are given as " + std::string(type) + ", as those of structured grids are",
-           "export an unstructured grid, with points XYZ or X_Y_Z");
+    const std::size_t needed = pointsOf(piece).items;
     std::vector<pugi::xml_node> items = markup_.children(piece.geometry, "DataItem");
-    if (items.size() < std::max<std::size_t>(1, apart))
+    if (items.size() < needed)
       fail(piece.geometry, "has too few data items", "export it again");
-    items.resize(std::max<std::size_t>(1, apart));
+    items.resize(needed);
     return items;
   }
 
   CellMesh make(const Piece& piece) {
     CellMesh mesh;
-    readPoints(piece, mesh);
-    readCells(piece.topology, mesh);
+    if (isStructured(piece.topology)) {
+      readBlock(piece, mesh);
+    } else {
+      readPoints(piece, mesh);
+      readCells(piece.topology, mesh);
+    }
     for (const pugi::xml_node attribute : piece.attributes)
       readAttribute(attribute, mesh);
     return mesh;
@@ -249,13 +284,11 @@ private:
 
   void readPoints(const Piece& piece, CellMesh& mesh) {
     const std::vector<pugi::xml_node> items = geometryItems(piece);
-    const std::string_view type = piece.geometry.attribute("GeometryType").value();
-    const std::size_t width = sameWord(type, "XY") ? 2 : 3;
+    const std::size_t each = pointsOf(piece).width;
     for (std::size_t axis = 0; axis < items.size(); ++axis) {
       const Attribute::Values values = data_.take(items[axis]);
       std::visit(
           [&](const auto& numbers) {
-            const std::size_t each = items.size() == 1 ? width : 1;
             const std::size_t points = numbers.size() / each;
             if (numbers.size() % each != 0 || (axis > 0 && points != mesh.points.size()))
               fail(piece.geometry,
@@ -274,21 +307,83 @@ private:
         fail(piece.geometry, "point " + std::to_string(i) + " has a coordinate that is not finite");
   }
 
+  // --- structured grids: 3DSMesh, 2DRectMesh, ... ---
+
+  static bool isStructured(pugi::xml_node topology) {
+    const std::string name = xdmfTypeName(typeOf(topology, "TopologyType"));
+    return name.find("mesh") != std::string::npos && (name[0] == '2' || name[0] == '3');
+  }
+  /// From the numbers of points, which are listed along z first.
+  BlockSize blockSize(pugi::xml_node topology) const {
+    std::string_view text = topology.attribute("Dimensions").value();
+    if (text.empty())
+      text = topology.attribute("NumberOfElements").value();
+    NumberParser in(text, markup_.where(topology));
+    std::vector<std::size_t> points;
+    while (!in.atEnd()) {
+      const std::int64_t number = in.integer();
+      if (number < 1 || points.size() == 3)
+        fail(topology, "has no numbers of points along the axes");
+      points.insert(points.begin(), static_cast<std::size_t>(number));
+    }
+    if (points.size() < 2)
+      fail(topology, "has no numbers of points along the axes");
+    points.resize(3, 1);
+    return {points[0], points[1], points[2]};
+  }
+
+  void readBlock(const Piece& piece, CellMesh& mesh) {
+    const BlockSize size = blockSize(piece.topology);
+    if (pointsOf(piece).straight)
+      mesh.points = straightPoints(piece, size);
+    else
+      readPoints(piece, mesh);
+    if (blockPoints(size, mesh.points.size(), markup_.where(piece.topology)) != mesh.points.size())
+      fail(piece.topology,
+           "has fewer points than its geometry, " + std::to_string(mesh.points.size()));
+    appendBlock(mesh, size, 0, options_.faces);
+  }
+
+  std::vector<Vec3d> straightPoints(const Piece& piece, const BlockSize& size) {
+    const Points& points = pointsOf(piece);
+    const std::size_t axes = std::max(points.items, points.width);
+    std::array<std::vector<double>, 3> along;
+    if (axes == 2)
+      along[2] = {0};
+    std::vector<std::vector<double>> given;
+    for (const pugi::xml_node item : geometryItems(piece)) {
+      given.emplace_back();
+      std::visit([&](const auto& n) { given.back().assign(n.begin(), n.end()); }, data_.take(item));
+    }
+    std::size_t bytes = source_.bytes.size(); // of what the grid's values lie in
+    for (const pugi::xml_node attribute : piece.attributes)
+      for (const pugi::xml_node item : markup_.children(attribute, "DataItem"))
+        bytes += data_.fileBytes(item);
+    blockPoints(size, maxRectilinearPoints(bytes), markup_.where(piece.topology));
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      if (points.width == 1) {
+        along[axis] = std::move(given[axis]);
+      } else { // origin and spacing, along z first
+        if (given[0].size() != axes || given[1].size() != axes)
+          fail(piece.geometry, "has no origin and spacing");
+        for (std::size_t i = 0; i < size[axis]; ++i)
+          along[axis].push_back(given[0][axes - 1 - axis] +
+                                static_cast<double>(i) * given[1][axes - 1 - axis]);
+      }
+    }
+    return rectilinearPoints(along, bytes, markup_.where(piece.geometry));
+  }
+
   // The shape of all cells; null for a mixed topology.
   const XdmfShape* shapeOf(pugi::xml_node topology) const {
-    std::string_view type = topology.attribute("TopologyType").value();
-    if (type.empty())
-      type = topology.attribute("Type").value();
+    const std::string_view type = typeOf(topology, "TopologyType");
     const std::string name = xdmfTypeName(type);
     if (name == "mixed")
       return nullptr;
     if (const XdmfShape* shape = xdmfShape(name))
       return shape;
-    const bool structured = name.find("mesh") != std::string::npos;
-    fail(topology,
-         structured ? "is a structured grid (" + std::string(type) + ")"
-                    : "cells of type '" + std::string(type) + "' are not read",
-         structured ? "export an unstructured grid" : "export the mesh with other cells");
+    fail(topology, "cells of type '" + std::string(type) + "' are not read",
+         "export the mesh with other cells");
   }
 
   std::uint64_t attributeNumber(pugi::xml_node node, const char* name,

@@ -28,7 +28,7 @@ enum class FileFormat : std::uint8_t {
   Ucd,
   Vtk,
   Vtu,
-  Vts, ///< structured and rectilinear grids
+  Vts,  ///< structured and rectilinear grids
   Pvtu, ///< .pvts and .pvtr, too
   Vtp,
   Vtm,

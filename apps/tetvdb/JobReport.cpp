@@ -147,7 +147,7 @@ Json inputsOf(const TetrahedralizeResult& result) {
                     {"triangles", input.triangles},
                     {"units", input.units.empty() ? Json() : Json(input.units)},
                     {"triangles_cleaned", result.cleanedFaces[i]},
-                    {"cut_faces", result.cutFaces[i]},
+                    {"repaired_faces", result.repairedFaces[i]},
                     {"cleaned", toJson(result.cleaned[i])}});
   }
   return list;

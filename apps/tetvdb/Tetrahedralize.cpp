@@ -87,10 +87,10 @@ std::string summaryOf(const TetrahedralizeResult& result, const Report& report) 
   std::string text =
       fmt::format("{}: {}, from {} triangles, {:.2f} s\n", oneLine(result.output.path),
                   bytesText(result.output.bytes), triangles, seconds);
-  for (std::size_t i = 0; i < result.cutFaces.size(); ++i)
-    if (result.cutFaces[i] > 0)
-      text += fmt::format("  {}: {} faces were cut along others first\n",
-                          oneLine(result.inputs[i].path), result.cutFaces[i]);
+  for (std::size_t i = 0; i < result.repairedFaces.size(); ++i)
+    if (result.repairedFaces[i] > 0)
+      text += fmt::format("  {}: repaired first: {} faces were cut or removed\n",
+                          oneLine(result.inputs[i].path), result.repairedFaces[i]);
   text += textOf(result.mesh);
   if (result.mesh.tetsOfRegion.size() < 2)
     return text;

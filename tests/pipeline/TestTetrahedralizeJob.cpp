@@ -206,7 +206,7 @@ TEST_F(TetrahedralizeJobTest, PlatesThatCutOneAnotherTooOftenAreRepairedFirst) {
                      })});
   }
   const TetrahedralizeResult result = run(job(plates), report_, progress_);
-  EXPECT_GT(result.cutFaces.at(0), plates.triangleCount() / 2);
+  EXPECT_GT(result.repairedFaces.at(0), plates.triangleCount() / 2);
   EXPECT_FALSE(report_.partial);
   EXPECT_GT(result.mesh.made.check.owedPoints, 1000u);
   EXPECT_EQ(result.mesh.made.check.lostPoints, 0u);

@@ -8,6 +8,7 @@
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/Preview.h"
 #include "tetvdb/surface/LocalRepair.h"
+#include "tetvdb/surface/MeshChanges.h"
 
 #include <algorithm>
 #include <utility>
@@ -92,7 +93,7 @@ bool repairAll(std::vector<TriangleMesh>& meshes, TetrahedralizeResult& result, 
     const LocalRepair repair = repairLocally(mesh, progress);
     if (!repair.succeeded || repair.changesVolume)
       continue;
-    result.cutFaces[i] = repair.crossings.cutFaces;
+    result.repairedFaces[i] = meshChanges(meshes[i], mesh).removed;
     meshes[i] = std::move(mesh);
     any = true;
   }
@@ -123,7 +124,7 @@ TetrahedralizeResult runHere(const TetrahedralizeJob& job, Report& report, Progr
     preview.input(mergeMeshes(std::vector<TriangleMesh>(meshes), told), report, progress);
   }
   cleanAll(job, meshes, result, report, progress);
-  result.cutFaces.resize(meshes.size());
+  result.repairedFaces.resize(meshes.size());
 
   TetrahedralizeOptions options = job.mesher;
   const double diagonal = diagonalOf(boxOf(meshes));

@@ -44,9 +44,9 @@ struct TetrahedralizeJob {
 
 struct TetrahedralizeResult {
   std::vector<InputInfo> inputs;
-  std::vector<CleanCounts> cleaned;      ///< of each input
-  std::vector<std::size_t> cleanedFaces; ///< of each input, after cleaning
-  std::vector<std::size_t> cutFaces;     ///< of each input: along others, where it was repaired
+  std::vector<CleanCounts> cleaned;       ///< of each input
+  std::vector<std::size_t> cleanedFaces;  ///< of each input, after cleaning
+  std::vector<std::size_t> repairedFaces; ///< of each input: replaced or removed by repair
   MeshSummary mesh;
   std::map<std::int32_t, std::string> regionNames; ///< as written
   OutputInfo output;                               ///< empty if nothing was to be written

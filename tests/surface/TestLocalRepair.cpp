@@ -103,6 +103,24 @@ TEST(LocalRepair, SolidsThatTouchMoveApart) {
   }
 }
 
+TEST(LocalRepair, SolidsWhoseEdgesTouchAtAPointMoveApart) {
+  // Bores of a part whose walls touch: an edge along z and one along y, at x = 0.
+  TriangleMesh left = box({0, 0, 0}, {1, 1, 1}), right = left;
+  for (Vec3d& p : left.points)
+    p = {-p[0] - p[1], p[0] - p[1], 4 * p[2] - 1.5};
+  for (Vec3d& p : right.points)
+    p = {p[0] + p[1], 4 * p[2] - 1.5, p[0] - p[1]};
+  for (TriangleMesh* one : {&left, &right})
+    if (signedVolume(*one) < 0)
+      *one = flipped(*one);
+  TriangleMesh mesh = joined({left, right});
+  const LocalRepair repair = repaired(mesh);
+  EXPECT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_EQ(repair.crossings.cutFaces, 4u);
+  EXPECT_EQ(repair.separatedPoints, 1u);
+  EXPECT_LT(repair.largestMove, 1e-3);
+}
+
 TEST(LocalRepair, EqualAsFloatsBecomeOne) {
   TriangleMesh mesh = unwelded(sphere({3, 4, 5}, 1, 6));
   Random random(9);

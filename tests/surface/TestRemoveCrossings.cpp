@@ -66,6 +66,33 @@ TEST(RemoveCrossings, TwoBoxesBecomeTheirUnion) {
   EXPECT_EQ(changes.added, counts.addedFaces);
 }
 
+// Two prisms whose edges, one along z and one along y, cross at the origin.
+TEST(RemoveCrossings, EdgesThatCrossAtAPointAreDividedThere) {
+  const auto prism = [](const Vec3d& along, const Vec3d& out, const Vec3d& aside) {
+    TriangleMesh mesh = box({0, 0, 0}, {1, 1, 1});
+    for (Vec3d& p : mesh.points) { // a square whose corner lies on the edge, twice as long as wide
+      const double a = p[0], b = p[1], c = 4 * p[2] - 1.5;
+      p = plus(times(along, c), plus(times(out, a + b), times(aside, a - b)));
+    }
+    return mesh;
+  };
+  const TriangleMesh left = prism({0, 0, 1}, {-1, 0, 0}, {0, 1, 0});
+  const TriangleMesh right = prism({0, 1, 0}, {1, 0, 0}, {0, 0, 1});
+  for (const TriangleMesh& one : {left, flipped(left)})
+    for (const TriangleMesh& other : {right, flipped(right)}) {
+      if (signedVolume(one) < 0 || signedVolume(other) < 0)
+        continue;
+      TriangleMesh mesh = joined({one, other});
+      Progress progress;
+      ASSERT_EQ(countIntersections(mesh.points, mesh.triangles, 1000, progress).pairs, 4u);
+      const CrossingCounts counts = removed(mesh);
+      EXPECT_EQ(counts.cutFaces, 4u);
+      EXPECT_EQ(counts.addedFaces, 8u);
+      EXPECT_EQ(counts.removedFaces, 0u);
+      EXPECT_NEAR(signedVolume(mesh), signedVolume(one) + signedVolume(other), 1e-12);
+    }
+}
+
 TEST(RemoveCrossings, BallsAtAnyAngle) {
   // The volume of two balls' union is known but for their facets; of the lens between the facets'
   // balls the sum tells: volume of A + volume of B - volume of the union.

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <deque>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -20,6 +21,34 @@ constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
 bool stays(const FaceRest& rest) {
   return rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse;
+}
+
+/// The faces that meet others and remain, whole or in part, ascending.
+std::vector<std::uint32_t> metAndLeft(const TrimmedChain& trimmed) {
+  std::vector<std::uint32_t> met;
+  for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i)
+    if (trimmed.isMet[i] != 0 && (!trimmed.rests[i].parts.empty() || stays(trimmed.rests[i])))
+      met.push_back(i);
+  return met;
+}
+
+/// The point within both segments at which ab crosses cd, if there is one.
+std::optional<Vec3d> crossing(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  if (orientation(a, b, c, d) != 0)
+    return {};
+  for (std::size_t axis = 0; axis < 3; ++axis) { // one of three projections keeps the plane
+    const auto flat = [&](const Vec3d& p) { return Vec2d{p[(axis + 1) % 3], p[(axis + 2) % 3]}; };
+    const Vec2d a2 = flat(a), b2 = flat(b), c2 = flat(c), d2 = flat(d);
+    if (orientation(a2, b2, c2) * orientation(a2, b2, d2) >= 0 ||
+        orientation(c2, d2, a2) * orientation(c2, d2, b2) >= 0)
+      continue;
+    const auto area = [](const Vec2d& from, const Vec2d& to, const Vec2d& p) {
+      return (to[0] - from[0]) * (p[1] - from[1]) - (to[1] - from[1]) * (p[0] - from[0]);
+    };
+    const double atA = area(c2, d2, a2), atB = area(c2, d2, b2);
+    return plus(a, times(minus(b, a), atA / (atA - atB)));
+  }
+  return {};
 }
 
 } // namespace
@@ -96,16 +125,11 @@ LatticeChain latticeChain(const TriangleMesh& mesh) {
 }
 
 std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain& trimmed) {
-  std::vector<std::uint32_t> met;
-  std::vector<Box> boxes;
-  for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i) {
-    if (trimmed.isMet[i] == 0 || (trimmed.rests[i].parts.empty() && !stays(trimmed.rests[i])))
-      continue;
-    met.push_back(i);
-    boxes.emplace_back();
-    for (const Vec3d& p : chain.welded.cornersOf(i))
-      boxes.back().add(p);
-  }
+  const std::vector<std::uint32_t> met = metAndLeft(trimmed);
+  std::vector<Box> boxes(met.size());
+  for (std::size_t at = 0; at < met.size(); ++at)
+    for (const Vec3d& p : chain.welded.cornersOf(met[at]))
+      boxes[at].add(p);
   const BoxTree tree(boxes);
   std::vector<MetFace> all;
   for (std::size_t at = 0; at < met.size(); ++at) {
@@ -146,6 +170,39 @@ std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain&
     all.push_back(std::move(touched));
   }
   return all;
+}
+
+std::vector<Vec3d> crossingsOfEdges(const LatticeChain& chain, const TrimmedChain& trimmed) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> all;
+  for (const std::uint32_t face : metAndLeft(trimmed))
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& c = chain.welded.faces[face].corners;
+      all.insert(std::minmax(c[k], c[(k + 1) % 3]));
+    }
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> edges(all.begin(), all.end());
+  const std::vector<Vec3d>& points = chain.welded.points;
+  std::vector<Box> boxes(edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    boxes[i].add(points[edges[i].first]);
+    boxes[i].add(points[edges[i].second]);
+  }
+  const BoxTree tree(boxes);
+  std::vector<Vec3d> found;
+  for (std::uint32_t i = 0; i < edges.size(); ++i) {
+    std::vector<std::uint32_t> others;
+    tree.visit([&](const Box& box) { return box.meets(boxes[i]); },
+               [&](std::uint32_t item) {
+                 if (item > i)
+                   others.push_back(item);
+                 return false;
+               });
+    std::sort(others.begin(), others.end());
+    for (const std::uint32_t item : others)
+      if (const auto p = crossing(points[edges[i].first], points[edges[i].second],
+                                  points[edges[item].first], points[edges[item].second]))
+        found.push_back(*p);
+  }
+  return found;
 }
 
 } // namespace tetvdb

@@ -41,4 +41,9 @@ struct MetFace {
 /// corners and edges of other remaining faces that lie in them. Exact.
 std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain& trimmed);
 
+/// The points at which an edge of a face that remains, whole or in part, crosses an edge of another
+/// one, within both: where solids touch at one point, no other corner marks it. Found exactly,
+/// rounded to within 2^-6 lattice units.
+std::vector<Vec3d> crossingsOfEdges(const LatticeChain& chain, const TrimmedChain& trimmed);
+
 } // namespace tetvdb

@@ -287,6 +287,9 @@ public:
     }
   }
 
+  // Adds a corner on edges of regions.
+  void addOther(std::uint32_t corner) { others_.insert(corner); }
+
   std::size_t size() const { return regions_.size(); }
 
   // Removes whole faces that did not change; calls left(face) for each.
@@ -517,6 +520,8 @@ Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress&
     --kept;
     ++cut;
   }
+  for (const Vec3d& p : crossingsOfEdges(chain, trimmed))
+    regions.addOther(points.at(p));
   regions.addCornersOfOthers();
   regions.takeBackWhole([&](std::uint32_t face) {
     drops[chain.source[face]] = 0;

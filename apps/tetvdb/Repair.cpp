@@ -129,9 +129,10 @@ std::string changesText(const RepairResult& result) {
   }
   if (local.doubleFaces > 0)
     text += fmt::format("  duplicated faces removed: {}\n", local.doubleFaces);
-  if (local.stitched.joinedPoints + local.separatedPoints > 0)
-    text += fmt::format("  vertices moved: {}, up to {:.4g}\n",
-                        local.stitched.joinedPoints + local.separatedPoints, local.largestMove);
+  const std::size_t moved =
+      local.stitched.joinedPoints + local.separatedPoints + local.alignedPoints;
+  if (moved > 0)
+    text += fmt::format("  vertices moved: {}, up to {:.4g}\n", moved, local.largestMove);
   if (local.roundsToFloats)
     text += "  coordinates rounded to 32-bit floats\n";
   if (local.crossings.cutFaces + local.crossings.removedFaces > 0)

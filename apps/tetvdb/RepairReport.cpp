@@ -26,6 +26,7 @@ Json localOf(const LocalRepair& local) {
           {"removed_faces", local.crossings.removedFaces},
           {"separated_points", local.separatedPoints},
           {"rounded_to_floats", local.roundsToFloats},
+          {"aligned_points", local.alignedPoints},
           {"largest_move", local.largestMove},
           {"solid_lost", local.solids.lost},
           {"solid_gained", local.solids.gained}};

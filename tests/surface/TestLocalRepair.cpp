@@ -6,6 +6,7 @@
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
 
+#include <cmath>
 #include <gtest/gtest.h>
 
 namespace tetvdb {
@@ -230,6 +231,48 @@ TEST(LocalRepair, CoordinatesAreRoundedWhereCuttingNeedsIt) {
     rounded += repair.roundsToFloats;
   }
   EXPECT_EQ(rounded, 2u); // 98 and 308
+}
+
+/// A solid over a star whose top is a fan in the plane z = 0.4749 - 3e-9 (x + y), as far as floats
+/// hold it.
+TriangleMesh starPrism(const Vec3d& centre, double radius, std::uint32_t corners, Random& random) {
+  TriangleMesh mesh;
+  const auto add = [&](double x, double y, double z) {
+    mesh.points.push_back({double(float(x)), double(float(y)), double(float(z))});
+  };
+  for (std::uint32_t i = 0; i < corners; ++i) {
+    const double angle = 2 * kPi * i / corners, r = radius * random.between(0.6, 1);
+    add(centre[0] + r * std::cos(angle), centre[1] + r * std::sin(angle), -1);
+  }
+  add(centre[0], centre[1], -1);
+  const std::uint32_t top = corners + 1;
+  for (std::uint32_t i = 0; i < top; ++i) {
+    const Vec3d p = mesh.points[i];
+    add(p[0], p[1], 0.4749 - 3e-9 * (p[0] + p[1]));
+  }
+  for (std::uint32_t i = 0; i < corners; ++i) {
+    const std::uint32_t j = (i + 1) % corners;
+    for (const std::uint32_t v :
+         {corners, j, i, corners + top, i + top, j + top, i, j, j + top, i, j + top, i + top})
+      mesh.triangles.push_back(v);
+  }
+  mesh.faceCount = mesh.triangleCount();
+  return mesh;
+}
+
+TEST(LocalRepair, NearlyCoplanarFacesThatOverlapAreAligned) {
+  Random random(22);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const double x = random.between(-150, 150), y = random.between(-150, 150);
+    const double radius = random.between(150, 330);
+    mesh = joined({mesh, starPrism({x, y, 0}, radius, 20 + 4 * i, random)});
+  }
+  const LocalRepair repair = repaired(mesh);
+  EXPECT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_GT(repair.alignedPoints, 100u);
+  EXPECT_LT(repair.largestMove, 2e-3); // a lattice of 2^-10 to 2^-9; the diagonal is some 1300
+  EXPECT_FALSE(repair.changesVolume);
 }
 
 TEST(LocalRepair, WhatFailsIsLeftAsItWas) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/LocalRepair.h"
 
+#include "include/tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/SeparatePoints.h"
 #include "tetvdb/surface/SplitFans.h"
 #include "tetvdb/surface/SurfaceDefects.h"
@@ -14,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
@@ -28,6 +31,7 @@ constexpr double kNoChange = 0.001;      // limit above which the change is repo
 constexpr double kMinSamples = 4;        // points that may differ in any case
 constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
 constexpr std::size_t kMoreMetFaces = 4; // times as many meet where rounding does not help
+constexpr double kCoarse = 1e-6;         // least size of the coarser lattice; of the box's diagonal
 
 // Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
@@ -236,7 +240,43 @@ CutMesh roundedToFloats(CutMesh cut) {
   return cut;
 }
 
-// Cuts the closed mesh as given or, if that fails, rounded to floats. Returns the remaining defect.
+// The points of faces that meet others on a lattice whose size is a power of two.
+CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
+  TriangleMesh clean = cut.mesh; // as facesThatMeetOthers() requires it
+  std::vector<char> flat(clean.triangleCount(), 0);
+  for (std::size_t face = 0; face < flat.size(); ++face) {
+    const std::uint32_t* c = &clean.triangles[3 * face];
+    flat[face] = areCollinear(clean.points[c[0]], clean.points[c[1]], clean.points[c[2]]);
+  }
+  dropFaces(clean, flat);
+  dropEqualFaces(clean, true);
+  Box box;
+  for (const Vec3d& p : clean.points)
+    box.add(p);
+  const double size = std::exp2(std::ceil(std::log2(kCoarse * length(minus(box.high, box.low)))));
+  std::vector<char> moves(clean.points.size(), 0);
+  for (const std::uint32_t face : facesThatMeetOthers(clean.points, clean.triangles, {}, progress))
+    for (std::size_t k = 0; k < 3; ++k)
+      moves[clean.triangles[3 * std::size_t(face) + k]] = 1;
+  for (std::size_t point = 0; point < moves.size(); ++point) {
+    if (moves[point] == 0)
+      continue;
+    Vec3d& p = cut.mesh.points[point];
+    Vec3d to = p;
+    for (double& x : to)
+      x = std::round(x / size) * size;
+    cut.repair.alignedPoints += to != p;
+    cut.repair.largestMove = std::max(cut.repair.largestMove, length(minus(to, p)));
+    p = to;
+  }
+  joinEqualAsFloats(cut.mesh, cut.repair);
+  dropLooseFlatFaces(cut.mesh);
+  stitchBoundaries(cut.mesh, progress);
+  return cut;
+}
+
+// Cuts the closed mesh as given or, if that fails, rounded to floats or aligned where faces meet.
+// Returns the remaining defect.
 std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   const CutMesh uncut{mesh, repair, NewCorners::Doubles, true};
   const std::vector<NewCorners> both{NewCorners::FloatsAsGiven, NewCorners::Doubles};
@@ -248,6 +288,13 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
     CutMesh rounded = cutWith(roundedToFloats(uncut), both, kMoreMetFaces * metFaces, progress);
     if (rounded.broken.empty())
       cut = std::move(rounded);
+  }
+  if (!cut.broken.empty()) {
+    const std::size_t metFaces = cut.repair.crossings.metFaces;
+    const CutMesh aligned = alignedWhereFacesMeet(uncut, progress);
+    CutMesh again = cutWith(aligned, both, kMoreMetFaces * metFaces, progress);
+    if (again.broken.empty())
+      cut = std::move(again);
   }
   repair = cut.repair;
   if (cut.broken.empty())

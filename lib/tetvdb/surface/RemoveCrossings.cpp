@@ -25,6 +25,9 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxRounds = 6;
+// Cutting does not converge where a round meets so many times as many faces as an earlier one, and
+// at least so many.
+constexpr std::size_t kGrowth = 2, kManyMet = 100;
 constexpr std::size_t kMaxPartCorners = 4096; // of one face; they are compared with one another
 constexpr double kSame = 8;                   // lattice units: closer corners are merged
 constexpr double kStraight = 16;              // lattice units: tolerance of a straight line
@@ -441,14 +444,19 @@ private:
 
 enum class Round { Done, Again, GivenUp };
 
-Round cutOnce(TriangleMesh& mesh, bool floats, CrossingCounts& counts, Progress& progress) {
+Round cutOnce(TriangleMesh& mesh, bool floats, std::size_t& fewestMet, CrossingCounts& counts,
+              Progress& progress) {
   const LatticeChain chain = latticeChain(mesh);
   const TrimmedChain trimmed = trimChain(chain.welded, isPositive, progress);
   if (!trimmed.complete)
     return Round::GivenUp;
+  const auto metFaces =
+      static_cast<std::size_t>(std::count(trimmed.isMet.begin(), trimmed.isMet.end(), char(1)));
   if (counts.rounds == 0)
-    counts.metFaces =
-        static_cast<std::size_t>(std::count(trimmed.isMet.begin(), trimmed.isMet.end(), char(1)));
+    counts.metFaces = metFaces;
+  if (metFaces >= kManyMet && metFaces > kGrowth * fewestMet)
+    return Round::GivenUp;
+  fewestMet = std::min(fewestMet, metFaces);
   // Keeps the remaining faces of the mesh. The back of a remaining face is inside, since its
   // winding number is higher than that of the front: the orientation is unchanged.
   std::vector<char> drops(mesh.triangleCount(), 1);
@@ -550,9 +558,10 @@ CrossingCounts removeCrossings(TriangleMesh& mesh, NewCorners corners, Progress&
   CrossingCounts counts;
   const TriangleMesh before = mesh;
   const bool floats = corners == NewCorners::FloatsAsGiven && areFloats(mesh.points);
+  std::size_t fewestMet = SIZE_MAX; // of the rounds so far
   Round round = Round::Again;
   for (; round == Round::Again && counts.rounds < kMaxRounds; ++counts.rounds)
-    round = cutOnce(mesh, floats, counts, progress);
+    round = cutOnce(mesh, floats, fewestMet, counts, progress);
   if (round == Round::GivenUp) {
     counts.complete = false;
     mesh = before;

@@ -33,6 +33,7 @@ struct LocalRepair {
   CrossingCounts crossings;        ///< faces that were cut at intersections
   std::size_t separatedPoints = 0; ///< points moved apart where solids touch
   bool roundsToFloats = false;     ///< all coordinates are rounded to 32-bit floats
+  std::size_t alignedPoints = 0;   ///< points of intersecting faces, moved onto a coarser lattice
   double largestMove = 0;          ///< of any point, world units
   SolidComparison solids;          ///< compares the cleaned mesh and the repaired one
   bool changesVolume = false;      ///< more than 0.1 % of the solid is lost or gained
@@ -52,7 +53,9 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 /// SeparatePoints.h). Succeeds if no defect remains (faces without area that cannot be flipped
 /// may remain) and the solid is preserved: the lost and the gained volume (CompareSolids.h) are
 /// each below 1 %. On failure the mesh does not change. Faces that no step concerns stay bit for
-/// bit and in order, unless cutting succeeds only with all coordinates rounded to 32-bit floats.
+/// bit and in order, unless cutting succeeds only with all coordinates rounded to 32-bit floats, or
+/// with the points of intersecting faces on a lattice of a millionth of the box's diagonal: nearly
+/// coplanar faces that overlap become coplanar.
 LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

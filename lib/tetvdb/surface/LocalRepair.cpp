@@ -32,6 +32,9 @@ constexpr double kMinSamples = 4;        // points that may differ in any case
 constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
 constexpr std::size_t kMoreMetFaces = 4; // times as many meet where rounding does not help
 constexpr double kCoarse = 1e-6;         // least size of the coarser lattice; of the box's diagonal
+// Of more faces that meet, cutting again takes minutes, and models of parts placed through one
+// another were not repaired by it.
+constexpr std::size_t kMaxAligned = 5000;
 
 // Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
 std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
@@ -284,13 +287,13 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
   CutMesh cut = cutWith(uncut, floats ? both : std::vector<NewCorners>{NewCorners::Doubles},
                         mesh.triangleCount(), progress);
   if (!cut.broken.empty() && !floats) {
-    const std::size_t metFaces = cut.repair.crossings.metFaces;
-    CutMesh rounded = cutWith(roundedToFloats(uncut), both, kMoreMetFaces * metFaces, progress);
+    const std::size_t mostMet = kMoreMetFaces * cut.repair.crossings.metFaces;
+    CutMesh rounded = cutWith(roundedToFloats(uncut), both, mostMet, progress);
     if (rounded.broken.empty())
       cut = std::move(rounded);
   }
-  if (!cut.broken.empty()) {
-    const std::size_t metFaces = cut.repair.crossings.metFaces;
+  const std::size_t metFaces = cut.repair.crossings.metFaces;
+  if (!cut.broken.empty() && metFaces <= kMaxAligned) {
     const CutMesh aligned = alignedWhereFacesMeet(uncut, progress);
     CutMesh again = cutWith(aligned, both, kMoreMetFaces * metFaces, progress);
     if (again.broken.empty())

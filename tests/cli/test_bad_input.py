@@ -45,6 +45,15 @@ class BadMeshFiles(CommandLineTest):
         self.refuse_file("page.vtu", "<html><body>404 not found</body></html>\n")
         self.refuse_file("noise.xyz", os.urandom(4096))
 
+    def test_formats_that_are_not_read_are_named(self):
+        for name, text, says in (("a.mesh", "MFEM mesh v1.0\n\ndimension\n3\n", "MFEM"),
+                                 ("a.xda", "libMesh-0.7.0+\n1\n", "libMesh"),
+                                 ("a.unv", "    -1\n  2411\n", ".unv"), ("a.su2", "NDIME= 3\n", ".su2"),
+                                 ("a.bdf", "BEGIN BULK\nENDDATA\n", "Nastran"),
+                                 ("a.step", "ISO-10303-21;\n", "STEP")):
+            self.write(name, text)
+            self.refuse(3, "voxelize", name, "-o", "out.vdb", "--resolution", "10", says=(name, says))
+
     def test_truncated_file(self):
         points, tets = lattice(3)
         for ending, writer in WRITERS.items():

@@ -402,6 +402,12 @@ std::string describeUnknownFormat(std::string_view bytes, const std::string& pat
     return "is a Fluent mesh, which is not read; convert it to .vtu or Gmsh's .msh";
   if (contains("BEGIN BULK") || file.ending == ".bdf" || file.ending == ".nas")
     return "is a Nastran deck, which is not read; convert it to .vtu or .msh";
+  if (begins("MFEM "))
+    return "is an MFEM mesh, which is not read; write it as .vtk (mfem::Mesh::PrintVTK)";
+  if (begins("libMesh"))
+    return "is a libMesh file, which is not read; convert it to Exodus or .msh (meshtool)";
+  if (file.ending == ".unv" || file.ending == ".su2")
+    return "is a " + file.ending + " mesh, which is not read; convert it to .vtu or .msh";
   if (file.start.rfind("<?xml", 0) == 0 || file.start.rfind("<vtkfile", 0) == 0)
     return contains("VTKFile") ? "is a VTK file of another kind than grids and polygons"
                                : "is an XML file of an unknown kind";

@@ -55,6 +55,15 @@ TEST(GmshReader, PhysicalNamesOfVolumesOnly) {
   EXPECT_EQ(mesh.regionNames, (std::map<std::int32_t, std::string>{{3, "soft part"}, {4, "bone"}}));
 }
 
+TEST(GmshReader, PhysicalNamesOfVersion2HaveNoDimension) {
+  std::string text = replaced(kGmsh2, "2.2 0 8", "2 0 8");
+  text = replaced(text, "3\n2 7 \"skin\"\n3 3 \"soft", "2\n3 \"soft");
+  text = replaced(text, "3 4 \"bone\"", "4 \"bone\"");
+  const CellMesh mesh = readText(readGmsh, text);
+  expectTwoTets(mesh);
+  EXPECT_EQ(mesh.regionNames, (std::map<std::int32_t, std::string>{{3, "soft part"}, {4, "bone"}}));
+}
+
 TEST(GmshReader, GeometricalEntitiesWhereNoPhysicalGroupIs) {
   std::string text = replaced(kGmsh2, "5 4 2 3 1", "5 4 2 0 11");
   text = replaced(text, "9 4 4 4 2", "9 4 4 0 12");

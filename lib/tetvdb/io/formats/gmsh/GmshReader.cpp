@@ -157,13 +157,16 @@ private:
   void readNames() {
     const std::size_t n = in_.text.count("physical names", 6);
     for (std::size_t i = 0; i < n; ++i) {
-      const std::int64_t dimension = in_.text.integer();
-      const std::int64_t number = in_.text.integer();
+      // Version 2.0 has names without dimensions.
+      const std::int64_t first = in_.text.integer();
+      const bool named = !in_.text.peekWord().empty() && in_.text.peekWord()[0] == '"';
+      const std::int64_t dimension = named ? 3 : first;
+      const std::int64_t number = named ? first : in_.text.integer();
       std::string_view name = in_.text.line();
-      const std::size_t first = name.find('"');
-      const std::size_t last = name.rfind('"');
-      if (first != name.npos && last > first)
-        name = name.substr(first + 1, last - first - 1);
+      const std::size_t begin = name.find('"');
+      const std::size_t end = name.rfind('"');
+      if (begin != name.npos && end > begin)
+        name = name.substr(begin + 1, end - begin - 1);
       if (dimension == 3)
         mesh_.regionNames[tag(number)] = name;
     }

@@ -180,8 +180,8 @@ void finishCut(CutMesh& cut, Progress& progress) {
 }
 
 // Merging and separating points may create new intersections in fine details.
-void cutAgain(CutMesh& cut, Progress& progress) {
-  for (int k = 0; k < kMoreCuts && !cut.broken.empty() && isBalanced(cut.mesh); ++k) {
+void cutAgain(CutMesh& cut, int times, Progress& progress) {
+  for (int k = 0; k < times && !cut.broken.empty() && isBalanced(cut.mesh); ++k) {
     const auto before = std::make_pair(cut.broken, cut.mesh.triangleCount());
     const CrossingCounts more = removeCrossings(cut.mesh, cut.corners, progress);
     if (!more.complete || more.cutFaces + more.removedFaces == 0)
@@ -199,10 +199,11 @@ void cutAgain(CutMesh& cut, Progress& progress) {
 }
 
 // Cuts a closed mesh with each of these corners, and points that are equal as floats merged or not;
-// if all leave a defect, cuts what they gave again. Gives up where more faces meet than this.
+// if all leave a defect, cuts what they gave up to `moreCuts` times again. Gives up where more faces
+// meet than `maxMetFaces`.
 // Returns the first without defect, or the last.
 CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
-                std::size_t maxMetFaces, Progress& progress) {
+                std::size_t maxMetFaces, int moreCuts, Progress& progress) {
   std::vector<CutMesh> cuts;
   for (const NewCorners one : corners) {
     CutMesh cut = uncut;
@@ -225,7 +226,7 @@ CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
       return cut;
   }
   for (CutMesh& cut : cuts) {
-    cutAgain(cut, progress);
+    cutAgain(cut, moreCuts, progress);
     if (cut.broken.empty())
       return cut;
   }
@@ -285,17 +286,17 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
   const std::vector<NewCorners> both{NewCorners::FloatsAsGiven, NewCorners::Doubles};
   const bool floats = areFloats(mesh.points);
   CutMesh cut = cutWith(uncut, floats ? both : std::vector<NewCorners>{NewCorners::Doubles},
-                        mesh.triangleCount(), progress);
+                        mesh.triangleCount(), kMoreCuts, progress);
   if (!cut.broken.empty() && !floats) {
     const std::size_t mostMet = kMoreMetFaces * cut.repair.crossings.metFaces;
-    CutMesh rounded = cutWith(roundedToFloats(uncut), both, mostMet, progress);
+    CutMesh rounded = cutWith(roundedToFloats(uncut), both, mostMet, kMoreCuts, progress);
     if (rounded.broken.empty())
       cut = std::move(rounded);
   }
   const std::size_t metFaces = cut.repair.crossings.metFaces;
   if (!cut.broken.empty() && metFaces <= kMaxAligned) {
     const CutMesh aligned = alignedWhereFacesMeet(uncut, progress);
-    CutMesh again = cutWith(aligned, both, kMoreMetFaces * metFaces, progress);
+    CutMesh again = cutWith(aligned, both, kMoreMetFaces * metFaces, 0, progress);
     if (again.broken.empty())
       cut = std::move(again);
   }

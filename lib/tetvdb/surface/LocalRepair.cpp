@@ -199,9 +199,8 @@ void cutAgain(CutMesh& cut, int times, Progress& progress) {
 }
 
 // Cuts a closed mesh with each of these corners, and points that are equal as floats merged or not;
-// if all leave a defect, cuts what they gave up to `moreCuts` times again. Gives up where more faces
-// meet than `maxMetFaces`.
-// Returns the first without defect, or the last.
+// if all leave a defect, cuts what they gave up to `moreCuts` times again. Gives up where more
+// faces meet than `maxMetFaces`. Returns the first without defect, or the last.
 CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
                 std::size_t maxMetFaces, int moreCuts, Progress& progress) {
   std::vector<CutMesh> cuts;

@@ -76,7 +76,7 @@ TEST(Formats, EveryReaderOfOurOwnHasAFuzzTarget) {
   for (std::string name; names >> name;)
     ++targets;
   // assimp reads scenes; a .vts is read by the reader of .vtu, a .pvtu as the files that it names.
-  const std::set<FileFormat> others{FileFormat::Gltf, FileFormat::Fbx, FileFormat::Collada,
+  const std::set<FileFormat> others{FileFormat::Gltf,    FileFormat::Fbx, FileFormat::Collada,
                                     FileFormat::ThreeDs, FileFormat::Vts, FileFormat::Pvtu};
   std::size_t readers = 0;
   for (const Format& format : formats())

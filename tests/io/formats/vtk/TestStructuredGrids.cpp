@@ -103,7 +103,10 @@ TEST(StructuredGrids, WhatDoesNotFitIsRefused) {
                 .points.size(),
             4u);
   EXPECT_TRUE(contains(errorOf(readVtk, kStraight + ("DIMENSIONS 2 2 2\n" + x + y)),
-                       "more than the file holds"));
+                       "2 points along z, but there are 0"));
+  EXPECT_TRUE(contains(
+      errorOf(readVtk, kStraight + ("DIMENSIONS 1 2 2\n" + x + y + "Z_COORDINATES 1 float\n0\n")),
+      "1 points along x, but there are 2"));
   EXPECT_TRUE(
       contains(errorOf(readVtk, kStraight + ("DIMENSIONS 2 2 2\n" + x + x)), "second section"));
   EXPECT_TRUE(contains(errorOf(readVtk, kStraight + std::string("W_COORDINATES 2 float\n0 1\n")),

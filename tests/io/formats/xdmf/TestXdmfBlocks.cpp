@@ -108,8 +108,8 @@ TEST(XdmfBlocks, WhatDoesNotFitIsRefused) {
   // Declared by a few bytes: more than 2^22 points, and far more.
   has(error("3DCoRectMesh", "200 200 200", origin), "more than the file holds");
   has(error("3DCoRectMesh", "4000000 4000000 4000000", origin), "more than the file holds");
-  has(error("3DRectMesh", "4 3 3", axes), "more than the file holds");
-  has(error("3DRectMesh", "4 3 1", axes), "fewer points");
+  has(error("3DRectMesh", "4 3 3", axes), "2 coordinates along an axis of 3 points");
+  has(error("3DRectMesh", "2 3 4", axes), "2 coordinates along an axis of 4 points");
   has(error("3DCoRectMesh", "2 2 2",
             points("ORIGIN_DXDYDZ", item("2", "0 0") + item("3", "1 1 1"))),
       "origin");

@@ -178,6 +178,11 @@ private:
   CellMesh finishBlock() {
     if (!seenCells_)
       fail("the file ends without DIMENSIONS", kCut);
+    for (std::size_t k = 0; k < 3 && dataset_ == Dataset::Rectilinear; ++k)
+      if (coordinates_[k].size() != size_[k])
+        fail("DIMENSIONS declares " + std::to_string(size_[k]) + " points along " + "xyz"[k] +
+                 ", but there are " + std::to_string(coordinates_[k].size()) + " coordinates",
+             kExport);
     const std::size_t points = blockPoints(size_, mesh_.points.size(), source_.path);
     if (points != mesh_.points.size())
       fail("DIMENSIONS declares " + std::to_string(points) + " points, but there are " +

@@ -363,6 +363,10 @@ private:
     for (std::size_t axis = 0; axis < axes; ++axis) {
       if (points.width == 1) {
         along[axis] = std::move(given[axis]);
+        if (along[axis].size() != size[axis])
+          fail(piece.geometry, "has " + std::to_string(along[axis].size()) +
+                                   " coordinates along an axis of " + std::to_string(size[axis]) +
+                                   " points");
       } else { // origin and spacing, along z first
         if (given[0].size() != axes || given[1].size() != axes)
           fail(piece.geometry, "has no origin and spacing");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/LocalRepair.h"
 
-#include "include/tetvdb/geometry/BoxTree.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"

@@ -15,6 +15,14 @@
 
 namespace tetvdb::vtk {
 
+/// Kinds of VTK's data sets; each stores its cells in another way.
+enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
+
+/// Whether its cells are those of a block (io/cells/StructuredBlock.h).
+constexpr bool isStructured(Dataset dataset) {
+  return dataset == Dataset::Structured || dataset == Dataset::Rectilinear;
+}
+
 /// Properties of a VTK cell type.
 struct CellProperties {
   CellType type = CellType::OtherSolid;

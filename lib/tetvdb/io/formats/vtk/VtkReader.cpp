@@ -45,7 +45,7 @@ public:
       fail("the file ends without POINTS", kCut);
     if (dataset_ == Dataset::Poly)
       return finishPolygons();
-    if (isStructured())
+    if (isStructured(dataset_))
       return finishBlock();
     if (!seenCells_ || !seenTypes_)
       fail(seenCells_ ? "the file ends without CELL_TYPES" : "the file ends without CELLS", kCut);
@@ -61,13 +61,8 @@ public:
   }
 
 private:
-  enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
   static constexpr std::string_view kDatasets[] = {"unstructured_grid", "polydata",
                                                    "structured_grid", "rectilinear_grid"};
-  bool isStructured() const {
-    return dataset_ == Dataset::Structured || dataset_ == Dataset::Rectilinear;
-  }
-
   void readHeader() {
     const std::string first = keywordOf(text().line());
     const std::size_t version = first.find("version");
@@ -96,7 +91,7 @@ private:
   bool readGeometry(const std::string& keyword) {
     if (dataset_ == Dataset::Poly && readPolygons(keyword))
       return true;
-    if (isStructured() && readStructure(keyword))
+    if (isStructured(dataset_) && readStructure(keyword))
       return true;
     if (keyword == "points")
       readPoints();
@@ -396,7 +391,7 @@ private:
                          (options_.wants(label) || label == options_.regionArray ||
                           (on_ == Attribute::On::Cells && isInteger(as)));
     const bool wanted = inData_ && width > 0 && width <= 1u << 16 && tuples == elements_ &&
-                        (isAsked || (isStructured() && label == kGhostArray));
+                        (isAsked || (isStructured(dataset_) && label == kGhostArray));
     if (!wanted) {
       if (inData_ && tuples != elements_)
         report_.warn("array-of-other-length",
@@ -454,6 +449,13 @@ bool vtkHasSolidCells(const Source& source, Report& report, Progress& progress) 
   in.line();
   in.line();
   const bool binary = keywordOf(in.word()) == "binary";
+  in.word();
+  const std::string dataset = keywordOf(in.word());
+  if ((dataset == "structured_grid" || dataset == "rectilinear_grid") &&
+      keywordOf(in.peekWord()) == "dimensions") {
+    in.word();
+    return in.integer() > 1 && in.integer() > 1 && in.integer() > 1;
+  }
   // The types follow the cells; arrays may follow.
   const std::size_t at = source.bytes.rfind("CELL_TYPES");
   if (at == source.bytes.npos) {

@@ -5,6 +5,7 @@
 
 #include "tetvdb/io/cells/StructuredBlock.h"
 #include "tetvdb/io/formats/vtk/VtkArray.h"
+#include "tetvdb/io/formats/vtk/VtkCells.h"
 #include "tetvdb/io/formats/vtk/VtuData.h"
 #include "tetvdb/io/formats/vtk/VtuMarkup.h"
 #include "tetvdb/io/source/Source.h"
@@ -24,9 +25,6 @@ struct ArrayPlace {
   bool isText = false;
   bool base64 = false; ///< otherwise raw, where it is no text
 };
-
-/// Kinds of <VTKFile>; each stores its cells in another way.
-enum class Dataset { Unstructured, Poly, Structured, Rectilinear };
 
 /// Methods throw Error(Invalid) for what the format does not allow.
 class VtuLayout {

@@ -43,7 +43,7 @@ public:
 
   /// By the cells' types or the extents only.
   bool hasSolidCells() {
-    if (isStructured()) {
+    if (isStructured(dataset())) {
       for (const pugi::xml_node piece : pieces())
         if (isSolidBlock(blockSize(piece)))
           return true;
@@ -58,10 +58,6 @@ public:
   }
 
 private:
-  bool isStructured() const {
-    return dataset() == Dataset::Structured || dataset() == Dataset::Rectilinear;
-  }
-
   /// The `numbers` numbers of a <DataArray>. Previous ones have already been used.
   Array array(pugi::xml_node node, std::size_t numbers) {
     source_.release();
@@ -107,7 +103,7 @@ private:
   CellMesh readPiece(pugi::xml_node piece) {
     CellMesh mesh;
     std::size_t cells = 0;
-    if (isStructured()) {
+    if (isStructured(dataset())) {
       cells = readBlock(piece, mesh);
     } else {
       readPoints(piece.child("Points"), count(piece, "NumberOfPoints"), mesh);
@@ -121,7 +117,7 @@ private:
     progress_.update(0.7);
     readAttributes(piece.child("PointData"), Attribute::On::Points, mesh.points.size(), mesh);
     readAttributes(piece.child("CellData"), Attribute::On::Cells, cells, mesh);
-    if (isStructured())
+    if (isStructured(dataset()))
       removeHiddenCells(mesh);
     source_.release();
     return mesh;
@@ -259,7 +255,7 @@ private:
       std::string name = node.attribute("Name").value();
       if (!type)
         continue; // strings
-      const bool isGhost = isStructured() && name == kGhostArray;
+      const bool isGhost = isStructured(dataset()) && name == kGhostArray;
       if (!isGhost && options_.faces && on == Attribute::On::Cells)
         continue;
       if (!isGhost && !options_.attributes && name != options_.regionArray &&

@@ -6,9 +6,12 @@
 
 #include "tetvdb/geometry/Exact.h"
 #include "tetvdb/geometry/RoundedDeterminant.h"
+#include "tetvdb/geometry/WideInteger.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace tetvdb {
 namespace {
@@ -106,7 +109,46 @@ Expansion minor2(const Expansion& x0, const Expansion& x1, const Expansion& y0,
   return result;
 }
 
+// Sets `sign` and returns true if the differences are multiples of 2^-61 of the largest one's power
+// of two. Points of a plane or a line are often so: this takes a hundredth of the time of
+// expansions.
+bool orientationInIntegers(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d,
+                           int& sign) {
+  const std::array<const Vec3d*, 3> ends{&b, &c, &d};
+  std::array<std::array<Pair, 3>, 3> m;
+  double max = 0;
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      m[row][axis] = sumOf((*ends[row])[axis], -a[axis]);
+      max = std::max(max, std::abs(m[row][axis].high));
+    }
+  if (!(max > 0x1p-900 && max < 0x1p900))
+    return false;
+  const double scale = std::scalbn(1.0, 60 - std::ilogb(max));
+  std::array<std::array<std::int64_t, 3>, 3> n;
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double high = scale * m[row][axis].high, low = scale * m[row][axis].low;
+      const auto wholeHigh = static_cast<std::int64_t>(high);
+      const auto wholeLow = static_cast<std::int64_t>(low);
+      if (static_cast<double>(wholeHigh) != high || static_cast<double>(wholeLow) != low)
+        return false;
+      n[row][axis] = wholeHigh + wholeLow; // below 2^62
+    }
+  using Wide = WideInteger<3>;
+  Wide sum(0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t p = (axis + 1) % 3, q = (axis + 2) % 3;
+    const Int128 minor = Int128(n[0][p]) * n[1][q] - Int128(n[0][q]) * n[1][p];
+    sum = sum + Wide(minor) * Wide(n[2][axis]);
+  }
+  sign = sum.sign();
+  return true;
+}
+
 int exactOrientation(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
+  if (int sign = 0; orientationInIntegers(a, b, c, d, sign))
+    return sign;
   std::array<std::array<Expansion, 3>, 3> m;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     m[0][axis] = difference(b[axis], a[axis]);

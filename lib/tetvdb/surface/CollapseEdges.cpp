@@ -197,6 +197,28 @@ private:
     return s.isNear(times(plus(a, plus(b, c)), 1.0 / 3));
   }
 
+  // The squared distance of a point from a face, or `limit` if it is not smaller. Most points are
+  // beside or far from most faces: a lower bound, from the plane and the lines of the edges,
+  // decides.
+  static double squaredDistance(const Face& face, const Vec3d& p, double limit) {
+    const std::array<Vec3d, 3> at{minus(face.corners[0], p), minus(face.corners[1], p),
+                                  minus(face.corners[2], p)};
+    const double height = dot(face.normal, at[0]), squared = height * height;
+    bool isOver = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& a = at[k];
+      const Vec3d& b = at[(k + 1) % 3];
+      const double area = dot(face.normal, cross(a, b)); // twice; negative beyond this edge
+      if (area >= 0)
+        continue;
+      isOver = false;
+      const Vec3d edge = minus(b, a);
+      if (area * area >= (limit - squared) * dot(edge, edge))
+        return limit;
+    }
+    return isOver ? squared : nearestOnTriangle(at[0], at[1], at[2]).squared;
+  }
+
   // Finds the nearest of faces_ whose normal agrees with that of a removed point.
   bool assign(std::uint32_t v) {
     const Vec3d& p = patch_.surface.points[v];
@@ -206,9 +228,7 @@ private:
     for (const Face& face : faces_) {
       if (!(face.normal[0] * n[0] + face.normal[1] * n[1] + face.normal[2] * n[2] > kMinAgreement))
         continue;
-      const double squared = nearestOnTriangle(minus(face.corners[0], p), minus(face.corners[1], p),
-                                               minus(face.corners[2], p))
-                                 .squared;
+      const double squared = squaredDistance(face, p, nearest);
       if (squared < nearest) {
         nearest = squared;
         owner = face.number;

@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/FaceContact.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -19,11 +20,12 @@ constexpr std::size_t kFirstRound = 1 << 10;
 constexpr std::size_t kLargestRound = 1 << 16;
 constexpr std::size_t kFacesPerTask = 1 << 8;
 
-BoxTree treeOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners) {
-  std::vector<Box> boxes(corners.size() / 3);
-  for (std::size_t i = 0; i < corners.size(); ++i)
-    boxes[i / 3].add(points[corners[i]]);
-  return BoxTree(std::move(boxes));
+Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners,
+          std::size_t face) {
+  Box box;
+  for (std::size_t k = 0; k < 3; ++k)
+    box.add(points[corners[3 * face + k]]);
+  return box;
 }
 
 } // namespace
@@ -32,7 +34,10 @@ SelfIntersections countIntersections(const std::vector<Vec3d>& points,
                                      const std::vector<std::uint32_t>& corners, std::size_t limit,
                                      Progress& progress) {
   const std::size_t faces = corners.size() / 3;
-  const BoxTree tree = treeOf(points, corners);
+  std::vector<Box> boxes(faces);
+  for (std::size_t face = 0; face < faces; ++face)
+    boxes[face] = boxOf(points, corners, face);
+  const BoxTree tree(std::move(boxes));
 
   // Pairs of one face with later faces, up to the limit.
   const auto pairsOf = [&](std::uint32_t face) {
@@ -69,29 +74,40 @@ std::vector<std::uint32_t> facesThatMeetOthers(const std::vector<Vec3d>& points,
                                                const std::vector<char>& looked,
                                                Progress& progress) {
   const std::size_t faces = corners.size() / 3;
-  const BoxTree tree = treeOf(points, corners);
-  std::vector<char> meets(faces, 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      progress.check();
-                      for (std::size_t face = range.begin(); face != range.end(); ++face) {
-                        if (!looked.empty() && looked[face] == 0)
-                          continue;
-                        const Box& box = tree.box(static_cast<std::uint32_t>(face));
-                        tree.visit([&](const Box& other) { return other.meets(box); },
-                                   [&](std::uint32_t other) {
-                                     meets[face] = other != face &&
-                                                   facesMeet(points, &corners[3 * face],
-                                                             &corners[3 * std::size_t(other)]);
-                                     return meets[face] != 0;
-                                   });
-                      }
-                    });
-  std::vector<std::uint32_t> found;
+  std::vector<std::uint32_t> asked; // they are in the tree
   for (std::uint32_t face = 0; face < faces; ++face)
-    if (meets[face] != 0)
-      found.push_back(face);
-  return found;
+    if (looked.empty() || looked[face] != 0)
+      asked.push_back(face);
+  std::vector<Box> boxes(asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    boxes[i] = boxOf(points, corners, asked[i]);
+  const BoxTree tree(std::move(boxes));
+  std::vector<std::atomic<bool>> meets(faces);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        progress.check();
+        for (std::size_t face = range.begin(); face != range.end(); ++face) {
+          const bool isAsked = looked.empty() || looked[face] != 0;
+          const Box box = boxOf(points, corners, face);
+          tree.visit(
+              [&](const Box& other) { return other.meets(box); },
+              [&](std::uint32_t item) {
+                const std::uint32_t other = asked[item];
+                const bool isTested = isAsked && other <= face; // from the other one
+                if (!isTested && !(meets[other] && (meets[face] || !isAsked)) &&
+                    facesMeet(points, &corners[3 * face], &corners[3 * std::size_t(other)])) {
+                  meets[other] = true;
+                  meets[face] = isAsked;
+                }
+                return false;
+              });
+        }
+      });
+  asked.erase(
+      std::remove_if(asked.begin(), asked.end(), [&](std::uint32_t face) { return !meets[face]; }),
+      asked.end());
+  return asked;
 }
 
 } // namespace tetvdb

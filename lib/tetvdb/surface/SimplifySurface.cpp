@@ -36,22 +36,25 @@ public:
 
   std::size_t regions() const { return regions_.size(); }
 
-  /// Intersections are rare, and excluding them at every step takes longer than all else: regions
-  /// in which some come up are collapsed once more from the start, guarded.
+  /// Collapses the edges of every region; new intersections are excluded at every step (`guarded`)
+  /// or looked for afterwards. They are rare, and where most edges collapse, excluding them takes
+  /// longer than all else: regions in which some come up are collapsed once more from the start.
   template <class Done>
-  void run(std::size_t max, Progress& progress, const Done& done) {
-    const Before before{s_.mesh.triangles, s_.isGone, s_.quadrics, s_.firstGone, s_.nextGone};
-    const std::vector<CollapseRegion> regions = regions_;
+  void run(std::size_t max, bool guarded, Progress& progress, const Done& done) {
+    const Before before = guarded ? Before() : Before(s_);
+    const std::vector<CollapseRegion> regions = guarded ? std::vector<CollapseRegion>() : regions_;
     tbb::parallel_for(std::size_t(0), regions_.size(), [&](std::size_t i) {
-      collapseEdges(s_, regions_[i], regionOf_, false, max, progress);
+      collapseEdges(s_, regions_[i], regionOf_, guarded, max, progress);
       done();
     });
-    const std::vector<std::uint32_t> again = regionsWithIntersections(progress);
-    tbb::parallel_for(std::size_t(0), again.size(), [&](std::size_t i) {
-      regions_[again[i]] = regions[again[i]];
-      restore(again[i], before);
-      collapseEdges(s_, regions_[again[i]], regionOf_, true, max, progress);
-    });
+    if (!guarded) {
+      const std::vector<std::uint32_t> again = regionsWithIntersections(progress);
+      tbb::parallel_for(std::size_t(0), again.size(), [&](std::size_t i) {
+        regions_[again[i]] = regions[again[i]];
+        restore(again[i], before);
+        collapseEdges(s_, regions_[again[i]], regionOf_, true, max, progress);
+      });
+    }
     s_.features = std::move(mixedFeatures_);
     for (const CollapseRegion& region : regions_)
       s_.features.insert(s_.features.end(), region.features.begin(), region.features.end());
@@ -65,6 +68,11 @@ private:
     std::vector<char> isGone;
     std::vector<Quadric> quadrics;
     std::vector<std::uint32_t> firstGone, nextGone;
+
+    Before() = default;
+    explicit Before(const SimplifyState& s)
+        : triangles(s.mesh.triangles), isGone(s.isGone), quadrics(s.quadrics),
+          firstGone(s.firstGone), nextGone(s.nextGone) {}
   };
 
   // A region's own vertices stay within its cube, so that faces of two regions do not meet: one of
@@ -193,7 +201,8 @@ void collapse(SimplifyState& surface, std::size_t maxFaces, Progress& progress) 
   for (std::size_t i = 0; i < passes.size(); ++i) {
     Pass pass(surface, passes[i].first, passes[i].second);
     std::atomic<std::size_t> done{0};
-    pass.run(max, progress, [&] {
+    const bool fewCollapses = i > 0 && i + 1 == passes.size(); // those across borders of cubes
+    pass.run(max, fewCollapses, progress, [&] {
       progress.update((static_cast<double>(i) +
                        static_cast<double>(++done) / static_cast<double>(pass.regions())) /
                       static_cast<double>(passes.size()));

@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs bin/tetvdb as a user would, and makes the meshes that the tests feed it."""
 
+import functools
 import json
 import math
 import os
 import pathlib
+import selectors
 import shutil
+import signal
+import socket
+import struct
 import subprocess
 import tempfile
+import time
 import unittest
 
 PROGRAM = os.environ["TETVDB_PROGRAM"]
@@ -23,6 +29,69 @@ class Result:
 
     def report(self):
         return json.loads(self.out)
+
+
+class ProgramServer:
+    """The program, started once: every command runs in a fork of it (ProgramServer.cpp)."""
+
+    def __init__(self, library):
+        self.socket, theirs = socket.socketpair()
+        with theirs:
+            self.process = subprocess.Popen(
+                [PROGRAM], pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL,
+                env={**os.environ, "LD_PRELOAD": library, "TETVDB_SERVER_SOCKET": str(theirs.fileno())})
+
+    def run(self, arguments, folder, timeout, env=None):
+        """As subprocess.run() with pipes and without input."""
+        environment = os.environ if env is None else env
+        texts = [b"".join(os.fsencode(line) + b"\0" for line in lines)
+                 for lines in ((PROGRAM, *arguments), (f"{k}={v}" for k, v in environment.items()))]
+        out, theirs_out = os.pipe()
+        err, theirs_err = os.pipe()
+        files = [os.open(os.devnull, os.O_RDONLY), theirs_out, theirs_err, os.open(folder, os.O_RDONLY)]
+        socket.send_fds(self.socket, [struct.pack("II", *map(len, texts))], files)
+        self.socket.sendall(b"".join(texts))
+        for file in files:
+            os.close(file)
+        process = self.number()
+        deadline = time.monotonic() + timeout
+        said = {out: b"", err: b""}
+        with selectors.DefaultSelector() as selector:
+            for pipe in said:
+                selector.register(pipe, selectors.EVENT_READ)
+            while selector.get_map():
+                ready = selector.select(max(deadline - time.monotonic(), 0))
+                if not ready:
+                    os.kill(process, signal.SIGKILL)
+                    self.number()
+                    raise subprocess.TimeoutExpired(arguments, timeout)
+                for key, _ in ready:
+                    data = os.read(key.fd, 1 << 16)
+                    said[key.fd] += data
+                    if not data:
+                        selector.unregister(key.fd)
+                        os.close(key.fd)
+        status = os.waitstatus_to_exitcode(self.number())
+        return subprocess.CompletedProcess(arguments, status, said[out], said[err])
+
+    def number(self):
+        return struct.unpack("i", self.socket.recv(4, socket.MSG_WAITALL))[0]
+
+
+@functools.lru_cache(maxsize=None)
+def server():
+    library = os.environ.get("TETVDB_PROGRAM_SERVER")
+    return ProgramServer(library) if library else None
+
+
+def run(*arguments, folder=".", timeout=300, **options):
+    """As subprocess.run(), for the program; its output as bytes."""
+    arguments = [str(argument) for argument in arguments]
+    # The workers of `dataset` are started by the command line that the system has of the process.
+    if server() is not None and options.keys() <= {"env"} and "dataset" not in arguments:
+        return server().run(arguments, folder, timeout, **options)
+    return subprocess.run([PROGRAM, *arguments], cwd=folder, stdin=subprocess.DEVNULL, timeout=timeout,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
 
 
 class CommandLineTest(unittest.TestCase):
@@ -41,9 +110,7 @@ class CommandLineTest(unittest.TestCase):
         return path
 
     def run_program(self, *arguments, timeout=300, **options):
-        done = subprocess.run(
-            [PROGRAM, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=timeout, **options)
+        done = run(*arguments, folder=self.folder, timeout=timeout, **options)
         return Result(done.returncode, done.stdout.decode(errors="replace"),
                       done.stderr.decode(errors="replace"))
 

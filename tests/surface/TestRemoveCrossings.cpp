@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/surface/FloatPositions.h"
 #include "tetvdb/surface/LocalRepair.h"

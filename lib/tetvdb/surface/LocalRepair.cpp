@@ -5,9 +5,9 @@
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
-#include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
+#include "tetvdb/surface/JoinPoints.h"
 #include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/SeparatePoints.h"
 #include "tetvdb/surface/SplitFans.h"
@@ -35,33 +35,10 @@ constexpr double kCoarse = 1e-6;         // least size of the coarser lattice; o
 // Of more faces that meet, cutting again takes minutes, and models of parts placed through one
 // another were not repaired by it.
 constexpr std::size_t kMaxAligned = 5000;
-
-// Removes faces with the same points that cancel; with `allButOne`, also all but one of the others.
-std::size_t dropEqualFaces(TriangleMesh& mesh, bool allButOne) {
-  std::vector<char> drops(mesh.triangleCount(), 0);
-  {
-    const EdgeTable edges(mesh);
-    const DuplicateGroups groups = findDuplicates(edges);
-    for (std::size_t i = 0; i < groups.count(); ++i) {
-      std::array<std::vector<std::uint32_t>, 2> sides;
-      for (std::uint32_t k = groups.first[i]; k < groups.first[i + 1]; ++k) {
-        const std::uint32_t face = groups.faces[k];
-        const std::uint32_t* c = &mesh.triangles[3 * std::size_t(face)];
-        const auto min = static_cast<std::size_t>(std::min_element(c, c + 3) - c);
-        const bool inverse = c[(min + 1) % 3] > c[(min + 2) % 3];
-        sides[inverse ? 1 : 0].push_back(face);
-        drops[face] = 1;
-      }
-      const std::size_t more = sides[1].size() > sides[0].size() ? 1 : 0;
-      std::size_t left = sides[more].size() - sides[1 - more].size();
-      if (allButOne)
-        left = std::min<std::size_t>(left, 1);
-      for (std::size_t k = 0; k < left; ++k)
-        drops[sides[more][k]] = 0;
-    }
-  }
-  return dropFaces(mesh, drops);
-}
+// Longest edge that is contracted where faces meet; of the box's diagonal. A surface that is remade
+// from voxels moves as far when it is simplified.
+constexpr double kMaxContracted = 1e-4;
+constexpr int kContractions = 8; // rounds
 
 // Replaces points that are equal as floats by the first of them.
 void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
@@ -82,16 +59,7 @@ void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
     repair.stitched.largestMove =
         std::max(repair.stitched.largestMove, length(minus(p, mesh.points[becomes[point]])));
   }
-  std::vector<char> drops(mesh.triangleCount(), 0);
-  for (std::size_t face = 0; face < drops.size(); ++face) {
-    std::uint32_t* c = &mesh.triangles[3 * face];
-    for (std::size_t k = 0; k < 3; ++k)
-      c[k] = becomes[c[k]];
-    drops[face] = c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
-  }
-  dropFaces(mesh, drops);
-  dropEqualFaces(mesh, false);
-  dropUnusedPoints(mesh);
+  joinPoints(mesh, becomes);
 }
 
 // Removes faces without area whose removal leaves fewer open edges. Those that close a gap between
@@ -152,6 +120,38 @@ bool isBalanced(const TriangleMesh& mesh) {
   return edges.edgeCount() > 0;
 }
 
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+// As whatIsBroken(), intersections aside.
+std::string otherDefect(const TriangleMesh& mesh, Progress& progress, bool flatFacesAllowed) {
+  DefectOptions options;
+  options.windingSamples = 0;
+  options.maxIntersections = 0;
+  const SurfaceDefects defects = surfaceDefects(mesh, options, progress);
+  if (defects.boundaryEdges > 0)
+    return counted(defects.boundaryEdges, "boundary edge", "boundary edges");
+  if (defects.nonManifoldEdges > 0)
+    return counted(defects.nonManifoldEdges, "edge of three faces or more",
+                   "edges of three faces or more");
+  if (defects.misorientedEdges > 0)
+    return counted(defects.misorientedEdges, "edge of two faces in the same direction",
+                   "edges of two faces in the same direction");
+  if (defects.nonManifoldVertices > 0)
+    return counted(defects.nonManifoldVertices, "vertex of several fans",
+                   "vertices of several fans");
+  if (defects.duplicateFaces > 0)
+    return counted(defects.duplicateFaces, "duplicate face", "duplicate faces");
+  if (defects.degenerateFaces > 0 && !flatFacesAllowed)
+    return counted(defects.degenerateFaces, "face without area", "faces without area");
+  if (!(defects.volume > 0))
+    return "no volume";
+  if (const std::size_t equal = equalAsFloats(mesh.points).size(); equal > 0)
+    return std::to_string(equal) + " vertices equal as 32-bit floats";
+  return "";
+}
+
 // Separates edges of several faces and points of several fans; returns the remaining defect.
 std::string partWhatTouches(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   const std::size_t points = mesh.points.size();
@@ -200,7 +200,8 @@ void cutAgain(CutMesh& cut, int times, Progress& progress) {
 
 // Cuts a closed mesh with each of these corners, and points that are equal as floats merged or not;
 // if all leave a defect, cuts what they gave up to `moreCuts` times again. Gives up where more
-// faces meet than `maxMetFaces`. Returns the first without defect, or the last.
+// faces meet than `maxMetFaces`. Returns the first without defect, else one where faces meet and
+// nothing else is wrong, else the last.
 CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
                 std::size_t maxMetFaces, int moreCuts, Progress& progress) {
   std::vector<CutMesh> cuts;
@@ -229,7 +230,10 @@ CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
     if (cut.broken.empty())
       return cut;
   }
-  return cuts.back();
+  const auto meets = std::find_if(cuts.begin(), cuts.end(), [&](const CutMesh& cut) {
+    return isBalanced(cut.mesh) && otherDefect(cut.mesh, progress, true).empty();
+  });
+  return meets != cuts.end() ? *meets : cuts.back();
 }
 
 CutMesh roundedToFloats(CutMesh cut) {
@@ -243,9 +247,16 @@ CutMesh roundedToFloats(CutMesh cut) {
   return cut;
 }
 
-// The points of faces that meet others on a lattice whose size is a power of two.
-CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
-  TriangleMesh clean = cut.mesh; // as facesThatMeetOthers() requires it
+double diagonalOf(const TriangleMesh& mesh) {
+  Box box;
+  for (const Vec3d& p : mesh.points)
+    box.add(p);
+  return length(minus(box.high, box.low));
+}
+
+// Three of each face that meets another.
+std::vector<std::uint32_t> cornersOfMetFaces(const TriangleMesh& mesh, Progress& progress) {
+  TriangleMesh clean = mesh; // as facesThatMeetOthers() requires it
   std::vector<char> flat(clean.triangleCount(), 0);
   for (std::size_t face = 0; face < flat.size(); ++face) {
     const std::uint32_t* c = &clean.triangles[3 * face];
@@ -253,14 +264,19 @@ CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
   }
   dropFaces(clean, flat);
   dropEqualFaces(clean, true);
-  Box box;
-  for (const Vec3d& p : clean.points)
-    box.add(p);
-  const double size = std::exp2(std::ceil(std::log2(kCoarse * length(minus(box.high, box.low)))));
-  std::vector<char> moves(clean.points.size(), 0);
+  std::vector<std::uint32_t> corners;
   for (const std::uint32_t face : facesThatMeetOthers(clean.points, clean.triangles, {}, progress))
     for (std::size_t k = 0; k < 3; ++k)
-      moves[clean.triangles[3 * std::size_t(face) + k]] = 1;
+      corners.push_back(clean.triangles[3 * std::size_t(face) + k]);
+  return corners;
+}
+
+// The points of faces that meet others on a lattice whose size is a power of two.
+CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
+  const double size = std::exp2(std::ceil(std::log2(kCoarse * diagonalOf(cut.mesh))));
+  std::vector<char> moves(cut.mesh.points.size(), 0);
+  for (const std::uint32_t corner : cornersOfMetFaces(cut.mesh, progress))
+    moves[corner] = 1;
   for (std::size_t point = 0; point < moves.size(); ++point) {
     if (moves[point] == 0)
       continue;
@@ -278,8 +294,25 @@ CutMesh alignedWhereFacesMeet(CutMesh cut, Progress& progress) {
   return cut;
 }
 
-// Cuts the closed mesh as given or, if that fails, rounded to floats or aligned where faces meet.
-// Returns the remaining defect.
+// Contracts short edges of the faces that still meet others after cutting: some of their details
+// are finer than rounding and separating points moves them.
+void contractWhereFacesMeet(CutMesh& cut, Progress& progress) {
+  const double longest = kMaxContracted * diagonalOf(cut.mesh);
+  for (int round = 0; round < kContractions && !cut.broken.empty() && isBalanced(cut.mesh) &&
+                      otherDefect(cut.mesh, progress, true).empty();
+       ++round) {
+    const ContractedEdges contracted =
+        contractShortEdges(cut.mesh, cornersOfMetFaces(cut.mesh, progress), longest);
+    if (contracted.edges == 0)
+      return;
+    cut.repair.stitched.joinedPoints += contracted.edges;
+    cut.repair.stitched.largestMove = std::max(cut.repair.stitched.largestMove, contracted.longest);
+    finishCut(cut, progress);
+  }
+}
+
+// Cuts the closed mesh as given or, if that fails, rounded to floats or aligned where faces meet;
+// as the last attempt contracts edges there. Returns the remaining defect.
 std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& progress) {
   const CutMesh uncut{mesh, repair, NewCorners::Doubles, true};
   const std::vector<NewCorners> both{NewCorners::FloatsAsGiven, NewCorners::Doubles};
@@ -299,42 +332,20 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
     if (again.broken.empty())
       cut = std::move(again);
   }
+  contractWhereFacesMeet(cut, progress);
   repair = cut.repair;
   if (cut.broken.empty())
     mesh = std::move(cut.mesh);
   return cut.broken;
 }
 
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 } // namespace
 
 std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress, bool flatFacesAllowed) {
+  if (const std::string other = otherDefect(mesh, progress, flatFacesAllowed); !other.empty())
+    return other;
   DefectOptions options;
   options.windingSamples = 0;
-  options.maxIntersections = 0;
-  const SurfaceDefects defects = surfaceDefects(mesh, options, progress);
-  if (defects.boundaryEdges > 0)
-    return counted(defects.boundaryEdges, "boundary edge", "boundary edges");
-  if (defects.nonManifoldEdges > 0)
-    return counted(defects.nonManifoldEdges, "edge of three faces or more",
-                   "edges of three faces or more");
-  if (defects.misorientedEdges > 0)
-    return counted(defects.misorientedEdges, "edge of two faces in the same direction",
-                   "edges of two faces in the same direction");
-  if (defects.nonManifoldVertices > 0)
-    return counted(defects.nonManifoldVertices, "vertex of several fans",
-                   "vertices of several fans");
-  if (defects.duplicateFaces > 0)
-    return counted(defects.duplicateFaces, "duplicate face", "duplicate faces");
-  if (defects.degenerateFaces > 0 && !flatFacesAllowed)
-    return counted(defects.degenerateFaces, "face without area", "faces without area");
-  if (!(defects.volume > 0))
-    return "no volume";
-  if (const std::size_t equal = equalAsFloats(mesh.points).size(); equal > 0)
-    return std::to_string(equal) + " vertices equal as 32-bit floats";
   options.maxIntersections = 100000;
   if (const SurfaceDefects met = surfaceDefects(mesh, options, progress); met.selfIntersections > 0)
     return counted(met.selfIntersections, "pair of faces that cross", "pairs of faces that cross");

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <functional>
+#include <numeric>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
@@ -28,16 +29,24 @@ Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& co
   return box;
 }
 
+// Of the faces with these numbers, in this order.
+BoxTree treeOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners,
+               const std::vector<std::uint32_t>& faces) {
+  std::vector<Box> boxes(faces.size());
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    boxes[i] = boxOf(points, corners, faces[i]);
+  return BoxTree(std::move(boxes));
+}
+
 } // namespace
 
 SelfIntersections countIntersections(const std::vector<Vec3d>& points,
                                      const std::vector<std::uint32_t>& corners, std::size_t limit,
                                      Progress& progress) {
   const std::size_t faces = corners.size() / 3;
-  std::vector<Box> boxes(faces);
-  for (std::size_t face = 0; face < faces; ++face)
-    boxes[face] = boxOf(points, corners, face);
-  const BoxTree tree(std::move(boxes));
+  std::vector<std::uint32_t> all(faces);
+  std::iota(all.begin(), all.end(), 0u);
+  const BoxTree tree = treeOf(points, corners, all);
 
   // Pairs of one face with later faces, up to the limit.
   const auto pairsOf = [&](std::uint32_t face) {
@@ -78,10 +87,7 @@ std::vector<std::uint32_t> facesThatMeetOthers(const std::vector<Vec3d>& points,
   for (std::uint32_t face = 0; face < faces; ++face)
     if (looked.empty() || looked[face] != 0)
       asked.push_back(face);
-  std::vector<Box> boxes(asked.size());
-  for (std::size_t i = 0; i < asked.size(); ++i)
-    boxes[i] = boxOf(points, corners, asked[i]);
-  const BoxTree tree(std::move(boxes));
+  const BoxTree tree = treeOf(points, corners, asked);
   std::vector<std::atomic<bool>> meets(faces);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, faces, kFacesPerTask),

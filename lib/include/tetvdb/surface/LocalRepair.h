@@ -55,8 +55,9 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 /// each below 1 %. On failure the mesh does not change. Faces that no step concerns stay bit for
 /// bit and in order, unless cutting succeeds only with all coordinates rounded to 32-bit floats, or
 /// with the points of intersecting faces on a lattice of a millionth of the box's diagonal: nearly
-/// coplanar faces that overlap become coplanar. Where nothing but a few intersections is left, edges
-/// of these faces below a ten-thousandth of the diagonal are contracted (`stitched.joinedPoints`).
+/// coplanar faces that overlap become coplanar. Where nothing but a few intersections is left,
+/// edges of these faces below a ten-thousandth of the diagonal are contracted
+/// (`stitched.joinedPoints`).
 LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

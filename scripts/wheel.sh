@@ -21,8 +21,9 @@ mkdir -p "$out"
 # The compiler by the name that other builds call it by, so that a compiler cache knows it.
 export CC=${CC:-cc} CXX=${CXX:-c++}
 "$tools/bin/pip" wheel -q . --no-deps --no-build-isolation -w build/wheel-raw \
-  -C cmake.define.OpenVDB_ROOT="$PWD/build/openvdb-static" -C cmake.define.OPENVDB_USE_STATIC_LIBS=ON \
-  -C cmake.define.CMAKE_UNITY_BUILD=ON
+  --config-settings cmake.define.OpenVDB_ROOT="$PWD/build/openvdb-static" \
+  --config-settings cmake.define.OPENVDB_USE_STATIC_LIBS=ON \
+  --config-settings cmake.define.CMAKE_UNITY_BUILD=ON
 # auditwheel names the oldest system that the wheel's C library allows.
 PATH="$PWD/$tools/bin:$PATH" "$tools/bin/auditwheel" repair build/wheel-raw/*.whl -w "$out"
 wheel=$(echo "$out"/*.whl)

@@ -21,6 +21,9 @@ install(FILES ${pages}/zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-compl
 install(FILES ${pages}/fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d
   RENAME tetvdb.fish)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb RENAME copyright)
+if(OPENVDB_USE_STATIC_LIBS) # the program contains OpenVDB, under the MPL 2.0
+  install(FILES ${OpenVDB_ROOT}/LICENSE.openvdb DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb)
+endif()
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/tetvdb/docs
   FILES_MATCHING PATTERN "*.md" PATTERN "*.schema.json")

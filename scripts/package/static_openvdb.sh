@@ -35,7 +35,7 @@ if [[ -z $source ]]; then
 fi
 
 echo "static_openvdb: building $source"
-cmake -S "$source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
+cmake -Wno-deprecated -S "$source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX="$prefix" \
   -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_POSITION_INDEPENDENT_CODE=ON -DOPENVDB_CORE_SHARED=OFF \
   -DOPENVDB_CORE_STATIC=ON -DOPENVDB_BUILD_BINARIES=OFF -DUSE_EXPLICIT_INSTANTIATION=OFF \
   -DUSE_IMATH_HALF=ON -DUSE_NANOVDB=ON -DNANOVDB_BUILD_TOOLS=OFF >"$work/log" &&
@@ -43,4 +43,5 @@ cmake -S "$source" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_
   tail -30 "$work/log" >&2
   exit 1
 }
+cp "$source/LICENSE" "$prefix/LICENSE.openvdb"
 rm -rf "$work"

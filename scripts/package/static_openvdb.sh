@@ -11,7 +11,7 @@
 set -euo pipefail
 [[ $# -ge 1 ]] || { sed -n '4,10s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 prefix=$(mkdir -p "$1" && cd "$1" && pwd)
-[[ ! -f $prefix/lib/libopenvdb.a ]] || exit 0
+[[ ! -f $prefix/LICENSE.openvdb ]] || exit 0 # which comes last
 work=$prefix/work
 rm -rf "$work"
 mkdir -p "$work"/{parts,lists/partial}

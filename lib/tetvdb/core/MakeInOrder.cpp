@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tetvdb/core/MakeInOrder.h"
+
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
-#include <tetvdb/core/MakeInOrder.h>
 
 namespace tetvdb {
 

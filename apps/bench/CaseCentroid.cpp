@@ -60,7 +60,7 @@ void compare(const std::string& path, const Setup& setup, Tables& tables) {
   const double all = static_cast<double>(winding + parity) - common;
   Row row;
   row.what = fmt::format("{}, {} open edges", std::filesystem::path(path).filename().string(),
-                         soupBoundary(mesh.triangles, progress).edges.size());
+                         soupBoundary(mesh, progress).edges.size());
   row.peerName = "centroid covering";
   row.ours = times[0];
   row.peer = times[1];

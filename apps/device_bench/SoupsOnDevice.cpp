@@ -95,7 +95,7 @@ std::vector<TriangleMesh> closedMeshes(const std::vector<std::string>& files) {
       TriangleMesh mesh = readTriangles(file, report, progress);
       cleanTriangles(mesh, {}, progress);
       if (mesh.triangles.empty() || mesh.triangleCount() > kMaxTriangles ||
-          !soupBoundary(mesh.triangles, progress).edges.empty())
+          !soupBoundary(mesh, progress).edges.empty())
         continue;
       normalize(mesh);
       meshes.push_back(std::move(mesh));

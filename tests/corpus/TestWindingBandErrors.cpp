@@ -50,7 +50,7 @@ TEST_P(WindingBandErrors, AgainstTheDefinition) {
   VoxelizeOptions options;
   options.resolution = 256;
   const SnappedMesh snapped = snapPoints(mesh.points, chooseTransform(mesh, options), progress);
-  const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
+  const SoupBoundary boundary = soupBoundary(mesh, progress);
   const std::vector<FillTriangle> holes = fillHoles(boundaryEdges(boundary.edges, snapped));
   const std::vector<EvaluatedVoxel> voxels = evaluated(TriangleClusters(holes));
   ASSERT_FALSE(voxels.empty());

@@ -457,7 +457,7 @@ void corpusSoup(nano::DeviceVoxelizer& device, const std::string& path) {
   cleanTriangles(c.mesh, {}, progress);
   if (c.mesh.triangles.empty())
     return;
-  const bool open = !soupBoundary(c.mesh.triangles, progress).edges.empty();
+  const bool open = !soupBoundary(c.mesh, progress).edges.empty();
   for (const int resolution : {64, 300, 700}) {
     VoxelizeOptions options;
     options.resolution = resolution;

@@ -32,4 +32,17 @@ std::size_t countWhere(std::size_t count, const Holds& holds) {
       std::plus<>());
 }
 
+/// The sum of value(i) for i from 0 to count - 1, the same for any number of threads.
+template <typename Value>
+double sumOver(std::size_t count, const Value& value) {
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, count, 4096), 0.0,
+      [&](const auto& range, double sum) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+          sum += value(i);
+        return sum;
+      },
+      std::plus<>());
+}
+
 } // namespace tetvdb

@@ -2,7 +2,7 @@
 #include "tetvdb/fields/Coverage.h"
 
 #include "nanovdb_kernels/CoverageJob.h"
-#include "tetvdb/core/JoinedVectors.h"
+#include "tetvdb/core/GroupItems.h"
 #include "tetvdb/fields/SlabStack.h"
 #include "tetvdb/voxelize/TreeAssembly.h"
 
@@ -47,51 +47,43 @@ double area(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-std::vector<FaceInSlab> binFaces(const CubePoints& points, const Boundary& boundary,
-                                 Progress& progress) {
-  tbb::enumerable_thread_specific<std::vector<FaceInSlab>> locals;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, boundary.faces.size(), 4096), [&](const auto& range) {
-        progress.check();
-        std::vector<FaceInSlab>& out = locals.local();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const BoundaryFace& f = boundary.faces[i];
-          const Vec3d &a = points[f.a], &b = points[f.b], &c = points[f.c];
-          const double projected = area(a, b, c);
-          if (projected == 0)
-            continue;
-          const auto low = [&](std::size_t k) {
-            return static_cast<std::int64_t>(std::floor(std::min({a[k], b[k], c[k]})));
-          };
-          const auto high = [&](std::size_t k) {
-            return static_cast<std::int64_t>(std::ceil(std::max({a[k], b[k], c[k]}))) - 1;
-          };
-          // The plane's height, for faces in many slabs.
-          const double slopeX =
-              ((b[2] - a[2]) * (c[1] - a[1]) - (c[2] - a[2]) * (b[1] - a[1])) / projected;
-          const double slopeY =
-              ((c[2] - a[2]) * (b[0] - a[0]) - (b[2] - a[2]) * (c[0] - a[0])) / projected;
-          const std::int64_t zLow = low(2), zHigh = high(2);
-          for (auto x = low(0) >> 3; x <= high(0) >> 3; ++x)
-            for (auto y = nodeOf(low(1)); y <= nodeOf(high(1)); ++y) {
-              const double dx = static_cast<double>(x) * kLeafSize + 4 - a[0];
-              const double dy = static_cast<double>(y) * kNodeSize + 64 - a[1];
-              const double midpoint = a[2] + slopeX * dx + slopeY * dy;
-              const double reach = 4 * std::abs(slopeX) + 64 * std::abs(slopeY) + 1;
-              // Steep planes, and slivers with inaccurate slopes, keep the whole range.
-              auto from = zLow, to = zHigh;
-              if (reach < 4096) {
-                from = std::max(from, static_cast<std::int64_t>(std::floor(midpoint - reach)));
-                to = std::min(to, static_cast<std::int64_t>(std::ceil(midpoint + reach)));
-              }
-              for (auto z = nodeOf(from); z <= nodeOf(std::max(from, to)); ++z)
-                out.push_back({static_cast<std::int32_t>(x), y, z, static_cast<std::uint32_t>(i)});
-            }
+GroupedItems<FaceInSlab> facesBySlab(const CubePoints& points, const Boundary& boundary,
+                                     Progress& progress) {
+  const auto addSlabs = [&](std::size_t i, std::vector<FaceInSlab>& out) {
+    const BoundaryFace& f = boundary.faces[i];
+    const Vec3d &a = points[f.a], &b = points[f.b], &c = points[f.c];
+    const double projected = area(a, b, c);
+    if (projected == 0)
+      return;
+    const auto low = [&](std::size_t k) {
+      return static_cast<std::int64_t>(std::floor(std::min({a[k], b[k], c[k]})));
+    };
+    const auto high = [&](std::size_t k) {
+      return static_cast<std::int64_t>(std::ceil(std::max({a[k], b[k], c[k]}))) - 1;
+    };
+    // The plane's height, for faces in many slabs.
+    const double slopeX =
+        ((b[2] - a[2]) * (c[1] - a[1]) - (c[2] - a[2]) * (b[1] - a[1])) / projected;
+    const double slopeY =
+        ((c[2] - a[2]) * (b[0] - a[0]) - (b[2] - a[2]) * (c[0] - a[0])) / projected;
+    const std::int64_t zLow = low(2), zHigh = high(2);
+    for (auto x = low(0) >> 3; x <= high(0) >> 3; ++x)
+      for (auto y = nodeOf(low(1)); y <= nodeOf(high(1)); ++y) {
+        const double dx = static_cast<double>(x) * kLeafSize + 4 - a[0];
+        const double dy = static_cast<double>(y) * kNodeSize + 64 - a[1];
+        const double midpoint = a[2] + slopeX * dx + slopeY * dy;
+        const double reach = 4 * std::abs(slopeX) + 64 * std::abs(slopeY) + 1;
+        // Steep planes, and slivers with inaccurate slopes, keep the whole range.
+        auto from = zLow, to = zHigh;
+        if (reach < 4096) {
+          from = std::max(from, static_cast<std::int64_t>(std::floor(midpoint - reach)));
+          to = std::min(to, static_cast<std::int64_t>(std::ceil(midpoint + reach)));
         }
-      });
-  auto all = joinedVectors<FaceInSlab>(locals);
-  tbb::parallel_sort(all.begin(), all.end());
-  return all;
+        for (auto z = nodeOf(from); z <= nodeOf(std::max(from, to)); ++z)
+          out.push_back({static_cast<std::int32_t>(x), y, z, static_cast<std::uint32_t>(i)});
+      }
+  };
+  return groupItems<FaceInSlab>(boundary.faces.size(), 4096, addSlabs, progress);
 }
 
 // Passes the slabs of each node to `assembly` as one node.
@@ -146,12 +138,12 @@ openvdb::FloatGrid::Ptr gridOf(std::vector<std::vector<SlabPart>>& found,
 }
 
 // Where the pairs of each stack begin, and the end.
-std::vector<std::size_t> startsOf(const std::vector<FaceInSlab>& pairs) {
+std::vector<std::size_t> stackStarts(const GroupedItems<FaceInSlab>& pairs) {
   std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || !pairs[i].sameStack(pairs[i - 1]))
-      starts.push_back(i);
-  starts.push_back(pairs.size());
+  for (std::size_t slab = 0; slab < pairs.groupCount(); ++slab)
+    if (slab == 0 || !pairs.firstOf(slab).sameStack(pairs.firstOf(slab - 1)))
+      starts.push_back(pairs.starts[slab]);
+  starts.push_back(pairs.items.size());
   return starts;
 }
 
@@ -161,9 +153,9 @@ struct CoverageParts::Parts {
   Parts(const std::vector<Vec3d>& points, const Boundary& boundary, const GridTransform& where,
         Progress& progress)
       : faces(boundary), transform(where), cubes(cubePoints(points, where)),
-        pairs(binFaces(cubes, boundary, progress)), starts(startsOf(pairs)) {}
+        pairs(facesBySlab(cubes, boundary, progress)), starts(stackStarts(pairs)) {}
 
-  const FaceInSlab& first(std::size_t stack) const { return pairs[starts[stack]]; }
+  const FaceInSlab& first(std::size_t stack) const { return pairs.items[starts[stack]]; }
   /// Adds slabs zBegin <= z < zEnd of a stack to `out`; those below are made again where they are
   /// not what was done last.
   CoverageSum run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd, StackState& state,
@@ -172,8 +164,8 @@ struct CoverageParts::Parts {
   const Boundary& faces;
   GridTransform transform;
   CubePoints cubes;
-  std::vector<FaceInSlab> pairs;
-  std::vector<std::size_t> starts;
+  GroupedItems<FaceInSlab> pairs;
+  std::vector<std::size_t> starts; ///< of stacks
   CoverageSum sum;
   NodeIndex column{0, 0, 0}; ///< of cubes, that `states` are of
   std::unordered_map<std::size_t, StackState> states;
@@ -182,7 +174,7 @@ struct CoverageParts::Parts {
 
 CoverageSum CoverageParts::Parts::run(std::size_t stack, std::int32_t zBegin, std::int32_t zEnd,
                                       StackState& state, std::vector<SlabPart>& out) {
-  const FaceInSlab* const own = pairs.data() + starts[stack];
+  const FaceInSlab* const own = pairs.items.data() + starts[stack];
   const std::size_t count = starts[stack + 1] - starts[stack];
   if (state.next > 0 && state.z > zBegin)
     state = {};
@@ -237,17 +229,17 @@ openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progre
   if (column != all.column)
     all.states.clear();
   all.column = column;
+  const LargeVector<FaceInSlab>& pairs = all.pairs.items;
   std::vector<std::size_t> stacks;
   for (std::int32_t x = box.low[0] * kLeavesAlong; x < box.high[0] * kLeavesAlong; ++x) {
     const auto begin =
         std::lower_bound(all.starts.begin(), all.starts.end() - 1, std::pair(x, box.low[1]),
                          [&](std::size_t start, const auto& wanted) {
-                           return std::pair(all.pairs[start].x, all.pairs[start].y) < wanted;
+                           return std::pair(pairs[start].x, pairs[start].y) < wanted;
                          });
     for (auto at = begin;
-         at != all.starts.end() - 1 && all.pairs[*at].x == x && all.pairs[*at].y < box.high[1];
-         ++at)
-      if (all.pairs[*at].z < box.high[2] && all.pairs[at[1] - 1].z >= box.low[2])
+         at != all.starts.end() - 1 && pairs[*at].x == x && pairs[*at].y < box.high[1]; ++at)
+      if (pairs[*at].z < box.high[2] && pairs[at[1] - 1].z >= box.low[2])
         stacks.push_back(static_cast<std::size_t>(at - all.starts.begin()));
   }
   std::vector<StackState*> states;
@@ -270,16 +262,11 @@ namespace {
 class StackReceiver final : public nano::CoverageReceiver {
 public:
   StackReceiver(const CubePoints& points, const Boundary& faces,
-                const std::vector<FaceInSlab>& pairs, const std::vector<std::size_t>& stacks,
+                const GroupedItems<FaceInSlab>& pairs, const std::vector<std::size_t>& stacks,
                 std::vector<std::vector<SlabPart>>& found, std::vector<CoverageSum>& sums,
                 Progress& progress)
       : points_(points), faces_(faces), pairs_(pairs), stacks_(stacks), found_(found), sums_(sums),
-        progress_(progress) {
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-      if (i == 0 || !pairs[i].sameStack(pairs[i - 1]) || pairs[i].z != pairs[i - 1].z)
-        slabs_.push_back(i);
-    slabs_.push_back(pairs.size());
-  }
+        progress_(progress) {}
 
   nano::CoverageJob job() const {
     static_assert(sizeof(BoundaryFace) == 4 * sizeof(std::uint32_t));
@@ -288,14 +275,15 @@ public:
     job.pointCount = points_.size();
     job.faces = &faces_.faces.front().a;
     job.faceCount = faces_.faces.size();
-    job.pairs = pairs_.data();
-    job.starts = slabs_.data();
-    job.slabCount = slabs_.size() - 1;
+    job.pairs = pairs_.items.data();
+    job.starts = pairs_.starts.data();
+    job.slabCount = pairs_.groupCount();
     return job;
   }
 
   void take(const nano::CoverageBatch& batch) override {
-    progress_.update(static_cast<double>(batch.firstSlab) / static_cast<double>(slabs_.size()));
+    progress_.update(static_cast<double>(batch.firstSlab) /
+                     static_cast<double>(pairs_.groupCount()));
     // The stacks of the batch: the first may have begun before it, the last may go on beyond.
     struct Run {
       std::uint64_t begin, end; // slabs
@@ -315,7 +303,7 @@ public:
         own = std::make_unique<SlabStack>(points_, faces_, found_[stack]);
       for (std::uint64_t slab = begin; slab < end; ++slab)
         addSlab(batch, slab, *own);
-      if (slabs_[end] < stacks_[stack + 1]) {
+      if (pairs_.starts[end] < stacks_[stack + 1]) {
         unfinished = std::move(own);
       } else {
         requireClosed(*own);
@@ -327,9 +315,9 @@ public:
   }
 
 private:
-  const FaceInSlab& at(std::uint64_t slab) const { return pairs_[slabs_[slab]]; }
+  const FaceInSlab& at(std::uint64_t slab) const { return pairs_.firstOf(slab); }
   std::size_t stackOf(std::uint64_t slab) const {
-    const auto after = std::upper_bound(stacks_.begin(), stacks_.end(), slabs_[slab]);
+    const auto after = std::upper_bound(stacks_.begin(), stacks_.end(), pairs_.starts[slab]);
     return static_cast<std::size_t>(after - stacks_.begin()) - 1;
   }
   void addSlab(const nano::CoverageBatch& batch, std::uint64_t slab, SlabStack& stack) const {
@@ -345,12 +333,11 @@ private:
 
   const CubePoints& points_;
   const Boundary& faces_;
-  const std::vector<FaceInSlab>& pairs_;
+  const GroupedItems<FaceInSlab>& pairs_;
   const std::vector<std::size_t>& stacks_;
   std::vector<std::vector<SlabPart>>& found_;
   std::vector<CoverageSum>& sums_;
   Progress& progress_;
-  std::vector<std::uint64_t> slabs_;                 // where their pairs begin, and the end
   std::unique_ptr<SlabStack> unfinished_;            // the last of a batch
   tbb::task_arena arena_{tbb::task_arena::attach()}; // the caller's, also for a device
 };
@@ -361,11 +348,11 @@ openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundar
                                  const GridTransform& transform, CoverageSum& sum,
                                  Progress& progress, const SlabAdder& addSlabs) {
   const CubePoints cubes = cubePoints(points, transform);
-  const std::vector<FaceInSlab> pairs = binFaces(cubes, faces, progress);
-  const std::vector<std::size_t> starts = startsOf(pairs);
+  const GroupedItems<FaceInSlab> pairs = facesBySlab(cubes, faces, progress);
+  const std::vector<std::size_t> starts = stackStarts(pairs);
   std::vector<std::vector<SlabPart>> found(starts.size() - 1);
   std::vector<CoverageSum> sums(starts.size() - 1);
-  if (addSlabs != nullptr && !pairs.empty()) {
+  if (addSlabs != nullptr && !pairs.items.empty()) {
     StackReceiver receiver(cubes, faces, pairs, starts, found, sums, progress);
     addSlabs(receiver.job(), receiver);
   } else {
@@ -376,7 +363,8 @@ openvdb::FloatGrid::Ptr coverage(const std::vector<Vec3d>& points, const Boundar
         [&](const auto& range) {
           for (std::size_t i = range.begin(); i != range.end(); ++i) {
             SlabStack stack(cubes, faces, found[i]);
-            stack.run(pairs.data() + starts[i], pairs.data() + starts[i + 1], volumes.local());
+            stack.run(pairs.items.data() + starts[i], pairs.items.data() + starts[i + 1],
+                      volumes.local());
             requireClosed(stack);
             sums[i] = stack.sum();
             progress.update(static_cast<double>(++done) / static_cast<double>(found.size()));

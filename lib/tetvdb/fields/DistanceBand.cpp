@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/fields/DistanceBand.h"
 
-#include "tetvdb/core/JoinedVectors.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/core/Multiversion.h"
 #include "tetvdb/geometry/FaceFrame.h"
 
@@ -10,9 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 // Vectors are passed only to inlined functions.
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -170,58 +168,47 @@ LeafLists listFaces(const std::vector<FaceFrame>& faces, double radius) {
 DistanceBand::DistanceBand(const SnappedMesh& mesh, const Boundary& faces, double radius,
                            Progress& progress)
     : mesh_(mesh), faces_(faces), radius_(radius) {
-  tbb::enumerable_thread_specific<std::vector<NodeFace>> locals;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, faces.faces.size(), 4096), [&](const auto& range) {
-        progress.check();
-        std::vector<NodeFace>& out = locals.local();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const BoundaryFace& f = faces.faces[i];
-          const LatticePoint &a = mesh.points[f.a], &b = mesh.points[f.b], &c = mesh.points[f.c];
-          NodeIndex low, high;
-          const auto span = [&](std::size_t k, double LatticePoint::*axis) {
-            low[k] = nodeOf(static_cast<std::int64_t>(
-                std::ceil(std::min({a.*axis, b.*axis, c.*axis}) * kVoxelsPerUnit - radius)));
-            high[k] = nodeOf(static_cast<std::int64_t>(
-                std::floor(std::max({a.*axis, b.*axis, c.*axis}) * kVoxelsPerUnit + radius)));
-          };
-          span(0, &LatticePoint::x);
-          span(1, &LatticePoint::y);
-          span(2, &LatticePoint::z);
-          const auto face = static_cast<std::uint32_t>(i);
-          if (low == high) {
-            out.push_back({low, face});
-            continue;
-          }
-          const FaceFrame frame = faceFrame(a, b, c, firstVoxelOf(low));
-          for (std::int32_t x = low[0]; x <= high[0]; ++x)
-            for (std::int32_t y = low[1]; y <= high[1]; ++y)
-              for (std::int32_t z = low[2]; z <= high[2]; ++z) {
-                const auto midpoint = [&](std::int32_t node, std::int32_t first) {
-                  return (static_cast<double>(node) - first) * kNodeSize + kHalfNode;
-                };
-                if (mayReach(frame, {midpoint(x, low[0]), midpoint(y, low[1]), midpoint(z, low[2])},
-                             kHalfNode, radius))
-                  out.push_back({{x, y, z}, face});
-              }
-        }
-      });
-  pairs_ = joinedVectors<NodeFace>(locals);
-  tbb::parallel_sort(pairs_.begin(), pairs_.end());
-  for (std::size_t i = 0; i < pairs_.size(); ++i)
-    if (i == 0 || pairs_[i].node != pairs_[i - 1].node) {
-      nodes_.push_back(pairs_[i].node);
-      starts_.push_back(i);
+  const auto addNodes = [&](std::size_t i, std::vector<NodeFace>& out) {
+    const BoundaryFace& f = faces.faces[i];
+    const LatticePoint &a = mesh.points[f.a], &b = mesh.points[f.b], &c = mesh.points[f.c];
+    NodeIndex low, high;
+    const auto span = [&](std::size_t k, double LatticePoint::*axis) {
+      low[k] = nodeOf(static_cast<std::int64_t>(
+          std::ceil(std::min({a.*axis, b.*axis, c.*axis}) * kVoxelsPerUnit - radius)));
+      high[k] = nodeOf(static_cast<std::int64_t>(
+          std::floor(std::max({a.*axis, b.*axis, c.*axis}) * kVoxelsPerUnit + radius)));
+    };
+    span(0, &LatticePoint::x);
+    span(1, &LatticePoint::y);
+    span(2, &LatticePoint::z);
+    const auto face = static_cast<std::uint32_t>(i);
+    if (low == high) {
+      out.push_back({low, face});
+      return;
     }
-  starts_.push_back(pairs_.size());
+    const FaceFrame frame = faceFrame(a, b, c, firstVoxelOf(low));
+    for (std::int32_t x = low[0]; x <= high[0]; ++x)
+      for (std::int32_t y = low[1]; y <= high[1]; ++y)
+        for (std::int32_t z = low[2]; z <= high[2]; ++z) {
+          const auto midpoint = [&](std::int32_t node, std::int32_t first) {
+            return (static_cast<double>(node) - first) * kNodeSize + kHalfNode;
+          };
+          if (mayReach(frame, {midpoint(x, low[0]), midpoint(y, low[1]), midpoint(z, low[2])},
+                       kHalfNode, radius))
+            out.push_back({{x, y, z}, face});
+        }
+  };
+  pairs_ = groupItems<NodeFace>(faces.faces.size(), 4096, addNodes, progress);
+  for (std::size_t i = 0; i < pairs_.groupCount(); ++i)
+    nodes_.push_back(pairs_.firstOf(i).node);
 }
 
 void DistanceBand::rasterize(std::size_t node, const LeafSink& sink) const {
   const Vec3d origin = firstVoxelOf(nodes_[node]);
   std::vector<FaceFrame> frames;
-  frames.reserve(starts_[node + 1] - starts_[node]);
-  for (std::size_t i = starts_[node]; i != starts_[node + 1]; ++i) {
-    const BoundaryFace& f = faces_.faces[pairs_[i].face];
+  frames.reserve(starts()[node + 1] - starts()[node]);
+  for (std::size_t i = starts()[node]; i != starts()[node + 1]; ++i) {
+    const BoundaryFace& f = faces_.faces[nodeFaces()[i].face];
     frames.push_back(faceFrame(mesh_.points[f.a], mesh_.points[f.b], mesh_.points[f.c], origin));
   }
   const LeafLists lists = listFaces(frames, radius_);
@@ -266,7 +253,7 @@ double leavesOf(const SnappedMesh& mesh, const BoundaryFace& f, double radius) {
 } // namespace
 
 std::vector<float> estimateNodeLeaves(const DistanceBand& band) {
-  const std::vector<NodeFace>& pairs = band.nodeFaces();
+  const LargeVector<NodeFace>& pairs = band.nodeFaces();
   std::vector<std::uint32_t> nodesOf(band.faces().faces.size());
   for (const NodeFace& pair : pairs)
     ++nodesOf[pair.face];
@@ -282,9 +269,9 @@ std::vector<float> estimateNodeLeaves(const DistanceBand& band) {
 }
 
 double estimateBandLeaves(const SnappedMesh& mesh, const Boundary& faces, double radius) {
-  double leaves = 64;
-  for (const BoundaryFace& f : faces.faces)
-    leaves += leavesOf(mesh, f, radius);
+  const double leaves = 64 + sumOver(faces.faces.size(), [&](std::size_t i) {
+                          return leavesOf(mesh, faces.faces[i], radius);
+                        });
   double box = 1;
   for (const double extent : {mesh.boxMax.x - mesh.boxMin.x, mesh.boxMax.y - mesh.boxMin.y,
                               mesh.boxMax.z - mesh.boxMin.z})

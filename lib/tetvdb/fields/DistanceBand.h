@@ -3,6 +3,7 @@
 // Distances from voxel centres to the nearest of many faces, within a radius.
 #pragma once
 
+#include "tetvdb/core/GroupItems.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/geometry/LeafDistance.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
@@ -32,8 +33,8 @@ public:
 
   /// The faces within reach of nodes()[i]: nodeFaces()[starts()[i]] to nodeFaces()[starts()[i + 1]
   /// - 1].
-  const std::vector<NodeFace>& nodeFaces() const { return pairs_; }
-  const std::vector<std::uint64_t>& starts() const { return starts_; }
+  const LargeVector<NodeFace>& nodeFaces() const { return pairs_.items; }
+  const std::vector<std::size_t>& starts() const { return pairs_.starts; }
   const SnappedMesh& mesh() const { return mesh_; }
   const Boundary& faces() const { return faces_; }
   double radius() const { return radius_; }
@@ -53,9 +54,8 @@ private:
   const SnappedMesh& mesh_;
   const Boundary& faces_;
   double radius_;
-  std::vector<NodeFace> pairs_;
+  GroupedItems<NodeFace> pairs_;
   std::vector<NodeIndex> nodes_;
-  std::vector<std::uint64_t> starts_;
 };
 
 /// Expected number of leaves of a level set of these faces in each node of the band.

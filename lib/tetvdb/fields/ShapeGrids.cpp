@@ -222,7 +222,7 @@ namespace {
 // For a closed mesh: its enclosed voxels.
 void fillForShell(ShapeSolid& solid, const TriangleMesh& mesh, const SolidOptions& how,
                   const ShapeOptions& options, const GridTransform& transform, Progress& progress) {
-  const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
+  const SoupBoundary boundary = soupBoundary(mesh, progress);
   if (!boundary.edges.empty())
     throw Error(Status::Invalid, "`grid=surface`",
                 fmt::format("of a shell on one side requires closed faces; the mesh has {} open "

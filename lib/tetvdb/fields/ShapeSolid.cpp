@@ -51,7 +51,7 @@ ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool co
       how.shell == 0 && (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
   solid.rule = fillRuleOf(how);
   if (byWinding || covers) {
-    const SoupBoundary boundary = soupBoundary(mesh.triangles, progress);
+    const SoupBoundary boundary = soupBoundary(mesh, progress);
     if (covers)
       requireCoverable(how, boundary);
     if (!boundary.edges.empty()) {

@@ -28,13 +28,6 @@ constexpr double kHalfNode = 0.5 * (kNodeSize - 1);
 constexpr double kBoundSlack = 1e-6; ///< above the error of bounds in doubles
 constexpr double kReachSlack = 1e-5; ///< the same for the single precision of rows
 
-/// A face within reach of a 128^3 node.
-struct NodeFace {
-  NodeIndex node;
-  std::uint32_t face;
-  bool operator<(const NodeFace& o) const { return node != o.node ? node < o.node : face < o.face; }
-};
-
 /// First voxel of a node.
 TETVDB_HD inline Vec3d firstVoxelOf(const NodeIndex& node) {
   return {static_cast<double>(node[0]) * kNodeSize, static_cast<double>(node[1]) * kNodeSize,

@@ -19,4 +19,12 @@ inline std::int32_t nodeOf(std::int64_t voxel) {
   return static_cast<std::int32_t>(voxel >> 7);
 }
 
+/// A face that matters in a 128^3 node.
+struct NodeFace {
+  NodeIndex node;
+  std::uint32_t face;
+  const NodeIndex& key() const { return node; }
+  bool operator<(const NodeFace& o) const { return node != o.node ? node < o.node : face < o.face; }
+};
+
 } // namespace tetvdb

@@ -32,6 +32,7 @@ struct FaceInSlab {
   bool operator<(const FaceInSlab& o) const {
     return std::tie(x, y, z, face) < std::tie(o.x, o.y, o.z, o.face);
   }
+  Vec3i key() const { return {x, y, z}; }
   bool sameStack(const FaceInSlab& o) const { return x == o.x && y == o.y; }
 };
 

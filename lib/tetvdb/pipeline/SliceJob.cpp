@@ -176,7 +176,7 @@ private:
     result_.cleaned = cleanInput(mesh, name, job_.clean, report_, progress_);
     if (asksCentres())
       return;
-    const std::size_t open = soupBoundary(mesh.triangles, progress_).edges.size();
+    const std::size_t open = soupBoundary(mesh, progress_).edges.size();
     if (open == 0)
       return;
     const LocalRepair repair = repairLocally(mesh, progress_);

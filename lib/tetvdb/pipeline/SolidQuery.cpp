@@ -81,7 +81,7 @@ std::size_t firstNotFinite(const Vec3d* points, std::size_t count) {
 struct SolidQuery::Impl {
   Impl(TriangleMesh given, Progress& progress)
       : mesh(checked(std::move(given))), lattice(boxOfFaces(mesh)),
-        open(soupBoundary(mesh.triangles, progress)), winding(faces(), boundary()), scene(mesh) {}
+        open(soupBoundary(mesh, progress)), winding(faces(), boundary()), scene(mesh) {}
 
   static TriangleMesh checked(TriangleMesh given) {
     if (given.triangles.empty())

@@ -444,7 +444,7 @@ private:
       for (const std::string& name : uniqueStems(job_.inputs))
         tets_.regionNames[static_cast<std::int32_t>(tets_.regionNames.size()) + 1] = name;
     for (const TriangleMesh& mesh : meshes_)
-      result_.openEdges += soupBoundary(mesh.triangles, progress_).edges.size();
+      result_.openEdges += soupBoundary(mesh, progress_).edges.size();
     if (job_.meshOutput.empty() || !writesTriangles(job_.meshOutput))
       meshes_ = {}; // their memory serves the grids
   }

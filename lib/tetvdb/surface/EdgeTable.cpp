@@ -22,10 +22,9 @@ std::uint32_t highPointOf(Entry entry) {
 
 } // namespace
 
-EdgeTable::EdgeTable(const std::vector<std::uint32_t>& corners, std::size_t pointCount)
+EdgeTable::EdgeTable(const std::uint32_t* corners, std::size_t faces, std::size_t pointCount)
     : corners_(corners) {
-  const std::size_t faces = corners_.size() / 3;
-  if (corners_.size() >= kNone)
+  if (3 * faces >= kNone)
     throw Error(Status::Limit, "", "a mesh of " + std::to_string(faces) + " triangles",
                 "split it into parts of less than 1.4 billion");
 
@@ -42,7 +41,7 @@ EdgeTable::EdgeTable(const std::vector<std::uint32_t>& corners, std::size_t poin
 
   // Count, scan, fill by low point.
   std::vector<std::atomic<std::uint32_t>> cursor(pointCount + 1);
-  edgeOf_.resize(corners_.size());
+  edgeOf_.resize(3 * faces);
   forEachIndex(faces, [&](std::size_t face) {
     if (!eachSide(face, [&](std::uint32_t low, std::uint32_t, std::uint32_t) {
           cursor[low].fetch_add(1, std::memory_order_relaxed);

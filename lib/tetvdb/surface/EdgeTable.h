@@ -30,7 +30,9 @@ public:
   /// of threads. Throws Error(Limit) for 2^32 / 3 faces or more.
   explicit EdgeTable(const TriangleMesh& mesh) : EdgeTable(mesh.triangles, mesh.points.size()) {}
   /// The same for corners, three point numbers per face.
-  EdgeTable(const std::vector<std::uint32_t>& corners, std::size_t pointCount);
+  EdgeTable(const std::vector<std::uint32_t>& corners, std::size_t pointCount)
+      : EdgeTable(corners.data(), corners.size() / 3, pointCount) {}
+  EdgeTable(const std::uint32_t* corners, std::size_t faceCount, std::size_t pointCount);
 
   /// The sides of an edge, ascending.
   struct Sides {
@@ -74,7 +76,7 @@ public:
   std::uint32_t opposite(std::uint32_t side) const { return corners_[previous(side)]; }
 
 private:
-  const std::vector<std::uint32_t>& corners_;
+  const std::uint32_t* corners_;
   LargeVector<std::array<std::uint32_t, 2>> points_;
   LargeVector<std::uint32_t> first_; ///< in sides_; one more than there are edges
   LargeVector<std::uint32_t> sides_;

@@ -19,15 +19,11 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-bool stays(const FaceRest& rest) {
-  return rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse;
-}
-
 /// The faces that meet others and remain, whole or in part, ascending.
 std::vector<std::uint32_t> metAndLeft(const TrimmedChain& trimmed) {
   std::vector<std::uint32_t> met;
-  for (std::uint32_t i = 0; i < trimmed.rests.size(); ++i)
-    if (trimmed.isMet[i] != 0 && (!trimmed.rests[i].parts.empty() || stays(trimmed.rests[i])))
+  for (std::uint32_t i = 0; i < trimmed.fates.size(); ++i)
+    if (trimmed.isMet[i] != 0 && (trimmed.isCut(i) || trimmed.stays(i)))
       met.push_back(i);
   return met;
 }
@@ -133,7 +129,7 @@ std::vector<MetFace> findMetFaces(const LatticeChain& chain, const TrimmedChain&
   const BoxTree tree(boxes);
   std::vector<MetFace> all;
   for (std::size_t at = 0; at < met.size(); ++at) {
-    if (!trimmed.rests[met[at]].parts.empty())
+    if (trimmed.isCut(met[at]))
       continue;
     const FacePlanes face(chain.welded.cornersOf(met[at]));
     const auto& own = chain.welded.faces[met[at]].corners;

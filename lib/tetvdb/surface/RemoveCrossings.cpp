@@ -464,29 +464,25 @@ Round cutOnce(TriangleMesh& mesh, bool floats, std::size_t& fewestMet, CrossingC
   Regions regions(mesh, points);
   std::set<std::uint32_t> faceCorners;
   std::size_t cut = 0, kept = 0;
-  for (std::size_t i = 0; i < trimmed.rests.size(); ++i) {
-    if (trimmed.rests[i].parts.empty())
-      continue;
-    for (const std::uint32_t corner : chain.welded.faces[i].corners) {
+  for (const auto& [face, parts] : trimmed.parts)
+    for (const std::uint32_t corner : chain.welded.faces[face].corners) {
       points.addCorner(corner);
       faceCorners.insert(chain.pointOf[corner]);
     }
+  for (const auto& [face, parts] : trimmed.parts) {
+    ++cut;
+    if (!regions.add(face, parts))
+      return Round::GivenUp;
   }
-  for (std::size_t i = 0; i < trimmed.rests.size(); ++i) {
-    const FaceRest& rest = trimmed.rests[i];
-    if (!rest.parts.empty()) {
-      ++cut;
-      if (!regions.add(static_cast<std::uint32_t>(i), rest.parts))
-        return Round::GivenUp;
-    } else if (rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse) {
+  for (std::size_t i = 0; i < trimmed.fates.size(); ++i)
+    if (trimmed.stays(i)) {
       ++kept;
       drops[chain.source[i]] = 0;
     }
-  }
   // Faces that others touch, divided into parts by edges that lie in them.
   const std::vector<MetFace> touched = findMetFaces(chain, trimmed);
   const auto isInverse = [&](std::uint32_t face) {
-    return trimmed.rests[face].fate == PartFate::StaysInverse;
+    return trimmed.fates[face] == PartFate::StaysInverse;
   };
   for (const MetFace& face : touched)
     for (const std::uint32_t corner : face.corners) {

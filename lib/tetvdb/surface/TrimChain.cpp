@@ -35,15 +35,15 @@ public:
 
   const FaceContacts& contacts() const { return contacts_; }
 
-  // Empty if it fails.
-  std::vector<FaceRest> run() {
-    rests_.resize(welded_.faces.size());
+  // Fills fates and parts of `trimmed`; returns false if it fails.
+  bool run(TrimmedChain& trimmed) {
+    fates_.resize(welded_.faces.size());
     judgePatches();
     if (!gaveUp_)
-      cutFaces();
-    if (gaveUp_)
-      rests_.clear();
-    return std::move(rests_);
+      cutFaces(trimmed.parts);
+    if (!gaveUp_)
+      trimmed.fates = std::move(fates_);
+    return !gaveUp_;
   }
 
 private:
@@ -111,7 +111,7 @@ private:
     });
     forEachIndex(count, [&](std::size_t i) {
       if (!contacts_.isMet(i))
-        rests_[i].fate = turned(fates[patchOf[i]], welded_.faces[i].weight < 0);
+        fates_[i] = turned(fates[patchOf[i]], welded_.faces[i].weight < 0);
     });
   }
 
@@ -143,7 +143,7 @@ private:
     return dot(n, n);
   }
 
-  void cutFaces() {
+  void cutFaces(std::map<std::uint32_t, std::vector<FacePart>>& parts) {
     std::vector<std::uint32_t> met;
     for (std::uint32_t i = 0; i < welded_.faces.size(); ++i)
       if (contacts_.isMet(i))
@@ -156,19 +156,25 @@ private:
       for (std::size_t i = r.begin(); i != r.end(); ++i)
         planes[i] = std::make_unique<FacePlanes>(welded_.cornersOf(met[i]));
     });
+    std::vector<std::vector<FacePart>> left(met.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, met.size(), 1), [&](const auto& range) {
       progress_.check();
       for (std::size_t i = range.begin(); i != range.end() && !gaveUp_; ++i) {
         std::vector<const FacePlanes*> others;
         for (std::size_t k = contacts_.starts[met[i]]; k != contacts_.starts[met[i] + 1]; ++k)
           others.push_back(planes[place[contacts_.others[k]]].get());
-        cutFace(met[i], *planes[i], std::move(others), rests_[met[i]]);
+        cutFace(met[i], *planes[i], std::move(others), left[i]);
       }
     });
+    for (std::size_t i = 0; i < met.size(); ++i)
+      if (!left[i].empty()) {
+        fates_[met[i]] = PartFate::Cut;
+        parts.emplace_hint(parts.end(), met[i], std::move(left[i]));
+      }
   }
 
   void cutFace(std::uint32_t number, const FacePlanes& face, std::vector<const FacePlanes*> others,
-               FaceRest& rest) {
+               std::vector<FacePart>& left) {
     std::sort(others.begin(), others.end(),
               [](const FacePlanes* a, const FacePlanes* b) { return a->corners < b->corners; });
     // In random order, the number of pieces is small (Paterson and Yao 1990).
@@ -203,7 +209,7 @@ private:
                   fates[b] != PartFate::Undecided);
       fates[i] = fates[a] == PartFate::Undecided ? fates[b] : fates[a];
     }
-    rest.fate = fates[0];
+    fates_[number] = fates[0];
     if (mixed[0] == 0)
       return;
     std::vector<std::size_t> open{0};
@@ -214,7 +220,7 @@ private:
         open.push_back(pieces.halves(at));
         open.push_back(pieces.halves(at) + 1);
       } else if (fates[at] == PartFate::Stays || fates[at] == PartFate::StaysInverse) {
-        rest.parts.push_back({pieces.outline(at), fates[at] == PartFate::StaysInverse});
+        left.push_back({pieces.outline(at), fates[at] == PartFate::StaysInverse});
       }
     }
   }
@@ -225,7 +231,7 @@ private:
   const BoxBlocks boxes_;
   const FaceColumns columns_;
   const FaceContacts contacts_;
-  std::vector<FaceRest> rests_;
+  std::vector<PartFate> fates_;
   std::atomic<std::size_t> pieces_{0}, cuts_{0}, looks_{0};
   std::atomic<bool> gaveUp_{false};
 };
@@ -247,8 +253,7 @@ TrimmedChain trimChain(const WeldedFaces& welded, bool (*isInside)(std::int64_t)
     return trimmed;
   trimmed.isMet.resize(welded.faces.size());
   forEachIndex(welded.faces.size(), [&](std::size_t i) { trimmed.isMet[i] = contacts.isMet(i); });
-  trimmed.rests = trimmer.run();
-  trimmed.complete = trimmed.rests.size() == welded.faces.size();
+  trimmed.complete = trimmer.run(trimmed);
   return trimmed;
 }
 

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <vector>
 
 namespace tetvdb {
@@ -18,7 +19,8 @@ enum class PartFate : std::uint8_t {
   Stays,        ///< its front is outside
   StaysInverse, ///< its back is outside
   Goes,         ///< both sides are inside, or both are outside
-  Undecided     ///< too thin to decide: follows its neighbours
+  Undecided,    ///< too thin to decide: follows its neighbours
+  Cut           ///< of a face: parts of it stay
 };
 
 struct FacePart {
@@ -26,17 +28,19 @@ struct FacePart {
   bool inverse = false;       ///< its back is outside
 };
 
-/// The remainder of a face.
-struct FaceRest {
-  PartFate fate = PartFate::Stays; ///< of the whole face if there are no parts
-  std::vector<FacePart> parts;     ///< remaining parts; corners within 2^-6 lattice units
-};
-
 struct TrimmedChain {
-  std::vector<FaceRest> rests; ///< by face; empty if not complete
-  std::vector<char> isMet;     ///< by face: others cross, touch or overlap it
-  bool complete = true;        ///< false: it failed
-  bool hasEqualFaces = false;  ///< it failed since mergeEqualFaces() must be called first
+  std::vector<PartFate> fates; ///< by face; empty if not complete
+  /// The parts that stay of faces that are cut; corners within 2^-6 lattice units.
+  std::map<std::uint32_t, std::vector<FacePart>> parts;
+  std::vector<char> isMet;    ///< by face: others cross, touch or overlap it
+  bool complete = true;       ///< false: it failed
+  bool hasEqualFaces = false; ///< it failed since mergeEqualFaces() must be called first
+
+  /// Whether all of the face stays.
+  bool stays(std::size_t face) const {
+    return fates[face] == PartFate::Stays || fates[face] == PartFate::StaysInverse;
+  }
+  bool isCut(std::size_t face) const { return fates[face] == PartFate::Cut; }
 };
 
 /// Returns the boundary of the region of winding numbers for which `isInside` holds. Faces with

@@ -149,6 +149,8 @@ std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double d
   std::vector<std::uint32_t> becomes(points.size());
   weldEqual(points, becomes);
   progress.check();
+  if (!(distance > 0) || points.empty())
+    return becomes;
   Box box;
   for (const Vec3d& p : points)
     box.add(p);
@@ -156,7 +158,7 @@ std::vector<std::uint32_t> weldPoints(const std::vector<Vec3d>& points, double d
   for (std::size_t axis = 0; axis < 3; ++axis)
     extent = std::max({extent, std::abs(box.low[axis]), std::abs(box.high[axis])});
   // Below the resolution of the coordinates, close points are equal.
-  if (!points.empty() && distance > 1e-16 * extent)
+  if (distance > 1e-16 * extent)
     weldNear(points, distance, becomes, progress);
   return becomes;
 }

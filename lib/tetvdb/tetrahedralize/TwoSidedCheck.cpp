@@ -86,7 +86,7 @@ InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const Work
     : lattice_(lattice) {
   for (const TriangleMesh& mesh : inputs) {
     std::vector<BoundaryEdge> boundary;
-    for (const IndexedBoundaryEdge& edge : soupBoundary(mesh.triangles, progress).edges)
+    for (const IndexedBoundaryEdge& edge : soupBoundary(mesh, progress).edges)
       boundary.push_back({latticePoint(lattice, mesh.points[edge.a]),
                           latticePoint(lattice, mesh.points[edge.b]), edge.weight});
     isOpen_.push_back(!boundary.empty());

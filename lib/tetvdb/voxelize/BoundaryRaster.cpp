@@ -2,7 +2,8 @@
 #include "tetvdb/voxelize/BoundaryRaster.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/core/JoinedVectors.h"
+#include "tetvdb/core/ForEachIndex.h"
+#include "tetvdb/core/GroupItems.h"
 #include "tetvdb/voxelize/FaceRaster.h"
 #include "tetvdb/voxelize/ParityRows.h"
 #include "tetvdb/voxelize/WindingBand.h"
@@ -17,7 +18,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 #include <tuple>
 #include <utility>
@@ -29,17 +29,7 @@ namespace {
 // Used as a face index: the node has voxels of the winding band.
 constexpr std::uint32_t kBandInNode = 0xFFFFFFFFu;
 
-// A face that may have crossings in a node. The triangles over holes are counted from the number of
-// faces on.
-struct FaceInNode {
-  std::int32_t x, y, z;
-  std::uint32_t face;
-  bool operator<(const FaceInNode& o) const {
-    return std::tie(x, y, z, face) < std::tie(o.x, o.y, o.z, o.face);
-  }
-};
-
-// The faces of the boundary and the triangles over its holes.
+// The faces of the boundary and, numbered after them, the triangles over its holes.
 class AllFaces {
 public:
   AllFaces(const SnappedMesh& mesh, const Boundary& boundary, const TriangleClusters* holes)
@@ -67,33 +57,29 @@ private:
   const TriangleClusters* holes_;
 };
 
-std::vector<FaceInNode> binFaces(const AllFaces& faces, const WindingBand* band,
-                                 Progress& progress) {
-  tbb::enumerable_thread_specific<std::vector<FaceInNode>> locals;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& range) {
-    progress.check();
-    auto& out = locals.local();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const FaceRaster face = faces.prepare(i);
-      if (face.crosses == 0)
-        continue;
-      for (auto x = nodeOf(face.xMin); x <= nodeOf(face.xMax); ++x)
-        for (auto y = nodeOf(face.yMin); y <= nodeOf(face.yMax); ++y) {
-          const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
-          std::int64_t low, high;
-          if (!face.range(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
-            continue;
-          for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
-            out.push_back({x, y, z, static_cast<std::uint32_t>(i)});
-        }
+// The faces that may have crossings in each node, and kBandInNode.
+GroupedItems<NodeFace> facesByNode(const AllFaces& faces, const WindingBand* band,
+                                   Progress& progress) {
+  const auto addNodes = [&](std::size_t i, std::vector<NodeFace>& out) {
+    if (i >= faces.size()) {
+      out.push_back({band->nodes()[i - faces.size()], kBandInNode});
+      return;
     }
-  });
-  auto all = joinedVectors<FaceInNode>(locals);
-  if (band != nullptr)
-    for (const NodeIndex& node : band->nodes())
-      all.push_back({node[0], node[1], node[2], kBandInNode});
-  tbb::parallel_sort(all.begin(), all.end());
-  return all;
+    const FaceRaster face = faces.prepare(i);
+    if (face.crosses == 0)
+      return;
+    for (auto x = nodeOf(face.xMin); x <= nodeOf(face.xMax); ++x)
+      for (auto y = nodeOf(face.yMin); y <= nodeOf(face.yMax); ++y) {
+        const std::int64_t x0 = std::int64_t(x) * kNodeSize, y0 = std::int64_t(y) * kNodeSize;
+        std::int64_t low, high;
+        if (!face.range(x0, x0 + kNodeSize - 1, y0, y0 + kNodeSize - 1, low, high))
+          continue;
+        for (auto z = nodeOf(low); z <= nodeOf(high); ++z)
+          out.push_back({{x, y, z}, static_cast<std::uint32_t>(i)});
+      }
+  };
+  return groupItems<NodeFace>(faces.size() + (band != nullptr ? band->nodes().size() : 0), 4096,
+                              addNodes, progress);
 }
 
 // The sums of a slab's rows at its bottom, carried up from node to node.
@@ -293,17 +279,17 @@ public:
       : faces_(faces), band_(band), rule_(rule), sink_(sink), carries_(kSlabsPerNode),
         grain_(splitNodes ? 1 : kSlabsPerNode) {}
 
-  using Pairs = const FaceInNode*;
+  using Pairs = const NodeFace*;
 
   // `begin` to `end`: from zBegin on, up to the top of the column.
   void run(std::int32_t x, std::int32_t y, std::int32_t zBegin, std::int32_t zEnd, Pairs begin,
            Pairs end, tbb::enumerable_thread_specific<Scratch>& scratch) {
     std::int32_t z = zBegin;
-    while (begin != end && begin->z < zEnd) {
-      fill(x, y, z, begin->z);
-      z = begin->z;
+    while (begin != end && begin->node[2] < zEnd) {
+      fill(x, y, z, begin->node[2]);
+      z = begin->node[2];
       Pairs nodeEnd = begin;
-      while (nodeEnd != end && nodeEnd->z == z)
+      while (nodeEnd != end && nodeEnd->node[2] == z)
         ++nodeEnd;
       node(x, y, z, begin, nodeEnd, scratch);
       begin = nodeEnd;
@@ -477,15 +463,15 @@ private:
 std::uint64_t estimateBoundaryLeaves(const SnappedMesh& mesh, const Boundary& boundary) {
   // A surface patch with projected areas ax, ay, az (voxels squared) meets about
   // (ax + ay + az) / 64 leaves, and at least one where it is smaller.
-  double leaves = 0;
-  for (const BoundaryFace& f : boundary.faces) {
+  const double leaves = sumOver(boundary.faces.size(), [&](std::size_t i) {
+    const BoundaryFace& f = boundary.faces[i];
     const LatticePoint &a = mesh.points[f.a], &b = mesh.points[f.b], &c = mesh.points[f.c];
     const auto area = [&](double LatticePoint::*u, double LatticePoint::*v) {
       return std::abs((b.*u - a.*u) * (c.*v - a.*v) - (b.*v - a.*v) * (c.*u - a.*u)) / 2;
     };
-    leaves += area(&LatticePoint::x, &LatticePoint::y) + area(&LatticePoint::y, &LatticePoint::z) +
-              area(&LatticePoint::z, &LatticePoint::x);
-  }
+    return area(&LatticePoint::x, &LatticePoint::y) + area(&LatticePoint::y, &LatticePoint::z) +
+           area(&LatticePoint::z, &LatticePoint::x);
+  });
   return static_cast<std::uint64_t>(leaves * kVoxelsPerUnit * kVoxelsPerUnit / 64) + 64;
 }
 
@@ -496,7 +482,7 @@ struct BoundaryStacks::Parts {
   AllFaces faces;
   FillRule rule;
   std::optional<WindingBand> band;
-  std::vector<FaceInNode> pairs;
+  GroupedItems<NodeFace> pairs;
   tbb::enumerable_thread_specific<Scratch> scratch;
 
   const WindingBand* bandOrNull() const { return band ? &*band : nullptr; }
@@ -507,13 +493,14 @@ BoundaryStacks::BoundaryStacks(const SnappedMesh& mesh, const Boundary& boundary
     : parts_(std::make_unique<Parts>(mesh, boundary, fill)) {
   if (fill.holes != nullptr)
     parts_->band.emplace(*fill.holes, progress);
-  parts_->pairs = binFaces(parts_->faces, parts_->bandOrNull(), progress);
-  const std::vector<FaceInNode>& pairs = parts_->pairs;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (columns_.empty() || pairs[i].x != columns_.back().x || pairs[i].y != columns_.back().y)
-      columns_.push_back({pairs[i].x, pairs[i].y, pairs[i].z, pairs[i].z + 1, i, i});
-    columns_.back().zEnd = pairs[i].z + 1;
-    columns_.back().end = i + 1;
+  parts_->pairs = facesByNode(parts_->faces, parts_->bandOrNull(), progress);
+  const GroupedItems<NodeFace>& pairs = parts_->pairs;
+  for (std::size_t i = 0; i < pairs.groupCount(); ++i) {
+    const auto [x, y, z] = pairs.firstOf(i).node;
+    if (columns_.empty() || x != columns_.back().x || y != columns_.back().y)
+      columns_.push_back({x, y, z, z + 1, pairs.starts[i], pairs.starts[i]});
+    columns_.back().zEnd = z + 1;
+    columns_.back().end = pairs.starts[i + 1];
   }
 }
 
@@ -521,21 +508,23 @@ BoundaryStacks::~BoundaryStacks() = default;
 
 std::size_t BoundaryStacks::countNodes(const Column& column, std::int32_t zBegin,
                                        std::int32_t zEnd) const {
+  const std::vector<std::size_t>& starts = parts_->pairs.starts;
   std::size_t count = 0;
-  for (std::size_t i = column.begin; i < column.end; ++i) {
-    const std::int32_t z = parts_->pairs[i].z;
-    if (z >= zBegin && z < zEnd && (i == column.begin || parts_->pairs[i - 1].z != z))
-      ++count;
+  for (auto start = std::lower_bound(starts.begin(), starts.end(), column.begin);
+       *start != column.end; ++start) {
+    const std::int32_t z = parts_->pairs.items[*start].node[2];
+    count += z >= zBegin && z < zEnd;
   }
   return count;
 }
 
 void BoundaryStacks::rasterize(const Column& column, std::int32_t zBegin, std::int32_t zEnd,
                                BoundaryCarry& carry, NodeSink* sink) const {
-  const FaceInNode* const end = parts_->pairs.data() + column.end;
-  const FaceInNode* const begin =
-      std::lower_bound(std::as_const(parts_->pairs).data() + column.begin, end, zBegin,
-                       [](const FaceInNode& pair, std::int32_t z) { return pair.z < z; });
+  const NodeFace* const items = parts_->pairs.items.data();
+  const NodeFace* const end = items + column.end;
+  const NodeFace* const begin =
+      std::lower_bound(items + column.begin, end, zBegin,
+                       [](const NodeFace& pair, std::int32_t z) { return pair.node[2] < z; });
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   const bool splitNodes = parts_->band.has_value() || columns_.size() < 8 * threads;
   Stack stack(parts_->faces, parts_->bandOrNull(), parts_->rule, sink, splitNodes);

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/RuleSink.h"
 
-#include "tetvdb/core/JoinedVectors.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <utility>
 
 namespace tetvdb {
@@ -24,44 +19,35 @@ struct RuleSink::RuledNode : NodeSink::Node {
 
 RuledFaces::RuledFaces(const SnappedMesh& mesh, const Boundary& faces, Progress& progress)
     : mesh_(mesh), faces_(faces) {
-  tbb::enumerable_thread_specific<std::vector<Pair>> locals;
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, faces.faces.size(), 4096), [&](const auto& range) {
-        progress.check();
-        std::vector<Pair>& out = locals.local();
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const BoundaryFace& f = faces.faces[i];
-          const TouchedFace face(mesh.points[f.a], mesh.points[f.b], mesh.points[f.c]);
-          if (!face.passes())
-            continue;
-          const auto first = [&](std::size_t k) { return nodeOf(face.first()[k]); };
-          const auto last = [&](std::size_t k) { return nodeOf(face.last()[k]); };
-          for (std::int32_t x = first(0); x <= last(0); ++x)
-            for (std::int32_t y = first(1); y <= last(1); ++y)
-              for (std::int32_t z = first(2); z <= last(2); ++z)
-                if (face.mayMeet({x, y, z}))
-                  out.push_back({{x, y, z}, static_cast<std::uint32_t>(i)});
-        }
-      });
-  pairs_ = joinedVectors<Pair>(locals);
-  tbb::parallel_sort(pairs_.begin(), pairs_.end());
-  for (std::size_t i = 0; i < pairs_.size(); ++i)
-    if (i == 0 || pairs_[i].node != pairs_[i - 1].node)
-      starts_.push_back(i);
-  starts_.push_back(pairs_.size());
+  const auto addNodes = [&](std::size_t i, std::vector<NodeFace>& out) {
+    const BoundaryFace& f = faces.faces[i];
+    const TouchedFace face(mesh.points[f.a], mesh.points[f.b], mesh.points[f.c]);
+    if (!face.passes())
+      return;
+    const auto first = [&](std::size_t k) { return nodeOf(face.first()[k]); };
+    const auto last = [&](std::size_t k) { return nodeOf(face.last()[k]); };
+    for (std::int32_t x = first(0); x <= last(0); ++x)
+      for (std::int32_t y = first(1); y <= last(1); ++y)
+        for (std::int32_t z = first(2); z <= last(2); ++z)
+          if (face.mayMeet({x, y, z}))
+            out.push_back({{x, y, z}, static_cast<std::uint32_t>(i)});
+  };
+  pairs_ = groupItems<NodeFace>(faces.faces.size(), 4096, addNodes, progress);
 }
 
 std::size_t RuledFaces::lowerBound(const NodeIndex& node) const {
-  const auto at = std::lower_bound(
-      starts_.begin(), starts_.end() - 1, node,
-      [&](std::size_t start, const NodeIndex& wanted) { return pairs_[start].node < wanted; });
-  return static_cast<std::size_t>(at - starts_.begin());
+  const auto at = std::lower_bound(pairs_.starts.begin(), pairs_.starts.end() - 1, node,
+                                   [&](std::size_t start, const NodeIndex& wanted) {
+                                     return pairs_.items[start].node < wanted;
+                                   });
+  return static_cast<std::size_t>(at - pairs_.starts.begin());
 }
 
 void RuledFaces::prepare(std::size_t at, std::vector<TouchedFace>& faces) const {
-  faces.reserve(starts_[at + 1] - starts_[at]);
-  for (std::size_t i = starts_[at]; i != starts_[at + 1]; ++i) {
-    const BoundaryFace& f = faces_.faces[pairs_[i].face];
+  const std::vector<std::size_t>& starts = pairs_.starts;
+  faces.reserve(starts[at + 1] - starts[at]);
+  for (std::size_t i = starts[at]; i != starts[at + 1]; ++i) {
+    const BoundaryFace& f = faces_.faces[pairs_.items[i].face];
     faces.emplace_back(mesh_.points[f.a], mesh_.points[f.b], mesh_.points[f.c]);
   }
 }

@@ -3,7 +3,9 @@
 // Changes voxels whose centre is inside to those whose cube meets the solid, or lies in it.
 #pragma once
 
+#include "tetvdb/core/GroupItems.h"
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/NodeIndex.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
 #include "tetvdb/voxelize/Slab.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -24,22 +26,16 @@ public:
   RuledFaces(const SnappedMesh& mesh, const Boundary& faces, Progress& progress);
 
   /// Nodes with faces, numbered by x, then y, then z.
-  std::size_t size() const { return starts_.size() - 1; }
-  const NodeIndex& node(std::size_t i) const { return pairs_[starts_[i]].node; }
+  std::size_t size() const { return pairs_.groupCount(); }
+  const NodeIndex& node(std::size_t i) const { return pairs_.firstOf(i).node; }
   /// The number of the first node that is not before `node`.
   std::size_t lowerBound(const NodeIndex& node) const;
   void prepare(std::size_t i, std::vector<TouchedFace>& faces) const;
 
 private:
-  struct Pair {
-    NodeIndex node;
-    std::uint32_t face;
-    bool operator<(const Pair& o) const { return node != o.node ? node < o.node : face < o.face; }
-  };
   const SnappedMesh& mesh_;
   const Boundary& faces_;
-  std::vector<Pair> pairs_;
-  std::vector<std::size_t> starts_; ///< of each node's faces in pairs_, and the end
+  GroupedItems<NodeFace> pairs_;
 };
 
 /// Hands on what it receives, with the voxels whose cubes a face passes through (TouchedFace.h)

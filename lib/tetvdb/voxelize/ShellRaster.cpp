@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/ShellRaster.h"
 
-#include "tetvdb/core/JoinedVectors.h"
+#include "tetvdb/core/GroupItems.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
@@ -13,8 +13,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-#include <tuple>
 #include <vector>
 
 namespace tetvdb {
@@ -217,32 +215,17 @@ private:
   const double radius_;
 };
 
-struct FaceInNode {
-  NodeIndex node;
-  std::uint32_t face;
-  bool operator<(const FaceInNode& o) const {
-    return std::tie(node, face) < std::tie(o.node, o.face);
-  }
-};
-
-std::vector<FaceInNode> binFaces(const Shell& shell, std::size_t count, Progress& progress) {
-  tbb::enumerable_thread_specific<std::vector<FaceInNode>> locals;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024), [&](const auto& range) {
-    progress.check();
-    std::vector<FaceInNode>& out = locals.local();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const VoxelRange box = shell.range(i);
-      NodeIndex node;
-      for (node[0] = nodeOf(box.min[0]); node[0] <= nodeOf(box.max[0]); ++node[0])
-        for (node[1] = nodeOf(box.min[1]); node[1] <= nodeOf(box.max[1]); ++node[1])
-          for (node[2] = nodeOf(box.min[2]); node[2] <= nodeOf(box.max[2]); ++node[2])
-            if (shell.nearNode(i, node))
-              out.push_back({node, static_cast<std::uint32_t>(i)});
-    }
-  });
-  auto all = joinedVectors<FaceInNode>(locals);
-  tbb::parallel_sort(all.begin(), all.end());
-  return all;
+GroupedItems<NodeFace> facesByNode(const Shell& shell, std::size_t count, Progress& progress) {
+  const auto addNodes = [&](std::size_t i, std::vector<NodeFace>& out) {
+    const VoxelRange box = shell.range(i);
+    NodeIndex node;
+    for (node[0] = nodeOf(box.min[0]); node[0] <= nodeOf(box.max[0]); ++node[0])
+      for (node[1] = nodeOf(box.min[1]); node[1] <= nodeOf(box.max[1]); ++node[1])
+        for (node[2] = nodeOf(box.min[2]); node[2] <= nodeOf(box.max[2]); ++node[2])
+          if (shell.nearNode(i, node))
+            out.push_back({node, static_cast<std::uint32_t>(i)});
+  };
+  return groupItems<NodeFace>(count, 1024, addNodes, progress);
 }
 
 bool anyBit(const SlabBits& bits) {
@@ -272,19 +255,15 @@ std::uint64_t estimateShellLeaves(const SnappedMesh& mesh, const Boundary& faces
 void rasterizeShell(const SnappedMesh& mesh, const Boundary& faces, const Vec3d& voxelSize,
                     double radius, NodeSink& sink, Progress& progress) {
   const Shell shell(mesh, faces, voxelSize, radius);
-  const std::vector<FaceInNode> pairs = binFaces(shell, faces.faces.size(), progress);
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (i == 0 || pairs[i].node != pairs[i - 1].node)
-      starts.push_back(i);
-  starts.push_back(pairs.size());
+  const GroupedItems<NodeFace> pairs = facesByNode(shell, faces.faces.size(), progress);
+  const std::vector<std::size_t>& starts = pairs.starts;
   tbb::enumerable_thread_specific<SlabBits> scratch;
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, starts.size() - 1, 1),
+      tbb::blocked_range<std::size_t>(0, pairs.groupCount(), 1),
       [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          const NodeIndex& index = pairs[starts[i]].node;
+          const NodeIndex& index = pairs.firstOf(i).node;
           std::unique_ptr<NodeSink::Node> node = sink.begin(index);
           const std::int64_t x0 = std::int64_t(index[0]) * kNodeSize,
                              y0 = std::int64_t(index[1]) * kNodeSize,
@@ -293,7 +272,7 @@ void rasterizeShell(const SnappedMesh& mesh, const Boundary& faces, const Vec3d&
           for (int s = 0; s < kSlabsPerNode; ++s) {
             std::memset(&bits, 0, sizeof bits);
             for (std::size_t p = starts[i]; p != starts[i + 1]; ++p)
-              shell.rasterize(pairs[p].face, x0 + s * kLeafSize, y0, z0, bits);
+              shell.rasterize(pairs.items[p].face, x0 + s * kLeafSize, y0, z0, bits);
             if (anyBit(bits))
               sink.slab(*node, s, bits, nullptr);
           }

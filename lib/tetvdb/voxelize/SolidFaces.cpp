@@ -74,7 +74,7 @@ SolidFaces solidFaces(const TriangleMesh& mesh, const SolidOptions& solid,
   SoupBoundary& boundary = result.boundary;
   if (fills || solid.side != ShellSide::Both) {
     timer.part("boundary");
-    boundary = soupBoundary(mesh.triangles, progress);
+    boundary = soupBoundary(mesh, progress);
     result.counts.openEdges = boundary.edges.size();
   }
   if (fills && result.rule == FillRule::Odd && boundary.oddEdges > 0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/voxelize/TrimFaces.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/BoxBlocks.h"
 #include "tetvdb/geometry/LatticePlane.h"
 #include "tetvdb/surface/FaceContacts.h"
@@ -44,19 +45,15 @@ TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRu
   }
   trimmed.complete = chain.complete;
   TrimCounts& counts = trimmed.counts;
-  for (const char met : chain.isMet)
-    counts.met += met != 0;
+  counts.met = countWhere(chain.isMet.size(), [&](std::size_t i) { return chain.isMet[i] != 0; });
   if (!trimmed.complete)
     return trimmed;
   counts.removed = welded.cancelled;
-  for (const FaceRest& rest : chain.rests) {
-    if (!rest.parts.empty()) {
-      ++counts.cut;
-      counts.pieces += rest.parts.size();
-    } else if (rest.fate == PartFate::Goes) {
-      ++counts.removed;
-    }
-  }
+  counts.removed += countWhere(chain.fates.size(),
+                               [&](std::size_t i) { return chain.fates[i] == PartFate::Goes; });
+  counts.cut = chain.parts.size();
+  for (const auto& [face, parts] : chain.parts)
+    counts.pieces += parts.size();
   trimmed.changed = counts.cut + counts.removed > 0;
   if (!trimmed.changed)
     return trimmed;
@@ -69,17 +66,18 @@ TrimmedFaces trimFaces(const SnappedMesh& mesh, const Boundary& boundary, FillRu
   for (const Vec3d& p : welded.points)
     add(p);
   for (std::size_t i = 0; i < welded.faces.size(); ++i) {
-    const FaceRest& rest = chain.rests[i];
-    for (const FacePart& part : rest.parts) {
+    const std::array<std::uint32_t, 3>& c = welded.faces[i].corners;
+    if (chain.stays(i))
+      trimmed.faces.faces.push_back({c[0], c[1], c[2], 1});
+    if (!chain.isCut(i))
+      continue;
+    for (const FacePart& part : chain.parts.at(static_cast<std::uint32_t>(i))) {
       const auto first = static_cast<std::uint32_t>(out.points.size());
       for (const Vec3d& p : part.outline)
         add(p);
       for (std::uint32_t k = 2; k < part.outline.size(); ++k)
         trimmed.faces.faces.push_back({first, first + k - 1, first + k, 1});
     }
-    const std::array<std::uint32_t, 3>& c = welded.faces[i].corners;
-    if (rest.parts.empty() && (rest.fate == PartFate::Stays || rest.fate == PartFate::StaysInverse))
-      trimmed.faces.faces.push_back({c[0], c[1], c[2], 1});
   }
   out.pointCount = out.points.size();
   out.points.push_back({0, 0, 0});

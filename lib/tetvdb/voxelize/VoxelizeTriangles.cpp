@@ -40,7 +40,7 @@ double reachOf(const TriangleMesh& mesh, const SolidOptions& solid) {
   if (solid.side == ShellSide::Outward)
     return solid.shell;
   Progress progress;
-  const bool closed = soupBoundary(mesh.triangles, progress).edges.empty();
+  const bool closed = soupBoundary(mesh, progress).edges.empty();
   return closed ? 0 : solid.shell * (1 + 1e-5); // so that both ends lie within the box
 }
 

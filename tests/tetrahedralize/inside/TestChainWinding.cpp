@@ -22,7 +22,7 @@ ChainWinding windingOf(const TriangleMesh& mesh) {
     faces.push_back(
         {at(mesh.triangles[i]), at(mesh.triangles[i + 1]), at(mesh.triangles[i + 2]), 1});
   std::vector<BoundaryEdge> boundary;
-  for (const IndexedBoundaryEdge& edge : soupBoundary(mesh.triangles, progress).edges)
+  for (const IndexedBoundaryEdge& edge : soupBoundary(mesh, progress).edges)
     boundary.push_back({at(edge.a), at(edge.b), edge.weight});
   return ChainWinding(std::move(faces), std::move(boundary));
 }

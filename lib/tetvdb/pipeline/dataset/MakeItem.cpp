@@ -108,7 +108,7 @@ private:
     progress_.stage("clean");
     cleanInput(mesh_, "", options_.clean, report_, progress_);
     result_.cleanFaces = mesh_.triangleCount();
-    result_.openEdges = soupBoundary(mesh_.triangles, progress_).edges.size();
+    result_.openEdges = soupBoundary(mesh_, progress_).edges.size();
   }
 
   // The surface of tets within a random epsilon.

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/soup/Landmarks.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/tetrahedralize/soup/TriangleTree.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tbb/parallel_sort.h>
 
 namespace tetvdb {
 namespace {
@@ -17,24 +20,15 @@ constexpr double kMaxIntervals = 500000;
 // r / cos(t / 2) from the edge: at 15 degrees less than a hundredth more than r.
 const double kFlat = -std::cos(15 * 3.14159265358979323846 / 180);
 
-struct EdgeOfFace {
-  Vec3d from, to, across; ///< across: the face's third point
-
-  bool operator<(const EdgeOfFace& other) const {
-    return from != other.from ? from < other.from
-           : to != other.to   ? to < other.to
-                              : across < other.across;
-  }
-};
-
-// Whether two faces at an edge are nearly coplanar, in either orientation.
-bool isFlat(const EdgeOfFace& one, const EdgeOfFace& other) {
-  const Vec3d edge = minus(one.to, one.from);
+// Whether two faces at an edge, with these third points, are nearly coplanar, in either
+// orientation.
+bool isFlat(const Vec3d& from, const Vec3d& to, const Vec3d& one, const Vec3d& other) {
+  const Vec3d edge = minus(to, from);
   const auto out = [&](const Vec3d& p) {
-    const Vec3d to = minus(p, one.from);
-    return minus(to, times(edge, dot(to, edge) / dot(edge, edge)));
+    const Vec3d way = minus(p, from);
+    return minus(way, times(edge, dot(way, edge) / dot(edge, edge)));
   };
-  const Vec3d u = out(one.across), v = out(other.across);
+  const Vec3d u = out(one), v = out(other);
   return dot(u, v) <= kFlat * length(u) * length(v);
 }
 
@@ -71,40 +65,64 @@ private:
   std::size_t last_ = 0;
 };
 
-std::vector<Box> landmarksOf(const Envelope& surface, double radius, std::vector<Vec3d> points) {
-  std::vector<EdgeOfFace> edges;
-  for (const Landmarks::Face& face : surface.faces())
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d &a = face[k], &b = face[(k + 1) % 3];
-      points.push_back(a);
-      if (a != b)
-        edges.push_back({std::min(a, b), std::max(a, b), face[(k + 2) % 3]});
+// Edges that are not nearly flat, in the order of the table.
+std::vector<std::uint32_t> sharpEdges(const EdgeTable& table, const std::vector<Vec3d>& points) {
+  std::vector<std::uint8_t> isSharp(table.edgeCount());
+  forEachIndex(table.edgeCount(), [&](std::size_t i) {
+    const auto edge = static_cast<std::uint32_t>(i);
+    const EdgeTable::Sides sides = table.sides(edge);
+    if (sides.size() == 2) {
+      const std::uint32_t a = table.opposite(sides[0]), b = table.opposite(sides[1]);
+      isSharp[i] = !isFlat(points[table.lowPoint(edge)], points[table.highPoint(edge)],
+                           points[std::min(a, b)], points[std::max(a, b)]);
+    } else {
+      isSharp[i] = 1;
     }
-  std::sort(points.begin(), points.end());
+  });
+  std::vector<std::uint32_t> sharp;
+  for (std::uint32_t edge = 0; edge < table.edgeCount(); ++edge)
+    if (isSharp[edge])
+      sharp.push_back(edge);
+  return sharp;
+}
+
+// `points`: more landmarks.
+std::vector<Box> landmarksOf(const Envelope& surface, double radius, std::vector<Vec3d> points) {
+  const std::vector<Landmarks::Face> faces = surface.faces();
+  points.reserve(points.size() + 3 * faces.size());
+  for (const Landmarks::Face& face : faces)
+    points.insert(points.end(), face.begin(), face.end());
+  tbb::parallel_sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
-  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint32_t> corners(3 * faces.size());
+  forEachIndex(corners.size(), [&](std::size_t i) {
+    corners[i] = static_cast<std::uint32_t>(
+        std::lower_bound(points.begin(), points.end(), faces[i / 3][i % 3]) - points.begin());
+  });
+  const EdgeTable table(corners, points.size());
+  const std::vector<std::uint32_t> sharp = sharpEdges(table, points);
+  const auto fromOf = [&](std::size_t i) { return points[table.lowPoint(sharp[i])]; };
+  const auto alongOf = [&](std::size_t i) {
+    return minus(points[table.highPoint(sharp[i])], fromOf(i));
+  };
   double total = 0;
-  std::size_t count = 0; // of edges that are not flat, one record each
-  for (std::size_t i = 0, next; i < edges.size(); i = next) {
-    for (next = i + 1;
-         next < edges.size() && edges[next].from == edges[i].from && edges[next].to == edges[i].to;)
-      ++next;
-    if (next - i == 2 && isFlat(edges[i], edges[i + 1]))
-      continue;
-    total += length(minus(edges[i].to, edges[i].from));
-    edges[count++] = edges[i];
-  }
+  for (std::size_t i = 0; i < sharp.size(); ++i)
+    total += length(alongOf(i));
   const double spacing = std::max(radius, total / kMaxIntervals);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3d from = edges[i].from, edge = minus(edges[i].to, from);
-    const double intervals = std::ceil(length(edge) / spacing);
-    for (double k = 1; k < intervals; ++k)
-      points.push_back(plus(from, times(edge, k / intervals)));
-  }
-  std::vector<Box> boxes;
-  boxes.reserve(points.size());
-  for (const Vec3d& p : points)
-    boxes.push_back({p, p});
+  std::vector<std::size_t> starts(sharp.size() + 1, points.size()); // of an edge's landmarks
+  for (std::size_t i = 0; i < sharp.size(); ++i)
+    starts[i + 1] =
+        starts[i] + static_cast<std::size_t>(std::ceil(length(alongOf(i)) / spacing)) - 1;
+  std::vector<Box> boxes(starts.back());
+  forEachIndex(points.size(), [&](std::size_t i) { boxes[i] = {points[i], points[i]}; });
+  forEachIndex(sharp.size(), [&](std::size_t i) {
+    const Vec3d from = fromOf(i), along = alongOf(i);
+    const auto intervals = static_cast<double>(starts[i + 1] - starts[i] + 1);
+    for (std::size_t k = starts[i]; k < starts[i + 1]; ++k) {
+      const Vec3d p = plus(from, times(along, static_cast<double>(k - starts[i] + 1) / intervals));
+      boxes[k] = {p, p};
+    }
+  });
   return boxes;
 }
 

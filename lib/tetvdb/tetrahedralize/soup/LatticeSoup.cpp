@@ -2,11 +2,11 @@
 #include "tetvdb/tetrahedralize/soup/LatticeSoup.h"
 
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/WeldPoints.h"
 
 #include <algorithm>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 namespace tetvdb {
@@ -58,15 +58,15 @@ std::vector<std::uint8_t> keptFaces(const LatticeSoup& soup) {
 } // namespace
 
 std::vector<std::array<std::uint32_t, 2>> openEdges(const LatticeSoup& soup) {
-  std::unordered_map<std::uint64_t, int> count;
-  for (const Face& face : soup.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      ++count[edgeKey(face[i], face[(i + 1) % 3])];
+  if (soup.faces.empty())
+    return {};
+  const EdgeTable table(soup.faces.front().data(), soup.faces.size(), soup.points.size());
   std::vector<std::array<std::uint32_t, 2>> open;
-  for (const Face& face : soup.faces)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (count[edgeKey(face[i], face[(i + 1) % 3])] == 1)
-        open.push_back({face[i], face[(i + 1) % 3]});
+  for (std::uint32_t side = 0; side < 3 * soup.faces.size(); ++side) {
+    const Face& face = soup.faces[EdgeTable::faceOf(side)];
+    if (table.sides(table.edgeOf(side)).size() == 1)
+      open.push_back({face[side % 3], face[(side + 1) % 3]});
+  }
   return open;
 }
 

@@ -35,8 +35,7 @@ std::vector<std::array<std::uint32_t, 2>> openEdges(const LatticeSoup& soup);
 /// the same three points pairs of opposite orientation are dropped, and one of the others stays.
 /// Faces keep the inputs' order.
 ///   Faces that should be coplanar are off by about a grain, which has to be well below the
-///   tolerance
-/// of insertion.
+/// tolerance of insertion.
 LatticeSoup latticeSoup(const std::vector<TriangleMesh>& inputs, const WorkingLattice& lattice,
                         double grain, Progress& progress);
 

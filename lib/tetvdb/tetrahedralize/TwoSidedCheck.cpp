@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/TriangleScene.h"
@@ -76,8 +77,9 @@ std::vector<ChainWinding::Face> facesOf(const TriangleMesh& mesh, std::size_t co
   const auto at = [&](std::size_t corner) {
     return latticePoint(lattice, mesh.points[mesh.triangles[corner]]);
   };
-  for (std::size_t i = 0; i < count; ++i)
+  forEachIndex(count, [&](std::size_t i) {
     faces[i] = {at(3 * i), at(3 * i + 1), at(3 * i + 2), 1};
+  });
   return faces;
 }
 
@@ -100,10 +102,9 @@ InputWindings::InputWindings(const std::vector<TriangleMesh>& inputs, const Work
 
 std::vector<double> InputWindings::at(std::size_t input, const Points& points,
                                       Progress& progress) const {
-  std::vector<LatticePoint> places;
-  places.reserve(points.size());
-  for (const Vec3d& p : points)
-    places.push_back(latticePoint(lattice_, p));
+  std::vector<LatticePoint> places(points.size());
+  forEachIndex(points.size(),
+               [&](std::size_t i) { places[i] = latticePoint(lattice_, points[i]); });
   return windings_[input]->at(places, progress);
 }
 
@@ -204,9 +205,9 @@ std::vector<double> distances(const TriangleScene& scene, const std::vector<Surf
 std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSample> samples,
                                 const InputWindings& windings, std::size_t inputCount,
                                 Boolean boolean, double epsilon, Progress& progress) {
-  Points sides;
-  sides.reserve(2 * samples.size());
-  for (const SurfaceSample& sample : samples) {
+  Points sides(2 * samples.size());
+  forEachIndex(samples.size(), [&](std::size_t i) {
+    const SurfaceSample& sample = samples[i];
     const std::uint32_t* corners = mesh.triangles.data() + std::size_t(3) * sample.triangle;
     const Vec3d &a = mesh.points[corners[0]], &b = mesh.points[corners[1]],
                 &c = mesh.points[corners[2]];
@@ -215,9 +216,9 @@ std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSam
     const Vec3d inward = minus(times(plus(plus(a, b), c), 1.0 / 3), sample.at);
     const double share = kFromEdge * epsilon / std::max(length(inward), kFromEdge * epsilon);
     const Vec3d from = plus(sample.at, times(inward, share));
-    sides.push_back(plus(from, off));
-    sides.push_back(minus(from, off));
-  }
+    sides[2 * i] = plus(from, off);
+    sides[2 * i + 1] = minus(from, off);
+  });
   const std::vector<InputWindings::Place> places = windings.placesOf(sides, progress);
   std::size_t count = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -233,12 +234,12 @@ std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSam
 void checkVolume(const RegionSurface& surface, const InputWindings& windings,
                  const WorkingLattice& lattice, const Box& box, std::size_t inputCount,
                  Boolean boolean, Progress& progress, LostSurface& found) {
-  Points points;
-  std::vector<LatticePoint> onLattice;
-  for (std::size_t i = 0; i < kPointsInBox; ++i) {
-    points.push_back(pointInBox(box, i));
-    onLattice.push_back(latticePoint(lattice, points.back()));
-  }
+  Points points(kPointsInBox);
+  std::vector<LatticePoint> onLattice(kPointsInBox);
+  forEachIndex(kPointsInBox, [&](std::size_t i) {
+    points[i] = pointInBox(box, i);
+    onLattice[i] = latticePoint(lattice, points[i]);
+  });
   const std::vector<InputWindings::Place> places = windings.placesOf(points, progress);
   const ChainWinding tets(facesOf(surface.mesh, surface.outerFaces, lattice), {});
   const std::vector<double> covered = tets.at(onLattice, progress);

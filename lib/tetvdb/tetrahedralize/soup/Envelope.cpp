@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/tetrahedralize/soup/Envelope.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/tetrahedralize/soup/InputSheets.h"
 #include "tetvdb/tetrahedralize/soup/TriangleTree.h"
@@ -295,12 +296,11 @@ bool Envelope::empty() const {
 }
 
 std::vector<std::array<Vec3d, 3>> Envelope::faces() const {
-  std::vector<std::array<Vec3d, 3>> faces;
-  faces.reserve(impl_->tree.size());
-  for (std::uint32_t i = 0; i < impl_->tree.size(); ++i) {
-    const NearTriangle& triangle = impl_->tree.triangle(i);
-    faces.push_back({triangle.a, plus(triangle.a, triangle.ab), plus(triangle.a, triangle.ac)});
-  }
+  std::vector<std::array<Vec3d, 3>> faces(impl_->tree.size());
+  forEachIndex(faces.size(), [&](std::size_t i) {
+    const NearTriangle& triangle = impl_->tree.triangle(static_cast<std::uint32_t>(i));
+    faces[i] = {triangle.a, plus(triangle.a, triangle.ab), plus(triangle.a, triangle.ac)};
+  });
   return faces;
 }
 

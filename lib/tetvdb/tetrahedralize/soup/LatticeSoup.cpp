@@ -6,6 +6,7 @@
 #include "tetvdb/surface/WeldPoints.h"
 
 #include <algorithm>
+#include <tbb/parallel_sort.h>
 #include <tuple>
 #include <utility>
 
@@ -38,8 +39,8 @@ std::vector<std::uint8_t> keptFaces(const LatticeSoup& soup) {
                        static_cast<std::uint32_t>(f), even});
   }
   const auto order = [](const Entry& e) { return std::tie(e.key, e.input, e.face); };
-  std::sort(entries.begin(), entries.end(),
-            [&](const Entry& a, const Entry& b) { return order(a) < order(b); });
+  tbb::parallel_sort(entries.begin(), entries.end(),
+                     [&](const Entry& a, const Entry& b) { return order(a) < order(b); });
   for (std::size_t i = 0, end; i < entries.size(); i = end) {
     int surplus = 0;
     for (end = i; end < entries.size() && entries[end].key == entries[i].key &&

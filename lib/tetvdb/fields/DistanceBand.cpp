@@ -60,19 +60,19 @@ public:
   TETVDB_INLINE void add(const LeafFace& face) {
     constexpr int kAtOnceAlong = kBlocksAlong * kBlocksAlong / kBlocksAtOnce;
     for (int i = face.x0 / kBlock * kAtOnceAlong; i < (face.x1 / kBlock + 1) * kAtOnceAlong; ++i) {
-      const Floats x = Floats{} + (static_cast<float>(i / kAtOnceAlong * kBlock) - 3);
+      const int first = i / kAtOnceAlong * kBlock;
+      const Floats x = Floats{} + (static_cast<float>(first) - 3);
       const Floats y = kBlockY + static_cast<float>(i % kAtOnceAlong * 4 - 2);
-      const unsigned lower =
-          bitsOf(lowerBound(face, x, y) <= *vectorAt(largest_, static_cast<std::size_t>(i)));
+      const unsigned lower = bitsOf(lowerBound(face, x, y) <= *vectorAt(largest_, i));
       changed_ |= static_cast<std::uint64_t>(lower) << i * kBlocksAtOnce;
-      for (int first = 0; first < kBlocksAtOnce; first += kBlocksAlong) {
-        unsigned blocks = lower >> first & ((1u << kBlocksAlong) - 1);
+      for (int half = 0; half < kBlocksAtOnce; half += kBlocksAlong) {
+        unsigned blocks = lower >> half & ((1u << kBlocksAlong) - 1);
         if (blocks == 0)
           continue;
-        const FaceRow<Floats> row = rowAt(face, x + kVoxelX, y[first] + kVoxelY);
+        const FaceRow<Floats> row = rowAt(face, x + kVoxelX, y[half] + kVoxelY);
         for (; blocks != 0; blocks &= blocks - 1) {
-          const int block = first + __builtin_ctz(blocks);
-          Floats* min = vectorAt(squared_, static_cast<std::size_t>(i * kBlocksAtOnce + block));
+          const int block = half + __builtin_ctz(blocks);
+          Floats* min = vectorAt(squared_, i * kBlocksAtOnce + block);
           *min = smallerOf(*min, squaredDistance(face, row, kBlockZ[block] + kVoxelZ));
         }
       }
@@ -82,7 +82,7 @@ public:
   /// Makes lower bounds exclude what the distances so far do.
   TETVDB_INLINE void tighten() {
     for (; changed_ != 0; changed_ &= changed_ - 1) {
-      const auto block = static_cast<std::size_t>(__builtin_ctzll(changed_));
+      const int block = __builtin_ctzll(changed_);
       largest_[block] = smallerOf(largest_[block], largestOf(*vectorAt(squared_, block)));
     }
   }
@@ -99,9 +99,7 @@ public:
   }
 
 private:
-  static Floats* vectorAt(float* values, std::size_t i) {
-    return reinterpret_cast<Floats*>(values) + i;
-  }
+  static Floats* vectorAt(float* values, int i) { return reinterpret_cast<Floats*>(values) + i; }
 
   // Of the squared distances in eight blocks with these centres.
   TETVDB_INLINE Floats lowerBound(const LeafFace& face, Floats x, Floats y) const {

@@ -243,6 +243,7 @@ openvdb::FloatGrid::Ptr CoverageParts::grid(const NodeBox& box, Progress& progre
         stacks.push_back(static_cast<std::size_t>(at - all.starts.begin()));
   }
   std::vector<StackState*> states;
+  states.reserve(stacks.size());
   for (const std::size_t stack : stacks)
     states.push_back(&all.states[stack]);
   std::vector<std::vector<SlabPart>> found(stacks.size());

@@ -62,9 +62,9 @@ TETVDB_HD inline LatticePoint centreOf(const std::int64_t* first, std::int64_t s
 
 /// From the centre of the smallest cubes to voxel (x * 4 + y) * 4 + z of one.
 TETVDB_HD inline Vec3d voxelOffset(std::size_t i) {
-  return {(static_cast<double>(i / 16) - 1.5) * kVoxel,
-          (static_cast<double>(i / 4 % 4) - 1.5) * kVoxel,
-          (static_cast<double>(i % 4) - 1.5) * kVoxel};
+  const std::size_t x = i / 16, y = i / 4 % 4, z = i % 4;
+  return {(static_cast<double>(x) - 1.5) * kVoxel, (static_cast<double>(y) - 1.5) * kVoxel,
+          (static_cast<double>(z) - 1.5) * kVoxel};
 }
 
 /// From the centre of a cube to the farthest point of the columns that it represents: up to the

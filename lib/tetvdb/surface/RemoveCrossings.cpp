@@ -128,6 +128,7 @@ public:
   // Adds an edge through corners at the given distances from its first point.
   void add(const Edge& edge, const std::map<std::uint32_t, double>& between, int count = 1) {
     std::vector<std::pair<double, std::uint32_t>> ordered;
+    ordered.reserve(between.size() + 1);
     for (const auto& [v, along] : between)
       ordered.emplace_back(along, v);
     std::sort(ordered.begin(), ordered.end());
@@ -207,6 +208,7 @@ private:
   static std::vector<Box> boxesOf(const PartPoints& points,
                                   const std::set<std::uint32_t>& corners) {
     std::vector<Box> boxes;
+    boxes.reserve(corners.size());
     for (const std::uint32_t v : corners)
       boxes.push_back(Box{points.lattice(v), points.lattice(v)});
     return boxes;

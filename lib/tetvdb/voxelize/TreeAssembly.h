@@ -97,6 +97,7 @@ public:
     runs_.clear();
 
     std::vector<std::pair<openvdb::Coord, const UpperParts*>> list;
+    list.reserve(uppers.size());
     for (const auto& [key, parts] : uppers)
       list.emplace_back(openvdb::Coord(std::get<0>(key) * kRootChildSize,
                                        std::get<1>(key) * kRootChildSize,

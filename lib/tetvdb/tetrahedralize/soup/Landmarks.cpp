@@ -25,8 +25,8 @@ const double kFlat = -std::cos(15 * 3.14159265358979323846 / 180);
 bool isFlat(const Vec3d& from, const Vec3d& to, const Vec3d& one, const Vec3d& other) {
   const Vec3d edge = minus(to, from);
   const auto out = [&](const Vec3d& p) {
-    const Vec3d way = minus(p, from);
-    return minus(way, times(edge, dot(way, edge) / dot(edge, edge)));
+    const Vec3d offset = minus(p, from);
+    return minus(offset, times(edge, dot(offset, edge) / dot(edge, edge)));
   };
   const Vec3d u = out(one), v = out(other);
   return dot(u, v) <= kFlat * length(u) * length(v);

@@ -24,8 +24,8 @@ public:
   using Face = std::array<Vec3d, 3>;
 
   /// Landmarks of the envelope's faces, and `more`. Along edges one every `radius`, or half a
-  /// million evenly where there would be more. n log n in faces and landmarks, about a second for a
-  /// million.
+  /// million evenly where there would be more. Parallel, n log n in faces and landmarks, about a
+  /// second for a million on one thread.
   Landmarks(const Envelope& surface, double radius, const std::vector<Vec3d>& more = {});
 
   std::size_t size() const { return points_.size(); }

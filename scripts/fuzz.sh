@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 
 seconds=${1:-60}
 shift || true
-cmake --preset fuzz >/dev/null
+cmake --preset fuzz -DCMAKE_UNITY_BUILD=ON >/dev/null
 cmake --build --preset fuzz --target fuzz_targets
 
 # A target that is named FuzzGmsh takes its seeds from files that it can read; others are harmless.

@@ -3,7 +3,7 @@
 
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
+#include <sstream>
 #include <string>
 
 namespace tetvdb::test {
@@ -11,7 +11,9 @@ namespace tetvdb::test {
 inline std::string fileBytes(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   EXPECT_TRUE(in) << path;
-  return {std::istreambuf_iterator<char>(in), {}};
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  return bytes.str();
 }
 
 } // namespace tetvdb::test

@@ -19,6 +19,7 @@ import unittest
 PROGRAM = os.environ["TETVDB_PROGRAM"]
 DATA = pathlib.Path(os.environ["TETVDB_TEST_DATA"])
 SANITIZED = os.environ.get("TETVDB_SANITIZED", "") not in ("", "0")
+SCALE = int(os.environ.get("TETVDB_TEST_SCALE", "1"))  # scripts/weekly.sh: 4
 
 
 class Result:

@@ -17,7 +17,7 @@ import unittest
 import zlib
 from pathlib import Path
 
-from program import PROGRAM, SANITIZED, ball, box_faces, write_obj
+from program import PROGRAM, ball, box_faces, write_obj
 
 try:
     import numpy as np
@@ -444,19 +444,15 @@ class Dataset(unittest.TestCase):
         keys = {n.split(".")[0] for n in names}
         self.assertEqual(keys, {r["name"] for r in rows(whole / "success.csv")})
         self.assertTrue(all(k + ".json" in names and k + ".npz" in names for k in keys))
-        for count in (2, 5):
-            out = self.folder / ("of%d" % count)
-            shards = list(range(count))
-            random.Random(count).shuffle(shards)
-            for shard in shards:
-                self.succeed(self.models, "-o", out, *arguments, "--shard", "%d/%d" % (shard, count),
-                             "--workers", 1)
-            self.assertFalse((out / "success.csv").exists())
-            self.succeed(self.models, "-o", out, *arguments, "--join")
-            self.assertEqual(content(out), expected)
-            plain = lambda f: [(r["name"], r.get("file_hash"), r.get("error")) for r in rows(f)]
-            for table in ("success.csv", "failed.csv"):
-                self.assertEqual(plain(out / table), plain(whole / table))
+        out = self.folder / "of3"
+        for shard in (2, 0, 1):
+            self.succeed(self.models, "-o", out, *arguments, "--shard", "%d/3" % shard, "--workers", 1)
+        self.assertFalse((out / "success.csv").exists())
+        self.succeed(self.models, "-o", out, *arguments, "--join")
+        self.assertEqual(content(out), expected)
+        plain = lambda f: [(r["name"], r.get("file_hash"), r.get("error")) for r in rows(f)]
+        for table in ("success.csv", "failed.csv"):
+            self.assertEqual(plain(out / table), plain(whole / table))
 
     def test_join_names_what_is_missing(self):
         self.many()
@@ -490,7 +486,7 @@ class Dataset(unittest.TestCase):
         expected = content(whole)
         rng = random.Random(3)
         # TETVDB_KILLS=20 looks at more moments.
-        for attempt in range(int(os.environ.get("TETVDB_KILLS", 3 if SANITIZED else 6))):
+        for attempt in range(int(os.environ.get("TETVDB_KILLS", 3))):
             out = self.folder / ("killed%d" % attempt)
             for _ in range(3):
                 more = ["--resume"] if out.exists() else []

@@ -170,7 +170,7 @@ class Streams(CommandLineTest):
 
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_convert(self):
-        options = ("ball.off", "--voxel-size", "3", "--grid", "density,mask,surface")
+        options = ("ball.off", "--voxel-size", "3", "--grid", "mask,surface")
         for name in ("a.vdb", "a.nvdb"):
             self.succeed("voxelize", *options, "-o", name)
         self.succeed("compare", "a.vdb", "a.nvdb")
@@ -282,10 +282,10 @@ class ValuesStream(CommandLineTest):
         self.expect_same("open.off", "surface", parts=2)
 
     def test_a_whole_box(self):
-        points, faces = ball(60, 20, (30, -20, 4096))
+        points, faces = ball(30, 12, (30, -20, 4096))
         self.write("closed.off", off(points, faces))
-        self.write("open.off", off(points, faces[80:]))
-        self.write("short.msh", tet_bar(6, 30))
+        self.write("open.off", off(points, faces[48:]))
+        self.write("short.msh", tet_bar(5, 20))
         for source, grids in (("closed.off", ("surface",)), ("open.off", ("surface", "density")),
                               ("short.msh", ("tet_id", "coverage", "surface"))):
             self.expect_same(source, *grids, parts=2, more=("--half-width", "all"))
@@ -312,8 +312,7 @@ class ValuesStream(CommandLineTest):
         options = ("ball.off", "--voxel-size", "0.5", "--grid", "surface")
         trees = self.report_of("voxelize", *options, "-o", "trees.vdb")
         self.assertNotIn("stream", parts_of(trees))
-        for limit in ("120M", "200M"):  # trees take 700 MB
-            self.expect_streamed(limit, "trees.vdb", *options)
+        self.expect_streamed("120M", "trees.vdb", *options)  # trees take 700 MB
 
     def test_a_full_disk_leaves_nothing(self):
         before = sorted(os.listdir(self.folder))
@@ -375,7 +374,7 @@ class Shards(CommandLineTest):
         return ["part.%d-of-%d.vdb" % (i, count) for i in range(count)]
 
     def test_any_number_in_any_order(self):
-        for count in (2, 3, 7, 16):
+        for count in (3, 16):
             order = list(range(count))
             random.Random(count).shuffle(order)
             for i in order:
@@ -389,7 +388,7 @@ class Shards(CommandLineTest):
         levels = ("--lod", "1:12")
         self.succeed("voxelize", "rod.off", "-o", "one.vdb", *self.OPTIONS, *levels)
         one = self.path("one.vdb").read_bytes()
-        for count in (1, 2, 3, 7):
+        for count in (1, 7):
             order = list(range(count))
             random.Random(count).shuffle(order)
             for i in order:

@@ -197,10 +197,10 @@ class PrepareTest(program.CommandLineTest):
         self.assertLess(thin["volume"], mixed["volume"])
         self.assertLess(mixed["volume"], thick["volume"])
         # In slabs of whole cells, about linear from the thin one at x = 0 to the thick one at 20.
+        meshes = [self.solid(name) for name in ("thin.stl", "mixed.stl", "thick.stl")]
         shares = []
         for low in (0, 15):
-            volumes = [volume_before(mesh, low + 5) - volume_before(mesh, low)
-                       for mesh in map(self.solid, ("thin.stl", "mixed.stl", "thick.stl"))]
+            volumes = [volume_before(mesh, low + 5) - volume_before(mesh, low) for mesh in meshes]
             shares.append((volumes[1] - volumes[0]) / (volumes[2] - volumes[0]))
         self.assertLess(abs(shares[0] - 0.15), 0.08)  # of 1 to 5
         self.assertLess(abs(shares[1] - 0.85), 0.08)

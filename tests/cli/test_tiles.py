@@ -122,9 +122,9 @@ class Tiles(Volumes):
 
     def test_every_size(self):
         self.write("rod.off", off(*rod(6000, 12)))
-        for grids in ("mask,density", "surface,coverage"):
+        for grids, sizes in (("mask,density", SIZES), ("surface,coverage", (1024,))):
             self.succeed("voxelize", "rod.off", "-o", "rod.vdb", *self.OPTIONS, "--grid", grids)
-            for size in SIZES:
+            for size in sizes:
                 self.succeed("voxelize", "rod.off", "--tiles", "made", "--tile-size", size, *self.OPTIONS,
                              "--grid", grids)
                 parts = self.check_index("made", "rod.vdb", size)
@@ -283,13 +283,12 @@ class Tiles(Volumes):
     @unittest.skipIf(SANITIZED, "shadow memory counts")
     def test_a_limit_streams(self):
         self.write("ball.off", off(*ball(60, 400, (100, -200, 300))))
-        for grids, more in (("surface,coverage", ()), ("coverage,fog", ("--lod", "2:5"))):
-            for size in (512, 4096):
-                options = ("ball.off", *self.OPTIONS, "--grid", grids, "--tile-size", size, *more)
-                trees = self.report_of("voxelize", *options, "--tiles", "trees")
-                self.assertNotIn("stream", parts_of(trees))
-                # Trees take 400 MB.
-                self.expect_within("160M" if more else "140M", self.contents("trees"), *options)
+        for grids, size, more in (("surface,coverage", 512, ()), ("coverage,fog", 4096, ("--lod", "2:5"))):
+            options = ("ball.off", *self.OPTIONS, "--grid", grids, "--tile-size", size, *more)
+            trees = self.report_of("voxelize", *options, "--tiles", "trees")
+            self.assertNotIn("stream", parts_of(trees))
+            # Trees take 400 MB.
+            self.expect_within("160M" if more else "140M", self.contents("trees"), *options)
 
     def test_a_limit_streams_arrays(self):
         points, tets = lattice(10, origin=(-100.0, -200.0, 400.0), side=400.0)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Error.h"
@@ -9,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <set>
 #include <string>
 #include <unistd.h>
@@ -19,11 +19,6 @@ namespace tetvdb {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string contentOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::vector<std::string> namesIn(const fs::path& folder) {
   std::vector<std::string> names;
@@ -46,7 +41,7 @@ TEST(AtomicFile, IsAbsentUntilItIsCommitted) {
   file.write("hello", 5);
   file.writeAt(1, "a", 1);
   file.commit();
-  EXPECT_EQ(contentOf(path), "hallo");
+  EXPECT_EQ(test::fileBytes(path), "hallo");
   EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"a.txt"});
 }
 
@@ -57,9 +52,9 @@ TEST(AtomicFile, KeepsTheOldFileUntilItIsCommitted) {
   {
     AtomicFile file(path);
     file.write("new", 3);
-    EXPECT_EQ(contentOf(path), "old");
+    EXPECT_EQ(test::fileBytes(path), "old");
   }
-  EXPECT_EQ(contentOf(path), "old");
+  EXPECT_EQ(test::fileBytes(path), "old");
 }
 
 TEST(TemporaryFile, NamesAreNeverTheSame) {
@@ -86,7 +81,7 @@ TEST(TemporaryFile, HasNoNameUntilItGetsOne) {
   EXPECT_FALSE(nameFile(file, folder / "no", "a.txt", path));
   ASSERT_TRUE(nameFile(file, folder.path().string(), "a.txt", path)) << errno;
   ::close(file);
-  EXPECT_EQ(contentOf(path), "hello");
+  EXPECT_EQ(test::fileBytes(path), "hello");
   EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{fs::path(path).filename().string()});
 }
 
@@ -97,9 +92,9 @@ TEST(AtomicFile, TwoWritersOfOneFileDoNotMixTheirBytes) {
   first.write("first", 5);
   second.write("second", 6);
   first.commit();
-  EXPECT_EQ(contentOf(path), "first");
+  EXPECT_EQ(test::fileBytes(path), "first");
   second.commit();
-  EXPECT_EQ(contentOf(path), "second");
+  EXPECT_EQ(test::fileBytes(path), "second");
 }
 
 TEST(AtomicFile, LargeFilesArriveWhole) {
@@ -111,7 +106,7 @@ TEST(AtomicFile, LargeFilesArriveWhole) {
   for (std::size_t at = 0; at < bytes.size(); at += 777777)
     file.write(bytes.data() + at, std::min<std::size_t>(777777, bytes.size() - at));
   file.commit();
-  EXPECT_EQ(contentOf(folder / "a.bin"), bytes);
+  EXPECT_EQ(test::fileBytes(folder / "a.bin"), bytes);
 }
 
 TEST(AtomicFile, FoldersAreRefused) {

@@ -51,7 +51,7 @@ UNDECIDED = 1e-4  # winding numbers this near to 0.5 are not judged
 ROUGH = 0.02  # the same where the program says that it only looked roughly (warning rough-winding)
 TOUCHING = 1e-5  # voxels: centres this near to a face are judged on the lattice
 LATTICE = 2.0 ** 20
-LARGE = 400000  # bytes: of files from here on one in four is judged, by their names, and all by SCALE 4
+LARGE = 150000  # bytes: of files from here on one in four is judged, by their names, and all by SCALE 4
 
 # Right to be refused without --shell, by what they look like.
 WITHOUT_INSIDE = {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// One libFuzzer program a format: CMake compiles this file for each with TETVDB_FUZZ_FORMAT, the
-// format's name in the enumeration FileFormat. The reader is that of the table of formats; the
-// bytes are all that it gets, since a file of that name does not exist.
+// What the libFuzzer programs of all formats do with their input. The reader is that of the table of
+// formats; the bytes are all that it gets, since a file of that name does not exist.
+#include "FuzzFormat.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshReader.h"
@@ -22,23 +22,21 @@
 namespace tetvdb {
 namespace {
 
-constexpr FileFormat kFormat = FileFormat::TETVDB_FUZZ_FORMAT;
-
 /// What the target works on in place of the reader of the table, where the bytes of a file would
 /// hide from the fuzzer what matters. Whether it did.
 bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progress) {
-  if (kFormat == FileFormat::TetGen) { // the two files in one input, parted by a '|'
+  if (kFuzzedFormat == FileFormat::TetGen) { // the two files in one input, parted by a '|'
     const std::size_t bar = std::min(bytes.find('|'), bytes.size());
     const Source node{bytes.substr(0, bar), "fuzz.node"};
     const Source ele{bytes.substr(std::min(bar + 1, bytes.size())), "fuzz.ele"};
     splitCells(readTetGenPair(node, ele, {}, report, progress), {}, report, progress);
     return true;
   }
-  if (kFormat == FileFormat::Ensight && sniffFormat(bytes, "fuzz.geo") != kFormat) {
+  if (kFuzzedFormat == FileFormat::Ensight && sniffFormat(bytes, "fuzz.geo") != kFuzzedFormat) {
     splitCells(ensight::readGeometry({bytes, "fuzz.geo"}, {}, progress), {}, report, progress);
     return true;
   }
-  if (kFormat == FileFormat::ThreeMf && bytes.substr(0, 1) != "P") { // a model without its archive
+  if (kFuzzedFormat == FileFormat::ThreeMf && bytes.substr(0, 1) != "P") { // a model without its archive
     parseThreeMfModel(bytes, "fuzz", progress);
     return true;
   }
@@ -47,7 +45,7 @@ bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progres
 
 void readFile(std::string_view bytes) {
   const Source source{bytes, "/nonexistent/folder/fuzz"};
-  const Format& format = formatOf(kFormat);
+  const Format& format = formatOf(kFuzzedFormat);
   Report report;
   Progress progress;
   if (readInsteadOfFile(bytes, report, progress))

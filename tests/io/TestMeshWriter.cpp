@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "io/MeshSamples.h"
 #include "tetvdb/io/MeshWriter.h"
 
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <random>
 #include <unistd.h>
@@ -89,8 +88,7 @@ TEST(MeshWriter, GmshHasABlockARegion) {
       testing::TempDir() + "tetvdb_" + std::to_string(::getpid()) + "_blocks.msh";
   Progress progress;
   writeTetMesh(path, sample(), progress);
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = test::fileBytes(path);
   const std::size_t at = text.find("$Elements\n") + 10;
   std::uint64_t numbers[4];
   ASSERT_LE(at + sizeof numbers, text.size());

@@ -50,13 +50,15 @@ T valueOf(int i) {
 // Voxels about corners of nodes and root children, tiles of every level, active and not.
 template <class GridT>
 typename GridT::Ptr anything(const char* name, const typename GridT::ValueType& background,
-                             unsigned seed) {
+                             unsigned seed, bool rootTiles = true) {
   using T = typename GridT::ValueType;
   auto grid = named<GridT>(name, background);
   std::mt19937 random(seed);
   auto& tree = grid->tree();
-  tree.addTile(3, Coord(4096, -4096, 8192), valueOf<T>(5), true);
-  tree.addTile(3, Coord(-8192, 0, 0), valueOf<T>(6), false);
+  if (rootTiles) {
+    tree.addTile(3, Coord(4096, -4096, 8192), valueOf<T>(5), true);
+    tree.addTile(3, Coord(-8192, 0, 0), valueOf<T>(6), false);
+  }
   for (int i = 0; i < 4; ++i) {
     const auto any = [&](int step) {
       return (int(random() % (10240u / unsigned(step))) - 5120 / step) * step;
@@ -155,18 +157,19 @@ protected:
 };
 
 TEST_F(TileFiles, AllTypesAndSizes) {
-  Volume volume;
-  volume.metadata["source"] = "a test";
-  volume.grids().all = {anything<openvdb::FloatGrid>("density", 0, 1),
-                        anything<openvdb::BoolGrid>("mask", false, 2),
-                        anything<openvdb::Int32Grid>("tet_id", -1, 3),
-                        anything<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0), 4),
-                        anything<openvdb::FloatGrid>("surface", 3, 5)};
-  volume.grids().all.back()->setGridClass(openvdb::GRID_LEVEL_SET);
-  volume.grids().all.back()->setSaveFloatAsHalf(true);
-  const std::string path = folder_ / "whole.vdb";
-  writeVolume(path, volume, progress_);
   for (const int size : {512, 1024, 2048, 4096}) {
+    const bool rootTiles = size > 512; // a tile of 4096^3 is 512 files of 512^3
+    Volume volume;
+    volume.metadata["source"] = "a test";
+    volume.grids().all = {anything<openvdb::FloatGrid>("density", 0, 1, rootTiles),
+                          anything<openvdb::BoolGrid>("mask", false, 2, rootTiles),
+                          anything<openvdb::Int32Grid>("tet_id", -1, 3, rootTiles),
+                          anything<openvdb::Vec3SGrid>("vel", openvdb::Vec3s(0), 4, rootTiles),
+                          anything<openvdb::FloatGrid>("surface", 3, 5, rootTiles)};
+    volume.grids().all.back()->setGridClass(openvdb::GRID_LEVEL_SET);
+    volume.grids().all.back()->setSaveFloatAsHalf(true);
+    const std::string path = folder_ / "whole.vdb";
+    writeVolume(path, volume, progress_);
     const std::string made = folder_ / ("made" + std::to_string(size));
     const TileFilesInfo info = writeTileFiles(made, size, volume, progress_);
     const std::vector<Tile> tiles = read(made);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "io/VolumeSamples.h"
 #include "tetvdb/core/Error.h"
@@ -177,8 +178,7 @@ TEST(VolumeStream, RefusesFilesThatAreCutOrNoVolumes) {
   const TemporaryFolder folder;
   Progress progress;
   writeVolume(folder / "a.vdb", gridsOfAllTypes(), progress);
-  std::ifstream file(folder / "a.vdb", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = test::fileBytes(folder / "a.vdb");
   for (const std::size_t size :
        {bytes.size() - 1, bytes.size() / 2, std::size_t(300), std::size_t(20), std::size_t(0)}) {
     std::ofstream(folder / "cut.vdb", std::ios::binary)

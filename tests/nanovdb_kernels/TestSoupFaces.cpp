@@ -6,6 +6,7 @@
 #include "tetvdb/core/Error.h"
 
 #include <gtest/gtest.h>
+#include <iterator>
 #include <limits>
 #include <rapidcheck/gtest.h>
 
@@ -23,11 +24,12 @@ nano::Job soupJob(GridType type, Method method, FillRule rule, const GridTransfo
   return job;
 }
 
-void expectSame(const SoupCase& c) {
+// All rules by the boundary, one of them by dense masks.
+void expectSame(const SoupCase& c, FillRule denseRule) {
   nano::HostTwin twin;
   for (const FillRule rule : kRules)
     for (const Method method : {Method::Boundary, Method::Dense}) {
-      if (method == Method::Dense && !c.dense)
+      if (method == Method::Dense && !(c.dense && rule == denseRule))
         continue;
       const nano::Result result =
           twin.run(viewOf(c.mesh), soupJob(GridType::Bool, method, rule, c.transform));
@@ -39,12 +41,14 @@ void expectSame(const SoupCase& c) {
 }
 
 TEST(SoupFaces, GridsAreThoseOfTheCpu) {
+  std::size_t i = 0;
   for (const SoupCase& c : soupCases(false))
-    expectSame(c);
+    expectSame(c, kRules[i++ % std::size(kRules)]);
 }
 
 RC_GTEST_PROP(SoupFacesProperties, Soups, ()) {
-  expectSame({"any", facesOf(meshes::anySoup())});
+  expectSame({"any", facesOf(meshes::anySoup())},
+             *rc::gen::elementOf(std::vector(std::begin(kRules), std::end(kRules))));
 }
 
 TEST(SoupFaces, TypesOfGrids) {
@@ -100,22 +104,21 @@ TEST(SoupFaces, OpenSoupsMakeNoGrid) {
   }
 }
 
-void expectSameOpen(const SoupCase& c) {
+void expectSameOpen(const SoupCase& c, FillRule rule) {
   nano::HostTwin twin;
   FilledSoup soup(c.mesh, c.transform);
-  for (const FillRule rule : {FillRule::Positive, FillRule::NonZero}) {
-    const nano::Result result =
-        twin.run(soup.view, soupJob(GridType::Bool, Method::Auto, rule, c.transform));
-    ASSERT_NE(result.bytes, nullptr) << c.name;
-    EXPECT_GT(result.counts.openEdges, 0u) << c.name;
-    EXPECT_EQ(hashOf(result), cpuHash(c.mesh, rule, GridKind::Mask, c.transform))
-        << c.name << ", rule " << int(rule);
-  }
+  const nano::Result result =
+      twin.run(soup.view, soupJob(GridType::Bool, Method::Auto, rule, c.transform));
+  ASSERT_NE(result.bytes, nullptr) << c.name;
+  EXPECT_GT(result.counts.openEdges, 0u) << c.name;
+  EXPECT_EQ(hashOf(result), cpuHash(c.mesh, rule, GridKind::Mask, c.transform))
+      << c.name << ", rule " << int(rule);
 }
 
 TEST(SoupFaces, OpenSoupsAreThoseOfTheCpu) {
+  std::size_t i = 0;
   for (const SoupCase& c : openSoupCases(false))
-    expectSameOpen(c);
+    expectSameOpen(c, i++ % 2 == 0 ? FillRule::Positive : FillRule::NonZero);
 }
 
 TEST(SoupFaces, OpenSoupsInSharesMakeTheSameBuffer) {

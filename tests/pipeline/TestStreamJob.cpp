@@ -21,19 +21,20 @@ protected:
   // All kinds of grids and rules.
   void expectSameOfAll(VoxelizeJob job, const std::string& what) {
     using Kinds = std::vector<GridKind>;
-    for (const Kinds& kinds : {Kinds{GridKind::Mask}, Kinds{GridKind::Density},
-                               Kinds{GridKind::Density, GridKind::Mask}}) {
+    for (const Kinds& kinds : {Kinds{GridKind::Mask}, Kinds{GridKind::Density}}) {
       job.grids = kinds;
-      expectSame(job, what);
+      expectSame(job, what, {2});
     }
+    job.grids = {GridKind::Density, GridKind::Mask};
+    expectSame(job, what);
     job.half = true;
     job.maskType = MaskType::Mask;
-    expectSame(job, what + ", half and MaskGrid");
+    expectSame(job, what + ", half and MaskGrid", {2});
     job.half = false;
     job.maskType = MaskType::Bool;
     for (const VoxelRule rule : {VoxelRule::Any, VoxelRule::All}) {
       job.voxelize.rule = rule;
-      expectSame(job, what + (rule == VoxelRule::Any ? ", any" : ", all"));
+      expectSame(job, what + (rule == VoxelRule::Any ? ", any" : ", all"), {2});
     }
   }
 };
@@ -65,12 +66,12 @@ TEST_F(StreamJob, OpenMeshesAndOtherFillRules) {
   VoxelizeJob byResolution = job(open);
   byResolution.voxelize.voxelSize = {0, 0, 0};
   byResolution.voxelize.resolution = 150;
-  expectSame(byResolution, "of which voxels may become larger");
+  expectSame(byResolution, "of which voxels may become larger", {2});
   VoxelizeJob other =
       job(joined({sphere({0, 0, 0}, 100, 16), flipped(sphere({40, 0, 0}, 100, 16))}));
   for (const InsideRule rule : {InsideRule::NonZero, InsideRule::Parity}) {
     other.solid.inside = rule;
-    expectSame(other, "two balls, one of them flipped");
+    expectSame(other, "two balls, one of them flipped", {2});
   }
 }
 
@@ -157,15 +158,15 @@ TEST_F(Shards, TilesAloneAreOpenedInTheWhole) {
 // More leaves than the metadata entry for delayed loading is written for.
 TEST_F(Shards, AndStreamsOfManyLeaves) {
   TriangleMesh slabs;
-  for (int i = 0; i < 9; ++i)
-    append(slabs, box({-1500.2, -1500.2, i * 20.0}, {1500.3, 1500.3, i * 20.0 + 10.1}));
+  for (int i = 0; i < 8; ++i) // each in one layer of leaves
+    append(slabs, box({-1500.2, -1500.2, i * 16 + 2.5}, {1500.3, 1500.3, i * 16 + 4.5}));
   VoxelizeJob many = job(slabs);
   many.grids = {GridKind::Density};
   VoxelizeResult result;
   const std::string expected = make(many, Streaming::Never, &result);
   ASSERT_GT(result.grids.front().leaves, std::uint64_t(1) << 20);
   EXPECT_TRUE(make(many, Streaming::Always) == expected);
-  EXPECT_TRUE(merged(makeParts(many, 3), 3) == expected);
+  EXPECT_TRUE(merged(makeParts(many, 2), 3) == expected);
 }
 
 TEST_F(Shards, AreRefusedByNameWhereTheyDoNotFit) {

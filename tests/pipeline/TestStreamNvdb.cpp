@@ -47,11 +47,11 @@ const Kinds kAll{GridKind::Density, GridKind::Mask, GridKind::Surface, GridKind:
 TEST_F(StreamNvdb, EachKindOfTriangles) {
   const TriangleMesh balls = joined({sphere({0, 0, 0}, 140, 16), sphere({60, 30, -20}, 120, 16)});
   for (const GridKind kind : kAll)
-    expectSame(nvdb(balls, {kind}), std::string(infoOf(kind).name), {1, 2, 8});
+    expectSame(nvdb(balls, {kind}), std::string(infoOf(kind).name), {2});
   VoxelizeJob half = nvdb(balls, kAll);
   half.half = true;
   half.voxelize.rule = VoxelRule::Centre;
-  expectSame(half, "all, half", {2});
+  expectSame(half, "all, half", {1, 8});
   VoxelizeJob any = nvdb(balls, {GridKind::Mask, GridKind::Density});
   any.voxelize.rule = VoxelRule::Any;
   expectSame(any, "by the rule any", {2});
@@ -60,7 +60,7 @@ TEST_F(StreamNvdb, EachKindOfTriangles) {
 TEST_F(StreamNvdb, SeveralCubesByAnyLimit) {
   VoxelizeJob wanted =
       nvdb(joined({rod(6000, 12, {-3000, -2600, -2000}), sphere({4090, 10, -5}, 90, 16)}), kAll);
-  expectSame(wanted, "no limit", {1, 2});
+  expectSame(wanted, "no limit", {2});
   for (const std::size_t limit : {110u, 200u}) {
     limit_ = limit << 20;
     expectSame(wanted, "a limit of " + std::to_string(limit) + " MB", {2});
@@ -82,7 +82,7 @@ TEST_F(StreamNvdb, OwnersAndFieldsOfTets) {
   for (std::size_t i = 0; i < 3 * mesh.points.size(); ++i)
     velocity.push_back(static_cast<float>(random.between(-4, 4)));
   mesh.attributes.push_back({"vel", Attribute::On::Points, 3, std::move(velocity)});
-  expectSame(nvdb(mesh, {GridKind::TetId, GridKind::Material}), "owners", {1, 2, 8});
+  expectSame(nvdb(mesh, {GridKind::TetId, GridKind::Material}), "owners");
   VoxelizeJob fields = nvdb(mesh, {GridKind::Density, GridKind::Surface});
   fields.fields.all = true;
   expectSame(fields, "an array and grids", {2});

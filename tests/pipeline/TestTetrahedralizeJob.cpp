@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
+#include "TestScale.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -11,7 +13,6 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <map>
 
 namespace tetvdb {
@@ -148,8 +149,7 @@ TEST_F(TetrahedralizeJobTest, TheSameFileForAnyNumberOfThreads) {
   const auto bytes = [&](int threads) {
     wanted.threads = threads;
     run(wanted, report_, progress_);
-    std::ifstream file(wanted.output, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
+    return test::fileBytes(wanted.output);
   };
   const std::string one = bytes(1);
   EXPECT_EQ(one, bytes(2));
@@ -189,8 +189,7 @@ TEST_F(TetrahedralizeJobTest, CancelledJobsLeaveNothing) {
 // Plates through one another, in all directions: some minutes, so that it runs where tests are
 // scaled up (scripts/weekly.sh).
 TEST_F(TetrahedralizeJobTest, PlatesThatCutOneAnotherTooOftenAreRepairedFirst) {
-  const char* scale = std::getenv("TETVDB_TEST_SCALE");
-  if (scale == nullptr || std::atoi(scale) < 2)
+  if (test::scale() < 2)
     GTEST_SKIP();
   Random random(7);
   TriangleMesh plates;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/print/LayerFile.h"
 
-#include <fstream>
 #include <gtest/gtest.h>
 #include <sstream>
 
@@ -10,8 +10,7 @@ namespace tetvdb {
 namespace {
 
 TEST(LayerFile, EveryFormatIsInTheBook) {
-  std::ifstream file(std::string(TETVDB_TEST_DATA) + "/../../docs/print.md");
-  const std::string page(std::istreambuf_iterator<char>(file), {});
+  const std::string page = test::fileBytes(std::string(TETVDB_TEST_DATA) + "/../../docs/print.md");
   ASSERT_FALSE(page.empty());
   for (const LayerFormat& format : layerFormats()) {
     EXPECT_NE(page.find("`" + std::string(format.name) + "`"), std::string::npos) << format.name;

@@ -19,7 +19,7 @@ using Upper = Tree::RootNodeType::ChildNodeType;
 using Lower = Upper::ChildNodeType;
 
 // The fog of a leaf; false if it is 0 throughout.
-bool makeFog(Leaf& leaf, float weight) {
+bool makeLeafFog(Leaf& leaf, float weight) {
   float* values = leaf.buffer().data();
   bool any = false;
   for (openvdb::Index x = 0; x < 8; ++x) {
@@ -41,7 +41,7 @@ std::unique_ptr<Lower> fogOf(Lower& node, float background, float weight) {
   node.stealNodes(leaves, background, false);
   std::unique_ptr<Lower> fog;
   for (Leaf* leaf : leaves) {
-    if (!makeFog(*leaf, weight)) {
+    if (!makeLeafFog(*leaf, weight)) {
       delete leaf;
       continue;
     }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/text/ZipWriter.h"
 
 #include <cstdint>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <string>
 
 namespace tetvdb {
@@ -14,10 +13,7 @@ namespace {
 
 class ZipFile : public ::testing::Test {
 protected:
-  std::string bytes() const {
-    std::ifstream file(path_, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string bytes() const { return test::fileBytes(path_); }
 
   TemporaryFolder folder_;
   std::string path_ = folder_ / "a.zip";

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is compressed block by block is what Blosc makes of the whole.
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "tetvdb/io/volume/BloscChunks.h"
 
 #include <algorithm>
 #include <blosc.h>
 #include <cstring>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <random>
 #include <string>
 #include <vector>
@@ -30,8 +29,7 @@ std::string chunk(const std::vector<unsigned char>& data, std::mt19937& random) 
     done += step;
   }
   file.commit();
-  std::ifstream in(folder / "a", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string bytes = test::fileBytes(folder / "a");
   std::uint64_t size = 0;
   std::memcpy(&size, bytes.data(), sizeof size);
   EXPECT_EQ(size, bytes.size() - sizeof size);

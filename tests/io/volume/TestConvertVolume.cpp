@@ -4,6 +4,7 @@
 // write.
 #define NANOVDB_USE_BLOSC
 #define NANOVDB_USE_ZIP
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "io/VolumeSamples.h"
 #include "tetvdb/core/Error.h"
@@ -78,10 +79,7 @@ class ConvertVolume : public ::testing::Test {
 protected:
   std::string path(const std::string& name) const { return folder_ / name; }
 
-  std::string bytes(const std::string& name) const {
-    std::ifstream file(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string bytes(const std::string& name) const { return test::fileBytes(path(name)); }
 
   std::vector<GridInfo> convert(const std::string& from, const std::string& to, std::size_t memory,
                                 const std::vector<std::string>& grids = {}) {

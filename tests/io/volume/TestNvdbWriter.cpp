@@ -2,6 +2,7 @@
 //
 // .nvdb files against NanoVDB's own converter and reader.
 #define NANOVDB_USE_BLOSC
+#include "FileBytes.h"
 #include "TemporaryFolder.h"
 #include "io/VolumeSamples.h"
 #include "tetvdb/core/NanoVdb.h"
@@ -10,7 +11,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <gtest/gtest.h>
 #include <string>
 #include <tbb/global_control.h>
@@ -152,13 +152,9 @@ TEST_F(NvdbWriter, OfFewNodes) {
 TEST_F(NvdbWriter, BytesDoNotDependOnThreads) {
   const auto grid = scattered<openvdb::FloatGrid>(
       "density", [](double v) { return static_cast<float>(v); }, 20000);
-  const auto bytes = [&](const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return std::string{std::istreambuf_iterator<char>(in), {}};
-  };
-  const std::string all = bytes(write({grid}));
+  const std::string all = test::fileBytes(write({grid}));
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_TRUE(bytes(write({grid}, "b.nvdb")) == all);
+  EXPECT_TRUE(test::fileBytes(write({grid}, "b.nvdb")) == all);
 }
 
 } // namespace

@@ -290,7 +290,7 @@ class ValuesStream(CommandLineTest):
                               ("short.msh", ("tet_id", "coverage", "surface"))):
             self.expect_same(source, *grids, parts=2, more=("--half-width", "all"))
         # Where the box reaches into root children that no face is near, and deepest inside.
-        self.expect_same("rod.off", "surface", parts=7, size="40", more=("--half-width", "all"))
+        self.expect_same("rod.off", "surface", parts=3, size="40", more=("--half-width", "all"))
         points, faces = ball(110, 20, (30, -20, 4096))
         self.write("open.off", off(points, faces[40:]))
         options = ("open.off", "--voxel-size", "1", "--grid", "surface", "--half-width", "all")

@@ -59,31 +59,50 @@ ExactVector exactNormal(const Tet& t, int face) {
   return t.sign > 0 ? n : ExactVector{-n.x, -n.y, -n.z};
 }
 
-// First voxel of column (x, y) beyond the plane.
-__attribute__((noinline)) std::int64_t exactBound(const Tet& t, const Plane& plane, std::int64_t x,
-                                                  std::int64_t y, std::int64_t zNear) {
-  return exactBound(exactNormal(t, plane.face), cornerOf(t, plane.face), plane.tolerance >= kSteep,
-                    x, y, zNear);
-}
+// The exact planes of a tet's faces, each computed when it is first needed: where cells are aligned
+// with voxels, whole faces pass through voxel centres.
+class ExactPlanes {
+public:
+  explicit ExactPlanes(const Tet& t) : t_(t) {}
 
-// Narrows [yBegin, yEnd) to the rows of column x that are inside a face parallel to z.
-__attribute__((noinline)) void narrowByVertical(const Tet& t, int face, std::int64_t x,
-                                                std::int64_t& yBegin, std::int64_t& yEnd) {
-  const ExactVector n = exactNormal(t, face);
-  const LatticePoint& o = cornerOf(t, face);
-  const Int128 ex = n.x * unitsFrom(o.x, x);
-  const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
-  if (n.y == 0) {
-    if (!(ex > 0 || (ex == 0 && tieIn)))
-      yEnd = yBegin;
-    return;
+  // First voxel of column (x, y) beyond the plane.
+  TETVDB_APART std::int64_t bound(const Plane& plane, std::int64_t x, std::int64_t y,
+                                  std::int64_t zNear) {
+    return exactBound(normal(plane.face), cornerOf(t_, plane.face), plane.tolerance >= kSteep, x, y,
+                      zNear);
   }
-  const std::int64_t bound = firstBeyond(n.y, ex, tieIn, o.y, floorVoxel(o.y));
-  if (n.y > 0)
-    yBegin = std::max(yBegin, bound);
-  else
-    yEnd = std::min(yEnd, bound);
-}
+
+  // Narrows [yBegin, yEnd) to the rows of column x that are inside a face parallel to z.
+  TETVDB_APART void narrow(int face, std::int64_t x, std::int64_t& yBegin, std::int64_t& yEnd) {
+    const ExactVector& n = normal(face);
+    const LatticePoint& o = cornerOf(t_, face);
+    const Int128 ex = n.x * unitsFrom(o.x, x);
+    const bool tieIn = tieSign(n.x, n.y, n.z) > 0;
+    if (n.y == 0) {
+      if (!(ex > 0 || (ex == 0 && tieIn)))
+        yEnd = yBegin;
+      return;
+    }
+    const std::int64_t bound = firstBeyond(n.y, ex, tieIn, o.y, floorVoxel(o.y));
+    if (n.y > 0)
+      yBegin = std::max(yBegin, bound);
+    else
+      yEnd = std::min(yEnd, bound);
+  }
+
+private:
+  const ExactVector& normal(int face) {
+    if ((known_ >> face & 1) == 0) {
+      normals_[face] = exactNormal(t_, face);
+      known_ |= 1u << face;
+    }
+    return normals_[face];
+  }
+
+  const Tet& t_;
+  unsigned known_ = 0;
+  ExactVector normals_[4];
+};
 
 // Reads the tet and finds its planes. False for a flat one.
 TETVDB_INLINE bool prepare(const SnappedMesh& mesh, std::size_t index, Tet& t) {
@@ -193,11 +212,12 @@ TETVDB_INLINE void rasterize(const Tet& t, const TetBox& box, const SlabOrigin& 
   const auto zBegin = static_cast<double>(zFirst), zEnd = static_cast<double>(zLast);
   const auto z0 = static_cast<double>(slab.z);
   const Doubles lanes = {0, 1, 2, 3};
+  ExactPlanes planes(t);
 
   for (std::int64_t x = xBegin; x < xEnd; ++x) {
     std::int64_t yBegin = yFirst, yEnd = yLast;
     for (int i = 0; i < t.verticals; ++i)
-      narrowByVertical(t, t.vertical[i], x, yBegin, yEnd);
+      planes.narrow(t.vertical[i], x, yBegin, yEnd);
     double lowerBase[3], upperBase[3];
     const auto xd = static_cast<double>(x);
     for (int i = 0; i < t.lowers; ++i)
@@ -235,10 +255,10 @@ TETVDB_INLINE void rasterize(const Tet& t, const TetBox& box, const SlabOrigin& 
               if (std::abs(crossing - nearest) > p.tolerance || std::abs(crossing) > 1e6)
                 return static_cast<std::int64_t>(
                     std::min(std::max(std::ceil(crossing), -1.0), 1.0 + kNodeSize));
-              return exactBound(t, p, x, y + k, slab.z + static_cast<std::int64_t>(nearest)) -
+              return planes.bound(p, x, y + k, slab.z + static_cast<std::int64_t>(nearest)) -
                      slab.z;
             }
-            return exactBound(t, p, x, y + k, slab.z) - slab.z;
+            return planes.bound(p, x, y + k, slab.z) - slab.z;
           };
           for (int i = 0; i < t.lowers; ++i)
             low = std::max(low, exact(t.lower[i], lowerBase[i]));

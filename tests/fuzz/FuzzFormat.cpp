@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the libFuzzer programs of all formats do with their input. The reader is that of the table of
-// formats; the bytes are all that it gets, since a file of that name does not exist.
+// What the libFuzzer programs of all formats do with their input. The reader is that of the table
+// of formats; the bytes are all that it gets, since a file of that name does not exist.
 #include "FuzzFormat.h"
+
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/Formats.h"
 #include "tetvdb/io/MeshReader.h"
@@ -36,7 +37,8 @@ bool readInsteadOfFile(std::string_view bytes, Report& report, Progress& progres
     splitCells(ensight::readGeometry({bytes, "fuzz.geo"}, {}, progress), {}, report, progress);
     return true;
   }
-  if (kFuzzedFormat == FileFormat::ThreeMf && bytes.substr(0, 1) != "P") { // a model without its archive
+  if (kFuzzedFormat == FileFormat::ThreeMf &&
+      bytes.substr(0, 1) != "P") { // a model without its archive
     parseThreeMfModel(bytes, "fuzz", progress);
     return true;
   }

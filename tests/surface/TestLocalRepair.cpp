@@ -88,6 +88,24 @@ TEST(LocalRepair, AnOpenBoxIsASolid) {
   EXPECT_NEAR(signedVolume(mesh), 1, 1e-14);
 }
 
+// Where the winding number closes a hole that is not plane, the solid is smaller than the box.
+TEST(LocalRepair, FilledHolesMayAddVolume) {
+  const auto withoutSides = [](std::size_t first) { // of those at x = 1, y = 1, z = 1
+    return without(box(), [=](std::size_t face) { return face >= first && face % 4 >= 2; });
+  };
+  TriangleMesh mesh = withoutSides(4); // two of them
+  const TriangleMesh open = mesh;
+  const LocalRepair repair = repaired(mesh);
+  ASSERT_TRUE(repair.succeeded) << repair.why;
+  EXPECT_TRUE(repair.closingAddsVolume);
+  EXPECT_TRUE(repair.changesVolume);
+  EXPECT_GT(repair.solids.gained, 0.01 * repair.solids.before);
+  EXPECT_NEAR(signedVolume(mesh), 1, 1e-14);
+  EXPECT_EQ(meshChanges(open, mesh).kept, open.triangleCount());
+  TriangleMesh corner = withoutSides(0); // all three: a third of the solid would be added
+  EXPECT_EQ(repaired(corner).why, "closing it would change its volume");
+}
+
 TEST(LocalRepair, SolidsThatTouchMoveApart) {
   // At an edge, at a point, and two wedges of one solid at an edge.
   for (const TriangleMesh& given :

@@ -112,8 +112,12 @@ private:
           report_.warn(
               "volume-changed",
               fmt::format("of a solid of {:.4g}, where it is well defined, repair in place "
-                          "lost {:.2g} and added {:.2g}",
-                          solids.before, solids.lost, solids.gained));
+                          "lost {:.2g} and added {:.2g}{}",
+                          solids.before, solids.lost, solids.gained,
+                          result_.local->closingAddsVolume ? ", by filling holes; `remesh` closes "
+                                                             "them where the winding number is 0.5"
+                                                           : ""));
+        report_.partial = report_.partial || result_.local->closingAddsVolume;
         return true;
       }
       result_.why = result_.local->why;

@@ -27,6 +27,7 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMaxChange = 0.01;      // relative to the solid's volume
+constexpr double kMaxClosing = 0.1;      // the same, of what filled holes add
 constexpr double kNoChange = 0.001;      // limit above which the change is reported
 constexpr double kMinSamples = 4;        // points that may differ in any case
 constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
@@ -378,6 +379,7 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
     if (!isBalanced(work))
       return failed("boundary edges that cannot be closed");
   }
+  const TriangleMesh filled = work;
   TriangleMesh closed = work;
   LocalRepair parted = repair;
   if (partWhatTouches(work, parted, progress).empty()) {
@@ -391,8 +393,15 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   repair.solids = compareSolids(mesh, work, progress);
   const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
   const double changed = std::max(repair.solids.lost, repair.solids.gained);
-  if (changed > std::max(kMaxChange * repair.solids.before, kMinSamples * each))
-    return failed("closing it would change its volume");
+  const double most = std::max(kMaxChange * repair.solids.before, kMinSamples * each);
+  if (changed > most) {
+    // The winding number closes holes in one of many ways, and filling them in another.
+    repair.closingAddsVolume = !repair.holes.empty() && repair.solids.lost <= most &&
+                               repair.solids.gained <= kMaxClosing * repair.solids.before &&
+                               compareSolids(filled, work, progress).gained <= most;
+    if (!repair.closingAddsVolume)
+      return failed("closing it would change its volume");
+  }
   repair.changesVolume = changed > std::max(kNoChange * repair.solids.before, kMinSamples * each);
   repair.succeeded = true;
   mesh = std::move(work);

@@ -97,7 +97,7 @@ struct RepairResult {
 /// the inside voxels (ExtractSurface.h), with vertices moved onto the mesh where it is close, is
 /// written, with the warning "remeshed" unless it was requested: closed, manifold and oriented. If
 /// this changes the solid's volume by more than 1 %, or repair in place changes it by more than 0.1
-/// %, the warning "volume-changed" is added; in the former case the report is partial. Tets are
+/// %, the warning "volume-changed" is added; above 1 % the report is partial. Tets are
 /// replaced by their surface; a volume's surface is extracted directly. Then finishSurface()
 /// smooths and simplifies it, if requested. Adds stages "read", "clean", "check", "repair",
 /// "voxelize", "extract", those of finishSurface() and "write" to `report`. Throws the errors of

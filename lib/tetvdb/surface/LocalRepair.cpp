@@ -344,7 +344,7 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
 } // namespace
 
 std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress, bool flatFacesAllowed) {
-  if (const std::string other = otherDefect(mesh, progress, flatFacesAllowed); !other.empty())
+  if (std::string other = otherDefect(mesh, progress, flatFacesAllowed); !other.empty())
     return other;
   DefectOptions options;
   options.windingSamples = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "DenseOracle.h"
 #include "Meshes.h"
+#include "TestScale.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
@@ -230,7 +231,8 @@ TEST(Voxelize, SolidsHaveTilesAtEveryLevel) {
   }
   EXPECT_EQ(hashes[0], hashes[1]);
   // Floats in a cube that consists of tiles.
-  const TetMesh whole = meshes::scaled(kuhnGrid(1, 1, 1), 1024 + 304, {-152.5, -152.5, -152.5});
+  const double wholeSide = test::scale() > 1 ? side : 1024 + 304;
+  const TetMesh whole = meshes::scaled(kuhnGrid(1, 1, 1), wholeSide, {-152.5, -152.5, -152.5});
   EXPECT_EQ(hash(run(whole, unitVoxels({GridKind::Density}, OccupancyPath::Boundary)).volume),
             hash(run(whole, unitVoxels({GridKind::Density}, OccupancyPath::Tets)).volume));
 }

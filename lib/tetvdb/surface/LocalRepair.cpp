@@ -380,15 +380,14 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
       return failed("boundary edges that cannot be closed");
   }
   const TriangleMesh filled = work;
-  TriangleMesh closed = work;
   LocalRepair parted = repair;
   if (partWhatTouches(work, parted, progress).empty()) {
     repair = parted;
   } else {
-    const std::string broken = cutCrossings(closed, repair, progress);
+    work = filled;
+    const std::string broken = cutCrossings(work, repair, progress);
     if (!broken.empty())
       return failed(broken);
-    work = std::move(closed);
   }
   repair.solids = compareSolids(mesh, work, progress);
   const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));

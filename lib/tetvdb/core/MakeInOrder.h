@@ -23,8 +23,10 @@ void passInOrder(std::size_t window, const std::function<bool(std::size_t)>& nex
 /// Makes blocks in parallel, a window at a time, and takes them in order: `next(piece)` sets the
 /// next block to make, or returns false at the end; `make(piece)` returns its result;
 /// `take(result)` uses it. `window`: blocks at a time; 0: blocksInOrder().
-template <class Piece, class Result, class Next, class Make, class Take>
-void makeInOrder(const Next& next, const Make& make, const Take& take, std::size_t window = 0) {
+template <class Piece, class Result>
+void makeInOrder(const std::function<bool(Piece&)>& next,
+                 const std::function<Result(const Piece&)>& make,
+                 const std::function<void(Result&)>& take, std::size_t window = 0) {
   struct Block {
     Piece piece;
     std::optional<Result> result;

@@ -18,7 +18,7 @@ namespace tetvdb {
 namespace {
 
 // Of leaves, and of other nodes, before a file takes them.
-constexpr std::size_t kInMemory = std::size_t(64) << 20;
+constexpr std::size_t kLeavesInMemory = std::size_t(64) << 20;
 
 // Bytes, and nodes, between two looks at the progress.
 constexpr std::size_t kStep = std::size_t(64) << 20;
@@ -31,7 +31,7 @@ void writeGrid(AtomicFile& file, const GridT& grid, const std::string& folder,
   using TreeT = typename GridT::TreeType;
   using Lower = typename NodeLists<TreeT>::Lower;
   const auto& root = grid.tree().root();
-  NvdbNodes<TreeT> nodes(folder, kInMemory);
+  NvdbNodes<TreeT> nodes(folder, kLeavesInMemory);
   const double count = double(root.getTableSize());
   double done = 0;
   for (auto entry = root.cbeginChildAll(); entry; ++entry) {

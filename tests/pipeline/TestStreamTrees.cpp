@@ -132,7 +132,7 @@ TEST_F(StreamTrees, OwnersOfTets) {
         Kinds{GridKind::Coverage}}) {
     balls.grids = kinds;
     expectSame(balls, "two balls of tets, " + std::string(infoOf(kinds.front()).name),
-               kinds.size() > 1 ? std::vector<int>{1, 8} : std::vector<int>{2});
+               {kinds.size() > 1 ? 8 : 2});
   }
   VoxelizeJob long_ = job(turnedBar(70, 30, {-1000, -600, -500}));
   long_.grids = {GridKind::TetId, GridKind::Material, GridKind::Surface};
@@ -161,6 +161,23 @@ TEST_F(StreamTrees, FieldsOfTets) {
   wanted.grids = {GridKind::Mask};
   wanted.voxelize.rule = VoxelRule::Any;
   expectSame(wanted, "a part of an array, and a rule", {2});
+}
+
+// Arrays are packed on their way into a .vdb file alone: what their trees take elsewhere decides.
+TEST_F(StreamTrees, ArraysWhoseTreesAreTooLarge) {
+  TetMesh mesh = scaled(kuhnGrid(2, 2, 2), 150);
+  mesh.attributes.push_back(
+      {"T", Attribute::On::Points, 1, std::vector<float>(mesh.points.size(), 7)});
+  VoxelizeJob wanted = job(mesh);
+  wanted.fields.all = true;
+  for (const char* output : {"a.nvdb", "tiles"}) {
+    wanted.output = folder_ / output;
+    wanted.tileSize = std::string(output) == "tiles" ? 512 : 0;
+    wanted.maxMemory = residentBytes() + (std::size_t(90) << 20); // trees: 108 MB and more
+    Report report;
+    run(wanted, report, progress_);
+    EXPECT_TRUE(wasStreamed(report)) << output;
+  }
 }
 
 // A box whose sides lie between voxels: some of its grids are tiles alone.

@@ -25,6 +25,11 @@ bool writesNvdb(const VoxelizeJob& job) {
   return job.tileSize == 0 && std::filesystem::path(job.output).extension() == ".nvdb";
 }
 
+bool packsArrays(const VoxelizeJob& job) {
+  return std::filesystem::path(job.output).extension() == ".vdb" && job.preview.empty() &&
+         !job.keep && job.tileSize == 0 && job.levels.isEmpty();
+}
+
 bool mustStream(const VoxelizeJob& job) {
   return job.streaming == Streaming::Always || !job.shard.isWhole() || job.plan > 0;
 }

@@ -20,6 +20,10 @@ bool mayStream(const VoxelizeJob& job);
 /// Whether it writes a .nvdb file.
 bool writesNvdb(const VoxelizeJob& job);
 
+/// Whether grids of arrays are packed on their way into the file where it is not streamed: in place
+/// of whole trees there are their leaves as the file has them.
+bool packsArrays(const VoxelizeJob& job);
+
 /// Whether it is streamed in any case.
 bool mustStream(const VoxelizeJob& job);
 

@@ -101,7 +101,7 @@ double ownerBytes(const VoxelizeJob& job, const SnappedMesh& snapped,
         estimateByTets(snapped).bytes(madeBy(job.grids, {GridMaker::Occupancy, GridMaker::Owner}));
   if (!fields.empty()) {
     const PackOptions pack;
-    const FieldBytes each = fieldBytes(fields, job.levels.isEmpty() ? &pack : nullptr);
+    const FieldBytes each = fieldBytes(fields, packsArrays(job) ? &pack : nullptr);
     const TreeEstimate tree = estimateByVolume(snapped);
     bytes +=
         (1 + levelShare(job.levels)) * (tree.leaves * each.leaf + tree.lowerNodes * each.lowerNode);

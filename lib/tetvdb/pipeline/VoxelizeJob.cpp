@@ -274,11 +274,9 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   PackOptions pack;
   pack.folder = fs::path(job.output).parent_path().string();
   pack.half = job.half;
-  const bool packs = fs::path(job.output).extension() == ".vdb" && job.preview.empty() &&
-                     !job.keep && job.tileSize == 0 && job.levels.isEmpty();
   const SnapCounts counts =
-      sampleFields(mesh, made.transform, fields, sampling, packs ? &pack : nullptr, job.device,
-                   result.fieldsDevice, packed, made.volume, report, progress);
+      sampleFields(mesh, made.transform, fields, sampling, packsArrays(job) ? &pack : nullptr,
+                   job.device, result.fieldsDevice, packed, made.volume, report, progress);
   if (fieldsAlone) {
     made.counts = counts;
     result.device = result.fieldsDevice;

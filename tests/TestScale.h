@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdlib>
+#include <utility>
+#include <vector>
 
 namespace tetvdb::test {
 
@@ -10,6 +12,12 @@ namespace tetvdb::test {
 inline int scale() {
   const char* said = std::getenv("TETVDB_TEST_SCALE");
   return said == nullptr ? 1 : std::atoi(said);
+}
+
+/// All of these numbers of threads, or the last one where tests are not scaled up: what is compared
+/// with it was made by another number, that of the processors.
+inline std::vector<int> threadCounts(std::vector<int> counts) {
+  return scale() > 1 ? std::move(counts) : std::vector<int>{counts.back()};
 }
 
 } // namespace tetvdb::test

@@ -10,7 +10,7 @@ import unittest
 
 import layer_readers as readers
 import program
-from program import ball, box_faces, inverted, joined, off
+from program import SCALE, ball, box_faces, inverted, joined, off
 from test_pictures import is_blue, is_red
 from test_render import read_png
 
@@ -162,9 +162,10 @@ class CheckPrintTest(program.CommandLineTest):
 
     @unittest.skipUnless(SCIPY and "TETVDB_CORPUS" in os.environ, "needs scipy and the corpus")
     def test_models_of_the_wild(self):
-        for name in ("Fisher__1247-nozzle-duct.STL", "cgal__pig.stl", "Slic3r__spikey_top.stl",
-                     "PrusaSlicer__two_hollow_squares.obj", "geogram.data__armabunny.obj",
-                     "franka_ros__link0.stl", "cgal__turbine.off", "geogram.data__violin.obj"):
+        names = ("Fisher__1247-nozzle-duct.STL", "Slic3r__spikey_top.stl", "geogram.data__armabunny.obj",
+                 "cgal__turbine.off", "cgal__pig.stl", "PrusaSlicer__two_hollow_squares.obj",
+                 "franka_ros__link0.stl", "geogram.data__violin.obj")
+        for name in names if SCALE > 1 else names[:4]:
             model = pathlib.Path(os.environ["TETVDB_CORPUS"]) / "tri" / name
             box = self.report_of("info", model)["input"][0]["box"]
             sides = [b - a for a, b in zip(box["min"], box["max"])]

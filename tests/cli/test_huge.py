@@ -12,7 +12,7 @@ import subprocess
 import time
 import unittest
 
-from program import PROGRAM, SANITIZED, CommandLineTest, box_faces, off
+from program import PROGRAM, SANITIZED, SCALE, CommandLineTest, box_faces, off
 
 
 def ball(radius, n, centre=(0, 0, 0)):
@@ -248,7 +248,7 @@ class ValuesStream(CommandLineTest):
         self.assertTrue(self.path("merged.vdb").read_bytes() == expected, grids)
 
     def test_shards_of_any_grid(self):
-        for grids in (("surface",), ("fog", "mask"), ("coverage", "density", "surface")):
+        for grids in (("fog", "mask"), ("coverage", "density", "surface")):
             self.expect_same("rod.off", *grids)
 
     def test_shards_of_tets(self):
@@ -374,7 +374,7 @@ class Shards(CommandLineTest):
         return ["part.%d-of-%d.vdb" % (i, count) for i in range(count)]
 
     def test_any_number_in_any_order(self):
-        for count in (3, 16):
+        for count in (3, 16) if SCALE > 1 else (5,):
             order = list(range(count))
             random.Random(count).shuffle(order)
             for i in order:
@@ -388,7 +388,7 @@ class Shards(CommandLineTest):
         levels = ("--lod", "1:12")
         self.succeed("voxelize", "rod.off", "-o", "one.vdb", *self.OPTIONS, *levels)
         one = self.path("one.vdb").read_bytes()
-        for count in (1, 7):
+        for count in (1, 7) if SCALE > 1 else (7,):
             order = list(range(count))
             random.Random(count).shuffle(order)
             for i in order:

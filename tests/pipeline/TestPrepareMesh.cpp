@@ -80,7 +80,7 @@ protected:
     VoxelizeJob limited = job;
     limited.maxMemory = residentBytes() + limit_;
     const VoxelizeJob parts = ofParts(job, prepare(limited));
-    for (const int threads : {1, 3}) {
+    for (const int threads : test::threadCounts({1, 3})) {
       VoxelizeJob one = parts;
       one.threads = threads;
       Report told;

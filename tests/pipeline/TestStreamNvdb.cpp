@@ -51,7 +51,7 @@ TEST_F(StreamNvdb, EachKindOfTriangles) {
   VoxelizeJob half = nvdb(balls, kAll);
   half.half = true;
   half.voxelize.rule = VoxelRule::Centre;
-  expectSame(half, "all, half", {1, 8});
+  expectSame(half, "all, half");
   VoxelizeJob any = nvdb(balls, {GridKind::Mask, GridKind::Density});
   any.voxelize.rule = VoxelRule::Any;
   expectSame(any, "by the rule any", {2});
@@ -117,7 +117,7 @@ TEST_F(StreamNvdb, LevelsOfDetail) {
         joined({sphere({10, -20, 4080}, 130, 16), rod(6000, 12, {-3000, -2600, -2000})}), kinds);
     wanted.output = folder_ / output;
     wanted.levels = {1, 12};
-    expectSame(wanted, "of several cubes", {1, 3});
+    expectSame(wanted, "of several cubes");
     limit_ = std::size_t(250) << 20;
     wanted.levels = {2, 9};
     wanted.half = true;
@@ -152,7 +152,7 @@ TEST_F(StreamNvdb, LevelsOfFields) {
   VoxelizeJob fields = nvdb(mesh, {GridKind::Density, GridKind::Coverage});
   fields.fields.all = true;
   fields.levels = {1, 8};
-  expectSame(fields, "arrays and grids", {1, 3});
+  expectSame(fields, "arrays and grids");
   fields.grids = {};
   limit_ = std::size_t(260) << 20;
   expectSame(fields, "arrays, by a limit", {2});

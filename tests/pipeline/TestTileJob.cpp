@@ -80,7 +80,7 @@ protected:
     }
   }
 
-  std::vector<int> threads_{1, 3};
+  std::vector<int> threads_ = test::threadCounts({1, 3});
 };
 
 TriangleMesh aligned(const Vec3d& low, const Vec3d& high) {
@@ -182,7 +182,7 @@ TEST_F(TileJob, LevelsOfTilesAreThoseOfTheWhole) {
 
 class TreeTiles : public TileJob {
 protected:
-  TreeTiles() { threads_ = {1, 8}; }
+  TreeTiles() { threads_ = test::threadCounts({1, 8}); }
 };
 
 using Kinds = std::vector<GridKind>;

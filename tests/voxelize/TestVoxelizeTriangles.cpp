@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "TestScale.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoundaryWinding.h"
@@ -57,9 +58,14 @@ bool above(double w) {
   return w > 0.5;
 }
 
-// Every voxel of the mesh's box, grown by `margin` voxels, against the definition.
+// Every voxel of the mesh's box, grown by `margin` voxels, against the definition; half as many
+// along each axis where tests are not scaled up.
 void expectByWinding(const TriangleMesh& mesh, const SolidOptions& solid, int resolution,
                      const Rule& inside, int margin = 6) {
+  if (test::scale() == 1) {
+    resolution /= 2;
+    margin /= 2;
+  }
   const Voxelization result = run(mesh, solid, maskOf(resolution));
   const auto accessor = maskGrid(result).getConstAccessor();
   const double h = result.transform.voxelSize[0];

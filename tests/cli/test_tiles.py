@@ -297,6 +297,9 @@ class Tiles(Volumes):
         options = ("a.vtu", *self.OPTIONS, "--grid", "tet_id,T,vel", "--tile-size", 512)
         self.succeed("voxelize", *options, "--tiles", "trees")
         self.expect_within("300M", self.contents("trees"), *options)  # trees take 0.6 GB
+        options = ("a.vtu", *self.OPTIONS, "--grid", "T", "--tile-size", 512)
+        self.succeed("voxelize", *options, "--tiles", "trees")
+        self.expect_within("230M", self.contents("trees"), *options)  # 110 MB, and what tiles copy of them
 
 
 def shares(voxels, k):

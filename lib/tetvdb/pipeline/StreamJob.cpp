@@ -68,7 +68,8 @@ public:
   bool isNeeded(const SolidFaces& faces) {
     estimate_ = estimateByBoundary(faces.snapped, faces.chain);
     return mustStream(job_) || (fasterWins_ && estimate_.leaves >= kFasterFrom) ||
-           tetvdb::bytesOf(faces) + bytesOf(estimate_) > static_cast<double>(limit_);
+           tetvdb::bytesOf(faces) + bytesWithCopies(job_, bytesOf(estimate_)) >
+               static_cast<double>(limit_);
   }
   // The same, of a box that bounds everything.
   bool mayBeNeeded(const WorldBox& box) const {
@@ -81,7 +82,8 @@ public:
     }
     const double surface = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0]);
     return mustStream(job_) || (fasterWins_ && surface >= kFasterFrom / 2) ||
-           bytesOf(TreeEstimate{leaves, lowers}) > static_cast<double>(limit_) / 4;
+           bytesWithCopies(job_, bytesOf(TreeEstimate{leaves, lowers})) >
+               static_cast<double>(limit_) / 4;
   }
   double surfaceVoxels() const { return estimate_.leaves * kLeafSize * kLeafSize; }
 

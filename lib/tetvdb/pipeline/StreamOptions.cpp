@@ -38,6 +38,10 @@ std::size_t streamLimit(const VoxelizeJob& job) {
   return job.maxMemory != 0 ? memoryLeft(job.maxMemory) : availableBytes();
 }
 
+double bytesWithCopies(const VoxelizeJob& job, double trees) {
+  return job.tileSize > 0 ? 2 * trees : trees;
+}
+
 VoxelizeOptions streamOptions(const VoxelizeJob& job) {
   VoxelizeOptions options = job.voxelize;
   options.grids = job.grids;

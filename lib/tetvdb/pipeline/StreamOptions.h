@@ -30,6 +30,9 @@ bool mustStream(const VoxelizeJob& job);
 /// Bytes that the job may still take.
 std::size_t streamLimit(const VoxelizeJob& job);
 
+/// What whole trees of so many bytes take in all: tiles are made of copies of their nodes.
+double bytesWithCopies(const VoxelizeJob& job, double trees);
+
 /// The job's options for all of its grids.
 VoxelizeOptions streamOptions(const VoxelizeJob& job);
 

@@ -168,12 +168,13 @@ public:
     kinds.resize(kinds.size() + job.fields.requests.size() + (job.fields.all ? 64 : 0) + 1,
                  GridKind::Density);
     const TreeEstimate trees{leaves, leaves / 64 + 64};
-    return mustStream(job) || trees.bytes(kinds) + trees.levelBytes(job.levels, kinds.size()) >
-                                  static_cast<double>(streamLimit(job)) / 2;
+    return mustStream(job) ||
+           bytesWithCopies(job, trees.bytes(kinds) + trees.levelBytes(job.levels, kinds.size())) >
+               static_cast<double>(streamLimit(job)) / 2;
   }
   // `bytes`: of whole trees.
   static bool isNeeded(const VoxelizeJob& job, double bytes) {
-    return mustStream(job) || bytes > static_cast<double>(streamLimit(job));
+    return mustStream(job) || bytesWithCopies(job, bytes) > static_cast<double>(streamLimit(job));
   }
 
   // What the grids are found from, prepared for all boxes. `distances` is trimmed where level sets

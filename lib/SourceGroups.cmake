@@ -40,23 +40,6 @@ function(find_openvdb_users result lib)
   set(${result} ${users} PARENT_SCOPE)
 endfunction()
 
-# Those sources of the library in `lib` that include OpenVDB.
-function(find_openvdb_users result lib)
-  file(GLOB_RECURSE headers ${lib}/*.h)
-  set(openvdb_headers none)
-  set(users none)
-  while(users)
-    find_users(users "${openvdb_headers}" ${headers})
-    if(users)
-      list(REMOVE_ITEM headers ${users})
-      list(TRANSFORM users REPLACE "^${lib}/(include/)?" "")
-      list(APPEND openvdb_headers ${users})
-    endif()
-  endwhile()
-  find_users(users "${openvdb_headers}" ${ARGN})
-  set(${result} ${users} PARENT_SCOPE)
-endfunction()
-
 # Groups sources of the library in `lib`, `size` at a time, in the CMake folder that calls this.
 # `name`: of the groups, besides the folder's.
 function(set_unity_groups name size lib)

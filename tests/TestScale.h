@@ -14,8 +14,8 @@ inline int scale() {
   return said == nullptr ? 1 : std::atoi(said);
 }
 
-/// All of these numbers of threads, or the last one where tests are not scaled up: what is compared
-/// with it was made by another number, that of the processors.
+/// All of these numbers of threads, or the last one where tests are not scaled up. What is compared
+/// with theirs is made by as many threads as there are processors, which are seldom 3 or 7.
 inline std::vector<int> threadCounts(std::vector<int> counts) {
   return scale() > 1 ? std::move(counts) : std::vector<int>{counts.back()};
 }

@@ -26,6 +26,9 @@ using meshes::kuhnGrid;
 using nano::GridType;
 using nano::Method;
 
+/// Of balls that reach through several upper nodes, in voxels.
+const double kLargeRadius = test::scale() > 1 ? 900 : 400;
+
 std::string twinHash(const TetMesh& mesh, const nano::Job& job) {
   nano::HostTwin twin;
   return hashOf(twin.run(viewOf(mesh), job));
@@ -107,7 +110,7 @@ TEST(HostTwin, DenseMasks) {
               cpuHash(mesh, GridKind::Mask, {}));
   };
   check(meshes::ball(6, 200, {0, 0, 0}));
-  check(meshes::ball(3, 400, {4000, -4000, 8100}));
+  check(meshes::ball(3, kLargeRadius, {4000, -4000, 8100}));
   check(meshes::scaled(kuhnGrid(2, 2, 2), 127, {-128, -128, -128}));
   // Sheared: faces all but parallel to z, and slivers.
   for (const double shear : {0x1p-20, 0x1p-14, 1e-3})
@@ -221,7 +224,7 @@ TEST(HostTwin, FilesFromBuffersAreThoseOfTrees) {
 TEST(HostTwin, BuffersAreDescribedAsTheirTrees) {
   nano::HostTwin twin;
   for (const TetMesh& mesh :
-       {meshes::ball(5, 90, {10, 20, 30}), meshes::ball(3, 400, {-7, 4000, 0}),
+       {meshes::ball(5, 90, {10, 20, 30}), meshes::ball(3, kLargeRadius, {-7, 4000, 0}),
         meshes::scaled(kuhnGrid(2, 2, 2), 64), meshes::scaled(kuhnGrid(1, 1, 1), 0.1)})
     for (const GridType type : {GridType::Mask, GridType::Bool, GridType::Fog, GridType::Owner}) {
       nano::Job job = jobFor(type, Method::Auto, {{0.5, 0.5, 0.5}, {1, 2, 3}});

@@ -77,7 +77,7 @@ protected:
 
   // Makes the job both ways.
   void expectSame(VoxelizeJob job, const std::string& what,
-                  const std::vector<int>& threadCounts = test::threadCounts({1, 8})) {
+                  const std::vector<int>& threadCounts = test::threadCounts({1, 7})) {
     VoxelizeResult tree, stream;
     std::vector<std::string> treeWarnings, streamWarnings;
     const std::string expected = make(job, Streaming::Never, &tree, &treeWarnings);

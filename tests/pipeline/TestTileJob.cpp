@@ -182,7 +182,7 @@ TEST_F(TileJob, LevelsOfTilesAreThoseOfTheWhole) {
 
 class TreeTiles : public TileJob {
 protected:
-  TreeTiles() { threads_ = test::threadCounts({1, 8}); }
+  TreeTiles() { threads_ = test::threadCounts({1, 7}); }
 };
 
 using Kinds = std::vector<GridKind>;

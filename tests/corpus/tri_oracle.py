@@ -28,6 +28,8 @@ class Mesh:
 
     def __init__(self):
         self.points, self.polygons, self.cut = [], [], False
+        # Of beams and balls: numbers of points and triangles, volumes, and what their triangles' terms add up to.
+        self.lattice = []
 
     def result(self):
         points = [p if p and all(map(math.isfinite, p)) else None for p in self.points]
@@ -43,8 +45,9 @@ class Mesh:
                 terms.append((a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
                               + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6)
         partial = self.cut or len(good) < len(self.polygons)
-        return ("partial" if partial else "mesh", len(points), len(terms), len(good),
-                math.fsum(terms), math.fsum(map(abs, terms)))
+        more_points, triangles, volume, absolute = (math.fsum(column) for column in zip((0,) * 4, *self.lattice))
+        return ("partial" if partial else "mesh", len(points) + int(more_points), len(terms) + int(triangles),
+                len(good) + int(triangles), math.fsum(terms) + volume, math.fsum(map(abs, terms)) + absolute)
 
 
 def number(word):
@@ -180,6 +183,29 @@ def ply(data):
     return mesh
 
 
+def lattice(mesh, object_, points):
+    """The frusta of an object's beams, and a ball at every vertex that some of them end at: 16 sides, 320 faces."""
+    settings = next(e for e in object_.iter() if e.tag.endswith("}beamlattice"))
+    assert settings.get("cap", "sphere") == "sphere" and not settings.get("clippingmode")
+    balls = {}
+    for e in object_.iter():
+        if not e.tag.endswith("}beam"):
+            continue
+        first = float(e.get("r1", settings.get("radius")))
+        radii = first, float(e.get("r2", first))
+        ends = int(e.get("v1")), int(e.get("v2"))
+        for end, radius in zip(ends, radii):
+            balls[end] = max(balls.get(end, 0), radius)
+        a, b = (points[end] for end in ends)
+        length = math.dist(a, b)
+        side = math.pi * sum(radii) * math.hypot(length, radii[0] - radii[1])
+        volume = math.pi * length * (radii[0] ** 2 + radii[0] * radii[1] + radii[1] ** 2) / 3
+        mesh.lattice.append((2 * 16 + 2, 4 * 16, volume, side * math.hypot(*a) / 3))
+    for vertex, radius in balls.items():
+        mesh.lattice.append((162, 320, 4 / 3 * math.pi * radius ** 3,
+                             4 / 3 * math.pi * radius ** 2 * math.hypot(*points[vertex])))
+
+
 def threemf(path):
     archive = zipfile.ZipFile(path)
     name = next(n for n in archive.namelist() if n.endswith(".model"))
@@ -210,7 +236,10 @@ def threemf(path):
             mesh.points.append(p)
         mesh.polygons += [[base + int(t.get(k)) for k in ("v1", "v2", "v3")]
                           for t in object_.iter(core + "triangle")]
-        mesh.cut = mesh.cut or any(e.tag.endswith("}beam") for e in object_.iter())
+        if any(e.tag.endswith("}beam") for e in object_.iter()):
+            lattice(mesh, object_, mesh.points[base:])
+            if not any(object_.iter(core + "triangle")): # its vertices are those of beams alone
+                del mesh.points[base:]
 
     for item in root.iter(core + "item"):
         add(objects[item.get("objectid")], [matrix(item.get("transform"))])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "TriangleMeshes.h"
 #include "io/TriangleSamples.h"
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/io/formats/threemf/ThreeMfReader.h"
 #include "tetvdb/io/text/ZipDirectory.h"
 #include "tetvdb/io/text/ZipWriter.h"
@@ -128,6 +129,70 @@ TEST(ThreeMfReader, MirroredObjectsStayOutward) {
                             item(2, "-1 0 0 0 1 0 0 0 1 0 0 0"))));
   EXPECT_NEAR(meshes::signedVolume(twice.mesh), 1.0 / 6, 1e-12);
   EXPECT_EQ(twice.mesh.triangles, cornerTetrahedron().triangles);
+}
+
+std::string lattice(const std::string& attributes, const std::string& lists) {
+  return "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"9\" y=\"0\" "
+         "z=\"0\"/></vertices>"
+         "<b:beamlattice minlength=\"0.1\" " +
+         attributes + ">" + lists + "</b:beamlattice></mesh>";
+}
+std::string beams(const std::string& attributes) {
+  return "<b:beams><b:beam v1=\"0\" v2=\"1\" " + attributes + "/></b:beams>";
+}
+Reading latticeReading(const std::string& attributes, const std::string& lists) {
+  return reading(readThreeMf, archive(model(object(1, lattice(attributes, lists)), item(1))));
+}
+
+TEST(ThreeMfReader, BeamLattices) {
+  const double ball = 4 * kPi / 3;
+  const auto expect = [&](const std::string& attributes, const std::string& lists, double volume) {
+    const Reading read = latticeReading(attributes, lists);
+    ASSERT_EQ(read.error, "");
+    EXPECT_NEAR(meshes::signedVolume(read.mesh), volume, 1e-9 * volume) << attributes << lists;
+    EXPECT_EQ(read.codes(), "");
+    EXPECT_FALSE(read.report.partial);
+  };
+  expect(R"(radius="1" cap="butt")", beams(""), 9 * kPi);
+  expect(R"(radius="1")", beams(""), 9 * kPi + 2 * ball);
+  expect(R"(radius="1" cap="butt")", beams(R"(r1="2")"), 36 * kPi);
+  expect(R"(radius="1" cap="butt")", beams(R"(r2="2")"), 21 * kPi);
+  expect(R"(radius="1" cap="butt")", beams(R"(cap2="sphere")"), 9 * kPi + ball);
+  expect(R"(radius="1" cap="butt" ballmode="all" ballradius="2")", beams(""), 9 * kPi + 16 * ball);
+  expect(R"(radius="1" cap="butt" ballmode="mixed" ballradius="2")",
+         beams("") + R"(<b:balls><b:ball vindex="1"/></b:balls>)", 9 * kPi + 8 * ball);
+  expect(R"(radius="1" cap="butt" ballmode="mixed" ballradius="2")",
+         beams("") + R"(<b:balls><b:ball vindex="1" r="3"/></b:balls>)", 9 * kPi + 27 * ball);
+}
+
+TEST(ThreeMfReader, WhatOfLatticesIsNotAsInTheFile) {
+  const Reading bad = latticeReading(
+      R"(radius="1")",
+      beams("") + R"(<b:beams><b:beam v1="0" v2="7"/><b:beam v1="0" v2="1" r1="x"/></b:beams>)");
+  EXPECT_EQ(bad.codes(), "beams");
+  EXPECT_NE(bad.report.warnings[0].text.find("2 beams"), std::string::npos);
+  EXPECT_TRUE(bad.report.partial);
+  for (const char* attribute : {"clippingmode", "clipping"}) {
+    const Reading clipped = latticeReading(
+        std::string(R"(radius="1" clippingmesh="2" )") + attribute + "=\"inside\"", beams(""));
+    EXPECT_EQ(clipped.codes(), "beams");
+    EXPECT_NE(clipped.report.warnings[0].text.find("1 beams of lattices are whole"),
+              std::string::npos);
+    EXPECT_TRUE(clipped.report.partial);
+  }
+  // The mesh that represents a lattice is taken for it.
+  const Reading shown = reading(
+      readThreeMf,
+      archive(model(
+          object(2, kMesh) +
+              object(
+                  1,
+                  lattice(
+                      R"(radius="1" clippingmode="inside" clippingmesh="2" representationmesh="2")",
+                      beams(""))),
+          item(1, "2 0 0 0 1 0 0 0 1 0 0 0"))));
+  EXPECT_EQ(shown.codes(), "");
+  EXPECT_NEAR(meshes::signedVolume(shown.mesh), 2.0 / 6, 1e-12);
 }
 
 TEST(ThreeMfReader, Units) {

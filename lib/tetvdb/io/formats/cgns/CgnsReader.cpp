@@ -297,11 +297,12 @@ private:
     return static_cast<std::uint32_t>(node - 1);
   }
 
-  /// One element, whose nodes are checked.
+  /// One element, whose nodes are checked, but for those of flat elements that are not needed: some
+  /// writers leave them 0 and name the solid elements beside them instead.
   void addElement(CellKind kind, const cgsize_t* nodes, CellMesh& mesh) {
     if (options_.faces)
       kind.kept = std::max(kind.kept, polygonCorners(kind));
-    for (std::uint32_t i = 0; i < kind.nodes; ++i) {
+    for (std::uint32_t i = 0; i < (kind.type == CellType::Flat ? kind.stored() : kind.nodes); ++i) {
       const std::uint32_t point = pointOf(nodes[i], mesh);
       if (i < kind.stored())
         mesh.nodes.push_back(point);

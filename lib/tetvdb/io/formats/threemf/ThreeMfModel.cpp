@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Format: 3MF Consortium, "3D Manufacturing Format Core Specification" and "Production Extension".
+// Format: 3MF Consortium, "3D Manufacturing Format Core Specification", "Production Extension" and
+// "Beam Lattice Extension".
 #include "tetvdb/io/formats/threemf/ThreeMfModel.h"
 
 #include "tetvdb/core/Constants.h"
@@ -79,9 +80,56 @@ private:
         object_->components.push_back(reference());
     } else if (name == "item" && parent == "build") {
       model_.items.push_back(reference());
-    } else if (name == "beam" && parent == "beams") {
-      ++model_.beams;
+    } else if (object_ != nullptr && in_.around(2) == "beamlattice") {
+      readLattice(name, parent);
+    } else if (object_ != nullptr && name == "beamlattice" && parent == "mesh") {
+      beginLattice();
     }
+  }
+
+  void beginLattice() {
+    BeamLattice& lattice = object_->lattice;
+    // The first files have other names for two attributes.
+    const auto either = [&](const char* name, const char* earlier) {
+      const std::string_view value = in_.attribute(name);
+      return value.empty() ? in_.attribute(earlier) : value;
+    };
+    const std::string_view clipping = either("clippingmode", "clipping");
+    lattice.clipped = !clipping.empty() && clipping != "none";
+    lattice.representation = either("representationmesh", "representation");
+    radius_ = real("radius");
+    cap_ = capOf("cap", BeamCap::Sphere);
+    ballRadius_ = real("ballradius");
+    ballsEverywhere_ = in_.attribute("ballmode") == "all";
+  }
+
+  /// The elements of a lattice's lists.
+  void readLattice(std::string_view name, std::string_view parent) {
+    const auto realOr = [&](const char* attribute, double other) {
+      return in_.attribute(attribute).empty() ? other : real(attribute);
+    };
+    BeamLattice& lattice = object_->lattice;
+    if (name == "beam" && parent == "beams") {
+      Beam beam;
+      beam.ends = {index("v1"), index("v2")};
+      beam.radius[0] = realOr("r1", radius_);
+      beam.radius[1] = realOr("r2", beam.radius[0]);
+      beam.cap = {capOf("cap1", cap_), capOf("cap2", cap_)};
+      lattice.beams.push_back(beam);
+      if (ballsEverywhere_)
+        for (const std::uint32_t end : beam.ends)
+          lattice.balls.push_back({end, ballRadius_});
+    } else if (name == "ball" && parent == "balls") {
+      lattice.balls.push_back({index("vindex"), realOr("r", ballRadius_)});
+    }
+  }
+
+  BeamCap capOf(const char* attribute, BeamCap other) const {
+    const std::string_view cap = in_.attribute(attribute);
+    return cap == "sphere"       ? BeamCap::Sphere
+           : cap == "hemisphere" ? BeamCap::Hemisphere
+           : cap == "butt"       ? BeamCap::Butt
+                                 : other;
   }
 
   static std::string units(std::string_view name) {
@@ -134,6 +182,10 @@ private:
   XmlScanner in_;
   ThreeMfModel model_;
   ThreeMfObject* object_ = nullptr; ///< the current object
+  // Of its lattice, for beams and balls without their own.
+  double radius_ = 0, ballRadius_ = 0;
+  BeamCap cap_ = BeamCap::Sphere;
+  bool ballsEverywhere_ = false;
 };
 
 } // namespace

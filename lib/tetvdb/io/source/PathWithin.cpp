@@ -23,6 +23,10 @@ void allowReferencesOutside(bool allowed) {
   outsideAllowed = allowed;
 }
 
+bool areReferencesAllowedOutside() {
+  return outsideAllowed;
+}
+
 std::string pathWithin(const std::string& path, const std::string& name) {
   std::string slashes = name;
   for (char& c : slashes) // in files written on Windows

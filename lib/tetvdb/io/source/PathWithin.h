@@ -17,5 +17,6 @@ std::string pathWithin(const std::string& path, const std::string& name);
 /// Whether the files that this process reads may refer to files outside of their folders; false
 /// from the start. Thread-safe; meant to be called before anything is read.
 void allowReferencesOutside(bool allowed);
+bool areReferencesAllowedOutside();
 
 } // namespace tetvdb

@@ -62,4 +62,19 @@ NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::strin
   return arrays;
 }
 
+std::vector<std::uint64_t> hdf5Shape(const Hdf5Dataset& dataset, const std::string& path,
+                                     Report& report, Progress& progress) {
+  const NumberArrays found = readArraysIsolated(
+      [&](Report&, Progress&) {
+        const std::vector<std::uint64_t> shape = Hdf5File(dataset.file).shape(dataset.path);
+        return NumberArrays{std::vector<std::int64_t>(shape.begin(), shape.end())};
+      },
+      path, {std::uint64_t(2) << 30, 60}, report, progress);
+  const auto* shape =
+      found.size() == 1 ? std::get_if<std::vector<std::int64_t>>(&found.front()) : nullptr;
+  if (shape == nullptr || std::any_of(shape->begin(), shape->end(), [](auto n) { return n < 0; }))
+    throw Error(Status::Invalid, path, "its HDF5 file cannot be read");
+  return {shape->begin(), shape->end()};
+}
+
 } // namespace tetvdb

@@ -31,4 +31,8 @@ struct Hdf5Dataset {
 NumberArrays readHdf5(const std::vector<Hdf5Dataset>& datasets, const std::string& path,
                       Report& report, Progress& progress);
 
+/// The lengths of a dataset's dimensions, read likewise.
+std::vector<std::uint64_t> hdf5Shape(const Hdf5Dataset& dataset, const std::string& path,
+                                     Report& report, Progress& progress);
+
 } // namespace tetvdb

@@ -11,7 +11,6 @@
 #include "tetvdb/io/formats/xdmf/XdmfReader.h"
 #include "tetvdb/io/formats/xdmf/XdmfShapes.h"
 #include "tetvdb/io/source/Advice.h"
-#include "tetvdb/io/source/Hdf5File.h"
 #include "tetvdb/io/source/PathWithin.h"
 #include "tetvdb/io/text/NumberParser.h"
 #include "tetvdb/mesh/SpooledMesh.h"
@@ -106,7 +105,7 @@ private:
     rows.dataset.path = text.substr(colon + 1);
     if (rows.dataset.path.front() != '/')
       rows.dataset.path.insert(rows.dataset.path.begin(), '/');
-    rows.shape = shapeOf(rows.dataset);
+    rows.shape = hdf5Shape(rows.dataset, source_.path, report_, progress_);
     if (rows.shape.empty() || rows.shape.size() > 2)
       fail(item, "a dataset of " + std::to_string(rows.shape.size()) + " dimensions");
     rows.numbers = product(item, rows.shape);
@@ -134,21 +133,6 @@ private:
       all *= factor;
     }
     return all;
-  }
-
-  // By a child process, as the numbers.
-  std::vector<std::uint64_t> shapeOf(const Hdf5Dataset& dataset) const {
-    const NumberArrays found = readArraysIsolated(
-        [&](Report&, Progress&) {
-          const std::vector<std::uint64_t> shape = Hdf5File(dataset.file).shape(dataset.path);
-          return NumberArrays{std::vector<std::int64_t>(shape.begin(), shape.end())};
-        },
-        source_.path, {std::uint64_t(2) << 30, 60}, report_, progress_);
-    const auto* shape =
-        found.size() == 1 ? std::get_if<std::vector<std::int64_t>>(&found.front()) : nullptr;
-    if (shape == nullptr || std::any_of(shape->begin(), shape->end(), [](auto n) { return n < 0; }))
-      throw Error(Status::Invalid, source_.path, "its HDF5 file cannot be read");
-    return {shape->begin(), shape->end()};
   }
 
   // Calls take(values, first row) for rows of `width` numbers, some at a time.

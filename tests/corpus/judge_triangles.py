@@ -51,6 +51,8 @@ UNDECIDED = 1e-4  # winding numbers this near to 0.5 are not judged
 ROUGH = 0.02  # the same where the program says that it only looked roughly (warning rough-winding)
 TOUCHING = 1e-5  # voxels: centres this near to a face are judged on the lattice
 LATTICE = 2.0 ** 20
+# Made of beams, which the parsers count and do not make: tests/io/formats/threemf/TestBeamLattice.cpp has them.
+LATTICES = {"3mf-samples__spinal_implant.3mf"}
 LARGE = 150000  # bytes: of files from here on one in four is judged, by their names, and all by SCALE 4
 
 # Right to be refused without --shell, by what they look like.
@@ -421,7 +423,7 @@ def main(names):
         print("SKIPPED: TETVDB_CORPUS is not set")
         return 77
     folder = os.path.join(corpus, "tri")
-    paths = [os.path.join(folder, name) for name in names or os.listdir(folder)]
+    paths = [os.path.join(folder, name) for name in names or set(os.listdir(folder)) - LATTICES]
     if not names:
         paths = [path for path in paths
                  if os.path.getsize(path) < LARGE or zlib.crc32(os.path.basename(path).encode()) % 4 < SCALE]

@@ -99,19 +99,56 @@ private:
 
   void orient() {
     FaceSides sides(*keptMesh_, *edges_, progress_);
+    const bool isPlain = !dropsFaces() && isTwoSided(*edges_);
+    if (!isPlain && !dropsFaces()) {
+      measureFile(sides.patches(), openEdgesOfFile());
+      if (file_ && file_->field.isSolid())
+        return keepFile(false);
+      if (file_)
+        sides.setScene(file_->scene);
+    }
     sides.alignPatches(kept_.withoutSide);
     sides.alignByVisibility(progress_);
     sides.turnShells(progress_);
     turned_ = sides.turned();
     result_.turnedShells = sides.turnedShells();
     result_.insideOut = sides.insideOut();
-    if (dropsFaces() || !isTwoSided(*edges_))
+    if (!isPlain)
       judge(sides);
     if (result_.turned.empty() && !keepsFile_) {
       result_.turned.assign(mesh_.triangleCount(), 0);
       for (std::size_t face = 0; face < turned_.size(); ++face)
         result_.turned[kept_.was[face]] = turned_[face];
     }
+  }
+
+  // The input's own winding numbers, and where.
+  struct FileField {
+    explicit FileField(const TriangleMesh& mesh) : scene(mesh) {}
+    TriangleScene scene;
+    std::size_t asked = 0; ///< samples
+    WindingSamples samples;
+    SolidField field;
+  };
+
+  std::size_t openEdgesOfFile() const {
+    const std::vector<std::uint32_t> one(mesh_.triangleCount(), 0);
+    return GroupWinding::openEdges(fileEdges_, one, std::vector<std::uint8_t>(one.size(), 0));
+  }
+
+  // Sets file_, to nothing where boundary edges are too many for a decision by the field.
+  void measureFile(const FacePatches& patches, std::size_t openEdges) {
+    std::size_t count = std::min(kMaxSamples, kMaxWork / std::max<std::size_t>(openEdges, 1));
+    count = std::min(count, kMaxValues / std::max(patches.patchCount(), 1u));
+    if (count < kMinSamples)
+      return file_.reset();
+    if (!file_)
+      file_.emplace(mesh_);
+    if (file_->asked == count)
+      return;
+    file_->asked = count;
+    file_->samples = windingSamples(*keptMesh_, patches.patchOf, patches.patchCount(), count);
+    file_->field = fileField(mesh_, fileEdges_, file_->scene, file_->samples, progress_);
   }
 
   // Of all faces, in the orientation of the file.
@@ -144,24 +181,19 @@ private:
   void judge(const FaceSides& sides) {
     const FacePatches& patches = sides.patches();
     const std::uint32_t patchCount = patches.patchCount();
-    const std::vector<std::uint8_t> none(mesh_.triangleCount(), 0);
-    const std::vector<std::uint32_t> one(mesh_.triangleCount(), 0);
-    const std::size_t open = std::max(GroupWinding::openEdges(fileEdges_, one, none),
-                                      GroupWinding::openEdges(*edges_, patches.patchOf, turned_));
-    std::size_t count = std::min(kMaxSamples, kMaxWork / std::max<std::size_t>(open, 1));
-    count = std::min(count, kMaxValues / std::max(patchCount, 1u));
-    if (count < kMinSamples)
-      return; // too many boundary edges: no decision by the field
-    const WindingSamples samples = windingSamples(*keptMesh_, patches.patchOf, patchCount, count);
-    std::optional<TriangleScene> keptScene;
-    const TriangleScene fileScene(mesh_);
-    const SolidField file = fileField(mesh_, fileEdges_, fileScene, samples, progress_);
+    measureFile(patches, std::max(openEdgesOfFile(),
+                                  GroupWinding::openEdges(*edges_, patches.patchOf, turned_)));
+    if (!file_)
+      return;
+    const WindingSamples& samples = file_->samples;
+    const SolidField& file = file_->field;
     if (file.isSolid() && !dropsFaces())
       return keepFile(false);
 
+    std::optional<TriangleScene> keptScene;
     if (dropsFaces())
       keptScene.emplace(*keptMesh_);
-    const TriangleScene& scene = keptScene ? *keptScene : fileScene;
+    const TriangleScene& scene = keptScene ? *keptScene : file_->scene;
     const GroupWinding groups(*keptMesh_, *edges_, scene, patches.patchOf, patchCount, turned_,
                               samples.points, progress_);
     SolidField field = sumOf(groups, patchCount);
@@ -255,6 +287,7 @@ private:
   const TriangleMesh* keptMesh_;     ///< kept_.mesh, or mesh_ if every face is kept
   const EdgeTable* edges_;           ///< of *keptMesh_
   std::vector<std::uint8_t> turned_; ///< by kept face
+  std::optional<FileField> file_;
   bool keepsFile_ = false;
   FaceDecision result_;
 };

@@ -45,8 +45,10 @@ Vec3d FaceSides::centroid(std::uint32_t face) const {
 }
 
 const TriangleScene& FaceSides::scene() {
-  if (!scene_)
-    scene_ = std::make_unique<TriangleScene>(mesh_);
+  if (scene_ == nullptr) {
+    ownScene_ = std::make_unique<TriangleScene>(mesh_);
+    scene_ = ownScene_.get();
+  }
   return *scene_;
 }
 

@@ -23,6 +23,10 @@ class FaceSides {
 public:
   FaceSides(const TriangleMesh& mesh, const EdgeTable& edges, Progress& progress);
 
+  /// A scene of the mesh, for rays; without it the first step that needs one builds it. It must
+  /// outlive this.
+  void setScene(const TriangleScene& scene) { scene_ = &scene; }
+
   /// Orients the faces of each orientable patch consistently. Keeps the orientation of the larger
   /// area, not counting faces with `withoutSide` 1 (by face; may be empty).
   void alignPatches(const std::vector<std::uint8_t>& withoutSide);
@@ -58,7 +62,7 @@ private:
   void eachPatchAt(std::uint32_t edge, const Visit& visit) const;
   void findShells();
 
-  /// Of the given mesh; built on the first call.
+  /// Of the given mesh; built on the first call where none was given.
   const TriangleScene& scene();
   /// Direction `number` of a fixed set for a face, of length 1.
   static Vec3d directionFrom(std::uint32_t face, std::uint32_t number);
@@ -100,7 +104,8 @@ private:
   /// balances by itself only touches the others: two boxes with a common edge are two shells.
   std::vector<std::uint32_t> shellOf_;
   std::uint32_t shellCount_ = 0;
-  std::unique_ptr<TriangleScene> scene_;
+  std::unique_ptr<TriangleScene> ownScene_;
+  const TriangleScene* scene_ = nullptr;
   std::size_t turnedShells_ = 0;
   bool insideOut_ = false;
 };

@@ -20,13 +20,14 @@ herr_t refuseLink(const char*, const char*, const char*, const char*, unsigned*,
   return -1;
 }
 
-hid_t openBytes(const Source& source) {
+/// `flags`: with H5F_ACC_RDWR changes stay in memory.
+hid_t openBytes(const Source& source, unsigned flags) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access.get(), std::size_t(1) << 20, 0);
   if (H5Pset_file_image(access.get(), const_cast<char*>(source.bytes.data()), source.bytes.size()) <
       0)
     return -1;
-  return H5Fopen("bytes", H5F_ACC_RDONLY, access.get());
+  return H5Fopen("bytes", flags, access.get());
 }
 
 void beCareful() {
@@ -149,7 +150,7 @@ struct Hdf5File::State {
 Hdf5File::Hdf5File(const Source& source) {
   beCareful();
   const hid_t opened = source.isMapped ? H5Fopen(source.path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)
-                                       : openBytes(source);
+                                       : openBytes(source, H5F_ACC_RDONLY);
   state_ = std::make_unique<State>(source.path, opened, static_cast<double>(source.bytes.size()));
 }
 
@@ -285,6 +286,30 @@ std::optional<std::int64_t> Hdf5File::integer(const std::string& group,
   if (H5Aread(opened.get(), H5T_NATIVE_INT64, numbers) < 0)
     return {};
   return numbers[0];
+}
+
+std::vector<ByteChange> changesForNumber(const Source& source, const std::string& dataset,
+                                         double number) {
+  beCareful();
+  const Handle file(openBytes(source, H5F_ACC_RDWR), H5Fclose);
+  const Handle opened(file ? H5Dopen2(file.get(), dataset.c_str(), H5P_DEFAULT) : -1, H5Dclose);
+  const Handle space(opened ? H5Dget_space(opened.get()) : -1, H5Sclose);
+  std::string image(source.bytes.size(), '\0');
+  if (!space || H5Sget_simple_extent_npoints(space.get()) != 1 ||
+      H5Dwrite(opened.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, &number) < 0 ||
+      H5Fflush(file.get(), H5F_SCOPE_GLOBAL) < 0 ||
+      H5Fget_file_image(file.get(), image.data(), image.size()) !=
+          static_cast<ssize_t>(image.size()))
+    throw Error(Status::Invalid, source.path + ":" + dataset, "the number cannot be replaced",
+                kCut);
+  // The superblock is the same, but the library gives it the checksum of one of a file that is
+  // open.
+  constexpr std::size_t superblock = 48;
+  std::vector<ByteChange> changes;
+  for (std::size_t i = superblock; i < image.size(); ++i)
+    if (image[i] != source.bytes[i])
+      changes.push_back({i, image[i]});
+  return changes;
 }
 
 } // namespace tetvdb

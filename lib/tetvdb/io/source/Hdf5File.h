@@ -54,4 +54,15 @@ private:
   std::unique_ptr<State> state_;
 };
 
+/// A byte of a file.
+struct ByteChange {
+  std::uint64_t position = 0;
+  char value = 0;
+};
+
+/// The bytes that differ in the same file with another number in a dataset of one: the number's own
+/// and checksums. Needs as much memory as the file; for a child process. Throws Error(Invalid).
+std::vector<ByteChange> changesForNumber(const Source& source, const std::string& dataset,
+                                         double number);
+
 } // namespace tetvdb

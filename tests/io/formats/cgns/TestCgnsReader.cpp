@@ -4,8 +4,10 @@
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/cgns/CgnsReader.h"
 
+#define H5_USE_110_API
 #include <cgnslib.h>
 #include <cstdio>
+#include <hdf5.h>
 #include <unistd.h>
 
 namespace tetvdb {
@@ -74,6 +76,28 @@ public:
     return readFile(path_);
   }
 
+  /// As a later library would have written an HDF5 file: from version 4.1 on in object headers,
+  /// which have checksums.
+  void setVersion(float version, H5D_layout_t layout) {
+    close();
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS), creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+    H5Pset_layout(creation, layout);
+    const hid_t opened = H5Fopen(path_.c_str(), H5F_ACC_RDWR, access);
+    const char* const name = "/CGNSLibraryVersion/ data";
+    ASSERT_GE(H5Ldelete(opened, name, H5P_DEFAULT), 0);
+    const hsize_t one = 1;
+    const hid_t space = H5Screate_simple(1, &one, nullptr);
+    const hid_t data =
+        H5Dcreate2(opened, name, H5T_IEEE_F32LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    ASSERT_GE(H5Dwrite(data, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, &version), 0);
+    H5Dclose(data);
+    H5Sclose(space);
+    ASSERT_GE(H5Fclose(opened), 0);
+    H5Pclose(creation);
+    H5Pclose(access);
+  }
+
   int file = -1, base = 0;
 
 private:
@@ -114,6 +138,45 @@ TEST_P(CgnsKinds, SectionsAndSolutions) {
                            bytes.substr(0, static_cast<std::size_t>(share * double(bytes.size())))),
               "")
         << share;
+}
+
+// Some writers name the solid elements beside a boundary's in place of its points.
+TEST_P(CgnsKinds, BoundariesWithoutPoints) {
+  Written file(GetParam());
+  const int zone = file.unstructured();
+  file.elements(zone, "hexa", HEXA_8, 1, 1, {1, 2, 3, 4, 5, 6, 7, 8});
+  file.elements(zone, "wall", TRI_3, 2, 2, {0, 0, 0});
+  file.elements(zone, "pyra", PYRA_5, 3, 3, {5, 6, 7, 8, 9});
+  EXPECT_NEAR(cellVolume(file.read()), 1 + 1.0 / 3, 1e-12);
+  const std::string bytes = file.bytes();
+  ReadOptions faces;
+  faces.faces = true;
+  Report report;
+  Progress progress;
+  EXPECT_THROW(readCgns({bytes, "memory"}, faces, report, progress), Error);
+}
+
+// Polyhedra, whose elements changed last.
+TEST(CgnsReader, FilesOfLaterVersions) {
+  for (const H5D_layout_t layout : {H5D_CONTIGUOUS, H5D_COMPACT}) {
+    Written file(CG_FILE_HDF5);
+    const int zone = file.unstructured();
+    file.elements(zone, "faces", NGON_n, 1, 5, {5, 6, 7, 8, 5, 6, 9, 6, 7, 9, 7, 8, 9, 8, 5, 9},
+                  {0, 4, 7, 10, 13, 16});
+    file.elements(zone, "cell", NFACE_n, 6, 6, {-1, 2, 3, 4, 5}, {0, 5});
+    const CellMesh before = file.read();
+    EXPECT_EQ(before.cellCount(), 1U);
+    file.setVersion(4.4F, layout);
+    const std::string bytes = file.bytes();
+    Report report;
+    Progress progress;
+    for (const CellMesh& mesh : {file.read(), readCgns({bytes, "memory"}, {}, report, progress)}) {
+      EXPECT_EQ(mesh.points, before.points);
+      EXPECT_EQ(mesh.nodes, before.nodes);
+      EXPECT_EQ(mesh.cellCount(), 1U);
+    }
+    EXPECT_TRUE(file.bytes() == bytes); // the file itself is as it was
+  }
 }
 
 TEST_P(CgnsKinds, MixedAndPolyhedra) {

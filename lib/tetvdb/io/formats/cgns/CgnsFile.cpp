@@ -5,12 +5,15 @@
 #include "tetvdb/core/TemporaryFile.h"
 #include "tetvdb/io/source/Advice.h"
 #include "tetvdb/io/source/Hdf5File.h"
+#include "tetvdb/io/source/IsolatedRead.h"
 
 #include <cgns_io.h>
 #include <cgnslib.h>
 #include <cstdlib>
 #include <filesystem>
 #include <unistd.h>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace tetvdb {
@@ -42,10 +45,59 @@ bool hasLinks(int file, double node, int depth, std::size_t& nodesLeft) {
   return false;
 }
 
+/// What to change in an HDF5 file that libcgns would take for too new.
+std::vector<ByteChange> changesOfVersion(const Source& source, Progress& progress) {
+  if (!isHdf5(source))
+    return {};
+  const auto read = [&](Report&, Progress&) {
+    const std::string name = "/CGNSLibraryVersion/ data";
+    std::vector<std::int64_t> positions;
+    std::vector<std::int32_t> values;
+    double version = 0;
+    {
+      const Hdf5File file(source);
+      if (file.has(name))
+        std::visit(
+            [&](const auto& found) {
+              version = found.size() == 1 ? static_cast<double>(found[0]) : 0;
+            },
+            file.read(name));
+    }
+    if (version >= CGNS_VERSION / 1000 + 1)
+      for (const ByteChange& change : changesForNumber(source, name, CGNS_DOTVERS)) {
+        positions.push_back(static_cast<std::int64_t>(change.position));
+        values.push_back(change.value);
+      }
+    return NumberArrays{std::move(positions), std::move(values)};
+  };
+  Report ignored;
+  NumberArrays found;
+  try {
+    found = readArraysIsolated(read, source.path, {}, ignored, progress);
+  } catch (const Error& error) {
+    if (error.status() == Status::Cancelled)
+      throw;
+    return {}; // libcgns says what is wrong
+  }
+  std::vector<ByteChange> changes;
+  const auto* positions =
+      found.size() == 2 ? std::get_if<std::vector<std::int64_t>>(&found[0]) : nullptr;
+  const auto* values =
+      found.size() == 2 ? std::get_if<std::vector<std::int32_t>>(&found[1]) : nullptr;
+  if (positions == nullptr || values == nullptr || positions->size() != values->size())
+    return {};
+  for (std::size_t i = 0; i < values->size(); ++i)
+    if (const auto position = static_cast<std::uint64_t>((*positions)[i]);
+        position < source.bytes.size())
+      changes.push_back({position, static_cast<char>((*values)[i])});
+  return changes;
+}
+
 } // namespace
 
-CgnsBytes::CgnsBytes(const Source& source) : path_(source.path) {
-  if (source.isMapped)
+CgnsBytes::CgnsBytes(const Source& source, Progress& progress) : path_(source.path) {
+  const std::vector<ByteChange> changes = changesOfVersion(source, progress);
+  if (source.isMapped && changes.empty())
     return;
   const std::string folder = std::filesystem::temp_directory_path().string();
   const int file = createTemporaryFile(folder, "tetvdb", 0600, temporary_);
@@ -56,13 +108,16 @@ CgnsBytes::CgnsBytes(const Source& source) : path_(source.path) {
       break;
     left.remove_prefix(static_cast<std::size_t>(written));
   }
+  bool isWritten = left.empty();
+  for (const ByteChange& change : changes)
+    isWritten = isWritten && writeAllAt(file, change.position, &change.value, 1);
   if (file >= 0)
     ::close(file);
-  if (!left.empty()) {
+  if (!isWritten) {
     if (file >= 0)
       ::unlink(temporary_.c_str());
-    throw Error(Status::Limit, source.path, "its bytes do not fit into the temporary folder",
-                "name a file in place of a pipe");
+    throw Error(Status::Limit, source.path, "its bytes do not fit into the folder " + folder,
+                "make room there, or name another one by TMPDIR");
   }
   path_ = temporary_;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tetvdb/core/Progress.h"
 #include "tetvdb/io/source/Source.h"
 
 #include <cstddef>
@@ -10,10 +11,14 @@ namespace tetvdb {
 
 /// A path by which libcgns can open a source: its own, or while this lives that of a temporary file
 /// that has its bytes. Made before the separate process, which writes no files.
-/// Throws Error(Limit) if the bytes do not fit into the temporary folder.
+///
+/// libcgns refuses HDF5 files of a later major version than its own, although version 4 has the
+/// elements of 3.4 under another number: the temporary file has libcgns's number.
+///
+/// Throws Error(Limit) if the bytes do not fit into the temporary folder, Error(Cancelled).
 class CgnsBytes {
 public:
-  explicit CgnsBytes(const Source& source);
+  CgnsBytes(const Source& source, Progress& progress);
   ~CgnsBytes();
   CgnsBytes(const CgnsBytes&) = delete;
   CgnsBytes& operator=(const CgnsBytes&) = delete;

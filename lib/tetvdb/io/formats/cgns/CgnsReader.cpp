@@ -559,7 +559,7 @@ private:
 
 CellMesh readCgns(const Source& source, const ReadOptions& options, Report& report,
                   Progress& progress) {
-  const CgnsBytes file(source);
+  const CgnsBytes file(source, progress);
   const auto read = [&](Report& childReport, Progress& childProgress) {
     return CgnsMesh(source, file.path(), options, childReport, childProgress).read();
   };
@@ -567,7 +567,7 @@ CellMesh readCgns(const Source& source, const ReadOptions& options, Report& repo
 }
 
 bool cgnsHasSolidCells(const Source& source, Report& report, Progress& progress) {
-  const CgnsBytes file(source);
+  const CgnsBytes file(source, progress);
   return answerIsolated(
       [&](Report& childReport, Progress& childProgress) {
         const ReadOptions options;
@@ -577,7 +577,7 @@ bool cgnsHasSolidCells(const Source& source, Report& report, Progress& progress)
 }
 
 std::vector<double> cgnsTimes(const Source& source, Report& report, Progress& progress) {
-  const CgnsBytes file(source);
+  const CgnsBytes file(source, progress);
   const auto read = [&](Report& childReport, Progress& childProgress) {
     const ReadOptions options;
     return CgnsMesh(source, file.path(), options, childReport, childProgress).times();

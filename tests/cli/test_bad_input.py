@@ -49,7 +49,7 @@ class BadMeshFiles(CommandLineTest):
         for name, text, says in (("a.mesh", "MFEM mesh v1.0\n\ndimension\n3\n", "MFEM"),
                                  ("a.xda", "libMesh-0.7.0+\n1\n", "libMesh"),
                                  ("a.unv", "    -1\n  2411\n", ".unv"), ("a.su2", "NDIME= 3\n", ".su2"),
-                                 ("a.bdf", "BEGIN BULK\nENDDATA\n", "Nastran"),
+                                 ("a.bdf", "BEGIN BULK\nENDDATA\n", "no points (GRID)"),
                                  ("a.step", "ISO-10303-21;\n", "STEP")):
             self.write(name, text)
             self.refuse(3, "voxelize", name, "-o", "out.vdb", "--resolution", "10", says=(name, says))

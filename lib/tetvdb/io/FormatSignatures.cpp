@@ -188,6 +188,15 @@ bool isAbaqus(const FileStart& file) {
   return startsWith(file.text, "*");
 }
 
+/// The control section may be long.
+bool isNastran(const FileStart& file) {
+  if (!isText(file.head))
+    return false;
+  const std::string start = lowerCase(file.bytes.substr(0, std::size_t(1) << 16));
+  return contains(start, "begin bulk") || contains(start, "begin,bulk") ||
+         (contains(start, "\ngrid") && contains(start, "enddata"));
+}
+
 /// The binary form by its first byte; the text by comments and then five integers: nodes, cells,
 /// and data components of three kinds. Both require one of the usual names.
 bool isUcd(const FileStart& file) {
@@ -291,6 +300,10 @@ bool isDamagedNetgen(const FileStart& file) {
 
 bool isDamagedAbaqus(const FileStart& file) {
   return contains(lowerCase(file.head), "*node");
+}
+
+bool isDamagedNastran(const FileStart& file) {
+  return isText(file.head);
 }
 
 } // namespace tetvdb

@@ -38,6 +38,7 @@ bool isMedit(const FileStart& file);
 bool isMeditBinary(const FileStart& file);
 bool isNetgen(const FileStart& file);
 bool isAbaqus(const FileStart& file);
+bool isNastran(const FileStart& file);
 bool isUcd(const FileStart& file);
 bool isVtk(const FileStart& file);
 bool isVtu(const FileStart& file);
@@ -60,6 +61,7 @@ bool isDamagedGmsh(const FileStart& file);
 bool isDamagedMedit(const FileStart& file);
 bool isDamagedNetgen(const FileStart& file);
 bool isDamagedAbaqus(const FileStart& file);
+bool isDamagedNastran(const FileStart& file);
 
 /// Whether `head` has only characters of texts.
 bool isText(std::string_view head);

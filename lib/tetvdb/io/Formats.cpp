@@ -19,6 +19,7 @@
 #include "tetvdb/io/formats/gmsh/GmshWriter.h"
 #include "tetvdb/io/formats/medit/MeditReader.h"
 #include "tetvdb/io/formats/medit/MeditWriter.h"
+#include "tetvdb/io/formats/nastran/NastranReader.h"
 #include "tetvdb/io/formats/netgen/NetgenReader.h"
 #include "tetvdb/io/formats/obj/ObjReader.h"
 #include "tetvdb/io/formats/obj/ObjWriter.h"
@@ -168,6 +169,10 @@ std::vector<Format> makeTable() {
                                          "Decks of Abaqus and CalculiX", 0, isAbaqus,
                                          abaqusHasSolidCells));
   all.back().isNamed = isDamagedAbaqus;
+  all.push_back(cellsOrFaces<readNastran>(FileFormat::Nastran, "Nastran .bdf", ".bdf .nas .fem",
+                                          "Bulk data of Nastran and OptiStruct", 0, isNastran,
+                                          nastranHasSolidCells));
+  all.back().isNamed = isDamagedNastran;
   all.push_back(cellsOrFaces<readUcd>(FileFormat::Ucd, "AVS UCD .inp", ".inp .avs .ucd",
                                       "Unstructured cell data, text or binary", kArrays, isUcd,
                                       ucdHasSolidCells));
@@ -400,8 +405,6 @@ std::string describeUnknownFormat(std::string_view bytes, const std::string& pat
     return "is a STEP model (CAD surfaces); mesh it first";
   if (file.ending == ".msh" && begins("("))
     return "is a Fluent mesh, which is not read; convert it to .vtu or Gmsh's .msh";
-  if (contains("BEGIN BULK") || file.ending == ".bdf" || file.ending == ".nas")
-    return "is a Nastran deck, which is not read; convert it to .vtu or .msh";
   if (begins("MFEM "))
     return "is an MFEM mesh, which is not read; write it as .vtk (mfem::Mesh::PrintVTK)";
   if (begins("libMesh"))

@@ -25,6 +25,7 @@ enum class FileFormat : std::uint8_t {
   TetGen,
   Netgen,
   Abaqus,
+  Nastran,
   Ucd,
   Vtk,
   Vtu,

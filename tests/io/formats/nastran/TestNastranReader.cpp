@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/MeshSamples.h"
 #include "io/ResultSamples.h"
+#include "io/TriangleSamples.h"
+#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Constants.h"
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/nastran/NastranDeck.h"
@@ -187,6 +189,37 @@ TEST(NastranReader, CoordinateSystems) {
   EXPECT_EQ(set[4], (Vec3d{1, 2, 3}));
 }
 
+TEST(NastranReader, IncludedFiles) {
+  const TemporaryPath points("nastran_points.bdf"), cells("nastran_cells.bdf"),
+      deck("nastran_deck.bdf");
+  const auto name = [](const TemporaryPath& path) {
+    return path.str().substr(path.str().find_last_of('/') + 1);
+  };
+  const auto write = [](const TemporaryPath& path, const std::string& text) {
+    AtomicFile file(path.str());
+    file.write(text.data(), text.size());
+    file.commit();
+  };
+  const auto read = [&] {
+    const MappedFile file(deck.str());
+    Report report;
+    Progress progress;
+    EXPECT_TRUE(nastranHasSolidCells(file.source(), report, progress));
+    return readNastran(file.source(), {}, report, progress);
+  };
+  const std::string pointsName = name(points);
+  write(points, kGridEntries);
+  write(cells, kElementEntries); // its ENDDATA is its own end
+  // A long name goes on in the next line.
+  write(deck, kControlSections + "INCLUDE '" + pointsName.substr(0, 9) + "\n" +
+                  pointsName.substr(9) + "'\ninclude " + name(cells) + "\nCTRIA3,20,3,1,2,3\n");
+  const CellMesh mesh = read();
+  EXPECT_NEAR(cellVolume(mesh), 1 + 1.0 / 3, 1e-12);
+  EXPECT_EQ(mesh.regions, (std::vector<std::int32_t>{7, 9, 2, 3}));
+  write(cells, "INCLUDE " + name(cells) + "\n"); // itself
+  EXPECT_THROW(read(), Error);
+}
+
 TEST(NastranReader, SurfacesAndSolids) {
   Report report;
   Progress progress;
@@ -213,7 +246,7 @@ TEST(NastranReader, Refused) {
   expectError("GRID,1,,1.0.0,0.,0.\n", "'1.0.0' in place of a number");
   expectError("GRID,,,1.,0.,0.\n", "no number");
   expectError("GRID,4294967295,,1.,0.,0.\n", "no number");
-  expectError("INCLUDE 'mesh.bdf'\n" + kGridEntries, "INCLUDE");
+  expectError("INCLUDE 'there-is-none.bdf'\n" + kGridEntries, "there-is-none.bdf");
   expectError("GRID,1,5,1.,0.,0.\n", "coordinate system 5");
   expectError("CORD2R,5,6,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,6,5,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n"
               "GRID,1,5,1.,0.,0.\n",

@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kName = 8; ///< characters of the first field, and of continuation fields
 constexpr std::size_t kSmall = 8, kLarge = 16; ///< characters of a field
 constexpr std::size_t kMaxFields = 1000;
+constexpr std::size_t kInclude = 7;    ///< characters of the word
+constexpr std::size_t kMaxName = 4096; ///< of a file
 
 /// Spaces up to the next multiple of 8 for each tab.
 std::string expandedTabs(std::string_view line) {
@@ -94,6 +96,10 @@ bool NastranDeck::next() {
     hasLine_ = readLine();
   if (!hasLine_)
     return false;
+  if (lowerCase(trimmed(line_).substr(0, kInclude)) == "include") {
+    readInclude();
+    return true;
+  }
   addFields(true);
   if (name_ == "ENDDATA") {
     hasLine_ = false;
@@ -103,6 +109,23 @@ bool NastranDeck::next() {
     if (fields_.size() < kMaxFields)
       addFields(false);
   return true;
+}
+
+// A name in quotes may go on in the next lines.
+void NastranDeck::readInclude() {
+  name_ = "INCLUDE";
+  std::string text(trimmed(trimmed(line_).substr(kInclude)));
+  hasLine_ = readLine();
+  const char quote = text.empty() ? ' ' : text.front();
+  if (quote == '\'' || quote == '"') {
+    text.erase(0, 1);
+    while (text.find(quote) == text.npos && hasLine_ && text.size() < kMaxName) {
+      text += trimmed(line_);
+      hasLine_ = readLine();
+    }
+    text.resize(std::min(text.find(quote), text.size()));
+  }
+  includedFile_ = text;
 }
 
 void NastranDeck::addFields(bool isFirst) {

@@ -29,8 +29,8 @@ public:
   bool next();
   /// In capitals, without the '*' of large fields.
   const std::string& name() const { return name_; }
-  /// The number of fields after the name.
-  std::size_t fieldCount() const { return fields_.size(); }
+  /// Of an INCLUDE: the name of the other file.
+  const std::string& includedFile() const { return includedFile_; }
   /// A field, counted from 1, without spaces; empty beyond the last.
   std::string_view field(std::size_t number) const {
     return number <= fields_.size() ? fields_[number - 1] : std::string_view();
@@ -49,6 +49,7 @@ private:
   /// Sets line_ to the next line that is not empty, without comment; false at the end.
   bool readLine();
   bool isContinuation() const;
+  void readInclude();
   void addFields(bool isFirst);
 
   NumberParser in_;
@@ -57,6 +58,7 @@ private:
   std::deque<std::string> expanded_; ///< lines of the entry that have tabs
   std::string name_;
   std::vector<std::string_view> fields_;
+  std::string includedFile_;
 };
 
 /// A number without spaces; none if the text is not one.

@@ -8,6 +8,7 @@
 #include "tetvdb/io/formats/nastran/CoordinateSystems.h"
 #include "tetvdb/io/formats/nastran/NastranDeck.h"
 #include "tetvdb/io/source/Advice.h"
+#include "tetvdb/io/source/PathWithin.h"
 
 #include <limits>
 #include <string>
@@ -67,22 +68,21 @@ CellKind linearKind(const CellKind& kind) {
 class NastranFile {
 public:
   NastranFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
-      : source_(source), options_(options), report_(report), progress_(progress), deck_(source) {}
+      : source_(source), options_(options), report_(report), progress_(progress) {}
 
   bool hasSolidCells() {
-    for (std::size_t n = 0; deck_.next(); ++n) {
-      const ElementType* type = typeOf(deck_.name());
-      if (type != nullptr && type->kind.type != CellType::Flat)
-        return true;
-      if (n % 65536 == 0)
-        progress_.check();
-    }
-    return false;
+    bool found = false;
+    forEntries(source_, 0, [&] {
+      const ElementType* type = typeOf(deck_->name());
+      found = type != nullptr && type->kind.type != CellType::Flat;
+      return !found;
+    });
+    return found;
   }
 
   CellMesh read() {
-    for (std::size_t n = 0; deck_.next(); ++n) {
-      const std::string& name = deck_.name();
+    forEntries(source_, 0, [&] {
+      const std::string& name = deck_->name();
       if (name == "GRID")
         readGrid();
       else if (const ElementType* type = typeOf(name))
@@ -90,53 +90,75 @@ public:
       else if (name.substr(0, 4) == "CORD")
         readSystem();
       else if (name == "GRDSET")
-        defaultSystem_ = deck_.integer(2).value_or(0);
-      else if (name.substr(0, 7) == "INCLUDE")
-        deck_.fail("it names another file, which is not read", "put the data into this file");
-      if (n % 65536 == 0) {
-        progress_.update(static_cast<double>(deck_.position()) /
-                         static_cast<double>(source_.bytes.size()));
-        source_.release();
-      }
-    }
+        defaultSystem_ = deck_->integer(2).value_or(0);
+      return true;
+    });
     finish();
     return std::move(mesh_);
   }
 
 private:
+  /// Calls take() for every entry of a file and of those that it includes, until it returns false.
+  /// Returns whether it never did.
+  template <typename Take>
+  bool forEntries(const Source& source, int depth, const Take& take) {
+    constexpr int deepest = 16, most = 10000;
+    NastranDeck deck(source);
+    for (std::size_t n = 0; deck.next(); ++n) {
+      deck_ = &deck;
+      if (deck.name() == "INCLUDE") {
+        if (depth == deepest || ++included_ > most)
+          deck.fail("too many files include one another", "put the data into one file");
+        const MappedFile file(pathWithin(source.path, deck.includedFile()));
+        if (!forEntries(file.source(), depth + 1, take))
+          return false;
+      } else if (!take()) {
+        return false;
+      }
+      if (n % 65536 == 0) {
+        progress_.check();
+        if (depth == 0)
+          progress_.update(static_cast<double>(deck.position()) /
+                           static_cast<double>(source.bytes.size()));
+        source.release();
+      }
+    }
+    return true;
+  }
+
   [[noreturn]] void fail(const std::string& what) const {
     throw Error(Status::Invalid, source_.path, what, kExport);
   }
 
   std::int64_t number(std::size_t field, const char* thing) const {
-    const auto found = deck_.integer(field);
+    const auto found = deck_->integer(field);
     if (!found || *found < 1 || *found >= IdMap::kNone)
-      deck_.fail(std::string("it has no ") + thing + " from 1 to 4294967294", kExport);
+      deck_->fail(std::string("it has no ") + thing + " from 1 to 4294967294", kExport);
     return *found;
   }
 
   void readGrid() {
     const std::int64_t id = number(1, "number");
-    const std::int64_t system = deck_.integer(2).value_or(defaultSystem_);
+    const std::int64_t system = deck_->integer(2).value_or(defaultSystem_);
     checkPointCount(mesh_.points.size(), source_.path);
     if (system > 0) // -1 says the same as 0
       placed_.emplace_back(static_cast<std::uint32_t>(mesh_.points.size()), system);
     points_.add(id);
-    mesh_.points.push_back({deck_.real(3), deck_.real(4), deck_.real(5)});
+    mesh_.points.push_back({deck_->real(3), deck_->real(4), deck_->real(5)});
   }
 
   void readElement(const ElementType& type) {
     constexpr std::size_t firstNode = 3;
     number(1, "number");
-    const std::int64_t region = deck_.integer(2).value_or(0);
+    const std::int64_t region = deck_->integer(2).value_or(0);
     if (region < 0 || region > std::numeric_limits<std::int32_t>::max())
-      deck_.fail("its property is " + std::to_string(region), kExport);
+      deck_->fail("its property is " + std::to_string(region), kExport);
     CellKind kind = type.kind;
     if (kind.type == CellType::Flat) {
       kind.kept = options_.faces ? type.corners : 0;
     } else {
       for (std::size_t k = type.corners; k < kind.nodes; ++k)
-        if (deck_.integer(firstNode + k).value_or(0) == 0) {
+        if (deck_->integer(firstNode + k).value_or(0) == 0) {
           kind = linearKind(kind);
           break;
         }
@@ -149,7 +171,7 @@ private:
   }
 
   void readSystem() {
-    const std::string& name = deck_.name();
+    const std::string& name = deck_->name();
     if (name.size() != 6 || (name[4] != '1' && name[4] != '2'))
       return;
     CoordinateSystem system;
@@ -158,16 +180,16 @@ private:
                                    : CoordinateKind::Rectangular;
     if (name[4] == '1') { // one or two of them
       for (std::size_t first = 1; first <= 5; first += 4)
-        if (const auto id = deck_.integer(first)) {
+        if (const auto id = deck_->integer(first)) {
           for (std::size_t k = 0; k < 3; ++k)
             system.grids[k] = number(first + 1 + k, "point");
           systems_.add(*id, system);
         }
       return;
     }
-    system.reference = deck_.integer(2).value_or(0);
+    system.reference = deck_->integer(2).value_or(0);
     for (std::size_t i = 0; i < 9; ++i)
-      system.points[i / 3][i % 3] = deck_.real(3 + i);
+      system.points[i / 3][i % 3] = deck_->real(3 + i);
     systems_.add(number(1, "number"), system);
   }
 
@@ -215,8 +237,9 @@ private:
   const ReadOptions& options_;
   Report& report_;
   Progress& progress_;
-  NastranDeck deck_;
-  CellMesh mesh_; ///< nodes are the file's numbers until finish()
+  const NastranDeck* deck_ = nullptr; ///< of the file that is read
+  int included_ = 0;                  ///< files
+  CellMesh mesh_;                     ///< nodes are the file's numbers until finish()
   IdMap points_;
   CoordinateSystems systems_;
   std::int64_t defaultSystem_ = 0;

@@ -14,8 +14,9 @@ namespace tetvdb {
 /// GRID in any coordinate system that the file defines, CTETRA, CHEXA, CPENTA and CPYRAM, linear or
 /// quadratic; elements with only some of their midpoints by their corners. Regions are the
 /// properties (PID). Shells keep their corners where `options.faces` asks for them. Other entries
-/// are ignored. Throws Error(Invalid) with line for INCLUDE (data in other files) and for an
-/// incomplete or inconsistent mesh.
+/// are ignored. Files that an INCLUDE names are read in its place, within the file's folder
+/// (io/source/PathWithin.h). Throws Error(Invalid) with line for an incomplete or inconsistent
+/// mesh.
 CellMesh readNastran(const Source& source, const ReadOptions& options, Report& report,
                      Progress& progress);
 

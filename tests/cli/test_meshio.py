@@ -38,9 +38,10 @@ FORMATS = [(".vtu", "vtu", {}, True), (".vtk", "vtk", {}, True), (".msh", "gmsh2
            (".msh", "gmsh", {}, True), (".msh", "gmsh", {"binary": False}, True),
            (".xdmf", "xdmf", {"data_format": "XML"}, True), (".xdmf", "xdmf", {"data_format": "Binary"}, True),
            (".xdmf", "xdmf", {"data_format": "HDF"}, True), (".inp", "abaqus", {}, False),
-           (".mesh", "medit", {}, False), (".vol", "netgen", {}, False), (".node", "tetgen", {}, False)]
+           (".bdf", "nastran", {"point_format": "free"}, False),
+           (".bdf", "nastran", {"point_format": "fixed-large"}, False), (".mesh", "medit", {}, False), (".vol", "netgen", {}, False), (".node", "tetgen", {}, False)]
 # What meshio cannot write there.
-MISSING = {"abaqus": {"pyramid", "hexahedron27"}, "medit": {"tetra10", "hexahedron20", "hexahedron27"},
+MISSING = {"abaqus": {"pyramid", "hexahedron27"}, "nastran": {"hexahedron27"}, "medit": {"tetra10", "hexahedron20", "hexahedron27"},
            "netgen": {"hexahedron20", "hexahedron27"},
            "tetgen": {"tetra10", "pyramid", "wedge", "hexahedron", "hexahedron20", "hexahedron27"}}
 

@@ -45,8 +45,10 @@ const ElementType* typeOf(const std::string& name) {
       {"CQUAD8", {"CQUAD", CellType::Flat, 0, 4}, 4},
       {"CQUAD", {"CQUAD", CellType::Flat, 0, 4}, 4},
       {"CSHEAR", {"CQUAD", CellType::Flat, 0, 4}, 4}};
+  // meshio adds '_' to the names of quadratic elements.
+  const std::string_view plain(name.data(), name.size() - (!name.empty() && name.back() == '_'));
   for (const ElementType& type : types)
-    if (name == type.name)
+    if (plain == type.name)
       return &type;
   return nullptr;
 }

@@ -133,7 +133,8 @@ private:
     const BeamLattice& lattice = object.lattice;
     if (lattice.isEmpty())
       return;
-    const auto shown = part.objects.find(lattice.representation);
+    const auto shown = lattice.representation.empty() ? part.objects.end()
+                                                      : part.objects.find(lattice.representation);
     if (shown != part.objects.end() && !shown->second.triangles.empty()) {
       addMesh(shown->second.points, shown->second.triangles, placement);
       return;

@@ -47,10 +47,9 @@ const CoordinateSystems::Frame* CoordinateSystems::frameOf(Entry& entry,
                                                            const GridPosition& gridPosition) {
   if (entry.frame)
     return &*entry.frame;
-  constexpr int deepest = 200;
-  if (entry.isBeingFramed || depth_ >= deepest)
+  constexpr int deepest = 200; // reached also by a system that is defined by itself
+  if (depth_ >= deepest)
     return nullptr;
-  entry.isBeingFramed = true;
   ++depth_;
   std::array<Vec3d, 3> points{};
   for (std::size_t k = 0; k < 3; ++k) {

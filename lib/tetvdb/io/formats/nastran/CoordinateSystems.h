@@ -31,9 +31,7 @@ struct CoordinateSystem {
 
 class CoordinateSystems {
 public:
-  void add(std::int64_t number, const CoordinateSystem& system) {
-    systems_[number] = {system, {}, false};
-  }
+  void add(std::int64_t number, const CoordinateSystem& system) { systems_[number] = {system, {}}; }
 
   /// The position of a GRID entry in the basic system; none if there is no such entry.
   using GridPosition = std::function<std::optional<Vec3d>(std::int64_t grid)>;
@@ -51,7 +49,6 @@ private:
   struct Entry {
     CoordinateSystem system;
     std::optional<Frame> frame;
-    bool isBeingFramed = false;
   };
   const Frame* frameOf(Entry& entry, const GridPosition& gridPosition);
 

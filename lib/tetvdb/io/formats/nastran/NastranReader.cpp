@@ -53,20 +53,6 @@ const ElementType* typeOf(const std::string& name) {
   return nullptr;
 }
 
-/// The same element by its corners.
-CellKind linearKind(const CellKind& kind) {
-  switch (kind.type) {
-  case CellType::Tetra:
-    return {"CTETRA", kind.type, 4, 4};
-  case CellType::Hexahedron:
-    return {"CHEXA", kind.type, 8, 8};
-  case CellType::Wedge:
-    return {"CPENTA", kind.type, 6, 6};
-  default:
-    return {"CPYRAM", kind.type, 5, 5};
-  }
-}
-
 class NastranFile {
 public:
   NastranFile(const Source& source, const ReadOptions& options, Report& report, Progress& progress)
@@ -161,7 +147,7 @@ private:
     } else {
       for (std::size_t k = type.corners; k < kind.nodes; ++k)
         if (deck_->integer(firstNode + k).value_or(0) == 0) {
-          kind = linearKind(kind);
+          kind = {type.name, kind.type, type.corners, type.corners};
           break;
         }
     }

@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import random
+import select
 import shutil
 import struct
 import subprocess
@@ -136,20 +137,34 @@ class Faults(CommandLineTest):
         words += ["--json", "report.json", "--threads", "2"] if words[0] not in (
             "report", "info", "compare", "check", "merge", "dataset", "render", "convert"
         ) else ["--json", "report.json"]
-        return subprocess.Popen(
+        self.pipe, inherited = os.pipe() # at end of file the process and its children have ended
+        process = subprocess.Popen(
             [PROGRAM, *words], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, env={**os.environ, "TMPDIR": str(self.temporary), **environment})
+            stderr=subprocess.PIPE, pass_fds=(inherited,),
+            env={**os.environ, "TMPDIR": str(self.temporary), **environment})
+        os.close(inherited)
+        return process
+
+    def end(self, process, seconds):
+        """Standard error, once the process and its children have ended; else TimeoutExpired."""
+        try:
+            _, error = process.communicate(timeout=seconds)
+            if not select.select([self.pipe], [], [], 20)[0]:
+                raise subprocess.TimeoutExpired("children", 20)
+        finally:
+            os.close(self.pipe)
+        return error.decode(errors="replace")
 
     def run_job(self, job, folder, **more):
         """Status and standard error."""
         process = self.start(job, folder, **more)
         try:
-            _, error = process.communicate(timeout=120)
+            error = self.end(process, 120)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
             return "hangs", ""
-        return process.returncode, error.decode(errors="replace")
+        return process.returncode, error
 
     def files(self, folder):
         """What a job left: content by name."""
@@ -250,7 +265,7 @@ class Faults(CommandLineTest):
                 process = self.start(job, folder) # what replaces has a name for a moment
                 time.sleep(self.random.uniform(0, seconds))
                 process.kill()
-                process.communicate()
+                self.end(process, 120)
                 for name, content in self.files(folder).items():
                     if name == "report.json":
                         json.loads(content)

@@ -108,6 +108,31 @@ public:
     return leaves;
   }
 
+  /// The leaves of a batch, in the backend's memory.
+  struct Batch {
+    u64 firstNode, leaves;
+    const u32* entries;   ///< by leaf: its node from firstNode on * kLeavesInNode + its position
+    const float* squared; ///< by leaf: as DistanceBatch has it
+  };
+
+  /// In place of run(): calls take(Batch) for the nodes, batch by batch in their order. What `take`
+  /// launches comes before the next batch; it may use temporary memory and not give it back.
+  template <typename Take>
+  void runHere(const Take& take) {
+    const u64 nodes = starts_.size() - 1;
+    float* squared = b_.template alloc<float>(kBatchLeaves * kVoxelsInLeaf);
+    for (u64 begin = 0; begin < nodes; begin += kChunkNodes) {
+      list(begin, std::min(begin + kChunkNodes, nodes));
+      for (const Cut& cut : cuts_) {
+        const u64 first = bounds_[cut.begin].leaf, leaves = bounds_[cut.end].leaf - first;
+        if (leaves == 0)
+          continue;
+        compute(cut, squared);
+        take(Batch{begin, leaves, usedThere_ + first, squared});
+      }
+    }
+  }
+
   // Public only because of nvcc, as in LevelBuilder.
 
   // The leaves of nodes begin .. end - 1, a chunk: how many faces each has, and the batches.
@@ -183,15 +208,20 @@ public:
       landing.leaves.push_back(static_cast<u16>(used_[i] % kLeavesInNode));
     if (leaves == 0)
       return;
-    b_.stage("distances");
     if (landing.out == nullptr)
       landing.out = b_.template alloc<float>(kBatchLeaves * kVoxelsInLeaf);
-    fillLists(cut);
-    // A number above all squares, for leaves that several teams share.
-    b_.fill(landing.out, 0x7F, leaves * kVoxelsInLeaf * sizeof(float));
-    rasterize(from, to, landing.out);
+    compute(cut, landing.out);
     b_.land(static_cast<int>(half), reinterpret_cast<const u8*>(landing.out),
             leaves * kVoxelsInLeaf * sizeof(float));
+  }
+
+  void compute(const Cut& cut, float* squared) {
+    const Bound from = bounds_[cut.begin], to = bounds_[cut.end];
+    b_.stage("distances");
+    fillLists(cut);
+    // A number above all squares, for leaves that several teams share.
+    b_.fill(squared, 0x7F, (to.leaf - from.leaf) * kVoxelsInLeaf * sizeof(float));
+    rasterize(from, to, squared);
   }
 
   // (node, face) pairs of every leaf; their order is not determined and has no influence.

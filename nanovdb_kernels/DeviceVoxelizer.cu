@@ -2,6 +2,7 @@
 #include "BandLeaves.h"
 #include "CudaBackend.h"
 #include "ExpandGrid.h"
+#include "LevelSetGrid.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
 #include "SlabVolumes.h"
@@ -214,6 +215,24 @@ struct Device {
     times = {events->seconds(0, 1), events->seconds(4, 2), 0, backend->stageSeconds()};
   }
 
+  // After the last of a run whose result is a grid on the device.
+  Result finish(Result result, bool downloads) {
+    const cudaStream_t stream = backend->stream();
+    result.device = result.bytes;
+    result.bytes = nullptr;
+    events->record(2, stream);
+    if (downloads && result.device != nullptr) {
+      unsigned char* host = download.atLeast(result.counts.bufferBytes);
+      backend->fetch(host, result.device, result.counts.bufferBytes);
+      result.bytes = host;
+    }
+    events->record(3, stream);
+    backend->await();
+    times = {events->seconds(0, 1), events->seconds(4, 2), events->seconds(2, 3),
+             backend->stageSeconds()};
+    return result;
+  }
+
   // After a failure: nothing reads the caller's arrays any more.
   void settle() {
     cudaSetDevice(device);
@@ -320,6 +339,24 @@ struct Device {
     return leaves;
   }
 
+  Result levelSet(const MeshView& mesh, const LevelSetJob& job, const Progress* progress) {
+    const Job mask = maskJobOf(job);
+    MeshView shape = mesh;
+    shape.values = nullptr;
+    const MeshView view = begin(shape, mask, progress);
+    LevelSetJob here = job;
+    if (job.faces.faces != nullptr) {
+      here.faces.points = static_cast<const LatticePoint*>(
+          copied(job.faces.points, job.faces.pointCount * sizeof(LatticePoint)));
+      here.faces.faces =
+          static_cast<const u32*>(copied(job.faces.faces, job.faces.faceCount * 4 * sizeof(u32)));
+      events->record(1, upload);
+    }
+    backend->recordFields(upload);
+    LevelSetGrid<CudaBackend> grid(*backend, view, here, mask);
+    return finish(grid.run([this] { backend->awaitFields(); }), job.download);
+  }
+
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
   ~Device() {
@@ -360,23 +397,19 @@ Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress
   State& s = *state_;
   try {
     const MeshView view = s.begin(mesh, job, progress);
-    const cudaStream_t stream = s.backend->stream();
-    Result result = Pipeline<CudaBackend>(*s.backend, view, job).run();
-    result.device = result.bytes;
-    result.bytes = nullptr;
-    s.events->record(2, stream);
-    if (job.download && result.device != nullptr) {
-      unsigned char* host = s.download.atLeast(result.counts.bufferBytes);
-      s.backend->fetch(host, result.device, result.counts.bufferBytes);
-      result.bytes = host;
-    }
-    s.events->record(3, stream);
-    s.backend->await();
-    s.times = {s.events->seconds(0, 1), s.events->seconds(4, 2), s.events->seconds(2, 3),
-               s.backend->stageSeconds()};
-    return result;
+    return s.finish(Pipeline<CudaBackend>(*s.backend, view, job).run(), job.download);
   } catch (...) {
     s.settle();
+    throw;
+  }
+}
+
+Result DeviceVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,
+                                 const Progress* progress) {
+  try {
+    return state_->levelSet(mesh, job, progress);
+  } catch (...) {
+    state_->settle();
     throw;
   }
 }
@@ -554,6 +587,21 @@ u64 SharedVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver
   Device& first = *s.devices.front();
   try {
     return s.leaves.front() = first.coverage(job, receiver, progress);
+  } catch (...) {
+    first.settle();
+    throw;
+  }
+}
+
+Result SharedVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,
+                                 const Progress* progress) {
+  State& s = *state_;
+  Device& first = *s.devices.front();
+  try {
+    const Result result = first.levelSet(job.resident ? s.kept.front() : mesh, job, progress);
+    s.leaves.assign(s.devices.size(), 0);
+    s.leaves.front() = result.counts.leaves;
+    return result;
   } catch (...) {
     first.settle();
     throw;

@@ -17,6 +17,7 @@
 #include "DistanceJob.h"
 #include "FieldJob.h"
 #include "HolesView.h"
+#include "LevelSetJob.h"
 #include "tetvdb/geometry/FillRule.h"
 
 #include <cstddef>
@@ -83,7 +84,8 @@ struct Counts {
   std::uint64_t oddEdges = 0;      ///< of triangles: edges of an odd number of them
   std::uint64_t leaves = 0, lowerNodes = 0, upperNodes = 0, rootTiles = 0;
   std::uint64_t bufferBytes = 0;
-  Method method = Method::Tets; ///< the one taken
+  std::uint64_t insideVoxels = 0; ///< of level sets
+  Method method = Method::Tets;   ///< the one taken
 };
 
 /// Valid until the voxelizer that made it runs again or is destroyed. Of triangles that do not
@@ -127,6 +129,7 @@ public:
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
   std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver);
+  Result levelSet(const MeshView& mesh, const LevelSetJob& job);
 
 private:
   struct State;
@@ -174,6 +177,9 @@ public:
   /// The first device does all.
   std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
                          const Progress* progress = nullptr);
+
+  /// Likewise.
+  Result levelSet(const MeshView& mesh, const LevelSetJob& job, const Progress* progress = nullptr);
 
   /// Of the last run, by device; downloads are a part of `build` here.
   std::vector<Times> times() const;
@@ -236,6 +242,14 @@ public:
   /// two batches. Indices of faces and points are trusted. Throws as distances() does.
   std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
                          const Progress* progress = nullptr);
+
+  /// A float level set, negative inside: values and active voxels are bit for bit those of
+  /// fields/LevelSet.h, whose tree's nodes it has. Of triangles that do not close nothing is made,
+  /// as by run(). Memory on the device, besides that of run() for a mask: 16 to 40 bytes for every
+  /// 128^3 node that a face comes near to, twice the leaves of the result (2 kB each), and that of
+  /// distances(). Indices of job.faces are trusted. Throws as run() does, and Error(Usage) for a
+  /// half-width that is not between 1 and 100 voxels and for MeshView::holes.
+  Result levelSet(const MeshView& mesh, const LevelSetJob& job, const Progress* progress = nullptr);
 
   /// Measured by copying 256 MB a few times; takes some 0.1 s.
   Speeds measureSpeeds();

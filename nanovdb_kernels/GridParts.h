@@ -5,14 +5,46 @@
 
 #include "NanoNodes.h"
 
+#include <cstring>
+#include <string>
+
 namespace tetvdb::nano {
 
 /// Values of the grid as bits.
 struct GridValues {
   u32 inside, background;
+  /// A level set: leaves have other values too, and tiles are inactive.
+  bool narrowBand = false;
 };
 
-/// Sums over a node's active values, for int grids.
+/// The head of a grid, but for what its nodes decide. `voxelSize`, `origin`: world units, three
+/// numbers each.
+inline nanovdb::GridData gridHeader(Kind kind, nanovdb::GridClass gridClass,
+                                    const std::string& name, const double* voxelSize,
+                                    const double* origin) {
+  nanovdb::GridData h{};
+  h.mMagic = 0x304244566F6E614Eull;        // "NanoVDB0"
+  h.mVersion = nanovdb::Version(32, 4, 2); // the oldest with this layout, so that all read it
+  checksumOf(h) = 0;
+  flagsOf(h) = u32(nanovdb::GridFlags::IsBreadthFirst);
+  if (kind == Kind::Float || kind == Kind::Int32)
+    flagsOf(h) |= u32(nanovdb::GridFlags::HasMinMax) | u32(nanovdb::GridFlags::HasAverage) |
+                  u32(nanovdb::GridFlags::HasStdDeviation);
+  h.mGridCount = 1;
+  std::memcpy(h.mGridName, name.data(), name.size());
+  double scale[3][3] = {}, inverse[3][3] = {};
+  for (int k = 0; k < 3; ++k) {
+    scale[k][k] = voxelSize[k];
+    inverse[k][k] = 1.0 / voxelSize[k];
+    h.mVoxelSize[k] = voxelSize[k];
+  }
+  h.mMap.set(scale, inverse, origin, 1);
+  h.mGridClass = gridClass;
+  h.mGridType = kind;
+  return h;
+}
+
+/// Sums over a node's active values, for int grids and level sets.
 struct Moments {
   double count, mean, squares; ///< squares: of the distances from the mean
 };
@@ -83,6 +115,29 @@ struct RootEntry {
 };
 
 constexpr int kParts = 32; // of sums of doubles, so that their order is fixed
+
+/// The sum of the parts that the team shares; called by one member.
+template <typename Shared>
+TETVDB_HD Moments sumParts(Shared& s) {
+  Moments sum{0, 0, 0};
+  for (int p = 0; p < kParts; ++p)
+    addMoments(sum, s.part[p]);
+  return sum;
+}
+
+/// A number that has the order of the values, from the bits of a float (`isFloat`) or an int32; and
+/// the bits from the number.
+TETVDB_HD inline i32 inOrder(u32 bits, bool isFloat) {
+  const i32 number = static_cast<i32>(bits);
+  return isFloat && number < 0 ? number ^ 0x7FFFFFFF : number;
+}
+
+/// Of active values, from the least and the largest as inOrder() has them and their sums.
+TETVDB_HD inline NodeValues valuesOf(i32 min, i32 max, const Moments& m, bool isFloat) {
+  return {static_cast<u32>(inOrder(static_cast<u32>(min), isFloat)),
+          static_cast<u32>(inOrder(static_cast<u32>(max), isFloat)), static_cast<float>(m.mean),
+          static_cast<float>(sqrt(m.squares / m.count))};
+}
 
 template <int kLog2>
 struct WriteShared {
@@ -157,7 +212,7 @@ struct LevelNodes {
   const u32* nodeSlot = nullptr; ///< by number
   const u64* key = nullptr;      ///< by number: tree key
   u64* voxels = nullptr;         ///< by number: active voxels
-  Moments* moments = nullptr;    ///< by number; int grids
+  Moments* moments = nullptr;    ///< by number; where values differ
 };
 
 /// The input of a grid's head.
@@ -165,7 +220,7 @@ struct RootParts {
   const RootEntry* entries; ///< in tree order
   u64 count;
   const u64* voxels;      ///< of upper nodes
-  const Moments* moments; ///< of upper nodes; int grids
+  const Moments* moments; ///< of upper nodes; where values differ
   const u64* totals;      ///< [1], [2]: tiles in lower and upper nodes
 };
 

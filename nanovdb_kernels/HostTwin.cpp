@@ -2,6 +2,7 @@
 #include "BandLeaves.h"
 #include "ExpandGrid.h"
 #include "HostBackend.h"
+#include "LevelSetGrid.h"
 #include "SampleLeaves.h"
 #include "SharedGrid.h"
 #include "SlabVolumes.h"
@@ -79,6 +80,12 @@ u64 HostTwin::coverage(const CoverageJob& job, CoverageReceiver& receiver) {
   state_->backend.release();
   return SlabVolumes<HostBackend>(state_->backend, job, [](const void* from, u64) { return from; })
       .run(receiver);
+}
+
+Result HostTwin::levelSet(const MeshView& mesh, const LevelSetJob& job) {
+  state_->backend.release();
+  const Job mask = maskJobOf(job);
+  return LevelSetGrid<HostBackend>(state_->backend, mesh, job, mask).run([] {});
 }
 
 void HostTwin::expand(const Result& result, GridType type, const VoxelRange& range,

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "Team.h"
+#include "tetvdb/core/Error.h"
 
 namespace tetvdb::nano {
 
@@ -18,6 +19,22 @@ struct KeySpace {
 struct Place {
   u64 x, y, z; // relative to the base
 };
+
+/// The root tiles that hold the leaves first .. last.
+inline KeySpace spaceAround(const i64 (&first)[3], const i64 (&last)[3]) {
+  KeySpace space{};
+  for (int k = 0; k < 3; ++k) {
+    space.base[k] = first[k] & ~i64(511);
+    const u64 leaves = static_cast<u64>(last[k] - space.base[k] + 1);
+    space.bits[k] = 9;
+    while (u64(1) << space.bits[k] < leaves)
+      ++space.bits[k];
+  }
+  if (space.total() > 63)
+    throw Error(Status::Limit, "", "the grid is too wide for the device",
+                "use larger voxels or `device=cpu`");
+  return space;
+}
 
 /// log2 of the leaves along a node: leaf, lower, upper.
 TETVDB_HD constexpr int levelShift(int level) {

@@ -53,6 +53,9 @@ std::uint64_t DeviceVoxelizer::distances(const DistanceJob&, DistanceReceiver&, 
 std::uint64_t DeviceVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
   refuse();
 }
+Result DeviceVoxelizer::levelSet(const MeshView&, const LevelSetJob&, const Progress*) {
+  refuse();
+}
 Speeds DeviceVoxelizer::measureSpeeds() {
   refuse();
 }
@@ -101,6 +104,9 @@ std::uint64_t SharedVoxelizer::distances(const DistanceJob&, DistanceReceiver&, 
   refuse();
 }
 std::uint64_t SharedVoxelizer::coverage(const CoverageJob&, CoverageReceiver&, const Progress*) {
+  refuse();
+}
+Result SharedVoxelizer::levelSet(const MeshView&, const LevelSetJob&, const Progress*) {
   refuse();
 }
 std::vector<Times> SharedVoxelizer::times() const {

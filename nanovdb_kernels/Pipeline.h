@@ -123,6 +123,14 @@ public:
   }
   const Entries& leaves() const { return leaves_; }
   const LatticePoint* points() const { return points_; }
+  /// Lattice units; an empty one has a point at the origin.
+  void boxOfPoints(i64 (&low)[3], i64 (&high)[3]) const {
+    for (int k = 0; k < 3; ++k) {
+      const bool none = found_.low[k] > found_.high[k];
+      low[k] = none ? 0 : found_.low[k];
+      high[k] = none ? 0 : found_.high[k];
+    }
+  }
   const u64* ownerMasks() const { return masks_.mask; } ///< by leaf
   const i32* ownerTable() const { return table_; }      ///< 512 a leaf, -1: none
 
@@ -418,31 +426,27 @@ public:
       throw Error(Status::Limit, "",
                   "a point is not finite, or the mesh leaves 32-bit index space at this voxel size",
                   "repair the mesh or use larger voxels");
+    i64 first[3], last[3]; // leaves
+    i64 low[3], high[3];
+    boxOfPoints(low, high);
     for (int k = 0; k < 3; ++k) {
-      i64 low = found_.low[k], high = found_.high[k];
-      if (low > high)
-        low = high = 0;
       // A crossing counts from at most one voxel above the box.
-      i64 first = (low >> kLatticeBits) >> 3, last = ((high >> kLatticeBits) + 1) >> 3;
+      first[k] = (low[k] >> kLatticeBits) >> 3;
+      last[k] = ((high[k] >> kLatticeBits) + 1) >> 3;
       if (holes() != nullptr)
         for (u64 i = 0; i < holes()->leafCount; ++i) {
           const i64 leaf = holes()->leaves[i].first[k] >> 3;
-          first = leaf < first ? leaf : first;
-          last = leaf > last ? leaf : last;
+          first[k] = leaf < first[k] ? leaf : first[k];
+          last[k] = leaf > last[k] ? leaf : last[k];
         }
-      space_.base[k] = first & ~i64(511); // whole root children
-      const u64 leaves = static_cast<u64>(last - space_.base[k] + 1);
-      space_.bits[k] = 9;
-      while (u64(1) << space_.bits[k] < leaves)
-        ++space_.bits[k];
-      leafMin_[k] = static_cast<u64>(first - space_.base[k]);
-      leafMax_[k] = static_cast<u64>(last - space_.base[k]);
+    }
+    space_ = spaceAround(first, last);
+    for (int k = 0; k < 3; ++k) {
+      leafMin_[k] = static_cast<u64>(first[k] - space_.base[k]);
+      leafMax_[k] = static_cast<u64>(last[k] - space_.base[k]);
       nodeMin_[k] = leafMin_[k] >> 4;
       nodeMax_[k] = leafMax_[k] >> 4;
     }
-    if (space_.total() > 63)
-      throw Error(Status::Limit, "", "the grid is too wide for the device",
-                  "use larger voxels or `device=cpu`");
   }
 
   bool denseFits() const {
@@ -621,28 +625,11 @@ public:
   }
 
   nanovdb::GridData makeHeader() const {
-    nanovdb::GridData h{};
-    h.mMagic = 0x304244566F6E614Eull;        // "NanoVDB0"
-    h.mVersion = nanovdb::Version(32, 4, 2); // the oldest with this layout, so that all read it
-    checksumOf(h) = 0;
-    flagsOf(h) = u32(nanovdb::GridFlags::IsBreadthFirst);
-    if (kind_ == Kind::Float || kind_ == Kind::Int32)
-      flagsOf(h) |= u32(nanovdb::GridFlags::HasMinMax) | u32(nanovdb::GridFlags::HasAverage) |
-                    u32(nanovdb::GridFlags::HasStdDeviation);
-    h.mGridCount = 1;
-    std::memcpy(h.mGridName, job_.name.data(), job_.name.size());
-    double scale[3][3] = {}, inverse[3][3] = {};
-    for (int k = 0; k < 3; ++k) {
-      scale[k][k] = job_.voxelSize[k];
-      inverse[k][k] = 1.0 / job_.voxelSize[k];
-      h.mVoxelSize[k] = job_.voxelSize[k];
-    }
-    h.mMap.set(scale, inverse, job_.origin, 1);
-    h.mGridClass = job_.type == GridType::Fog    ? nanovdb::GridClass::FogVolume
-                   : job_.type == GridType::Mask ? nanovdb::GridClass::Topology
-                                                 : nanovdb::GridClass::Unknown;
-    h.mGridType = kind_;
-    return h;
+    return gridHeader(kind_,
+                      job_.type == GridType::Fog    ? nanovdb::GridClass::FogVolume
+                      : job_.type == GridType::Mask ? nanovdb::GridClass::Topology
+                                                    : nanovdb::GridClass::Unknown,
+                      job_.name, job_.voxelSize, job_.origin);
   }
 
 private:

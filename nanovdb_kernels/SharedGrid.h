@@ -65,7 +65,7 @@ RootsOfShare writeShare(Backend& b, Pipeline<Backend>& pipeline, const BufferLay
   };
   take(roots.entries, parts.entries, parts.count);
   take(roots.voxels, parts.voxels, l.uppers);
-  if (pipeline.kind() == Kind::Int32)
+  if (pipeline.writer().valuesDiffer())
     take(roots.moments, parts.moments, l.uppers);
   b.download(roots.totals, parts.totals, 4);
   return roots;

@@ -53,19 +53,30 @@ public:
     rootCount_ = rootCount;
   }
 
+  /// Whether leaves have values of their own, whose sums their parents have.
+  bool valuesDiffer() const { return kind_ == Kind::Int32 || values_.narrowBand; }
+
   /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
   void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
                  const LeafMasks& leafMasks, const i32* table, const LeafSummary* summaries,
                  const Entries& lowers, const NodeMasks<4>& lowerMasks,
                  const NodeMasks<5>& upperMasks) {
-    totals_ = b_.template alloc<u64>(4);
-    b_.zero(totals_, 4 * sizeof(u64));
     if (kind_ == Kind::Mask)
       writeFlatLeaves<sizeof(MaskLeaf) / 8>(buffer, l, leafMasks.mask);
     else if (kind_ == Kind::Boolean)
       writeFlatLeaves<sizeof(BoolLeaf) / 8>(buffer, l, leafMasks.mask);
     else
       writeValueLeaves(buffer, l, leafMasks.mask, table, summaries);
+    writeInternal(buffer, l, leaves, lowers, lowerMasks, upperMasks);
+  }
+
+  /// Writes the nodes above leaves, which `buffer` has. `leaves` and `lowers` are needed in grids
+  /// of owners alone.
+  void writeInternal(u8* buffer, const BufferLayout& l, const Entries& leaves,
+                     const Entries& lowers, const NodeMasks<4>& lowerMasks,
+                     const NodeMasks<5>& upperMasks) {
+    totals_ = b_.template alloc<u64>(4);
+    b_.zero(totals_, 4 * sizeof(u64));
     writeNodes<4>(buffer, l, lowerMasks, leaves, lower_, leaf_);
     writeNodes<5>(buffer, l, upperMasks, lowers, upper_, lower_);
   }
@@ -114,7 +125,7 @@ public:
     u32* nodeSlot = b_.template alloc<u32>(count);
     nodes.nodeSlot = nodeSlot;
     nodes.voxels = b_.template alloc<u64>(count);
-    nodes.moments = kind_ == Kind::Int32 ? b_.template alloc<Moments>(count) : nullptr;
+    nodes.moments = valuesDiffer() ? b_.template alloc<Moments>(count) : nullptr;
     const u64* index = nodes.index;
     const u32 *positions = e.position, *slots = e.slot;
     const u8* states = e.state;
@@ -196,7 +207,7 @@ public:
             } else {
               const LeafSummary sum = summaries[slot];
               moments[leaf] = {sum.count, sum.mean, sum.squares};
-              setValues(node, valuesOf(sum.min, sum.max, moments[leaf]));
+              setValues(node, valuesOf(sum.min, sum.max, moments[leaf], false));
             }
           }
           u64* to = reinterpret_cast<u64*>(node.mValues);
@@ -212,19 +223,6 @@ public:
             }
           }
         });
-  }
-
-  template <typename Shared>
-  TETVDB_HD static Moments sumParts(Shared& s) {
-    Moments sum{0, 0, 0};
-    for (int p = 0; p < kParts; ++p)
-      addMoments(sum, s.part[p]);
-    return sum;
-  }
-
-  TETVDB_HD static NodeValues valuesOf(i32 min, i32 max, const Moments& m) {
-    return {static_cast<u32>(min), static_cast<u32>(max), static_cast<float>(m.mean),
-            static_cast<float>(sqrt(m.squares / m.count))};
   }
 
   template <int kLog2>
@@ -255,6 +253,7 @@ public:
     const u64* childKeys = children.treeKey;
     const Kind kind = kind_;
     const GridValues values = values_;
+    const bool differ = valuesDiffer();
     const KeySpace space = space_;
     u64* totals = totals_;
     b_.template forTeams<Shared>(
@@ -267,7 +266,7 @@ public:
             s.child[w] = childMask[slot * kWords + static_cast<u64>(w)];
             s.tile[w] = tileMask[slot * kWords + static_cast<u64>(w)];
             wordsOf(node.mChildMask)[w] = s.child[w];
-            wordsOf(node.mValueMask)[w] = s.tile[w];
+            wordsOf(node.mValueMask)[w] = values.narrowBand ? 0 : s.tile[w];
             s.before[w] = static_cast<u32>(bitCount(s.child[w]));
           }
           if (team.rank() == 0) {
@@ -290,10 +289,10 @@ public:
             }
             node.mTable[i].child = static_cast<i64>(entry);
           }
-          // Tiles: their box, and how many.
+          // Active tiles: their box, and how many.
           for (int w = team.rank(); w < kWords; w += team.size()) {
             const u64 tile = s.tile[w];
-            if (tile == 0)
+            if (tile == 0 || values.narrowBand)
               continue;
             addTo(&s.tiles, static_cast<u32>(bitCount(tile)));
             for (int half = 0; half < 64; half += 1 << kLog2) {
@@ -313,7 +312,7 @@ public:
           const double tileVoxels = static_cast<double>(childSide) * childSide * childSide;
           // Sums of doubles are made in a fixed number of parts; without them all members take
           // part.
-          const int parts = kind == Kind::Int32 ? kParts : team.size();
+          const int parts = differ ? kParts : team.size();
           for (int p = team.rank(); p < parts; p += team.size()) {
             i32 low[3] = {0x7FFFFFFF, 0x7FFFFFFF, 0x7FFFFFFF};
             i32 high[3] = {-0x7FFFFFFF - 1, -0x7FFFFFFF - 1, -0x7FFFFFFF - 1};
@@ -343,11 +342,11 @@ public:
                   high[a] = to[a] > high[a] ? to[a] : high[a];
                 }
                 sum += childVoxels[child];
-                if (kind == Kind::Int32) {
+                if (differ) {
                   using Child = std::conditional_t<level == 1, ValueLeaf, LowerNode>;
                   const auto& of = *reinterpret_cast<const Child*>(bytes);
-                  const i32 least = static_cast<i32>(of.mMinimum),
-                            most = static_cast<i32>(of.mMaximum);
+                  const i32 least = inOrder(of.mMinimum, values.narrowBand),
+                            most = inOrder(of.mMaximum, values.narrowBand);
                   minValue = least < minValue ? least : minValue;
                   maxValue = most > maxValue ? most : maxValue;
                   addMoments(part, childMoments[child]);
@@ -376,7 +375,7 @@ public:
               addTo(&s.low32, static_cast<u32>(sum));
             else if (sum != 0)
               addTo(&s.voxels, sum);
-            if (kind == Kind::Int32)
+            if (differ)
               s.part[p] = part;
           }
           team.sync();
@@ -392,15 +391,15 @@ public:
             memset(&node.mMinimum, 0,
                    static_cast<u64>(reinterpret_cast<u8*>(node.mTable) -
                                     reinterpret_cast<u8*>(&node.mMinimum)));
-            if (kind == Kind::Float) {
+            if (differ) {
+              moments[number] = sumParts(s);
+              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number], values.narrowBand));
+            } else if (kind == Kind::Float) {
               union {
                 u32 bits;
                 float value;
               } u{values.inside};
               setValues(node, {values.inside, values.inside, u.value, 0});
-            } else if (kind == Kind::Int32) {
-              moments[number] = sumParts(s);
-              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number]));
             }
           }
           team.sync();
@@ -418,6 +417,7 @@ public:
     const u64 n = parts.count;
     const Kind kind = kind_;
     const GridValues values = values_;
+    const bool differ = valuesDiffer();
     const KeySpace space = space_;
     b_.template forTeams<HeadShared>(
         1, kParts, TETVDB_KERNEL(const Team& team, u64, HeadShared& s) {
@@ -453,11 +453,14 @@ public:
                   to[a] = upper.mBBox[1][a];
                 }
                 voxels = upperVoxels[entry.upper];
-                if (kind == Kind::Int32) {
+                if (differ) {
                   addMoments(part, upperMoments[entry.upper]);
-                  minInto(&s.minValue, static_cast<i32>(upper.mMinimum));
-                  maxInto(&s.maxValue, static_cast<i32>(upper.mMaximum));
+                  minInto(&s.minValue, inOrder(upper.mMinimum, values.narrowBand));
+                  maxInto(&s.maxValue, inOrder(upper.mMaximum, values.narrowBand));
                 }
+              } else if (values.narrowBand) {
+                tile.value = values.inside;
+                continue;
               } else {
                 tile.state = 1;
                 tile.value = values.inside;
@@ -497,10 +500,10 @@ public:
             } inside{values.inside};
             if (empty && (kind == Kind::Float || kind == Kind::Int32))
               setValues(root, {values.background, values.background, 0, 0});
+            else if (differ)
+              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s), values.narrowBand));
             else if (kind == Kind::Float)
               setValues(root, {values.inside, values.inside, inside.value, 0});
-            else if (kind == Kind::Int32)
-              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s)));
             auto& grid = *reinterpret_cast<nanovdb::GridData*>(buffer);
             grid.mGridSize = l.size;
             if (!empty) {
@@ -520,7 +523,7 @@ public:
             tree.mNodeCount[2] = static_cast<u32>(l.uppers);
             tree.mTileCount[0] = static_cast<u32>(totals[1]);
             tree.mTileCount[1] = static_cast<u32>(totals[2]);
-            tree.mTileCount[2] = static_cast<u32>(l.rootTiles - l.uppers);
+            tree.mTileCount[2] = values.narrowBand ? 0 : static_cast<u32>(l.rootTiles - l.uppers);
             tree.mVoxelCount = s.voxels;
           }
           team.sync();

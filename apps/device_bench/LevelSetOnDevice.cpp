@@ -6,11 +6,13 @@
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/SoupChain.h"
+#include "tetvdb/voxelize/ViewOfMesh.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
+#include <type_traits>
 
 namespace tetvdb::bench {
 namespace {
@@ -51,6 +53,37 @@ void measureDistances(nano::DeviceVoxelizer& device, const nano::Speeds& speeds,
             within * 1e3, placing * 1e3, static_cast<double>(device.deviceBytes()) * 1e-9));
 }
 
+// From a mesh to a grid of NanoVDB in host memory; `view` in host memory.
+void measureGrid(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, nano::MeshView view,
+                 const GridTransform& transform, const std::string& what, int times) {
+  PinnedCopies pinned;
+  const auto copy = [&](auto*& array, std::size_t bytes) {
+    using Array = std::remove_reference_t<decltype(array)>;
+    if (array != nullptr)
+      array = static_cast<Array>(pinned.add(array, bytes));
+  };
+  copy(view.points, view.pointCount * 3 * sizeof(double));
+  copy(view.tets, view.tetCount * 4 * sizeof(std::uint32_t));
+  copy(view.triangles, view.triangleCount * 3 * sizeof(std::uint32_t));
+  nano::LevelSetJob job;
+  job.voxelSize = transform.voxelSize[0];
+  for (std::size_t k = 0; k < 3; ++k)
+    job.origin[k] = transform.origin[k];
+  job.halfWidth = kHalfWidth;
+  nano::Counts counts;
+  const Measured measured =
+      measure(device, times, [&] { counts = device.levelSet(view, job).counts; });
+  // The grid is written, and read once.
+  const auto bytes = static_cast<double>(counts.bufferBytes);
+  print(what + ", mesh to NanoVDB's buffer", measured,
+        pinned.bytes() / speeds.up + bytes / speeds.down,
+        fmt::format("{} leaves, {:.0f} MB up, {:.0f} MB down; {:.2f} ms within; device memory "
+                    "{:.2f} GB",
+                    counts.leaves, pinned.bytes() * 1e-6, bytes * 1e-6,
+                    2 * (pinned.bytes() + bytes) / speeds.within * 1e3,
+                    static_cast<double>(device.deviceBytes()) * 1e-9));
+}
+
 VoxelizeOptions maskAt(const GridTransform& transform) {
   VoxelizeOptions options;
   options.grids = {GridKind::Mask};
@@ -87,6 +120,7 @@ void levelSetTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, co
   const SnappedMesh mesh = snapMesh(ball, transform, progress);
   const Boundary faces = boundaryFaces(mesh, progress);
   measureDistances(device, speeds, mesh, faces, what, times);
+  measureGrid(device, speeds, viewOf(ball), transform, what, times);
   compareTrees(voxelize(ball, maskAt(transform), report, progress), mesh, faces, what, times,
                [&](const ShapeOptions& shapes, Voxelization& made) {
                  addShapeGrids(ball, shapes, made, report, progress);
@@ -102,6 +136,7 @@ void levelSetTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds,
   const SnappedMesh mesh = snapPoints(ball.points, transform, progress);
   const Boundary faces = soupFaces(ball, mesh);
   measureDistances(device, speeds, mesh, faces, what, times);
+  measureGrid(device, speeds, viewOf(ball), transform, what, times);
   compareTrees(voxelize(ball, SolidOptions(), maskAt(transform), report, progress), mesh, faces,
                what, times, [&](const ShapeOptions& shapes, Voxelization& made) {
                  addShapeGrids(ball, SolidOptions(), shapes, made, report, progress);

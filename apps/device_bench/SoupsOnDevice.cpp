@@ -8,6 +8,7 @@
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
+#include "tetvdb/voxelize/ViewOfMesh.h"
 #include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <algorithm>
@@ -25,15 +26,6 @@ namespace {
 
 constexpr int kResolution = 256;
 constexpr std::size_t kMaxTriangles = 20000;
-
-nano::MeshView viewOf(const TriangleMesh& mesh) {
-  nano::MeshView view;
-  view.points = mesh.points[0].data();
-  view.pointCount = mesh.points.size();
-  view.triangles = mesh.triangles.data();
-  view.triangleCount = mesh.triangleCount();
-  return view;
-}
 
 double bytesOf(const TriangleMesh& mesh) {
   return static_cast<double>(mesh.points.size()) * 24 +

@@ -5,6 +5,7 @@
 
 #include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/volume/NanoGrids.h"
+#include "tetvdb/voxelize/ViewOfMesh.h"
 #include "tetvdb/voxelize/Voxelize.h"
 
 #include <cstring>
@@ -13,14 +14,6 @@
 #include <utility>
 
 namespace tetvdb {
-
-inline nano::MeshView viewOf(const TetMesh& mesh) {
-  // Of mixed cells the owner is the cell, not the tet.
-  static_assert(sizeof(std::uint32_t) == sizeof(std::int32_t));
-  const auto* values = reinterpret_cast<const std::int32_t*>(mesh.cellOfTet.data());
-  return {mesh.points.empty() ? nullptr : mesh.points[0].data(), mesh.points.size(),
-          mesh.tets.data(), mesh.tetCount(), mesh.cellOfTet.empty() ? nullptr : values};
-}
 
 inline nano::Job jobFor(nano::GridType type, nano::Method method, const GridTransform& transform) {
   nano::Job job;

@@ -17,15 +17,6 @@
 
 namespace tetvdb {
 
-inline nano::MeshView viewOf(const TriangleMesh& mesh) {
-  nano::MeshView view;
-  view.points = mesh.points.empty() ? nullptr : mesh.points[0].data();
-  view.pointCount = mesh.points.size();
-  view.triangles = mesh.triangles.data();
-  view.triangleCount = mesh.triangleCount();
-  return view;
-}
-
 inline InsideRule insideOf(FillRule rule) {
   return rule == FillRule::Positive  ? InsideRule::Winding
          : rule == FillRule::NonZero ? InsideRule::NonZero

@@ -4,10 +4,10 @@
 // of the CPU, by hash, and against the host's twin, byte for byte; and what the device refuses.
 // Arguments: mesh files or folders of them; --small leaves out what is slow under
 // compute-sanitizer. Exit status 1 if anything differs.
-#include "BandCases.h"
 #include "CoverageCases.h"
 #include "FieldCases.h"
 #include "Grids.h"
+#include "LevelSetCases.h"
 #include "Meshes.h"
 #include "OpenSoupCases.h"
 #include "tetvdb/core/Error.h"
@@ -142,12 +142,35 @@ void compareBands(Device& device, const std::string& name, const BandCase& band)
   }
 }
 
+// Level sets made on the device: the CPU's grid, and its twin's bytes. `band`: of `mesh`.
+template <typename Device, typename Mesh>
+void compareLevelSets(Device& device, const std::string& name, const Mesh& mesh,
+                      const BandCase& band, FillRule rule, bool twinToo) {
+  const std::string what = name + ", level set on the device";
+  try {
+    nano::LevelSetJob job = levelSetJob(band.transform, band.halfWidth);
+    job.rule = rule;
+    const nano::Result made = device.levelSet(viewOf(mesh), job);
+    expect(made.bytes != nullptr && hashOf(made) == levelSetHash(band, rasterizeBand), what);
+    expect(made.counts.insideVoxels == band.inside->activeVoxelCount(), what + ": inside");
+    if (!twinToo)
+      return;
+    nano::HostTwin twin;
+    expect(sameBytes(twin.levelSet(viewOf(mesh), job), made), what + ": twin");
+  } catch (const std::exception& e) {
+    expect(false, what + ": " + e.what());
+  }
+}
+
 template <typename Device>
 void madeBands(Device& device, bool small) {
   using namespace meshes;
   const auto check = [&](const std::string& name, const TetMesh& mesh, double halfWidth = 3,
                          double shell = 0) {
-    compareBands(device, name, bandOf(mesh, {}, halfWidth, shell));
+    const BandCase band = bandOf(mesh, {}, halfWidth, shell);
+    compareBands(device, name, band);
+    if (shell == 0)
+      compareLevelSets(device, name, mesh, band, FillRule::Positive, small);
   };
   const auto turned = [](const Vec3d& p) {
     return Vec3d{0.8 * p[0] - 0.6 * p[1], 0.48 * p[0] + 0.64 * p[1] - 0.6 * p[2],
@@ -179,6 +202,7 @@ void madeBands(Device& device, bool small) {
   check("giant faces", mapped(scaled(kuhnGrid(1, 1, 1), 900, {-40, -30, -20}), turned));
   check("ball in many batches", ball(30, 400, {1000, 5, -3000}));
   check("far more faces than voxels", ball(60, 30, {3, -70, 100}));
+  check("a tile of the root", scaled(kuhnGrid(1, 1, 1), 4200, {-50, -60, -44}), 1);
   check("many nodes", mapped(kuhnGrid(1, 1, 1), [](const Vec3d& p) {
           return Vec3d{p[0] * 300000 - 60000, p[1] * 2 + p[0] * 40, p[2] * 2 - 1};
         }));
@@ -299,9 +323,18 @@ void compareOpenSoups(Device& device, const SoupCase& c, bool twinToo) {
   }
 }
 
+bool hasCubes(const SoupCase& c) {
+  const Vec3d& size = c.transform.voxelSize;
+  return size[0] == size[1] && size[1] == size[2];
+}
+
 void madeSoups(nano::DeviceVoxelizer& device, bool small) {
-  for (const SoupCase& c : soupCases(small))
+  for (const SoupCase& c : soupCases(small)) {
     compareSoups(device, c, small);
+    for (const FillRule rule : {FillRule::Positive, FillRule::Odd})
+      if (hasCubes(c))
+        compareLevelSets(device, c.name, c.mesh, bandOf(c.mesh, rule, c.transform, 3), rule, small);
+  }
   for (const SoupCase& c : openSoupCases(small))
     compareOpenSoups(device, c, true);
   const TriangleMesh sphere = meshes::sphere({0, 0, 0}, 20, 8);
@@ -396,6 +429,12 @@ void stopping(nano::DeviceVoxelizer& device) {
   } refusing;
   expect(refuses(Status::Limit, [&] { device.distances(distanceJobFor(placed), refusing); }),
          "leaves refused");
+  expect(refuses(Status::Cancelled,
+                 [&] {
+                   device.levelSet(viewOf(meshes::ball(30, 400, {})), levelSetJob({}, 3),
+                                   &cancelled);
+                 }),
+         "a level set on the device cancelled");
   compareBands(device, "after stopping", band);
   compare(device, "after stopping", meshes::scaled(meshes::kuhnGrid(2, 2, 2), 5), {}, true);
 }
@@ -466,6 +505,9 @@ void corpusSoup(nano::DeviceVoxelizer& device, const std::string& path) {
       compareOpenSoups(device, c, false);
     else
       compareSoups(device, c, false);
+    if (!open)
+      compareLevelSets(device, path, c.mesh, bandOf(c.mesh, FillRule::Positive, c.transform, 3),
+                       FillRule::Positive, false);
   }
 }
 
@@ -489,8 +531,10 @@ void corpusFile(nano::DeviceVoxelizer& device, const std::string& path) {
     options.resolution = resolution;
     compare(device, path + " at " + std::to_string(resolution), mesh,
             chooseTransform(mesh, options), false);
-    compareBands(device, path + " at " + std::to_string(resolution),
-                 bandOf(mesh, chooseTransform(mesh, options)));
+    const BandCase band = bandOf(mesh, chooseTransform(mesh, options));
+    const std::string name = path + " at " + std::to_string(resolution);
+    compareBands(device, name, band);
+    compareLevelSets(device, name, mesh, band, FillRule::Positive, false);
     // Its own arrays where it has any.
     FieldOptions own;
     own.all = true;

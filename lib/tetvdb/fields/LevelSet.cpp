@@ -34,19 +34,18 @@ struct SignedLeaf {
 };
 
 TETVDB_MULTIVERSION
-bool signLeaf(const float* squared, const std::uint64_t* inside, float radius, float shell,
-              float voxel, float background, SignedLeaf& leaf) {
+bool signLeaf(const float* squared, const std::uint64_t* inside, const NarrowBand& narrow,
+              SignedLeaf& leaf) {
+  const NarrowBand band = narrow;
   std::uint64_t any = 0;
   for (int x = 0; x < kLeafSize; ++x) {
     float absolutes[kLeafSize * kLeafSize];
     std::uint8_t near[kLeafSize * kLeafSize];
     const float* row = squared + x * kLeafSize * kLeafSize;
     for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
-      const float distance = std::abs(std::sqrt(row[i]) - shell);
-      near[i] = distance < radius;
-      // Zero would be neither inside nor outside.
-      const float value = std::max(distance * voxel, std::numeric_limits<float>::min());
-      absolutes[i] = distance < radius ? std::min(value, background) : background;
+      const float distance = band.distance(row[i]);
+      near[i] = band.isActive(distance);
+      absolutes[i] = band.absolute(distance);
     }
     std::uint64_t active = 0;
     for (int i = 0; i < kLeafSize * kLeafSize; ++i) {
@@ -107,22 +106,12 @@ struct Part {
   bool inside = false;
 };
 
-// halfWidth * voxel, or the next larger float if single precision rounds it down: OpenVDB's checks
-// divide it by the voxel size.
-float backgroundOf(double halfWidth, double voxel) {
-  const auto nearest = static_cast<float>(halfWidth * voxel);
-  return static_cast<double>(nearest) / voxel < halfWidth
-             ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
-             : nearest;
-}
-
 class Builder {
 public:
   Builder(const openvdb::BoolTree& inside, double halfWidth, double shell, double voxel)
-      : inside_(inside), radius_(static_cast<float>(halfWidth)), shell_(static_cast<float>(shell)),
-        voxel_(static_cast<float>(voxel)), background_(backgroundOf(halfWidth, voxel)) {}
+      : inside_(inside), band_(halfWidth, shell, voxel) {}
 
-  float background() const { return background_; }
+  float background() const { return band_.background; }
 
   // `distances`: of the node's leaves; null if the band does not reach it.
   void build(Part& part, const NodeLeaves* distances) const {
@@ -138,13 +127,13 @@ public:
       std::uint64_t words[kLeafSize];
       const bool mixed = inside.words(static_cast<openvdb::Index>(leaf), words);
       SignedLeaf signs;
-      if (signLeaf(squared, words, radius_, shell_, voxel_, background_, signs) || mixed)
+      if (signLeaf(squared, words, band_, signs) || mixed)
         leaves[static_cast<std::size_t>(leaf)] = makeLeaf(leafOrigin(leaf), signs);
     };
     if (distances != nullptr)
       (*distances)(add);
 
-    part.node = std::make_unique<FloatLower>(origin, background_, false);
+    part.node = std::make_unique<FloatLower>(origin, background(), false);
     bool uniform = true;
     part.inside = inside.full(0);
     for (int i = 0; i < kLeavesInNode; ++i) {
@@ -158,7 +147,7 @@ public:
       if (made != nullptr)
         part.node->addLeaf(made);
       else if (inside.full(leaf))
-        part.node->addTile(leaf, -background_, false);
+        part.node->addTile(leaf, -background(), false);
       uniform = uniform && made == nullptr && inside.full(leaf) == part.inside;
     }
     if (uniform)
@@ -167,7 +156,7 @@ public:
 
 private:
   const openvdb::BoolTree& inside_;
-  float radius_, shell_, voxel_, background_;
+  NarrowBand band_;
 };
 
 NodeIndex upperOf(const NodeIndex& node) {

@@ -5,6 +5,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/DistanceBand.h"
+#include "tetvdb/geometry/NarrowBand.h"
 #include "tetvdb/geometry/NodeBox.h"
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/voxelize/BoundaryFaces.h"
@@ -14,10 +15,6 @@
 #include <functional>
 
 namespace tetvdb {
-
-/// The permitted half-widths, voxels. With 1 or more, the voxels on either side of the surface are
-/// always in the band, so that the level set is closed.
-constexpr double kMinHalfWidth = 1, kMaxHalfWidth = 100;
 
 /// Passes a node's leaves of squared distances to a sink, as DistanceBand::rasterize() does.
 using NodeLeaves = std::function<void(const DistanceBand::LeafSink&)>;

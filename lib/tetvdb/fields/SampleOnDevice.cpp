@@ -6,6 +6,7 @@
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/ViewOfMesh.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
 #include <algorithm>
@@ -89,8 +90,8 @@ SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform
   const SnappedMesh none; // the device has its own
   SampledGrids grids(mesh, none, transform, fields, pack, packed);
   TreeMaker maker(grids.grids(), fieldBytes(fields, pack), options, timer);
-  const nano::MeshView view{mesh.points[0].data(), mesh.points.size(), mesh.tets.data(),
-                            mesh.tetCount(), nullptr};
+  nano::MeshView view = viewOf(mesh);
+  view.values = nullptr;
   const nano::Counts found =
       devices.sample(view, fieldJobFor(mesh, transform, fields), maker, progress);
   grids.requireAny(options);

@@ -47,8 +47,8 @@ public:
       for (openvdb::Index n = 0; n < Upper::NUM_VALUES; ++n) {
         if (from.mChildMask.isOn(n))
           jobs.push_back({upper, n, from.getChild(n)->data()});
-        else if (from.mValueMask.isOn(n))
-          upper->addTile(n, from.getValue(n), true);
+        else
+          addTile(from, n, *upper);
       }
     }
     std::vector<std::unique_ptr<Lower>> lowers(jobs.size());
@@ -68,6 +68,15 @@ private:
     const NanoLower* node;
   };
 
+  // Unless the node has it already. A level set has inactive tiles of two values.
+  template <typename From, typename To>
+  void addTile(const From& from, openvdb::Index n, To& to) const {
+    const bool active = from.mValueMask.isOn(n);
+    const auto value = static_cast<Value>(from.getValue(n));
+    if (active || value != background_)
+      to.addTile(n, value, active);
+  }
+
   std::unique_ptr<Lower> makeLower(const Child& job) const {
     const NanoLower& from = *job.node;
     auto lower =
@@ -75,8 +84,8 @@ private:
     for (openvdb::Index n = 0; n < Lower::NUM_VALUES; ++n) {
       if (from.mChildMask.isOn(n))
         lower->addLeaf(makeLeaf(*from.getChild(n)->data(), lower->offsetToGlobalCoord(n)));
-      else if (from.mValueMask.isOn(n))
-        lower->addTile(n, from.getValue(n), true);
+      else
+        addTile(from, n, *lower);
     }
     return lower;
   }
@@ -123,8 +132,9 @@ auto withNanoGrid(const unsigned char* bytes, const F& f) {
 openvdb::GridBase::Ptr named(const openvdb::GridBase::Ptr& grid, const unsigned char* bytes) {
   const auto& header = *reinterpret_cast<const nanovdb::GridData*>(bytes);
   grid->setName(header.mGridName);
-  grid->setGridClass(header.mGridClass == nanovdb::GridClass::FogVolume ? openvdb::GRID_FOG_VOLUME
-                                                                        : openvdb::GRID_UNKNOWN);
+  grid->setGridClass(header.mGridClass == nanovdb::GridClass::FogVolume  ? openvdb::GRID_FOG_VOLUME
+                     : header.mGridClass == nanovdb::GridClass::LevelSet ? openvdb::GRID_LEVEL_SET
+                                                                         : openvdb::GRID_UNKNOWN);
   const auto& size = header.mVoxelSize;
   const double* origin = header.mMap.mVecD;
   grid->setTransform(

@@ -49,6 +49,12 @@ public:
                            : several_->coverage(job, receiver, &progress);
   }
 
+  nano::Result levelSet(const nano::MeshView& mesh, const nano::LevelSetJob& job,
+                        const Progress& progress) {
+    return one_ != nullptr ? one_->levelSet(mesh, job, &progress)
+                           : several_->levelSet(mesh, job, &progress);
+  }
+
   /// The device's voxelizer where there is one device; else null.
   nano::DeviceVoxelizer* single() const { return one_.get(); }
   /// Held on the device where there is one; else 0.

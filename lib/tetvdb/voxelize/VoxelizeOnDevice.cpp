@@ -11,6 +11,7 @@
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SolidFaces.h"
 #include "tetvdb/voxelize/TreeEstimate.h"
+#include "tetvdb/voxelize/ViewOfMesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,35 +46,13 @@ nano::Job jobFor(GridKind kind, const GridTransform& transform, FillRule rule) {
   return job;
 }
 
-nano::MeshView viewOf(const TetMesh& mesh) {
-  nano::MeshView view;
-  view.points = mesh.points[0].data();
-  view.pointCount = mesh.points.size();
-  view.tets = mesh.tets.data();
-  view.tetCount = mesh.tetCount();
-  return view;
-}
-nano::MeshView viewOf(const TriangleMesh& mesh) {
-  nano::MeshView view;
-  view.points = mesh.points[0].data();
-  view.pointCount = mesh.points.size();
-  view.triangles = mesh.triangles.data();
-  view.triangleCount = mesh.triangleCount();
-  return view;
-}
-
-// Value of every tet; empty where it is the tet's number.
-std::vector<std::int32_t> valuesOf(GridKind kind, const TetMesh& mesh) {
-  std::vector<std::int32_t> values;
-  if (kind == GridKind::TetId && !mesh.cellOfTet.empty())
-    values.assign(mesh.cellOfTet.begin(), mesh.cellOfTet.end());
-  if (kind == GridKind::Material) {
-    values.resize(mesh.tetCount());
-    if (!mesh.regions.empty())
-      for (std::size_t t = 0; t < values.size(); ++t)
-        values[t] = mesh.regions[mesh.cell(t)];
-  }
-  return values;
+// Region of every tet.
+std::vector<std::int32_t> regionsOf(const TetMesh& mesh) {
+  std::vector<std::int32_t> regions(mesh.tetCount());
+  if (!mesh.regions.empty())
+    for (std::size_t t = 0; t < regions.size(); ++t)
+      regions[t] = mesh.regions[mesh.cell(t)];
+  return regions;
 }
 
 NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
@@ -356,15 +335,19 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
         progress.stage("voxelize");
         initializeOpenVDB();
         const std::shared_ptr<const BorrowedDevices> devices(new BorrowedDevices(start()));
-        std::vector<std::int32_t> values;
-        const auto viewOf = [&](GridKind kind) {
-          values = valuesOf(kind, mesh);
-          nano::MeshView view = tetvdb::viewOf(mesh);
-          view.values = values.empty() ? nullptr : values.data();
+        std::vector<std::int32_t> regions;
+        const auto viewFor = [&](GridKind kind) {
+          nano::MeshView view = viewOf(mesh);
+          if (kind == GridKind::Material) {
+            regions = regionsOf(mesh);
+            view.values = regions.data();
+          } else if (kind != GridKind::TetId) {
+            view.values = nullptr;
+          }
           return view;
         };
         MadeOnDevice made = voxelizeOn(devices, chooseTransform(mesh, options), options.grids,
-                                       FillRule::Positive, viewOf, nanoGrids, report, progress);
+                                       FillRule::Positive, viewFor, nanoGrids, report, progress);
         reportOrigin(made.result.transform, options, report);
         reportTets(made.result.counts, mesh.tetCount(), report);
         requireVoxels(made.activeVoxels == 0, options);
@@ -447,6 +430,7 @@ struct DeviceColumns::State {
       : devices({DeviceKind::Cuda, {choice.numbers.front()}}, nano::listDevices(used.why),
                 used.name),
         mesh(seen), job(jobFor(GridKind::Mask, transform, rule)) {
+    mesh.values = nullptr;
     job.type = nano::GridType::Mask;
     job.oneColumn = true;
   }

@@ -57,9 +57,10 @@ PlacedBand placeBand(const DistanceJob& job, const NodeShare& share, std::vector
   for (u64 node = share.begin; node <= share.end; ++node)
     starts.push_back(job.starts[node] - first);
   PlacedBand band;
-  band.points =
-      static_cast<const LatticePoint*>(place(job.points, job.pointCount * sizeof(LatticePoint)));
-  band.faces = static_cast<const u32*>(place(job.faces, job.faceCount * 4 * sizeof(u32)));
+  const FacesView& faces = job.faces;
+  band.points = static_cast<const LatticePoint*>(
+      place(faces.points, faces.pointCount * sizeof(LatticePoint)));
+  band.faces = static_cast<const u32*>(place(faces.faces, faces.faceCount * 4 * sizeof(u32)));
   band.nodeFaces =
       static_cast<const NodeFace*>(place(job.nodeFaces + first, pairs * sizeof(NodeFace)));
   band.starts = static_cast<const u64*>(place(starts.data(), starts.size() * sizeof(u64)));

@@ -345,7 +345,7 @@ struct Device {
     shape.values = nullptr;
     const MeshView view = begin(shape, mask, progress);
     LevelSetJob here = job;
-    if (job.faces.faces != nullptr) {
+    if (job.faces.points != nullptr) {
       here.faces.points = static_cast<const LatticePoint*>(
           copied(job.faces.points, job.faces.pointCount * sizeof(LatticePoint)));
       here.faces.faces =

@@ -10,13 +10,18 @@
 
 namespace tetvdb::nano {
 
-/// Faces placed among the 128^3 nodes that they come near to, as fields/DistanceBand.h places them;
-/// arrays in host memory.
-struct DistanceJob {
+/// Faces in host memory.
+struct FacesView {
   const LatticePoint* points = nullptr;
   std::uint64_t pointCount = 0;
   const std::uint32_t* faces = nullptr; ///< three points each, and a number that is ignored
   std::uint64_t faceCount = 0;
+};
+
+/// Faces placed among the 128^3 nodes that they come near to, as fields/DistanceBand.h places them;
+/// arrays in host memory.
+struct DistanceJob {
+  FacesView faces;
   const NodeFace* nodeFaces = nullptr;   ///< by node
   const std::uint64_t* starts = nullptr; ///< of each node's in nodeFaces, and their number
   std::uint64_t nodeCount = 0;

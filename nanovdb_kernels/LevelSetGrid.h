@@ -108,7 +108,7 @@ public:
   // The faces that distances are measured to.
   void placeFaces() {
     b_.stage("faces");
-    if (job_.faces.faces != nullptr) {
+    if (job_.faces.points != nullptr) {
       points_ = job_.faces.points;
       faces_ = reinterpret_cast<const Face*>(job_.faces.faces);
       faceCount_ = job_.faces.faceCount;

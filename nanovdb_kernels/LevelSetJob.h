@@ -4,29 +4,21 @@
 // Contains no type of CUDA or NanoVDB.
 #pragma once
 
+#include "DistanceJob.h"
 #include "tetvdb/geometry/FillRule.h"
-#include "tetvdb/geometry/Lattice.h"
 
-#include <cstdint>
 #include <string>
 
 namespace tetvdb::nano {
-
-/// Faces in host memory; null where those of the mesh are meant.
-struct FacesView {
-  const LatticePoint* points = nullptr;
-  std::uint64_t pointCount = 0;
-  const std::uint32_t* faces = nullptr; ///< three points each, and a number that is ignored
-  std::uint64_t faceCount = 0;
-};
 
 struct LevelSetJob {
   FillRule rule = FillRule::Positive; ///< winding numbers that are inside; of triangles
   double voxelSize = 1;               ///< world units
   double origin[3] = {0, 0, 0};       ///< world units: the centre of voxel (0, 0, 0)
   double halfWidth = 3;               ///< voxels, at least 1
-  /// Distances are those to these, which must contain the surface of the solid. Null: to the
-  /// mesh's, of tets its boundary, of triangles all, also those inside the solid.
+  /// Distances are those to these, which must contain the surface of the solid. Points that are
+  /// null: to the mesh's faces, of tets its boundary, of triangles all, also those inside the
+  /// solid.
   FacesView faces;
   std::string name = "surface"; ///< at most 255 bytes
   bool resident = false;        ///< the mesh's arrays are in the device's memory

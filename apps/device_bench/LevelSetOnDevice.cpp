@@ -33,9 +33,10 @@ void measureDistances(nano::DeviceVoxelizer& device, const nano::Speeds& speeds,
   const double placing = now() - start;
   PinnedCopies pinned;
   nano::DistanceJob job = distanceJobFor(band);
-  job.points = static_cast<const LatticePoint*>(
-      pinned.add(job.points, job.pointCount * sizeof(LatticePoint)));
-  job.faces = static_cast<const std::uint32_t*>(pinned.add(job.faces, job.faceCount * 16));
+  job.faces.points = static_cast<const LatticePoint*>(
+      pinned.add(job.faces.points, job.faces.pointCount * sizeof(LatticePoint)));
+  job.faces.faces =
+      static_cast<const std::uint32_t*>(pinned.add(job.faces.faces, job.faces.faceCount * 16));
   job.nodeFaces = static_cast<const NodeFace*>(
       pinned.add(job.nodeFaces, band.nodeFaces().size() * sizeof(NodeFace)));
   std::uint64_t leaves = 0;

@@ -195,7 +195,7 @@ TEST(HostTwin, FilesFromBuffersReadBack) {
       twin.run(viewOf(mesh), jobFor(GridType::Owner, Method::Auto, GridTransform{}));
   const std::string path = testing::TempDir() + "twin.nvdb";
   Progress progress;
-  writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes}},
+  writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes, 0}},
                  progress);
   EXPECT_EQ(hash(readVolume(path, progress)), cpuHash(mesh, GridKind::TetId, GridTransform{}));
   std::remove(path.c_str());
@@ -209,7 +209,7 @@ TEST(HostTwin, FilesFromBuffersAreThoseOfTrees) {
   for (const GridType type : {GridType::Bool, GridType::Fog}) {
     const nano::Result result = twin.run(viewOf(mesh), jobFor(type, Method::Auto, {}));
     const std::string path = testing::TempDir() + "twin.nvdb";
-    writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes}},
+    writeNanoGrids(path, {{{std::shared_ptr<void>(), result.bytes}, result.counts.bufferBytes, 0}},
                    progress);
     const std::string bytes = test::fileBytes(path);
     Volume volume;

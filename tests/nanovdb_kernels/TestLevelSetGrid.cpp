@@ -184,11 +184,8 @@ TEST(LevelSetGrid, OtherFaces) {
   const BandCase other = bandOf(finer);
   band.mesh = other.mesh;
   band.faces = other.faces;
-  Progress progress;
-  const DistanceBand placed(band.mesh, band.faces, 3, progress);
-  const nano::DistanceJob faces = distanceJobFor(placed);
   nano::LevelSetJob job = levelSetJob({}, 3);
-  job.faces = {faces.points, faces.pointCount, faces.faces, faces.faceCount};
+  job.faces = facesViewOf(band.mesh, band.faces);
   nano::HostTwin twin;
   expectSame(twin, mesh, band, job);
 }

@@ -4,16 +4,20 @@
 #include <cstdint>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <vector>
 
 namespace tetvdb {
 
-nano::DistanceJob distanceJobFor(const DistanceBand& band) {
+nano::FacesView facesViewOf(const SnappedMesh& mesh, const Boundary& boundary) {
   static_assert(sizeof(BoundaryFace) == 4 * sizeof(std::uint32_t));
+  const std::vector<BoundaryFace>& faces = boundary.faces;
+  return {mesh.points.data(), mesh.pointCount, faces.empty() ? nullptr : &faces.front().a,
+          faces.size()};
+}
+
+nano::DistanceJob distanceJobFor(const DistanceBand& band) {
   nano::DistanceJob job;
-  job.points = band.mesh().points.data();
-  job.pointCount = band.mesh().pointCount;
-  job.faces = band.faces().faces.empty() ? nullptr : &band.faces().faces.front().a;
-  job.faceCount = band.faces().faces.size();
+  job.faces = facesViewOf(band.mesh(), band.faces());
   job.nodeFaces = band.nodeFaces().data();
   job.starts = band.starts().data();
   job.nodeCount = band.nodes().size();

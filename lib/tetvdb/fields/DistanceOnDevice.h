@@ -13,6 +13,9 @@
 
 namespace tetvdb {
 
+/// Refers to the arrays of both.
+nano::FacesView facesViewOf(const SnappedMesh& mesh, const Boundary& boundary);
+
 /// The job of a band; refers to the band's arrays, mesh and faces.
 nano::DistanceJob distanceJobFor(const DistanceBand& band);
 

@@ -62,7 +62,7 @@ ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool co
   return solid;
 }
 
-void trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& progress) {
+bool trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& progress) {
   constexpr const char* kAllFaces = "the level set's absolute values are distances to all faces, "
                                     "including those inside the solid";
   if (!solid.rule) {
@@ -73,17 +73,18 @@ void trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& 
           fmt::format("{} faces cross or touch others; they can only be cut "
                       "in a mesh without open edges whose inside is not determined by flood: {}",
                       counts.met, kAllFaces));
-    return;
+    return false;
   }
   TrimmedFaces trimmed = trimFaces(solid.mesh, solid.faces, *solid.rule, progress);
   counts = trimmed.counts;
   if (!trimmed.complete)
     report.warn("untrimmed",
                 fmt::format("too many faces cross one another to be cut: {}", kAllFaces));
-  if (!trimmed.changed)
-    return;
-  solid.mesh = std::move(trimmed.mesh);
-  solid.faces = std::move(trimmed.faces);
+  if (trimmed.changed) {
+    solid.mesh = std::move(trimmed.mesh);
+    solid.faces = std::move(trimmed.faces);
+  }
+  return trimmed.changed;
 }
 
 double shapeBytes(const ShapeSolid& solid, const ShapeOptions& options) {

@@ -41,8 +41,9 @@ ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool co
 /// Of the boundary of tets; `points` are its points in world space, which must outlive it.
 ShapeSolid shapeSolid(const std::vector<Vec3d>& points, const SolidFaces& faces);
 
-/// Keeps those parts of the faces that are the solid's boundary; warns where that is not possible.
-void trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& progress);
+/// Keeps those parts of the faces that are the solid's boundary, and returns whether these differ
+/// from the faces; warns where that is not possible.
+bool trimShape(ShapeSolid& solid, TrimCounts& counts, Report& report, Progress& progress);
 
 /// Expected memory of the shape's grids, with a half-width that is a number, and of what they need
 /// besides.

@@ -4,6 +4,7 @@
 #include "tetvdb/core/ClosestName.h"
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/InArena.h"
+#include "tetvdb/fields/LevelSetOnDevice.h"
 #include "tetvdb/fields/NeededArrays.h"
 #include "tetvdb/fields/SampleOnDevice.h"
 #include "tetvdb/io/MeshWriter.h"
@@ -14,6 +15,7 @@
 #include "tetvdb/pipeline/ArrayOutput.h"
 #include "tetvdb/pipeline/ChooseMesher.h"
 #include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/pipeline/DeviceGrids.h"
 #include "tetvdb/pipeline/FitVolume.h"
 #include "tetvdb/pipeline/MergeMeshes.h"
 #include "tetvdb/pipeline/MeshWithinLimits.h"
@@ -176,7 +178,7 @@ Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
   result.counts = made.counts;
   result.transform = made.transform;
   for (const NanoBytes& grid : nano)
-    result.grids.push_back(describeNano(grid.data.get()));
+    result.grids.push_back(describeNano(grid.data.get(), grid.insideVoxels));
   if (!nano.empty())
     return {};
   setMaskType(job, made.volume.grids().all);
@@ -198,21 +200,13 @@ Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
   return std::move(made.volume);
 }
 
-// Place for the device's NanoVDB grids where they are all that the job needs: they are written as
-// they are.
-std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>& nano) {
-  return fs::path(job.output).extension() == ".nvdb" && job.fields.empty() && job.tileSize == 0 &&
-                 job.levels.isEmpty() && voxelizedOf(job).size() == job.grids.size() && !job.keep &&
-                 job.preview.empty() && job.voxelize.fit.voxels == 0
-             ? &nano
-             : nullptr;
-}
-
 // The grids of `voxelizeMesh` and then those of shapesOf(job), which `addShapes` makes with the
-// mask. A thin mesh can fill parts of voxels, and none of their centres.
-template <typename Voxelize, typename AddShapes>
+// mask, or the level set alone which `makeLevelSet` makes on the device that has made the others,
+// which are in `nano` then. A thin mesh can fill parts of voxels, and none of their centres.
+template <typename Voxelize, typename AddShapes, typename MakeLevelSet>
 Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
-                        const Voxelize& voxelizeMesh, const AddShapes& addShapes) {
+                        const Voxelize& voxelizeMesh, const AddShapes& addShapes,
+                        const MakeLevelSet& makeLevelSet, std::vector<NanoBytes>* nano) {
   ShapeOptions shapes = shapesOf(job);
   if (shapes.grids.empty())
     return voxelizeMesh(options);
@@ -227,6 +221,10 @@ Voxelization withShapes(const VoxelizeJob& job, VoxelizeOptions options,
   shapes.device = job.device;
   if (const int side = job.voxelize.fit.voxels; side > 0)
     shapes.box = VoxelBox{{0, 0, 0}, {side - 1, side - 1, side - 1}};
+  if (nano != nullptr && !nano->empty() &&
+      addLevelSet(
+          *nano, hasMask, [&] { return makeLevelSet(shapes, made.transform); }, made))
+    return made;
   addShapes(shapes, made);
   openvdb::GridPtrVec& grids = made.volume.grids().all;
   if (!hasMask)
@@ -264,7 +262,11 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
         },
         [&](const ShapeOptions& shapes, Voxelization& sofar) {
           result.shapes = addShapeGrids(mesh, shapes, sofar, report, progress);
-        });
+        },
+        [&](const ShapeOptions& shapes, const GridTransform& transform) {
+          return levelSetOnDevice(mesh, transform, shapes, result.shapes, report, progress);
+        },
+        nano);
   }
   if (fields.empty())
     return made;
@@ -467,7 +469,14 @@ private:
         [&](const ShapeOptions& shapes, Voxelization& made) {
           result_.shapes = byTets() ? addShapeGrids(tets_, shapes, made, report_, progress_)
                                     : addShapes(shapes, made);
-        });
+        },
+        [&](const ShapeOptions& shapes, const GridTransform& transform) {
+          return byTets() ? levelSetOnDevice(tets_, transform, shapes, result_.shapes, report_,
+                                             progress_)
+                          : levelSetOnDevice(meshes_.front(), job_.solid, transform, shapes,
+                                             result_.shapes, report_, progress_);
+        },
+        nanoPlace(job_, nano_));
   }
 
   ShapeSums addShapes(const ShapeOptions& shapes, Voxelization& made) {

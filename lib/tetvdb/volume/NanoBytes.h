@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 namespace tetvdb {
@@ -11,6 +12,7 @@ namespace tetvdb {
 struct NanoBytes {
   std::shared_ptr<const unsigned char> data;
   std::size_t size = 0;
+  std::uint64_t insideVoxels = 0; ///< of a level set
 };
 
 } // namespace tetvdb

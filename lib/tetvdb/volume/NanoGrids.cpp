@@ -5,6 +5,7 @@
 #include "tetvdb/core/NanoVdb.h"
 #include "tetvdb/volume/NodeBytes.h"
 
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <tbb/blocked_range.h>
@@ -152,7 +153,16 @@ openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
   });
 }
 
-GridInfo describeNano(const unsigned char* bytes) {
+NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
+  const std::shared_ptr<unsigned char> copy(
+      static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), std::free);
+  if (copy == nullptr)
+    throw Error(Status::Limit, "", "the grid does not fit in memory");
+  std::memcpy(copy.get(), bytes, size);
+  return {copy, size, 0};
+}
+
+GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels) {
   return withNanoGrid(bytes, [&](const auto& nano, auto* tree) {
     using TreeType = std::remove_pointer_t<decltype(tree)>;
     using Value = typename TreeType::ValueType;
@@ -170,8 +180,10 @@ GridInfo describeNano(const unsigned char* bytes) {
       info.activeTiles += tiles;
     if (info.activeVoxels == 0)
       return info;
-    info.volume = static_cast<double>(info.activeVoxels) *
-                  empty.grids().all.front()->transform().voxelVolume();
+    const openvdb::GridBase& head = *empty.grids().all.front();
+    const bool levelSet = head.getGridClass() == openvdb::GRID_LEVEL_SET;
+    info.volume = static_cast<double>(levelSet ? insideVoxels : info.activeVoxels) *
+                  head.transform().voxelVolume();
     const auto box = root.mBBox;
     info.boxMin = {box.min()[0], box.min()[1], box.min()[2]};
     info.boxMax = {box.max()[0], box.max()[1], box.max()[2]};

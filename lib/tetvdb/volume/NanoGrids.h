@@ -2,6 +2,10 @@
 #pragma once
 
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/volume/NanoBytes.h"
+
+#include <cstddef>
+#include <cstdint>
 
 namespace tetvdb {
 
@@ -11,8 +15,11 @@ namespace tetvdb {
 /// Parallel, by lower nodes; bound by the memory of the result.
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes);
 
+/// A copy in memory of its own. Throws Error(Limit).
+NanoBytes copyOf(const unsigned char* bytes, std::size_t size);
+
 /// The result of describe() for gridOfNano(bytes), from the counts in the buffer's head: no node is
-/// read.
-GridInfo describeNano(const unsigned char* bytes);
+/// read. `insideVoxels`: of a level set.
+GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels = 0);
 
 } // namespace tetvdb

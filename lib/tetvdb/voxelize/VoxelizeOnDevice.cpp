@@ -15,8 +15,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <fmt/format.h>
 #include <memory>
 #include <optional>
@@ -53,15 +51,6 @@ std::vector<std::int32_t> regionsOf(const TetMesh& mesh) {
     for (std::size_t t = 0; t < regions.size(); ++t)
       regions[t] = mesh.regions[mesh.cell(t)];
   return regions;
-}
-
-NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
-  const std::shared_ptr<unsigned char> copy(
-      static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), std::free);
-  if (copy == nullptr)
-    throw Error(Status::Limit, "", "the grid does not fit in memory");
-  std::memcpy(copy.get(), bytes, size);
-  return {copy, size};
 }
 
 // Seconds, fitted to what `tetvdb_device_bench auto`, `fields` and `levelset` measure on an H200
@@ -228,7 +217,7 @@ MadeOnDevice voxelizeOn(const std::shared_ptr<const BorrowedDevices>& borrowed,
     if (nanoGrids == nullptr)
       grids->all.push_back(gridOfNano(made.bytes));
     else if (kind == kinds.back()) // no run follows that needs its memory
-      nanoGrids->push_back({{borrowed, made.bytes}, counts.bufferBytes});
+      nanoGrids->push_back({{borrowed, made.bytes}, counts.bufferBytes, 0});
     else
       nanoGrids->push_back(copyOf(made.bytes, counts.bufferBytes));
     const nano::Times times = devices.times();

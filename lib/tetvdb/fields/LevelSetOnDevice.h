@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The level set of addShapeGrids() as NanoVDB, made on a GPU. Internal.
+#pragma once
+
+#include "tetvdb/fields/ShapeGrids.h"
+#include "tetvdb/volume/NanoBytes.h"
+
+#include <optional>
+
+namespace tetvdb {
+
+/// The grid "surface" of addShapeGrids() with these arguments, made on the device of
+/// options.device, which has made the mask of the same mesh with `transform`. None where the CPU
+/// has to make it: a whole box, shells, InsideRule::Flood, open meshes; and for DeviceKind::Auto
+/// where the device fails or has too little memory, with the warning "device-left". Adds stage
+/// "fields" to `report`. `sums` receives the counts. Throws as addShapeGrids() does.
+std::optional<NanoBytes> levelSetOnDevice(const TetMesh& mesh, const GridTransform& transform,
+                                          const ShapeOptions& options, ShapeSums& sums,
+                                          Report& report, Progress& progress);
+std::optional<NanoBytes> levelSetOnDevice(const TriangleMesh& mesh, const SolidOptions& solid,
+                                          const GridTransform& transform,
+                                          const ShapeOptions& options, ShapeSums& sums,
+                                          Report& report, Progress& progress);
+
+} // namespace tetvdb

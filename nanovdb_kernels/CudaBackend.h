@@ -308,7 +308,7 @@ public:
   /// To the host. Done when the stream is, or sooner: much, to memory that is not pinned, goes by
   /// way of pinned halves, for pinning takes as long as the rest and cannot be stopped.
   void fetch(void* to, const void* from, u64 bytes) {
-    constexpr u64 kHalf = u64(32) << 20;
+    constexpr u64 kHalf = u64(16) << 20;
     if (bytes <= 2 * kHalf || isPinned(to)) {
       check(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream_), "download");
       return;

@@ -178,6 +178,15 @@ struct Device {
     cudaGetLastError();
   }
 
+  // Where a dense array goes to, of elements of `size` bytes.
+  u8* placeIn(const DeviceArray& to, u64 at, const VoxelRange& range, u64 size) {
+    const u64 bytes = range.voxels() * size;
+    if (to.device() != device || at % size != 0 || at > to.bytes() || bytes > to.bytes() - at)
+      throw Error(Status::Usage, "", "the array is too small or another device's");
+    check(cudaSetDevice(device), "device");
+    return static_cast<u8*>(to.data()) + at;
+  }
+
   MeshView keep(const MeshView& mesh) {
     check(cudaSetDevice(device), "device");
     const auto place = [&](const void* from, u64 bytes) -> void* {
@@ -353,13 +362,16 @@ Result DeviceVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,
 
 void DeviceVoxelizer::expand(const Result& result, GridType type, const VoxelRange& range,
                              DeviceArray& to, std::uint64_t at) {
-  State& s = *state_;
-  const u64 bytes = u64(range.size[0]) * range.size[1] * range.size[2];
-  if (to.device() != s.device || at > to.bytes() || bytes > to.bytes() - at)
-    throw Error(Status::Usage, "", "the array is too small or another device's");
-  check(cudaSetDevice(s.device), "device");
-  expandActive(*s.backend, kindOf(type), result.device, range, static_cast<u8*>(to.data()) + at);
-  s.backend->await();
+  u8* const place = state_->placeIn(to, at, range, 1);
+  expandActive(*state_->backend, kindOf(type), result.device, range, place);
+  state_->backend->await();
+}
+
+void DeviceVoxelizer::expandValues(const Result& result, const VoxelRange& range, DeviceArray& to,
+                                   std::uint64_t at) {
+  auto* const place = reinterpret_cast<float*>(state_->placeIn(to, at, range, sizeof(float)));
+  expandRows<float>(*state_->backend, result.device, range, FloatValues{place});
+  state_->backend->await();
 }
 
 Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,

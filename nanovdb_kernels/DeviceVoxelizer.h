@@ -108,6 +108,8 @@ struct Times {
 struct VoxelRange {
   std::int32_t min[3];
   std::uint32_t size[3];
+
+  std::uint64_t voxels() const { return std::uint64_t(size[0]) * size[1] * size[2]; }
 };
 
 /// Bytes a second.
@@ -125,6 +127,7 @@ public:
   /// `shares`: as a SharedVoxelizer of so many devices does it.
   Result run(const MeshView& mesh, const Job& job, int shares = 1);
   void expand(const Result& result, GridType type, const VoxelRange& range, unsigned char* to);
+  void expandValues(const Result& result, const VoxelRange& range, float* to);
   /// `shares`: likewise, one after another.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
@@ -217,6 +220,11 @@ public:
   /// or that is another device's.
   void expand(const Result& result, GridType type, const VoxelRange& range, DeviceArray& to,
               std::uint64_t at = 0);
+
+  /// The values of the last result of levelSet() as floats, [x][y][z], likewise; `at` is a multiple
+  /// of 4.
+  void expandValues(const Result& result, const VoxelRange& range, DeviceArray& to,
+                    std::uint64_t at = 0);
 
   /// Values of arrays at the voxels that tets own, where tets overlap of the one of lowest number;
   /// bit for bit those of fields/SampleFields.h. `receiver` gets them leaf by leaf, on the calling

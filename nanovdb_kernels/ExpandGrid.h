@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The active voxels of a NanoVDB grid as a dense array.
+// The active voxels, or the values, of a NanoVDB grid as a dense array.
 #pragma once
 
 #include "DeviceVoxelizer.h"
@@ -8,10 +8,46 @@
 
 namespace tetvdb::nano {
 
-/// Writes a byte a voxel, 1 where it is active, [x][y][z], to `to`. Eight voxels of a leaf's row at
-/// a time.
-template <typename Value, typename Backend>
-void expandActive(Backend& b, const u8* bytes, const VoxelRange& range, u8* to) {
+/// A byte a voxel, 1 where it is active.
+struct ActiveBytes {
+  u8* to;
+
+  template <typename Accessor>
+  TETVDB_HD void operator()(u64 at, const Accessor& accessor, const nanovdb::Coord& voxel,
+                            int count) const {
+    u32 run = 0;
+    if (const auto* leaf = accessor.probeLeaf(voxel))
+      run = static_cast<u32>(wordsOf(leaf->valueMask())[voxel[0] & 7] >>
+                             (8 * (voxel[1] & 7) + (voxel[2] & 7)));
+    else if (accessor.isActive(voxel))
+      run = 0xFF;
+    for (int k = 0; k < count; ++k)
+      to[at + static_cast<u64>(k)] = run >> k & 1;
+  }
+};
+
+/// The values of a grid of floats.
+struct FloatValues {
+  float* to;
+
+  template <typename Accessor>
+  TETVDB_HD void operator()(u64 at, const Accessor& accessor, const nanovdb::Coord& voxel,
+                            int count) const {
+    const auto* leaf = accessor.probeLeaf(voxel);
+    const float tile = leaf == nullptr ? accessor.getValue(voxel) : 0;
+    const u32 first = leaf == nullptr ? 0 : leaf->CoordToOffset(voxel);
+    for (int k = 0; k < count; ++k)
+      to[at + static_cast<u64>(k)] =
+          leaf == nullptr ? tile : leaf->getValue(first + static_cast<u32>(k));
+  }
+};
+
+/// Writes a dense array [x][y][z] of the range: calls write(at, accessor, voxel, count) for `count`
+/// voxels from `voxel` on, at most a row of a leaf, whose first is element `at` of the array.
+template <typename Value, typename Backend, typename Write>
+void expandRows(Backend& b, const u8* bytes, const VoxelRange& range, const Write& write) {
+  if (range.size[0] == 0 || range.size[1] == 0 || range.size[2] == 0)
+    return;
   const auto* grid = reinterpret_cast<const nanovdb::NanoGrid<Value>*>(bytes);
   // Rows of leaves that meet the range.
   const i64 first = i64(range.min[2]) >> 3;
@@ -19,37 +55,28 @@ void expandActive(Backend& b, const u8* bytes, const VoxelRange& range, u8* to) 
   b.forEach(
       u64(range.size[0]) * range.size[1] * rows, TETVDB_KERNEL(u64 i) {
         const u64 column = i / rows;
-        const i32 x = range.min[0] + static_cast<i32>(column / range.size[1]),
-                  y = range.min[1] + static_cast<i32>(column % range.size[1]),
-                  z = static_cast<i32>(first + static_cast<i64>(i % rows)) * 8;
-        const auto accessor = grid->getAccessor();
-        const auto* leaf = accessor.probeLeaf(nanovdb::Coord(x, y, z));
-        u32 run = 0;
-        if (leaf != nullptr)
-          run = static_cast<u32>(wordsOf(leaf->valueMask())[x & 7] >> (8 * (y & 7))) & 0xFF;
-        else if (accessor.isActive(nanovdb::Coord(x, y, z)))
-          run = 0xFF;
-        u8* out = to + column * range.size[2];
-        for (i32 k = 0; k < 8; ++k) {
-          const i64 at = i64(z) + k - range.min[2];
-          if (at >= 0 && at < i64(range.size[2]))
-            out[at] = run >> k & 1;
-        }
+        const i64 row = (first + static_cast<i64>(i % rows)) * 8, min = range.min[2];
+        const i64 begin = row < min ? min : row;
+        const i64 end = row + 8 < min + range.size[2] ? row + 8 : min + range.size[2];
+        const nanovdb::Coord voxel(range.min[0] + static_cast<i32>(column / range.size[1]),
+                                   range.min[1] + static_cast<i32>(column % range.size[1]),
+                                   static_cast<i32>(begin));
+        write(column * range.size[2] + static_cast<u64>(begin - min), grid->getAccessor(), voxel,
+              static_cast<int>(end - begin));
       });
 }
 
+/// Bytes 0 and 1 of the range's voxels, [x][y][z].
 template <typename Backend>
 void expandActive(Backend& b, Kind kind, const u8* bytes, const VoxelRange& range, u8* to) {
-  if (range.size[0] == 0 || range.size[1] == 0 || range.size[2] == 0)
-    return;
   if (kind == Kind::Mask)
-    expandActive<nanovdb::ValueMask>(b, bytes, range, to);
+    expandRows<nanovdb::ValueMask>(b, bytes, range, ActiveBytes{to});
   else if (kind == Kind::Boolean)
-    expandActive<bool>(b, bytes, range, to);
+    expandRows<bool>(b, bytes, range, ActiveBytes{to});
   else if (kind == Kind::Float)
-    expandActive<float>(b, bytes, range, to);
+    expandRows<float>(b, bytes, range, ActiveBytes{to});
   else
-    expandActive<i32>(b, bytes, range, to);
+    expandRows<i32>(b, bytes, range, ActiveBytes{to});
 }
 
 } // namespace tetvdb::nano

@@ -82,6 +82,10 @@ u64 HostTwin::coverage(const CoverageJob& job, CoverageReceiver& receiver) {
       .run(receiver);
 }
 
+void HostTwin::expandValues(const Result& result, const VoxelRange& range, float* to) {
+  expandRows<float>(state_->backend, result.bytes, range, FloatValues{to});
+}
+
 Result HostTwin::levelSet(const MeshView& mesh, const LevelSetJob& job) {
   state_->backend.release();
   const Job mask = maskJobOf(job);

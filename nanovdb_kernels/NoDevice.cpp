@@ -44,6 +44,9 @@ void DeviceVoxelizer::expand(const Result&, GridType, const VoxelRange&, DeviceA
                              std::uint64_t) {
   refuse();
 }
+void DeviceVoxelizer::expandValues(const Result&, const VoxelRange&, DeviceArray&, std::uint64_t) {
+  refuse();
+}
 Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
   refuse();
 }

@@ -17,8 +17,8 @@ constexpr std::int64_t kNoStream = -1, kLegacyStream = 1;
 
 class DeviceTensor {
 public:
-  DeviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape)
-      : array_(std::move(array)), shape_(std::move(shape)) {}
+  DeviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape, bool floats)
+      : array_(std::move(array)), shape_(std::move(shape)), floats_(floats) {}
 
   // The bytes are there before this object is; the stream is remembered, so that they stay until
   // its work is done.
@@ -34,7 +34,7 @@ public:
     const nb::capsule owner(
         kept, [](void* p) noexcept { delete static_cast<std::shared_ptr<nano::DeviceArray>*>(p); });
     const nb::ndarray<> view(array_->data(), shape_.size(), shape_.data(), owner, nullptr,
-                             nb::dtype<std::uint8_t>(), nb::device::cuda::value, array_->device());
+                             type(), nb::device::cuda::value, array_->device());
     return nb::cast(view); // without a framework: the capsule
   }
   nb::tuple dlpackDevice() const {
@@ -46,7 +46,7 @@ public:
     nb::dict about;
     about["version"] = 3;
     about["shape"] = shape();
-    about["typestr"] = "|u1";
+    about["typestr"] = floats_ ? "<f4" : "|u1";
     about["data"] = nb::make_tuple(reinterpret_cast<std::uintptr_t>(array_->data()), false);
     about["strides"] = nb::none();
     return about;
@@ -58,7 +58,7 @@ public:
       const nb::gil_scoped_release released;
       array_->download(bytes.data());
     }
-    return arrayObject(std::move(bytes), shape_, nb::dtype<std::uint8_t>());
+    return arrayObject(std::move(bytes), shape_, type());
   }
 
   nb::tuple shape() const {
@@ -67,6 +67,7 @@ public:
       sides.append(side);
     return nb::tuple(sides);
   }
+  std::string dtype() const { return floats_ ? "float32" : "uint8"; }
   std::string device() const { return "cuda:" + std::to_string(array_->device()); }
 
   // Tensors of one shape one behind the other.
@@ -75,20 +76,25 @@ public:
       throw nb::value_error("there are no tensors");
     const nano::DeviceArray& first = *tensors.front()->array_;
     for (const DeviceTensor* tensor : tensors)
-      if (tensor->shape_ != tensors.front()->shape_)
-        throw nb::value_error("the tensors differ in shape");
+      if (tensor->shape_ != tensors.front()->shape_ || tensor->floats_ != tensors.front()->floats_)
+        throw nb::value_error("the tensors differ in shape or type");
     const nb::gil_scoped_release released;
     auto all = std::make_shared<nano::DeviceArray>(first.device(), first.bytes() * tensors.size());
     for (std::size_t i = 0; i < tensors.size(); ++i)
       all->set(i * first.bytes(), *tensors[i]->array_);
     std::vector<std::size_t> shape{tensors.size()};
     shape.insert(shape.end(), tensors.front()->shape_.begin(), tensors.front()->shape_.end());
-    return {std::move(all), std::move(shape)};
+    return {std::move(all), std::move(shape), tensors.front()->floats_};
   }
 
 private:
+  nb::dlpack::dtype type() const {
+    return floats_ ? nb::dtype<float>() : nb::dtype<std::uint8_t>();
+  }
+
   std::shared_ptr<nano::DeviceArray> array_;
   std::vector<std::size_t> shape_;
+  bool floats_;
 };
 
 } // namespace
@@ -96,7 +102,7 @@ private:
 void addDeviceTensor(nb::module_& module) {
   nb::class_<DeviceTensor>(
       module, "DeviceTensor",
-      "Voxels in a GPU's memory, uint8, in C order. torch.from_dlpack(tensor) and "
+      "Voxels in a GPU's memory, uint8 or float32, in C order. torch.from_dlpack(tensor) and "
       "cupy.from_dlpack(tensor) take it without a copy; the stream that they give is honoured: the "
       "memory is not used again before the work on it is done.")
       .def(
@@ -109,13 +115,15 @@ void addDeviceTensor(nb::module_& module) {
       .def_prop_ro("__cuda_array_interface__", &DeviceTensor::cudaArrayInterface)
       .def("to_numpy", &DeviceTensor::toNumpy, "A copy in host memory.")
       .def_prop_ro("shape", &DeviceTensor::shape)
+      .def_prop_ro("dtype", &DeviceTensor::dtype, "\"uint8\" or \"float32\".")
       .def_prop_ro("device", &DeviceTensor::device, "\"cuda:0\" and so on.")
       .def_static("stack", &DeviceTensor::stack, nb::arg("tensors"),
                   "Tensors of one shape as one, with a first dimension more.");
 }
 
-nb::object deviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape) {
-  return nb::cast(DeviceTensor(std::move(array), std::move(shape)));
+nb::object deviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape,
+                        bool floats) {
+  return nb::cast(DeviceTensor(std::move(array), std::move(shape), floats));
 }
 
 } // namespace tetvdb::python

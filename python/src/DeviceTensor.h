@@ -18,7 +18,8 @@ namespace nb = nanobind;
 
 void addDeviceTensor(nb::module_& module);
 
-/// The Python object of an array of bytes, in C order.
-nb::object deviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape);
+/// The Python object of an array, in C order, of floats or else of bytes.
+nb::object deviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape,
+                        bool floats);
 
 } // namespace tetvdb::python

@@ -41,11 +41,13 @@ def test_open_triangles():
 
 
 @pytest.mark.filterwarnings("ignore::tetvdb.MeshWarning")
-@pytest.mark.parametrize("content", ["occupancy", "occupancy,distance,surface,coordinates"])
+@pytest.mark.parametrize("content", ["occupancy", "occupancy,distance",
+                                     "occupancy,distance,surface,coordinates"])
+@pytest.mark.parametrize("band", [3, "all"])
 @pytest.mark.parametrize("workers", [0, 3])
-def test_models_of_a_data_set(models, content, workers):
+def test_models_of_a_data_set(models, content, band, workers):
     settings = dict(resolution=[33, 64], content=content, variants=1, turn="any", batch_size=4,
-                    move_jitter=0.1)
+                    move_jitter=0.1, band=band)
     here = list(tetvdb.Dataset(models, **settings))
     there = list(tetvdb.Dataset(models, device="cuda", workers=workers, **settings))
     assert len(here) == len(there)
@@ -58,7 +60,9 @@ def test_models_of_a_data_set(models, content, workers):
         assert (made.dense.to_numpy() == right.dense).all()
         assert (made.sparse == right.sparse).all()
         for name, array in right.items():
-            if name.startswith("occupancy_"):
+            if name.startswith(("occupancy_", "distance_")):
+                assert isinstance(made[name], tetvdb.DeviceTensor)
+                assert made[name].dtype == ("float32" if name[0] == "d" else "uint8")
                 assert (made[name].to_numpy() == array).all()
             elif isinstance(array, np.ndarray):
                 assert (made[name] == array).all()
@@ -88,6 +92,19 @@ def test_tensors_of_torch(models):
     kept = torch.from_dlpack(next(iter(tetvdb.Dataset(models, resolution=48, device="cuda"))).dense)
     gc.collect()
     assert (kept.cpu().numpy() == here[0][:1]).all()
+
+
+@pytest.mark.filterwarnings("ignore::tetvdb.MeshWarning")
+def test_distances_for_torch(models):
+    torch = pytest.importorskip("torch")
+    if not torch.cuda.is_available():
+        pytest.skip("PyTorch has no GPU")
+    settings = dict(resolution=48, content="distance", band=3, batch_size=3)
+    for right, made in zip(tetvdb.Dataset(models, **settings),
+                           tetvdb.Dataset(models, device="cuda", **settings).torch()):
+        tensor = made["distance_48"]
+        assert tensor.is_cuda and tensor.dtype == torch.float32
+        assert (tensor.cpu().numpy() == right.dense).all()
 
 
 def test_streams_that_are_refused(models):

@@ -62,7 +62,7 @@ class Batch:
     def dense(self) -> Any:
         """(B, N, N, N) of the highest resolution: occupancy as uint8, else surface voxels as uint8,
         else distances as float32. torch.from_dlpack() takes it without a copy. With device="cuda"
-        occupancy is a tetvdb.DeviceTensor, in the GPU's memory."""
+        occupancy and distances are a tetvdb.DeviceTensor, in the GPU's memory."""
         array = self._arrays[self._voxels()]
         if isinstance(array, _tetvdb.DeviceTensor):
             return array
@@ -76,7 +76,7 @@ class Batch:
         array = self._arrays[self._voxels()]
         if isinstance(array, _tetvdb.DeviceTensor):
             array = array.to_numpy()
-        elif array.dtype != bool:
+        if array.dtype == numpy.float32:
             array = array < 0
         return numpy.argwhere(array).astype(numpy.int32)
 
@@ -137,8 +137,8 @@ class Dataset:
     errors: of a model that cannot be made: "warn" and go on without it, "raise", or "ignore". Those
         that failed are in `failures`, as pairs of name and tetvdb.Error.
     threads: of one model (1). max_time: seconds for one model (300). max_memory: bytes for one.
-    device: "cpu", or "cuda" or "cuda:1": models become voxels on that GPU, and occupancy stays
-        in its memory, a tetvdb.DeviceTensor in place of an array. The values are the same. A process
+    device: "cpu", or "cuda" or "cuda:1": models become voxels on that GPU, and occupancy and
+        distances of voxels stay in its memory, tetvdb.DeviceTensors in place of arrays. The values are the same. A process
         that was forked once CUDA runs has no GPU: give `workers`, which are threads.
 
     data[i] is one model: a dict of its arrays, "name", "id", "class" and "split". So a DataLoader of

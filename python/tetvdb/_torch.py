@@ -3,10 +3,14 @@
 
 import torch
 
+from ._tetvdb import DeviceTensor
+
 
 def _tensor(array):
     if isinstance(array, list):
         return [_tensor(one) for one in array]
+    if isinstance(array, DeviceTensor):
+        return torch.from_dlpack(array)
     if array.dtype == bool:  # DLPack of NumPy knows it since 1.25
         return torch.from_dlpack(array.view("uint8")).view(torch.bool)
     return torch.from_dlpack(array)

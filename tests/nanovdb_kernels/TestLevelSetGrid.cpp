@@ -190,6 +190,27 @@ TEST(LevelSetGrid, OtherFaces) {
   expectSame(twin, mesh, band, job);
 }
 
+// Within leaves, tiles and nothing, in rows that begin and end anywhere.
+TEST(LevelSetGrid, ValuesAsADenseArray) {
+  const TetMesh mesh = meshes::scaled(kuhnGrid(1, 1, 1), 60, {-31.5, 3, 100});
+  nano::HostTwin twin;
+  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJob({}, 3));
+  const auto& tree = reinterpret_cast<const Grid*>(made.bytes)->tree();
+  for (const nano::VoxelRange& range :
+       {nano::VoxelRange{{-40, -5, 90}, {80, 75, 83}}, nano::VoxelRange{{0, 30, 125}, {1, 2, 5}},
+        nano::VoxelRange{{-3, -3, -3}, {4, 0, 4}}}) {
+    std::vector<float> values(std::size_t(range.size[0]) * range.size[1] * range.size[2] + 1, 77);
+    twin.expandValues(made, range, values.data());
+    std::size_t at = 0;
+    for (std::uint32_t x = 0; x < range.size[0]; ++x)
+      for (std::uint32_t y = 0; y < range.size[1]; ++y)
+        for (std::uint32_t z = 0; z < range.size[2]; ++z)
+          ASSERT_EQ(values[at++], tree.getValue({range.min[0] + int(x), range.min[1] + int(y),
+                                                 range.min[2] + int(z)}));
+    EXPECT_EQ(values[at], 77);
+  }
+}
+
 TEST(LevelSetGrid, NothingInside) {
   expectTets(meshes::scaled(kuhnGrid(1, 1, 1), 0.1, {0.5, 0.5, 0.5}));
   nano::HostTwin twin;

@@ -6,9 +6,14 @@
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/volume/NanoBytes.h"
 
+#include <memory>
 #include <optional>
 
 namespace tetvdb {
+
+namespace nano {
+class DeviceArray;
+}
 
 /// The grid "surface" of addShapeGrids() with these arguments, made on the device of
 /// options.device, which has made the mask of the same mesh with `transform`. None where the CPU
@@ -22,5 +27,12 @@ std::optional<NanoBytes> levelSetOnDevice(const TriangleMesh& mesh, const SolidO
                                           const GridTransform& transform,
                                           const ShapeOptions& options, ShapeSums& sums,
                                           Report& report, Progress& progress);
+
+/// The values of that level set of triangles at the voxels of `box` as floats in the memory of the
+/// only device of options.device, [x][y][z]. Null where there is no such level set or no voxel is
+/// inside.
+std::shared_ptr<nano::DeviceArray>
+distancesOnDevice(const TriangleMesh& mesh, const GridTransform& transform, const VoxelBox& box,
+                  const ShapeOptions& options, Report& report, Progress& progress);
 
 } // namespace tetvdb

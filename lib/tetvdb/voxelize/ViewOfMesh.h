@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Meshes as nanovdb_kernels takes them. Internal.
+// Meshes and boxes as nanovdb_kernels takes them. Internal.
 #pragma once
 
 #include "nanovdb_kernels/DeviceVoxelizer.h"
 #include "tetvdb/mesh/TetMesh.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/volume/VoxelBox.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tetvdb {
@@ -32,6 +34,15 @@ inline nano::MeshView viewOf(const TriangleMesh& mesh) {
   view.triangles = mesh.triangles.data();
   view.triangleCount = mesh.triangleCount();
   return view;
+}
+
+inline nano::VoxelRange rangeOf(const VoxelBox& box) {
+  nano::VoxelRange range{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    range.min[k] = box.low[k];
+    range.size[k] = static_cast<std::uint32_t>(box.size(k));
+  }
+  return range;
 }
 
 } // namespace tetvdb

@@ -468,14 +468,8 @@ std::shared_ptr<nano::DeviceArray> insideOnDevice(const TriangleMesh& mesh,
     view.holes = &filled->view;
     made = devices->run(view, job, progress);
   }
-  nano::VoxelRange range{};
-  std::uint64_t voxels = 1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    range.min[k] = box.low[k];
-    range.size[k] = static_cast<std::uint32_t>(box.size(k));
-    voxels *= range.size[k];
-  }
-  auto array = std::make_shared<nano::DeviceArray>(choice.numbers.front(), voxels);
+  const nano::VoxelRange range = rangeOf(box);
+  auto array = std::make_shared<nano::DeviceArray>(choice.numbers.front(), range.voxels());
   devices->single()->expand(made, job.type, range, *array);
   return array;
 }

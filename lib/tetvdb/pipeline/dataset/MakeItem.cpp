@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/HashText.h"
 #include "tetvdb/core/Version.h"
+#include "tetvdb/fields/LevelSetOnDevice.h"
 #include "tetvdb/fields/ShapeGrids.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/ArrayFile.h"
@@ -139,22 +140,16 @@ private:
     const DatasetContent& content = options_.content;
     const bool solid =
         content.occupancy || content.distance || (content.coordinates && !content.surface);
-    if (keepsOnDevice() && content.occupancy && !content.distance && !content.coordinates &&
-        !content.surface)
-      return occupancyOnDevice(size);
+    if (keepsOnDevice() && (content.occupancy || content.distance) && !content.coordinates &&
+        !content.surface && makeOnDevice(size))
+      return;
     Volume volume;
     if (solid) {
       DeviceUsed used;
       Voxelization made = voxelize(mesh_, SolidOptions{}, cubeOf(size), options_.device, used,
                                    nullptr, report_, progress_);
       if (content.distance) {
-        ShapeOptions shapes;
-        shapes.grids = {GridKind::Surface};
-        shapes.halfWidth = options_.bandVoxels;
-        shapes.box = boxOf(size);
-        shapes.maxMemory = options_.maxMemory;
-        shapes.device = options_.device;
-        addShapeGrids(mesh_, SolidOptions{}, shapes, made, report_, progress_);
+        addShapeGrids(mesh_, SolidOptions{}, distanceOptions(size), made, report_, progress_);
       }
       volume = made.volume;
       describeGrid(volume, size);
@@ -171,20 +166,46 @@ private:
     return kept_ != nullptr && options_.device.kind == DeviceKind::Cuda;
   }
 
-  // From the mesh to the array within the GPU.
-  void occupancyOnDevice(int size) {
+  ShapeOptions distanceOptions(int size) const {
+    ShapeOptions shapes;
+    shapes.grids = {GridKind::Surface};
+    shapes.halfWidth = options_.bandVoxels;
+    shapes.box = boxOf(size);
+    shapes.maxMemory = options_.maxMemory;
+    shapes.device = options_.device;
+    return shapes;
+  }
+
+  // From the mesh to arrays within the GPU; returns whether it can make them.
+  bool makeOnDevice(int size) {
     const VoxelizeOptions cube = cubeOf(size);
-    const auto side = static_cast<std::uint32_t>(size);
-    auto voxels = insideOnDevice(mesh_, {cube.voxelSize, cube.origin}, boxOf(size), options_.device,
-                                 report_, progress_);
+    const GridTransform transform{cube.voxelSize, cube.origin};
+    std::shared_ptr<nano::DeviceArray> inside, distances;
+    if (options_.content.distance) {
+      distances = distancesOnDevice(mesh_, transform, boxOf(size), distanceOptions(size), report_,
+                                    progress_);
+      if (distances == nullptr)
+        return false;
+    }
+    if (options_.content.occupancy)
+      inside = insideOnDevice(mesh_, transform, boxOf(size), options_.device, report_, progress_);
     addGridMatrix(size);
-    NamedArray array;
-    array.name = fmt::format("occupancy_{}", size);
-    array.type = "|b1";
-    array.shape = {side, side, side};
-    array.transform = gridMatrix(size);
-    array.device = std::move(voxels);
-    arrays_.push_back(std::move(array));
+    const auto add = [&](const char* name, const char* type,
+                         std::shared_ptr<nano::DeviceArray> voxels) {
+      if (voxels == nullptr)
+        return;
+      const auto side = static_cast<std::uint64_t>(size);
+      NamedArray array;
+      array.name = fmt::format("{}_{}", name, size);
+      array.type = type;
+      array.shape = {side, side, side};
+      array.transform = gridMatrix(size);
+      array.device = std::move(voxels);
+      arrays_.push_back(std::move(array));
+    };
+    add("occupancy", "|b1", std::move(inside));
+    add("distance", "<f4", std::move(distances));
+    return true;
   }
 
   // Cubes that faces pass through: those that the solid meets less those that lie in it.
@@ -234,13 +255,19 @@ private:
         NamedArray::of("grid" + fmt::format("_{}", size), "<f8", {4, 4}, gridMatrix(size)));
   }
 
-  // Packed booleans to the GPU, a byte each.
+  // To the GPU; packed booleans as a byte each.
   void moveToDevice(NamedArray& array) const {
-    std::uint64_t count = 1;
-    for (const std::uint64_t side : array.shape)
-      count *= side;
-    array.device = std::make_shared<nano::DeviceArray>(options_.device.numbers.front(), count);
-    array.device->setBits(0, array.bytes.data(), count);
+    std::uint64_t bytes = array.bytes.size();
+    if (array.packed) {
+      bytes = 1;
+      for (const std::uint64_t side : array.shape)
+        bytes *= side;
+    }
+    array.device = std::make_shared<nano::DeviceArray>(options_.device.numbers.front(), bytes);
+    if (array.packed)
+      array.device->setBits(0, array.bytes.data(), bytes);
+    else
+      array.device->set(0, array.bytes.data(), bytes);
     array.bytes.clear();
     array.packed = false;
   }
@@ -262,6 +289,8 @@ private:
         moveToDevice(arrays_.back());
       if (content.distance)
         addVoxels(valueArray(volume, "surface", size, "distance" + suffix));
+      if (content.distance && keepsOnDevice())
+        moveToDevice(arrays_.back());
       if (content.surface)
         addVoxels(activeArray(volume, kSurfaceVoxels, size, "surface" + suffix));
       if (content.coordinates && (content.occupancy || !content.surface))

@@ -191,6 +191,44 @@ TEST(AssimpReader, Collada) {
   EXPECT_EQ(read.mesh.units, "metre");
 }
 
+// 3ds Max writes such files where an image is commented out.
+TEST(AssimpReader, ColladaWithATextureOfNoFile) {
+  std::string text = kCollada;
+  text.insert(text.find("<library_geometries>"), R"(<library_effects><effect id="e"><profile_COMMON>
+<newparam sid="f"><surface type="2D"><init_from>i</init_from></surface></newparam>
+<newparam sid="t"><sampler2D><source>f</source></sampler2D></newparam>
+<technique sid="c"><lambert><diffuse><texture texture="t" texcoord="u"/></diffuse></lambert></technique>
+</profile_COMMON></effect></library_effects><library_materials><material id="m">
+<instance_effect url="#e"/></material></library_materials><library_images><image id="i"/></library_images>
+)");
+  const std::string plain = R"(<instance_geometry url="#g"/>)";
+  text.replace(text.find(plain), plain.size(), R"(<instance_geometry url="#g"><bind_material>
+<technique_common><instance_material symbol="a" target="#m"/></technique_common></bind_material>
+</instance_geometry>)");
+  const std::string triangles = R"(<triangles count="4")";
+  text.insert(text.find(triangles) + triangles.size(), R"( material="a")");
+  const Reading read = readingFile("t.dae", text);
+  if (isWithoutAssimp(read))
+    GTEST_SKIP() << read.error;
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(read.mesh.triangleCount(), 8U);
+  EXPECT_NEAR(meshes::signedVolume(read.mesh), 2e-6 / 6, 1e-12);
+}
+
+TEST(AssimpReader, ColladaOfAPhysicsModel) {
+  std::string text = kCollada;
+  const auto replaceAll = [&](const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+  };
+  replaceAll("<mesh>", "<convex_mesh>");
+  replaceAll("</mesh>", "</convex_mesh>");
+  const Reading read = readingFile("c.dae", text);
+  if (isWithoutAssimp(read))
+    GTEST_SKIP() << read.error;
+  EXPECT_NE(read.error.find("convex hulls"), std::string::npos) << read.error;
+}
+
 TEST(AssimpReader, Fbx) {
   FileFormat format = FileFormat::Unknown;
   const Reading read = readingFile("a.fbx", kFbx, &format);

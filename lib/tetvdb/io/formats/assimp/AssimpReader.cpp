@@ -176,11 +176,16 @@ public:
     scene_ = readBytes(importer, format.ending);
     if (scene_ == nullptr)
       fail(Listener::readable(importer.GetErrorString()));
-    if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0)
+    if (scene_->mRootNode == nullptr || scene_->mNumMeshes == 0) {
+      if (format_ == FileFormat::Collada && source_.bytes.find("<convex_mesh") != std::string::npos)
+        throw Error(Status::Invalid, source_.path,
+                    "its meshes are convex hulls of a physics model, which are not read",
+                    "export the model's meshes");
       throw Error(Status::Invalid, source_.path,
                   listener->first().empty() ? "it holds no meshes"
                                             : "it holds no whole meshes: " + listener->first(),
                   "export it again");
+    }
 
     Placement world;
     if (format_ == FileFormat::Fbx) {
@@ -209,8 +214,28 @@ private:
                           : "the file is damaged; export it again");
   }
 
+  /// The text of a COLLADA file without what colours it: assimp refuses files whose effects name no
+  /// image file, and meshes need none.
+  std::string withoutColours() const {
+    std::string text(source_.bytes);
+    for (const std::string library : {"library_images", "library_effects", "library_materials"}) {
+      const std::string closing = "</" + library + ">";
+      for (std::size_t at = 0; (at = text.find("<" + library, at)) != std::string::npos;) {
+        const std::size_t end = text.find(closing, at);
+        if (end == std::string::npos)
+          break;
+        text.erase(at, end + closing.size() - at);
+      }
+    }
+    return text;
+  }
+
   /// By the path, so that files beside it are found.
   const aiScene* readBytes(Assimp::Importer& importer, const char* usual) const {
+    if (format_ == FileFormat::Collada) { // of other files it needs none then
+      const std::string text = withoutColours();
+      return importer.ReadFileFromMemory(text.data(), text.size(), 0, usual);
+    }
     const std::size_t dot = source_.path.find_last_of('.');
     const std::string ending = dot == source_.path.npos ? "" : source_.path.substr(dot + 1);
     if (::strcasecmp(ending.c_str(), usual) == 0)

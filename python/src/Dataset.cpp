@@ -176,7 +176,8 @@ public:
     for (NamedArray& array : arrays) {
       const std::vector<std::size_t> shape(array.shape.begin(), array.shape.end());
       if (array.device != nullptr) {
-        named[array.name.c_str()] = deviceTensor(std::move(array.device), shape, array.type == "<f4");
+        named[array.name.c_str()] =
+            deviceTensor(std::move(array.device), shape, array.type == "<f4");
         continue;
       }
       named[array.name.c_str()] = arrayObject(std::move(array.bytes), shape, dtypeOf(array.type));

@@ -17,7 +17,8 @@ constexpr std::int64_t kNoStream = -1, kLegacyStream = 1;
 
 class DeviceTensor {
 public:
-  DeviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape, bool floats)
+  DeviceTensor(std::shared_ptr<nano::DeviceArray> array, std::vector<std::size_t> shape,
+               bool floats)
       : array_(std::move(array)), shape_(std::move(shape)), floats_(floats) {}
 
   // The bytes are there before this object is; the stream is remembered, so that they stay until
@@ -33,8 +34,8 @@ public:
     auto* kept = new std::shared_ptr<nano::DeviceArray>(array_);
     const nb::capsule owner(
         kept, [](void* p) noexcept { delete static_cast<std::shared_ptr<nano::DeviceArray>*>(p); });
-    const nb::ndarray<> view(array_->data(), shape_.size(), shape_.data(), owner, nullptr,
-                             type(), nb::device::cuda::value, array_->device());
+    const nb::ndarray<> view(array_->data(), shape_.size(), shape_.data(), owner, nullptr, type(),
+                             nb::device::cuda::value, array_->device());
     return nb::cast(view); // without a framework: the capsule
   }
   nb::tuple dlpackDevice() const {

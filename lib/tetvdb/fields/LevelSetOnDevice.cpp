@@ -56,7 +56,7 @@ auto makeOn(const nano::MeshView& view, ShapeSolid& solid, const GridTransform& 
 }
 
 std::optional<NanoBytes> withBytes(const std::shared_ptr<const BorrowedDevices>& devices,
-                                 const nano::Result& made) {
+                                   const nano::Result& made) {
   return NanoBytes{{devices, made.bytes}, made.counts.bufferBytes, made.counts.insideVoxels};
 }
 

@@ -187,6 +187,17 @@ struct Device {
     return static_cast<u8*>(to.data()) + at;
   }
 
+  // f(); settles if it fails.
+  template <typename F>
+  auto settled(const F& f) {
+    try {
+      return f();
+    } catch (...) {
+      settle();
+      throw;
+    }
+  }
+
   MeshView keep(const MeshView& mesh) {
     check(cudaSetDevice(device), "device");
     const auto place = [&](const void* from, u64 bytes) -> void* {
@@ -341,23 +352,15 @@ MeshView DeviceVoxelizer::keep(const MeshView& mesh) {
 
 Result DeviceVoxelizer::run(const MeshView& mesh, const Job& job, const Progress* progress) {
   State& s = *state_;
-  try {
+  return s.settled([&] {
     const MeshView view = s.begin(mesh, job, progress);
     return s.finish(Pipeline<CudaBackend>(*s.backend, view, job).run(), job.download);
-  } catch (...) {
-    s.settle();
-    throw;
-  }
+  });
 }
 
 Result DeviceVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,
                                  const Progress* progress) {
-  try {
-    return state_->levelSet(mesh, job, progress);
-  } catch (...) {
-    state_->settle();
-    throw;
-  }
+  return state_->settled([&] { return state_->levelSet(mesh, job, progress); });
 }
 
 void DeviceVoxelizer::expand(const Result& result, GridType type, const VoxelRange& range,
@@ -376,32 +379,18 @@ void DeviceVoxelizer::expandValues(const Result& result, const VoxelRange& range
 
 Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                                const Progress* progress) {
-  try {
-    return state_->sample(mesh, job, receiver, progress, {});
-  } catch (...) {
-    state_->settle();
-    throw;
-  }
+  return state_->settled([&] { return state_->sample(mesh, job, receiver, progress, {}); });
 }
 
 u64 DeviceVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receiver,
                                const Progress* progress) {
-  try {
-    return state_->distances(job, receiver, progress, shareOfNodes(job, 0, 1));
-  } catch (...) {
-    state_->settle();
-    throw;
-  }
+  return state_->settled(
+      [&] { return state_->distances(job, receiver, progress, shareOfNodes(job, 0, 1)); });
 }
 
 u64 DeviceVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver,
                               const Progress* progress) {
-  try {
-    return state_->coverage(job, receiver, progress);
-  } catch (...) {
-    state_->settle();
-    throw;
-  }
+  return state_->settled([&] { return state_->coverage(job, receiver, progress); });
 }
 
 struct SharedVoxelizer::State {
@@ -534,27 +523,18 @@ u64 SharedVoxelizer::coverage(const CoverageJob& job, CoverageReceiver& receiver
   State& s = *state_;
   s.leaves.assign(s.devices.size(), 0);
   Device& first = *s.devices.front();
-  try {
-    return s.leaves.front() = first.coverage(job, receiver, progress);
-  } catch (...) {
-    first.settle();
-    throw;
-  }
+  return first.settled([&] { return s.leaves.front() = first.coverage(job, receiver, progress); });
 }
 
 Result SharedVoxelizer::levelSet(const MeshView& mesh, const LevelSetJob& job,
                                  const Progress* progress) {
   State& s = *state_;
   Device& first = *s.devices.front();
-  try {
-    const Result result = first.levelSet(job.resident ? s.kept.front() : mesh, job, progress);
-    s.leaves.assign(s.devices.size(), 0);
-    s.leaves.front() = result.counts.leaves;
-    return result;
-  } catch (...) {
-    first.settle();
-    throw;
-  }
+  const Result result = first.settled(
+      [&] { return first.levelSet(job.resident ? s.kept.front() : mesh, job, progress); });
+  s.leaves.assign(s.devices.size(), 0);
+  s.leaves.front() = result.counts.leaves;
+  return result;
 }
 
 std::vector<Times> SharedVoxelizer::times() const {

@@ -80,8 +80,9 @@ public:
     if (mask_.closed()) {
       awaitFaces();
       result.bytes = make(inside, result.counts);
-    } else
+    } else {
       result.counts = mask_.countsOf({}, 0);
+    }
     b_.stage("");
     return result;
   }

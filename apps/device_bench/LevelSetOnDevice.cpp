@@ -66,11 +66,7 @@ void measureGrid(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, nano
   copy(view.points, view.pointCount * 3 * sizeof(double));
   copy(view.tets, view.tetCount * 4 * sizeof(std::uint32_t));
   copy(view.triangles, view.triangleCount * 3 * sizeof(std::uint32_t));
-  nano::LevelSetJob job;
-  job.voxelSize = transform.voxelSize[0];
-  for (std::size_t k = 0; k < 3; ++k)
-    job.origin[k] = transform.origin[k];
-  job.halfWidth = kHalfWidth;
+  const nano::LevelSetJob job = levelSetJobFor(transform, kHalfWidth);
   nano::Counts counts;
   const Measured measured =
       measure(device, times, [&] { counts = device.levelSet(view, job).counts; });

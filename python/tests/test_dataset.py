@@ -166,7 +166,9 @@ def test_settings_that_are_refused(models, settings, status):
     with pytest.raises(tetvdb.Error) as caught:
         tetvdb.Dataset(models, **settings)
     assert caught.value.status == status
-    assert f"`{next(iter(settings))}" in str(caught.value) or "shard" in settings
+    name = next(iter(settings))
+    assert (f"`{name}`" in str(caught.value) or f"`{name}={settings[name]}`" in str(caught.value)
+            or "shard" in settings)
 
 
 def test_arguments_that_are_refused(models, tmp_path):

@@ -138,8 +138,9 @@ class Dataset:
         that failed are in `failures`, as pairs of name and tetvdb.Error.
     threads: of one model (1). max_time: seconds for one model (300). max_memory: bytes for one.
     device: "cpu", or "cuda" or "cuda:1": models become voxels on that GPU, and occupancy and
-        distances of voxels stay in its memory, tetvdb.DeviceTensors in place of arrays. The values are the same. A process
-        that was forked once CUDA runs has no GPU: give `workers`, which are threads.
+        distances of voxels stay in its memory, tetvdb.DeviceTensors in place of arrays. The values
+        are the same. A process that was forked once CUDA runs has no GPU: give `workers`, which
+        are threads.
 
     data[i] is one model: a dict of its arrays, "name", "id", "class" and "split". So a DataLoader of
     PyTorch takes the data set as it is (map-style), or torch() as an IterableDataset of whole

@@ -293,15 +293,17 @@ class Limits(CommandLineTest):
     @unittest.skipIf(SANITIZED, "sanitizers reserve address space")
     def test_loading_without_room_for_threads(self):
         """Libraries start threads before main(): there is no abort where they cannot."""
-        seen = set()
+        seen, said = set(), ""
         for megabytes in range(100, 700, 20):
             result = self.run_program("--version",
                                       preexec_fn=limit(resource.RLIMIT_AS, megabytes << 20))
             self.assertIn(result.status, (0, 4, 127), f"{megabytes} MB: {result.err}")
             if result.status == 4:
                 self.assertRegex(result.err, "threads cannot be started|out of memory")
+                said += result.err
             seen.add(result.status) # 127: the loader itself has no room
         self.assertEqual(seen, {0, 4, 127} if self.starts_threads() else {0, 127})
+        self.assertEqual("threads cannot be started" in said, self.starts_threads())
 
     def test_loading_without_threads(self):
         def as_nobody():

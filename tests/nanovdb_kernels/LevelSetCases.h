@@ -5,20 +5,8 @@
 
 #include "BandCases.h"
 #include "SoupCases.h"
-#include "nanovdb_kernels/LevelSetJob.h"
-
-#include <string>
 
 namespace tetvdb {
-
-inline nano::LevelSetJob levelSetJob(const GridTransform& transform, double halfWidth) {
-  nano::LevelSetJob job;
-  job.voxelSize = transform.voxelSize[0];
-  for (std::size_t k = 0; k < 3; ++k)
-    job.origin[k] = transform.origin[k];
-  job.halfWidth = halfWidth;
-  return job;
-}
 
 /// All triangles, and what they enclose.
 inline BandCase bandOf(const TriangleMesh& mesh, FillRule rule, const GridTransform& transform,

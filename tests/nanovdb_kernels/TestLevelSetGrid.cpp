@@ -97,7 +97,7 @@ nano::Result expectSame(nano::HostTwin& twin, const Mesh& mesh, const BandCase& 
 void expectTets(const TetMesh& mesh, const GridTransform& transform = {}, double halfWidth = 3) {
   nano::HostTwin twin;
   expectStatistics(expectSame(twin, mesh, bandOf(mesh, transform, halfWidth),
-                              levelSetJob(transform, halfWidth)));
+                              levelSetJobFor(transform, halfWidth)));
 }
 
 TEST(LevelSetGrid, Tets) {
@@ -112,7 +112,7 @@ TEST(LevelSetGrid, Tets) {
 TEST(LevelSetGrid, TilesOfAllLevels) {
   const TetMesh cube = meshes::scaled(kuhnGrid(1, 1, 1), 400, {-41.5, 3, 3900});
   nano::HostTwin twin;
-  const nano::Result made = expectSame(twin, cube, bandOf(cube), levelSetJob({}, 3));
+  const nano::Result made = expectSame(twin, cube, bandOf(cube), levelSetJobFor({}, 3));
   expectStatistics(made);
   const auto& tree = reinterpret_cast<const Grid*>(made.bytes)->tree();
   EXPECT_EQ(tree.getValue({100, 100, 4000}), -3); // of a tile of the size of a leaf or a node
@@ -135,7 +135,7 @@ TEST(LevelSetGrid, Triangles) {
       continue;
     SCOPED_TRACE(c.name);
     const FillRule rule = kRules[i++ % 3];
-    nano::LevelSetJob job = levelSetJob(c.transform, 3);
+    nano::LevelSetJob job = levelSetJobFor(c.transform, 3);
     job.rule = rule;
     nano::HostTwin twin;
     expectStatistics(expectSame(twin, c.mesh, bandOf(c.mesh, rule, c.transform, 3), job));
@@ -148,7 +148,7 @@ TEST(LevelSetGrid, TrueDistances) {
   const TetMesh mesh = meshes::scaled(kuhnGrid(1, 1, 2), 9.3, {-70, 3, 60});
   const BandCase band = bandOf(mesh);
   nano::HostTwin twin;
-  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJob({}, 3));
+  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJobFor({}, 3));
   const auto& grid = *reinterpret_cast<const Grid*>(made.bytes);
   std::vector<std::uint32_t> corners;
   for (const BoundaryFace& f : band.faces.faces)
@@ -184,7 +184,7 @@ TEST(LevelSetGrid, OtherFaces) {
   const BandCase other = bandOf(finer);
   band.mesh = other.mesh;
   band.faces = other.faces;
-  nano::LevelSetJob job = levelSetJob({}, 3);
+  nano::LevelSetJob job = levelSetJobFor({}, 3);
   job.faces = facesViewOf(band.mesh, band.faces);
   nano::HostTwin twin;
   expectSame(twin, mesh, band, job);
@@ -194,7 +194,7 @@ TEST(LevelSetGrid, OtherFaces) {
 TEST(LevelSetGrid, ValuesAsADenseArray) {
   const TetMesh mesh = meshes::scaled(kuhnGrid(1, 1, 1), 60, {-31.5, 3, 100});
   nano::HostTwin twin;
-  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJob({}, 3));
+  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJobFor({}, 3));
   const auto& tree = reinterpret_cast<const Grid*>(made.bytes)->tree();
   for (const nano::VoxelRange& range :
        {nano::VoxelRange{{-40, -5, 90}, {80, 75, 83}}, nano::VoxelRange{{0, 30, 125}, {1, 2, 5}},
@@ -216,7 +216,7 @@ TEST(LevelSetGrid, NothingInside) {
   nano::HostTwin twin;
   TetMesh none;
   none.points = {{1, 2, 3}};
-  const nano::Result made = twin.levelSet(viewOf(none), levelSetJob({}, 3));
+  const nano::Result made = twin.levelSet(viewOf(none), levelSetJobFor({}, 3));
   ASSERT_NE(made.bytes, nullptr);
   EXPECT_EQ(made.counts.leaves, 0u);
   EXPECT_EQ(reinterpret_cast<const Grid*>(made.bytes)->tree().background(), 3);
@@ -227,7 +227,7 @@ TEST(LevelSetGrid, OpenTrianglesGiveNothing) {
   mesh.triangles.resize(mesh.triangles.size() - 3);
   mesh.faceCount = mesh.triangleCount();
   nano::HostTwin twin;
-  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJob({}, 3));
+  const nano::Result made = twin.levelSet(viewOf(mesh), levelSetJobFor({}, 3));
   EXPECT_EQ(made.bytes, nullptr);
   EXPECT_EQ(made.counts.openEdges, 3u);
 }
@@ -236,14 +236,14 @@ TEST(LevelSetGrid, RefusesOtherHalfWidths) {
   const TetMesh mesh = kuhnGrid(1, 1, 1);
   nano::HostTwin twin;
   for (const double halfWidth : {0.5, 101.0, std::nan("")})
-    EXPECT_THROW(twin.levelSet(viewOf(mesh), levelSetJob({}, halfWidth)), Error);
+    EXPECT_THROW(twin.levelSet(viewOf(mesh), levelSetJobFor({}, halfWidth)), Error);
 }
 
 RC_GTEST_PROP(LevelSetGridProperties, Soups, ()) {
   const TetMesh mesh = meshes::anySoup();
   const double halfWidth = *rc::gen::element(1.0, 3.0, 9.0);
   nano::HostTwin twin;
-  expectSame(twin, mesh, bandOf(mesh, {}, halfWidth), levelSetJob({}, halfWidth));
+  expectSame(twin, mesh, bandOf(mesh, {}, halfWidth), levelSetJobFor({}, halfWidth));
 }
 
 } // namespace

@@ -148,7 +148,7 @@ void compareLevelSets(Device& device, const std::string& name, const Mesh& mesh,
                       const BandCase& band, FillRule rule, bool twinToo) {
   const std::string what = name + ", level set on the device";
   try {
-    nano::LevelSetJob job = levelSetJob(band.transform, band.halfWidth);
+    nano::LevelSetJob job = levelSetJobFor(band.transform, band.halfWidth);
     job.rule = rule;
     const nano::Result made = device.levelSet(viewOf(mesh), job);
     expect(made.bytes != nullptr && hashOf(made) == levelSetHash(band, rasterizeBand), what);
@@ -431,7 +431,7 @@ void stopping(nano::DeviceVoxelizer& device) {
          "leaves refused");
   expect(refuses(Status::Cancelled,
                  [&] {
-                   device.levelSet(viewOf(meshes::ball(30, 400, {})), levelSetJob({}, 3),
+                   device.levelSet(viewOf(meshes::ball(30, 400, {})), levelSetJobFor({}, 3),
                                    &cancelled);
                  }),
          "a level set on the device cancelled");

@@ -15,6 +15,15 @@ nano::FacesView facesViewOf(const SnappedMesh& mesh, const Boundary& boundary) {
           faces.size()};
 }
 
+nano::LevelSetJob levelSetJobFor(const GridTransform& transform, double halfWidth) {
+  nano::LevelSetJob job;
+  job.voxelSize = transform.voxelSize[0];
+  for (std::size_t k = 0; k < 3; ++k)
+    job.origin[k] = transform.origin[k];
+  job.halfWidth = halfWidth;
+  return job;
+}
+
 nano::DistanceJob distanceJobFor(const DistanceBand& band) {
   nano::DistanceJob job;
   job.faces = facesViewOf(band.mesh(), band.faces());

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "nanovdb_kernels/DistanceJob.h"
+#include "nanovdb_kernels/LevelSetJob.h"
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/fields/LevelSet.h"
 #include "tetvdb/voxelize/DeviceSet.h"
@@ -15,6 +16,9 @@ namespace tetvdb {
 
 /// Refers to the arrays of both.
 nano::FacesView facesViewOf(const SnappedMesh& mesh, const Boundary& boundary);
+
+/// The job of a level set around all faces of a mesh.
+nano::LevelSetJob levelSetJobFor(const GridTransform& transform, double halfWidth);
 
 /// The job of a band; refers to the band's arrays, mesh and faces.
 nano::DistanceJob distanceJobFor(const DistanceBand& band);

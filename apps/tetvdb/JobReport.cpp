@@ -226,6 +226,8 @@ Json toJson(const CleanCounts& cleaned) {
           {"inner_faces", cleaned.innerFaces},
           {"flipped_faces", cleaned.flippedFaces},
           {"flipped_parts", cleaned.flippedParts},
+          {"closed_holes", cleaned.closedHoles},
+          {"closing_faces", cleaned.closingFaces},
           {"inside_out", cleaned.insideOut},
           {"doubtful_orientation", cleaned.doubtful}};
 }

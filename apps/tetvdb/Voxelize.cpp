@@ -234,6 +234,9 @@ std::string summaryOf(const VoxelizeJob& job, const VoxelizeResult& result, cons
     text += fmt::format("  {} tiles of {}^3 voxels\n", result.tileFiles, job.tileSize);
   if (result.made)
     text += textOf(*result.made);
+  if (const CleanCounts& cleaned = result.cleaned; cleaned.closedHoles > 0)
+    text += fmt::format("  {} holes of components that bound a volume: closed by {} faces\n",
+                        cleaned.closedHoles, cleaned.closingFaces);
   if (result.holdsTriangles && result.openEdges > 0 && job.solid.shell == 0)
     text += fmt::format("  {} open edges: closed by {}\n", result.openEdges,
                         result.made ? "winding number" : methodText(job, result));

@@ -51,7 +51,7 @@ PySolid makeSolid(const nb::list& given, const nb::dict& keywords) {
         meshes.push_back(surfaceOf(name, inputs.memory, isSoup, report, progress));
       TriangleMesh mesh = mergeMeshes(std::move(meshes), report);
       if (isSoup)
-        cleanInput(mesh, "", clean, report, progress);
+        cleanInput(mesh, "", cleaningFor(SolidOptions{}, clean), report, progress);
       return std::make_unique<const SolidQuery>(std::move(mesh), progress);
     });
   });

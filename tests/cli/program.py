@@ -232,6 +232,25 @@ def box_faces(low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0)):
     return points, [[q[0], q[k], q[k + 1]] for q in squares for k in (1, 2)]
 
 
+def opened(mesh):
+    """A mesh of triangles without the first and a neighbour in another plane: the hole is not plane, so that the
+    winding number closes it."""
+    points, faces = mesh
+
+    def normal(face):
+        p, q, r = (points[c] for c in face)
+        u, v = ([x[k] - p[k] for k in range(3)] for x in (q, r))
+        return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+    first = normal(faces[0])
+    for i, face in enumerate(faces[1:], 1):
+        other = normal(face)
+        across = sum(x * y for x, y in zip(first, other)) ** 2
+        if len(set(face) & set(faces[0])) == 2 and across < 0.99 * sum(x * x for x in first) * sum(x * x for x in other):
+            return points, faces[1:i] + faces[i + 1:]
+    raise ValueError("no neighbour lies in another plane")
+
+
 def volume(mesh):
     """Of a closed mesh of triangles."""
     points, faces = mesh

@@ -5,7 +5,7 @@ import json
 import re
 import unittest
 
-from program import (DATA, WRITERS, CommandLineTest, box_faces, gmsh, lattice, medit, off, vtu)
+from program import (DATA, WRITERS, CommandLineTest, box_faces, gmsh, joined, lattice, medit, off, opened, vtu)
 
 
 def two_blocks():
@@ -71,6 +71,36 @@ class Voxelize(CommandLineTest):
         for arguments in (["--half-width", 0.5], ["--voxel-size", "1,1,2"]):
             self.refuse(2, "voxelize", "box.mesh", "-o", "no.vdb", "--grid", "surface", *arguments)
 
+    def test_open_components_are_closed(self):
+        house, plate = box_faces((2.0, 2.0, 0.25), (8.0, 8.0, 3.0)), box_faces((0.0, 0.0, 0.0), (10.0, 10.0, 0.2))
+
+        def bottomless(mesh):
+            points, faces = mesh
+            low = min(z for x, y, z in points)
+            return points, [face for face in faces if any(points[c][2] > low for c in face)]
+
+        made = {}
+        for name, mesh in (("closed", joined(house, plate)), ("open", joined(bottomless(house), bottomless(plate)))):
+            self.write("open.off", off(*mesh))  # one name, which the volume's metadata has
+            made[name] = self.report_of("voxelize", "open.off", "-o", name + ".vdb", "--resolution", 50,
+                                        "--grid", "density,coverage")
+            self.assertEqual(made[name]["warnings"], [])
+        self.assertEqual(made["open"]["mesh"]["open_edges"], 0)
+        cleaned = made["open"]["mesh"]["cleaned"]
+        self.assertEqual((cleaned["closed_holes"], cleaned["closing_faces"]), (2, 4))
+        self.assertEqual(self.hash_of("open.vdb"), self.hash_of("closed.vdb"))
+        self.assertIn("2 holes of components that bound a volume: closed by 4 faces",
+                      self.succeed("voxelize", "open.off", "-o", "out.vdb", "--resolution", 50).out)
+        for inside in ((), ("--inside", "nonzero")):
+            report = self.report_of("tetrahedralize" if not inside else "voxelize", "open.off", "-o",
+                                    "out.vdb" if inside else "out.msh", *inside)
+            cleaned = (report["mesh"] if inside else report["input"][0])["cleaned"]
+            self.assertEqual(cleaned["closed_holes"], 2)
+        # A shell has the holes too, and other rules do not ask the winding number.
+        for options in (("--shell", 0.5), ("--inside", "flood")):
+            report = self.report_of("voxelize", "open.off", "-o", "out.vdb", "--resolution", 50, *options)
+            self.assertEqual(report["mesh"]["cleaned"]["closed_holes"], 0)
+
     def test_faces_within_a_solid_are_trimmed(self):
         def boxes(*all_of_them, missing=0):
             points, faces = [], []
@@ -92,7 +122,7 @@ class Voxelize(CommandLineTest):
             for grid in report["grids"]:
                 trim = grid["trim"]
                 self.assertEqual((trim["met"], trim["removed"], trim["cut"] > 0), counts)
-        self.write("open.off", boxes(one, crossing, missing=1))
+        self.write("open.off", boxes(one, crossing, missing=6))
         report = self.report_of("voxelize", "open.off", "-o", "out.vdb", "--mesher", "winding",
                                 "--resolution", 32, "--grid", "surface")
         self.assertIn("untrimmed", [w["code"] for w in report["warnings"]])
@@ -124,7 +154,7 @@ class Voxelize(CommandLineTest):
         [grid] = self.report_of(*arguments, "coverage")["grids"]
         self.assertAlmostEqual(grid["filled"], 0.25**3, places=12)
         self.refuse(3, "voxelize", "small.mesh", "-o", "no.vdb", "--voxel-size", 1)
-        self.write("open.off", off(*[box_faces()[0], box_faces()[1][:-1]]))
+        self.write("open.off", off(*opened(box_faces())))
         self.refuse(3, "voxelize", "open.off", "-o", "no.vdb", "--grid", "coverage", "--mesher",
                     "winding", says=("envelope",))
 

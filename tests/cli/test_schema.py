@@ -7,7 +7,7 @@ import pathlib
 import sys
 import unittest
 
-from program import (CommandLineTest, ball, box_faces, gmsh, joined, lattice, medit, off)
+from program import (CommandLineTest, ball, box_faces, gmsh, joined, lattice, medit, off, opened)
 from test_fields import vtu_with
 
 try:
@@ -48,7 +48,7 @@ class Schemas(CommandLineTest):
         self.closed = {name: closed(schema) for name, schema in SCHEMAS.items()}
         points, faces = ball(6, 2.0, (0, 0, 2))
         self.write("ball.off", off(points, faces))
-        self.write("open.off", off(points, faces[:-2]))
+        self.write("open.off", off(*opened((points, faces))))
         self.write("box.off", off(*box_faces()))
         self.write("two.off", off(*joined(box_faces(), box_faces((3.0, 0.0, 0.0), (4.0, 1.0, 1.0)))))
         self.write("island.off", off(*joined(box_faces(), box_faces((3.0, 0.0, 2.0), (4.0, 1.0, 4.0)))))

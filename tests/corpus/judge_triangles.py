@@ -7,7 +7,8 @@
 The file is read by the parsers of tri_oracle.py, the volume by OpenVDB's Python module; winding
 numbers come from winding_judge, which sums solid angles face by face. Of each file at 64 voxels:
 
-- the cleaned faces (--write-mesh) are among the file's own, as sets of three points;
+- the cleaned faces (--write-mesh) are among the file's own, as sets of three points, but for the last, which close
+  components: as many as the report says, over boundary edges of the others, and with no boundary edges of their own;
 - a voxel is active if and only if the winding number of the cleaned faces at its centre is above
   0.5: at voxels all over the box, beside the surface of the volume and beside the faces. Centres on
   a face (within 1e-5 voxel) are judged again, with the points on the lattice of 2^-20 voxel and the
@@ -187,6 +188,17 @@ def check_subset(raw, cleaned, rounded):
         face = tuple(sorted((names[a], names[b], names[c])))
         require(left.get(face, 0) > 0, f"cleaned face {face} is none of the file's, or is there too often")
         left[face] -= 1
+
+
+def split_closing(cleaned, counts):
+    """The cleaned mesh without the faces that close components."""
+    kept = cleaned.triangles[:len(cleaned.triangles) - counts["closing_faces"]]
+    require((counts["closed_holes"] > 0) == (counts["closing_faces"] > 0), "holes are closed without faces")
+    given = Soup(cleaned.points[:kept.max() + 1], kept)
+    if counts["closing_faces"]:
+        before, after = ({tuple(edge[:2]) for edge in mesh.boundary().triangles.tolist()} for mesh in (given, cleaned))
+        require(after < before, "faces that close components have boundary edges of their own")
+    return given
 
 
 def side(corners, point):
@@ -392,7 +404,11 @@ def judge_file(path):
         if doubtful:
             facts["doubtful"] = "orientation"
         cleaned = read_off(off)
-        check_subset(raw, cleaned, path.lower().endswith(".3mf"))
+        counts = report["mesh"]["cleaned"]
+        given = split_closing(cleaned, counts)
+        check_subset(raw, given, path.lower().endswith(".3mf"))
+        if counts["closed_holes"]:
+            facts["closed"] = "{closed_holes} holes by {closing_faces} faces".format(**counts)
         grid = pyopenvdb.readAll(volume)[0][0]
         size, origin = numpy.array(grid.transform.voxelSize()), numpy.array(grid.transform.indexToWorld((0, 0, 0)))
         space = Space(cleaned, size, origin)
@@ -404,7 +420,8 @@ def judge_file(path):
             whole = numpy.abs(w - numpy.rint(w)) > 1e-6
             apart = judge("distance", space.of(cleaned), points[whole], folder) > TOUCHING if whole.any() else whole
             require(not apart.any(), "the mesh is called closed, but its winding numbers are not whole")
-        compare_raw(raw, cleaned, space, points, w, report, facts, folder)
+        if not counts["closed_holes"]:
+            compare_raw(raw, cleaned, space, points, w, report, facts, folder)
         facts["volume"] = "{:.4g} of faces, {:.4g} of voxels".format(cleaned.volume() / size.prod(),
                                                                     int(values.sum()))
     return facts

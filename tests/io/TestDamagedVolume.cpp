@@ -206,6 +206,18 @@ TEST_F(DamagedVolume, HalfFloatsThatTheMetadataDenies) {
   EXPECT_NE(refusal(bytes).find("do not agree about half floats"), std::string::npos);
 }
 
+// A byte that is neither 0 nor 1 is no bool: OpenVDB may take it for false where this program takes
+// it for true.
+TEST_F(DamagedVolume, BooleanMetadataThatIsNeitherZeroNorOne) {
+  std::string bytes = written({someGrids().at(1)}, "half.vdb");
+  const std::size_t key = bytes.find("is_saved_as_half_float");
+  ASSERT_NE(key, std::string::npos);
+  const std::size_t value = bytes.find("bool", key) + 4 + sizeof(std::uint32_t);
+  ASSERT_EQ(bytes[value], 1);
+  bytes[value] = static_cast<char>(234);
+  EXPECT_NE(refusal(bytes).find("metadata has an impossible value"), std::string::npos);
+}
+
 /// A .nvdb file of one grid of booleans without compression and checksum, where the bytes of its
 /// tiles that are true are `yes`.
 std::string withBooleans(const std::string& packed, unsigned char yes) {

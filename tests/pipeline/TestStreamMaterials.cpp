@@ -34,7 +34,7 @@ protected:
 };
 
 TriangleMesh holed(const Vec3d& centre, double radius) {
-  return without(sphere(centre, radius, 20), [](std::size_t face) { return face % 40 < 5; });
+  return without(sphere(centre, radius, 20), [](std::size_t face) { return face % 800 < 60; });
 }
 
 const Kinds kMany{GridKind::Material, GridKind::Density, GridKind::Mask, GridKind::Surface,

@@ -26,7 +26,7 @@ const Kinds kShapes{GridKind::Density, GridKind::Mask, GridKind::Surface, GridKi
                     GridKind::Coverage};
 
 TriangleMesh ballWithHoles(const Vec3d& centre, double radius) {
-  return without(sphere(centre, radius, 20), [](std::size_t face) { return face % 40 < 5; });
+  return without(sphere(centre, radius, 20), [](std::size_t face) { return face % 800 < 60; });
 }
 
 TEST_F(StreamTrees, ShapesOfClosedTriangles) {
@@ -105,11 +105,11 @@ TEST_F(StreamTrees, ShapesOfOpenTriangles) {
   open.voxelize.voxelSize = {0, 0, 0};
   open.voxelize.resolution = 150;
   expectSame(open, "of which voxels may become larger", {2});
-  // A box without two of its sides, through several cubes.
-  VoxelizeJob tube = job(without(rod(5000, 20, {-2300, -2000, -1500}),
-                                 [](std::size_t face) { return face < 2 || face > 9; }));
+  // A box without a side and half of another, through several cubes. The hole is not plane.
+  VoxelizeJob tube =
+      job(without(rod(5000, 20, {-2300, -2000, -1500}), [](std::size_t face) { return face > 8; }));
   tube.grids = {GridKind::Surface};
-  expectSame(tube, "a rod without ends", {2});
+  expectSame(tube, "a rod without one end", {2});
 }
 
 TEST_F(StreamTrees, OtherFillRules) {

@@ -207,8 +207,8 @@ TEST_F(TreeTiles, ShapesOfClosedTriangles) {
 }
 
 TEST_F(TreeTiles, ShapesOfOpenTriangles) {
-  VoxelizeJob open =
-      job(without(sphere({10, 20, 4090}, 100, 20), [](std::size_t face) { return face % 40 < 5; }));
+  VoxelizeJob open = job(
+      without(sphere({10, 20, 4090}, 100, 20), [](std::size_t face) { return face % 800 < 60; }));
   open.grids = {GridKind::Surface, GridKind::Fog};
   expectSameTiles(open, "a ball with holes", {512});
   threads_ = {2};

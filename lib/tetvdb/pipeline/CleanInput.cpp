@@ -33,6 +33,12 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
   return counts;
 }
 
+CleanOptions cleaningFor(const SolidOptions& solid, CleanOptions options) {
+  options.closeHoles = solid.shell == 0 &&
+                       (solid.inside == InsideRule::Winding || solid.inside == InsideRule::NonZero);
+  return options;
+}
+
 WorldBox boxOf(const std::vector<TriangleMesh>& meshes) {
   WorldBox all;
   for (const TriangleMesh& mesh : meshes) {

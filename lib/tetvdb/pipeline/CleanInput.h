@@ -6,6 +6,7 @@
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/surface/CleanTriangles.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
+#include "tetvdb/voxelize/VoxelizeTriangles.h"
 
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@ namespace tetvdb {
 /// begin with `name` unless it is empty. Throws Error(Invalid) if no face is left.
 CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanOptions& options,
                        Report& report, Progress& progress);
+
+/// `options` for a mesh whose solid is asked for: components are closed where the winding number
+/// decides what is inside, but not for shells, which have the holes too.
+CleanOptions cleaningFor(const SolidOptions& solid, CleanOptions options);
 
 /// The box around the faces of all meshes.
 WorldBox boxOf(const std::vector<TriangleMesh>& meshes);

@@ -10,8 +10,10 @@
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
 #include "tetvdb/mesh/MeshMeasures.h"
+#include "tetvdb/pipeline/CleanInput.h"
 #include "tetvdb/pipeline/MeshObjects.h"
 #include "tetvdb/pipeline/Preview.h"
+#include "tetvdb/surface/CloseComponents.h"
 #include "tetvdb/surface/CompareSolids.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/FinestDetail.h"
@@ -70,6 +72,7 @@ public:
     clean(mesh);
     TriangleMesh surface = mesh;
     if (job_.remesh || job_.solid.shell > 0 || !repairInPlace(surface)) {
+      closeHoles(mesh);
       surface = remesh(mesh);
       compareVolumes(mesh, surface);
     }
@@ -114,10 +117,11 @@ private:
               fmt::format("of a solid of {:.4g}, where it is well defined, repair in place "
                           "lost {:.2g} and added {:.2g}{}",
                           solids.before, solids.lost, solids.gained,
-                          result_.local->closingAddsVolume ? ", by filling holes; `remesh` closes "
-                                                             "them where the winding number is 0.5"
-                                                           : ""));
-        report_.partial = report_.partial || result_.local->closingAddsVolume;
+                          result_.local->closingChangesVolume
+                              ? ", by filling holes and leaving out sheets; `remesh` makes the "
+                                "surface where the winding number is 0.5"
+                              : ""));
+        report_.partial = report_.partial || result_.local->closingChangesVolume;
         return true;
       }
       result_.why = result_.local->why;
@@ -137,6 +141,14 @@ private:
                                "place failed ({}); details finer than that are lost",
                                result_.transform.voxelSize[0], result_.why));
     return surface;
+  }
+
+  void closeHoles(TriangleMesh& mesh) {
+    if (!cleaningFor(job_.solid, {}).closeHoles)
+      return;
+    const ClosedComponents closed = closeComponents(mesh, progress_);
+    result_.cleaned.closedHoles = closed.holes.size();
+    result_.cleaned.closingFaces = closed.faces;
   }
 
   // Compares a mesh and the surface remade from voxels.

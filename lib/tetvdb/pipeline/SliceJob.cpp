@@ -173,7 +173,8 @@ private:
   }
 
   void clean(TriangleMesh& mesh, const std::string& name) {
-    result_.cleaned = cleanInput(mesh, name, job_.clean, report_, progress_);
+    const CleanOptions clean = asksCentres() ? cleaningFor(SolidOptions{}, job_.clean) : job_.clean;
+    result_.cleaned = cleanInput(mesh, name, clean, report_, progress_);
     if (asksCentres())
       return;
     const std::size_t open = soupBoundary(mesh, progress_).edges.size();

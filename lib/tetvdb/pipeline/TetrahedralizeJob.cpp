@@ -58,9 +58,10 @@ void cleanAll(const TetrahedralizeJob& job, std::vector<TriangleMesh>& meshes,
               TetrahedralizeResult& result, Report& report, Progress& progress) {
   StageTimer timer(report, "clean");
   progress.stage("clean");
+  const CleanOptions clean = cleaningFor(SolidOptions{}, job.clean);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     timer.part(job.inputs[i]);
-    result.cleaned.push_back(cleanInput(meshes[i], job.inputs[i], job.clean, report, progress));
+    result.cleaned.push_back(cleanInput(meshes[i], job.inputs[i], clean, report, progress));
     result.cleanedFaces.push_back(meshes[i].triangleCount());
   }
 }

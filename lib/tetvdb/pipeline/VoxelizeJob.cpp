@@ -332,6 +332,8 @@ void add(CleanCounts& sum, const CleanCounts& more) {
   sum.innerFaces += more.innerFaces;
   sum.flippedFaces += more.flippedFaces;
   sum.flippedParts += more.flippedParts;
+  sum.closedHoles += more.closedHoles;
+  sum.closingFaces += more.closingFaces;
   sum.insideOut = sum.insideOut || more.insideOut;
   sum.weldDistance = std::max(sum.weldDistance, more.weldDistance);
   sum.doubtful = sum.doubtful || more.doubtful;
@@ -395,7 +397,8 @@ private:
     progress_.stage("clean");
     for (std::size_t i = 0; i < meshes_.size(); ++i) {
       const std::string name = meshes_.size() == 1 ? "" : job_.inputs[i];
-      add(result_.cleaned, cleanInput(meshes_[i], name, job_.clean, report_, progress_));
+      add(result_.cleaned,
+          cleanInput(meshes_[i], name, cleaningFor(job_.solid, job_.clean), report_, progress_));
       result_.triangles += meshes_[i].triangleCount();
     }
   }

@@ -6,6 +6,7 @@
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/CheckMesh.h"
 #include "tetvdb/surface/CanonicalOrder.h"
+#include "tetvdb/surface/CloseComponents.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/DecideFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
@@ -99,6 +100,12 @@ bool isPlainSolid(const TriangleMesh& mesh, const EdgeTable& edges, Progress& pr
   return sides.allShellsLookOutward();
 }
 
+void closeHoles(TriangleMesh& mesh, CleanCounts& counts, Progress& progress) {
+  const ClosedComponents closed = closeComponents(mesh, progress);
+  counts.closedHoles = closed.holes.size();
+  counts.closingFaces = closed.faces;
+}
+
 void apply(const FaceDecision& decision, const std::vector<std::uint32_t>& faceWas,
            TriangleMesh& mesh, CleanCounts& counts) {
   std::vector<std::uint8_t> dropped(faceWas.size(), 0);
@@ -138,16 +145,21 @@ CleanCounts cleanTriangles(TriangleMesh& mesh, const CleanOptions& options, Prog
       weldNearPoints(mesh, *edges, WeldCandidates::BoundaryPoints, counts, progress))
     edges.emplace(mesh);
   progress.update(0.5);
-  if ((!options.duplicates && !options.orient) || isPlainSolid(mesh, *edges, progress)) {
+  if ((!options.duplicates && !options.orient && !options.closeHoles) ||
+      isPlainSolid(mesh, *edges, progress)) {
     progress.update(1);
     return counts;
   }
-  if (!options.weldDistance && options.duplicates && enclosesNothing(mesh, *edges))
-    weldNearPoints(mesh, *edges, WeldCandidates::AllPoints, counts, progress);
-  edges.reset();
-  const CanonicalOrder canonical = canonicalOrder(mesh);
-  progress.update(0.6);
-  apply(decideFaces(canonical.mesh, options, progress), canonical.faceWas, mesh, counts);
+  if (options.duplicates || options.orient) {
+    if (!options.weldDistance && options.duplicates && enclosesNothing(mesh, *edges))
+      weldNearPoints(mesh, *edges, WeldCandidates::AllPoints, counts, progress);
+    edges.reset();
+    const CanonicalOrder canonical = canonicalOrder(mesh);
+    progress.update(0.6);
+    apply(decideFaces(canonical.mesh, options, progress), canonical.faceWas, mesh, counts);
+  }
+  if (options.closeHoles)
+    closeHoles(mesh, counts, progress);
   progress.update(1);
   return counts;
 }

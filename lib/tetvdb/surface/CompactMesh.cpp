@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/ForEachIndex.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
@@ -46,6 +47,25 @@ std::size_t dropUnusedPoints(TriangleMesh& mesh) {
   forEachIndex(mesh.triangles.size(),
                [&](std::size_t i) { mesh.triangles[i] = number[mesh.triangles[i]]; });
   return dropped;
+}
+
+CopiedFaces copyFaces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& faces) {
+  CopiedFaces copied;
+  std::vector<std::uint32_t>& corners = copied.mesh.triangles;
+  for (const std::uint32_t face : faces)
+    corners.insert(corners.end(), &mesh.triangles[3 * std::size_t(face)],
+                   &mesh.triangles[3 * std::size_t(face)] + 3);
+  std::vector<std::uint32_t>& points = copied.points;
+  points = corners;
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  for (const std::uint32_t point : points)
+    copied.mesh.points.push_back(mesh.points[point]);
+  for (std::uint32_t& corner : corners)
+    corner = static_cast<std::uint32_t>(std::lower_bound(points.begin(), points.end(), corner) -
+                                        points.begin());
+  copied.mesh.faceCount = copied.mesh.triangleCount();
+  return copied;
 }
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #include "tetvdb/mesh/TriangleMesh.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tetvdb {
@@ -14,5 +15,12 @@ std::size_t dropFaces(TriangleMesh& mesh, const std::vector<char>& drops);
 
 /// Removes points that no face uses; the others keep their order. Returns their number.
 std::size_t dropUnusedPoints(TriangleMesh& mesh);
+
+/// Some faces of a mesh, with only the points that they use.
+struct CopiedFaces {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> points; ///< of the given mesh, ascending
+};
+CopiedFaces copyFaces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& faces);
 
 } // namespace tetvdb

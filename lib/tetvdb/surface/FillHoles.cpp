@@ -1,94 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/FillHoles.h"
 
-#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
-#include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/surface/BoundaryLoops.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FairPatch.h"
+#include "tetvdb/surface/PlaneHoles.h"
 #include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/TriangulateLoop.h"
-#include "tetvdb/surface/TriangulatePolygon.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 namespace tetvdb {
 namespace {
 
-// Maximum distance of a plane loop's points from the plane, relative to the loop's size.
-constexpr double kFlat = 1e-4;
-// Longer loops are not tested for a plane, since the time is quadratic.
-constexpr std::size_t kMaxPlanePoints = 4096;
 // Curved holes of fewer edges are filled without new points.
 constexpr std::size_t kFewestFairEdges = 7;
-
-struct Plane {
-  Vec3d origin{0, 0, 0}, normal{0, 0, 0}; ///< the loop is counter-clockwise around the normal
-  double area = 0, size = 0;              ///< of the loop; diagonal of its box
-  Box box;
-  bool flat = false;
-};
-
-Plane planeOf(const std::vector<Vec3d>& points, const BoundaryLoop& loop) {
-  Plane plane;
-  plane.origin = points[loop.points[0]];
-  Vec3d sum{0, 0, 0};
-  for (std::size_t i = 0; i < loop.points.size(); ++i) {
-    const Vec3d& p = points[loop.points[i]];
-    plane.box.add(p);
-    sum = plus(sum, cross(minus(p, plane.origin),
-                          minus(points[loop.points[(i + 1) % loop.points.size()]], plane.origin)));
-  }
-  plane.size = length(minus(plane.box.high, plane.box.low));
-  plane.area = length(sum) / 2;
-  if (!(plane.area > 0))
-    return plane;
-  plane.normal = times(sum, 0.5 / plane.area);
-  double low = 0, high = 0;
-  for (const std::uint32_t i : loop.points) {
-    const double height = dot(minus(points[i], plane.origin), plane.normal);
-    low = std::min(low, height);
-    high = std::max(high, height);
-  }
-  plane.flat = high - low <= kFlat * plane.size && loop.points.size() <= kMaxPlanePoints;
-  return plane;
-}
 
 class Filling {
 public:
   Filling(TriangleMesh& mesh, Progress& progress)
-      : mesh_(mesh), progress_(progress), edges_(mesh), loops_(findBoundaryLoops(mesh, edges_)) {
-    for (const BoundaryLoop& loop : loops_)
-      planes_.push_back(planeOf(mesh.points, loop));
-    std::vector<char> onLoop(mesh.points.size(), 0);
-    for (const BoundaryLoop& loop : loops_)
-      for (const std::uint32_t point : loop.points)
-        onLoop[point] = 1;
-    for (std::uint32_t edge = 0; edge < edges_.edgeCount(); ++edge)
-      if (onLoop[edges_.lowPoint(edge)] != 0 && onLoop[edges_.highPoint(edge)] != 0)
-        taken_.insert(key(edges_.lowPoint(edge), edges_.highPoint(edge)));
-  }
+      : mesh_(mesh), progress_(progress), edges_(mesh), holes_(mesh, edges_) {}
 
-  HoleFilling run() {
-    std::vector<std::vector<std::size_t>> within(loops_.size());
-    std::vector<char> isInner(loops_.size(), 0);
-    findRings(within, isInner);
+  HoleFilling run(bool planeOnly) {
     HoleFilling filling;
     std::vector<std::uint32_t> added;
-    for (std::size_t i = 0; i < loops_.size(); ++i) {
+    for (const std::vector<std::size_t>& group : holes_.groups()) {
       progress_.check();
-      if (isInner[i] != 0)
-        continue;
-      std::vector<std::size_t> group{i};
-      group.insert(group.end(), within[i].begin(), within[i].end());
-      if (fillInPlane(group, added, filling))
+      if (fillInPlane(group, added, filling) || planeOnly)
         continue;
       for (const std::size_t loop : group)
         fillInSpace(loop, added, filling);
@@ -102,75 +44,21 @@ public:
   }
 
 private:
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-  }
-  bool isTaken(std::uint32_t a, std::uint32_t b) const { return taken_.count(key(a, b)) > 0; }
-
-  // Assigns loops to the smallest loop around them in the same plane and of opposite direction.
-  void findRings(std::vector<std::vector<std::size_t>>& within, std::vector<char>& isInner) const {
-    std::vector<Box> boxes;
-    for (const Plane& plane : planes_)
-      boxes.push_back(plane.box);
-    const BoxTree tree(boxes);
-    for (std::uint32_t inner = 0; inner < loops_.size(); ++inner) {
-      const Plane& small = planes_[inner];
-      if (!small.flat)
-        continue;
-      std::size_t best = loops_.size();
-      tree.visit([&](const Box& box) { return box.meets(small.box); },
-                 [&](std::uint32_t outer) {
-                   const Plane& large = planes_[outer];
-                   if (outer != inner && large.flat && large.area > small.area &&
-                       dot(large.normal, small.normal) < -0.999 &&
-                       std::abs(dot(minus(small.origin, large.origin), large.normal)) <=
-                           kFlat * large.size &&
-                       (best == loops_.size() || large.area < planes_[best].area) &&
-                       isAround(outer, small.origin))
-                     best = outer;
-                   return false;
-                 });
-      if (best == loops_.size() || isInner[best] != 0)
-        continue;
-      within[best].push_back(inner);
-      isInner[inner] = 1;
-    }
-  }
-
-  // Whether a plane loop encloses a point of its plane, by the sum of angles.
-  bool isAround(std::size_t loop, const Vec3d& p) const {
-    double turn = 0;
-    const std::vector<std::uint32_t>& points = loops_[loop].points;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3d a = minus(mesh_.points[points[i]], p);
-      const Vec3d b = minus(mesh_.points[points[(i + 1) % points.size()]], p);
-      turn += std::atan2(dot(cross(a, b), planes_[loop].normal), dot(a, b));
-    }
-    return std::abs(turn) > 3;
-  }
+  bool isTaken(std::uint32_t a, std::uint32_t b) const { return holes_.isTaken(a, b); }
 
   bool fillInPlane(const std::vector<std::size_t>& group, std::vector<std::uint32_t>& added,
                    HoleFilling& filling) {
-    const Plane& plane = planes_[group[0]];
-    if (!plane.flat)
-      return false;
-    std::vector<std::vector<std::uint32_t>> outlines;
     FilledHole hole;
-    for (const std::size_t loop : group) {
-      outlines.push_back(loops_[loop].points);
-      hole.edges += loops_[loop].points.size();
-    }
+    hole.edges = holes_.edgesOf(group);
     const std::size_t first = added.size();
-    if (!triangulatePolygon(
-            mesh_.points, outlines, plane.normal,
-            [&](std::uint32_t a, std::uint32_t b) { return isTaken(a, b); }, added))
+    if (!holes_.triangulate(group, added))
       return false;
     finish(hole, added, first, filling);
     return true;
   }
 
   void fillInSpace(std::size_t index, std::vector<std::uint32_t>& added, HoleFilling& filling) {
-    const BoundaryLoop& loop = loops_[index];
+    const BoundaryLoop& loop = holes_.loops()[index];
     SpaceLoop space;
     space.points = loop.points;
     for (const std::uint32_t side : loop.sides)
@@ -218,7 +106,7 @@ private:
   void findFacesAtLoops() {
     if (!facesAt_.empty())
       return;
-    for (const BoundaryLoop& loop : loops_)
+    for (const BoundaryLoop& loop : holes_.loops())
       for (const std::uint32_t point : loop.points)
         facesAt_[point];
     for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
@@ -275,17 +163,14 @@ private:
   void finish(FilledHole& hole, const std::vector<std::uint32_t>& added, std::size_t first,
               HoleFilling& filling) {
     hole.faces = (added.size() - first) / 3;
-    for (std::size_t i = first; i < added.size(); ++i)
-      taken_.insert(key(added[i], added[i % 3 == 2 ? i - 2 : i + 1]));
+    holes_.take(added, first);
     filling.holes.push_back(hole);
   }
 
   TriangleMesh& mesh_;
   Progress& progress_;
   const EdgeTable edges_;
-  const std::vector<BoundaryLoop> loops_;
-  std::vector<Plane> planes_; ///< by loop
-  std::unordered_set<std::uint64_t> taken_;
+  PlaneHoles holes_;
   struct FairHole {
     std::size_t number;               ///< of the filled hole
     std::vector<std::uint32_t> plain; ///< its faces before fairing
@@ -298,7 +183,11 @@ private:
 } // namespace
 
 HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, progress).run();
+  return Filling(mesh, progress).run(false);
+}
+
+HoleFilling fillPlaneHoles(TriangleMesh& mesh, Progress& progress) {
+  return Filling(mesh, progress).run(true);
 }
 
 } // namespace tetvdb

@@ -4,6 +4,7 @@
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CloseComponents.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
@@ -27,7 +28,9 @@ namespace tetvdb {
 namespace {
 
 constexpr double kMaxChange = 0.01;      // relative to the solid's volume
-constexpr double kMaxClosing = 0.1;      // the same, of what filled holes add
+constexpr double kMaxClosing = 0.1;      // the same, where holes are filled or sheets removed
+constexpr double kMinLeft = 0.5;         // the same, of all that is left then
+constexpr double kMoreBounding = 0.02;   // of the area of the faces
 constexpr double kNoChange = 0.001;      // limit above which the change is reported
 constexpr double kMinSamples = 4;        // points that may differ in any case
 constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
@@ -341,6 +344,32 @@ std::string cutCrossings(TriangleMesh& mesh, LocalRepair& repair, Progress& prog
   return cut.broken;
 }
 
+// Whether the repaired mesh has the solid of `before`, up to how holes are closed. Sets the result
+// of the comparison; returns what is wrong.
+std::string compareWith(const TriangleMesh& before, const TriangleMesh& filled,
+                        const TriangleMesh& after, LocalRepair& repair, Progress& progress) {
+  const SolidComparison& solids = repair.solids = compareSolids(before, after, progress);
+  const double each = solids.after / double(std::max<std::size_t>(1, solids.inside));
+  const double changed = std::max(solids.lost, solids.gained);
+  const double most = std::max(kMaxChange * solids.before, kMinSamples * each);
+  repair.changesVolume = changed > std::max(kNoChange * solids.before, kMinSamples * each);
+  repair.closingChangesVolume = false;
+  if (changed <= most)
+    return "";
+  // The winding number closes holes in one of many ways, and filling them in another. Sheets change
+  // it on both of their sides.
+  const SolidComparison cut = compareSolids(filled, after, progress);
+  const double mostOfAll = kMaxClosing * solids.before;
+  const bool isClose = solids.lost <= (repair.sheets.parts > 0 ? mostOfAll : most) &&
+                       solids.gained <= (repair.holes.empty() ? most : mostOfAll) &&
+                       solids.after >= kMinLeft * solids.before;
+  repair.closingChangesVolume =
+      std::max(cut.lost, cut.gained) <= most &&
+      (isClose || boundingShare(before, after, progress) >
+                      boundingShare(before, before, progress) + kMoreBounding);
+  return repair.closingChangesVolume ? "" : "closing it would change its volume";
+}
+
 } // namespace
 
 std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress, bool flatFacesAllowed) {
@@ -369,13 +398,17 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
   repair.stitched.largestMove = std::max(repair.stitched.largestMove, stitched.largestMove);
   repair.stitched.splitFaces = stitched.splitFaces;
   repair.stitched.flippedFaces = stitched.flippedFaces;
+  TriangleMesh solid = mesh; // by winding number
   if (!isBalanced(work)) {
+    closeComponents(solid, progress);
+    repair.holes = closeComponents(work, progress).holes;
     repair.sheets = dropSheets(work, progress);
     if (!repair.sheets.complete)
       return failed("too many open components");
     if (work.triangles.empty())
       return failed("only sheets");
-    repair.holes = fillHoles(work, progress).holes;
+    const std::vector<FilledHole> filled = fillHoles(work, progress).holes;
+    repair.holes.insert(repair.holes.end(), filled.begin(), filled.end());
     if (!isBalanced(work))
       return failed("boundary edges that cannot be closed");
   }
@@ -389,19 +422,11 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
     if (!broken.empty())
       return failed(broken);
   }
-  repair.solids = compareSolids(mesh, work, progress);
-  const double each = repair.solids.after / double(std::max<std::size_t>(1, repair.solids.inside));
-  const double changed = std::max(repair.solids.lost, repair.solids.gained);
-  const double most = std::max(kMaxChange * repair.solids.before, kMinSamples * each);
-  if (changed > most) {
-    // The winding number closes holes in one of many ways, and filling them in another.
-    repair.closingAddsVolume = !repair.holes.empty() && repair.solids.lost <= most &&
-                               repair.solids.gained <= kMaxClosing * repair.solids.before &&
-                               compareSolids(filled, work, progress).gained <= most;
-    if (!repair.closingAddsVolume)
-      return failed("closing it would change its volume");
+  if (const std::string why = compareWith(solid, filled, work, repair, progress); !why.empty()) {
+    // Closed by itself, a component may have another solid than as a part of the mesh.
+    if (!compareWith(mesh, filled, work, repair, progress).empty())
+      return failed(why);
   }
-  repair.changesVolume = changed > std::max(kNoChange * repair.solids.before, kMinSamples * each);
   repair.succeeded = true;
   mesh = std::move(work);
   return repair;

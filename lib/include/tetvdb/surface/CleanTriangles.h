@@ -14,8 +14,9 @@ struct CleanOptions {
   /// Without a value, equal points are merged, and boundary points that differ only by rounding,
   /// within a distance that is computed from the mesh (WeldBoundary.h).
   std::optional<double> weldDistance;
-  bool duplicates = true; ///< false: keeps all faces with the same three points
-  bool orient = true;     ///< false: keeps the orientation of every face
+  bool duplicates = true;  ///< false: keeps all faces with the same three points
+  bool orient = true;      ///< false: keeps the orientation of every face
+  bool closeHoles = false; ///< true: closes components that bound a volume last (CloseComponents.h)
 };
 
 /// What cleanTriangles() did.
@@ -27,6 +28,8 @@ struct CleanCounts {
   std::size_t innerFaces = 0;         ///< removed walls inside the solid
   std::size_t flippedFaces = 0;       ///< reversed faces, including those of whole shells
   std::size_t flippedParts = 0;       ///< shells that were reversed as a whole
+  std::size_t closedHoles = 0;        ///< holes of components that were closed
+  std::size_t closingFaces = 0;       ///< appended faces that close them
   bool insideOut = false;             ///< the whole mesh was inside out and was reversed
   /// World units: the requested distance, or the largest distance between two merged points.
   double weldDistance = 0;

@@ -34,4 +34,7 @@ struct HoleFilling {
 /// of small holes.
 HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress);
 
+/// The same for plane holes only; other holes stay.
+HoleFilling fillPlaneHoles(TriangleMesh& mesh, Progress& progress);
+
 } // namespace tetvdb

@@ -37,7 +37,8 @@ struct LocalRepair {
   double largestMove = 0;          ///< of any point, world units
   SolidComparison solids;          ///< compares the cleaned mesh and the repaired one
   bool changesVolume = false;      ///< more than 0.1 % of the solid is lost or gained
-  bool closingAddsVolume = false;  ///< more than 1 % is gained, by filling holes
+  /// More than 1 % is lost or gained, by filling holes and removing sheets.
+  bool closingChangesVolume = false;
 };
 
 /// Returns the first defect that must be repaired before the mesh is written; empty for a closed,
@@ -48,17 +49,18 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 
 /// Applies these steps, each only if needed: removes one of two surfaces that nearly coincide
 /// (WeldBoundary.h with all points); merges points that are equal as 32-bit floats; stitches
-/// boundaries (StitchBoundaries.h); removes sheets (DropSheets.h); fills holes (FillHoles.h);
+/// boundaries (StitchBoundaries.h); closes components (CloseComponents.h); removes sheets
+/// (DropSheets.h); fills the other holes (FillHoles.h);
 /// cuts intersecting faces and removes faces that do not bound the solid (RemoveCrossings.h);
 /// separates edges of more than two faces and points of several fans (SplitFans.h,
 /// SeparatePoints.h). Succeeds if no defect remains (faces without area that cannot be flipped
 /// may remain) and the solid is preserved: the lost and the gained volume (CompareSolids.h) are
-/// each below 1 %, but filled holes may add up to 10 %. On failure the mesh does not change. Faces
-/// that no step concerns stay bit for bit and in order, unless cutting succeeds only with all
-/// coordinates rounded to 32-bit floats, or with the points of intersecting faces on a lattice of a
-/// millionth of the box's diagonal: nearly coplanar faces that overlap become coplanar. Where
-/// nothing but a few intersections is left, edges of these faces below a ten-thousandth of the
-/// diagonal are contracted
+/// each below 1 %. Up to 10 % may be lost where sheets are removed, and gained where holes are
+/// filled. On failure the mesh does not change. Faces that no step concerns stay bit for bit and in
+/// order, unless cutting succeeds only with all coordinates rounded to 32-bit floats, or with the
+/// points of intersecting faces on a lattice of a millionth of the box's diagonal: nearly coplanar
+/// faces that overlap become coplanar. Where nothing but a few intersections is left, edges of
+/// these faces below a ten-thousandth of the diagonal are contracted
 /// (`stitched.joinedPoints`).
 LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress);
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/volume/AddCounts.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/volume/GridTypes.h"
 #include "tetvdb/volume/Grids.h"
@@ -148,7 +149,7 @@ private:
     info_.activeVoxels += own.activeVoxels;
     info_.activeTiles += own.activeTiles;
     info_.bytes += own.bytes - sizeof(TreeT) - nodes.uppers.size() * sizeof(Upper);
-    info_.volume += own.volume;
+    addVolume(own, info_);
     leaves_ += own.leaves;
     lowers_ += nodes.lowers.size();
     if (leaves_ != 0)

@@ -112,11 +112,6 @@ std::pair<std::string, std::uint64_t> hashOfFile(const std::string& path) {
   return {fmt::format("{:016x}{:016x}", hash.high64, hash.low64), size};
 }
 
-void addPart(const GridInfo& part, const GridInfo& base, GridInfo& sum) {
-  addCounts(part, base, sum);
-  sum.volume += part.volume;
-}
-
 std::vector<GridInfo> describeAll(const openvdb::GridPtrVec& grids) {
   Volume volume;
   volume.grids().all = grids;
@@ -259,7 +254,7 @@ void TileFolder::finish(const Vec3i& origin, std::vector<GridInfo> infos) {
   std::tie(file.hash, file.bytes) = hashOfFile(path);
   const std::vector<GridInfo> bases = describeAll(empty_);
   for (std::size_t g = 0; g < infos.size(); ++g)
-    addPart(infos[g], bases[g], grids_[g]);
+    addCounts(infos[g], bases[g], grids_[g]);
   file.grids = std::move(infos);
 }
 

@@ -133,6 +133,9 @@ private:
       const char* content = take(size, "metadata");
       if (type == "__delayedload")
         delayedLoad({content, size});
+      // OpenVDB copies the byte into a bool; what others than 0 and 1 are then is undefined.
+      if (type == "bool" && *content != 0 && *content != 1)
+        fail("metadata has an impossible value");
       if (name == "is_saved_as_half_float") {
         if (type != "bool")
           fail("metadata has an impossible type");

@@ -9,7 +9,6 @@
 #include "tetvdb/volume/SumComparisons.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -24,18 +23,6 @@ GridInfo describeOne(const openvdb::GridBase::Ptr& grid) {
   Volume volume;
   volume.grids().all.push_back(grid);
   return describe(volume).front();
-}
-
-// Adds the counts of one part of a grid; `base`: those of the grid without voxels. Volumes that are
-// whole numbers of voxels are summed as such.
-void add(const GridInfo& part, const GridInfo& base, double& voxels, GridInfo& sum) {
-  const double voxel =
-      base.transform.voxelSize[0] * base.transform.voxelSize[1] * base.transform.voxelSize[2];
-  double inside = part.volume / voxel;
-  if (std::abs(inside - std::round(inside)) < 1e-6 * std::max(1.0, inside))
-    inside = std::round(inside);
-  voxels += inside;
-  addCounts(part, base, sum);
 }
 
 using Hashes = std::vector<std::pair<std::string, std::string>>;
@@ -70,20 +57,18 @@ StreamedGrid describeGrid(const std::string& path, const VdbHeader& header,
     const openvdb::GridBase::Ptr empty = children.empty();
     const GridInfo base = describeOne(empty);
     sum = base;
-    double voxels = 0;
     GridHash hash(*empty);
     const std::size_t partBytes = bytesOfParts(static_cast<const GridT&>(*empty));
     openvdb::Coord origin;
     while (children.begin(origin))
       for (bool first = true; const auto part = children.part(partBytes); first = false) {
         progress.check();
-        add(describeOne(part), base, voxels, sum);
+        addCounts(describeOne(part), base, sum);
         if (!first)
           sum.bytes -= sizeof(typename NodeLists<typename GridT::TreeType>::Upper);
         if (withHash)
           hash.add(*part);
       }
-    sum.volume = voxels * empty->transform().voxelVolume();
     hashes.emplace_back(grid.name, hash.finish());
     result.empty = empty;
   });

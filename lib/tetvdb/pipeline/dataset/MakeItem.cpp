@@ -107,9 +107,18 @@ private:
   void clean() {
     const StageTimer timer(report_, "clean");
     progress_.stage("clean");
-    cleanInput(mesh_, "", options_.clean, report_, progress_);
+    const CleanOptions clean = cleaningFor(SolidOptions{}, options_.clean);
+    closingFaces_ = cleanInput(mesh_, "", clean, report_, progress_).closingFaces;
     result_.cleanFaces = mesh_.triangleCount();
     result_.openEdges = soupBoundary(mesh_, progress_).edges.size();
+  }
+
+  // The mesh without the faces that cleaning added.
+  TriangleMesh givenFaces() const {
+    TriangleMesh mesh = mesh_;
+    mesh.faceCount = mesh.triangleCount() - closingFaces_;
+    mesh.triangles.resize(3 * mesh.faceCount);
+    return mesh;
   }
 
   // The surface of tets within a random epsilon.
@@ -121,6 +130,7 @@ private:
     how.epsilon = share * length(minus(box.max, box.min));
     how.maxMemory = options_.maxMemory;
     mesh_ = tetSurface(tetrahedralize({mesh_}, how, report_, progress_).mesh, progress_);
+    closingFaces_ = 0;
   }
 
   VoxelizeOptions cubeOf(int size) const {
@@ -347,7 +357,7 @@ private:
         asked.insert(asked.end(), near.begin(), near.end());
       }
       if (options_.content.samples)
-        surface = sampleSurface(mesh_, options_.samples, random);
+        surface = sampleSurface(givenFaces(), options_.samples, random);
     }
     PointSet set;
     if (options_.content.points) {
@@ -479,6 +489,7 @@ private:
   Report& report_;
   Progress& progress_;
   TriangleMesh mesh_;
+  std::size_t closingFaces_ = 0; ///< the last of the mesh, which close its components
   NormalModel normal_;
   std::uint64_t seedOfFile_ = 0;
   std::vector<NamedArray> arrays_;

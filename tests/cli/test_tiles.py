@@ -7,11 +7,11 @@ import itertools
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
 import time
-import unittest
 import unittest
 
 try:
@@ -248,6 +248,22 @@ class Tiles(Volumes):
                 self.assertEqual(result.status, 7, result.err)
                 self.assertEqual(sorted(os.listdir(self.folder)), before)
 
+    def started_tiles(self, *options):
+        """A job that has written a tile and has not ended."""
+        for _ in range(5):
+            process = subprocess.Popen([PROGRAM, "voxelize", *options, "--tiles", "out", *self.OPTIONS],
+                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            while process.poll() is None:
+                try:
+                    if any(self.folder.glob(".out.*/tile_*.vdb")):
+                        return process
+                except FileNotFoundError:  # the folder was renamed meanwhile
+                    pass
+                time.sleep(0.005)
+            self.assertEqual(process.returncode, 0)  # it was faster than this loop
+            shutil.rmtree(self.path("out"))
+        self.fail("the job ends before a tile is seen")
+
     def test_a_signal_leaves_nothing(self):
         self.write("ball.off", off(*ball(60, 6000, (0, 0, 0))))
         self.write("small.off", off(*ball(60, 1500, (0, 0, 0))))
@@ -256,16 +272,7 @@ class Tiles(Volumes):
         surface = ("small.off", "--grid", "surface", "--tile-size", "512", "--max-memory", "300M")
         for options, sent, left in ((mask, signal.SIGTERM, 0), (surface, signal.SIGTERM, 0),
                                     (mask, signal.SIGKILL, 1)):
-            process = subprocess.Popen([PROGRAM, "voxelize", *options, "--tiles", "out", *self.OPTIONS],
-                                       cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            deadline = time.monotonic() + 60
-
-            def under_way():
-                return [path for path in self.folder.glob(".out.*/*.vdb") if path.name.startswith("tile_")]
-
-            while not under_way() and time.monotonic() < deadline:
-                time.sleep(0.02)
-            self.assertTrue(under_way())
+            process = self.started_tiles(*options)
             process.send_signal(sent)
             self.assertEqual(process.wait(60), 5 if left == 0 else -signal.SIGKILL)
             now = sorted(os.listdir(self.folder))

@@ -50,18 +50,21 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 /// Applies these steps, each only if needed: removes one of two surfaces that nearly coincide
 /// (WeldBoundary.h with all points); merges points that are equal as 32-bit floats; stitches
 /// boundaries (StitchBoundaries.h); closes components (CloseComponents.h); removes sheets
-/// (DropSheets.h); fills the other holes (FillHoles.h);
-/// cuts intersecting faces and removes faces that do not bound the solid (RemoveCrossings.h);
-/// separates edges of more than two faces and points of several fans (SplitFans.h,
-/// SeparatePoints.h). Succeeds if no defect remains (faces without area that cannot be flipped
-/// may remain) and the solid is preserved: the lost and the gained volume (CompareSolids.h) are
-/// each below 1 %. Up to 10 % may be lost where sheets are removed, and gained where holes are
-/// filled. On failure the mesh does not change. Faces that no step concerns stay bit for bit and in
-/// order, unless cutting succeeds only with all coordinates rounded to 32-bit floats, or with the
-/// points of intersecting faces on a lattice of a millionth of the box's diagonal: nearly coplanar
-/// faces that overlap become coplanar. Where nothing but a few intersections is left, edges of
-/// these faces below a ten-thousandth of the diagonal are contracted
-/// (`stitched.joinedPoints`).
+/// (DropSheets.h); fills the other holes (FillHoles.h); cuts intersecting faces and removes faces
+/// that do not bound the solid (RemoveCrossings.h); separates edges of more than two faces and
+/// points of several fans (SplitFans.h, SeparatePoints.h).
+///
+/// Succeeds if no defect remains (faces without area that cannot be flipped may remain) and the
+/// solid is preserved: the lost and the gained volume (CompareSolids.h) are each below 1 %. Up to
+/// 10 % may be lost where sheets are removed, and gained where holes are filled, and more where
+/// more of the given faces bound the repaired mesh than the solid of the winding number
+/// (boundingShare()). On failure the mesh does not change.
+///
+/// Faces that no step concerns stay bit for bit and in order, unless cutting succeeds only with all
+/// coordinates rounded to 32-bit floats, or with the points of intersecting faces on a lattice of a
+/// millionth of the box's diagonal: nearly coplanar faces that overlap become coplanar. Where
+/// nothing but a few intersections is left, edges of these faces below a ten-thousandth of the
+/// diagonal are contracted (`stitched.joinedPoints`).
 LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress);
 
 } // namespace tetvdb

@@ -4,7 +4,6 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/CheckMesh.h"
-#include "tetvdb/surface/AreaSamples.h"
 #include "tetvdb/surface/TriangleScene.h"
 
 #include <algorithm>
@@ -19,30 +18,67 @@ namespace {
 // Points that one task measures. Sums are formed per chunk, then over chunks.
 constexpr std::size_t kChunk = 512;
 
+// The first terms of the R2 sequence: powers of the inverse of the root of x^3 = x + 1 (Roberts,
+// The Unreasonable Effectiveness of Quasirandom Sequences, 2018).
+constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532;
+
+double fraction(double x) {
+  return x - std::floor(x);
+}
+
 // The measured points of a mesh: samples of its area, followed by its vertices.
 class Sampling {
 public:
-  Sampling(const TriangleMesh& mesh, std::size_t samples) : mesh_(mesh), area_(mesh, samples) {
+  Sampling(const TriangleMesh& mesh, std::size_t samples) : mesh_(mesh) {
+    double sum = 0;
+    areas_.reserve(mesh.triangleCount());
     std::vector<bool> used(mesh.points.size(), false);
-    for (const std::uint32_t corner : mesh.triangles)
-      used[corner] = true;
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+      const Vec3d& a = mesh.points[mesh.triangles[i]];
+      const double twice = length(cross(minus(mesh.points[mesh.triangles[i + 1]], a),
+                                        minus(mesh.points[mesh.triangles[i + 2]], a)));
+      sum += std::isfinite(twice) ? twice : 0;
+      areas_.push_back(sum);
+      for (std::size_t k = 0; k < 3; ++k)
+        used[mesh.triangles[i + k]] = true;
+    }
     for (std::size_t v = 0; v < used.size(); ++v)
       if (used[v])
         vertices_.push_back(static_cast<std::uint32_t>(v));
+    samples_ = sum > 0 ? samples : 0;
   }
 
-  std::size_t size() const { return area_.size() + vertices_.size(); }
+  std::size_t size() const { return samples_ + vertices_.size(); }
   /// The number of leading points that are averaged.
-  std::size_t averaged() const { return area_.size() > 0 ? area_.size() : vertices_.size(); }
+  std::size_t averaged() const { return samples_ > 0 ? samples_ : vertices_.size(); }
 
   Vec3d operator[](std::size_t i) const {
-    return i < area_.size() ? area_[i].point : mesh_.points[vertices_[i - area_.size()]];
+    return i < samples_ ? onArea(i) : mesh_.points[vertices_[i - samples_]];
   }
 
 private:
+  // Point i lies in the i-th of equal shares of the cumulative area of the faces.
+  Vec3d onArea(std::size_t i) const {
+    const double at =
+        (static_cast<double>(i) + 0.5) / static_cast<double>(samples_) * areas_.back();
+    const auto face = static_cast<std::size_t>(
+        std::upper_bound(areas_.begin(), areas_.end() - 1, at) - areas_.begin());
+    double s = fraction(static_cast<double>(i + 1) * kStepX);
+    double t = fraction(static_cast<double>(i + 1) * kStepY);
+    if (s + t > 1) {
+      s = 1 - s;
+      t = 1 - t;
+    }
+    const Vec3d& a = mesh_.points[mesh_.triangles[3 * face]];
+    const Vec3d ab = minus(mesh_.points[mesh_.triangles[3 * face + 1]], a);
+    const Vec3d ac = minus(mesh_.points[mesh_.triangles[3 * face + 2]], a);
+    return plus(a, plus(times(ab, s), times(ac, t)));
+  }
+
   const TriangleMesh& mesh_;
-  AreaSamples area_;
+  std::vector<double> areas_; ///< cumulative, twice the area
   std::vector<std::uint32_t> vertices_;
+  std::size_t samples_ = 0;
 };
 
 struct Part {

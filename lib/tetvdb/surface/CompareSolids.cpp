@@ -2,8 +2,6 @@
 #include "tetvdb/surface/CompareSolids.h"
 
 #include "tetvdb/geometry/BoxTree.h"
-#include "tetvdb/geometry/VectorMath.h"
-#include "tetvdb/surface/AreaSamples.h"
 #include "tetvdb/surface/SampleBox.h"
 #include "tetvdb/surface/WindingField.h"
 
@@ -18,8 +16,6 @@ namespace {
 
 constexpr std::size_t kFirstSamples = 1 << 13, kMaxSamples = 1 << 17, kEnoughInside = 8000;
 constexpr std::size_t kMaxWork = 100000000; // solid angles of boundary edges
-constexpr std::size_t kMaxSamplesOnFaces = 4096, kFewestOnFaces = 256;
-constexpr double kOffFaces = 1e-5; // relative to the diagonal
 
 enum Bits : std::uint8_t { kBefore = 1, kAfter = 2, kSureInside = 4, kSureOutside = 8 };
 
@@ -77,34 +73,6 @@ SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& af
   result.gained = each * double(gained);
   result.doubtful = each * double(doubtful);
   return result;
-}
-
-double boundingShare(const TriangleMesh& faces, const TriangleMesh& solid, Progress& progress) {
-  if (solid.triangles.empty())
-    return 0;
-  const WindingField field(solid);
-  const std::size_t edges = std::max<std::size_t>(1, field.boundaryEdges());
-  const AreaSamples samples(faces,
-                            std::clamp(kMaxWork / edges, kFewestOnFaces, kMaxSamplesOnFaces));
-  Box box;
-  for (const std::uint32_t corner : faces.triangles)
-    box.add(faces.points[corner]);
-  const double offset = kOffFaces * length(minus(box.high, box.low));
-  std::vector<std::uint8_t> bounds(samples.size(), 0);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 16), [&](const auto& range) {
-    progress.check();
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const AreaSamples::Sample sample = samples[i];
-      const std::uint32_t* c = &faces.triangles[3 * sample.face];
-      const Vec3d& a = faces.points[c[0]];
-      const Vec3d normal = cross(minus(faces.points[c[1]], a), minus(faces.points[c[2]], a));
-      const Vec3d off = times(normal, offset / length(normal));
-      bounds[i] =
-          field.at(minus(sample.point, off)) > 0.5 && field.at(plus(sample.point, off)) <= 0.5;
-    }
-  });
-  const auto count = std::count(bounds.begin(), bounds.end(), 1);
-  return samples.size() > 0 ? double(count) / double(samples.size()) : 0;
 }
 
 } // namespace tetvdb

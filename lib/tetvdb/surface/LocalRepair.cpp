@@ -30,7 +30,6 @@ namespace {
 constexpr double kMaxChange = 0.01;      // relative to the solid's volume
 constexpr double kMaxClosing = 0.1;      // the same, where holes are filled or sheets removed
 constexpr double kMinLeft = 0.5;         // the same, of all that is left then
-constexpr double kMoreBounding = 0.02;   // of the area of the faces
 constexpr double kNoChange = 0.001;      // limit above which the change is reported
 constexpr double kMinSamples = 4;        // points that may differ in any case
 constexpr int kMoreCuts = 4;             // of a mesh that is still broken after the first
@@ -360,13 +359,10 @@ std::string compareWith(const TriangleMesh& before, const TriangleMesh& filled,
   // it on both of their sides.
   const SolidComparison cut = compareSolids(filled, after, progress);
   const double mostOfAll = kMaxClosing * solids.before;
-  const bool isClose = solids.lost <= (repair.sheets.parts > 0 ? mostOfAll : most) &&
-                       solids.gained <= (repair.holes.empty() ? most : mostOfAll) &&
-                       solids.after >= kMinLeft * solids.before;
-  repair.closingChangesVolume =
-      std::max(cut.lost, cut.gained) <= most &&
-      (isClose || boundingShare(before, after, progress) >
-                      boundingShare(before, before, progress) + kMoreBounding);
+  repair.closingChangesVolume = solids.lost <= (repair.sheets.parts > 0 ? mostOfAll : most) &&
+                                solids.gained <= (repair.holes.empty() ? most : mostOfAll) &&
+                                solids.after >= kMinLeft * solids.before &&
+                                std::max(cut.lost, cut.gained) <= most;
   return repair.closingChangesVolume ? "" : "closing it would change its volume";
 }
 

@@ -23,9 +23,4 @@ struct SolidComparison {
 SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& after,
                               Progress& progress);
 
-/// The share of the area of `faces` that bounds the solid of `solid`, whose winding number is above
-/// 0.5 right behind them and not in front of them. Samples 4096 fixed points, fewer where points
-/// times boundary edges are more than 10^8. Parallel.
-double boundingShare(const TriangleMesh& faces, const TriangleMesh& solid, Progress& progress);
-
 } // namespace tetvdb

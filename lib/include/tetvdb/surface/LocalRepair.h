@@ -56,9 +56,8 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 ///
 /// Succeeds if no defect remains (faces without area that cannot be flipped may remain) and the
 /// solid is preserved: the lost and the gained volume (CompareSolids.h) are each below 1 %. Up to
-/// 10 % may be lost where sheets are removed, and gained where holes are filled, and more where
-/// more of the given faces bound the repaired mesh than the solid of the winding number
-/// (boundingShare()). On failure the mesh does not change.
+/// 10 % may be lost where sheets are removed, and gained where holes are filled, if half of the
+/// volume is left. On failure the mesh does not change.
 ///
 /// Faces that no step concerns stay bit for bit and in order, unless cutting succeeds only with all
 /// coordinates rounded to 32-bit floats, or with the points of intersecting faces on a lattice of a

@@ -293,6 +293,21 @@ TEST(VtuReader, TruncatedIsRefused) {
     expectTruncatedIsRefused(readVtu, dataPath(name));
 }
 
+// One is missing in the declaration, and one is too many after the points: their numbers stand
+// within what looks like a tag.
+TEST(VtuReader, QuotationMarksThatAreNotInPairs) {
+  OneTet tet;
+  tet.points = array("Points", "Float32",
+                     "-1 0 0  1 0 0  0 1 0  0 0 1 <InformationKey name=\"L\"> \" "
+                     "<Value index=\"0\">1</Value></InformationKey>",
+                     "NumberOfComponents=\"3\" format=\"ascii\"");
+  std::string text = tet.text();
+  text.replace(text.find("\"1.0\""), 5, "1.0\"");
+  Progress progress;
+  Report report;
+  EXPECT_THROW(readVtu({text, "test"}, {}, report, progress), Error);
+}
+
 TEST(VtuReader, DamageIsHarmless) {
   for (const std::string& name : dataFiles("mixed_", ".vtu"))
     expectDamageIsHarmless(readVtu, dataPath(name), 300);

@@ -158,6 +158,10 @@ Excerpt VtuMarkup::text(pugi::xml_node node) const {
     return {source_.bytes.size(), {}};
   NumberParser in(reference, source_.path);
   const auto begin = static_cast<std::size_t>(in.integer());
+  // Where a quotation mark is missing, the file's own text stands here.
+  if (begin > source_.bytes.size())
+    throw Error(Status::Invalid, source_.path, "the quotation marks of its tags are not in pairs",
+                kExport);
   return {begin, source_.bytes.substr(begin, static_cast<std::size_t>(in.integer()))};
 }
 

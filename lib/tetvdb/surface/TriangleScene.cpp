@@ -145,9 +145,12 @@ void TriangleScene::Impl::fitBox() {
 }
 
 void TriangleScene::Impl::build() {
-  device = rtcNewDevice(nullptr);
-  if (device == nullptr)
+  // One for all scenes: making it takes longer than a scene of some hundred triangles.
+  static RTCDevice const shared = rtcNewDevice(nullptr);
+  if (shared == nullptr)
     fail(rtcGetDeviceError(nullptr));
+  rtcRetainDevice(shared);
+  device = shared;
   scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | kFilteredRays);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Embree's header, and the one place that knows how its versions 3 and 4 differ: in version 4 a
-// query needs no context, and the filter is an argument of the query instead of its context's.
+// Embree's header, the device of all scenes, and the one place that knows how versions 3 and 4
+// differ: in version 4 a query needs no context, and the filter is an argument of the query instead
+// of its context's.
 #pragma once
 
 #ifdef TETVDB_EMBREE4
@@ -20,6 +21,14 @@ constexpr RTCSceneFlags kFilteredRays = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUME
 using RayContext = RTCIntersectContext;
 constexpr RTCSceneFlags kFilteredRays = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 #endif
+
+/// Of all scenes, and never released: making it takes longer than a scene of some hundred
+/// triangles. Throws Error as commit() does. Thread-safe.
+RTCDevice embreeDevice();
+
+/// Builds a scene of embreeDevice() in the caller's task arena. Throws Error where this or anything
+/// before it failed in this thread: Limit where memory did not suffice, otherwise Invalid.
+void commit(RTCScene scene);
 
 /// The nearest hit.
 inline void intersect(RTCScene scene, RTCRayHit& ray) {

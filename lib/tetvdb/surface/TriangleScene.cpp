@@ -2,13 +2,11 @@
 #include "tetvdb/surface/TriangleScene.h"
 
 #include "tetvdb/core/Embree.h"
-#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tuple>
@@ -23,13 +21,6 @@ constexpr double kRounding = 4e-7;
 constexpr double kDiscRoom = 1 + 1e-5;
 constexpr float kSquareRoom = 1 - 4e-6f;
 constexpr double kThin = 1e-3; // twice the area over the squared radius
-
-[[noreturn]] void fail(RTCError error) {
-  if (error == RTC_ERROR_OUT_OF_MEMORY)
-    throw Error(Status::Limit, "", "out of memory for the search structure of the triangles");
-  throw Error(Status::Invalid, "",
-              "Embree failed with error " + std::to_string(static_cast<int>(error)));
-}
 
 // A disc around a triangle, in its plane, in scene units: excludes most distant triangles with one
 // memory access.
@@ -106,14 +97,10 @@ struct TriangleScene::Impl {
   Vec3d low{0, 0, 0}, high{0, 0, 0}, centre{0, 0, 0};
   double scale = 1; ///< scene units per world unit
   std::vector<TriangleDisc> discs;
-  RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
   explicit Impl(const TriangleMesh& m) : mesh(m) {}
-  ~Impl() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~Impl() { rtcReleaseScene(scene); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -145,12 +132,7 @@ void TriangleScene::Impl::fitBox() {
 }
 
 void TriangleScene::Impl::build() {
-  // One for all scenes: making it takes longer than a scene of some hundred triangles.
-  static RTCDevice const shared = rtcNewDevice(nullptr);
-  if (shared == nullptr)
-    fail(rtcGetDeviceError(nullptr));
-  rtcRetainDevice(shared);
-  device = shared;
+  const RTCDevice device = embreeDevice();
   scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | kFilteredRays);
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -174,9 +156,7 @@ void TriangleScene::Impl::build() {
       rtcAttachGeometry(scene, geometry);
   }
   rtcReleaseGeometry(geometry);
-  rtcJoinCommitScene(scene); // in the caller's arena
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
-    fail(error);
+  commit(scene);
 }
 
 void TriangleScene::Impl::makeDiscs() {

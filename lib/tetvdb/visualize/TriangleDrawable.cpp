@@ -3,14 +3,12 @@
 
 #include "tetvdb/core/DiscardPages.h"
 #include "tetvdb/core/Embree.h"
-#include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/visualize/CornerNormals.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
@@ -33,13 +31,6 @@ constexpr std::size_t kPointsAtOnce = 1 << 17;
 constexpr float kWireShade = 0.08F;
 
 using Float3 = std::array<float, 3>;
-
-[[noreturn]] void fail(RTCError error) {
-  if (error == RTC_ERROR_OUT_OF_MEMORY)
-    throw Error(Status::Limit, "", "out of memory for the search structure of the triangles");
-  throw Error(Status::Invalid, "",
-              "Embree failed with error " + std::to_string(static_cast<int>(error)));
-}
 
 Vec3d toDouble(const float* v) {
   return {v[0], v[1], v[2]};
@@ -80,14 +71,10 @@ struct TriangleDrawable::Impl {
   std::vector<PackedNormal> normals; ///< by corner; empty: flat
   std::size_t pointCount = 0;
   const float* points = nullptr; ///< Embree's
-  RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
   Impl() = default;
-  ~Impl() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
+  ~Impl() { rtcReleaseScene(scene); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
@@ -135,9 +122,7 @@ void TriangleDrawable::Impl::fitBox(const TriangleMesh& mesh) {
 // Points become floats before the tree is built, and the doubles are freed as they are read: both
 // together would be the peak of memory.
 void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
-  device = rtcNewDevice(nullptr);
-  if (device == nullptr)
-    fail(rtcGetDeviceError(nullptr));
+  const RTCDevice device = embreeDevice();
   scene = rtcNewScene(device);
   // Watertight, so that no ray passes between faces. The three build qualities could not be told
   // apart, neither in building nor by rays.
@@ -181,9 +166,7 @@ void TriangleDrawable::Impl::build(TriangleMesh& mesh) {
     }
   }
   rtcReleaseGeometry(geometry);
-  rtcJoinCommitScene(scene); // in the caller's arena
-  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
-    fail(error);
+  commit(scene);
 }
 
 TriangleDrawable::TriangleDrawable(TriangleMesh mesh, TriangleLook look, Progress& progress)

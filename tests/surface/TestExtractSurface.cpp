@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
+#include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompareMeshes.h"
 #include "tetvdb/surface/CubeTable.h"
 #include "tetvdb/surface/ExtractSurface.h"
 #include "tetvdb/surface/SolidSamples.h"
 #include "tetvdb/surface/TriangleScene.h"
 #include "tetvdb/volume/Grids.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
+#include "tetvdb/voxelize/SoupChain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -192,6 +197,41 @@ TEST(ExtractSurface, LevelSetSpheresConvergeInVolume) {
     last = off;
   }
   EXPECT_LT(last, 2e-3);
+}
+
+// Judged by solid angles.
+TEST(ExtractSurface, HolesAreClosedWhereTheWindingNumberIsOneHalf) {
+  const TriangleMesh ball =
+      moved(sphere({0, 0, 0}, 1, 12), [](const Vec3d& p) { return times(p, 11.3); });
+  const TriangleMesh open =
+      without(ball, [&](std::size_t f) { return ball.points[ball.triangles[3 * f]][2] > 4; });
+  const auto mask = maskOf({-13, -13, -13}, {13, 13, 13}, [&](int x, int y, int z) {
+    return windingNumberAt(open, {double(x), double(y), double(z)}) > 0.5;
+  });
+  Progress progress;
+  const GridTransform transform;
+  const BoundaryWinding boundary = boundaryWinding(soupBoundary(open, progress).edges,
+                                                   snapPoints(open.points, transform, progress));
+  const TriangleScene scene(open);
+  const auto furthest = [&](const BoundaryWinding* winding) {
+    ExtractOptions options;
+    options.simplify = 0;
+    options.original = &scene;
+    options.boundary = winding;
+    const TriangleMesh mesh = extractSurface(volumeOf(mask, transform), options, progress);
+    EXPECT_EQ(manifoldDefect(mesh), "");
+    double largest = 0;
+    int inHole = 0;
+    for (const Vec3d& p : mesh.points)
+      if (!scene.isWithin(p, 2)) {
+        ++inHole;
+        largest = std::max(largest, std::abs(windingNumberAt(open, p) - 0.5));
+      }
+    EXPECT_GT(inHole, 100);
+    return largest;
+  };
+  EXPECT_LT(furthest(&boundary), 0.01);
+  EXPECT_GT(furthest(nullptr), 0.02);
 }
 
 TEST(ExtractSurface, AnisotropicVoxelsAndOrigin) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "DistanceBetween.h"
 #include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/core/Error.h"
-#include "tetvdb/surface/CompareMeshes.h"
 #include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/SimplifySurface.h"
 
@@ -16,11 +16,6 @@ namespace tetvdb {
 namespace {
 
 using namespace tetvdb::meshes;
-
-double distanceBetween(const TriangleMesh& a, const TriangleMesh& b) {
-  Progress progress;
-  return compareMeshes(a, b, {}, progress).hausdorff;
-}
 
 TriangleMesh simplified(TriangleMesh mesh, const SimplifyOptions& options) {
   Progress progress;

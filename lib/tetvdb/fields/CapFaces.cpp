@@ -56,16 +56,6 @@ LatticePoint centreOf(const Vec3i& voxel) {
   return {voxel[0] * unit, voxel[1] * unit, voxel[2] * unit};
 }
 
-// The position along the pair at which the winding number passes 0.5. Up to integers it is that of
-// the boundary, and between the two centres it changes by less than 0.5.
-double crossingOf(const CentrePair& pair, const BoundaryWinding& boundary) {
-  const double from = boundary.at(centreOf(pair.first));
-  double to = boundary.at(centreOf(stepped(pair.first, pair.axis, 1)));
-  to += std::round(from - to);
-  const double half = std::round((from + to) / 2 - 0.5) + 0.5;
-  return from == to ? 0.5 : std::clamp((half - from) / (to - from), 0.0, 1.0);
-}
-
 // One of the four cells around a pair, by its lowest corner, and the crossing point of the pair.
 struct CellCrossing {
   Vec3i cell;
@@ -135,7 +125,9 @@ void addCapFaces(std::vector<CentrePair> pairs, const BoundaryWinding& boundary,
     progress.check();
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       Vec3d at{double(pairs[i].first[0]), double(pairs[i].first[1]), double(pairs[i].first[2])};
-      at[static_cast<std::size_t>(pairs[i].axis)] += crossingOf(pairs[i], boundary);
+      at[static_cast<std::size_t>(pairs[i].axis)] +=
+          halfCrossing(boundary, centreOf(pairs[i].first),
+                       centreOf(stepped(pairs[i].first, pairs[i].axis, 1)));
       for (int k = 0; k < 4; ++k)
         crossings[4 * i + static_cast<std::size_t>(k)] = {cellAround(pairs[i], k), i, at};
     }

@@ -47,10 +47,8 @@ ShapeSolid shapeSolid(const TriangleMesh& mesh, const SolidOptions& how, bool co
   ShapeSolid solid{mesh.points, snapPoints(mesh.points, transform, progress), {}, {}, 0, {}, {}, 0,
                    false};
   solid.faces = soupFaces(mesh, solid.mesh);
-  const bool byWinding =
-      how.shell == 0 && (how.inside == InsideRule::Winding || how.inside == InsideRule::NonZero);
   solid.rule = fillRuleOf(how);
-  if (byWinding || covers) {
+  if (how.closesHoles() || covers) {
     const SoupBoundary boundary = soupBoundary(mesh, progress);
     if (covers)
       requireCoverable(how, boundary);

@@ -34,8 +34,7 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
 }
 
 CleanOptions cleaningFor(const SolidOptions& solid, CleanOptions options) {
-  options.closeHoles = solid.shell == 0 &&
-                       (solid.inside == InsideRule::Winding || solid.inside == InsideRule::NonZero);
+  options.closeHoles = solid.closesHoles();
   return options;
 }
 

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/InArena.h"
 #include "tetvdb/core/Report.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/io/TriangleWriter.h"
@@ -19,10 +20,14 @@
 #include "tetvdb/surface/FinestDetail.h"
 #include "tetvdb/surface/TetSurface.h"
 #include "tetvdb/surface/TriangleScene.h"
+#include "tetvdb/voxelize/SnappedMesh.h"
+#include "tetvdb/voxelize/SoupBoundary.h"
+#include "tetvdb/voxelize/SoupChain.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -64,7 +69,7 @@ public:
 
   TriangleMesh ofVolume(const Volume& volume) {
     result_.source = SolidSource::Volume;
-    return finished(extract(volume, nullptr));
+    return finished(extract(volume, nullptr, nullptr));
   }
 
   TriangleMesh ofMesh(const TriangleMesh& given) {
@@ -133,7 +138,8 @@ private:
     result_.remeshed = true;
     const Volume volume = voxelizeMesh(mesh);
     const TriangleScene scene(mesh);
-    TriangleMesh surface = extract(volume, &scene);
+    const std::optional<BoundaryWinding> boundary = boundaryOf(mesh);
+    TriangleMesh surface = extract(volume, &scene, boundary ? &*boundary : nullptr);
     surface.units = mesh.units;
     if (!result_.why.empty())
       report_.warn("remeshed",
@@ -144,7 +150,7 @@ private:
   }
 
   void closeHoles(TriangleMesh& mesh) {
-    if (!cleaningFor(job_.solid, {}).closeHoles)
+    if (!job_.solid.closesHoles())
       return;
     const ClosedComponents closed = closeComponents(mesh, progress_);
     result_.cleaned.closedHoles = closed.holes.size();
@@ -232,12 +238,24 @@ private:
     return minus(boxOf(mesh).low, times(size, kOffFaces));
   }
 
-  TriangleMesh extract(const Volume& volume, const TriangleScene* scene) {
+  // On the lattice of the voxels, if the winding number closes holes.
+  std::optional<BoundaryWinding> boundaryOf(const TriangleMesh& mesh) const {
+    if (!job_.solid.closesHoles())
+      return std::nullopt;
+    const SoupBoundary boundary = soupBoundary(mesh, progress_);
+    if (boundary.edges.empty())
+      return std::nullopt;
+    return boundaryWinding(boundary.edges, snapPoints(mesh.points, result_.transform, progress_));
+  }
+
+  TriangleMesh extract(const Volume& volume, const TriangleScene* scene,
+                       const BoundaryWinding* boundary) {
     StageTimer timer(report_, "extract");
     progress_.stage("extract");
     ExtractOptions options;
     options.grid = job_.grid;
     options.original = scene;
+    options.boundary = boundary;
     options.distance = job_.solid.shell / 2;
     options.maxMemory = memoryLeft(job_.maxMemory);
     options.simplify = job_.simplify;

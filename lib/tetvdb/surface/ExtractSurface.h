@@ -10,6 +10,7 @@
 
 namespace tetvdb {
 
+class BoundaryWinding;
 class TriangleScene;
 
 struct ExtractOptions {
@@ -19,6 +20,10 @@ struct ExtractOptions {
   /// The mesh that the volume was made from: vertices lie on it where a voxel edge crosses it.
   /// Null: a mask's surface lies halfway between voxels, that of a float grid at its isovalue.
   const TriangleScene* original = nullptr;
+  /// Of the same mesh on the lattice of the volume's transform, if its inside is where the winding
+  /// number is above 0.5: vertices in its holes are placed where it equals 0.5. Null: halfway
+  /// between voxels.
+  const BoundaryWinding* boundary = nullptr;
   /// World units. Above 0: the solid is the set of points within this distance of `original`, and
   /// vertices are placed at this distance.
   double distance = 0;

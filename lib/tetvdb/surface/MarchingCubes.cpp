@@ -2,6 +2,7 @@
 #include "tetvdb/surface/MarchingCubes.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CubeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
@@ -238,11 +239,20 @@ private:
     original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach, hits);
     const TriangleScene::Hit* hit = entrance(hits, startInside);
     if (hit == nullptr)
-      return 0.5;
+      return original_.boundary != nullptr ? inHole(block, v, axis) : 0.5;
     const double t = hit->t - kReach;
     if (marched_ != nullptr)
       marched_->contacts[vertex] = contactAt(onEdge(block, v, axis, t), *hit, axis, startInside);
     return t;
+  }
+
+  double inHole(const Block& block, const Vec3i& v, std::size_t axis) const {
+    constexpr auto unit = static_cast<double>(kUnitsPerVoxel);
+    LatticePoint from{(block.origin[0] + v[0]) * unit, (block.origin[1] + v[1]) * unit,
+                      (block.origin[2] + v[2]) * unit};
+    LatticePoint to = from;
+    (axis == 0 ? to.x : axis == 1 ? to.y : to.z) += unit;
+    return halfCrossing(*original_.boundary, from, to);
   }
 
   static double whereHeightsPass(const BlockSamples& samples, const Vec3i& v, std::size_t axis) {

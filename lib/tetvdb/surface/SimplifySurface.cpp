@@ -4,6 +4,8 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/surface/CollapseEdges.h"
+#include "tetvdb/surface/CubeRegions.h"
+#include "tetvdb/surface/MergeFlatFaces.h"
 #include "tetvdb/surface/SelfIntersections.h"
 #include "tetvdb/surface/SimplifyState.h"
 
@@ -12,7 +14,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <tbb/parallel_for.h>
 #include <utility>
 
@@ -22,15 +23,19 @@ namespace {
 constexpr std::uint32_t kNone = SimplifyState::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRegionEdges = 64;      ///< side of a region, in mean edge lengths
+constexpr double kFlatShare = 0.1;       ///< of the tolerance, of mergeFlatFaces()
 constexpr std::size_t kSerial = 1 << 14; ///< vertices; smaller meshes are one region
 
 // One pass: vertices by cubes of space, the cubes in parallel.
 class Pass {
 public:
   /// Cubes of this side, one of their corners at `corner` sides; infinity: one region.
-  Pass(SimplifyState& surface, double side, double corner)
-      : s_(surface), regionOf_(surface.mesh.points.size(), 0) {
-    divide(side, corner);
+  Pass(SimplifyState& surface, double side, double corner) : s_(surface) {
+    CubeRegions cubes = divideByCubes(s_.points, s_.mesh.points.size(), side, corner);
+    regionOf_ = std::move(cubes.regionOf);
+    regions_.resize(cubes.count);
+    for (std::uint32_t i = 0; i < regions_.size(); ++i)
+      regions_[i].number = i;
     gather();
   }
 
@@ -110,23 +115,6 @@ private:
       for (std::uint32_t p = before.firstGone[face]; p != kNone; p = before.nextGone[p])
         s_.nextGone[p] = before.nextGone[p];
     }
-  }
-
-  void divide(double side, double corner) {
-    std::map<Vec3i, std::uint32_t> numbers;
-    for (std::uint32_t v = 0; v < regionOf_.size(); ++v) {
-      Vec3i cube{0, 0, 0};
-      if (side < kInfinity)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          cube[axis] = static_cast<std::int32_t>(
-              std::clamp(std::floor(s_.points[v][axis] / side + corner), -1e9, 1e9));
-      const auto entry =
-          numbers.try_emplace(cube, static_cast<std::uint32_t>(numbers.size())).first;
-      regionOf_[v] = entry->second;
-    }
-    regions_.resize(numbers.size());
-    for (std::uint32_t i = 0; i < regions_.size(); ++i)
-      regions_[i].number = i;
   }
 
   std::array<std::uint32_t, 3> regionsOf(std::size_t face) const {
@@ -252,7 +240,11 @@ void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progres
     throw Error(Status::Usage, "simplify", "needs a tolerance above zero or a number of faces");
   if (mesh.triangles.empty())
     return;
-  mesh = simplified(mesh, options, progress);
+  SimplifyOptions rest = options;
+  // Where most faces can go, those of flat regions go faster without tests of distances.
+  if (options.faces == 0 && options.featureDegrees >= 180 && !options.outward)
+    rest.tolerance -= mergeFlatFaces(mesh, kFlatShare * options.tolerance, progress);
+  mesh = simplified(mesh, rest, progress);
 }
 
 } // namespace tetvdb

@@ -41,6 +41,11 @@ struct SolidOptions {
   /// within half of it of a face, or by `side` within all of it.
   double shell = 0;
   ShellSide side = ShellSide::Both; ///< others not with InsideRule::Flood
+
+  /// Whether the winding number closes holes.
+  bool closesHoles() const {
+    return shell == 0 && (inside == InsideRule::Winding || inside == InsideRule::NonZero);
+  }
 };
 
 /// Which winding numbers are inside; none for shells and InsideRule::Flood, which do not ask.

@@ -126,8 +126,8 @@ void addCapFaces(std::vector<CentrePair> pairs, const BoundaryWinding& boundary,
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       Vec3d at{double(pairs[i].first[0]), double(pairs[i].first[1]), double(pairs[i].first[2])};
       at[static_cast<std::size_t>(pairs[i].axis)] +=
-          halfCrossing(boundary, centreOf(pairs[i].first),
-                       centreOf(stepped(pairs[i].first, pairs[i].axis, 1)));
+          halfCrossing(boundary.at(centreOf(pairs[i].first)),
+                       boundary.at(centreOf(stepped(pairs[i].first, pairs[i].axis, 1))));
       for (int k = 0; k < 4; ++k)
         crossings[4 * i + static_cast<std::size_t>(k)] = {cellAround(pairs[i], k), i, at};
     }

@@ -449,13 +449,10 @@ BoundaryWinding::Slope BoundaryWinding::slope(const LatticePoint& centre, double
   return slope;
 }
 
-double halfCrossing(const BoundaryWinding& boundary, const LatticePoint& from,
-                    const LatticePoint& to) {
-  const double first = boundary.at(from);
-  double last = boundary.at(to);
-  last += std::round(first - last);
-  const double half = std::round((first + last) / 2 - 0.5) + 0.5;
-  return first == last ? 0.5 : std::clamp((half - first) / (last - first), 0.0, 1.0);
+double halfCrossing(double from, double to) {
+  to += std::round(from - to);
+  const double half = std::round((from + to) / 2 - 0.5) + 0.5;
+  return from == to ? 0.5 : std::clamp((half - from) / (to - from), 0.0, 1.0);
 }
 
 } // namespace tetvdb

@@ -115,10 +115,9 @@ private:
   std::vector<OpenEnd> openEnds_;
 };
 
-/// For two points on different sides of the surface where the winding number passes 0.5, without a
-/// face between them: where it does, by linear interpolation, from 0 (`from`) to 1. Winding numbers
-/// that differ by an integer are the same, and between the points they change by less than 0.5.
-double halfCrossing(const BoundaryWinding& boundary, const LatticePoint& from,
-                    const LatticePoint& to);
+/// Of the winding numbers, up to integers, at two points on different sides of the surface where it
+/// passes 0.5, without a face between them: where it does, by linear interpolation, from 0 (`from`)
+/// to 1. Between the points it changes by less than 0.5.
+double halfCrossing(double from, double to);
 
 } // namespace tetvdb

@@ -2,6 +2,7 @@
 #include "tetvdb/surface/MarchingCubes.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CubeTable.h"
@@ -36,6 +37,13 @@ struct Block {
     return static_cast<std::uint32_t>(firstVertex) + before[word] +
            static_cast<std::uint32_t>(__builtin_popcountll(crossed[word] & below));
   }
+};
+
+// A vertex on an edge from `voxel`, relative to its block, that meets no face.
+struct HoleVertex {
+  std::size_t vertex;
+  Vec3i voxel;
+  std::size_t axis;
 };
 
 unsigned cubeCase(const BlockSamples& samples, int x, int y, int z) {
@@ -216,6 +224,7 @@ private:
     BlockSamples samples;
     samples_.load(block.origin, samples);
     std::vector<TriangleScene::Hit> hits;
+    std::vector<HoleVertex> holes;
     forEachVertex(block, [&](std::size_t vertex, const Vec3i& v, std::size_t axis) {
       const bool startInside = samples.isInside(v[0], v[1], v[2]);
       const Vec3i voxel{block.origin[0] + v[0], block.origin[1] + v[1], block.origin[2] + v[2]};
@@ -224,12 +233,17 @@ private:
         t = original_.scene != nullptr ? onOriginal(block, v, axis, vertex, startInside, hits)
             : samples_.hasHeights()    ? whereHeightsPass(samples, v, axis)
                                        : 0.5;
+      if (std::isnan(t) && original_.boundary != nullptr)
+        holes.push_back({vertex, v, axis});
       if (std::isnan(t))
         t = 0.5;
       points[vertex] = onEdge(block, v, axis, std::clamp(t, kMargin, 1 - kMargin));
     });
+    if (!holes.empty())
+      placeInHoles(block, holes, points);
   }
 
+  // NaN if no face is met.
   double onOriginal(const Block& block, const Vec3i& v, std::size_t axis, std::size_t vertex,
                     bool startInside, std::vector<TriangleScene::Hit>& hits) const {
     if (original_.distance > 0)
@@ -239,20 +253,50 @@ private:
     original_.scene->crossings(onEdge(block, v, axis, -kReach), direction, 1 + 2 * kReach, hits);
     const TriangleScene::Hit* hit = entrance(hits, startInside);
     if (hit == nullptr)
-      return original_.boundary != nullptr ? inHole(block, v, axis) : 0.5;
+      return std::numeric_limits<double>::quiet_NaN();
     const double t = hit->t - kReach;
     if (marched_ != nullptr)
       marched_->contacts[vertex] = contactAt(onEdge(block, v, axis, t), *hit, axis, startInside);
     return t;
   }
 
-  double inHole(const Block& block, const Vec3i& v, std::size_t axis) const {
+  // Places vertices where the winding number, evaluated for all together, passes 0.5.
+  void placeInHoles(const Block& block, const std::vector<HoleVertex>& holes,
+                    std::vector<Vec3d>& points) const {
     constexpr auto unit = static_cast<double>(kUnitsPerVoxel);
-    LatticePoint from{(block.origin[0] + v[0]) * unit, (block.origin[1] + v[1]) * unit,
-                      (block.origin[2] + v[2]) * unit};
-    LatticePoint to = from;
-    (axis == 0 ? to.x : axis == 1 ? to.y : to.z) += unit;
-    return halfCrossing(*original_.boundary, from, to);
+    constexpr double half = kBlock / 2.0;
+    const auto numberOf = [](const Vec3i& v) {
+      return static_cast<std::size_t>((v[0] * kSamples + v[1]) * kSamples + v[2]);
+    };
+    const auto next = [](const HoleVertex& hole) {
+      Vec3i v = hole.voxel;
+      ++v[hole.axis];
+      return v;
+    };
+    std::array<std::uint16_t, std::size_t(kSamples) * kSamples * kSamples> place{}; // plus one
+    for (const HoleVertex& hole : holes)
+      place[numberOf(hole.voxel)] = place[numberOf(next(hole))] = 1;
+    BoundaryPoints centres;
+    for (int x = 0; x < kSamples; ++x)
+      for (int y = 0; y < kSamples; ++y)
+        for (int z = 0; z < kSamples; ++z) {
+          std::uint16_t& at = place[numberOf({x, y, z})];
+          if (at == 0)
+            continue;
+          centres.x.push_back((block.origin[0] + x) * unit);
+          centres.y.push_back((block.origin[1] + y) * unit);
+          centres.z.push_back((block.origin[2] + z) * unit);
+          at = static_cast<std::uint16_t>(centres.size());
+        }
+    original_.boundary->at({(block.origin[0] + half) * unit, (block.origin[1] + half) * unit,
+                            (block.origin[2] + half) * unit},
+                           std::sqrt(3.0) * half * unit, centres);
+    for (const HoleVertex& hole : holes) {
+      const double t = halfCrossing(centres.sum[place[numberOf(hole.voxel)] - 1u],
+                                    centres.sum[place[numberOf(next(hole))] - 1u]);
+      points[hole.vertex] =
+          onEdge(block, hole.voxel, hole.axis, std::clamp(t, kMargin, 1 - kMargin));
+    }
   }
 
   static double whereHeightsPass(const BlockSamples& samples, const Vec3i& v, std::size_t axis) {

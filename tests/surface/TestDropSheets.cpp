@@ -45,5 +45,32 @@ TEST(DropSheets, WallsWithinASolidGo) {
             0u);
 }
 
+TEST(CountSheets, WhatBoundsNothingIsCounted) {
+  const auto counted = [](const TriangleMesh& mesh) {
+    Progress progress;
+    return countSheets(mesh, progress);
+  };
+  EXPECT_EQ(counted(box()).count, 0u);
+  const TriangleMesh house = joined({box(), lidless({2, 0, 0}, {3, 1, 1}), sheet(4, 5)});
+  const OpenComponents ofHouse = counted(house);
+  EXPECT_EQ(ofHouse.count, 2u);
+  EXPECT_EQ(ofHouse.sheets, 1u);
+  EXPECT_TRUE(ofHouse.exact);
+  // Nothing is lost of a wall within a solid.
+  const OpenComponents ofWall = counted(joined({box({-1, -1, -1}, {2, 2, 2}), sheet(4, 0.5)}));
+  EXPECT_EQ(ofWall.count, 1u);
+  EXPECT_EQ(ofWall.sheets, 0u);
+  TriangleMesh many;
+  for (int i = 0; i < 300; ++i)
+    append(many, i % 3 == 0 ? lidless({10.0 * i, 0, 0}, {10.0 * i + 1 + 0.001 * i, 1, 1})
+                            : moved(sheet(1), [&](const Vec3d& p) {
+                                return Vec3d{p[0] + 10 * i, p[1], p[2] * (1 + 0.001 * i)};
+                              }));
+  const OpenComponents ofMany = counted(many);
+  EXPECT_EQ(ofMany.count, 300u);
+  EXPECT_FALSE(ofMany.exact);
+  EXPECT_NEAR(double(ofMany.sheets), 200, 10);
+}
+
 } // namespace
 } // namespace tetvdb

@@ -9,16 +9,19 @@
 #include "tetvdb/surface/WindingField.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <utility>
 #include <vector>
 
 namespace tetvdb {
 namespace {
 
 constexpr std::size_t kMaxSamples = 64, kMinSamples = 8; // faces of a component
-constexpr double kMaxWork = 2e8;                         // solid angles of boundary edges
+constexpr double kMaxWork = 2e8, kMaxCountWork = 2e7;    // solid angles of boundary edges
+constexpr std::size_t kMaxCounted = 64;                  // components
 constexpr double kInside = 0.6;                          // winding number that is clearly inside
 constexpr double kOffset = 1e-5;                         // from a face, relative to the diagonal
 
@@ -27,7 +30,8 @@ struct Part {
   bool open = false;
 };
 
-std::vector<Part> findParts(const TriangleMesh& mesh, const EdgeTable& edges) {
+std::vector<Part> openParts(const TriangleMesh& mesh) {
+  const EdgeTable edges(mesh);
   DisjointSets sets(mesh.triangleCount());
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
     const EdgeTable::Sides sides = edges.sides(edge);
@@ -48,6 +52,9 @@ std::vector<Part> findParts(const TriangleMesh& mesh, const EdgeTable& edges) {
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (edges.imbalance(edge) != 0)
       parts[number[EdgeTable::faceOf(edges.sides(edge)[0])]].open = true;
+  parts.erase(
+      std::remove_if(parts.begin(), parts.end(), [](const Part& part) { return !part.open; }),
+      parts.end());
   return parts;
 }
 
@@ -62,7 +69,16 @@ public:
 
   std::size_t boundaryEdges() const { return field_.boundaryEdges(); }
 
-  bool isSheet(const Part& part, std::size_t samples) const {
+  double areaOf(const Part& part) const {
+    double area = 0;
+    for (const std::uint32_t face : part.faces)
+      area += length(normal(face)) / 2;
+    return area;
+  }
+
+  enum class Finding { Bounds, Sheet, Within };
+
+  Finding look(const Part& part, std::size_t samples) const {
     std::vector<double> sums{0};
     for (const std::uint32_t face : part.faces)
       sums.push_back(sums.back() + length(normal(face)));
@@ -81,7 +97,9 @@ public:
       ++looked;
       bounding += inner > kInside;
     }
-    return 2 * bounding < looked || looked == 0;
+    if (looked == 0)
+      return Finding::Within;
+    return 2 * bounding < looked ? Finding::Sheet : Finding::Bounds;
   }
 
 private:
@@ -107,13 +125,36 @@ private:
 
 } // namespace
 
+OpenComponents countSheets(const TriangleMesh& mesh, Progress& progress) {
+  OpenComponents found;
+  std::vector<Part> parts = openParts(mesh);
+  found.count = parts.size();
+  if (parts.empty() || parts[0].faces.size() == mesh.triangleCount())
+    return found;
+  const SheetSearch search(mesh);
+  const double each = double(kMinSamples) * double(search.boundaryEdges());
+  const auto counted = static_cast<std::size_t>(
+      std::min({double(parts.size()), double(kMaxCounted), kMaxCountWork / each}));
+  found.exact = counted == parts.size();
+  if (counted < std::min(parts.size(), kMinSamples))
+    return found;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    order.emplace_back(search.areaOf(parts[i]), i);
+  std::sort(order.begin(), order.end());
+  std::atomic<std::size_t> sheets{0};
+  tbb::parallel_for(std::size_t(0), counted, [&](std::size_t i) {
+    progress.check();
+    const std::size_t at = (2 * i + 1) * parts.size() / (2 * counted);
+    sheets += search.look(parts[order[at].second], kMinSamples) == SheetSearch::Finding::Sheet;
+  });
+  found.sheets = sheets * parts.size() / counted;
+  return found;
+}
+
 SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress) {
   SheetCounts counts;
-  const EdgeTable edges(mesh);
-  std::vector<Part> parts = findParts(mesh, edges);
-  parts.erase(
-      std::remove_if(parts.begin(), parts.end(), [](const Part& part) { return !part.open; }),
-      parts.end());
+  const std::vector<Part> parts = openParts(mesh);
   if (parts.empty())
     return counts;
   const SheetSearch search(mesh);
@@ -128,7 +169,7 @@ SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts.size(), 1), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       progress.check();
-      isSheet[i] = search.isSheet(parts[i], samples);
+      isSheet[i] = search.look(parts[i], samples) != SheetSearch::Finding::Bounds;
     }
   });
   std::vector<char> drops(mesh.triangleCount(), 0);

@@ -23,8 +23,8 @@ TriangleMesh extractSurface(const Volume& volume, const ExtractOptions& options,
   const std::unique_ptr<SolidSamples> samples = solidSamples(volume, options.grid);
   MarchedCubes marched;
   const bool isKnown = options.original != nullptr && options.distance == 0;
-  TriangleMesh mesh = marchCubes(*samples, {options.original, options.boundary, options.distance}, progress,
-                                 isKnown ? &marched : nullptr);
+  TriangleMesh mesh = marchCubes(*samples, {options.original, options.boundary, options.distance},
+                                 progress, isKnown ? &marched : nullptr);
   if (mesh.triangles.empty())
     throw Error(Status::Invalid, "", "the grid has no inside, and so no surface");
   if (isKnown)

@@ -266,7 +266,7 @@ private:
     constexpr auto unit = static_cast<double>(kUnitsPerVoxel);
     constexpr double half = kBlock / 2.0;
     const auto numberOf = [](const Vec3i& v) {
-      return static_cast<std::size_t>((v[0] * kSamples + v[1]) * kSamples + v[2]);
+      return (std::size_t(v[0]) * kSamples + std::size_t(v[1])) * kSamples + std::size_t(v[2]);
     };
     const auto next = [](const HoleVertex& hole) {
       Vec3i v = hole.voxel;

@@ -28,14 +28,14 @@ struct MarchedCubes {
 
 /// Returns the closed surface with one vertex between every two neighbouring voxels of which
 /// exactly one is inside. The vertex lies on the original surface if the line between the voxels
-/// crosses it, else where the winding number passes 0.5, else at SolidSamples::passage(), else where
-/// the heights pass 0, else at the midpoint; always at least a twentieth of the distance from either voxel. Manifold; no two
-/// vertices are equal as 32-bit floats (docs/algorithms.md has the proof). Vertices and faces are
-/// in the order of the blocks, independent of the number of threads. Empty if nothing is inside.
-/// Parallel, about 1 us per face with an original, a third of it without. Throws Error(Limit) for
-/// 2^32 vertices, or if the position is so far from the origin that floats cannot distinguish the
-/// vertices. Unless null, `marched` receives the cubes, and the contacts if the original is known
-/// and the shape is its inside; otherwise the contacts are 0.
+/// crosses it, else where the winding number passes 0.5, else at SolidSamples::passage(), else
+/// where the heights pass 0, else at the midpoint; always at least a twentieth of the distance from
+/// either voxel. Manifold; no two vertices are equal as 32-bit floats (docs/algorithms.md has the
+/// proof). Vertices and faces are in the order of the blocks, independent of the number of threads.
+/// Empty if nothing is inside. Parallel, about 1 us per face with an original, a third of it
+/// without. Throws Error(Limit) for 2^32 vertices, or if the position is so far from the origin
+/// that floats cannot distinguish the vertices. Unless null, `marched` receives the cubes, and the
+/// contacts if the original is known and the shape is its inside; otherwise the contacts are 0.
 TriangleMesh marchCubes(const SolidSamples& samples, const SampledShape& original,
                         Progress& progress, MarchedCubes* marched = nullptr);
 

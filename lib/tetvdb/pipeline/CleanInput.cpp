@@ -17,7 +17,7 @@ void warnOfSheets(const TriangleMesh& mesh, const std::string& where, Report& re
   if (open.sheets > 0)
     report.warn("sheets",
                 fmt::format("{}open components that bound no volume: {}{} of {}; nothing of them "
-                            "is inside, and `shell` gives sheets a thickness",
+                            "is inside; a shell of all faces, by voxelize or repair, has them",
                             where, open.exact ? "" : "about ", open.sheets, open.count));
 }
 

@@ -2,26 +2,12 @@
 #include "tetvdb/pipeline/CleanInput.h"
 
 #include "tetvdb/core/Error.h"
-#include "tetvdb/surface/DropSheets.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
 namespace tetvdb {
-namespace {
-
-void warnOfSheets(const TriangleMesh& mesh, const std::string& where, Report& report,
-                  Progress& progress) {
-  const OpenComponents open = countSheets(mesh, progress);
-  if (open.sheets > 0)
-    report.warn("sheets",
-                fmt::format("{}open components that bound no volume: {}{} of {}; nothing of them "
-                            "is inside; a shell of all faces, by voxelize or repair, has them",
-                            where, open.exact ? "" : "about ", open.sheets, open.count));
-}
-
-} // namespace
 
 CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanOptions& options,
                        Report& report, Progress& progress) {
@@ -44,8 +30,12 @@ CleanCounts cleanInput(TriangleMesh& mesh, const std::string& name, const CleanO
                             where, counts.fileVolume, counts.turnedVolume));
     report.partial = true;
   }
-  if (options.closeHoles)
-    warnOfSheets(mesh, where, report, progress);
+  if (counts.open.sheets > 0)
+    report.warn("sheets",
+                fmt::format("{}open components that bound no volume: {}{} of {}; nothing of them "
+                            "is inside; a shell of all faces, by voxelize or repair, has them",
+                            where, counts.open.exact ? "" : "about ", counts.open.sheets,
+                            counts.open.count));
   return counts;
 }
 

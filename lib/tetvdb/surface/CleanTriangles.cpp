@@ -104,6 +104,7 @@ void closeHoles(TriangleMesh& mesh, CleanCounts& counts, Progress& progress) {
   const ClosedComponents closed = closeComponents(mesh, progress);
   counts.closedHoles = closed.holes.size();
   counts.closingFaces = closed.faces;
+  counts.open = countSheets(mesh, progress);
 }
 
 void apply(const FaceDecision& decision, const std::vector<std::uint32_t>& faceWas,

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Progress.h"
 #include "tetvdb/mesh/TriangleMesh.h"
+#include "tetvdb/surface/DropSheets.h"
 
 #include <cstddef>
 #include <optional>
@@ -30,6 +31,7 @@ struct CleanCounts {
   std::size_t flippedParts = 0;       ///< shells that were reversed as a whole
   std::size_t closedHoles = 0;        ///< holes of components that were closed
   std::size_t closingFaces = 0;       ///< appended faces that close them
+  OpenComponents open;                ///< with CleanOptions::closeHoles: what stays open
   bool insideOut = false;             ///< the whole mesh was inside out and was reversed
   /// World units: the requested distance, or the largest distance between two merged points.
   double weldDistance = 0;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/TriangleScene.h"
 
-#include "tetvdb/core/Embree.h"
 #include "tetvdb/geometry/ClosestPoint.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/Embree.h"
 
 #include <algorithm>
 #include <cmath>

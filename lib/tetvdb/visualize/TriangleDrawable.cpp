@@ -2,8 +2,8 @@
 #include "tetvdb/visualize/TriangleDrawable.h"
 
 #include "tetvdb/core/DiscardPages.h"
-#include "tetvdb/core/Embree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/Embree.h"
 #include "tetvdb/visualize/CornerNormals.h"
 
 #include <algorithm>

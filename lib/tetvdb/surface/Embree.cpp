@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tetvdb/core/Embree.h"
+#include "tetvdb/surface/Embree.h"
 
 #include "tetvdb/core/Error.h"
 

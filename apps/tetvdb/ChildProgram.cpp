@@ -53,13 +53,15 @@ int startThisProgram(std::vector<std::string> words,
   return failed;
 }
 
-void endWithParent() {
+bool endWithParent(int signal) {
   const char* parent = std::getenv(kParent);
   if (parent == nullptr)
-    return;
-  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (std::to_string(::getppid()) != parent) // it has ended, or the variable came from elsewhere
-    ::prctl(PR_SET_PDEATHSIG, 0);
+    return false;
+  ::prctl(PR_SET_PDEATHSIG, signal);
+  if (std::to_string(::getppid()) == parent)
+    return true;
+  ::prctl(PR_SET_PDEATHSIG, 0); // it has ended, or the variable came from elsewhere
+  return false;
 }
 
 ChildEnd runThisProgram(const std::vector<std::string>& arguments, double maxSeconds,

@@ -28,9 +28,9 @@ int startThisProgram(std::vector<std::string> words,
                      const std::function<void(posix_spawn_file_actions_t&)>& addFiles,
                      pid_t& child);
 
-/// In a child that startThisProgram() has started: SIGTERM when its parent ends, also by SIGKILL.
-/// Nothing in other processes.
-void endWithParent();
+/// In a child that startThisProgram() has started: `signal` when its parent ends, also by SIGKILL.
+/// Returns false, and does nothing, in other processes and where the parent has ended already.
+bool endWithParent(int signal);
 
 /// Runs this very program with `arguments`; what it prints is thrown away. Kills it when `progress`
 /// is cancelled (and throws what Progress::check() does) or after `maxSeconds`.

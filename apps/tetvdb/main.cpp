@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
   void* frame = nullptr;
   ::backtrace(&frame, 1); // loads what ends threads (libgcc), which needs memory
   tetvdb::cli::openClosedStreams();
-  tetvdb::cli::endWithParent();
+  tetvdb::cli::endWithParent(SIGTERM);
   try {
     return tetvdb::cli::runProgram({argv + std::min(argc, 1), argv + argc});
   } catch (const std::bad_alloc&) {

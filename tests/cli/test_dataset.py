@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """tetvdb dataset: arrays of many models, judged by numpy and by solids whose inside is known."""
 import csv
+import fcntl
 import hashlib
 import json
 import math
@@ -325,6 +326,30 @@ class Dataset(unittest.TestCase):
                 process.wait()
         self.succeed(self.models, "-o", killed, *arguments, "--resume")
         self.assertEqual({n: h for n, h in content(killed).items() if ".tmp" not in n}, expected)
+
+    def test_worker_without_a_parent_makes_nothing(self):
+        # Its parent may have been killed before it began to run; the item is in the pipe then.
+        ended = subprocess.Popen(["true"])
+        ended.wait()
+        item = "\0".join(["a", str(self.models / "ball" / "train" / "a.obj"), "", "", "0", ""])
+        for parent, files in ((ended.pid, []), (os.getpid(), ["a.npz"])):
+            subprocess.run(["sh", "-c", 'exec "$0" "$@" 3>/dev/null', PROGRAM, "dataset",
+                            str(self.models), "-o", str(self.out), "--resolution", "16", "--worker"],
+                           input=item.encode(), env={**os.environ, "TETVDB_PARENT": str(parent)},
+                           timeout=600)
+            self.assertEqual([p.name for p in self.out.rglob("*.npz")], files)
+
+    def test_two_processes_do_not_make_the_same_models(self):
+        arguments = [self.models / "ball", "-o", self.out, "--resolution", 16, "--no-preview"]
+        self.succeed(*arguments)
+        before = content(self.out)
+        with open(self.out / "rows" / "all.jsonl", "a") as journal:
+            fcntl.flock(journal, fcntl.LOCK_EX)
+            done = run(*arguments, "--resume")
+        self.assertEqual(done.returncode, 7)
+        self.assertIn("another process makes these models", done.stderr)
+        self.assertEqual(content(self.out), before)
+        self.succeed(*arguments, "--resume")
 
     def test_layouts_of_other_projects(self):
         self.succeed(self.models / "ball", "-o", self.out, "--content", "points,samples", "--format",

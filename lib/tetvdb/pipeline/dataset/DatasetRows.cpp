@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <string_view>
+#include <sys/file.h>
 #include <unistd.h>
 
 namespace tetvdb {
@@ -74,6 +75,12 @@ RowJournal::RowJournal(const std::string& path) : path_(path) {
   descriptor_ = ::open(path.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
   if (descriptor_ < 0)
     throw Error(Status::Write, path, std::string("cannot be written: ") + std::strerror(errno));
+  // Where files cannot be locked, this is the caller's to ensure.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(descriptor_);
+    throw Error(Status::Write, path, "another process makes these models at present",
+                "wait until it has ended, or end it");
+  }
   // The incomplete line of an earlier process.
   const off_t size = ::lseek(descriptor_, 0, SEEK_END);
   char last = '\n';

@@ -161,6 +161,11 @@ TEST(SimplifySurface, NoCrossingsComeIn) {
       EXPECT_EQ(crossingsOf(simplified(mesh, within(tolerance))), 0u);
     EXPECT_EQ(crossingsOf(simplified(mesh, toFaces(300))), 0u);
   }
+  // Cut into cubes of space, in which crossings are looked for afterwards.
+  const TriangleMesh mesh =
+      joined({sphere({0, 0, 0}, 1, 37), flipped(sphere({0, 0, 0}, 0.998, 42))});
+  ASSERT_EQ(crossingsOf(mesh), 0u);
+  EXPECT_EQ(crossingsOf(simplified(mesh, within(0.02))), 0u);
 }
 
 TEST(SimplifySurface, TheSameForAnyNumberOfThreads) {

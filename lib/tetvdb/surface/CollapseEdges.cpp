@@ -51,10 +51,11 @@ struct Patch {
   HalfEdgeMesh mesh;
   std::vector<std::uint32_t> vertexOf; ///< in the surface
   std::vector<std::uint32_t> faceOf;
-  /// Of the patch's faces in order, then of others nearby; null if intersections are allowed.
+  const BoxTree& guarded; ///< where new faces may not intersect others
+  /// Of the patch's faces in order, then of others nearby; null if `guarded` is empty.
   std::unique_ptr<CrossingGuard> guard;
 
-  explicit Patch(SimplifyState& s) : surface(s) {}
+  Patch(SimplifyState& s, const BoxTree& g) : surface(s), guarded(g) {}
   const Vec3d& point(Vertex v) const { return surface.points[vertexOf[at(v)]]; }
 };
 
@@ -101,7 +102,7 @@ public:
                        [&](const Face& face) { return isNearOriginal(face); }))
         return false;
     }
-    return patch_.guard == nullptr || !patch_.guard->crosses(added_, around_);
+    return !isGuarded() || !patch_.guard->crosses(added_, around_);
   }
 
   // Before a collapse, the one that was asked about last.
@@ -136,6 +137,20 @@ private:
   std::uint32_t vertexOf(Vertex v) const { return patch_.vertexOf[at(v)]; }
   std::uint32_t& firstGone(std::uint32_t face) {
     return patch_.surface.firstGone[patch_.faceOf[face]];
+  }
+
+  // Whether one of the new faces is where intersections are excluded.
+  bool isGuarded() const {
+    const std::vector<Vec3d>& points = patch_.surface.mesh.points;
+    return std::any_of(added_.begin(), added_.end(), [&](const CrossingGuard::Corners& corners) {
+      Box box;
+      for (const std::uint32_t v : corners)
+        box.add(points[v]);
+      bool meets = false;
+      patch_.guarded.visit([&](const Box& other) { return other.meets(box); },
+                           [&](std::uint32_t) { return meets = true; });
+      return meets;
+    });
   }
 
   static double shape(const Vec3d& twiceNormal, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -281,7 +296,8 @@ public:
   /// Performs at most `max` collapses; returns their number.
   std::size_t decimate(std::size_t max) {
     for (const Vertex v : patch_.mesh.vertices())
-      enqueue(v);
+      if (!isTested(v))
+        enqueue(v);
     std::size_t collapses = 0;
     for (std::size_t steps = 0; !queue_.empty() && collapses < max; ++steps) {
       if (steps % 1024 == 0)
@@ -336,11 +352,13 @@ private:
     int tries = 0;
     for (const Choice& choice : choices_) {
       if (tries++ == kTries)
-        return false;
+        break;
       Collapse collapse(patch_.mesh, choice.halfEdge);
       if (!is_collapse_legal(collapse) || !tolerance_.allows(collapse))
         continue;
       tolerance_.prepare(collapse);
+      for (auto n = patch_.mesh.vv_begin(v); n.is_valid(); ++n)
+        isTested(*n) = 0;
       patch_.mesh.collapse(choice.halfEdge);
       cost_.collapsed(collapse);
       tolerance_.collapsed(collapse);
@@ -349,11 +367,15 @@ private:
       for (auto n = patch_.mesh.vv_begin(collapse.v1); n.is_valid(); ++n)
         neighbours_.push_back(*n);
       for (const Vertex n : neighbours_)
-        enqueue(n);
+        if (!isTested(n))
+          enqueue(n);
       return true;
     }
+    isTested(v) = 1;
     return false;
   }
+
+  char& isTested(Vertex v) { return patch_.surface.isTested[patch_.vertexOf[at(v)]]; }
 
   Patch& patch_;
   Progress& progress_;
@@ -367,8 +389,7 @@ private:
 
 // Builds the region's faces as a half-edge mesh, with vertices in the surface's order, and sets the
 // locked vertices and the features.
-void build(Patch& patch, const CollapseRegion& region, const std::vector<std::uint32_t>& regionOf,
-           bool guarded) {
+void build(Patch& patch, const CollapseRegion& region, const std::vector<std::uint32_t>& regionOf) {
   const SimplifyState& s = patch.surface;
   HalfEdgeMesh& mesh = patch.mesh;
   patch.faceOf = region.faces;
@@ -417,19 +438,19 @@ void build(Patch& patch, const CollapseRegion& region, const std::vector<std::ui
   for (const auto v : mesh.vertices()) // corners, and end points of open creases
     if (mesh.status(v).feature() && count[at(v)] != 2)
       mesh.status(v).set_locked(true);
-  if (guarded)
+  if (patch.guarded.size() > 0)
     patch.guard = std::make_unique<CrossingGuard>(s.mesh.points, std::move(corners));
 }
 
 } // namespace
 
 std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
-                          const std::vector<std::uint32_t>& regionOf, bool guarded, std::size_t max,
-                          Progress& progress) {
+                          const std::vector<std::uint32_t>& regionOf, const BoxTree& guarded,
+                          std::size_t max, Progress& progress) {
   if (region.faces.empty())
     return 0;
-  Patch patch(state);
-  build(patch, region, regionOf, guarded);
+  Patch patch(state, guarded);
+  build(patch, region, regionOf);
   LazyDecimater decimater(patch, progress);
   const std::size_t collapses = decimater.decimate(max);
   HalfEdgeMesh& mesh = patch.mesh;

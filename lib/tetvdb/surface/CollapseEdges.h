@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tetvdb/core/Progress.h"
+#include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/surface/SimplifyState.h"
 
 #include <cstddef>
@@ -28,10 +29,11 @@ inline bool isFaceWithin(std::uint32_t region, const std::uint32_t* corners,
 /// Collapses up to `max` edges, the cheapest first, with OpenMesh's half-edge mesh, and returns
 /// their number. Moves only vertices whose neighbours are all in the region (`regionOf`, by
 /// vertex), so that it writes nothing that another region reads. Replaces `features` by those with
-/// both end points in the region. With `guarded`, no new intersections of faces occur
-/// (CrossingGuard.h). Throws Error(Invalid) if the faces around a vertex form more than one fan.
+/// both end points in the region. New faces that meet one of the boxes `guarded` intersect no
+/// others (CrossingGuard.h). Throws Error(Invalid) if the faces around a vertex form more than one
+/// fan.
 std::size_t collapseEdges(SimplifyState& state, CollapseRegion& region,
-                          const std::vector<std::uint32_t>& regionOf, bool guarded, std::size_t max,
-                          Progress& progress);
+                          const std::vector<std::uint32_t>& regionOf, const BoxTree& guarded,
+                          std::size_t max, Progress& progress);
 
 } // namespace tetvdb

@@ -25,7 +25,8 @@ std::array<float, 3> unitOf(const Vec3d& v) {
 SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& options)
     : mesh(before), outward(options.outward), isGone(before.triangleCount(), 0),
       points(before.points), normals(before.points.size()), quadrics(before.points.size()),
-      firstGone(before.triangleCount(), kNone), nextGone(before.points.size(), kNone) {
+      isTested(before.points.size(), 0), firstGone(before.triangleCount(), kNone),
+      nextGone(before.points.size(), kNone) {
   const EdgeTable edges(mesh);
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (!edges.isManifold(edge))

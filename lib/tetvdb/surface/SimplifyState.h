@@ -56,6 +56,7 @@ struct SimplifyState {
   std::vector<Vec3d> points;                 ///< vertices, then midpoints of edges
   std::vector<std::array<float, 3>> normals; ///< of unit length, by point
   std::vector<Quadric> quadrics;             ///< by vertex
+  std::vector<char> isTested;                ///< by vertex: cannot be removed while its faces stay
   /// Points of the input that must stay close, as linked lists: each belongs to the nearest face.
   /// Vertices are added when they are removed from the surface. Midpoints of edges, numbered after
   /// the vertices, are in the lists from the beginning, since a surface can bend between its

@@ -14,6 +14,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tbb/parallel_for.h>
 #include <utility>
 
@@ -22,8 +23,10 @@ namespace {
 
 constexpr std::uint32_t kNone = SimplifyState::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRegionEdges = 64;      ///< side of a region, in mean edge lengths
+constexpr double kRegionEdges = 20;      ///< side of a small region, in mean edge lengths
+constexpr double kLargerRegions = 3;     ///< times that, of the regions that come after them
 constexpr double kFlatShare = 0.1;       ///< of the tolerance, of mergeFlatFaces()
+constexpr int kRounds = 3;               ///< in which intersections are excluded where they came up
 constexpr std::size_t kSerial = 1 << 14; ///< vertices; smaller meshes are one region
 
 // One pass: vertices by cubes of space, the cubes in parallel.
@@ -43,22 +46,30 @@ public:
 
   /// Collapses the edges of every region; new intersections are excluded at every step (`guarded`)
   /// or looked for afterwards. They are rare, and where most edges collapse, excluding them takes
-  /// longer than all else: regions in which some come up are collapsed once more from the start.
+  /// longer than all else: regions in which some come up are collapsed once more from the start,
+  /// and they are excluded where they came up, or everywhere if that leaves some.
   template <class Done>
   void run(std::size_t max, bool guarded, Progress& progress, const Done& done) {
-    const Before before = guarded ? Before() : Before(s_);
-    const std::vector<CollapseRegion> regions = guarded ? std::vector<CollapseRegion>() : regions_;
-    tbb::parallel_for(std::size_t(0), regions_.size(), [&](std::size_t i) {
-      collapseEdges(s_, regions_[i], regionOf_, guarded, max, progress);
-      done();
-    });
-    if (!guarded) {
-      const std::vector<std::uint32_t> again = regionsWithIntersections(progress);
-      tbb::parallel_for(std::size_t(0), again.size(), [&](std::size_t i) {
-        regions_[again[i]] = regions[again[i]];
-        restore(again[i], before);
-        collapseEdges(s_, regions_[again[i]], regionOf_, true, max, progress);
-      });
+    const BoxTree nowhere(std::vector<Box>{});
+    if (guarded) {
+      collapseAll(everywhere(), max, progress, done);
+    } else {
+      const Before before(s_);
+      const std::vector<CollapseRegion> regions = regions_;
+      collapseAll(nowhere, max, progress, done);
+      std::vector<std::vector<Box>> found(regions_.size()); // boxes of faces that intersect others
+      std::vector<std::uint32_t> again(regions_.size());
+      std::iota(again.begin(), again.end(), 0u);
+      for (int round = 0; round <= kRounds; ++round) {
+        again = addIntersections(again, found, progress);
+        tbb::parallel_for(std::size_t(0), again.size(), [&](std::size_t i) {
+          const std::uint32_t region = again[i];
+          regions_[region] = regions[region];
+          restore(region, before);
+          collapseEdges(s_, regions_[region], regionOf_,
+                        round < kRounds ? BoxTree(found[region]) : everywhere(), max, progress);
+        });
+      }
     }
     s_.features = std::move(mixedFeatures_);
     for (const CollapseRegion& region : regions_)
@@ -70,30 +81,61 @@ private:
   /// What a pass changes of the surface.
   struct Before {
     std::vector<std::uint32_t> triangles;
-    std::vector<char> isGone;
+    std::vector<char> isGone, isTested;
     std::vector<Quadric> quadrics;
     std::vector<std::uint32_t> firstGone, nextGone;
 
     Before() = default;
     explicit Before(const SimplifyState& s)
-        : triangles(s.mesh.triangles), isGone(s.isGone), quadrics(s.quadrics),
+        : triangles(s.mesh.triangles), isGone(s.isGone), isTested(s.isTested), quadrics(s.quadrics),
           firstGone(s.firstGone), nextGone(s.nextGone) {}
   };
 
-  // A region's own vertices stay within its cube, so that faces of two regions do not meet: one of
-  // two faces that do has all corners in one region.
-  std::vector<std::uint32_t> regionsWithIntersections(Progress& progress) const {
-    std::vector<std::uint32_t> faces, corners, regions;
-    for (std::uint32_t face = 0; face < s_.isGone.size(); ++face)
-      if (!s_.isGone[face]) {
-        faces.push_back(face);
-        for (std::size_t k = 0; k < 3; ++k)
-          corners.push_back(s_.mesh.triangles[3 * std::size_t(face) + k]);
-      }
-    for (const std::uint32_t i : facesThatMeetOthers(s_.mesh.points, corners, {}, progress)) {
-      const std::uint32_t* v = &s_.mesh.triangles[3 * std::size_t(faces[i])];
-      if (isFaceWithin(regionOf_[v[0]], v, regionOf_))
-        regions.push_back(regionOf_[v[0]]);
+  static BoxTree everywhere() {
+    Box all;
+    all.add(Vec3d{-kInfinity, -kInfinity, -kInfinity});
+    all.add(Vec3d{kInfinity, kInfinity, kInfinity});
+    return BoxTree(std::vector<Box>{all});
+  }
+
+  template <class Done>
+  void collapseAll(const BoxTree& guarded, std::size_t max, Progress& progress, const Done& done) {
+    tbb::parallel_for(std::size_t(0), regions_.size(), [&](std::size_t i) {
+      collapseEdges(s_, regions_[i], regionOf_, guarded, max, progress);
+      done();
+    });
+  }
+
+  // Adds the boxes of faces within the `asked` regions that intersect others to those of their
+  // region; returns the regions that have some. A region's own vertices stay within its cube, so
+  // that faces of two regions do not meet: one of two faces that do has all corners in one region.
+  std::vector<std::uint32_t> addIntersections(const std::vector<std::uint32_t>& asked,
+                                              std::vector<std::vector<Box>>& boxes,
+                                              Progress& progress) const {
+    if (asked.empty())
+      return {};
+    std::vector<char> isAsked(regions_.size(), 0);
+    for (const std::uint32_t region : asked)
+      isAsked[region] = 1;
+    std::vector<std::uint32_t> faces, corners;
+    std::vector<char> looked;
+    for (std::uint32_t face = 0; face < s_.isGone.size(); ++face) {
+      if (s_.isGone[face])
+        continue;
+      const std::uint32_t* v = &s_.mesh.triangles[3 * std::size_t(face)];
+      faces.push_back(face);
+      corners.insert(corners.end(), v, v + 3);
+      looked.push_back(isAsked[regionOf_[v[0]]] != 0 &&
+                       isFaceWithin(regionOf_[v[0]], v, regionOf_));
+    }
+    std::vector<std::uint32_t> regions;
+    for (const std::uint32_t i : facesThatMeetOthers(s_.mesh.points, corners, looked, progress)) {
+      const std::uint32_t* v = &corners[3 * std::size_t(i)];
+      Box box;
+      for (std::size_t k = 0; k < 3; ++k)
+        box.add(s_.mesh.points[v[k]]);
+      boxes[regionOf_[v[0]]].push_back(box);
+      regions.push_back(regionOf_[v[0]]);
     }
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
@@ -109,6 +151,7 @@ private:
       for (std::size_t k = 0; k < 3; ++k) {
         s_.mesh.triangles[3 * std::size_t(face) + k] = v[k];
         s_.quadrics[v[k]] = before.quadrics[v[k]];
+        s_.isTested[v[k]] = before.isTested[v[k]];
       }
       s_.isGone[face] = before.isGone[face];
       s_.firstGone[face] = before.firstGone[face];
@@ -175,13 +218,16 @@ private:
   std::vector<VertexPair> mixedFeatures_; ///< between regions
 };
 
-// First cubes, then cubes that contain the borders of the first ones, then the whole. A number of
-// faces needs a single pass, since only the whole determines which collapses are the cheapest.
+// First cubes, then cubes that contain the borders of the first ones, then larger cubes, then the
+// whole: regions are collapsed in parallel, and the fewer edges an intersection undoes the better.
+// Each pass tries vertices that the ones before could not move, or whose faces have changed since.
+// A number of faces needs a single pass, since only the whole determines which collapses are the
+// cheapest.
 void collapse(SimplifyState& surface, std::size_t maxFaces, Progress& progress) {
   std::vector<std::pair<double, double>> passes;
   if (maxFaces == 0 && surface.quadrics.size() > kSerial) {
     const double side = kRegionEdges * surface.meanEdge;
-    passes = {{side, 0.0}, {side, 0.5}};
+    passes = {{side, 0.0}, {side, 0.5}, {kLargerRegions * side, 0.25}};
   }
   passes.push_back({kInfinity, 0.0});
   const std::size_t live = surface.liveFaces();
@@ -226,6 +272,7 @@ TriangleMesh simplified(const TriangleMesh& mesh, const SimplifyOptions& options
   collapse(state, options.faces, progress);
   if (options.faces > 0 && !state.features.empty()) {
     state.features.clear();
+    std::fill(state.isTested.begin(), state.isTested.end(), 0);
     collapse(state, options.faces, progress);
   }
   compact(state.mesh, state.isGone);

@@ -29,8 +29,8 @@ struct SimplifyOptions {
 /// centroid and the new side of each new face; these points are held to 0.65 of the tolerance. The
 /// result is manifold, its vertices are vertices of the input, and there are no new intersections
 /// of faces (exact). Parallel without `faces`: first within cubes of space, then across their
-/// sides. Ties are decided by the lower vertex; independent of the number of threads. About 12 us
-/// per face and thread, twice that for millions of faces. Throws Error(Usage) without tolerance and
+/// sides. Ties are decided by the lower vertex; independent of the number of threads. About 12 to
+/// 17 us per face and thread. Throws Error(Usage) without tolerance and
 /// faces, Error(Invalid) for a mesh that is not a closed manifold. The result has more than `faces`
 /// if any further step would violate these conditions.
 void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress);

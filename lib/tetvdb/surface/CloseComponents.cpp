@@ -79,9 +79,9 @@ bool staysTheSame(const Solid& solid, std::size_t solids) {
   Box box;
   for (const Vec3d& p : solid.mesh.points)
     box.add(p);
-  const double edges = double(ofOpen.boundaryEdges() + ofAdded.boundaryEdges());
+  const double angles = double(ofOpen.anglesPerPoint() + ofAdded.anglesPerPoint());
   const auto samples = static_cast<std::size_t>(
-      std::clamp(kMaxWork / (edges * double(solids)), double(kMinSamples), double(kMaxSamples)));
+      std::clamp(kMaxWork / (angles * double(solids)), double(kMinSamples), double(kMaxSamples)));
   std::size_t before = 0, after = 0, lost = 0, gained = 0;
   for (std::size_t i = 0; i < samples && after < kEnoughInside; ++i) {
     const Vec3d p = pointInBox(box, i);
@@ -240,10 +240,10 @@ private:
     }
     added.faceCount = added.triangleCount();
     const WindingField ofOpen(open), ofGiven(given), ofAdded(added);
-    const double edges =
-        double(ofOpen.boundaryEdges() + ofGiven.boundaryEdges() + ofAdded.boundaryEdges());
+    const double angles =
+        double(ofOpen.anglesPerPoint() + ofGiven.anglesPerPoint() + ofAdded.anglesPerPoint());
     const auto samples = static_cast<std::size_t>(
-        std::clamp(kMaxWork / edges, double(kMinSamples), double(kMaxSamples)));
+        std::clamp(kMaxWork / angles, double(kMinSamples), double(kMaxSamples)));
     Box box;
     for (const std::uint32_t corner : mesh_.triangles)
       box.add(mesh_.points[corner]);

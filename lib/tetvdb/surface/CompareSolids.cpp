@@ -31,9 +31,9 @@ SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& af
   for (const TriangleMesh* mesh : {&before, &after})
     for (const std::uint32_t corner : mesh->triangles)
       box.add(mesh->points[corner]);
-  const std::size_t edges =
-      std::max<std::size_t>(1, first.boundaryEdges() + second.boundaryEdges());
-  const std::size_t max = std::clamp(kMaxWork / edges, kFirstSamples / 16, kMaxSamples);
+  const std::size_t angles =
+      std::max<std::size_t>(1, first.anglesPerPoint() + second.anglesPerPoint());
+  const std::size_t max = std::clamp(kMaxWork / angles, kFirstSamples / 16, kMaxSamples);
 
   std::vector<std::uint8_t> bits;
   std::size_t lost = 0, gained = 0, doubtful = 0, insideFirst = 0, insideSecond = 0;

@@ -67,7 +67,7 @@ public:
     offset_ = kOffset * length(minus(box.high, box.low));
   }
 
-  std::size_t boundaryEdges() const { return field_.boundaryEdges(); }
+  std::size_t anglesPerPoint() const { return field_.anglesPerPoint(); }
 
   double areaOf(const Part& part) const {
     double area = 0;
@@ -132,7 +132,7 @@ OpenComponents countSheets(const TriangleMesh& mesh, Progress& progress) {
   if (parts.empty() || parts[0].faces.size() == mesh.triangleCount())
     return found;
   const SheetSearch search(mesh);
-  const double each = double(kMinSamples) * double(search.boundaryEdges());
+  const double each = double(kMinSamples) * double(search.anglesPerPoint());
   const auto counted = static_cast<std::size_t>(
       std::min({double(parts.size()), double(kMaxCounted), kMaxCountWork / each}));
   found.exact = counted == parts.size();
@@ -158,7 +158,7 @@ SheetCounts dropSheets(TriangleMesh& mesh, Progress& progress) {
   if (parts.empty())
     return counts;
   const SheetSearch search(mesh);
-  const double each = double(parts.size()) * double(search.boundaryEdges());
+  const double each = double(parts.size()) * double(search.anglesPerPoint());
   if (each * kMinSamples > kMaxWork) {
     counts.complete = false;
     return counts;

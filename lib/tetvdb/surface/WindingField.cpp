@@ -3,41 +3,70 @@
 
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/WindingCurtain.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
 
 namespace tetvdb {
+namespace {
 
-WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges)
-    : ownScene_(std::in_place, mesh), scene_(&*ownScene_) {
-  addBoundary(mesh, edges);
-}
+// The diagonal of the box in units of the lattice, whose coordinates stay below 2^52.
+constexpr double kDiagonal = 0x1p40;
 
-WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges,
-                           const TriangleScene& scene)
-    : scene_(&scene) {
-  addBoundary(mesh, edges);
-}
+// Of length 1, perpendicular to one another; the third is kCurtainUp.
+const std::array<Vec3d, 3> kAxes = [] {
+  Vec3d first = cross({1, 0, 0}, kCurtainUp);
+  first = times(first, 1 / length(first));
+  return std::array<Vec3d, 3>{first, cross(kCurtainUp, first), kCurtainUp};
+}();
 
-void WindingField::addBoundary(const TriangleMesh& mesh, const EdgeTable& edges) {
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
-    if (const int weight = edges.imbalance(edge); weight != 0)
-      boundary_.push_back(
-          {mesh.points[edges.lowPoint(edge)], mesh.points[edges.highPoint(edge)], double(weight)});
+} // namespace
+
+WindingField::TurnedLattice::TurnedLattice(const TriangleMesh& mesh) {
   Box box;
   for (const std::uint32_t corner : mesh.triangles)
     box.add(mesh.points[corner]);
-  if (!mesh.triangles.empty())
-    reach_ = 2 * length(minus(box.high, box.low));
+  if (mesh.triangles.empty())
+    return;
+  centre = times(plus(box.low, box.high), 0.5);
+  diagonal = length(minus(box.high, box.low));
+  if (diagonal > 0)
+    unitsPerLength = kDiagonal / diagonal;
+}
+
+LatticePoint WindingField::TurnedLattice::of(const Vec3d& p) const {
+  const Vec3d r = times(minus(p, centre), unitsPerLength);
+  return {std::nearbyint(dot(kAxes[0], r)), std::nearbyint(dot(kAxes[1], r)),
+          std::nearbyint(dot(kAxes[2], r))};
+}
+
+WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges)
+    : ownScene_(std::in_place, mesh), scene_(&*ownScene_), lattice_(mesh),
+      boundary_(boundaryOf(mesh, edges)) {}
+
+WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges,
+                           const TriangleScene& scene)
+    : scene_(&scene), lattice_(mesh), boundary_(boundaryOf(mesh, edges)) {}
+
+std::vector<BoundaryEdge> WindingField::boundaryOf(const TriangleMesh& mesh,
+                                                   const EdgeTable& edges) const {
+  std::vector<BoundaryEdge> boundary;
+  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
+    if (const int weight = edges.imbalance(edge); weight != 0)
+      boundary.push_back({lattice_.of(mesh.points[edges.lowPoint(edge)]),
+                          lattice_.of(mesh.points[edges.highPoint(edge)]), weight});
+  return boundary;
 }
 
 double WindingField::at(const Vec3d& p) const {
   std::vector<TriangleScene::Hit> hits;
-  scene_->crossings(p, times(kCurtainUp, -1), reach_, hits);
+  scene_->crossings(p, times(kCurtainUp, -1), 2 * lattice_.diagonal, hits);
   double winding = 0;
   for (const TriangleScene::Hit& hit : hits)
     winding += hit.leaving ? 1 : -1;
-  for (const CurtainEdge& edge : boundary_)
-    winding += curtainWinding(edge, p);
-  return winding;
+  return boundary_.empty() ? winding : winding + boundary_.at(lattice_.of(p));
 }
 
 } // namespace tetvdb

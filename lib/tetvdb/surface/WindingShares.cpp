@@ -35,7 +35,7 @@ std::array<double, 4> windingShares(const TriangleMesh& mesh,
       return {0, 1, 0, 0};
   const WindingField field(mesh, edges);
   samples = std::min(
-      samples, std::max(kMinSamples, kMaxWork / std::max<std::size_t>(field.boundaryEdges(), 1)));
+      samples, std::max(kMinSamples, kMaxWork / std::max<std::size_t>(field.anglesPerPoint(), 1)));
 
   std::vector<std::uint8_t> bin(samples);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, 16),

@@ -15,7 +15,7 @@ namespace tetvdb {
 namespace {
 
 constexpr std::size_t kEdgesPerCheck = 1024;
-// Edges less than this share as long as the longest wait for a later round.
+// Edges less than this share as long as the longest that is halved wait for a later round.
 constexpr double kShareOfLongest = 0.5;
 
 class HoleRefiner {
@@ -181,14 +181,16 @@ std::size_t HoleRefiner::run() {
   while (open_ != 0) {
     const std::vector<Edge> edges = edgesToHalve();
     std::size_t halved = 0;
-    const double minSquare =
-        edges.empty() ? 0 : edges.front().square * kShareOfLongest * kShareOfLongest;
+    double minSquare = 0; // some of the longest may not be halved at all
     for (std::size_t i = 0; i < edges.size() && complex_.tetCount() < maxTets; ++i) {
       if (i % kEdgesPerCheck == 0)
         progress_.check();
-      if (edges[i].square < minSquare && halved > 0)
+      if (edges[i].square < minSquare)
         break;
-      halved += halve(edges[i]) ? 1 : 0;
+      if (!halve(edges[i]))
+        continue;
+      if (halved++ == 0)
+        minSquare = edges[i].square * kShareOfLongest * kShareOfLongest;
     }
     if (halved == 0)
       break;

@@ -434,11 +434,15 @@ InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>
   options.clearance = 10 * epsilon;
   options.reach = kReachShare * radius;
   LatticeSoup simple;
+  std::unique_ptr<const Landmarks>
+      landmarks; // made once: they take a tenth of all where faces cross
   options.coarsen = [&](TetComplex& complex) {
     work.done.add(complex.tetCount());
     if (fixesPoints(work))
       keepNear(complex, kept, kKeptRadii * radius);
-    coarsen(complex, {work.surface, work.boundary, kThinShare * radius}, progress);
+    if (!landmarks)
+      landmarks = std::make_unique<const Landmarks>(work.surface, kThinShare * radius);
+    coarsen(complex, {work.surface, work.boundary, kThinShare * radius, landmarks.get()}, progress);
   };
   const auto soupOf = [&](int variant) {
     if (variant != kSimplified && variant != kCareful)

@@ -296,7 +296,7 @@ public:
   /// Performs at most `max` collapses; returns their number.
   std::size_t decimate(std::size_t max) {
     for (const Vertex v : patch_.mesh.vertices())
-      if (!isTested(v))
+      if (isOpen(v))
         enqueue(v);
     std::size_t collapses = 0;
     for (std::size_t steps = 0; !queue_.empty() && collapses < max; ++steps) {
@@ -327,8 +327,6 @@ private:
 
   void choose(Vertex v) {
     choices_.clear();
-    if (patch_.mesh.status(v).locked())
-      return;
     for (auto h = patch_.mesh.voh_begin(v); h.is_valid(); ++h)
       choices_.push_back(
           {cost_.of(Collapse(patch_.mesh, *h)), *h, patch_.mesh.to_vertex_handle(*h).idx()});
@@ -362,12 +360,11 @@ private:
       patch_.mesh.collapse(choice.halfEdge);
       cost_.collapsed(collapse);
       tolerance_.collapsed(collapse);
-      enqueue(collapse.v1);
-      neighbours_.clear();
+      neighbours_ = {collapse.v1};
       for (auto n = patch_.mesh.vv_begin(collapse.v1); n.is_valid(); ++n)
         neighbours_.push_back(*n);
       for (const Vertex n : neighbours_)
-        if (!isTested(n))
+        if (isOpen(n))
           enqueue(n);
       return true;
     }
@@ -375,6 +372,9 @@ private:
     return false;
   }
 
+  // Whether a vertex may be removed, as far as is known. Flags of other regions' vertices, which
+  // are locked, are not read: these may change meanwhile.
+  bool isOpen(Vertex v) { return !patch_.mesh.status(v).locked() && isTested(v) == 0; }
   char& isTested(Vertex v) { return patch_.surface.isTested[patch_.vertexOf[at(v)]]; }
 
   Patch& patch_;
@@ -384,7 +384,7 @@ private:
   std::priority_queue<Entry> queue_;
   std::vector<std::uint32_t> stamp_; ///< by vertex: its newest entry in the queue
   std::vector<Choice> choices_;
-  std::vector<Vertex> neighbours_;
+  std::vector<Vertex> neighbours_; ///< of the vertex that a collapse keeps, and itself
 };
 
 // Builds the region's faces as a half-edge mesh, with vertices in the surface's order, and sets the

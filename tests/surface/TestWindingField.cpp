@@ -2,6 +2,7 @@
 #include "TriangleMeshes.h"
 #include "tetvdb/surface/CompareSolids.h"
 #include "tetvdb/surface/SampleBox.h"
+#include "tetvdb/surface/WindingCurtain.h"
 #include "tetvdb/surface/WindingField.h"
 
 #include <gtest/gtest.h>
@@ -25,6 +26,22 @@ TEST(WindingField, EqualsTheSumOfSolidAngles) {
     for (std::size_t i = 0; i < 300; ++i) {
       const Vec3d p = pointInBox(box, i);
       EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-6);
+    }
+  }
+}
+
+TEST(WindingField, FromFarAway) {
+  const TriangleMesh mesh =
+      without(sphere({3, 1, 2}, 0.1, 6), [](std::size_t f) { return f > 40; });
+  const WindingField field(mesh);
+  for (const double distance : {0.3, 1.0, 10.0, 1e3, 1e9}) {
+    // Opposite to the ray, where it crosses the mesh, and in other directions.
+    for (const Vec3d& way : {kCurtainUp, times(kCurtainUp, -1), Vec3d{1, 0, 0}, Vec3d{0, -1, 1}}) {
+      for (std::size_t i = 0; i < 20; ++i) {
+        const Vec3d p =
+            plus(pointInBox(Box{{2.9, 0.9, 1.9}, {3.1, 1.1, 2.1}}, i), times(way, distance));
+        EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-6) << distance;
+      }
     }
   }
 }

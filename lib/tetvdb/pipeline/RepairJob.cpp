@@ -43,7 +43,6 @@ constexpr std::size_t kFewestFaces = 4; // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
 constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
-// Divergence theorem, about the first point.
 Box boxOf(const TriangleMesh& mesh) {
   Box box;
   for (const std::uint32_t v : mesh.triangles)

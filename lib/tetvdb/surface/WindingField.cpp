@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/WindingCurtain.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -12,8 +13,8 @@
 namespace tetvdb {
 namespace {
 
-// The diagonal of the box in units of the lattice, whose coordinates stay below 2^52.
-constexpr double kDiagonal = 0x1p40;
+// The diagonal of the box, and the largest coordinate, in units of the lattice.
+constexpr double kDiagonal = 0x1p30, kMaxCoordinate = 0x1p52;
 
 // Of length 1, perpendicular to one another; the third is kCurtainUp.
 const std::array<Vec3d, 3> kAxes = [] {
@@ -61,12 +62,19 @@ std::vector<BoundaryEdge> WindingField::boundaryOf(const TriangleMesh& mesh,
 }
 
 double WindingField::at(const Vec3d& p) const {
+  const LatticePoint onLattice = lattice_.of(p);
+  if (std::max({std::abs(onLattice.x), std::abs(onLattice.y), std::abs(onLattice.z)}) >
+      kMaxCoordinate)
+    return 0; // millions of diagonals away
+  // From above the box, so that the distance does not count.
+  const double above = dot(minus(p, lattice_.centre), kCurtainUp) - lattice_.diagonal;
   std::vector<TriangleScene::Hit> hits;
-  scene_->crossings(p, times(kCurtainUp, -1), 2 * lattice_.diagonal, hits);
+  scene_->crossings(above > 0 ? minus(p, times(kCurtainUp, above)) : p, times(kCurtainUp, -1),
+                    2 * lattice_.diagonal, hits);
   double winding = 0;
   for (const TriangleScene::Hit& hit : hits)
     winding += hit.leaving ? 1 : -1;
-  return boundary_.empty() ? winding : winding + boundary_.at(lattice_.of(p));
+  return boundary_.empty() ? winding : winding + boundary_.at(onLattice);
 }
 
 } // namespace tetvdb

@@ -17,8 +17,8 @@ namespace tetvdb {
 /// The generalised winding number of a mesh at points off its faces: signed crossings of one ray,
 /// and the sum over boundary edges of geometry/BoundaryWinding.h, within its errors; its vertical
 /// direction is opposite to the ray. Crossings are found in floats (TriangleScene.h). The mesh must
-/// outlive it. at() is thread-safe and takes about 1 us, and 15 ns
-/// more per boundary edge, up to 80 us where there are very many.
+/// outlive it. at() is thread-safe and takes about 1 us, and 15 ns more per boundary edge, up to
+/// 80 us where there are very many.
 class WindingField {
 public:
   WindingField(const TriangleMesh& mesh, const EdgeTable& edges);
@@ -26,7 +26,6 @@ public:
   WindingField(const TriangleMesh& mesh, const EdgeTable& edges, const TriangleScene& scene);
   explicit WindingField(const TriangleMesh& mesh) : WindingField(mesh, EdgeTable(mesh)) {}
 
-  /// `p` is within 1000 diagonals of the mesh's box.
   double at(const Vec3d& p) const;
   /// About the cost of at(), in solid angles of boundary edges: many are summed in clusters.
   std::size_t anglesPerPoint() const { return std::min(boundary_.edgeCount(), kManyBoundaryEdges); }

@@ -12,6 +12,7 @@
 #include "tetvdb/surface/WindingField.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <tbb/blocked_range.h>
@@ -26,7 +27,7 @@ constexpr double kMaxLost = 0.01, kMaxGained = 0.1;                  // relative
 constexpr double kHalf = 0.5, kSureInside = 0.6, kSureOutside = 0.4; // winding numbers
 constexpr double kMaxOthers = 0.25;        // absolute winding number of what stays open, at a hole
 constexpr std::size_t kEnoughInside = 256; // samples
-constexpr std::size_t kMinSamples = 512, kMaxSamples = 8192;
+constexpr std::size_t kMinSamples = 512, kMaxSamples = 8192, kSamplesTogether = 256;
 constexpr double kMaxWork = 2e8; // solid angles of boundary edges
 // Minimum volume of a solid over its area to the power of 1.5; a ball has 0.094.
 constexpr double kMinVolume = 1e-5;
@@ -70,26 +71,40 @@ TriangleMesh partOf(const TriangleMesh& mesh, std::size_t from, std::size_t to) 
 }
 
 // Whether the winding numbers of a solid by itself enclose about the same with the new faces.
-bool staysTheSame(const Solid& solid, std::size_t solids) {
+bool staysTheSame(const Solid& solid, std::size_t solids, Progress& progress) {
   if (isFlat(solid.mesh))
     return false;
-  const TriangleMesh open = partOf(solid.mesh, 0, solid.cornerCount());
+  const TriangleMesh given = partOf(solid.mesh, 0, solid.cornerCount());
   const TriangleMesh added = partOf(solid.mesh, solid.cornerCount(), solid.mesh.triangles.size());
-  const WindingField ofOpen(open), ofAdded(added);
+  const WindingField ofOpen(given), ofAdded(added);
   Box box;
   for (const Vec3d& p : solid.mesh.points)
     box.add(p);
   const double angles = double(ofOpen.anglesPerPoint() + ofAdded.anglesPerPoint());
   const auto samples = static_cast<std::size_t>(
       std::clamp(kMaxWork / (angles * double(solids)), double(kMinSamples), double(kMaxSamples)));
+  struct Sample {
+    double open, closed;
+  };
+  std::array<Sample, kSamplesTogether> found{};
   std::size_t before = 0, after = 0, lost = 0, gained = 0;
-  for (std::size_t i = 0; i < samples && after < kEnoughInside; ++i) {
-    const Vec3d p = pointInBox(box, i);
-    const double winding = ofOpen.at(p), closed = winding + ofAdded.at(p);
-    before += winding > kHalf;
-    after += closed > kHalf;
-    lost += winding > kSureInside && closed <= kHalf;
-    gained += winding < kSureOutside && closed > kHalf;
+  for (std::size_t begin = 0; begin < samples && after < kEnoughInside; begin += found.size()) {
+    const std::size_t count = std::min(found.size(), samples - begin);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16), [&](const auto& range) {
+      progress.check();
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        const Vec3d p = pointInBox(box, begin + i);
+        found[i].open = ofOpen.at(p);
+        found[i].closed = found[i].open + ofAdded.at(p);
+      }
+    });
+    for (std::size_t i = 0; i < count && after < kEnoughInside; ++i) {
+      const auto [open, closed] = found[i];
+      before += open > kHalf;
+      after += closed > kHalf;
+      lost += open > kSureInside && closed <= kHalf;
+      gained += open < kSureOutside && closed > kHalf;
+    }
   }
   return after > 0 && double(lost) <= kMaxLost * double(before) &&
          double(gained) <= kMaxGained * double(before);
@@ -181,7 +196,7 @@ private:
     solid.points = std::move(copied.points);
     TriangleMesh& mesh = solid.mesh = std::move(copied.mesh);
     solid.holes = (planeOnly ? fillPlaneHoles(mesh, progress_) : fillHoles(mesh, progress_)).holes;
-    solid.isClosed = !solid.holes.empty() && staysTheSame(solid, solids_.size());
+    solid.isClosed = !solid.holes.empty() && staysTheSame(solid, solids_.size(), progress_);
   }
 
   std::vector<Solid*> closedSolids() {

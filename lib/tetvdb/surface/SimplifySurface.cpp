@@ -50,13 +50,12 @@ public:
   /// and they are excluded where they came up, or everywhere if that leaves some.
   template <class Done>
   void run(std::size_t max, bool guarded, Progress& progress, const Done& done) {
-    const BoxTree nowhere(std::vector<Box>{});
     if (guarded) {
       collapseAll(everywhere(), max, progress, done);
     } else {
       const Before before(s_);
       const std::vector<CollapseRegion> regions = regions_;
-      collapseAll(nowhere, max, progress, done);
+      collapseAll(BoxTree(std::vector<Box>{}), max, progress, done);
       std::vector<std::vector<Box>> found(regions_.size()); // boxes of faces that intersect others
       std::vector<std::uint32_t> again(regions_.size());
       std::iota(again.begin(), again.end(), 0u);
@@ -85,7 +84,6 @@ private:
     std::vector<Quadric> quadrics;
     std::vector<std::uint32_t> firstGone, nextGone;
 
-    Before() = default;
     explicit Before(const SimplifyState& s)
         : triangles(s.mesh.triangles), isGone(s.isGone), isTested(s.isTested), quadrics(s.quadrics),
           firstGone(s.firstGone), nextGone(s.nextGone) {}

@@ -434,8 +434,7 @@ InsertedSurface insertVariants(const Work& work, const std::vector<std::uint8_t>
   options.clearance = 10 * epsilon;
   options.reach = kReachShare * radius;
   LatticeSoup simple;
-  std::unique_ptr<const Landmarks>
-      landmarks; // made once: they take a tenth of all where faces cross
+  std::unique_ptr<const Landmarks> landmarks; // made once: a tenth of the time where faces cross
   options.coarsen = [&](TetComplex& complex) {
     work.done.add(complex.tetCount());
     if (fixesPoints(work))

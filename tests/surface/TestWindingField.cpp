@@ -25,7 +25,7 @@ TEST(WindingField, EqualsTheSumOfSolidAngles) {
     box.add(Vec3d{box.low[0] - 0.5, box.low[1] - 0.5, box.low[2] - 0.5});
     for (std::size_t i = 0; i < 300; ++i) {
       const Vec3d p = pointInBox(box, i);
-      EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-6);
+      EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-9);
     }
   }
 }
@@ -40,7 +40,7 @@ TEST(WindingField, FromFarAway) {
       for (std::size_t i = 0; i < 20; ++i) {
         const Vec3d p =
             plus(pointInBox(Box{{2.9, 0.9, 1.9}, {3.1, 1.1, 2.1}}, i), times(way, distance));
-        EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-6) << distance;
+        EXPECT_NEAR(field.at(p), windingNumberAt(mesh, p), 1e-9) << distance;
       }
     }
   }

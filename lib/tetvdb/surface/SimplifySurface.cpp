@@ -115,13 +115,12 @@ private:
     std::vector<char> isAsked(regions_.size(), 0);
     for (const std::uint32_t region : asked)
       isAsked[region] = 1;
-    std::vector<std::uint32_t> faces, corners;
+    std::vector<std::uint32_t> corners;
     std::vector<char> looked;
     for (std::uint32_t face = 0; face < s_.isGone.size(); ++face) {
       if (s_.isGone[face])
         continue;
       const std::uint32_t* v = &s_.mesh.triangles[3 * std::size_t(face)];
-      faces.push_back(face);
       corners.insert(corners.end(), v, v + 3);
       looked.push_back(isAsked[regionOf_[v[0]]] != 0 &&
                        isFaceWithin(regionOf_[v[0]], v, regionOf_));
@@ -227,7 +226,7 @@ void collapse(SimplifyState& surface, std::size_t maxFaces, Progress& progress) 
     const double side = kRegionEdges * surface.meanEdge;
     passes = {{side, 0.0}, {side, 0.5}, {kLargerRegions * side, 0.25}};
   }
-  passes.push_back({kInfinity, 0.0});
+  passes.emplace_back(kInfinity, 0.0);
   const std::size_t live = surface.liveFaces();
   const std::size_t max = maxFaces == 0 ? live : live > maxFaces ? (live - maxFaces + 1) / 2 : 0;
   for (std::size_t i = 0; i < passes.size(); ++i) {

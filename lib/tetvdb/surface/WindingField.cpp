@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/WindingField.h"
 
+#include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/WindingCurtain.h"
@@ -9,12 +10,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace tetvdb {
 namespace {
 
 // The diagonal of the box, and the largest coordinate, in units of the lattice.
-constexpr double kDiagonal = 0x1p30, kMaxCoordinate = 0x1p52;
+constexpr double kDiagonal = 0x1p36, kMaxCoordinate = 0x1p52;
 
 // Of length 1, perpendicular to one another; the third is kCurtainUp.
 const std::array<Vec3d, 3> kAxes = [] {
@@ -44,28 +47,34 @@ LatticePoint WindingField::TurnedLattice::of(const Vec3d& p) const {
 }
 
 WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges)
-    : ownScene_(std::in_place, mesh), scene_(&*ownScene_), lattice_(mesh),
-      boundary_(boundaryOf(mesh, edges)) {}
+    : ownScene_(std::in_place, mesh), scene_(&*ownScene_), lattice_(mesh) {
+  addBoundary(mesh, edges);
+}
 
 WindingField::WindingField(const TriangleMesh& mesh, const EdgeTable& edges,
                            const TriangleScene& scene)
-    : scene_(&scene), lattice_(mesh), boundary_(boundaryOf(mesh, edges)) {}
+    : scene_(&scene), lattice_(mesh) {
+  addBoundary(mesh, edges);
+}
 
-std::vector<BoundaryEdge> WindingField::boundaryOf(const TriangleMesh& mesh,
-                                                   const EdgeTable& edges) const {
+void WindingField::addBoundary(const TriangleMesh& mesh, const EdgeTable& edges) {
   std::vector<BoundaryEdge> boundary;
   for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
     if (const int weight = edges.imbalance(edge); weight != 0)
       boundary.push_back({lattice_.of(mesh.points[edges.lowPoint(edge)]),
                           lattice_.of(mesh.points[edges.highPoint(edge)]), weight});
-  return boundary;
+  if (boundary.size() > kManyBoundaryEdges)
+    many_.emplace(std::move(boundary));
+  else
+    for (const BoundaryEdge& edge : boundary)
+      few_.push(edge.a, edge.b, edge.weight);
 }
 
 double WindingField::at(const Vec3d& p) const {
   const LatticePoint onLattice = lattice_.of(p);
   if (std::max({std::abs(onLattice.x), std::abs(onLattice.y), std::abs(onLattice.z)}) >
       kMaxCoordinate)
-    return 0; // millions of diagonals away
+    return 0; // more than 50,000 diagonals away
   // From above the box, so that the distance does not count.
   const double above = dot(minus(p, lattice_.centre), kCurtainUp) - lattice_.diagonal;
   std::vector<TriangleScene::Hit> hits;
@@ -74,7 +83,8 @@ double WindingField::at(const Vec3d& p) const {
   double winding = 0;
   for (const TriangleScene::Hit& hit : hits)
     winding += hit.leaving ? 1 : -1;
-  return boundary_.empty() ? winding : winding + boundary_.at(onLattice);
+  return winding + (many_ ? many_->at(onLattice)
+                          : sumAngles(few_.view(), 0, few_.size(), onLattice) / (4 * kPi));
 }
 
 } // namespace tetvdb

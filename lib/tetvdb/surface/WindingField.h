@@ -2,23 +2,23 @@
 #pragma once
 
 #include "tetvdb/core/Vec3.h"
+#include "tetvdb/geometry/BoundaryEdgeSums.h"
 #include "tetvdb/geometry/BoundaryWinding.h"
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/TriangleScene.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
-#include <vector>
 
 namespace tetvdb {
 
 /// The generalised winding number of a mesh at points off its faces: signed crossings of one ray,
-/// and the sum over boundary edges of geometry/BoundaryWinding.h, within its errors; its vertical
-/// direction is opposite to the ray. Crossings are found in floats (TriangleScene.h). The mesh must
-/// outlive it. at() is thread-safe and takes about 1 us, and 15 ns more per boundary edge, up to
-/// 80 us where there are very many.
+/// and the sum over boundary edges of geometry/BoundaryWinding.h, its vertical direction opposite
+/// to the ray. The sum is exact to 1e-9 for up to kManyBoundaryEdges, within kRoughWindingError for
+/// more. Crossings are found in floats (TriangleScene.h). The mesh must outlive it. at() is
+/// thread-safe and takes about 1 us, and 15 ns more per boundary edge, up to 80 us where there are
+/// very many.
 class WindingField {
 public:
   WindingField(const TriangleMesh& mesh, const EdgeTable& edges);
@@ -28,7 +28,7 @@ public:
 
   double at(const Vec3d& p) const;
   /// About the cost of at(), in solid angles of boundary edges: many are summed in clusters.
-  std::size_t anglesPerPoint() const { return std::min(boundary_.edgeCount(), kManyBoundaryEdges); }
+  std::size_t anglesPerPoint() const { return many_ ? kManyBoundaryEdges : few_.size(); }
 
 private:
   /// A lattice whose third axis is the direction opposite to the ray.
@@ -40,12 +40,13 @@ private:
     explicit TurnedLattice(const TriangleMesh& mesh);
     LatticePoint of(const Vec3d& p) const;
   };
-  std::vector<BoundaryEdge> boundaryOf(const TriangleMesh& mesh, const EdgeTable& edges) const;
+  void addBoundary(const TriangleMesh& mesh, const EdgeTable& edges);
 
   std::optional<TriangleScene> ownScene_;
   const TriangleScene* scene_;
   TurnedLattice lattice_;
-  BoundaryWinding boundary_;
+  BoundaryEdgeArrays few_; ///< boundary edges that are summed one by one
+  std::optional<BoundaryWinding> many_;
 };
 
 } // namespace tetvdb

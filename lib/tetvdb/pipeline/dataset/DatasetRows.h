@@ -29,7 +29,7 @@ bool isSuccess(const DatasetRow& row);
 /// process dies.
 class RowJournal {
 public:
-  /// Throws Error(Write).
+  /// Locks the file. Throws Error(Write), also where another process has locked it.
   explicit RowJournal(const std::string& path);
   ~RowJournal();
   RowJournal(const RowJournal&) = delete;

@@ -7,6 +7,13 @@
 
 namespace tetvdb::test {
 
+/// How much longer than usual tests may take: sanitizers slow the program.
+#ifdef TETVDB_SANITIZED
+constexpr int kSlower = 10;
+#else
+constexpr int kSlower = 1;
+#endif
+
 /// How much more than usual tests may look at: 1, or what TETVDB_TEST_SCALE says
 /// (scripts/weekly.sh: 4).
 inline int scale() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Damaged files end in an Error or in a mesh whose indices are right, and in nothing else.
+#include "TestScale.h"
 #include "io/ResultSamples.h"
 #include "io/TriangleSamples.h"
 #include "tetvdb/io/cells/CellFaces.h"
@@ -31,12 +32,6 @@ namespace {
 
 using namespace test;
 using Consume = std::function<void(const std::string&)>;
-
-#ifdef TETVDB_SANITIZED
-constexpr int kSlower = 10;
-#else
-constexpr int kSlower = 1;
-#endif
 
 std::string mutated(std::string bytes, std::mt19937& random) {
   const auto place = [&] { return random() % bytes.size(); };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "ManifoldCheck.h"
 #include "TriangleMeshes.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/JoinPoints.h"

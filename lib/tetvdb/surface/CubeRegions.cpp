@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/CubeRegions.h"
 
+#include "tetvdb/core/ForEachIndex.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,17 +13,24 @@ namespace tetvdb {
 CubeRegions divideByCubes(const std::vector<Vec3d>& points, std::size_t count, double side,
                           double corner) {
   CubeRegions regions;
-  regions.regionOf.resize(count);
+  regions.regionOf.assign(count, 0);
+  regions.count = count > 0 ? 1 : 0;
+  if (!(side < std::numeric_limits<double>::infinity()))
+    return regions;
+  std::vector<Vec3i> cubes(count);
+  forEachIndex(count, [&](std::size_t v) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cubes[v][axis] = static_cast<std::int32_t>(
+          std::clamp(std::floor(points[v][axis] / side + corner), -1e9, 1e9));
+  });
   std::map<Vec3i, std::uint32_t> numbers;
-  for (std::size_t v = 0; v < count; ++v) {
-    Vec3i cube{0, 0, 0};
-    if (side < std::numeric_limits<double>::infinity())
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        cube[axis] = static_cast<std::int32_t>(
-            std::clamp(std::floor(points[v][axis] / side + corner), -1e9, 1e9));
-    regions.regionOf[v] = numbers.try_emplace(cube, regions.count).first->second;
-    regions.count = static_cast<std::uint32_t>(numbers.size());
-  }
+  for (std::size_t v = 0; v < count; ++v)
+    regions.regionOf[v] =
+        v > 0 && cubes[v] == cubes[v - 1] // as a rule
+            ? regions.regionOf[v - 1]
+            : numbers.try_emplace(cubes[v], static_cast<std::uint32_t>(numbers.size()))
+                  .first->second;
+  regions.count = static_cast<std::uint32_t>(numbers.size());
   return regions;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/FloatPositions.h"
 
+#include "tetvdb/core/ForEachIndex.h"
+
 #include <algorithm>
-#include <numeric>
 #include <tbb/parallel_sort.h>
+#include <utility>
 
 namespace tetvdb {
 
@@ -12,18 +14,16 @@ FloatPosition asFloats(const Vec3d& p) {
 }
 
 std::vector<std::uint32_t> equalAsFloats(const std::vector<Vec3d>& points) {
-  const auto rounded = [&](std::uint32_t v) { return asFloats(points[v]); };
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0u);
-  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const auto p = rounded(a), q = rounded(b);
-    return p != q ? p < q : a < b;
+  std::vector<std::pair<FloatPosition, std::uint32_t>> sorted(points.size());
+  forEachIndex(sorted.size(), [&](std::size_t v) {
+    sorted[v] = {asFloats(points[v]), static_cast<std::uint32_t>(v)};
   });
+  tbb::parallel_sort(sorted.begin(), sorted.end());
   std::vector<std::uint32_t> equal;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    if ((i > 0 && rounded(order[i - 1]) == rounded(order[i])) ||
-        (i + 1 < order.size() && rounded(order[i + 1]) == rounded(order[i])))
-      equal.push_back(order[i]);
+  for (std::size_t i = 0; i < sorted.size(); ++i)
+    if ((i > 0 && sorted[i - 1].first == sorted[i].first) ||
+        (i + 1 < sorted.size() && sorted[i + 1].first == sorted[i].first))
+      equal.push_back(sorted[i].second);
   return equal;
 }
 

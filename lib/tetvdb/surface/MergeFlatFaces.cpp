@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/MergeFlatFaces.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/CubeRegions.h"
@@ -53,27 +54,34 @@ public:
   // Whether the mesh is a closed manifold.
   bool connect() {
     const EdgeTable edges(mesh_);
-    for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
-      if (!edges.isManifold(edge))
-        return false;
-      const EdgeTable::Sides sides = edges.sides(edge);
-      opposite_[sides[0]] = sides[1];
-      opposite_[sides[1]] = sides[0];
-    }
-    std::vector<std::uint32_t> faces(mesh_.points.size(), 0);
-    for (std::uint32_t side = 0; side < opposite_.size(); ++side) {
-      if (opposite_[side] == kNone)
-        return false;
-      firstSide_[mesh_.triangles[side]] = side;
-      ++faces[mesh_.triangles[side]];
-    }
     std::atomic<bool> isManifold{true};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& r) {
-      for (std::size_t v = r.begin(); v != r.end(); ++v)
-        if (faces[v] > 0 && valence(static_cast<std::uint32_t>(v)) != faces[v])
-          isManifold = false;
+    forEachIndex(edges.edgeCount(), [&](std::size_t i) {
+      const auto edge = static_cast<std::uint32_t>(i);
+      const EdgeTable::Sides sides = edges.sides(edge);
+      if (edges.isManifold(edge)) {
+        opposite_[sides[0]] = sides[1];
+        opposite_[sides[1]] = sides[0];
+      } else {
+        isManifold = false;
+      }
     });
-    return isManifold;
+    for (std::uint32_t face = 0; face < mesh_.triangleCount(); ++face)
+      isManifold = isManifold && edges.hasFace(face);
+    if (!isManifold)
+      return false;
+    for (std::uint32_t side = 0; side < opposite_.size(); ++side)
+      firstSide_[mesh_.triangles[side]] = side;
+    // Where the faces at a point are several fans, some are not in the one that is counted.
+    std::atomic<std::size_t> sides{0};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, firstSide_.size(), 4096),
+                      [&](const auto& r) {
+                        std::size_t found = 0;
+                        for (std::size_t v = r.begin(); v != r.end(); ++v)
+                          if (firstSide_[v] != kNone)
+                            found += valence(static_cast<std::uint32_t>(v));
+                        sides += found;
+                      });
+    return sides == opposite_.size();
   }
 
   void run(Progress& progress) {
@@ -345,12 +353,11 @@ private:
 };
 
 double meanEdge(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3)
-    for (std::size_t k = 0; k < 3; ++k)
-      sum += length(
-          minus(mesh.points[mesh.triangles[i + k]], mesh.points[mesh.triangles[i + (k + 1) % 3]]));
-  return sum / static_cast<double>(mesh.triangles.size());
+  const auto sideLength = [&](std::size_t side) {
+    return length(minus(mesh.points[mesh.triangles[side]],
+                        mesh.points[mesh.triangles[EdgeTable::next(std::uint32_t(side))]]));
+  };
+  return sumOver(mesh.triangles.size(), sideLength) / static_cast<double>(mesh.triangles.size());
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/SelfIntersections.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/FaceContact.h"
 
@@ -33,8 +34,7 @@ Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& co
 BoxTree treeOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners,
                const std::vector<std::uint32_t>& faces) {
   std::vector<Box> boxes(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i)
-    boxes[i] = boxOf(points, corners, faces[i]);
+  forEachIndex(faces.size(), [&](std::size_t i) { boxes[i] = boxOf(points, corners, faces[i]); });
   return BoxTree(std::move(boxes));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/surface/SharpenCreases.h"
 
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FloatPositions.h"
@@ -106,7 +107,6 @@ public:
     marched_ = mesh_.triangles;
     for (int round = 0;; ++round) {
       const std::vector<std::size_t> cubeOf = addPoints(before);
-      mesh_.triangles.clear();
       emit(before);
       flipEdges(before);
       if (round == kRounds || !dropCrossing(before, cubeOf))
@@ -174,12 +174,8 @@ private:
 
   // Restores the cubes whose fans intersect other faces. Returns whether there were any.
   bool dropCrossing(std::size_t before, const std::vector<std::size_t>& cubeOf) {
-    std::vector<char> isFan(mesh_.triangleCount(), 0);
-    for (std::size_t i = 0; i < mesh_.triangles.size(); ++i)
-      if (mesh_.triangles[i] >= before)
-        isFan[i / 3] = 1;
     const std::vector<std::uint32_t> crossing =
-        facesThatMeetOthers(mesh_.points, mesh_.triangles, isFan, progress_);
+        facesThatMeetOthers(mesh_.points, mesh_.triangles, isFan_, progress_);
     for (const std::uint32_t face : crossing)
       for (std::size_t k = 0; k < 3; ++k)
         if (const std::uint32_t v = mesh_.triangles[3 * std::size_t(face) + k]; v >= before)
@@ -189,39 +185,55 @@ private:
 
   // Sides that only one triangle of the cube has.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> border(std::size_t i) const {
-    std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> result;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> sides, result;
     for (std::size_t t = first_[i]; t < first_[i + 1]; ++t)
       for (std::size_t k = 0; k < 3; ++k)
-        sides.insert({marched_[3 * t + k], marched_[3 * t + (k + 1) % 3]});
-    for (std::size_t t = first_[i]; t < first_[i + 1]; ++t) // in their own order
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = marched_[3 * t + k], b = marched_[3 * t + (k + 1) % 3];
-        if (sides.count({b, a}) == 0)
-          result.emplace_back(a, b);
-      }
+        sides.emplace_back(marched_[3 * t + k], marched_[3 * t + (k + 1) % 3]);
+    for (const auto& [a, b] : sides)
+      if (std::find(sides.begin(), sides.end(), std::make_pair(b, a)) == sides.end())
+        result.emplace_back(a, b);
     return result;
   }
 
+  // Writes the faces of all cubes: fans, of which each has a face for every side of the disk's
+  // border, two more than the disk, or the faces as they were.
   void emit(std::size_t before) {
-    std::vector<std::uint32_t>& triangles = mesh_.triangles;
-    auto apex = static_cast<std::uint32_t>(before);
+    std::vector<std::size_t> place(cubes_.size() + 1, 0); // of a cube's first face
+    std::vector<std::uint32_t> apex(cubes_.size());
+    auto next = static_cast<std::uint32_t>(before);
     for (std::size_t i = 0; i < cubes_.size(); ++i) {
-      if (isSharp_[i] == 0) {
-        triangles.insert(triangles.end(), marched_.begin() + std::ptrdiff_t(3 * first_[i]),
-                         marched_.begin() + std::ptrdiff_t(3 * first_[i + 1]));
-        continue;
-      }
-      for (const auto& [a, b] : border(i))
-        triangles.insert(triangles.end(), {a, b, apex});
-      ++apex;
+      place[i + 1] = place[i] + cubes_[i].triangles + (isSharp_[i] != 0 ? 2 : 0);
+      apex[i] = next;
+      next += isSharp_[i] != 0 ? 1 : 0;
     }
+    mesh_.triangles.resize(3 * place.back());
+    isFan_.assign(place.back(), 0);
+    forEachIndex(cubes_.size(), [&](std::size_t i) {
+      auto to = mesh_.triangles.begin() + std::ptrdiff_t(3 * place[i]);
+      if (isSharp_[i] == 0) {
+        std::copy(marched_.begin() + std::ptrdiff_t(3 * first_[i]),
+                  marched_.begin() + std::ptrdiff_t(3 * first_[i + 1]), to);
+        return;
+      }
+      std::fill(isFan_.begin() + std::ptrdiff_t(place[i]),
+                isFan_.begin() + std::ptrdiff_t(place[i + 1]), char(1));
+      for (const auto& [a, b] : border(i))
+        for (const std::uint32_t corner : {a, b, apex[i]})
+          *to++ = corner;
+    });
   }
 
   // An edge between two fans is replaced by the edge between their points. Two cubes have two such
   // edges if both run through their common face: the first one is flipped.
   void flipEdges(std::size_t before) {
-    const EdgeTable edges(mesh_);
+    std::vector<std::uint32_t> faces, corners; // of the fans
+    for (std::uint32_t face = 0; face < isFan_.size(); ++face)
+      if (isFan_[face] != 0) {
+        faces.push_back(face);
+        const auto first = mesh_.triangles.begin() + std::ptrdiff_t(3) * face;
+        corners.insert(corners.end(), first, first + 3);
+      }
+    const EdgeTable edges(corners, mesh_.points.size());
     std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
     std::vector<std::array<std::uint32_t, 4>> flips; // both sides, both points
     for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
@@ -234,10 +246,10 @@ private:
       flips.push_back({sides[0], sides[1], c, d});
     }
     for (const auto& [first, second, c, d] : flips) {
-      const std::uint32_t a = mesh_.triangles[first], b = mesh_.triangles[EdgeTable::next(first)];
-      const auto put = [&](std::uint32_t side, const std::array<std::uint32_t, 3>& corners) {
-        std::copy(corners.begin(), corners.end(),
-                  mesh_.triangles.begin() + std::ptrdiff_t(side / 3 * 3));
+      const std::uint32_t a = corners[first], b = corners[EdgeTable::next(first)];
+      const auto put = [&](std::uint32_t side, const std::array<std::uint32_t, 3>& flipped) {
+        std::copy(flipped.begin(), flipped.end(),
+                  mesh_.triangles.begin() + std::ptrdiff_t(3) * faces[EdgeTable::faceOf(side)]);
       };
       put(first, {c, a, d});
       put(second, {d, b, c});
@@ -252,6 +264,7 @@ private:
   std::vector<std::uint32_t> marched_; ///< corners of the faces before sharpening
   std::vector<std::size_t> first_;     ///< by cube: its first triangle
   std::vector<char> isSharp_;          ///< by cube
+  std::vector<char> isFan_;            ///< by face: one of a fan
   std::vector<Vec3d> apex_;            ///< by cube: the point of its fan
 };
 

@@ -2,9 +2,11 @@
 #include "tetvdb/surface/SimplifyState.h"
 
 #include "tetvdb/core/Error.h"
+#include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/EdgeTable.h"
+#include "tetvdb/surface/FacesOfPoints.h"
 
 #include <algorithm>
 
@@ -28,9 +30,10 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
       isTested(before.points.size(), 0), firstGone(before.triangleCount(), kNone),
       nextGone(before.points.size(), kNone) {
   const EdgeTable edges(mesh);
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge)
-    if (!edges.isManifold(edge))
-      throw Error(Status::Invalid, "", "the surface is not a closed manifold");
+  if (countWhere(edges.edgeCount(), [&](std::size_t edge) {
+        return !edges.isManifold(static_cast<std::uint32_t>(edge));
+      }) > 0)
+    throw Error(Status::Invalid, "", "the surface is not a closed manifold");
   if (options.featureDegrees < 180)
     features = featureEdges(mesh, options.featureDegrees);
   Box box;
@@ -39,40 +42,66 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   midpoint_ = times(plus(box.low, box.high), 0.5);
   unit_ = options.tolerance > 0 ? options.tolerance
                                 : kUnitOfDiagonal * length(minus(box.high, box.low));
-  for (Vec3d& p : points)
-    p = times(minus(p, midpoint_), 1 / unit_);
-  std::vector<Vec3d> sums(points.size(), Vec3d{0, 0, 0}), ofFaces(mesh.triangleCount());
-  double lengths = 0;
-  for (std::size_t face = 0; face < mesh.triangleCount(); ++face) {
-    const std::uint32_t* v = &mesh.triangles[3 * face];
-    const Vec3d n = cross(minus(points[v[1]], points[v[0]]), minus(points[v[2]], points[v[0]]));
-    const double twice = length(n);
-    const Vec3d normal = times(n, twice > 0 ? 1 / twice : 0);
-    ofFaces[face] = normal;
-    for (std::size_t k = 0; k < 3; ++k) {
-      quadrics[v[k]].add(normal, -dot(normal, points[v[0]]), twice / 6);
-      sums[v[k]] = plus(sums[v[k]], n);
-      lengths += length(minus(points[v[(k + 1) % 3]], points[v[k]]));
+  forEachIndex(points.size(),
+               [&](std::size_t v) { points[v] = times(minus(points[v], midpoint_), 1 / unit_); });
+  const auto cornerOf = [&](std::size_t face, std::size_t k) -> const Vec3d& {
+    return points[mesh.triangles[3 * face + k]];
+  };
+  std::vector<Vec3d> ofFaces(mesh.triangleCount()); // of twice the area's length
+  forEachIndex(ofFaces.size(), [&](std::size_t face) {
+    ofFaces[face] = cross(minus(cornerOf(face, 1), cornerOf(face, 0)),
+                          minus(cornerOf(face, 2), cornerOf(face, 0)));
+  });
+  const FacesOfPoints facesOf(mesh);
+  forEachIndex(normals.size(), [&](std::size_t v) {
+    Vec3d sum{0, 0, 0};
+    for (const std::uint32_t face : facesOf(v)) {
+      const double twice = length(ofFaces[face]);
+      const Vec3d normal = times(ofFaces[face], twice > 0 ? 1 / twice : 0);
+      quadrics[v].add(normal, -dot(normal, cornerOf(face, 0)), twice / 6);
+      sum = plus(sum, ofFaces[face]);
     }
-  }
-  meanEdge = lengths / static_cast<double>(mesh.triangles.size());
+    normals[v] = unitOf(sum);
+  });
+  meanEdge = sumOver(mesh.triangles.size(),
+                     [&](std::size_t side) {
+                       return length(
+                           minus(cornerOf(side / 3, (side + 1) % 3), cornerOf(side / 3, side % 3)));
+                     }) /
+             static_cast<double>(mesh.triangles.size());
   longSide = kLongSide * kLongSide * meanEdge * meanEdge;
-  for (std::size_t v = 0; v < sums.size(); ++v)
-    normals[v] = unitOf(sums[v]);
   if (!(options.tolerance > 0))
     return;
   original = std::make_unique<TriangleScene>(before);
   if (outward)
     return;
-  points.reserve(points.size() + edges.edgeCount());
-  for (std::uint32_t edge = 0; edge < edges.edgeCount(); ++edge) {
+  const std::size_t vertices = points.size(), all = vertices + edges.edgeCount();
+  points.resize(all);
+  normals.resize(all);
+  nextGone.resize(all);
+  const auto unit = [](const Vec3d& v) { return times(v, length(v) > 0 ? 1 / length(v) : 0); };
+  forEachIndex(edges.edgeCount(), [&](std::size_t i) {
+    const auto edge = static_cast<std::uint32_t>(i);
     const EdgeTable::Sides sides = edges.sides(edge);
-    const std::uint32_t face = EdgeTable::faceOf(sides[0]);
-    nextGone.push_back(firstGone[face]);
-    firstGone[face] = static_cast<std::uint32_t>(points.size());
-    points.push_back(times(plus(points[edges.lowPoint(edge)], points[edges.highPoint(edge)]), 0.5));
-    normals.push_back(unitOf(plus(ofFaces[face], ofFaces[EdgeTable::faceOf(sides[1])])));
-  }
+    points[vertices + i] =
+        times(plus(points[edges.lowPoint(edge)], points[edges.highPoint(edge)]), 0.5);
+    normals[vertices + i] = unitOf(plus(unit(ofFaces[EdgeTable::faceOf(sides[0])]),
+                                        unit(ofFaces[EdgeTable::faceOf(sides[1])])));
+  });
+  forEachIndex(firstGone.size(), [&](std::size_t face) { // the first of two faces has the midpoint
+    std::array<std::uint32_t, 3> own{kNone, kNone, kNone};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto side = static_cast<std::uint32_t>(3 * face + k);
+      if (edges.sides(edges.edgeOf(side))[0] == side)
+        own[k] = edges.edgeOf(side);
+    }
+    std::sort(own.begin(), own.end());
+    for (std::size_t i = 0; i < 3 && own[i] != kNone; ++i) {
+      const auto point = static_cast<std::uint32_t>(vertices + own[i]);
+      nextGone[point] = firstGone[face];
+      firstGone[face] = point;
+    }
+  });
 }
 
 bool SimplifyState::isNear(const Vec3d& p) const {

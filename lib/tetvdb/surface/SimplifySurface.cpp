@@ -215,8 +215,9 @@ private:
   std::vector<VertexPair> mixedFeatures_; ///< between regions
 };
 
-// First cubes, then cubes that contain the borders of the first ones, then larger cubes, then the
-// whole: regions are collapsed in parallel, and the fewer edges an intersection undoes the better.
+// First cubes, then cubes that contain the borders of the first ones, then larger cubes twice, then
+// still larger ones, then the whole: regions are collapsed in parallel, and the fewer edges an
+// intersection undoes the better. What is left for the whole, on one thread, is little.
 // Each pass tries vertices that the ones before could not move, or whose faces have changed since.
 // A number of faces needs a single pass, since only the whole determines which collapses are the
 // cheapest.
@@ -224,7 +225,9 @@ void collapse(SimplifyState& surface, std::size_t maxFaces, Progress& progress) 
   std::vector<std::pair<double, double>> passes;
   if (maxFaces == 0 && surface.quadrics.size() > kSerial) {
     const double side = kRegionEdges * surface.meanEdge;
-    passes = {{side, 0.0}, {side, 0.5}, {kLargerRegions * side, 0.25}};
+    const double large = kLargerRegions * side;
+    passes = {
+        {side, 0.0}, {side, 0.5}, {large, 0.25}, {large, 0.75}, {kLargerRegions * large, 0.5}};
   }
   passes.emplace_back(kInfinity, 0.0);
   const std::size_t live = surface.liveFaces();

@@ -193,6 +193,9 @@ TEST(SimplifySurface, RefusesWhatIsNoClosedManifold) {
   };
   EXPECT_EQ(statusOf(sheet(4), within(1)), Status::Invalid);
   EXPECT_EQ(statusOf(withFacesFlipped(sphere(), 0.1), within(1)), Status::Invalid);
+  TriangleMesh repeated = sphere();
+  addTriangle(repeated, 0, 0, 1);
+  EXPECT_EQ(statusOf(repeated, within(1)), Status::Invalid);
   TriangleMesh tips = sphere({0, 0, 0}, 1, 6), other = sphere({2, 0, 0}, 1, 6);
   // Two balls that have one vertex in common.
   const auto first = static_cast<std::uint32_t>(tips.points.size());

@@ -65,9 +65,10 @@ public:
         isManifold = false;
       }
     });
-    for (std::uint32_t face = 0; face < mesh_.triangleCount(); ++face)
-      isManifold = isManifold && edges.hasFace(face);
-    if (!isManifold)
+    const auto isLeftOut = [&](std::size_t face) {
+      return !edges.hasFace(static_cast<std::uint32_t>(face));
+    };
+    if (!isManifold || countWhere(mesh_.triangleCount(), isLeftOut) > 0)
       return false;
     for (std::uint32_t side = 0; side < opposite_.size(); ++side)
       firstSide_[mesh_.triangles[side]] = side;

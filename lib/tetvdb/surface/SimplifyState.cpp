@@ -92,8 +92,9 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
     std::array<std::uint32_t, 3> own{kNone, kNone, kNone};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto side = static_cast<std::uint32_t>(3 * face + k);
-      if (edges.sides(edges.edgeOf(side))[0] == side)
-        own[k] = edges.edgeOf(side);
+      const std::uint32_t edge = edges.edgeOf(side);
+      if (edge != kNone && edges.sides(edge)[0] == side)
+        own[k] = edge;
     }
     std::sort(own.begin(), own.end());
     for (std::size_t i = 0; i < 3 && own[i] != kNone; ++i) {

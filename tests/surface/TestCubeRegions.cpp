@@ -42,5 +42,11 @@ TEST(CubeRegions, OnlyTheFirstPointsAndOneRegionForAnInfiniteSide) {
   EXPECT_EQ(divideByCubes({}, 0, 1, 0).count, 0U);
 }
 
+TEST(CubeRegions, MeanEdge) {
+  const std::vector<Vec3d> points{{0, 0, 0}, {3, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+  EXPECT_DOUBLE_EQ(meanEdge(points, {0, 1, 2}), 4);
+  EXPECT_DOUBLE_EQ(meanEdge(points, {0, 1, 2, 3, 1, 0}), 4); // 3, 5, 4 and 5, 3, 4
+}
+
 } // namespace
 } // namespace tetvdb

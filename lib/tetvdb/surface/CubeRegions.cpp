@@ -2,6 +2,7 @@
 #include "tetvdb/surface/CubeRegions.h"
 
 #include "tetvdb/core/ForEachIndex.h"
+#include "tetvdb/geometry/VectorMath.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,14 @@ CubeRegions divideByCubes(const std::vector<Vec3d>& points, std::size_t count, d
                   .first->second;
   regions.count = static_cast<std::uint32_t>(numbers.size());
   return regions;
+}
+
+double meanEdge(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners) {
+  const double sum = sumOver(corners.size(), [&](std::size_t side) {
+    const std::size_t next = side % 3 == 2 ? side - 2 : side + 1;
+    return length(minus(points[corners[next]], points[corners[side]]));
+  });
+  return sum / static_cast<double>(corners.size());
 }
 
 } // namespace tetvdb

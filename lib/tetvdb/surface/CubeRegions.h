@@ -20,4 +20,8 @@ struct CubeRegions {
 CubeRegions divideByCubes(const std::vector<Vec3d>& points, std::size_t count, double side,
                           double corner);
 
+/// The mean length of the sides of faces, which the sides of cubes are multiples of. `corners`:
+/// three point numbers per face. The same for any number of threads.
+double meanEdge(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& corners);
+
 } // namespace tetvdb

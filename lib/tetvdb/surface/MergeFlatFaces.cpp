@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <utility>
 
@@ -73,16 +72,11 @@ public:
     for (std::uint32_t side = 0; side < opposite_.size(); ++side)
       firstSide_[mesh_.triangles[side]] = side;
     // Where the faces at a point are several fans, some are not in the one that is counted.
-    std::atomic<std::size_t> sides{0};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, firstSide_.size(), 4096),
-                      [&](const auto& r) {
-                        std::size_t found = 0;
-                        for (std::size_t v = r.begin(); v != r.end(); ++v)
-                          if (firstSide_[v] != kNone)
-                            found += valence(static_cast<std::uint32_t>(v));
-                        sides += found;
-                      });
-    return sides == opposite_.size();
+    const double sides = sumOver(firstSide_.size(), [&](std::size_t v) {
+      return firstSide_[v] == kNone ? 0.0
+                                    : static_cast<double>(valence(static_cast<std::uint32_t>(v)));
+    });
+    return sides == static_cast<double>(opposite_.size());
   }
 
   void run(Progress& progress) {
@@ -353,20 +347,12 @@ private:
   std::vector<std::uint32_t> touched_, queued_; ///< by vertex: the last sweep
 };
 
-double meanEdge(const TriangleMesh& mesh) {
-  const auto sideLength = [&](std::size_t side) {
-    return length(minus(mesh.points[mesh.triangles[side]],
-                        mesh.points[mesh.triangles[EdgeTable::next(std::uint32_t(side))]]));
-  };
-  return sumOver(mesh.triangles.size(), sideLength) / static_cast<double>(mesh.triangles.size());
-}
-
 } // namespace
 
 double mergeFlatFaces(TriangleMesh& mesh, double tolerance, Progress& progress) {
   if (mesh.triangles.empty())
     return 0;
-  const double side = kRegionEdges * meanEdge(mesh);
+  const double side = kRegionEdges * meanEdge(mesh.points, mesh.triangles);
   std::vector<float> errors(mesh.triangleCount(), 0.0F);
   for (const double corner : {0.0, 0.5}) {
     FlatMerge merge(mesh, errors, tolerance,

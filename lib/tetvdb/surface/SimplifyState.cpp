@@ -5,8 +5,10 @@
 #include "tetvdb/core/ForEachIndex.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/surface/CubeRegions.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FacesOfPoints.h"
+#include "tetvdb/surface/FloatPositions.h"
 
 #include <algorithm>
 
@@ -16,10 +18,9 @@ namespace {
 constexpr double kLongSide = 3;          ///< in mean edge lengths
 constexpr double kUnitOfDiagonal = 1e-3; ///< without a tolerance
 
-std::array<float, 3> unitOf(const Vec3d& v) {
-  const double l = length(v), factor = l > 0 ? 1 / l : 0;
-  return {static_cast<float>(v[0] * factor), static_cast<float>(v[1] * factor),
-          static_cast<float>(v[2] * factor)};
+Vec3d unit(const Vec3d& v) {
+  const double size = length(v);
+  return times(v, size > 0 ? 1 / size : 0);
 }
 
 } // namespace
@@ -56,19 +57,13 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   forEachIndex(normals.size(), [&](std::size_t v) {
     Vec3d sum{0, 0, 0};
     for (const std::uint32_t face : facesOf(v)) {
-      const double twice = length(ofFaces[face]);
-      const Vec3d normal = times(ofFaces[face], twice > 0 ? 1 / twice : 0);
-      quadrics[v].add(normal, -dot(normal, cornerOf(face, 0)), twice / 6);
+      const Vec3d normal = unit(ofFaces[face]);
+      quadrics[v].add(normal, -dot(normal, cornerOf(face, 0)), length(ofFaces[face]) / 6);
       sum = plus(sum, ofFaces[face]);
     }
-    normals[v] = unitOf(sum);
+    normals[v] = asFloats(unit(sum));
   });
-  meanEdge = sumOver(mesh.triangles.size(),
-                     [&](std::size_t side) {
-                       return length(
-                           minus(cornerOf(side / 3, (side + 1) % 3), cornerOf(side / 3, side % 3)));
-                     }) /
-             static_cast<double>(mesh.triangles.size());
+  meanEdge = tetvdb::meanEdge(points, mesh.triangles);
   longSide = kLongSide * kLongSide * meanEdge * meanEdge;
   if (!(options.tolerance > 0))
     return;
@@ -79,14 +74,13 @@ SimplifyState::SimplifyState(const TriangleMesh& before, const SimplifyOptions& 
   points.resize(all);
   normals.resize(all);
   nextGone.resize(all);
-  const auto unit = [](const Vec3d& v) { return times(v, length(v) > 0 ? 1 / length(v) : 0); };
   forEachIndex(edges.edgeCount(), [&](std::size_t i) {
     const auto edge = static_cast<std::uint32_t>(i);
     const EdgeTable::Sides sides = edges.sides(edge);
     points[vertices + i] =
         times(plus(points[edges.lowPoint(edge)], points[edges.highPoint(edge)]), 0.5);
-    normals[vertices + i] = unitOf(plus(unit(ofFaces[EdgeTable::faceOf(sides[0])]),
-                                        unit(ofFaces[EdgeTable::faceOf(sides[1])])));
+    normals[vertices + i] = asFloats(unit(plus(unit(ofFaces[EdgeTable::faceOf(sides[0])]),
+                                               unit(ofFaces[EdgeTable::faceOf(sides[1])]))));
   });
   forEachIndex(firstGone.size(), [&](std::size_t face) { // the first of two faces has the midpoint
     std::array<std::uint32_t, 3> own{kNone, kNone, kNone};

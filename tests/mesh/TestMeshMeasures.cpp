@@ -20,6 +20,19 @@ TEST(MeshMeasures, DoNotDependOnTheOriginByMuch) {
   EXPECT_NEAR(areaOf(box), 6, 1e-9);
 }
 
+TEST(MeshMeasures, TheBoxIsOfUsedPoints) {
+  const std::vector<Vec3d> points{{1, 5, 2}, {-9, 9, 9}, {3, 4, 2}};
+  Box box = boxOf(points, {0, 2, 2});
+  EXPECT_EQ(box.low, (Vec3d{1, 4, 2}));
+  EXPECT_EQ(box.high, (Vec3d{3, 5, 2}));
+  box.add(boxOf(points, {})); // an empty box
+  EXPECT_EQ(box.low, (Vec3d{1, 4, 2}));
+  EXPECT_EQ(box.high, (Vec3d{3, 5, 2}));
+  box.add(boxOf(points, {1}));
+  EXPECT_EQ(box.low, (Vec3d{-9, 4, 2}));
+  EXPECT_EQ(box.high, (Vec3d{3, 9, 9}));
+}
+
 TEST(MeshMeasures, OfNothing) {
   EXPECT_EQ(areaOf(TriangleMesh()), 0);
   EXPECT_EQ(volumeOf(TriangleMesh()), 0);

@@ -13,10 +13,22 @@ namespace {
 
 constexpr double kEpsilon = 0.01;
 
-LostSurface check(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
-                  Boolean boolean = Boolean::Materials, double epsilon = kEpsilon) {
+struct Checked {
+  TwoSidedCheck figures;
+  std::vector<LostSurface::Point> lost;
+  double volumeError = 0;
+};
+
+Checked check(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
+              Boolean boolean = Boolean::Materials, double epsilon = kEpsilon) {
   Progress progress;
-  return checkBothSides(mesh, inputs, boolean, epsilon, progress);
+  const InputSurface original(inputs, boolean, epsilon, progress);
+  const LostSurface lost = original.lost(mesh, progress);
+  const InputSurface::Comparison compared = original.compare(mesh, progress);
+  return {{compared.outToIn, lost.inToOut, original.owedPoints(), lost.points.size(),
+           compared.volume, compared.windingVolume},
+          lost.points,
+          compared.volumeError};
 }
 
 /// The tets of an n^3 grid over the unit cube, each cell in a region; 0: left out.
@@ -45,7 +57,7 @@ TetMesh unitCube() {
   return grid(8, [](const Vec3d&) { return 1; });
 }
 
-void expectFaithful(const LostSurface& found) {
+void expectFaithful(const Checked& found) {
   EXPECT_EQ(found.figures.lostPoints, 0u);
   EXPECT_TRUE(found.lost.empty());
   EXPECT_LT(found.figures.inToOut, kEpsilon);
@@ -63,7 +75,7 @@ double owedShare(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
 TEST(TwoSidedCheck, FindsNothingWrongWithASphere) {
   const TetMesh ball = meshes::ball(10, 1, {5, 5, 5});
   Progress progress;
-  const LostSurface found = check(ball, {tetSurface(ball, progress)});
+  const Checked found = check(ball, {tetSurface(ball, progress)});
   expectFaithful(found);
   EXPECT_GT(found.figures.owedPoints, 45000u);
   EXPECT_LT(found.figures.inToOut, 1e-9);
@@ -76,7 +88,7 @@ TEST(TwoSidedCheck, FindsWhatIsLost) {
   // A block at a corner of the cube is not there.
   const auto isBlock = [](const Vec3d& p) { return p[0] > 0.5 && p[1] > 0.5 && p[2] > 0.75; };
   const TetMesh mesh = grid(8, [&](const Vec3d& p) { return isBlock(p) ? 0 : 1; });
-  const LostSurface found = check(mesh, {meshes::box()});
+  const Checked found = check(mesh, {meshes::box()});
   // The top's quarter and strips at two sides, all but what is within epsilon of what is left.
   const double side = 0.5 - kEpsilon, height = 0.25 - kEpsilon;
   const double lostArea = side * side + 2 * side * height;
@@ -103,7 +115,7 @@ TEST(TwoSidedCheck, FindsALostCorner) {
   const TetMesh mesh = grid(16, [&](const Vec3d& p) {
     return p[0] > 1 - side && p[1] > 1 - side && p[2] > 1 - side ? 0 : 1;
   });
-  const LostSurface found = check(mesh, {meshes::box()}, Boolean::Materials, 0.99 * side);
+  const Checked found = check(mesh, {meshes::box()}, Boolean::Materials, 0.99 * side);
   ASSERT_EQ(found.lost.size(), 1u);
   EXPECT_EQ(found.lost[0].at, (Vec3d{1, 1, 1}));
   EXPECT_NEAR(found.figures.inToOut, side, 1e-9);
@@ -111,7 +123,7 @@ TEST(TwoSidedCheck, FindsALostCorner) {
 }
 
 TEST(TwoSidedCheck, FindsTetsThatStandOut) {
-  const LostSurface found = check(unitCube(), {meshes::box({0, 0, 0}, {1, 1, 0.9})});
+  const Checked found = check(unitCube(), {meshes::box({0, 0, 0}, {1, 1, 0.9})});
   EXPECT_NEAR(found.figures.outToIn, 0.1, 1e-9);
   EXPECT_NEAR(found.figures.inToOut, 0.1, 1e-9);
   EXPECT_NEAR(found.figures.windingVolume, 0.9, 4 * found.volumeError);
@@ -122,7 +134,7 @@ TEST(TwoSidedCheck, SaysWhichInputAndTriangleIsLost) {
   const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[0] < 0.5 ? 1 : 0; });
   const std::vector<TriangleMesh> inputs{meshes::box({0, 0, 0}, {0.5, 1, 1}),
                                          meshes::box({0.6, 0, 0}, {0.9, 1, 1})};
-  const LostSurface found = check(mesh, inputs);
+  const Checked found = check(mesh, inputs);
   ASSERT_GT(found.lost.size(), 100u);
   for (const LostSurface::Point& point : found.lost) {
     ASSERT_EQ(point.input, 1u);
@@ -152,12 +164,12 @@ TEST(TwoSidedCheck, InteriorWallsSheetsAndDoubledShellsAreNotOwed) {
     return Vec3d{p[0] + 2, p[1], p[2]};
   });
   for (const TriangleMesh& more : {wall, inner, aside}) {
-    const LostSurface found = check(unitCube(), {meshes::joined({cube, more})});
+    const Checked found = check(unitCube(), {meshes::joined({cube, more})});
     expectFaithful(found);
     EXPECT_GT(found.figures.owedPoints, 30000u);
   }
   // A cavity is.
-  const LostSurface found = check(unitCube(), {meshes::joined({cube, meshes::flipped(inner)})});
+  const Checked found = check(unitCube(), {meshes::joined({cube, meshes::flipped(inner)})});
   EXPECT_GT(found.figures.lostPoints, 5000u);
   EXPECT_NEAR(found.figures.windingVolume, 1 - 0.216, 4 * found.volumeError);
 }
@@ -176,7 +188,7 @@ TEST(TwoSidedCheck, WallsThinnerThanHalfAnEpsilonAreNotOwed) {
   const TetMesh mesh = unitCube();
   for (const double thick : {0.4, 0.6}) {
     const TriangleMesh fin = meshes::box({0.2, 0.2, 1.2}, {0.8, 0.8, 1.2 + thick * kEpsilon});
-    const LostSurface found = check(mesh, {meshes::joined({meshes::box(), fin})});
+    const Checked found = check(mesh, {meshes::joined({meshes::box(), fin})});
     if (thick < 0.5)
       EXPECT_LT(found.figures.lostPoints, 1000u) << "but its edges"; // of 50 000
     else
@@ -197,7 +209,7 @@ TEST(TwoSidedCheck, BooleansOweWhatTheyKeep) {
   expectFaithful(
       check(grid(8, [](const Vec3d& p) { return p[2] < 0.5 ? 1 : 2; }), both, Boolean::Materials));
   // Without regions the surface between them is lost: one of seven unit squares.
-  const LostSurface found = check(unitCube(), both, Boolean::Materials);
+  const Checked found = check(unitCube(), both, Boolean::Materials);
   EXPECT_GT(found.figures.lostPoints, 5000u);
   for (const LostSurface::Point& point : found.lost)
     EXPECT_NEAR(point.at[2], 0.5, 1e-12);
@@ -208,7 +220,7 @@ TEST(TwoSidedCheck, BooleansOweWhatTheyKeep) {
 
 TEST(TwoSidedCheck, OutsideTetsAreNoPartOfTheSolid) {
   const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[0] < 0.5 ? 1 : -1; });
-  const LostSurface found = check(mesh, {meshes::box({0, 0, 0}, {0.5, 1, 1})});
+  const Checked found = check(mesh, {meshes::box({0, 0, 0}, {0.5, 1, 1})});
   expectFaithful(found);
   EXPECT_NEAR(found.figures.volume, 0.5, 1e-12);
 }
@@ -222,7 +234,7 @@ TEST(TwoSidedCheck, HolesAreClosedFarFromTheInput) {
       minValue = std::min(minValue, cube.points[cube.triangles[3 * face + k]][2]);
     return minValue == 1;
   });
-  const LostSurface found = check(unitCube(), {open});
+  const Checked found = check(unitCube(), {open});
   EXPECT_EQ(found.figures.lostPoints, 0u);
   EXPECT_LT(found.figures.outToIn, 1e-9);
   EXPECT_GT(found.figures.owedPoints, 45000u);
@@ -250,7 +262,7 @@ TEST(TwoSidedCheck, WhatIsBesideABoundaryEdgeIsNotOwed) {
   });
   constexpr double kHeight = 0.5;
   const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[2] < kHeight ? 1 : 0; });
-  const LostSurface found = check(mesh, {open});
+  const Checked found = check(mesh, {open});
   // By brute force, at points of the wall x = 0: how many are owed, and the nearest to 0.5 of all.
   const auto doubt = [&](double y, double z) {
     double minValue = 1;
@@ -281,6 +293,21 @@ TEST(TwoSidedCheck, WhatIsBesideABoundaryEdgeIsNotOwed) {
   EXPECT_GT(onWall, 400u);
 }
 
+TEST(TwoSidedCheck, InputsAreComparedWithOneMeshAfterAnother) {
+  // What one mesh loses does not change what is found of the next.
+  const std::vector<TriangleMesh> inputs{meshes::box()};
+  Progress progress;
+  const InputSurface original(inputs, Boolean::Materials, kEpsilon, progress);
+  const TetMesh half = grid(8, [](const Vec3d& p) { return p[0] < 0.5 ? 1 : 0; });
+  const std::size_t owed = original.owedPoints();
+  EXPECT_GT(original.lost(half, progress).points.size(), owed / 3);
+  EXPECT_NEAR(original.compare(half, progress).volume, 0.5, 1e-12);
+  EXPECT_TRUE(original.lost(unitCube(), progress).points.empty());
+  EXPECT_NEAR(original.compare(unitCube(), progress).windingVolume, 1, 1e-12);
+  EXPECT_EQ(original.owedPoints(), owed);
+  EXPECT_EQ(original.lost(half, progress).boundaryFaces, 8u * 8 * 2 * 2 + 4 * 8 * 4 * 2);
+}
+
 TEST(TwoSidedCheck, IsTheSameWhateverItsPlace) {
   const TetMesh mesh = grid(8, [](const Vec3d& p) { return p[0] + p[1] < 1 ? 1 : 0; });
   const TriangleMesh cube = meshes::box();
@@ -288,9 +315,9 @@ TEST(TwoSidedCheck, IsTheSameWhateverItsPlace) {
   const TriangleMesh farCube = meshes::moved(cube, [&](const Vec3d& p) {
     return Vec3d{p[0] * scale + shift, p[1] * scale + shift, p[2] * scale + shift};
   });
-  const LostSurface here = check(mesh, {cube});
-  const LostSurface there = check(meshes::scaled(mesh, scale, {shift, shift, shift}), {farCube},
-                                  Boolean::Materials, kEpsilon * scale);
+  const Checked here = check(mesh, {cube});
+  const Checked there = check(meshes::scaled(mesh, scale, {shift, shift, shift}), {farCube},
+                              Boolean::Materials, kEpsilon * scale);
   EXPECT_NEAR(double(there.figures.lostPoints), double(here.figures.lostPoints), 5);
   EXPECT_NEAR(there.figures.windingVolume / (scale * scale * scale), here.figures.windingVolume,
               1e-3);

@@ -7,6 +7,13 @@
 
 namespace tetvdb {
 
+Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& used) {
+  Box box;
+  for (const std::uint32_t point : used)
+    box.add(points[point]);
+  return box;
+}
+
 double areaOf(const TriangleMesh& mesh) {
   double sum = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {

@@ -43,13 +43,6 @@ constexpr std::size_t kFewestFaces = 4; // of a closed surface
 constexpr std::size_t kDistanceSamples = 20000; // on each mesh
 constexpr double kThickestShell = 10;           // in diagonals of the mesh's box
 
-Box boxOf(const TriangleMesh& mesh) {
-  Box box;
-  for (const std::uint32_t v : mesh.triangles)
-    box.add(mesh.points[v]);
-  return box;
-}
-
 // The smallest voxel whose surface of a shell has at most `maxFaces` faces, three a voxel's side,
 // be it as large as that of its box.
 double voxelForShell(const Box& box, double shell, std::size_t maxFaces) {
@@ -200,7 +193,7 @@ private:
 
   // A thicker shell is a ball, whatever the mesh.
   void requireShapedShell(const TriangleMesh& mesh) const {
-    const Box box = boxOf(mesh);
+    const Box box = boxOf(mesh.points, mesh.triangles);
     const double diagonal = length(minus(box.high, box.low));
     if (job_.solid.shell > kThickestShell * diagonal)
       throw Error(
@@ -222,7 +215,7 @@ private:
       const std::size_t maxFaces = std::min(kMaxRepairedFaces, memory / kBytesPerFaceOfRepair);
       double size = voxelForDetail(mesh, maxFaces, progress_);
       if (job_.solid.shell > 0)
-        size = std::max(size, voxelForShell(boxOf(mesh), job_.solid.shell, maxFaces));
+        size = std::max(size, voxelForShell(boxOf(mesh.points, mesh.triangles), job_.solid.shell, maxFaces));
       options.voxelSize.fill(size);
     }
     options.origin = originOffFaces(mesh, options);
@@ -234,7 +227,7 @@ private:
   // The sides of the box then pass between the voxels' centres, and with them most flat sides.
   Vec3d originOffFaces(const TriangleMesh& mesh, const VoxelizeOptions& options) const {
     const Vec3d size = chooseTransform(mesh, options, job_.solid).voxelSize;
-    return minus(boxOf(mesh).low, times(size, kOffFaces));
+    return minus(boxOf(mesh.points, mesh.triangles).low, times(size, kOffFaces));
   }
 
   // On the lattice of the voxels, if the winding number closes holes.

@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/TriangleScene.h"
 #include "tetvdb/tetrahedralize/inside/ChainWinding.h"
 #include "tetvdb/voxelize/SoupBoundary.h"
@@ -55,13 +56,6 @@ LatticePoint pointOf(const Vec3d& p) {
   return {p[0], p[1], p[2]};
 }
 
-Box boxOfFaces(const TriangleMesh& mesh) {
-  Box box;
-  for (const std::uint32_t corner : mesh.triangles)
-    box.add(mesh.points[corner]);
-  return box;
-}
-
 // The number of the first point that is not finite, or `count`.
 std::size_t firstNotFinite(const Vec3d* points, std::size_t count) {
   std::atomic<std::size_t> first{count};
@@ -80,7 +74,7 @@ std::size_t firstNotFinite(const Vec3d* points, std::size_t count) {
 
 struct SolidQuery::Impl {
   Impl(TriangleMesh given, Progress& progress)
-      : mesh(checked(std::move(given))), lattice(boxOfFaces(mesh)),
+      : mesh(checked(std::move(given))), lattice(boxOf(mesh.points, mesh.triangles)),
         open(soupBoundary(mesh, progress)), winding(faces(), boundary()), scene(mesh) {}
 
   static TriangleMesh checked(TriangleMesh given) {

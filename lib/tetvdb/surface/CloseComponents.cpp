@@ -4,6 +4,7 @@
 #include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FacePatches.h"
@@ -259,9 +260,7 @@ private:
         double(ofOpen.anglesPerPoint() + ofGiven.anglesPerPoint() + ofAdded.anglesPerPoint());
     const auto samples = static_cast<std::size_t>(
         std::clamp(kMaxWork / angles, double(kMinSamples), double(kMaxSamples)));
-    Box box;
-    for (const std::uint32_t corner : mesh_.triangles)
-      box.add(mesh_.points[corner]);
+    const Box box = boxOf(mesh_.points, mesh_.triangles);
     enum Sample : std::uint8_t { Outside, Inside, Lost };
     std::vector<std::uint8_t> found(samples, Outside);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples, 16), [&](const auto& range) {

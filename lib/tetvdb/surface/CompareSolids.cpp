@@ -2,6 +2,7 @@
 #include "tetvdb/surface/CompareSolids.h"
 
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/SampleBox.h"
 #include "tetvdb/surface/WindingField.h"
 
@@ -27,10 +28,8 @@ SolidComparison compareSolids(const TriangleMesh& before, const TriangleMesh& af
   if (before.triangles.empty() || after.triangles.empty())
     return result;
   const WindingField first(before), second(after);
-  Box box;
-  for (const TriangleMesh* mesh : {&before, &after})
-    for (const std::uint32_t corner : mesh->triangles)
-      box.add(mesh->points[corner]);
+  Box box = boxOf(before.points, before.triangles);
+  box.add(boxOf(after.points, after.triangles));
   const std::size_t angles =
       std::max<std::size_t>(1, first.anglesPerPoint() + second.anglesPerPoint());
   const std::size_t max = std::clamp(kMaxWork / angles, kFirstSamples / 16, kMaxSamples);

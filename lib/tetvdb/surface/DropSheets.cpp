@@ -4,6 +4,7 @@
 #include "tetvdb/core/DisjointSets.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/WindingField.h"
@@ -61,9 +62,7 @@ std::vector<Part> openParts(const TriangleMesh& mesh) {
 class SheetSearch {
 public:
   explicit SheetSearch(const TriangleMesh& mesh) : mesh_(mesh), field_(mesh) {
-    Box box;
-    for (const std::uint32_t corner : mesh.triangles)
-      box.add(mesh.points[corner]);
+    const Box box = boxOf(mesh.points, mesh.triangles);
     offset_ = kOffset * length(minus(box.high, box.low));
   }
 

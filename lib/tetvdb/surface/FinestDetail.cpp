@@ -28,18 +28,11 @@ double twiceArea(const TriangleMesh& mesh, std::size_t face) {
                       minus(mesh.points[v[2]], mesh.points[v[0]])));
 }
 
-Box boxOf(const TriangleMesh& mesh) {
-  Box box;
-  for (const std::uint32_t v : mesh.triangles)
-    box.add(mesh.points[v]);
-  return box;
-}
-
 } // namespace
 
 double finestThickness(const TriangleMesh& mesh, Progress& progress) {
   const TriangleScene scene(mesh);
-  const Box box = boxOf(mesh);
+  const Box box = boxOf(mesh.points, mesh.triangles);
   const double diagonal = length(minus(box.high, box.low));
   const double step = areaOf(mesh) / static_cast<double>(kSamples);
   std::vector<double> thickness;
@@ -78,7 +71,7 @@ double finestThickness(const TriangleMesh& mesh, Progress& progress) {
 }
 
 double voxelForDetail(const TriangleMesh& mesh, std::size_t maxFaces, Progress& progress) {
-  const Box box = boxOf(mesh);
+  const Box box = boxOf(mesh.points, mesh.triangles);
   const Vec3d size = minus(box.high, box.low);
   const double longest = std::max({size[0], size[1], size[2]});
   if (!(longest > 0))

@@ -3,6 +3,7 @@
 
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/FacePieces.h"
 
 #include <algorithm>
@@ -51,9 +52,7 @@ std::optional<Vec3d> crossing(const Vec3d& a, const Vec3d& b, const Vec3d& c, co
 
 LatticeChain latticeChain(const TriangleMesh& mesh) {
   LatticeChain chain;
-  Box box;
-  for (const std::uint32_t corner : mesh.triangles)
-    box.add(mesh.points[corner]);
+  const Box box = boxOf(mesh.points, mesh.triangles);
   chain.origin = box.low;
   double extent = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)

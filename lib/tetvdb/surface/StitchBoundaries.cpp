@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/TriangulatePolygon.h"
@@ -34,9 +35,7 @@ constexpr double kAgainst = -0.9;      // cosine between edges of opposite direc
 class Boundary {
 public:
   Boundary(const TriangleMesh& mesh, const EdgeTable& edges) : mesh_(mesh) {
-    Box box;
-    for (const std::uint32_t corner : mesh.triangles)
-      box.add(mesh.points[corner]);
+    const Box box = boxOf(mesh.points, mesh.triangles);
     for (const Vec3d& p : {box.low, box.high})
       for (const double c : p)
         rounding_ = std::max(rounding_, kRounding * std::abs(c));

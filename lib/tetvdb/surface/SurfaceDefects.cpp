@@ -6,6 +6,7 @@
 #include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/DuplicateFaces.h"
 #include "tetvdb/surface/EdgeTable.h"
 #include "tetvdb/surface/FacePatches.h"
@@ -94,9 +95,7 @@ FaceSums sumFaces(const TriangleMesh& mesh, const Vec3d& centre,
 
 void measureFaces(const TriangleMesh& mesh, SurfaceDefects& defects,
                   std::vector<std::uint8_t>& degenerate) {
-  Box box;
-  for (const std::uint32_t corner : mesh.triangles)
-    box.add(mesh.points[corner]);
+  const Box box = boxOf(mesh.points, mesh.triangles);
   if (mesh.triangles.empty())
     return;
   defects.boxMin = box.low;

@@ -4,6 +4,7 @@
 #include "tetvdb/core/Constants.h"
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/WindingCurtain.h"
 
 #include <algorithm>
@@ -29,9 +30,7 @@ const std::array<Vec3d, 3> kAxes = [] {
 } // namespace
 
 WindingField::TurnedLattice::TurnedLattice(const TriangleMesh& mesh) {
-  Box box;
-  for (const std::uint32_t corner : mesh.triangles)
-    box.add(mesh.points[corner]);
+  const Box box = boxOf(mesh.points, mesh.triangles);
   if (mesh.triangles.empty())
     return;
   centre = times(plus(box.low, box.high), 0.5);

@@ -2,6 +2,7 @@
 #include "tetvdb/surface/WindingShares.h"
 
 #include "tetvdb/geometry/BoxTree.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/surface/SampleBox.h"
 #include "tetvdb/surface/WindingField.h"
 
@@ -24,9 +25,7 @@ std::array<double, 4> windingShares(const TriangleMesh& mesh,
                                     const std::vector<std::uint32_t>& corners,
                                     const EdgeTable& edges, std::size_t samples,
                                     Progress& progress) {
-  Box box;
-  for (const std::uint32_t corner : corners)
-    box.add(mesh.points[corner]);
+  const Box box = boxOf(mesh.points, corners);
   if (samples == 0 || corners.empty())
     return {0, 0, 0, 0};
   // Nothing is inside a box without volume, and all rays in it may meet all of its faces.

@@ -5,6 +5,7 @@
 #include "tetvdb/geometry/BoxTree.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/mesh/CheckMesh.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/tetrahedralize/TwoSidedCheck.h"
 #include "tetvdb/tetrahedralize/complex/Improve.h"
 #include "tetvdb/tetrahedralize/complex/TetComplex.h"
@@ -102,14 +103,6 @@ struct Lengths {
   double diagonal, epsilon, edge; // world
 };
 
-Box boxOf(const std::vector<TriangleMesh>& inputs) {
-  Box box;
-  for (const TriangleMesh& mesh : inputs)
-    for (const std::uint32_t corner : mesh.triangles)
-      box.add(mesh.points[corner]);
-  return box;
-}
-
 Lengths checkLengths(const Box& box, const TetrahedralizeOptions& options) {
   Lengths lengths{};
   lengths.diagonal = length(minus(box.high, box.low));
@@ -156,6 +149,7 @@ struct Work {
   const Envelope& boundary;
   double radius; // lattice units
   WorkDone& done;
+  std::unique_ptr<const InputSurface>& original; ///< made once there is a mesh to compare with it
 
   double toLattice(double length) const { return length / lattice.unit(); }
 };
@@ -187,10 +181,12 @@ void measureEnergies(const WorkingLattice& lattice, double stopEnergy, Tetrahedr
                    [](const BadTet& a, const BadTet& b) { return a.energy > b.energy; });
 }
 
-// Improves the mesh, keeps the tets that are inside and checks the result in both directions.
-LostSurface finish(const Work& work, const InsertedSurface& inserted, const Landmarks* landmarks,
-                   const std::vector<Vec3d>& kept, TetComplex& complex, Tetrahedralization& made,
-                   StageTimer& timer, Progress& progress) {
+// Improves the mesh and keeps the tets that are inside. Returns the points of the inputs that are
+// lost.
+std::vector<LostSurface::Point> finish(const Work& work, const InsertedSurface& inserted,
+                                       const Landmarks* landmarks, const std::vector<Vec3d>& kept,
+                                       TetComplex& complex, Tetrahedralization& made,
+                                       StageTimer& timer, Progress& progress) {
   const TetrahedralizeOptions& options = work.options;
   const std::size_t count = work.inputs.size();
   const double edge = work.toLattice(work.lengths.edge);
@@ -241,11 +237,15 @@ LostSurface finish(const Work& work, const InsertedSurface& inserted, const Land
 
   timer.part("check");
   progress.stage("check");
-  LostSurface lost =
-      checkBothSides(made.mesh, work.inputs, options.boolean, work.lengths.epsilon, progress);
-  made.check = lost.figures;
+  if (!work.original)
+    work.original = std::make_unique<const InputSurface>(work.inputs, options.boolean,
+                                                         work.lengths.epsilon, progress);
+  LostSurface lost = work.original->lost(made.mesh, progress);
   made.boundaryFaces = lost.boundaryFaces;
-  return lost;
+  made.check.inToOut = lost.inToOut;
+  made.check.owedPoints = work.original->owedPoints();
+  made.check.lostPoints = lost.points.size();
+  return std::move(lost.points);
 }
 
 // Where points were lost, in lattice units.
@@ -286,6 +286,11 @@ bool mends(const Work& work) {
   return fixesPoints(work) || work.boundary.empty();
 }
 
+// Whether so much is lost that no more is tried.
+bool areMany(const Work& work, const std::vector<Vec3d>& lost) {
+  return lost.size() > work.original->owedPoints() / kFewLost;
+}
+
 // finish(), repeated where a few points are lost. The next round keeps them, and `kept`: by fixed
 // points, or, where an energy is asked for, by landmarks. Returns what is lost in the end.
 std::vector<Vec3d> finishAndMend(const Work& work, InsertedSurface inserted,
@@ -302,15 +307,14 @@ std::vector<Vec3d> finishAndMend(const Work& work, InsertedSurface inserted,
       keepNear(mesh, kept, kKeptRadii * work.radius);
     else if (!kept.empty())
       landmarks = std::make_unique<const Landmarks>(work.surface, work.radius, kept);
-    const LostSurface found =
-        finish(work, inserted, landmarks.get(), kept, mesh, made, timer, progress);
-    std::vector<Vec3d> lost = placesOf(found.lost, work.lattice);
+    std::vector<Vec3d> lost = placesOf(
+        finish(work, inserted, landmarks.get(), kept, mesh, made, timer, progress), work.lattice);
     if (round > 0 && lost.size() >= bestLost.size()) {
       made = std::move(best);
       return bestLost;
     }
     const bool isWorthwhile = round == 0 || 2 * lost.size() <= bestLost.size();
-    if (last || lost.empty() || !isWorthwhile || lost.size() > found.figures.owedPoints / kFewLost)
+    if (last || lost.empty() || !isWorthwhile || areMany(work, lost))
       return lost;
     kept.insert(kept.end(), lost.begin(), lost.end());
     best = made;
@@ -361,9 +365,11 @@ Box checkInputs(const std::vector<TriangleMesh>& inputs) {
         Status::Usage, "",
         fmt::format("{} meshes were given; {} can be told apart", inputs.size(), kMaxInputs),
         "join some of them into one file");
-  for (const TriangleMesh& input : inputs)
+  Box box;
+  for (const TriangleMesh& input : inputs) {
     checkMesh(input);
-  const Box box = boxOf(inputs);
+    box.add(boxOf(input.points, input.triangles));
+  }
   if (!(box.low[0] <= box.high[0]))
     throw Error(Status::Invalid, "", "the mesh has no triangles");
   return box;
@@ -488,7 +494,7 @@ Tetrahedralization meshInputs(const Work& work, StageTimer& timer, Progress& pro
       break;
     best = std::move(made);
     bestLost = std::move(lost);
-    if (bestLost.empty() || bestLost.size() > best.check.owedPoints / kFewLost || !mends(work) ||
+    if (bestLost.empty() || areMany(work, bestLost) || !mends(work) ||
         work.done.tets > kMaxRepeated)
       break;
     kept.insert(kept.end(), bestLost.begin(), bestLost.end());
@@ -524,8 +530,16 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
   const Envelope boundary(soup.points, boundaryEdges(soup), radius);
 
   WorkDone done;
+  std::unique_ptr<const InputSurface> original;
   Tetrahedralization made = meshInputs(
-      {inputs, options, lengths, lattice, soup, surface, boundary, radius, done}, timer, progress);
+      {inputs, options, lengths, lattice, soup, surface, boundary, radius, done, original}, timer,
+      progress);
+  timer.part("check");
+  progress.stage("check");
+  const InputSurface::Comparison compared = original->compare(made.mesh, progress);
+  made.check.outToIn = compared.outToIn;
+  made.check.volume = compared.volume;
+  made.check.windingVolume = compared.windingVolume;
   made.epsilonAsked = lengths.epsilon;
   made.edgeLength = lengths.edge;
   warnOfLoss(made, options, lengths.epsilon, report);

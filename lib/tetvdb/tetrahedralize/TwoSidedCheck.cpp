@@ -142,7 +142,7 @@ struct JoinedInputs {
   std::vector<std::size_t> begins; ///< first triangle of each input
 };
 
-JoinedInputs joined(const std::vector<TriangleMesh>& inputs) {
+JoinedInputs joinInputs(const std::vector<TriangleMesh>& inputs) {
   JoinedInputs all;
   for (const TriangleMesh& input : inputs) {
     const auto first = static_cast<std::uint32_t>(all.mesh.points.size());
@@ -202,9 +202,9 @@ std::vector<double> distances(const TriangleScene& scene, const std::vector<Surf
 }
 
 // Samples of the input whose sides half an epsilon off clearly belong to different regions.
-std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSample> samples,
-                                const InputWindings& windings, std::size_t inputCount,
-                                Boolean boolean, double epsilon, Progress& progress) {
+std::vector<SurfaceSample> owedOf(const TriangleMesh& mesh, std::vector<SurfaceSample> samples,
+                                  const InputWindings& windings, std::size_t inputCount,
+                                  Boolean boolean, double epsilon, Progress& progress) {
   Points sides(2 * samples.size());
   forEachIndex(samples.size(), [&](std::size_t i) {
     const SurfaceSample& sample = samples[i];
@@ -231,9 +231,34 @@ std::vector<SurfaceSample> owed(const TriangleMesh& mesh, std::vector<SurfaceSam
   return samples;
 }
 
-void checkVolume(const RegionSurface& surface, const InputWindings& windings,
-                 const WorkingLattice& lattice, const Box& box, std::size_t inputCount,
-                 Boolean boolean, Progress& progress, LostSurface& found) {
+} // namespace
+
+struct InputSurface::Impl {
+  const std::vector<TriangleMesh>& inputs;
+  const Boolean boolean;
+  const double epsilon;
+  const JoinedInputs joined;
+  const WorkingLattice lattice;
+  const InputWindings windings;
+  std::vector<SurfaceSample> owed;
+
+  Impl(const std::vector<TriangleMesh>& meshes, Boolean rule, double distance, Progress& progress)
+      : inputs(meshes), boolean(rule), epsilon(distance), joined(joinInputs(meshes)),
+        lattice(boxOf(joined.mesh.points, joined.mesh.triangles)),
+        windings(meshes, lattice, progress) {
+    std::vector<SurfaceSample> samples = samplesOf(joined.mesh, epsilon, windings.fewer());
+    addCorners(joined.mesh, windings.fewer(), samples);
+    owed = owedOf(joined.mesh, std::move(samples), windings, inputs.size(), boolean, epsilon,
+                  progress);
+  }
+
+  void compareVolumes(const RegionSurface& surface, Progress& progress, Comparison& found) const;
+};
+
+void InputSurface::Impl::compareVolumes(const RegionSurface& surface, Progress& progress,
+                                        Comparison& found) const {
+  Box box = boxOf(joined.mesh.points, joined.mesh.triangles);
+  box.add(boxOf(surface.mesh.points, surface.mesh.triangles));
   Points points(kPointsInBox);
   std::vector<LatticePoint> onLattice(kPointsInBox);
   forEachIndex(kPointsInBox, [&](std::size_t i) {
@@ -245,7 +270,7 @@ void checkVolume(const RegionSurface& surface, const InputWindings& windings,
   const std::vector<double> covered = tets.at(onLattice, progress);
   double more = 0, differ = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool byInputs = regionOf(places[i].mask, inputCount, boolean) != kOutsideRegion;
+    const bool byInputs = regionOf(places[i].mask, inputs.size(), boolean) != kOutsideRegion;
     const bool byTets = covered[i] > 0.5;
     more += (byInputs ? 1 : 0) - (byTets ? 1 : 0);
     differ += byInputs != byTets ? 1 : 0;
@@ -254,59 +279,55 @@ void checkVolume(const RegionSurface& surface, const InputWindings& windings,
   for (std::size_t axis = 0; axis < 3; ++axis)
     whole *= box.high[axis] - box.low[axis];
   const double n = static_cast<double>(kPointsInBox);
-  found.figures.volume = surface.volume;
-  found.figures.windingVolume = surface.volume + whole * more / n;
+  found.volume = surface.volume;
+  found.windingVolume = surface.volume + whole * more / n;
   found.volumeError = whole * std::sqrt(differ) / n;
 }
 
-} // namespace
+InputSurface::InputSurface(const std::vector<TriangleMesh>& inputs, Boolean boolean, double epsilon,
+                           Progress& progress)
+    : impl_(std::make_unique<const Impl>(inputs, boolean, epsilon, progress)) {}
 
-LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
-                           Boolean boolean, double epsilon, Progress& progress) {
-  LostSurface found;
-  const JoinedInputs input = joined(inputs);
+InputSurface::~InputSurface() = default;
+
+std::size_t InputSurface::owedPoints() const {
+  return impl_->owed.size();
+}
+
+LostSurface InputSurface::lost(const TetMesh& mesh, Progress& progress) const {
   const RegionSurface surface = regionSurface(mesh, progress);
+  const std::vector<SurfaceSample>& owed = impl_->owed;
+  const std::vector<std::size_t>& begins = impl_->joined.begins;
+  const std::vector<double> distance = distances(TriangleScene(surface.mesh), owed, progress);
+  LostSurface found;
   found.boundaryFaces = surface.outerFaces;
-  Box box;
-  for (const TriangleMesh* part : {&input.mesh, &surface.mesh})
-    for (const std::uint32_t corner : part->triangles)
-      box.add(part->points[corner]);
-  if (input.mesh.triangles.empty() && surface.mesh.triangles.empty())
-    return found;
-  const WorkingLattice lattice(box);
-  const InputWindings windings(inputs, lattice, progress);
-  const TriangleScene inputScene(input.mesh), surfaceScene(surface.mesh);
-
-  std::vector<SurfaceSample> inSamples = samplesOf(input.mesh, epsilon, windings.fewer());
-  addCorners(input.mesh, windings.fewer(), inSamples);
-  inSamples =
-      owed(input.mesh, std::move(inSamples), windings, inputs.size(), boolean, epsilon, progress);
-  found.figures.owedPoints = inSamples.size();
-  const std::vector<double> inDistances = distances(surfaceScene, inSamples, progress);
-  for (std::size_t i = 0; i < inSamples.size(); ++i) {
-    found.figures.inToOut = std::max(found.figures.inToOut, inDistances[i]);
-    if (!(inDistances[i] > epsilon * (1 + kRounding)))
+  for (std::size_t i = 0; i < owed.size(); ++i) {
+    found.inToOut = std::max(found.inToOut, distance[i]);
+    if (!(distance[i] > impl_->epsilon * (1 + kRounding)))
       continue;
     const auto number = static_cast<std::size_t>(
-        std::upper_bound(input.begins.begin(), input.begins.end(), inSamples[i].triangle) -
-        input.begins.begin() - 1);
-    found.lost.push_back(
-        {inSamples[i].at, static_cast<std::uint32_t>(number),
-         static_cast<std::uint32_t>(inSamples[i].triangle - input.begins[number])});
+        std::upper_bound(begins.begin(), begins.end(), owed[i].triangle) - begins.begin() - 1);
+    found.points.push_back({owed[i].at, static_cast<std::uint32_t>(number),
+                            static_cast<std::uint32_t>(owed[i].triangle - begins[number])});
   }
-  found.figures.lostPoints = found.lost.size();
+  return found;
+}
 
-  const std::vector<SurfaceSample> outSamples = samplesOf(surface.mesh, epsilon, windings.fewer());
-  Points outPoints;
-  for (const SurfaceSample& sample : outSamples)
-    outPoints.push_back(sample.at);
-  const std::vector<bool> whole = windings.areWhole(outPoints, progress);
-  const std::vector<double> outDistances = distances(inputScene, outSamples, progress);
-  for (std::size_t i = 0; i < outSamples.size(); ++i)
+InputSurface::Comparison InputSurface::compare(const TetMesh& mesh, Progress& progress) const {
+  const RegionSurface surface = regionSurface(mesh, progress);
+  const std::vector<SurfaceSample> samples =
+      samplesOf(surface.mesh, impl_->epsilon, impl_->windings.fewer());
+  Points points;
+  for (const SurfaceSample& sample : samples)
+    points.push_back(sample.at);
+  const std::vector<bool> whole = impl_->windings.areWhole(points, progress);
+  const std::vector<double> distance =
+      distances(TriangleScene(impl_->joined.mesh), samples, progress);
+  Comparison found;
+  for (std::size_t i = 0; i < samples.size(); ++i)
     if (whole[i])
-      found.figures.outToIn = std::max(found.figures.outToIn, outDistances[i]);
-
-  checkVolume(surface, windings, lattice, box, inputs.size(), boolean, progress, found);
+      found.outToIn = std::max(found.outToIn, distance[i]);
+  impl_->compareVolumes(surface, progress, found);
   return found;
 }
 

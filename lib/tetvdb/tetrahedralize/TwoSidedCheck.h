@@ -8,14 +8,16 @@
 #include "tetvdb/mesh/TriangleMesh.h"
 #include "tetvdb/tetrahedralize/Tetrahedralize.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace tetvdb {
 
-/// The result of checkBothSides(): TwoSidedCheck and the lost points.
+/// What InputSurface::lost() finds.
 struct LostSurface {
-  TwoSidedCheck figures;
+  double inToOut = 0;            ///< largest distance of owed points from the tets' surface, world
   std::size_t boundaryFaces = 0; ///< of the tets, with the outside
   /// Owed input points that are farther than epsilon from the tets' surface, world, with the
   /// triangle (input, number) each lies on.
@@ -23,13 +25,11 @@ struct LostSurface {
     Vec3d at;
     std::uint32_t input, triangle;
   };
-  std::vector<Point> lost;
-  /// Of windingVolume, world units cubed; the tets' own volume is exact.
-  double volumeError = 0;
+  std::vector<Point> points;
 };
 
-/// Samples the inputs, with their corners, and the surface of the tets (faces of one tet, or
-/// between two regions; tets of region -1 are none).
+/// Samples the inputs, with their corners, and the surface of tets (faces of one tet, or between
+/// two regions; tets of region -1 are none). The inputs are sampled once for any number of meshes.
 ///   A point of an input is owed where its two sides, half an epsilon off the triangle, belong to
 /// different regions by the winding numbers of the inputs (regionOf()): interior walls, sheets,
 /// doubled shells and walls thinner than half an epsilon are not owed. Nor are points where the
@@ -40,12 +40,34 @@ struct LostSurface {
 /// are within 0.2 of whole numbers, that is of all of them where the inputs are closed. Elsewhere
 /// the tets' surface closes a hole, and is far from the input by design.
 ///   windingVolume is the tets' volume, corrected by the winding number at points spread evenly
-///   over
-/// the box. volumeError is a standard error, that of random points.
-///   Inputs are cleaned. Parallel, deterministic; at most about 100 000 samples of each surface
-/// and 50 000 of the inputs' corners, fewer where inputs have many boundary edges (their winding
-/// numbers are slow), and 65 536 points in space: a second or two.
-LostSurface checkBothSides(const TetMesh& mesh, const std::vector<TriangleMesh>& inputs,
-                           Boolean boolean, double epsilon, Progress& progress);
+/// over the box. volumeError is a standard error, that of random points.
+///   Inputs are cleaned, not without triangles, and outlive this; meshes lie no farther outside
+/// their box than half its longest side. Parallel, deterministic; at most about 100 000 samples of
+/// each surface and 50 000 of the inputs' corners, fewer where inputs have many boundary edges
+/// (their winding numbers are slow), and 65 536 points in space: a second or two to find what is
+/// owed and for compare(), a tenth of a second for lost().
+class InputSurface {
+public:
+  InputSurface(const std::vector<TriangleMesh>& inputs, Boolean boolean, double epsilon,
+               Progress& progress);
+  ~InputSurface();
+  InputSurface(const InputSurface&) = delete;
+  InputSurface& operator=(const InputSurface&) = delete;
+
+  std::size_t owedPoints() const;
+  LostSurface lost(const TetMesh& mesh, Progress& progress) const;
+
+  /// What lost() does not find.
+  struct Comparison {
+    double outToIn = 0, volume = 0, windingVolume = 0; ///< as in TwoSidedCheck
+    /// Of windingVolume, world units cubed; the tets' own volume is exact.
+    double volumeError = 0;
+  };
+  Comparison compare(const TetMesh& mesh, Progress& progress) const;
+
+private:
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
+};
 
 } // namespace tetvdb

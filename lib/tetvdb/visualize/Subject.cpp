@@ -5,6 +5,7 @@
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Report.h"
 #include "tetvdb/fields/Field.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/visualize/DefectMarks.h"
 #include "tetvdb/visualize/LineDrawable.h"
 #include "tetvdb/visualize/TetSkin.h"
@@ -20,13 +21,6 @@ namespace {
 constexpr double kDefectPixels = 3;
 // Energies are shown from that of the regular tet to three times that at which meshers stop.
 constexpr double kBestEnergy = 3, kPoorEnergy = 30;
-
-Box boxOf(const std::vector<Vec3d>& points, const std::vector<std::uint32_t>& used) {
-  Box box;
-  for (const std::uint32_t point : used)
-    box.add(points[point]);
-  return box;
-}
 
 class TriangleSubject : public Subject {
 public:

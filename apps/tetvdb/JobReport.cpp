@@ -67,6 +67,7 @@ Json tetsOf(const VoxelizeResult& result) {
           {"volume", result.volume},
           // The envelope mesher's cleaning; tets are not cleaned.
           {"epsilon_asked", nullptr},
+          {"epsilon_used", nullptr},
           {"epsilon_reached", nullptr},
           {"quality", nullptr},
           {"not_inserted", nullptr}};
@@ -248,6 +249,7 @@ Json toJson(const MeshSummary& mesh) {
           {"boundary_faces", made.boundaryFaces},
           {"volume", mesh.statistics.volume},
           {"epsilon_asked", made.epsilonAsked},
+          {"epsilon_used", made.epsilonUsed},
           {"epsilon_reached", check.outToIn},
           {"edge_length", made.edgeLength},
           {"quality",

@@ -217,6 +217,31 @@ TEST(Tetrahedralize, ThinPlates) {
   }
 }
 
+// Both sides of a plate are within epsilon of one another: what is made within all of epsilon may
+// be half as thick.
+TEST(Tetrahedralize, ThinPlatesKeepTheirVolume) {
+  TetrahedralizeOptions options;
+  options.epsilon = 4e-3;
+  int halved = 0;
+  for (const double angle : {0.0, 0.7854})
+    for (const double thickness : {0.55, 0.9, 1.3, 4.0}) {
+      const MadeTets made =
+          madeTets({turned(box({0, 0, 0}, {1, 1, thickness * options.epsilon}), angle)}, options);
+      ASSERT_FALSE(made.error) << made.message;
+      EXPECT_FALSE(made.report.partial) << thickness;
+      const TetMeshCheck check = checkOf(made);
+      EXPECT_EQ(check.faults(), "") << check.json();
+      const double volume = thickness * options.epsilon;
+      EXPECT_NEAR(check.volume, volume, 0.06 * volume) << thickness;
+      const double share = made.result.epsilonUsed / options.epsilon;
+      EXPECT_TRUE(share == 1 || share == 0.5 || share == 0.25 || share == 0.125) << share;
+      EXPECT_TRUE(share == 1 || thickness < 2);
+      EXPECT_EQ(made.result.epsilonAsked, options.epsilon);
+      halved += share < 1;
+    }
+  EXPECT_GE(halved, 4);
+}
+
 // A saddle of two sheets, `thickness` apart, with a wall around them.
 TriangleMesh saddle(double thickness, std::uint32_t n) {
   TriangleMesh mesh;

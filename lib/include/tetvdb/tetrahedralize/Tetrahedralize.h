@@ -63,7 +63,10 @@ struct Tetrahedralization {
   /// Booleans), -1 outside; regionNames is left to the caller.
   TetMesh mesh;
   double epsilonAsked = 0; ///< world units
-  double edgeLength = 0;   ///< world units
+  /// World units: a half, quarter or eighth of what was asked, where more would have been lost
+  /// within it.
+  double epsilonUsed = 0;
+  double edgeLength = 0; ///< world units
   std::size_t simplifiedFaces = 0;
   std::size_t insertedFaces = 0, notInserted = 0;
   int passes = 0;                         ///< of improvement

@@ -284,7 +284,9 @@ def success_text(rows, arguments, tetgen):
              f"- **All faces inserted**: {whole} of {len(meshed)} meshes ({percent(whole, len(meshed))}); "
              f"without lost points: {sum(r['lost'] == 0 for r in meshed)}.",
              f"- **tet_checker** judged {len(checked)} meshes of fewer than {CHECKED_FACES} faces: "
-             + ", ".join(f"{n} {word}" for word, n in sorted(faults.items(), key=lambda f: (-f[1], f[0]))) + "."]
+             + ", ".join(f"{n} {word}" for word, n in sorted(faults.items(), key=lambda f: (-f[1], f[0])))
+             + ". It asks for the winding\n  numbers of the file's own faces; where cleaning closes holes or turns faces, "
+             "points are on the wrong side of these."]
     codes = [w["code"] for r in meshed if r["status"] == 1 for w in r["warnings"]]
     lines.append("- **Warnings** of the meshes with status 1 (a file may have several): "
                  + ", ".join(f"{codes.count(c)} {c}" for c in sorted(set(codes), key=lambda c: (-codes.count(c), c))) + ".")
@@ -351,10 +353,11 @@ def epsilon_text(rows):
         table(("epsilon / diagonal", "in voxels", "mean IoU", "min IoU", "mean s", "median tets",
                f"status 0, of {len(rows)}"), [line(e) for e in EPSILONS]),
         f"Every model is above 0.99 up to {up_to(0.99)}, above 0.95 up to {up_to(0.95)} and "
-        f"above 0.9 up to {up_to(0.9)}.\nParts thinner than twice epsilon may vanish, since their two sides are within "
-        "epsilon of each other: models\nof thin parts lose most. Where a planar side lies on voxel centres, any movement "
-        "of it adds or removes\na layer of voxels; the sides on the box's own planes are such. Status 1 are meshes\nthat "
-        "lose points, and runs without tets in time (-), where the exact volume is written instead; both have a warning.",
+        f"above 0.9 up to {up_to(0.9)}.\nModels of parts thinner than twice epsilon change most, since both sides of these "
+        "are within epsilon of each other; where points\nor more than 5 % of the volume are lost, they are meshed within a "
+        "half, quarter or eighth of epsilon. Where a planar side lies on\nvoxel centres, any movement of it adds or removes "
+        "a layer of voxels; the sides on the box's own planes are such. Status 1 are\nmeshes that lose points even so, and "
+        "runs without tets in time (-), where the exact volume is written instead; both have a warning.",
         "IoU model by model:",
         table(("model", "faces", *(f"{e:g}" for e in EPSILONS)), each)))
 

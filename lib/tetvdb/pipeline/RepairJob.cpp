@@ -215,7 +215,8 @@ private:
       const std::size_t maxFaces = std::min(kMaxRepairedFaces, memory / kBytesPerFaceOfRepair);
       double size = voxelForDetail(mesh, maxFaces, progress_);
       if (job_.solid.shell > 0)
-        size = std::max(size, voxelForShell(boxOf(mesh.points, mesh.triangles), job_.solid.shell, maxFaces));
+        size = std::max(
+            size, voxelForShell(boxOf(mesh.points, mesh.triangles), job_.solid.shell, maxFaces));
       options.voxelSize.fill(size);
     }
     options.origin = originOffFaces(mesh, options);

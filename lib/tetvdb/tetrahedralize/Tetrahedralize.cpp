@@ -209,7 +209,7 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
     return result;
   };
   Tetrahedralization made = meshWithin(lengths.epsilon);
-  const auto isWorthHalving = [&] {
+  const auto isWorthHalving = [&](double epsilon) {
     const TwoSidedCheck& check = made.check;
     const auto now = Progress::Clock::now();
     if (progress.deadline() - now < 2 * (now - begin))
@@ -218,14 +218,16 @@ Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
     return !(options.stopEnergy > 0) && done.tets <= kMaxRepeated &&
            check.lostPoints <= check.owedPoints / few &&
            (check.lostPoints > 0 || losesVolume(made)) &&
-           made.epsilonUsed / 2 >= kMinEpsilon * lattice.coarse() * lattice.unit();
+           epsilon >= kMinEpsilon * lattice.coarse() * lattice.unit();
   };
-  for (int halving = 0; halving < kMaxHalvings && isWorthHalving(); ++halving) {
+  double within = lengths.epsilon / 2;
+  for (int halving = 0; halving < kMaxHalvings && isWorthHalving(within); ++halving, within /= 2) {
     try {
-      Tetrahedralization other = meshWithin(made.epsilonUsed / 2);
-      if (!losesLess(other, made))
-        break;
-      made = std::move(other);
+      Tetrahedralization other = meshWithin(within);
+      if (losesLess(other, made))
+        made = std::move(other);
+      else if (!losesVolume(made))
+        break; // points alone: they seldom come back
     } catch (const Error& error) {
       if (error.status() != Status::Limit)
         throw;

@@ -355,7 +355,7 @@ def epsilon_text(rows):
         f"Every model is above 0.99 up to {up_to(0.99)}, above 0.95 up to {up_to(0.95)} and "
         f"above 0.9 up to {up_to(0.9)}.\nModels of parts thinner than twice epsilon change most, since both sides of these "
         "are within epsilon of each other; where points\nor more than 5 % of the volume are lost, they are meshed within a "
-        "half, quarter or eighth of epsilon. Where a planar side lies on\nvoxel centres, any movement of it adds or removes "
+        "half to a sixteenth of epsilon. Where a planar side lies on\nvoxel centres, any movement of it adds or removes "
         "a layer of voxels; the sides on the box's own planes are such. Status 1 are\nmeshes that lose points even so, and "
         "runs without tets in time (-), where the exact volume is written instead; both have a warning.",
         "IoU model by model:",

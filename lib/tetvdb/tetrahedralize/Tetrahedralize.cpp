@@ -33,7 +33,7 @@ constexpr double kMinEpsilon = 256;
 // epsilon, at most kMaxHalvings times. More than one in kFewOfOpen owed points of an open input are
 // lost where its holes are closed, which a smaller epsilon does not change. The growth of small
 // meshes, up to kSmallMesh tets, does not matter.
-constexpr int kMaxHalvings = 3;
+constexpr int kMaxHalvings = 4;
 constexpr std::size_t kFewOfOpen = 5000;
 constexpr std::size_t kSmallMesh = 10000;
 // The report warns of volumes that are farther from the input's, as a share.

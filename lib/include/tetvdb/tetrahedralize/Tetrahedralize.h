@@ -63,8 +63,7 @@ struct Tetrahedralization {
   /// Booleans), -1 outside; regionNames is left to the caller.
   TetMesh mesh;
   double epsilonAsked = 0; ///< world units
-  /// World units: a half, quarter or eighth of what was asked, where more would have been lost
-  /// within it.
+  /// World units: what was asked, or a half to a sixteenth of it, where more would have been lost.
   double epsilonUsed = 0;
   double edgeLength = 0; ///< world units
   std::size_t simplifiedFaces = 0;

@@ -78,10 +78,12 @@ struct Tetrahedralization {
 /// Inputs are cleaned meshes (cleanTriangles()), one material each. Adds the stage
 /// "tetrahedralize", with a part for each step, to `report`, and warnings with `partial` for faces
 /// that are not in ("not-inserted"), for tets above the stop energy ("energy"), for what was lost
-/// ("lost-surface", "volume"). Throws Error(Usage) for lengths that make no sense, Error(Invalid)
-/// where nothing is inside ("sheets"), Error(Limit) where maxMemory does not suffice,
-/// TooManyTets, Error(Cancelled). Parallel; the same tets for any number of threads. Time grows
-/// about linearly with faces; docs/benchmarks.md has figures.
+/// ("lost-surface", "volume"). Where something is lost, and no stop energy is asked for, all is
+/// done again within less than epsilon, as long as the deadline of `progress` allows it. Throws
+/// Error(Usage) for lengths that make no sense, Error(Invalid) where nothing is inside ("sheets"),
+/// Error(Limit) where maxMemory does not suffice, TooManyTets, Error(Cancelled). Parallel; the same
+/// tets for any number of threads. Time grows about linearly with faces; docs/benchmarks.md has
+/// figures.
 Tetrahedralization tetrahedralize(const std::vector<TriangleMesh>& inputs,
                                   const TetrahedralizeOptions& options, Report& report,
                                   Progress& progress);

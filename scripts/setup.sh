@@ -16,7 +16,7 @@ set -euo pipefail
 build=(g++ cmake ninja-build pkg-config libopenvdb-dev libboost-iostreams-dev libnanovdb-dev
   libblosc-dev libtbb-dev libnetcdf-dev libhdf5-dev libcgns-dev libpugixml-dev zlib1g-dev liblz4-dev liblzma-dev
   libxxhash-dev libembree-dev libopenmesh-dev libassimp-dev libpng-dev libcli11-dev
-  nlohmann-json3-dev libfmt-dev)
+  nlohmann-json3-dev libfmt-dev libeigen3-dev)
 test=(libgtest-dev librapidcheck-dev libbenchmark-dev python3 python3-openvdb
   python3-numpy python3-scipy python3-jsonschema python3-meshio python3-h5py python3-vtk9 python3-tifffile libopenvdb-tools libnanovdb-tools)
 python=(python3-dev python3-venv python3-numpy)

@@ -64,12 +64,15 @@ public:
   explicit TemporaryPath(const std::string& name)
       : path_(testing::TempDir() + "tetvdb_" + std::to_string(::getpid()) + "_" + name) {}
   TemporaryPath(const std::string& name, const std::string& bytes) : TemporaryPath(name) {
-    std::ofstream(path_, std::ios::binary) << bytes;
+    write(bytes);
   }
   ~TemporaryPath() { std::remove(path_.c_str()); }
   TemporaryPath(const TemporaryPath&) = delete;
   TemporaryPath& operator=(const TemporaryPath&) = delete;
   const std::string& str() const { return path_; }
+  /// Without its folder.
+  std::string name() const { return path_.substr(path_.find_last_of('/') + 1); }
+  void write(const std::string& bytes) const { std::ofstream(path_, std::ios::binary) << bytes; }
 
 private:
   std::string path_;

@@ -98,6 +98,30 @@ TEST(ChooseTransform, SizesThatAreExactStay) {
   EXPECT_EQ(chooseTransform(boxOf({0, 0, 0}, {1, 1, 1}), options).voxelSize[0], 0.01);
 }
 
+// OpenVDB refuses smaller voxels: a mesh of half a millimetre in metres has fewer of those it has.
+TEST(ChooseTransform, MeshTooSmallForItsResolution) {
+  const WorldBox box = boxOf({0, 0, 0}, {5e-4, 4e-4, 3e-4});
+  VoxelizeOptions options;
+  const GridTransform transform = chooseTransform(box, options);
+  EXPECT_EQ(transform.voxelSize, (Vec3d{1.45e-5, 1.45e-5, 1.45e-5}));
+  Report report;
+  reportTransform(transform, options, report);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_EQ(report.warnings[0].code, "smallest-voxels");
+  EXPECT_FALSE(report.partial);
+
+  options.resolution = 34; // 1.47e-5
+  Report none;
+  reportTransform(chooseTransform(box, options), options, none);
+  EXPECT_TRUE(none.warnings.empty());
+
+  options.voxelSize = {1.4e-5, 1.4e-5, 1.4e-5};
+  EXPECT_THROW(chooseTransform(box, options), Error);
+  options.voxelSize = {};
+  options.fit.voxels = 64;
+  EXPECT_THROW(chooseTransform(box, options), Error);
+}
+
 // Ends at k + 1/2 lattice units round apart: a box of exactly N voxels becomes a unit longer.
 TEST(ChooseTransform, EndsThatRoundApart) {
   const double unit = 0x1p-20;

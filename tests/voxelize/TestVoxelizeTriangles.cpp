@@ -416,6 +416,23 @@ TEST(VoxelizeTriangles, SheetsHaveNoInsideButAShell) {
   EXPECT_GT(countOf(run(meshes::sheet(), shell, options)), 40u * 40u * 4u);
 }
 
+// Between two layers of voxel centres. Voxels of the size that is advised find it.
+TEST(VoxelizeTriangles, PlatesWithoutVoxelCentresNameTheSizeThatHasSome) {
+  const TriangleMesh plate = meshes::box({0, 0, 0.01}, {10, 10, 0.03});
+  VoxelizeOptions options = maskOf(40);
+  options.allowEmpty = false;
+  try {
+    run(plate, {}, options);
+    FAIL() << "there is a voxel centre in the plate";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), Status::Invalid);
+    EXPECT_NE(std::string(error.what()).find("at most 0.0199,"), std::string::npos)
+        << error.what(); // 2 * 2 / (200 + 4 * 0.2)
+  }
+  options.voxelSize = {0.0199, 0.0199, 0.0199};
+  EXPECT_GT(countOf(run(plate, {}, options)), 250000u);
+}
+
 // A wide sheet with a small bowl in it.
 TEST(VoxelizeTriangles, WarnsOfNextToNothing) {
   const TriangleMesh ball = meshes::sphere({0.5, 0.5, 0}, 0.03, 6);

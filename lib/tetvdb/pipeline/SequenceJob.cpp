@@ -229,7 +229,7 @@ private:
         looks_.front().ranges[k].add(looks_[i].ranges[k]);
     }
     result_.transform = chooseTransform(box, job_.voxelize, job_.solid);
-    reportOrigin(result_.transform, job_.voxelize, report_);
+    reportTransform(result_.transform, job_.voxelize, report_);
     if (isArrayFile(job_.output) && !job_.arrays.box)
       arrayBox_ = arrayBox(job_, box, result_.transform);
   }

@@ -221,7 +221,7 @@ bool streamTets(const VoxelizeJob& job, TetMesh& mesh, VoxelizeResult& result, R
       mesh = TetMesh(); // its memory serves the rasteriser
       faces.snapped.tets = nullptr;
     }
-    reportOrigin(transform, options, told);
+    reportTransform(transform, options, told);
     stream.write(faces, columns ? &*columns : nullptr, originMetadata(job), result, timer,
                  progress);
     reportTets(result.counts, tets, told);
@@ -289,7 +289,7 @@ bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& me
         throw Error(Status::Usage, "`resolution`",
                     "of an open mesh is only known when the whole of it is voxelized",
                     "give shards `voxel_size`");
-      reportOrigin(transform, used, told);
+      reportTransform(transform, used, told);
       std::optional<DeviceColumns> columns;
       if (byDevice && !faces.holes)
         columns.emplace(mesh, *fillRuleOf(job.solid), transform, job.device, result.device);
@@ -302,8 +302,8 @@ bool streamTriangles(const VoxelizeJob& job, const std::vector<TriangleMesh>& me
       if (coarsens && grid.activeVoxels > 0)
         factor = tooFine(VoxelBox{grid.boxMin, grid.boxMax}, options);
       if (factor == 1 && job.shard.isWhole())
-        checkSolid(faces.boundary, job.solid, grid.activeVoxels, stream.surfaceVoxels(), options,
-                   told);
+        checkSolid(mesh, faces.boundary, job.solid, grid.activeVoxels, stream.surfaceVoxels(),
+                   options, told);
     }
     if (factor == 1) {
       StageTimer timer(told, "write");

@@ -372,7 +372,7 @@ bool streamTrees(const VoxelizeJob& job, const TetMesh& mesh, VoxelizeResult& re
     }
     if (!TreeStream::isNeeded(job, bytes))
       return false;
-    reportOrigin(transform, options, told);
+    reportTransform(transform, options, told);
     result.transform = transform;
     if (faces)
       result.counts = faces->counts;
@@ -472,15 +472,17 @@ double factorOf(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
 }
 
 // Of each mesh by itself, as its own voxelization would say it.
-void checkMaterials(const VoxelizeJob& job, const std::vector<SolidFaces>& solids,
-                    const JobTrees& trees, const VoxelizeOptions& options, Report& report) {
+void checkMaterials(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes,
+                    const std::vector<SolidFaces>& solids, const JobTrees& trees,
+                    const VoxelizeOptions& options, Report& report) {
   VoxelizeOptions each = options;
   each.allowEmpty = true;
   bool empty = true;
   for (std::size_t i = 0; i < solids.size(); ++i) {
     const std::uint64_t voxels = trees.materialVoxels()[i];
     Report own;
-    checkSolid(solids[i].boundary, job.solid, voxels, surfaceVoxels(solids[i]), each, own);
+    checkSolid(meshes[i], solids[i].boundary, job.solid, voxels, surfaceVoxels(solids[i]), each,
+               own);
     noteMaterial(job.inputs[i], voxels == 0, own, report);
     empty = empty && voxels == 0;
   }
@@ -547,7 +549,7 @@ bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes
       coarsen(transform, factor, used);
       transform = chooseTransform(box, used, job.solid);
     }
-    reportOrigin(transform, used, told);
+    reportTransform(transform, used, told);
     result.transform = transform;
     result.counts = countsOf(solids);
     result.openEdges = result.counts.openEdges;
@@ -566,12 +568,12 @@ bool streamTrees(const VoxelizeJob& job, const std::vector<TriangleMesh>& meshes
     const bool open = hasDistances(job) && distances->boundary.has_value();
     stream.write(all, transform, mark, open ? &*distances : nullptr, result, timer);
     if (job.shard.isWhole() && materials) {
-      checkMaterials(job, solids, stream.trees(), options, told);
+      checkMaterials(job, meshes, solids, stream.trees(), options, told);
     } else if (job.shard.isWhole()) {
       VoxelizeOptions checks = options;
       const bool coverageOnly = job.grids == std::vector<GridKind>{GridKind::Coverage};
       checks.allowEmpty = checks.allowEmpty || coverageOnly;
-      checkSolid(solids.front().boundary, job.solid, stream.trees().insideVoxels(),
+      checkSolid(meshes.front(), solids.front().boundary, job.solid, stream.trees().insideVoxels(),
                  surfaceVoxels(solids.front()), checks, told);
       requireAnything(job, result, stream.trees(), options);
     }

@@ -253,7 +253,7 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   const bool fieldsAlone = !fields.empty() && job.grids.empty();
   if (fieldsAlone) {
     made.transform = chooseTransform(mesh, options);
-    reportOrigin(made.transform, options, report);
+    reportTransform(made.transform, options, report);
   } else {
     made = withShapes(
         job, options,
@@ -505,7 +505,7 @@ private:
     keepWithinSize();
     options.voxelSize = transform_.voxelSize;
     options.origin = transform_.origin;
-    reportOrigin(transform_, job_.voxelize, report_);
+    reportTransform(transform_, job_.voxelize, report_);
     return voxelize(tets_, options, job_.device, result_.device, nanoPlace(job_, nano_), report_,
                     progress_);
   }

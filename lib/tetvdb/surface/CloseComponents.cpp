@@ -195,9 +195,14 @@ private:
       return;
     CopiedFaces copied = copyFaces(mesh_, solid.faces);
     solid.points = std::move(copied.points);
-    TriangleMesh& mesh = solid.mesh = std::move(copied.mesh);
-    solid.holes = (planeOnly ? fillPlaneHoles(mesh, progress_) : fillHoles(mesh, progress_)).holes;
-    solid.isClosed = !solid.holes.empty() && staysTheSame(solid, solids_.size(), progress_);
+    const auto isSolidBy = [&](HoleFilling (*fill)(TriangleMesh&, Progress&)) {
+      solid.mesh = copied.mesh;
+      solid.holes = fill(solid.mesh, progress_).holes;
+      return !solid.holes.empty() && staysTheSame(solid, solids_.size(), progress_);
+    };
+    // Plain patches tell sheets from solids; fair ones take long.
+    solid.isClosed =
+        planeOnly ? isSolidBy(fillPlaneHoles) : isSolidBy(fillHolesPlainly) && isSolidBy(fillHoles);
   }
 
   std::vector<Solid*> closedSolids() {

@@ -3,6 +3,7 @@
 
 #include "tetvdb/geometry/VectorMath.h"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,7 +19,6 @@ constexpr int kMaxRounds = 24; // of splitting
 constexpr int kMaxFlips = 12;  // rounds of flipping after each split
 constexpr int kFairings = 3;   // each with cotangents of the previous surface
 constexpr double kMinCot = 0.02, kMaxCot = 50;
-constexpr double kSolved = 1e-9; // relative to the first residual
 
 double cotangent(const Vec3d& apex, const Vec3d& a, const Vec3d& b) {
   const Vec3d u = minus(a, apex), v = minus(b, apex);
@@ -179,110 +179,57 @@ public:
             areas[at->second] += area;
         }
       }
-    for (const auto& [v, i] : row) {
-      Row made{v, areas[i] > 0 ? 1 / areas[i] : 0, {}};
-      made.others.assign(weights[i].begin(), weights[i].end());
-      rows_.push_back(std::move(made));
-    }
+    for (const auto& [v, i] : row)
+      addRow(v, areas[i] > 0 ? 1 / std::sqrt(areas[i]) : 0, weights[i]);
   }
 
-  // Conjugate gradients with the diagonal as preconditioner.
-  void solve(Progress& progress) {
-    const std::size_t count = points_.size() - firstNew_;
-    Vectors position(points_.begin() + static_cast<std::ptrdiff_t>(firstNew_), points_.end());
-    Vectors residual = gradient(points_);
-    for (Vec3d& r : residual)
-      r = times(r, -1);
-    const std::vector<double> diagonal = diagonalOf(count);
-    const auto scaled = [&](const Vectors& of) {
-      Vectors result(of);
-      for (std::size_t i = 0; i < count; ++i)
-        result[i] = times(of[i], 1 / diagonal[i]);
-      return result;
-    };
-    Vectors z = scaled(residual), way = z, step(points_.size(), Vec3d{0, 0, 0});
-    double rz = product(residual, z);
-    const double enough = kSolved * kSolved * rz;
-    for (std::size_t i = 0; i < 20 * count + 100 && rz > enough; ++i) {
-      if (i % 64 == 0)
-        progress.check();
-      std::copy(way.begin(), way.end(), step.begin() + static_cast<std::ptrdiff_t>(firstNew_));
-      const Vectors image = gradient(step);
-      const double bend = product(way, image);
-      if (!(bend > 0))
-        break;
-      const double share = rz / bend;
-      for (std::size_t k = 0; k < count; ++k) {
-        position[k] = plus(position[k], times(way[k], share));
-        residual[k] = minus(residual[k], times(image[k], share));
-      }
-      z = scaled(residual);
-      const double next = product(residual, z);
-      for (std::size_t k = 0; k < count; ++k)
-        way[k] = plus(z[k], times(way[k], next / rz));
-      rz = next;
-    }
-    std::copy(position.begin(), position.end(),
-              points_.begin() + static_cast<std::ptrdiff_t>(firstNew_));
+  // Moves the new points to where the sum of squares is least; returns false, and moves none, where
+  // rounding hides where that is.
+  bool solve() {
+    const auto count = static_cast<Eigen::Index>(points_.size() - firstNew_);
+    Eigen::SparseMatrix<double> ofNew(rows_, count);
+    ofNew.setFromTriplets(ofNew_.begin(), ofNew_.end());
+    Eigen::MatrixX3d ofFixed = Eigen::MatrixX3d::Zero(rows_, 3);
+    for (std::size_t i = 0; i < ofFixed_.size(); ++i)
+      for (Eigen::Index k = 0; k < 3; ++k)
+        ofFixed(static_cast<Eigen::Index>(i), k) = ofFixed_[i][static_cast<std::size_t>(k)];
+    const Eigen::SparseMatrix<double> squares = ofNew.transpose() * ofNew;
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(squares);
+    if (factors.info() != Eigen::Success)
+      return false;
+    const Eigen::MatrixX3d found = factors.solve(ofNew.transpose() * -ofFixed);
+    if (!found.allFinite())
+      return false;
+    for (Eigen::Index i = 0; i < count; ++i)
+      points_[firstNew_ + static_cast<std::size_t>(i)] = {found(i, 0), found(i, 1), found(i, 2)};
+    return true;
   }
 
 private:
-  using Vectors = std::vector<Vec3d>;
-  struct Row {
-    std::uint32_t point;
-    double weight; ///< of the square: one over the area
-    std::vector<std::pair<std::uint32_t, double>> others;
-  };
-
-  static double product(const Vectors& a, const Vectors& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      sum += dot(a[i], b[i]);
-    return sum;
-  }
-
-  // Half the gradient with respect to the new points at `at`; linear in `at`.
-  Vectors gradient(const Vectors& at) const {
-    Vectors result(points_.size() - firstNew_, Vec3d{0, 0, 0});
-    const auto add = [&](std::uint32_t point, const Vec3d& d) {
-      if (point >= firstNew_)
-        result[point - firstNew_] = plus(result[point - firstNew_], d);
+  // The Laplacian at a point, times `scale`, which makes its square one by area.
+  void addRow(std::uint32_t point, double scale, const std::map<std::uint32_t, double>& weights) {
+    Vec3d fixed{0, 0, 0};
+    const auto add = [&](std::uint32_t of, double weight) {
+      if (of >= firstNew_)
+        ofNew_.emplace_back(static_cast<int>(rows_), static_cast<int>(of - firstNew_), weight);
+      else
+        fixed = plus(fixed, times(points_[of], weight));
     };
-    for (const Row& row : rows_) {
-      Vec3d laplacian{0, 0, 0};
-      double sum = 0;
-      for (const auto& [other, weight] : row.others) {
-        laplacian = plus(laplacian, times(minus(at[other], at[row.point]), weight));
-        sum += weight;
-      }
-      laplacian = times(laplacian, row.weight);
-      for (const auto& [other, weight] : row.others)
-        add(other, times(laplacian, weight));
-      add(row.point, times(laplacian, -sum));
+    double sum = 0;
+    for (const auto& [other, weight] : weights) {
+      add(other, scale * weight);
+      sum += weight;
     }
-    return result;
-  }
-
-  std::vector<double> diagonalOf(std::size_t count) const {
-    std::vector<double> diagonal(count, 0);
-    for (const Row& row : rows_) {
-      double sum = 0;
-      for (const auto& [other, weight] : row.others) {
-        sum += weight;
-        if (other >= firstNew_)
-          diagonal[other - firstNew_] += row.weight * weight * weight;
-      }
-      if (row.point >= firstNew_)
-        diagonal[row.point - firstNew_] += row.weight * sum * sum;
-    }
-    for (double& d : diagonal)
-      d = d > 0 ? d : 1;
-    return diagonal;
+    add(point, -scale * sum);
+    ofFixed_.push_back(fixed);
+    ++rows_;
   }
 
   std::vector<Vec3d>& points_;
   const std::size_t firstNew_;
-  std::vector<Row> rows_;
+  Eigen::Index rows_ = 0;                     ///< points of the patch
+  std::vector<Eigen::Triplet<double>> ofNew_; ///< the Laplacian's coefficients
+  std::vector<Vec3d> ofFixed_;                ///< its part that does not change
 };
 
 } // namespace
@@ -307,7 +254,11 @@ std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTa
   const std::vector<Vec3d> before(points.begin() + static_cast<std::ptrdiff_t>(first),
                                   points.end());
   for (int i = 0; i < kFairings; ++i) {
-    Fairing(points, first, refinement.faces(), patch.around).solve(progress);
+    progress.check();
+    if (!Fairing(points, first, refinement.faces(), patch.around).solve()) {
+      points.resize(first);
+      return 0;
+    }
     refinement.flip();
   }
   for (std::size_t i = 0; i < before.size(); ++i)

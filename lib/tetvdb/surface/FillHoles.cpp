@@ -20,17 +20,19 @@ namespace {
 // Curved holes of fewer edges are filled without new points.
 constexpr std::size_t kFewestFairEdges = 7;
 
+enum class Fill { Plane, Plain, Fair };
+
 class Filling {
 public:
-  Filling(TriangleMesh& mesh, Progress& progress)
-      : mesh_(mesh), progress_(progress), edges_(mesh), holes_(mesh, edges_) {}
+  Filling(TriangleMesh& mesh, Fill fill, Progress& progress)
+      : mesh_(mesh), fill_(fill), progress_(progress), edges_(mesh), holes_(mesh, edges_) {}
 
-  HoleFilling run(bool planeOnly) {
+  HoleFilling run() {
     HoleFilling filling;
     std::vector<std::uint32_t> added;
     for (const std::vector<std::size_t>& group : holes_.groups()) {
       progress_.check();
-      if (fillInPlane(group, added, filling) || planeOnly)
+      if (fillInPlane(group, added, filling) || fill_ == Fill::Plane)
         continue;
       for (const std::size_t loop : group)
         fillInSpace(loop, added, filling);
@@ -72,7 +74,7 @@ private:
       triangulateLoop(
           mesh_.points, space, [](std::uint32_t, std::uint32_t) { return false; }, added,
           progress_);
-    if (loop.points.size() >= kFewestFairEdges)
+    if (fill_ == Fill::Fair && loop.points.size() >= kFewestFairEdges)
       fair(loop, added, first, hole, filling.holes.size());
     finish(hole, added, first, filling);
   }
@@ -168,6 +170,7 @@ private:
   }
 
   TriangleMesh& mesh_;
+  const Fill fill_;
   Progress& progress_;
   const EdgeTable edges_;
   PlaneHoles holes_;
@@ -183,11 +186,15 @@ private:
 } // namespace
 
 HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, progress).run(false);
+  return Filling(mesh, Fill::Fair, progress).run();
+}
+
+HoleFilling fillHolesPlainly(TriangleMesh& mesh, Progress& progress) {
+  return Filling(mesh, Fill::Plain, progress).run();
 }
 
 HoleFilling fillPlaneHoles(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, progress).run(true);
+  return Filling(mesh, Fill::Plane, progress).run();
 }
 
 } // namespace tetvdb

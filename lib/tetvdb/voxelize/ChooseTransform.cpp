@@ -24,6 +24,7 @@ namespace {
 
 // OpenVDB refuses a transform whose determinant is below this (openvdb/math/Maps.h).
 constexpr double kMinVoxelVolume = 3e-15;
+constexpr double kMinVoxelSide = 1.45e-5; // of cubes, just above
 // Voxel coordinates are int32; a margin of two root children is kept at both ends.
 constexpr double kMaxIndex = 2147483648.0 - 2 * kRootChildSize;
 
@@ -223,8 +224,8 @@ void checkSize(const Vec3d& size, const VoxelizeOptions& options) {
     throw Error(
         options.voxelSize[0] == 0 ? Status::Limit : Status::Usage, sizeOption(options),
         fmt::format("a voxel of {:.4g} x {:.4g} x {:.4g} is below OpenVDB's smallest volume, "
-                    "3e-15 cubic units (1.45e-5 a side)",
-                    size[0], size[1], size[2]),
+                    "{:g} cubic units ({:g} a side)",
+                    size[0], size[1], size[2], kMinVoxelVolume, kMinVoxelSide),
         "use larger voxels, or scale the model to a smaller unit: millimetres for metres");
 }
 
@@ -286,6 +287,7 @@ GridTransform byResolution(const WorldBox& box, const VoxelizeOptions& options, 
   return smallestRight(
       longest, options.resolution,
       [&](double size) {
+        size = std::max(size, kMinVoxelSide);
         return placed(box, {size, size, size}, options);
       },
       [&](const GridTransform& transform) {
@@ -347,7 +349,15 @@ GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& option
   return options.fit.voxels > 0 ? byFit(box, options) : byResolution(box, options, ends);
 }
 
-void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report) {
+void reportTransform(const GridTransform& transform, const VoxelizeOptions& options,
+                     Report& report) {
+  if (options.voxelSize[0] == 0 && options.fit.voxels == 0 &&
+      transform.voxelSize[0] == kMinVoxelSide)
+    report.warn("smallest-voxels",
+                fmt::format("the mesh has fewer than {} voxels on a side: OpenVDB has none smaller "
+                            "than {:g} units; scale the model to a smaller unit, for example by "
+                            "1000 from metres to millimetres",
+                            options.resolution, kMinVoxelSide));
   if (transform.origin == options.origin || options.fit.voxels > 0)
     return;
   report.warn("origin-moved",

@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/geometry/FillHoles.h"
+#include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/voxelize/SoupChain.h"
 
 #include <cmath>
@@ -34,7 +35,20 @@ void warnIfThin(std::uint64_t inside, double surface, Report& report) {
                             inside, surface));
 }
 
-std::string emptyAdvice(const SoupBoundary& boundary, const SolidOptions& solid) {
+// A plate of thickness t, volume V and area A has t = 2 V / A, but for its rim. One along the axes
+// has a layer of voxel centres inside if voxels are no larger than t.
+double meanThickness(const TriangleMesh& mesh) {
+  const double area = areaOf(mesh);
+  return area > 0 ? 2 * std::abs(volumeOf(mesh)) / area : 0;
+}
+
+std::string emptyAdvice(const TriangleMesh& mesh, const SoupBoundary& boundary,
+                        const SolidOptions& solid) {
+  const double thickness = boundary.edges.empty() ? meanThickness(mesh) : 0;
+  if (solid.shell == 0 && thickness > 0)
+    return fmt::format("use smaller voxels, of at most {:.3g}, the mean thickness of the mesh; or "
+                       "`allow_empty` to write an empty grid",
+                       thickness);
   if (solid.shell > 0 || boundary.edges.empty())
     return "use smaller voxels, or `allow_empty` to write an empty grid";
   if (solid.inside == InsideRule::Flood)
@@ -101,10 +115,11 @@ SolidFaces solidFaces(const TetMesh& mesh, const GridTransform& transform, Stage
   return result;
 }
 
-void checkSolid(const SoupBoundary& boundary, const SolidOptions& solid, std::uint64_t activeVoxels,
-                double surfaceVoxels, const VoxelizeOptions& options, Report& report) {
+void checkSolid(const TriangleMesh& mesh, const SoupBoundary& boundary, const SolidOptions& solid,
+                std::uint64_t activeVoxels, double surfaceVoxels, const VoxelizeOptions& options,
+                Report& report) {
   if (!options.allowEmpty && activeVoxels == 0)
-    throw Error(Status::Invalid, "", whyEmpty(boundary, solid), emptyAdvice(boundary, solid));
+    throw Error(Status::Invalid, "", whyEmpty(boundary, solid), emptyAdvice(mesh, boundary, solid));
   if (solid.shell == 0 && !boundary.edges.empty())
     warnIfThin(activeVoxels, surfaceVoxels, report);
 }

@@ -43,11 +43,12 @@ SolidFaces solidFaces(const TriangleMesh& mesh, const SolidOptions& solid,
 SolidFaces solidFaces(const TetMesh& mesh, const GridTransform& transform, StageTimer& timer,
                       Progress& progress);
 
-/// Throws Error(Invalid), with the reason, for a solid of triangles without voxels, unless
-/// options.allowEmpty; warns ("nearly-empty") where an open mesh has few beside those,
-/// `surfaceVoxels`, that its faces pass through.
-void checkSolid(const SoupBoundary& boundary, const SolidOptions& solid, std::uint64_t activeVoxels,
-                double surfaceVoxels, const VoxelizeOptions& options, Report& report);
+/// Throws Error(Invalid), with the reason and the size of voxels that would do, for a solid of
+/// triangles without voxels, unless options.allowEmpty; warns ("nearly-empty") where an open mesh
+/// has few beside those, `surfaceVoxels`, that its faces pass through.
+void checkSolid(const TriangleMesh& mesh, const SoupBoundary& boundary, const SolidOptions& solid,
+                std::uint64_t activeVoxels, double surfaceVoxels, const VoxelizeOptions& options,
+                Report& report);
 
 /// 32 hexadecimal digits: a hash of everything that determines the voxels, which is the faces in
 /// their order, the triangles that fill holes, and the rule.

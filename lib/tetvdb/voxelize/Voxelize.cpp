@@ -107,7 +107,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options, Repor
   requireTets(mesh);
   const PointBoxes boxes = boxesOf(mesh.points, mesh.tets);
   result.transform = chooseTransform(boxes.used, options);
-  reportOrigin(result.transform, options, report);
+  reportTransform(result.transform, options, report);
   const LatticeBox box = snapBox(boxes.all, result.transform);
 
   const bool tets = owners || options.path == OccupancyPath::Tets ||

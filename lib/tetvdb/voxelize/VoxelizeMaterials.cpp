@@ -52,7 +52,7 @@ Voxelization materialsOnce(const std::vector<TriangleMesh>& meshes,
   Voxelization result;
   result.path = OccupancyPath::Boundary;
   result.transform = transformOf(meshes, solid, options);
-  reportOrigin(result.transform, options, report);
+  reportTransform(result.transform, options, report);
 
   VoxelizeOptions each = options;
   each.voxelSize = result.transform.voxelSize;

@@ -337,7 +337,7 @@ Voxelization voxelize(const TetMesh& mesh, const VoxelizeOptions& options,
         };
         MadeOnDevice made = voxelizeOn(devices, chooseTransform(mesh, options), options.grids,
                                        FillRule::Positive, viewFor, nanoGrids, report, progress);
-        reportOrigin(made.result.transform, options, report);
+        reportTransform(made.result.transform, options, report);
         reportTets(made.result.counts, mesh.tetCount(), report);
         requireVoxels(made.activeVoxels == 0, options);
         return std::move(made.result);
@@ -384,12 +384,12 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
               devices, transform, options.grids, *rule, [&](GridKind) { return view; }, nano, told,
               progress);
           if (made.closes)
-            reportOrigin(made.result.transform, options, told);
+            reportTransform(made.result.transform, options, told);
           return made;
         };
         MadeOnDevice closed = voxelized(chooseTransform(mesh, options, solid), nanoGrids, report);
         if (closed.closes) {
-          checkSolid({}, solid, closed.activeVoxels, 0, options, report);
+          checkSolid(mesh, {}, solid, closed.activeVoxels, 0, options, report);
           return std::move(closed.result);
         }
         return keepResolution(options, report, [&](const VoxelizeOptions& now, Report& told) {
@@ -403,7 +403,7 @@ Voxelization voxelize(const TriangleMesh& mesh, const SolidOptions& solid,
           // Trees, whose extent decides whether voxels have to be larger.
           MadeOnDevice made = voxelized(transform, nullptr, told);
           made.result.counts = filled->faces.counts;
-          checkSolid(filled->faces.boundary, solid, made.activeVoxels,
+          checkSolid(mesh, filled->faces.boundary, solid, made.activeVoxels,
                      estimateByBoundary(filled->faces.snapped, filled->faces.chain).leaves *
                          kLeafSize * kLeafSize,
                      now, told);

@@ -125,7 +125,7 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   result.path = OccupancyPath::Boundary;
   timer.part("transform");
   result.transform = chooseTransform(mesh, options, solid);
-  reportOrigin(result.transform, options, report);
+  reportTransform(result.transform, options, report);
   const SolidFaces faces = solidFaces(mesh, solid, result.transform, timer, progress);
   const SnappedMesh& snapped = faces.snapped;
   const Boundary& chain = faces.chain;
@@ -176,7 +176,7 @@ Voxelization voxelizeOnce(const TriangleMesh& mesh, const SolidOptions& solid,
   result.volume = Volume(std::move(grids));
 
   const openvdb::GridBase& first = *result.volume.grids().all.front();
-  checkSolid(boundary, solid, first.activeVoxelCount(), surfaceVoxels, options, report);
+  checkSolid(mesh, boundary, solid, first.activeVoxelCount(), surfaceVoxels, options, report);
   return result;
 }
 

@@ -34,6 +34,9 @@ struct HoleFilling {
 /// of small holes.
 HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress);
 
+/// The same without refining and fairing: no new points.
+HoleFilling fillHolesPlainly(TriangleMesh& mesh, Progress& progress);
+
 /// The same for plane holes only; other holes stay.
 HoleFilling fillPlaneHoles(TriangleMesh& mesh, Progress& progress);
 

@@ -42,10 +42,10 @@ enum class BoxEnds : std::uint8_t {
 };
 
 /// Voxel size and origin for a mesh in that box. options.voxelSize; or the smallest size by which
-/// no side of the box, snapped to the lattice, has more than options.resolution voxels; or that by
-/// which the box fits options.fit. The origin is options.origin, moved by a multiple of 4096 voxels
-/// where the box leaves 32-bit index space, or what options.fit asks for. Throws as voxelize()
-/// does.
+/// no side of the box, snapped to the lattice, has more than options.resolution voxels, but not
+/// below OpenVDB's least, 1.45e-5; or that by which the box fits options.fit. The origin is
+/// options.origin, moved by a multiple of 4096 voxels where the box leaves 32-bit index space, or
+/// what options.fit asks for. Throws as voxelize() does.
 GridTransform chooseTransform(const WorldBox& box, const VoxelizeOptions& options,
                               BoxEnds ends = BoxEnds::OneIn);
 
@@ -60,8 +60,10 @@ bool isWithinFit(const WorldBox& box, const GridTransform& transform, const FitB
 /// Throws as voxelize() does for tets that cannot be voxelized by these options.
 void checkTets(const TetMesh& mesh, const VoxelizeOptions& options);
 
-/// Warns ("origin-moved") where `transform` has another origin than was asked for.
-void reportOrigin(const GridTransform& transform, const VoxelizeOptions& options, Report& report);
+/// Warns where `transform` has another origin than was asked for ("origin-moved"), or where the
+/// mesh is too small for options.resolution ("smallest-voxels").
+void reportTransform(const GridTransform& transform, const VoxelizeOptions& options,
+                     Report& report);
 
 /// Warns of tets that were reversed ("flipped-tets") or left out ("flat-tets").
 void reportTets(const SnapCounts& counts, std::size_t tets, Report& report);

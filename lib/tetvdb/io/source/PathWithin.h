@@ -4,6 +4,7 @@
 // keeps in other folders, nor devices and pipes.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace tetvdb {
@@ -13,6 +14,9 @@ namespace tetvdb {
 /// outside, for names that lead out of the folder, by a link too. Absolute names of files within
 /// the folder are allowed. Thread-safe.
 std::string pathWithin(const std::string& path, const std::string& name);
+
+/// How deep files may include one another, and how many may be included.
+constexpr std::size_t kDeepestInclusion = 16, kMostInclusions = 10000;
 
 /// Whether the files that this process reads may refer to files outside of their folders; false
 /// from the start. Thread-safe; meant to be called before anything is read.

@@ -131,7 +131,7 @@ public:
     box.max = statistics.boxMax;
     const VoxelizeOptions options = streamOptions(job_);
     index_.transform = chooseTransform(box, options);
-    reportOrigin(index_.transform, options, report_);
+    reportTransform(index_.transform, options, report_);
     timer.part("boundary");
     findBoundary();
     reportTets(index_.counts, mesh_.tetCount(), report_);

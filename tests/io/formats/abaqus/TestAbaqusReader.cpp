@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/MeshSamples.h"
+#include "io/TriangleSamples.h"
 #include "tetvdb/io/formats/abaqus/AbaqusReader.h"
+
+#include <string>
+#include <vector>
 
 namespace tetvdb {
 namespace {
@@ -85,10 +89,54 @@ TEST(AbaqusReader, InstancesArePlaced) {
   EXPECT_EQ(mesh.regions, (Regions{1, 1}));
 }
 
-TEST(AbaqusReader, WhatIsElsewhereIsRefused) {
+// As CalculiX's decks name what cgx writes: lines of other files, between keywords, as the data of
+// a keyword, or amid data lines.
+TEST(AbaqusReader, IncludedFiles) {
+  const TemporaryPath deck("deck.inp"), points("points.inp"), cells("all cells.msh");
+  const auto read = [&] {
+    Report report;
+    Progress progress;
+    const MappedFile file(deck.str());
+    EXPECT_TRUE(abaqusHasSolidCells(file.source(), report, progress));
+    return readAbaqus(file.source(), {}, report, progress);
+  };
+  points.write("** of a cube\n2,1,0,0\n3,0,1,0\n4,0,0,1"); // the last line does not end
+  cells.write("*ELEMENT, TYPE=C3D4, ELSET=Upper\n1,1,2,3,4\n");
+  deck.write("*HEADING\n*NODE\n1,0,0,0\n*include,\n input=" + points.name() +
+             "\n5,0,0,-1\n*INCLUDE, INPUT=\"" + cells.name() +
+             "\"\n2,1,3,2,5\n*ELSET, ELSET=Lower\n2\n*STEP\n");
+  CellMesh mesh = read();
+  EXPECT_EQ(mesh.points.size(), 5U);
+  EXPECT_NEAR(cellVolume(mesh), 2.0 / 6, 1e-15);
+  EXPECT_EQ(regionName(mesh, 0), "Upper");
+  EXPECT_EQ(regionName(mesh, 1), "Lower");
+
+  deck.write("*NODE, INPUT=" + points.name() + "\n1,0,0,0\n*INCLUDE,INPUT=" + cells.name() + "\n");
+  mesh = read();
+  EXPECT_EQ(mesh.points.size(), 4U);
+  EXPECT_NEAR(cellVolume(mesh), 1.0 / 6, 1e-15);
+
+  points.write("2,1,0,0\n3,0,x,0\n");
+  try {
+    read();
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find(points.name() + ":2"), std::string::npos)
+        << error.what();
+  }
+  points.write("*INCLUDE, INPUT=" + points.name() + "\n"); // itself
+  EXPECT_THROW(read(), Error);
+}
+
+TEST(AbaqusReader, WhatIsNotThereIsNamed) {
   EXPECT_NE(readingError(readAbaqus, "*INCLUDE, INPUT=mesh.inp\n").find("'mesh.inp'"),
             std::string::npos);
-  EXPECT_NE(readingError(readAbaqus, "*NODE, INPUT=nodes.inp\n").find("file:1"), std::string::npos);
+  EXPECT_NE(readingError(readAbaqus, "*NODE, INPUT=nodes.inp\n").find("'nodes.inp'"),
+            std::string::npos);
+  EXPECT_NE(readingError(readAbaqus, "*NODE, INPUT=../nodes.inp\n").find("outside its folder"),
+            std::string::npos);
+  EXPECT_NE(readingError(readAbaqus, "*NODE\n1,0,0,0\n*INCLUDE\n").find("file:3"),
+            std::string::npos);
   EXPECT_NE(readingError(readAbaqus, "*NODE\n1,0,0,0\n*NGEN\n1,5,1\n").find("*NGEN"),
             std::string::npos);
   EXPECT_NE(readingError(readAbaqus, "*NODE, SYSTEM=C\n1,0,0,0\n").find("cylindrical"),

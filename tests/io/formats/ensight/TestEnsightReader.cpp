@@ -102,6 +102,38 @@ TEST_F(TextCase, PartsVariablesAndSteps) {
   EXPECT_EQ(ensightTimes({kCase, "a.case"}, report, progress), (std::vector<double>{0.5, 1.5}));
 }
 
+// Steps of one file after the other, and of two files with numbers.
+TEST_F(TextCase, SeveralStepsInAFile) {
+  const auto step = [](const std::string& text) {
+    return "BEGIN TIME STEP\n" + text + "END TIME STEP\n";
+  };
+  const auto values = [&](int from) {
+    std::string text = "T\npart\n1\ncoordinates\n";
+    for (int i = 0; i < 4; ++i)
+      text += std::to_string(from + i) + "\n";
+    return step(text);
+  };
+  std::string moved = kGeometry;
+  moved.replace(moved.find(" 0.0\n 1.0"), 4, "-1.0");
+  write("a.geo", step(moved) + step(kGeometry) + step(moved));
+  write("t01.scl", values(10) + values(20));
+  write("t07.scl", values(30));
+  write("a.case", "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 2 a.geo\nVARIABLE\n"
+                  "scalar per node: 1 1 T t**.scl\nTIME\ntime set: 1\nnumber of steps: 3\n"
+                  "time values: 0 1 2\nFILE\nfile set: 1\nfilename index: 1\nnumber of steps: 2\n"
+                  "filename index: 7\nnumber of steps: 1\nfile set: 2\nnumber of steps: 3\n");
+  for (const int at : {0, 1, 2}) {
+    ReadOptions options;
+    options.timeStep = at;
+    const CellMesh mesh = readCase(options);
+    EXPECT_EQ(mesh.points[0], (Vec3d{at == 1 ? 0.0 : -1.0, 0, 0})) << at;
+    EXPECT_EQ(arrayNamed(mesh, "T").number(2), 10 * (at + 1) + 2) << at;
+    EXPECT_EQ(mesh.times.size(), 3U);
+  }
+  write("t07.scl", values(30).substr(0, 30));
+  EXPECT_NE(caseError().find("does not end"), std::string::npos);
+}
+
 TEST_F(TextCase, Errors) {
   const auto caseWith = [&](const std::string& from, const std::string& to) {
     std::string text = kCase;
@@ -114,8 +146,15 @@ TEST_F(TextCase, Errors) {
   EXPECT_NE(caseWith("a.geo", "b.geo").find("missing"), std::string::npos);
   EXPECT_NE(caseWith("a.geo", "../a.geo").find("outside its folder"), std::string::npos);
   EXPECT_NE(caseWith("steps: 2", "steps: 3").find("2 times for 3 steps"), std::string::npos);
-  EXPECT_NE(caseWith("TIME\n", "FILE\nfile set: 1\nTIME\n").find("several steps in one file"),
-            std::string::npos);
+  EXPECT_NE(caseWith("model: a.geo", "model: 1 2 a.geo").find("file set 2"), std::string::npos);
+  const auto inOneFile = [&](const char* steps) {
+    return caseWith("# made by hand\nFORMAT\ntype:  ensight gold\nGEOMETRY\nmodel: a.geo\n",
+                    "FILE\nfile set: 1\nnumber of steps: " + std::string(steps) +
+                        "\nFORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 1 a.geo\n");
+  };
+  EXPECT_NE(inOneFile("1").find("fewer steps"), std::string::npos);
+  EXPECT_NE(inOneFile("2").find("no step 2"), std::string::npos);
+  EXPECT_NE(inOneFile("0").find("no steps"), std::string::npos);
   write("a.case", kCase);
   write("a.geo", std::string("Fortran Binary") + std::string(66, ' '));
   EXPECT_NE(caseError().find("Fortran"), std::string::npos);

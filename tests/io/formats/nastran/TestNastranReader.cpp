@@ -2,7 +2,6 @@
 #include "io/MeshSamples.h"
 #include "io/ResultSamples.h"
 #include "io/TriangleSamples.h"
-#include "tetvdb/core/AtomicFile.h"
 #include "tetvdb/core/Constants.h"
 #include "tetvdb/io/cells/CellFaces.h"
 #include "tetvdb/io/formats/nastran/NastranDeck.h"
@@ -192,14 +191,6 @@ TEST(NastranReader, CoordinateSystems) {
 TEST(NastranReader, IncludedFiles) {
   const TemporaryPath points("nastran_points.bdf"), cells("nastran_cells.bdf"),
       deck("nastran_deck.bdf");
-  const auto name = [](const TemporaryPath& path) {
-    return path.str().substr(path.str().find_last_of('/') + 1);
-  };
-  const auto write = [](const TemporaryPath& path, const std::string& text) {
-    AtomicFile file(path.str());
-    file.write(text.data(), text.size());
-    file.commit();
-  };
   const auto read = [&] {
     const MappedFile file(deck.str());
     Report report;
@@ -207,16 +198,16 @@ TEST(NastranReader, IncludedFiles) {
     EXPECT_TRUE(nastranHasSolidCells(file.source(), report, progress));
     return readNastran(file.source(), {}, report, progress);
   };
-  const std::string pointsName = name(points);
-  write(points, kGridEntries);
-  write(cells, kElementEntries); // its ENDDATA is its own end
+  const std::string pointsName = points.name();
+  points.write(kGridEntries);
+  cells.write(kElementEntries); // its ENDDATA is its own end
   // A long name goes on in the next line.
-  write(deck, kControlSections + "INCLUDE '" + pointsName.substr(0, 9) + "\n" +
-                  pointsName.substr(9) + "'\ninclude " + name(cells) + "\nCTRIA3,20,3,1,2,3\n");
+  deck.write(kControlSections + "INCLUDE '" + pointsName.substr(0, 9) + "\n" +
+             pointsName.substr(9) + "'\ninclude " + cells.name() + "\nCTRIA3,20,3,1,2,3\n");
   const CellMesh mesh = read();
   EXPECT_NEAR(cellVolume(mesh), 1 + 1.0 / 3, 1e-12);
   EXPECT_EQ(mesh.regions, (std::vector<std::int32_t>{7, 9, 2, 3}));
-  write(cells, "INCLUDE " + name(cells) + "\n"); // itself
+  cells.write("INCLUDE " + cells.name() + "\n"); // itself
   EXPECT_THROW(read(), Error);
 }
 

@@ -2,6 +2,7 @@
 #include "tetvdb/io/formats/abaqus/AbaqusDeck.h"
 
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/source/PathWithin.h"
 
 #include <charconv>
 #include <cmath>
@@ -25,6 +26,16 @@ std::string capitals(std::string_view text) {
   return result;
 }
 
+bool isKeyword(std::string_view line) {
+  return !line.empty() && line[0] == '*';
+}
+
+/// Removes the keyword from its line.
+std::string keywordOf(std::string_view& line) {
+  line.remove_prefix(1);
+  return capitals(cutField(line));
+}
+
 } // namespace
 
 std::string abaqusName(std::string_view text) {
@@ -33,32 +44,73 @@ std::string abaqusName(std::string_view text) {
   return capitals(text);
 }
 
-bool AbaqusDeck::nextKeyword() {
-  std::string_view line;
-  do {
-    if (in_.remaining() == 0)
-      return false;
-    at_.seek(in_.position());
-    line = in_.line();
-  } while (line.empty() || line[0] != '*' || line.substr(0, 2) == "**");
-  line.remove_prefix(1);
-  keyword_ = capitals(cutField(line));
-  parameters_.clear();
-  line_ = {};
+// Moves to the next line that is no comment; false at the end.
+bool AbaqusDeck::readLine() {
+  if (isAhead_) {
+    isAhead_ = false;
+    return true;
+  }
   for (;;) {
-    const bool goesOn = !trimmed(line).empty() && trimmed(line).back() == ',';
-    while (!line.empty()) {
-      const std::string_view field = cutField(line);
+    for (; file().remaining() == 0; open_.pop_back())
+      if (open_.size() == 1)
+        return false;
+    line_.file = open_.back();
+    line_.position = file().position();
+    line_.text = file().line();
+    if (line_.text.substr(0, 2) == "**")
+      continue;
+    std::string_view rest = line_.text;
+    if (!isKeyword(rest) || keywordOf(rest) != "INCLUDE")
+      return true;
+    at_ = line_;
+    const Parameters parameters = readParameters(line_.text, rest);
+    const auto input = parameters.find("INPUT");
+    if (input == parameters.end())
+      fail("*INCLUDE names no file", "write *INCLUDE, INPUT=FILE");
+    include(input->second);
+  }
+}
+
+void AbaqusDeck::include(const std::string& name) {
+  if (open_.size() > kDeepestInclusion || included_.size() == kMostInclusions)
+    fail("too many files include one another", "put the data into one file");
+  const bool quoted = name.size() >= 2 && name.front() == '"' && name.back() == '"';
+  const MappedFile& file =
+      included_.emplace_back(pathWithin(path_, quoted ? name.substr(1, name.size() - 2) : name));
+  bytes_ += file.bytes().size();
+  open_.push_back(files_.size());
+  files_.emplace_back(file.source());
+}
+
+// Of a keyword's line without the keyword. A line that ends with a comma goes on in the next one.
+AbaqusDeck::Parameters AbaqusDeck::readParameters(std::string_view line, std::string_view rest) {
+  Parameters parameters;
+  for (;; rest = line) {
+    while (!rest.empty()) {
+      const std::string_view field = cutField(rest);
       if (field.empty())
         continue;
       const std::size_t equals = field.find('=');
-      parameters_[capitals(field.substr(0, equals))] =
+      parameters[capitals(field.substr(0, equals))] =
           equals == field.npos ? std::string() : std::string(trimmed(field.substr(equals + 1)));
     }
-    if (!goesOn || in_.remaining() == 0)
-      return true;
-    line = in_.line();
+    if (trimmed(line).empty() || trimmed(line).back() != ',' || file().remaining() == 0)
+      return parameters;
+    line = file().line();
   }
+}
+
+bool AbaqusDeck::nextKeyword() {
+  do {
+    if (!readLine())
+      return false;
+  } while (!isKeyword(line_.text));
+  at_ = line_;
+  std::string_view rest = line_.text;
+  keyword_ = keywordOf(rest);
+  parameters_ = readParameters(line_.text, rest);
+  fields_ = {};
+  return true;
 }
 
 const std::string* AbaqusDeck::parameter(const std::string& name) const {
@@ -67,32 +119,25 @@ const std::string* AbaqusDeck::parameter(const std::string& name) const {
 }
 
 bool AbaqusDeck::nextLine() {
-  for (;;) {
-    if (in_.remaining() == 0)
+  do {
+    if (!readLine())
       return false;
-    const std::size_t start = in_.position();
-    const std::string_view line = in_.line();
-    if (line.substr(0, 2) == "**")
-      continue;
-    if (!line.empty() && line[0] == '*') {
-      in_.seek(start);
+    isAhead_ = isKeyword(line_.text);
+    if (isAhead_)
       return false;
-    }
-    line_ = trimmed(line);
-    if (line_.empty())
-      continue;
-    at_.seek(start);
-    continues_ = line_.back() == ',';
-    if (continues_)
-      line_.remove_suffix(1);
-    return true;
-  }
+    fields_ = trimmed(line_.text);
+  } while (fields_.empty());
+  at_ = line_;
+  continues_ = fields_.back() == ',';
+  if (continues_)
+    fields_.remove_suffix(1);
+  return true;
 }
 
 bool AbaqusDeck::nextField(std::string_view& field) {
-  if (line_.empty())
+  if (fields_.empty())
     return false;
-  field = cutField(line_);
+  field = cutField(fields_);
   return true;
 }
 

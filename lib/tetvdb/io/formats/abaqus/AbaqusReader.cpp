@@ -158,25 +158,21 @@ private:
     return value == nullptr ? std::string() : abaqusName(*value);
   }
 
-  void refuseInput() const {
+  // The data lines of a keyword may be in another file.
+  void openInput() {
     if (const std::string* file = deck_.parameter("INPUT"))
-      deck_.fail("*" + deck_.keyword() + " takes its data from another file, '" +
-                     file->substr(0, 80) + "'",
-                 "put the data into this file");
+      deck_.include(*file);
   }
 
   void refuseGenerators() const {
-    for (const char* keyword :
-         {"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "INCLUDE"})
-      if (deck_.keyword() == keyword) {
-        refuseInput();
+    for (const char* keyword : {"NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"})
+      if (deck_.keyword() == keyword)
         deck_.fail("*" + deck_.keyword() + " is not read",
                    "export the mesh with plain *NODE and *ELEMENT");
-      }
   }
 
   void readNodes(Part& part) {
-    refuseInput();
+    openInput();
     if (const std::string* system = deck_.parameter("SYSTEM");
         system != nullptr && abaqusName(*system) != "R")
       deck_.fail("nodes in cylindrical or spherical coordinates are not read",
@@ -202,7 +198,7 @@ private:
   }
 
   void readElements(Part& part) {
-    refuseInput();
+    openInput();
     const std::string type = name("TYPE");
     CellKind kind = elementKind(type);
     if (options_.faces && kind.type == CellType::Flat)
@@ -277,7 +273,7 @@ private:
     // Internal sets describe surfaces; a set of an assembly belongs to an instance, not to a part.
     if (deck_.parameter("ELSET") == nullptr || deck_.parameter("INTERNAL") != nullptr)
       return;
-    refuseInput();
+    openInput();
     ElementSet& set = openSet(*setOwner(part));
     const bool generate = deck_.parameter("GENERATE") != nullptr;
     std::string_view field;
@@ -427,7 +423,7 @@ private:
   /// Limits the work for sets of sets and overlapping ranges.
   void spend(std::uint64_t steps) {
     steps_ += steps;
-    if (steps_ > (std::uint64_t(1) << 26) + 64 * source_.bytes.size())
+    if (steps_ > (std::uint64_t(1) << 26) + 64 * deck_.bytes())
       throw Error(Status::Invalid, source_.path, "its element sets overlap too often",
                   "export it without sets");
   }

@@ -15,8 +15,8 @@ namespace tetvdb {
 /// SECTION names, or all if there is none, become regions, numbered from 1 and named; an element in
 /// several belongs to the last one. Steps, materials and loads are ignored. Shells, membranes,
 /// rigid faces and plane elements keep their corners where `options.faces` asks for them. Throws
-/// Error(Invalid) with line for *INCLUDE and INPUT= (data in other files), for generated nodes and
-/// elements, and for an incomplete or inconsistent mesh.
+/// Error(Invalid) with line for generated nodes and elements, and for an incomplete or inconsistent
+/// mesh; as pathWithin() does for a file that *INCLUDE or INPUT= names (each relative to the deck).
 CellMesh readAbaqus(const Source& source, const ReadOptions& options, Report& report,
                     Progress& progress);
 

@@ -70,8 +70,7 @@ private:
     else if (section == "time")
       readTime(key, value);
     else if (section == "file")
-      in_.fail("keeps several steps in one file, which is not read",
-               "write every step into a file of its own");
+      readFileSet(key, value);
   }
 
   void readFormat(const std::string& key, const std::string& value) {
@@ -106,11 +105,10 @@ private:
       return in.tryInteger(n) && in.atEnd();
     };
     FilePattern found;
-    std::int64_t fileSet = 0;
     std::size_t next = 0;
     if (number(0, found.timeSet)) {
       ++next;
-      if (number(1, fileSet))
+      if (number(1, found.fileSet))
         ++next;
     }
     if (described && next < words.size()) {
@@ -165,6 +163,28 @@ private:
     else if (key.find("file") != key.npos)
       in_.fail("takes times or numbers from other files, which is not read", kExport);
   }
+  void readFileSet(const std::string& key, std::string_view value) {
+    NumberParser in(value, in_.path());
+    std::vector<FileSet>& sets = case_.fileSets;
+    if (key == "file set") {
+      sets.emplace_back();
+      sets.back().id = integer(in, "the number of a file set");
+      return;
+    }
+    if (sets.empty())
+      in_.fail("'" + key + "' stands before 'file set'", kExport);
+    std::vector<FileSet::File>& files = sets.back().files;
+    if (key == "filename index")
+      files.push_back({integer(in, "a file's number"), 0});
+    if (key != "number of steps")
+      return;
+    if (files.empty() || !files.back().index)
+      files.emplace_back();
+    files.back().steps = integer(in, "a number of steps");
+    if (files.back().steps < 1)
+      in_.fail("a file holds no steps", kExport);
+  }
+
   std::int64_t integer(NumberParser& in, const char* what) const {
     std::int64_t n = 0;
     if (!in.tryInteger(n))
@@ -217,6 +237,13 @@ private:
       in_.fail("'" + pattern.name + "' belongs to time set " + std::to_string(pattern.timeSet) +
                    ", which does not exist",
                kExport);
+    const auto& sets = case_.fileSets;
+    if (pattern.fileSet >= 0 && std::none_of(sets.begin(), sets.end(), [&](const FileSet& set) {
+          return set.id == pattern.fileSet;
+        }))
+      in_.fail("'" + pattern.name + "' belongs to file set " + std::to_string(pattern.fileSet) +
+                   ", which does not exist",
+               kExport);
   }
 
   struct Unfinished {
@@ -245,26 +272,44 @@ std::vector<double> Case::times() const {
   return {all.begin(), all.end()};
 }
 
-std::string Case::pathOf(const FilePattern& pattern, std::size_t step,
-                         const std::string& path) const {
-  std::string name = pattern.name;
-  const std::size_t star = name.find('*');
-  const auto set = std::find_if(timeSets.begin(), timeSets.end(),
-                                [&](const TimeSet& one) { return one.id == pattern.timeSet; });
-  if (star != name.npos && set != timeSets.end()) {
-    const std::vector<double> all = times();
-    const double time = all.at(step);
-    std::size_t chosen = 0;
-    for (std::size_t i = 0; i < set->times.size(); ++i)
-      if (set->times[i] <= time && set->times[i] >= set->times[chosen])
+StepPlace Case::placeOf(const FilePattern& pattern, std::size_t step,
+                        const std::string& path) const {
+  std::optional<std::int64_t> number; // in the file's name
+  std::size_t chosen = 0;             // step of the time set
+  const auto times = std::find_if(timeSets.begin(), timeSets.end(),
+                                  [&](const TimeSet& one) { return one.id == pattern.timeSet; });
+  if (times != timeSets.end()) {
+    const double time = this->times().at(step);
+    for (std::size_t i = 0; i < times->times.size(); ++i)
+      if (times->times[i] <= time && times->times[i] >= times->times[chosen])
         chosen = i;
+    number = times->fileNumbers[chosen];
+  }
+  StepPlace place;
+  const auto files = std::find_if(fileSets.begin(), fileSets.end(),
+                                  [&](const FileSet& one) { return one.id == pattern.fileSet; });
+  if (files != fileSets.end()) {
+    auto file = files->files.begin();
+    for (; file != files->files.end() && chosen >= static_cast<std::uint64_t>(file->steps); ++file)
+      chosen -= static_cast<std::size_t>(file->steps);
+    if (file == files->files.end())
+      throw Error(Status::Invalid, path,
+                  "file set " + std::to_string(files->id) + " has fewer steps than time set " +
+                      std::to_string(pattern.timeSet),
+                  kExport);
+    place.number = chosen;
+    number = file->index;
+  }
+  std::string name = pattern.name;
+  if (const std::size_t star = name.find('*'); star != name.npos && number) {
     const std::size_t end = std::min(name.find_first_not_of('*', star), name.size());
-    std::string digits = std::to_string(set->fileNumbers[chosen]);
+    std::string digits = std::to_string(*number);
     if (digits.size() < end - star)
       digits.insert(0, end - star - digits.size(), '0');
     name.replace(star, end - star, digits);
   }
-  return pathWithin(path, name);
+  place.path = pathWithin(path, name);
+  return place;
 }
 
 Case parseCase(const Source& source) {

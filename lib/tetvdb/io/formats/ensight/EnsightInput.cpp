@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/core/Letters.h"
+#include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
 
@@ -13,7 +14,8 @@ constexpr std::size_t kRecord = 80; ///< characters of a record of text in a bin
 
 } // namespace
 
-Input::Input(const Source& source) : text_(source), bytes_(source) {
+Input::Input(const Source& source, std::optional<std::size_t> step)
+    : text_(source), bytes_(source) {
   const std::string_view start = source.bytes.substr(0, kRecord);
   if (start.substr(0, 20).find("Fortran Binary") != start.npos)
     throw Error(Status::Invalid, source.path, "is a Fortran binary file, which is not read",
@@ -21,10 +23,35 @@ Input::Input(const Source& source) : text_(source), bytes_(source) {
   binary_ = start.substr(0, 8) == "C Binary";
   if (binary_)
     bytes_.skip(kRecord);
+  if (step)
+    openStep(source, *step);
 }
 
-Input::Input(const Source& source, bool isBinary)
-    : binary_(isBinary), text_(source), bytes_(source) {}
+Input::Input(const Source& source, bool isBinary, std::optional<std::size_t> step)
+    : binary_(isBinary), text_(source), bytes_(source) {
+  if (step)
+    openStep(source, *step);
+}
+
+// The lines or records between those that begin and end the step. In binary files they are looked
+// for among the numbers as well, which are not these letters.
+void Input::openStep(const Source& source, std::size_t step) {
+  constexpr std::string_view begins = "BEGIN TIME STEP", ends = "END TIME STEP";
+  std::size_t at = source.bytes.find(begins);
+  for (std::size_t i = 0; i < step && at != source.bytes.npos; ++i)
+    at = source.bytes.find(begins, at + begins.size());
+  if (at == source.bytes.npos)
+    throw Error(Status::Invalid, source.path,
+                "has no step " + std::to_string(step + 1) + " ('BEGIN TIME STEP')", kCut);
+  const std::size_t end = source.bytes.find(ends, at);
+  if (end == source.bytes.npos)
+    throw Error(Status::Invalid, source.path,
+                "step " + std::to_string(step + 1) + " does not end ('END TIME STEP')", kCut);
+  const std::string_view until = source.bytes.substr(0, end);
+  text_ = NumberParser(until, source.path, 0, at);
+  text_.line();
+  bytes_ = ByteReader(until, source.path, false, std::min(at + kRecord, end));
+}
 
 bool Input::atEnd() {
   return binary_ ? bytes_.remaining() == 0 : text_.atEnd();

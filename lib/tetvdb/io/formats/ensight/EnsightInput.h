@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,10 @@ namespace tetvdb::ensight {
 class Input {
 public:
   /// A geometry file: reads the record "C Binary" if it begins with it. Throws for Fortran's binary
-  /// files.
-  explicit Input(const Source& source);
+  /// files. `step`: of a file that holds several, from 0 on.
+  explicit Input(const Source& source, std::optional<std::size_t> step = {});
   /// A variable's file, which is binary if the geometry is, without a mark.
-  Input(const Source& source, bool isBinary);
+  Input(const Source& source, bool isBinary, std::optional<std::size_t> step);
 
   bool isBinary() const { return binary_; }
   /// Whether only white space is left.
@@ -45,6 +46,8 @@ public:
   [[noreturn]] void fail(const std::string& what, const char* advice) const;
 
 private:
+  void openStep(const Source& source, std::size_t step);
+
   bool binary_ = false;
   bool orderKnown_ = false;
   NumberParser text_;

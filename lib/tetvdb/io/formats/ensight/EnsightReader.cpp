@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,8 +64,10 @@ struct Part {
 
 class Geometry {
 public:
-  Geometry(const Source& source, const ReadOptions& options, Progress& progress)
-      : source_(source), options_(options), progress_(progress), in_(source) {}
+  /// `step`: of a file that holds several, from 0 on.
+  Geometry(const Source& source, std::optional<std::size_t> step, const ReadOptions& options,
+           Progress& progress)
+      : source_(source), options_(options), progress_(progress), in_(source, step) {}
 
   void read() {
     in_.line();
@@ -305,10 +308,10 @@ private:
 /// One variable's file: values of parts, at nodes or elements.
 class VariableFile {
 public:
-  VariableFile(const Source& source, const Variable& variable, const Geometry& geometry,
-               Progress& progress)
+  VariableFile(const Source& source, std::optional<std::size_t> step, const Variable& variable,
+               const Geometry& geometry, Progress& progress)
       : variable_(variable), geometry_(geometry), progress_(progress),
-        in_(source, geometry.isBinary()) {}
+        in_(source, geometry.isBinary(), step) {}
 
   Attribute read() {
     const std::size_t elements =
@@ -398,7 +401,7 @@ private:
 } // namespace
 
 CellMesh readGeometry(const Source& source, const ReadOptions& options, Progress& progress) {
-  Geometry geometry(source, options, progress);
+  Geometry geometry(source, {}, options, progress);
   geometry.read();
   return std::move(geometry.mesh);
 }
@@ -420,9 +423,10 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
   const std::size_t step = options.timeStep >= 0 ? static_cast<std::size_t>(options.timeStep)
                            : times.empty()       ? 0
                                                  : times.size() - 1;
-  const MappedFile file(theCase.pathOf(theCase.geometry, step, source.path));
+  const StepPlace place = theCase.placeOf(theCase.geometry, step, source.path);
+  const MappedFile file(place.path);
   const Source bytes = file.source();
-  Geometry geometry(bytes, options, progress);
+  Geometry geometry(bytes, place.number, options, progress);
   geometry.read();
   progress.update(0.5);
   for (const Variable& variable : theCase.variables) {
@@ -432,9 +436,10 @@ CellMesh readEnsight(const Source& source, const ReadOptions& options, Report& r
         geometry.mesh.unread.push_back({variable.name, on, variable.components});
       continue;
     }
-    const MappedFile values(theCase.pathOf(variable.file, step, source.path));
+    const StepPlace there = theCase.placeOf(variable.file, step, source.path);
+    const MappedFile values(there.path);
     geometry.mesh.attributes.push_back(
-        VariableFile(values.source(), variable, geometry, progress).read());
+        VariableFile(values.source(), there.number, variable, geometry, progress).read());
   }
   geometry.mesh.times = std::move(times);
   return std::move(geometry.mesh);
@@ -444,10 +449,12 @@ bool ensightHasSolidCells(const Source& source, Report&, Progress& progress) {
   using namespace ensight;
   const Case theCase = parseCase(source);
   const std::size_t steps = theCase.times().size();
-  const MappedFile file(theCase.pathOf(theCase.geometry, steps == 0 ? 0 : steps - 1, source.path));
+  const StepPlace place =
+      theCase.placeOf(theCase.geometry, steps == 0 ? 0 : steps - 1, source.path);
+  const MappedFile file(place.path);
   const Source bytes = file.source();
   const ReadOptions options;
-  return Geometry(bytes, options, progress).hasSolidCells();
+  return Geometry(bytes, place.number, options, progress).hasSolidCells();
 }
 
 std::vector<double> ensightTimes(const Source& source, Report&, Progress&) {

@@ -89,13 +89,12 @@ private:
   /// Calls take() for every entry of a file and of those that it includes, until it returns false.
   /// Returns whether it never did.
   template <typename Take>
-  bool forEntries(const Source& source, int depth, const Take& take) {
-    constexpr int deepest = 16, most = 10000;
+  bool forEntries(const Source& source, std::size_t depth, const Take& take) {
     NastranDeck deck(source);
     for (std::size_t n = 0; deck.next(); ++n) {
       deck_ = &deck;
       if (deck.name() == "INCLUDE") {
-        if (depth == deepest || ++included_ > most)
+        if (depth == kDeepestInclusion || ++included_ > kMostInclusions)
           deck.fail("too many files include one another", "put the data into one file");
         const MappedFile file(pathWithin(source.path, deck.includedFile()));
         if (!forEntries(file.source(), depth + 1, take))
@@ -226,7 +225,7 @@ private:
   Report& report_;
   Progress& progress_;
   const NastranDeck* deck_ = nullptr; ///< of the file that is read
-  int included_ = 0;                  ///< files
+  std::size_t included_ = 0;          ///< files
   CellMesh mesh_;                     ///< nodes are the file's numbers until finish()
   IdMap points_;
   CoordinateSystems systems_;

@@ -248,6 +248,17 @@ TriangleMesh without(const TriangleMesh& mesh, const Drop& drop) {
   return rest;
 }
 
+/// Without the faces whose centroid has a larger height along `axis`; points stay.
+inline TriangleMesh withoutCap(const TriangleMesh& mesh, const Vec3d& axis, double height) {
+  return without(mesh, [&](std::size_t face) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t i = 0; i < 3; ++i)
+        sum += mesh.points[mesh.triangles[3 * face + k]][i] * axis[i] / 3;
+    return sum > height;
+  });
+}
+
 /// Points moved by position(p).
 template <typename Position>
 TriangleMesh moved(TriangleMesh mesh, const Position& position) {

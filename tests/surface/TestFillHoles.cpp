@@ -13,11 +13,13 @@ namespace {
 
 using namespace tetvdb::meshes;
 
+constexpr Vec3d kCapAxis{0.36, 0.48, 0.8};
+
 // What was there is there still, as it was, and the mesh is closed.
-HoleFilling filled(TriangleMesh& mesh) {
+HoleFilling filled(TriangleMesh& mesh, HolePatches patches = HolePatches::Smooth) {
   const TriangleMesh before = mesh;
   Progress progress;
-  HoleFilling filling = fillHoles(mesh, progress);
+  HoleFilling filling = fillHoles(mesh, progress, patches);
   EXPECT_EQ(manifoldDefect(mesh), "");
   EXPECT_TRUE(std::equal(before.points.begin(), before.points.end(), mesh.points.begin()));
   EXPECT_TRUE(std::equal(before.triangles.begin(), before.triangles.end(), mesh.triangles.begin()));
@@ -68,14 +70,8 @@ TEST(FillHoles, CurvedHolesFollowTheSurface) {
 TEST(FillHoles, LargeCurvedHolesAreSmooth) {
   // Of a ball everything within an angle of a direction goes: what fills the hole lies on the ball.
   const TriangleMesh ball = sphere({0, 0, 0}, 1, 24);
-  const Vec3d way{0.36, 0.48, 0.8};
   for (const double cosine : {0.95, 0.85, 0.7}) {
-    TriangleMesh mesh = without(ball, [&](std::size_t f) {
-      Vec3d midpoint{0, 0, 0};
-      for (std::size_t k = 0; k < 3; ++k)
-        midpoint = plus(midpoint, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
-      return dot(midpoint, way) > cosine;
-    });
+    TriangleMesh mesh = withoutCap(ball, kCapAxis, cosine);
     dropUnusedPoints(mesh);
     const std::size_t first = mesh.points.size();
     const HoleFilling filling = filled(mesh);
@@ -97,16 +93,47 @@ TEST(FillHoles, LargeCurvedHolesAreSmooth) {
   }
 }
 
+// The area of the faces from `first` on.
+double areaFrom(const TriangleMesh& mesh, std::size_t first) {
+  double area = 0;
+  for (std::size_t i = 3 * first; i < mesh.triangles.size(); i += 3) {
+    const Vec3d& a = mesh.points[mesh.triangles[i]];
+    area += length(cross(minus(mesh.points[mesh.triangles[i + 1]], a),
+                         minus(mesh.points[mesh.triangles[i + 2]], a))) /
+            2;
+  }
+  return area;
+}
+
+TEST(FillHoles, TautPatchesSpanTheirEdges) {
+  // The edges of a ball's cap, up and down about a circle of latitude.
+  for (const double cosine : {0.85, 0.7, 0.2}) {
+    const TriangleMesh open = withoutCap(sphere({0, 0, 0}, 1, 24), kCapAxis, cosine);
+    TriangleMesh taut = open, plain = open, smooth = open;
+    for (TriangleMesh* mesh : {&taut, &plain, &smooth})
+      dropUnusedPoints(*mesh);
+    const std::size_t firstPoint = taut.points.size(), firstFace = taut.triangleCount();
+    const HoleFilling filling = filled(taut, HolePatches::Taut);
+    ASSERT_EQ(filling.holes.size(), 1u);
+    EXPECT_GT(filling.holes[0].points, 20u);
+    EXPECT_EQ(filled(plain, HolePatches::Plain).holes[0].points, 0u);
+    filled(smooth);
+    for (std::size_t i = firstPoint; i < taut.points.size(); ++i)
+      EXPECT_NEAR(dot(taut.points[i], kCapAxis), cosine, 0.06);
+    const double disc = kPi * (1 - cosine * cosine);
+    EXPECT_NEAR(areaFrom(taut, firstFace), disc, 0.1 * disc);
+    EXPECT_LT(areaFrom(taut, firstFace), areaFrom(plain, firstFace));
+    EXPECT_LT(areaFrom(taut, firstFace), areaFrom(smooth, firstFace));
+    const double cap = kPi * (1 - cosine) * (1 - cosine) * (2 + cosine) / 3;
+    EXPECT_NEAR(signedVolume(taut), 4 * kPi / 3 - cap, 0.03 * disc); // half of a face
+  }
+}
+
 TEST(FillHoles, APatchThatWouldCrossIsPlain) {
   // A spike just below the ball's surface stands where the smooth patch would be.
   const TriangleMesh ball = sphere({0, 0, 0}, 1, 24);
-  const TriangleMesh holed = without(ball, [&](std::size_t f) {
-    Vec3d midpoint{0, 0, 0};
-    for (std::size_t k = 0; k < 3; ++k)
-      midpoint = plus(midpoint, times(ball.points[ball.triangles[3 * f + k]], 1.0 / 3));
-    return dot(midpoint, Vec3d{0.36, 0.48, 0.8}) > 0.8;
-  });
-  TriangleMesh mesh = joined({holed, box({0.33, 0.45, 0.77}, {0.38, 0.5, 1.2})});
+  TriangleMesh mesh =
+      joined({withoutCap(ball, kCapAxis, 0.8), box({0.33, 0.45, 0.77}, {0.38, 0.5, 1.2})});
   dropUnusedPoints(mesh);
   const std::size_t before = mesh.points.size();
   const HoleFilling filling = filled(mesh);

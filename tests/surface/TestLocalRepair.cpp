@@ -3,6 +3,7 @@
 #include "TriangleMeshes.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CleanTriangles.h"
+#include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
 
@@ -104,6 +105,26 @@ TEST(LocalRepair, FilledHolesMayAddVolume) {
   EXPECT_EQ(meshChanges(open, mesh).kept, open.triangleCount());
   TriangleMesh corner = withoutSides(0); // all three: a third of the solid would be added
   EXPECT_EQ(repaired(corner).why, "closing it would change its volume");
+}
+
+// The smooth patch of a ball's large hole is the rest of the ball, which the winding number does
+// not close so.
+TEST(LocalRepair, LargeHolesAreFilledWhereTheirEdgesAre) {
+  for (const double height : {0.0, 0.3, 0.5}) {
+    TriangleMesh mesh = withoutCap(sphere({0, 0, 0}, 1, 24), {0.36, 0.48, 0.8}, height);
+    dropUnusedPoints(mesh);
+    const double cap = kPi * (1 - height) * (1 - height) * (2 + height) / 3;
+    const TriangleMesh open = mesh;
+    Progress progress;
+    TriangleMesh smooth = open;
+    fillHoles(smooth, progress);
+    EXPECT_GT(signedVolume(smooth), 1.1 * (4 * kPi / 3 - cap));
+    const LocalRepair repair = repaired(mesh);
+    ASSERT_TRUE(repair.succeeded) << repair.why;
+    EXPECT_FALSE(repair.closingChangesVolume);
+    EXPECT_EQ(meshChanges(open, mesh).kept, open.triangleCount());
+    EXPECT_NEAR(signedVolume(mesh), 4 * kPi / 3 - cap, 0.1) << height; // half of a face
+  }
 }
 
 TEST(LocalRepair, SolidsThatTouchMoveApart) {

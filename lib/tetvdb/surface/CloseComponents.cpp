@@ -195,14 +195,17 @@ private:
       return;
     CopiedFaces copied = copyFaces(mesh_, solid.faces);
     solid.points = std::move(copied.points);
-    const auto isSolidBy = [&](HoleFilling (*fill)(TriangleMesh&, Progress&)) {
+    const auto isSolidWith = [&](HolePatches patches) {
       solid.mesh = copied.mesh;
-      solid.holes = fill(solid.mesh, progress_).holes;
+      solid.holes = (planeOnly ? fillPlaneHoles(solid.mesh, progress_)
+                               : fillHoles(solid.mesh, progress_, patches))
+                        .holes;
       return !solid.holes.empty() && staysTheSame(solid, solids_.size(), progress_);
     };
     // Plain patches tell sheets from solids; fair ones take long.
     solid.isClosed =
-        planeOnly ? isSolidBy(fillPlaneHoles) : isSolidBy(fillHolesPlainly) && isSolidBy(fillHoles);
+        isSolidWith(HolePatches::Plain) &&
+        (planeOnly || isSolidWith(HolePatches::Smooth) || isSolidWith(HolePatches::Taut));
   }
 
   std::vector<Solid*> closedSolids() {

@@ -6,6 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 #include <utility>
@@ -99,23 +100,40 @@ private:
     return cross(minus(points_[b], points_[a]), minus(points_[c], points_[a]));
   }
 
-  bool flipOnce() {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> sides; // 3 face + k
+  using Edge = std::pair<std::uint32_t, std::uint32_t>;
+  using Side = std::pair<Edge, std::size_t>; // 3 face + k
+
+  // Ascending; of several with one edge the last.
+  std::vector<Side> sortedSides() const {
+    std::vector<Side> sides;
     for (std::size_t s = 0; s < 3 * faces_.size(); ++s)
-      sides[{faces_[s / 3][s % 3], faces_[s / 3][(s + 1) % 3]}] = s;
+      sides.push_back({{faces_[s / 3][s % 3], faces_[s / 3][(s + 1) % 3]}, s});
+    std::sort(sides.begin(), sides.end(), std::greater<>());
+    const auto sameEdge = [](const Side& a, const Side& b) { return a.first == b.first; };
+    sides.erase(std::unique(sides.begin(), sides.end(), sameEdge), sides.end());
+    std::reverse(sides.begin(), sides.end());
+    return sides;
+  }
+
+  bool flipOnce() {
+    const std::vector<Side> sides = sortedSides();
+    const auto find = [&](const Edge& edge) {
+      const auto at = std::lower_bound(sides.begin(), sides.end(), Side{edge, 0});
+      return at != sides.end() && at->first == edge ? at : sides.end();
+    };
     std::vector<char> touched(faces_.size(), 0);
-    std::set<std::pair<std::uint32_t, std::uint32_t>> made;
+    std::set<Edge> made;
     bool flipped = false;
     for (const auto& [edge, s] : sides) {
       const auto [a, b] = edge;
-      const auto back = sides.find({b, a});
+      const auto back = find({b, a});
       if (a > b || back == sides.end())
         continue;
       const std::size_t f = s / 3, g = back->second / 3;
       if (touched[f] != 0 || touched[g] != 0)
         continue;
       const std::uint32_t c = faces_[f][(s + 2) % 3], d = faces_[g][(back->second + 2) % 3];
-      if (c == d || sides.count({c, d}) + sides.count({d, c}) > 0 ||
+      if (c == d || find({c, d}) != sides.end() || find({d, c}) != sides.end() ||
           made.count({std::min(c, d), std::max(c, d)}) > 0 ||
           (c < loopEnd_ && d < loopEnd_ && isTaken_(c, d)))
         continue;
@@ -145,12 +163,12 @@ private:
 
 // --- Fairing.
 
-// The squared Laplacian of the patch's points, as a function of the new points.
+// The Laplacian of the patch's points, as a function of the new points.
 class Fairing {
 public:
   Fairing(std::vector<Vec3d>& points, std::size_t firstNew, const std::vector<Corners>& faces,
-          const std::vector<Corners>& around)
-      : points_(points), firstNew_(firstNew) {
+          const std::vector<Corners>& around, Fairness fairness)
+      : points_(points), firstNew_(firstNew), fairness_(fairness) {
     std::set<std::uint32_t> loop;
     for (const Corners& c : faces)
       for (const std::uint32_t v : c)
@@ -180,11 +198,14 @@ public:
         }
       }
     for (const auto& [v, i] : row)
-      addRow(v, areas[i] > 0 ? 1 / std::sqrt(areas[i]) : 0, weights[i]);
+      if (fairness == Fairness::Smooth)
+        addRow(v, areas[i] > 0 ? 1 / std::sqrt(areas[i]) : 0, weights[i]);
+      else if (v >= firstNew)
+        addRow(v, -1, weights[i]);
   }
 
-  // Moves the new points to where the sum of squares is least; returns false, and moves none, where
-  // rounding hides where that is.
+  // Moves the new points to where the Laplacian's sum of squares is least, or where it is 0.
+  // Returns false, and moves none, where rounding hides where that is.
   bool solve() {
     const auto count = static_cast<Eigen::Index>(points_.size() - firstNew_);
     Eigen::SparseMatrix<double> ofNew(rows_, count);
@@ -193,11 +214,14 @@ public:
     for (std::size_t i = 0; i < ofFixed_.size(); ++i)
       for (Eigen::Index k = 0; k < 3; ++k)
         ofFixed(static_cast<Eigen::Index>(i), k) = ofFixed_[i][static_cast<std::size_t>(k)];
-    const Eigen::SparseMatrix<double> squares = ofNew.transpose() * ofNew;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(squares);
+    if (fairness_ == Fairness::Smooth) {
+      ofFixed = ofNew.transpose() * ofFixed;
+      ofNew = Eigen::SparseMatrix<double>(ofNew.transpose()) * ofNew;
+    }
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(ofNew);
     if (factors.info() != Eigen::Success)
       return false;
-    const Eigen::MatrixX3d found = factors.solve(ofNew.transpose() * -ofFixed);
+    const Eigen::MatrixX3d found = factors.solve(-ofFixed);
     if (!found.allFinite())
       return false;
     for (Eigen::Index i = 0; i < count; ++i)
@@ -206,7 +230,8 @@ public:
   }
 
 private:
-  // The Laplacian at a point, times `scale`, which makes its square one by area.
+  // The Laplacian at a point, times `scale`, which makes its square one by area, or the matrix
+  // positive.
   void addRow(std::uint32_t point, double scale, const std::map<std::uint32_t, double>& weights) {
     Vec3d fixed{0, 0, 0};
     const auto add = [&](std::uint32_t of, double weight) {
@@ -227,6 +252,7 @@ private:
 
   std::vector<Vec3d>& points_;
   const std::size_t firstNew_;
+  const Fairness fairness_;
   Eigen::Index rows_ = 0;                     ///< points of the patch
   std::vector<Eigen::Triplet<double>> ofNew_; ///< the Laplacian's coefficients
   std::vector<Vec3d> ofFixed_;                ///< its part that does not change
@@ -234,8 +260,8 @@ private:
 
 } // namespace
 
-std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTaken& isTaken,
-                      Progress& progress) {
+std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, Fairness fairness,
+                      const EdgeTaken& isTaken, Progress& progress) {
   const std::size_t first = points.size();
   Refinement refinement(points, patch, isTaken);
   if (!refinement.run(progress) || points.size() == first) {
@@ -255,7 +281,7 @@ std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTa
                                   points.end());
   for (int i = 0; i < kFairings; ++i) {
     progress.check();
-    if (!Fairing(points, first, refinement.faces(), patch.around).solve()) {
+    if (!Fairing(points, first, refinement.faces(), patch.around, fairness).solve()) {
       points.resize(first);
       return 0;
     }

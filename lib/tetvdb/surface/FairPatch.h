@@ -21,17 +21,22 @@ struct HolePatch {
   std::vector<Corners> around; ///< with the orientation of `faces`
 };
 
+/// What the new points of a patch minimize, by cotangents.
+enum class Fairness {
+  Smooth, ///< the squared Laplacian, by area, of the patch and of its boundary, including the faces
+          ///< around it: the surface continues the tangent planes of its surroundings
+  Taut    ///< the squared lengths of edges: the surface is nearly one of the smallest area
+};
+
 /// Refines the patch: splits a face into three if its centroid is farther from its corners than the
 /// local edge length, and flips inner edges whose opposite angles are larger (P. Liepa, Filling
-/// holes in meshes, 2003). Then moves the new points to minimize the squared Laplacian (cotangents,
-/// by area) of the patch and of its boundary, including the faces around it: the surface continues
-/// the tangent planes of its surroundings. Appends new points to `points`. Does not make edges for
-/// which `isTaken` holds. Returns the number of new points. Returns 0, and changes nothing, if the
-/// patch is fine enough, is larger than kMaxFairPoints, or no such surface was found. About 1 ms
-/// per hundred points.
-std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, const EdgeTaken& isTaken,
-                      Progress& progress);
+/// holes in meshes, 2003). Then moves the new points to where the patch is fair. Appends them to
+/// `points`. Does not make edges for which `isTaken` holds. Returns the number of new points.
+/// Returns 0, and changes nothing, if the patch is fine enough, is larger than kMaxFairPoints, or
+/// no such surface was found. About 1 ms per hundred points.
+std::size_t fairPatch(std::vector<Vec3d>& points, HolePatch& patch, Fairness fairness,
+                      const EdgeTaken& isTaken, Progress& progress);
 
-constexpr std::size_t kMaxFairPoints = 20000;
+constexpr std::size_t kMaxFairPoints = 100000;
 
 } // namespace tetvdb

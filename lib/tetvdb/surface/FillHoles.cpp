@@ -20,19 +20,17 @@ namespace {
 // Curved holes of fewer edges are filled without new points.
 constexpr std::size_t kFewestFairEdges = 7;
 
-enum class Fill { Plane, Plain, Fair };
-
 class Filling {
 public:
-  Filling(TriangleMesh& mesh, Fill fill, Progress& progress)
-      : mesh_(mesh), fill_(fill), progress_(progress), edges_(mesh), holes_(mesh, edges_) {}
+  Filling(TriangleMesh& mesh, HolePatches patches, Progress& progress)
+      : mesh_(mesh), patches_(patches), progress_(progress), edges_(mesh), holes_(mesh, edges_) {}
 
-  HoleFilling run() {
+  HoleFilling run(bool planeOnly) {
     HoleFilling filling;
     std::vector<std::uint32_t> added;
     for (const std::vector<std::size_t>& group : holes_.groups()) {
       progress_.check();
-      if (fillInPlane(group, added, filling) || fill_ == Fill::Plane)
+      if (fillInPlane(group, added, filling) || planeOnly)
         continue;
       for (const std::size_t loop : group)
         fillInSpace(loop, added, filling);
@@ -74,7 +72,7 @@ private:
       triangulateLoop(
           mesh_.points, space, [](std::uint32_t, std::uint32_t) { return false; }, added,
           progress_);
-    if (fill_ == Fill::Fair && loop.points.size() >= kFewestFairEdges)
+    if (patches_ != HolePatches::Plain && loop.points.size() >= kFewestFairEdges)
       fair(loop, added, first, hole, filling.holes.size());
     finish(hole, added, first, filling);
   }
@@ -95,8 +93,8 @@ private:
     for (const std::uint32_t face : around)
       patch.around.push_back(cornersOf(mesh_.triangles, face));
     hole.points = fairPatch(
-        mesh_.points, patch, [&](std::uint32_t a, std::uint32_t b) { return isTaken(a, b); },
-        progress_);
+        mesh_.points, patch, patches_ == HolePatches::Smooth ? Fairness::Smooth : Fairness::Taut,
+        [&](std::uint32_t a, std::uint32_t b) { return isTaken(a, b); }, progress_);
     if (hole.points == 0)
       return;
     fairHoles_.push_back({number, {begin, added.end()}});
@@ -170,7 +168,7 @@ private:
   }
 
   TriangleMesh& mesh_;
-  const Fill fill_;
+  const HolePatches patches_;
   Progress& progress_;
   const EdgeTable edges_;
   PlaneHoles holes_;
@@ -185,16 +183,12 @@ private:
 
 } // namespace
 
-HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, Fill::Fair, progress).run();
-}
-
-HoleFilling fillHolesPlainly(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, Fill::Plain, progress).run();
+HoleFilling fillHoles(TriangleMesh& mesh, Progress& progress, HolePatches patches) {
+  return Filling(mesh, patches, progress).run(false);
 }
 
 HoleFilling fillPlaneHoles(TriangleMesh& mesh, Progress& progress) {
-  return Filling(mesh, Fill::Plane, progress).run();
+  return Filling(mesh, HolePatches::Plain, progress).run(true);
 }
 
 } // namespace tetvdb

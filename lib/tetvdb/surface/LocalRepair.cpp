@@ -42,6 +42,7 @@ constexpr std::size_t kMaxAligned = 5000;
 // from voxels moves as far when it is simplified.
 constexpr double kMaxContracted = 1e-4;
 constexpr int kContractions = 8; // rounds
+constexpr const char* kChangesVolume = "closing it would change its volume";
 
 // Replaces points that are equal as floats by the first of them.
 void joinEqualAsFloats(TriangleMesh& mesh, LocalRepair& repair) {
@@ -363,7 +364,50 @@ std::string compareWith(const TriangleMesh& before, const TriangleMesh& filled,
                                 solids.gained <= (repair.holes.empty() ? most : mostOfAll) &&
                                 solids.after >= kMinLeft * solids.before &&
                                 std::max(cut.lost, cut.gained) <= most;
-  return repair.closingChangesVolume ? "" : "closing it would change its volume";
+  return repair.closingChangesVolume ? "" : kChangesVolume;
+}
+
+// What a repaired mesh is compared with.
+struct SolidsToKeep {
+  const TriangleMesh& given;
+  const TriangleMesh& solid; ///< its components that bound one are closed
+};
+
+struct Closing {
+  TriangleMesh mesh;
+  LocalRepair repair;
+};
+
+// Fills the holes of an open mesh, cuts what crosses, separates what touches.
+Closing closeAndCut(const TriangleMesh& open, const LocalRepair& before, HolePatches patches,
+                    const SolidsToKeep& kept, Progress& progress) {
+  Closing closing{open, before};
+  TriangleMesh& mesh = closing.mesh;
+  LocalRepair& repair = closing.repair;
+  if (!isBalanced(mesh)) {
+    const std::vector<FilledHole> filled = fillHoles(mesh, progress, patches).holes;
+    repair.holes.insert(repair.holes.end(), filled.begin(), filled.end());
+    if (!isBalanced(mesh)) {
+      repair.why = "boundary edges that cannot be closed";
+      return closing;
+    }
+  }
+  const TriangleMesh filled = mesh;
+  LocalRepair parted = repair;
+  if (partWhatTouches(mesh, parted, progress).empty()) {
+    repair = parted;
+  } else {
+    mesh = filled;
+    repair.why = cutCrossings(mesh, repair, progress);
+    if (!repair.why.empty())
+      return closing;
+  }
+  repair.why = compareWith(kept.solid, filled, mesh, repair, progress);
+  // Closed by itself, a component may have another solid than as a part of the mesh.
+  if (!repair.why.empty() && compareWith(kept.given, filled, mesh, repair, progress).empty())
+    repair.why.clear();
+  repair.succeeded = repair.why.empty();
+  return closing;
 }
 
 } // namespace
@@ -403,29 +447,21 @@ LocalRepair repairLocally(TriangleMesh& mesh, Progress& progress) {
       return failed("too many open components");
     if (work.triangles.empty())
       return failed("only sheets");
-    const std::vector<FilledHole> filled = fillHoles(work, progress).holes;
-    repair.holes.insert(repair.holes.end(), filled.begin(), filled.end());
-    if (!isBalanced(work))
-      return failed("boundary edges that cannot be closed");
   }
-  const TriangleMesh filled = work;
-  LocalRepair parted = repair;
-  if (partWhatTouches(work, parted, progress).empty()) {
-    repair = parted;
-  } else {
-    work = filled;
-    const std::string broken = cutCrossings(work, repair, progress);
-    if (!broken.empty())
-      return failed(broken);
+  const SolidsToKeep kept{mesh, solid};
+  Closing closing = closeAndCut(work, repair, HolePatches::Smooth, kept, progress);
+  // A smooth patch over a large hole may bulge far out.
+  const bool bulges = closing.repair.closingChangesVolume || closing.repair.why == kChangesVolume;
+  const std::vector<FilledHole>& holes = closing.repair.holes;
+  if (bulges && std::any_of(holes.begin(), holes.end(),
+                            [](const FilledHole& hole) { return hole.points > 0; })) {
+    Closing taut = closeAndCut(work, repair, HolePatches::Taut, kept, progress);
+    if (taut.repair.succeeded && !(closing.repair.succeeded && taut.repair.closingChangesVolume))
+      closing = std::move(taut);
   }
-  if (const std::string why = compareWith(solid, filled, work, repair, progress); !why.empty()) {
-    // Closed by itself, a component may have another solid than as a part of the mesh.
-    if (!compareWith(mesh, filled, work, repair, progress).empty())
-      return failed(why);
-  }
-  repair.succeeded = true;
-  mesh = std::move(work);
-  return repair;
+  if (closing.repair.succeeded)
+    mesh = std::move(closing.mesh);
+  return closing.repair;
 }
 
 } // namespace tetvdb

@@ -50,7 +50,8 @@ std::string whatIsBroken(const TriangleMesh& mesh, Progress& progress,
 /// Applies these steps, each only if needed: removes one of two surfaces that nearly coincide
 /// (WeldBoundary.h with all points); merges points that are equal as 32-bit floats; stitches
 /// boundaries (StitchBoundaries.h); closes components (CloseComponents.h); removes sheets
-/// (DropSheets.h); fills the other holes (FillHoles.h); cuts intersecting faces and removes faces
+/// (DropSheets.h); fills the other holes (FillHoles.h), with taut patches where smooth ones would
+/// change the volume by more than 1 %; cuts intersecting faces and removes faces
 /// that do not bound the solid (RemoveCrossings.h); separates edges of more than two faces and
 /// points of several fans (SplitFans.h, SeparatePoints.h).
 ///

@@ -102,6 +102,27 @@ TEST_F(TextCase, PartsVariablesAndSteps) {
   EXPECT_EQ(ensightTimes({kCase, "a.case"}, report, progress), (std::vector<double>{0.5, 1.5}));
 }
 
+// Two cells one after the other along x: by the coordinates along each axis, and by steps.
+TEST_F(TextCase, StraightBlocks) {
+  write("a.case", "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\nVARIABLE\n"
+                  "scalar per element: C c.scl\n");
+  write("c.scl", "C\npart\n1\nblock\n3\n4\n");
+  const auto read = [&](const std::string& block) {
+    write("a.geo", "one\ntwo\nnode id off\nelement id off\npart\n1\nblocks\n" + block);
+    return readCase();
+  };
+  const CellMesh uniform = read("block uniform\n3 2 2\n1\n2\n3\n0.5\n0.25\n2\n");
+  const CellMesh rectilinear = read("block rectilinear\n3 2 2\n1\n1.5\n2\n2\n2.25\n3\n5\n");
+  EXPECT_EQ(uniform.points.size(), 12U);
+  EXPECT_EQ(uniform.points, rectilinear.points);
+  EXPECT_EQ(uniform.points[11], (Vec3d{2, 2.25, 5}));
+  EXPECT_NEAR(cellVolume(uniform), 2 * 0.5 * 0.25 * 2, 1e-12);
+  EXPECT_EQ(arrayNamed(rectilinear, "C").number(1), 4);
+  for (const char* block : {"block rectilinear iblanked\n2 2 2\n", "block uniform\n2 2 2\n0\n0\n",
+                            "block uniform\n2000000000 2000000000 2\n0\n0\n0\n1\n1\n1\n"})
+    EXPECT_THROW(read(block), Error) << block;
+}
+
 // Steps of one file after the other, and of two files with numbers.
 TEST_F(TextCase, SeveralStepsInAFile) {
   const auto step = [](const std::string& text) {

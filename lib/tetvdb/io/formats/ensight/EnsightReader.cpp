@@ -12,6 +12,7 @@
 #include "tetvdb/io/source/Advice.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -165,11 +166,12 @@ private:
     }
   }
 
-  /// A curvilinear block of hexahedra.
+  /// Hexahedra, which follow from their points.
   void readBlock(Part& part, const std::string& line) {
-    if (line != "block" && line != "block curvilinear")
+    const bool uniform = line == "block uniform", rectilinear = line == "block rectilinear";
+    if (!uniform && !rectilinear && line != "block" && line != "block curvilinear")
       in_.fail("a part is a '" + line + "', which is not read",
-               "write it as unstructured elements or as a plain curvilinear block");
+               "write it as unstructured elements or as a block without blanked nodes and ghosts");
     const std::vector<std::int64_t> n = in_.integers(3);
     BlockSize size{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -177,8 +179,14 @@ private:
         in_.fail("a block has " + std::to_string(n[k]) + " nodes along a side", kCut);
       size[k] = static_cast<std::size_t>(n[k]);
     }
-    part.points = blockPoints(size, source_.bytes.size(), source_.path);
-    readPoints(part);
+    const bool straight = uniform || rectilinear;
+    part.points = blockPoints(
+        size, straight ? maxRectilinearPoints(source_.bytes.size()) : source_.bytes.size(),
+        source_.path);
+    if (straight)
+      readAxes(part, size, uniform);
+    else
+      readPoints(part);
     if (kindsAlone_) {
       isSolid_ = isSolidBlock(size);
       return;
@@ -186,6 +194,27 @@ private:
     const std::size_t count = appendBlock(mesh, size, part.firstPoint, options_.faces);
     part.sections.push_back({"block", cells_, count});
     cells_ += count;
+  }
+
+  /// The coordinates of points along each axis or, `uniform`, the first point and the steps.
+  void readAxes(const Part& part, const BlockSize& size, bool uniform) {
+    float first[3], step[3];
+    if (uniform) {
+      in_.reals(first, 3);
+      in_.reals(step, 3);
+    }
+    std::array<std::vector<double>, 3> along;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::vector<float> values(size[k]);
+      if (!uniform)
+        in_.reals(values.data(), values.size());
+      for (std::size_t i = 0; i < size[k]; ++i)
+        along[k].push_back(uniform ? double(first[k]) + double(i) * double(step[k])
+                                   : double(values[i]));
+    }
+    checkPointCount(mesh.points.size() + part.points, source_.path);
+    const std::vector<Vec3d> points = rectilinearPoints(along, source_.bytes.size(), source_.path);
+    mesh.points.insert(mesh.points.end(), points.begin(), points.end());
   }
 
   // --- elements ---

@@ -168,4 +168,52 @@ inline std::string neuFile(bool byRows) {
   return text;
 }
 
+/// A hexahedron with a pyramid on it, beside it in a second zone a tet, and a triangle of a marker.
+inline std::string su2File() {
+  std::string text = "% of SU2\nNZONE= 2\nIZONE= 1\nNDIME= 3\nNELEM= 2\n"
+                     "12 0 1 2 3 4 5 6 7 0\n14 4 5 6 7 8 1\nNPOIN= 9 % and no halo\n";
+  for (int i = 0; i < 9; ++i)
+    text += printed("%.16e %.16e %.16e %d\n", kCubeAndTip[i][0], kCubeAndTip[i][1],
+                    kCubeAndTip[i][2], i);
+  return text + "NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n5 0 1 2\nIZONE= 2\nNDIME=3\n"
+                "NPOIN=4\n5 0 0\n6 0 0\n5 1 0\n5 0 1\nNELEM=1\n10 0 1 2 3\n";
+}
+
+/// A universal file of a hexahedron and a tet of ten nodes, in two groups, with a beam, a face,
+/// units and a dataset that is not known.
+inline std::string unvFile() {
+  std::string text = "    -1\n   164\n         1  SI: Meter (newton)         2\n"
+                     "   1.00000000000000D+00   1.00000000000000D+00   1.00000000000000D+00\n"
+                     "    -1\n    -1\n   999\n -1 2\nwhatever\n    -1\n    -1\n  2411\n";
+  const auto node = [&](int id, double x, double y, double z) {
+    text +=
+        printed("%10d%10d%10d%10d\n", id, 1, 1, 11) + printed("%25.16E%25.16E%25.16E\n", x, y, z);
+  };
+  for (int i = 0; i < 8; ++i)
+    node(10 * i + 10, kCubeAndTip[i][0], kCubeAndTip[i][1], kCubeAndTip[i][2]);
+  // Around the base of a tet with an edge of 2 beside it, then up.
+  const double tet[10][3] = {{4, 0, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {4, 2, 0},
+                             {4, 1, 0}, {4, 0, 1}, {5, 0, 1}, {4, 1, 1}, {4, 0, 2}};
+  for (int i = 0; i < 10; ++i)
+    node(101 + i, tet[i][0], tet[i][1], tet[i][2]);
+  const auto element = [&](int id, int descriptor, int nodes) {
+    text += printed("%10d%10d%10d%10d%10d%10d\n", id, descriptor, 1, 1, 7, nodes);
+  };
+  text += "    -1\n    -1\n  2412\n";
+  element(1, 21, 2);
+  text += "         0         1         1\n        10        20\n";
+  element(5, 115, 8);
+  text += "        10        20        30        40        50        60        70        80\n";
+  element(7, 118, 10);
+  text += "       101       102       103       104       105       106       107       108\n"
+          "       109       110\n";
+  element(9, 91, 3);
+  text += "        10        20        30\n    -1\n    -1\n  2467\n";
+  text += printed("%10d%10d%10d%10d%10d%10d%10d%10d\nrotor\n", 3, 0, 0, 0, 0, 0, 0, 3) +
+          printed("%10d%10d%10d%10d%10d%10d%10d%10d\n", 7, 10, 0, 0, 8, 5, 0, 0) +
+          printed("%10d%10d%10d%10d\n", 8, 9, 0, 0);
+  return text + printed("%10d%10d%10d%10d%10d%10d%10d%10d\nstator\n", 4, 0, 0, 0, 0, 0, 0, 1) +
+         printed("%10d%10d%10d%10d\n    -1\n", 8, 7, 0, 0);
+}
+
 } // namespace tetvdb::test

@@ -11,12 +11,14 @@
 #include "tetvdb/io/formats/ensight/EnsightReader.h"
 #include "tetvdb/io/formats/gambit/NeuReader.h"
 #include "tetvdb/io/formats/gmsh/GmshReader.h"
+#include "tetvdb/io/formats/ideas/UnvReader.h"
 #include "tetvdb/io/formats/medit/MeditReader.h"
 #include "tetvdb/io/formats/netgen/NetgenReader.h"
 #include "tetvdb/io/formats/obj/ObjReader.h"
 #include "tetvdb/io/formats/off/OffReader.h"
 #include "tetvdb/io/formats/ply/PlyReader.h"
 #include "tetvdb/io/formats/stl/StlReader.h"
+#include "tetvdb/io/formats/su2/Su2Reader.h"
 #include "tetvdb/io/formats/tetgen/TetGenReader.h"
 #include "tetvdb/io/formats/threemf/ThreeMfModel.h"
 #include "tetvdb/io/formats/vtk/VtkHdfReader.h"
@@ -223,6 +225,8 @@ TEST(Mutations, Results) {
     });
   for (const bool byRows : {false, true})
     attack(neuFile(byRows), kSmall, with(readNeu));
+  attack(su2File(), kSmall, with(readSu2));
+  attack(unvFile(), kSmall, with(readUnv));
   const auto readPart = [](const std::string& bytes) {
     Progress progress;
     const CellMesh mesh = ensight::readGeometry({bytes, "file"}, {}, progress);

@@ -522,6 +522,44 @@ def neu_files(folder):
         yield Written("%s .neu" % kinds, path, found, ("T", "V", "C"), mesh.volume())
 
 
+# --- SU2 and I-DEAS: files that VTK does not read ---
+
+SU2 = {"tetra": 10, "hexahedron": 12, "wedge": 13, "pyramid": 14}
+UNV = {"tetra": 111, "wedge": 112, "wedge15": 113, "hexahedron": 115, "hexahedron20": 116, "tetra10": 118}
+# VTK's nodes in the file's order: around the base with midpoints, up, around the other base.
+UNV_ORDER = {"tetra10": [0, 4, 1, 5, 2, 6, 7, 8, 9, 3],
+             "wedge15": [0, 6, 1, 7, 2, 8, 12, 13, 14, 3, 9, 4, 10, 5, 11],
+             "hexahedron20": [0, 8, 1, 9, 2, 10, 3, 11, 16, 17, 18, 19, 4, 12, 5, 13, 6, 14, 7, 15]}
+
+
+def su2_text(mesh):
+    out = ["NDIME= 3", "NELEM= %d" % len(mesh.cells)]
+    out += ["%d %s %d" % (SU2[kind], " ".join(map(str, nodes)), i) for i, (kind, nodes) in enumerate(mesh.cells)]
+    out += ["NPOIN= %d" % len(mesh.points)] + ["%.17g %.17g %.17g %d" % (*p, i) for i, p in enumerate(mesh.points)]
+    return "\n".join(out + ["NMARK= 0", ""])
+
+
+def unv_text(mesh):
+    out = ["    -1", "  2411"]
+    for i, p in enumerate(mesh.points):
+        out += ["%10d%10d%10d%10d" % (3 * i + 1, 1, 1, 11), "".join("%25.16E" % x for x in p).replace("E", "D")]
+    out += ["    -1", "    -1", "  2412"]
+    for number, (kind, nodes) in enumerate(mesh.cells):
+        words = ["%10d" % (3 * nodes[i] + 1) for i in UNV_ORDER.get(kind, range(len(nodes)))]
+        out += ["%10d%10d%10d%10d%10d%10d" % (number + 1, UNV[kind], 1, 1, 7, len(nodes))]
+        out += ["".join(words[i:i + 8]) for i in range(0, len(words), 8)]
+    return "\n".join(out + ["    -1", ""])
+
+
+def plain_files(folder):
+    for ending, kinds, text in (("su2", SU2, su2_text), ("unv", UNV, unv_text)):
+        for number, some in enumerate([[kind] for kind in kinds] + [list(kinds)]):
+            mesh = Mesh(some, 3)
+            path = folder / ("p%d.%s" % (number, ending))
+            path.write_text(text(mesh))
+            yield Written("%s .%s" % (some, ending), path, mesh.found(), ("T", "V", "C"), mesh.volume())
+
+
 def write_all(folder):
-    for files in (vtp_files, blocks_file, vtkhdf_files, cgns_files, ensight_files, frd_files, neu_files):
+    for files in (vtp_files, blocks_file, vtkhdf_files, cgns_files, ensight_files, frd_files, neu_files, plain_files):
         yield from files(folder)

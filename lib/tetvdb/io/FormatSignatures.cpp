@@ -275,6 +275,18 @@ bool isNeu(const FileStart& file) {
          contains(file.head.substr(0, 512), "GAMBIT NEUTRAL");
 }
 
+bool isSu2(const FileStart& file) {
+  return isText(file.head) && (contains(file.head, "NDIME=") || contains(file.head, "NDIME ="));
+}
+
+/// A line "-1", and one with a number.
+bool isUnv(const FileStart& file) {
+  NumberParser in(file.head, "");
+  std::int64_t first = 0, number = 0;
+  return isText(file.head) && in.tryInteger(first) && first == -1 && trimmed(in.line()).empty() &&
+         in.tryInteger(number) && number > 0;
+}
+
 bool isExodus(const FileStart& file) {
   return startsWith(file.head, "CDF\x01") || startsWith(file.head, "CDF\x02") ||
          startsWith(file.head, "CDF\x05") || startsWith(file.head, "\x89HDF\r\n");

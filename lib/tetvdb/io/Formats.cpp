@@ -17,6 +17,7 @@
 #include "tetvdb/io/formats/gambit/NeuReader.h"
 #include "tetvdb/io/formats/gmsh/GmshReader.h"
 #include "tetvdb/io/formats/gmsh/GmshWriter.h"
+#include "tetvdb/io/formats/ideas/UnvReader.h"
 #include "tetvdb/io/formats/medit/MeditReader.h"
 #include "tetvdb/io/formats/medit/MeditWriter.h"
 #include "tetvdb/io/formats/nastran/NastranReader.h"
@@ -29,6 +30,7 @@
 #include "tetvdb/io/formats/ply/PlyWriter.h"
 #include "tetvdb/io/formats/stl/StlReader.h"
 #include "tetvdb/io/formats/stl/StlWriter.h"
+#include "tetvdb/io/formats/su2/Su2Reader.h"
 #include "tetvdb/io/formats/tetgen/TetGenReader.h"
 #include "tetvdb/io/formats/threemf/ThreeMfReader.h"
 #include "tetvdb/io/formats/threemf/ThreeMfWriter.h"
@@ -223,6 +225,11 @@ std::vector<Format> makeTable() {
   all.push_back(cellsOrFaces<readNeu>(FileFormat::Neu, "Gambit .neu", ".neu",
                                       "Gambit neutral files, as for Fluent", 0, isNeu,
                                       neuHasSolidCells));
+  all.push_back(cellsOrFaces<readSu2>(FileFormat::Su2, "SU2 .su2", ".su2",
+                                      "Meshes of the flow solver SU2", 0, isSu2, su2HasSolidCells));
+  all.push_back(cellsOrFaces<readUnv>(FileFormat::Unv, "I-DEAS .unv", ".unv",
+                                      "Universal files, as of Salome and NX", 0, isUnv,
+                                      unvHasSolidCells));
   all.push_back(cellsOrFaces<readExodus>(FileFormat::Exodus, "Exodus", ".exo .e .exo2 .g",
                                          "Exodus II in netCDF or HDF5", kArrays | kSteps, isExodus,
                                          exodusHasSolidCells));

@@ -41,6 +41,8 @@ enum class FileFormat : std::uint8_t {
   Ensight,
   Frd,
   Neu,
+  Su2,
+  Unv,
   Vdb,
   Nvdb,
   Npy,

@@ -166,7 +166,7 @@ private:
     const LocalRepair repair = repairLocally(mesh, progress_);
     if (!repair.succeeded)
       throw Error(Status::Invalid, job_.input,
-                  fmt::format("has {}, and mending it left {}", broken, repair.why),
+                  fmt::format("has {}, and repair in place failed ({})", broken, repair.why),
                   "make a solid of it first, by the command repair");
     result_.repaired = true;
     report_.warn("repaired", fmt::format("{}: had {}, which was mended", job_.input, broken));

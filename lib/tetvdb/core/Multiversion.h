@@ -5,8 +5,10 @@
 #pragma once
 
 // Sanitizers are not set up yet when the choice is made, and clang supports the attribute only
-// partly.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(TETVDB_SANITIZED)
+// partly. Without optimization, functions that return vectors are not inlined: those of other
+// instruction sets return them in another way.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
+    !defined(TETVDB_SANITIZED) && defined(__OPTIMIZE__)
 #define TETVDB_MULTIVERSION __attribute__((target_clones("default", "avx2", "avx512f")))
 // For vectors of 256 bits: a compiler that may use registers of 512 bits moves data with them, and
 // processors then have one unit less for all others.

@@ -15,10 +15,10 @@ namespace {
 
 using namespace tetvdb::meshes;
 
-TriangleMesh merged(TriangleMesh mesh, double tolerance) {
+TriangleMesh merged(TriangleMesh mesh, double tolerance, bool outward = false) {
   Progress progress;
   const TriangleMesh before = mesh;
-  const double moved = mergeFlatFaces(mesh, tolerance, progress);
+  const double moved = mergeFlatFaces(mesh, tolerance, outward, progress);
   EXPECT_EQ(manifoldDefect(mesh, false), "");
   EXPECT_LE(moved, tolerance);
   EXPECT_LE(distanceBetween(before, mesh), moved + 1e-12);
@@ -56,6 +56,37 @@ TEST(MergeFlatFaces, CurvedSurfacesStayWithinTheTolerance) {
     }
     EXPECT_LT(last, mesh.triangleCount() / 2);
   }
+}
+
+// Judged by winding numbers at random points near the surface. Planes at an angle are flat but for
+// rounding, to both sides.
+TEST(MergeFlatFaces, OutwardTakesNothingFromTheSolid) {
+  const auto wavy = [](const Vec3d& p) {
+    return turned({p[0], p[1], p[2] + 0.02 * std::sin(5 * p[0]) * std::cos(4 * p[1])});
+  };
+  const double tolerance = 0.01;
+  for (const auto& mesh : {moved(box({0, 0, 0}, {2, 2, 1}, 24), wavy), torus(1, 0.3, 100, 50),
+                           flipped(torus(1, 0.3, 100, 50))}) {
+    const TriangleMesh made = merged(mesh, tolerance, true);
+    EXPECT_LT(made.triangleCount(), mesh.triangleCount() * 9 / 10);
+    EXPECT_GT(signedVolume(made), signedVolume(mesh));
+    const double solid = signedVolume(mesh) > 0 ? 0.5 : -0.5;
+    Random random(7);
+    int kept = 0, grown = 0;
+    for (int i = 0; i < 3000; ++i) {
+      Vec3d p = mesh.points[random.below(mesh.points.size())];
+      for (double& x : p)
+        x += random.between(-tolerance / 8, tolerance / 8);
+      const bool was = windingNumberAt(mesh, p) > solid, is = windingNumberAt(made, p) > solid;
+      EXPECT_TRUE(is || !was);
+      kept += was;
+      grown += is && !was;
+    }
+    EXPECT_GT(kept, 500);
+    EXPECT_GT(grown, 20);
+  }
+  const TriangleMesh turnedBox = moved(box({0, 0, 0}, {3, 2, 1}, 60), turned);
+  EXPECT_LT(merged(turnedBox, 1e-9, true).triangleCount(), turnedBox.triangleCount() / 20);
 }
 
 // Two walls nearer to each other than the tolerance.
@@ -102,7 +133,7 @@ TEST(MergeFlatFaces, WhatIsNoClosedManifoldStaysAsItIs) {
   for (TriangleMesh mesh : {boxes, sheet(9), withFacesFlipped(sphere(), 0.1), TriangleMesh()}) {
     const std::vector<std::uint32_t> before = mesh.triangles;
     Progress progress;
-    EXPECT_EQ(mergeFlatFaces(mesh, 0.1, progress), 0);
+    EXPECT_EQ(mergeFlatFaces(mesh, 0.1, false, progress), 0);
     EXPECT_EQ(mesh.triangles, before);
   }
 }

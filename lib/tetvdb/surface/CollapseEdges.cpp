@@ -347,9 +347,10 @@ private:
     std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
       return a.cost != b.cost ? a.cost < b.cost : a.end < b.end;
     });
-    int tries = 0;
+    // Most edges fail at once where the surface moves to one side alone.
+    int tries = patch_.surface.outward ? std::numeric_limits<int>::max() : kTries;
     for (const Choice& choice : choices_) {
-      if (tries++ == kTries)
+      if (tries-- == 0)
         break;
       Collapse collapse(patch_.mesh, choice.halfEdge);
       if (!is_collapse_legal(collapse) || !tolerance_.allows(collapse))

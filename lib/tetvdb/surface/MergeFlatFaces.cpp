@@ -2,6 +2,7 @@
 #include "tetvdb/surface/MergeFlatFaces.h"
 
 #include "tetvdb/core/ForEachIndex.h"
+#include "tetvdb/geometry/Orientation.h"
 #include "tetvdb/geometry/VectorMath.h"
 #include "tetvdb/surface/CompactMesh.h"
 #include "tetvdb/surface/CubeRegions.h"
@@ -44,11 +45,13 @@ struct Star {
 // of its neighbours are in its cube, so that nothing is written that another cube reads.
 class FlatMerge {
 public:
-  FlatMerge(TriangleMesh& mesh, std::vector<float>& errors, double tolerance, CubeRegions regions)
-      : mesh_(mesh), errors_(errors), tolerance_(tolerance), regions_(std::move(regions)),
-        opposite_(mesh.triangles.size(), kNone), firstSide_(mesh.points.size(), kNone),
-        isGone_(mesh.triangleCount(), 0), isChanged_(mesh.triangleCount(), 0),
-        touched_(mesh.points.size(), 0), queued_(mesh.points.size(), 0) {}
+  FlatMerge(TriangleMesh& mesh, std::vector<float>& errors, double tolerance, bool outward,
+            CubeRegions regions)
+      : mesh_(mesh), errors_(errors), tolerance_(tolerance), outward_(outward),
+        regions_(std::move(regions)), opposite_(mesh.triangles.size(), kNone),
+        firstSide_(mesh.points.size(), kNone), isGone_(mesh.triangleCount(), 0),
+        isChanged_(mesh.triangleCount(), 0), touched_(mesh.points.size(), 0),
+        queued_(mesh.points.size(), 0) {}
 
   // Whether the mesh is a closed manifold.
   bool connect() {
@@ -230,7 +233,8 @@ private:
                        std::make_pair(squared(k), star.ring[k]);
               });
     for (std::size_t i = 0; i < std::min(candidates, kTries); ++i)
-      if (keepsManifold(star, order[i]) && keepsUpright(star, order[i])) {
+      if (keepsManifold(star, order[i]) && keepsUpright(star, order[i]) &&
+          (!outward_ || keepsSolid(v, star, order[i]))) {
         move(v, star, order[i], error);
         return true;
       }
@@ -269,6 +273,16 @@ private:
             size / longest(movedA, movedB) > std::min(kMinShape, shapeBefore)))
         return false;
     }
+    return true;
+  }
+
+  // Whether no tet between an old and a new face is taken from the solid.
+  bool keepsSolid(std::uint32_t v, const Star& star, std::size_t to) const {
+    const std::vector<Vec3d>& points = mesh_.points;
+    for (std::size_t i = star.after(to); i != star.before(to); i = star.after(i))
+      if (orientation(points[star.ring[to]], points[star.ring[i]], points[star.ring[star.after(i)]],
+                      points[v]) > 0)
+        return false;
     return true;
   }
 
@@ -340,6 +354,7 @@ private:
   TriangleMesh& mesh_;
   std::vector<float>& errors_; ///< by face
   double tolerance_;
+  bool outward_;
   CubeRegions regions_;
   std::vector<std::uint32_t> opposite_;         ///< by side
   std::vector<std::uint32_t> firstSide_;        ///< by vertex: one from it; kNone: no face has it
@@ -349,13 +364,13 @@ private:
 
 } // namespace
 
-double mergeFlatFaces(TriangleMesh& mesh, double tolerance, Progress& progress) {
+double mergeFlatFaces(TriangleMesh& mesh, double tolerance, bool outward, Progress& progress) {
   if (mesh.triangles.empty())
     return 0;
   const double side = kRegionEdges * meanEdge(mesh.points, mesh.triangles);
   std::vector<float> errors(mesh.triangleCount(), 0.0F);
   for (const double corner : {0.0, 0.5}) {
-    FlatMerge merge(mesh, errors, tolerance,
+    FlatMerge merge(mesh, errors, tolerance, outward,
                     divideByCubes(mesh.points, mesh.points.size(), side, corner));
     if (!merge.connect())
       return 0;

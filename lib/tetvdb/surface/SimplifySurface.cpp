@@ -23,9 +23,10 @@ namespace {
 
 constexpr std::uint32_t kNone = SimplifyState::kNone;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRegionEdges = 20;      ///< side of a small region, in mean edge lengths
-constexpr double kLargerRegions = 3;     ///< times that, of the regions that come after them
-constexpr double kFlatShare = 0.1;       ///< of the tolerance, of mergeFlatFaces()
+constexpr double kRegionEdges = 20;        ///< side of a small region, in mean edge lengths
+constexpr double kLargerRegions = 3;       ///< times that, of the regions that come after them
+constexpr double kFlatShare = 0.1;         ///< of the tolerance, of mergeFlatFaces()
+constexpr double kFlatShareOutward = 0.01; ///< the same, with fewer faces in the end
 constexpr int kRounds = 3;               ///< in which intersections are excluded where they came up
 constexpr std::size_t kSerial = 1 << 14; ///< vertices; smaller meshes are one region
 
@@ -289,8 +290,10 @@ void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progres
     return;
   SimplifyOptions rest = options;
   // Where most faces can go, those of flat regions go faster without tests of distances.
-  if (options.faces == 0 && options.featureDegrees >= 180 && !options.outward)
-    rest.tolerance -= mergeFlatFaces(mesh, kFlatShare * options.tolerance, progress);
+  if (options.faces == 0 && options.featureDegrees >= 180)
+    rest.tolerance -=
+        mergeFlatFaces(mesh, (options.outward ? kFlatShareOutward : kFlatShare) * options.tolerance,
+                       options.outward, progress);
   mesh = simplified(mesh, rest, progress);
 }
 

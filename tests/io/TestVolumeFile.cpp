@@ -14,8 +14,11 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <limits>
+#include <openvdb/io/DelayedLoadMetadata.h>
 #include <openvdb/io/File.h>
+#include <openvdb/tree/LeafManager.h>
 #include <random>
+#include <sstream>
 #include <sys/resource.h>
 
 namespace tetvdb {
@@ -221,6 +224,57 @@ TEST_F(VolumeFile, StatisticsAndCreatorAreInTheFile) {
   // The grid in memory stays as it was.
   EXPECT_FALSE((*grid)["file_voxel_count"]);
   EXPECT_EQ(grid->getCreator(), "");
+}
+
+/// What follows the entry for delayed loading, and the entry as OpenVDB understands it.
+std::pair<std::string, std::string> aroundDelayedLoad(const std::string& path) {
+  const std::string bytes = fileBytes(path), type = "__delayedload";
+  const std::size_t at = bytes.find(type) + type.size();
+  std::uint32_t size = 0;
+  std::memcpy(&size, &bytes.at(at), sizeof size);
+  const std::size_t end = at + sizeof size + size;
+  openvdb::io::DelayedLoadMetadata entries;
+  std::istringstream stream(bytes.substr(at, end - at), std::ios::binary);
+  entries.read(stream);
+  std::string text;
+  for (std::size_t l = 0; l < 32768; ++l)
+    text += std::to_string(entries.getMask(l)) + ' ' +
+            std::to_string(entries.getCompressedSize(l)) + '\n';
+  return {bytes.substr(end), text};
+}
+
+// More than waits in memory for the entry: it is not compressed, and all else is the same.
+TEST_F(VolumeFile, ManyValuesAreNotKeptForTheEntryOfDelayedLoading) {
+  const auto grid = newGrid<openvdb::FloatGrid>("noise", 0.0F);
+  grid->denseFill({openvdb::Coord(0), openvdb::Coord(255)}, 1.0F, true);
+  openvdb::tree::LeafManager<openvdb::FloatTree> manager(grid->tree());
+  manager.foreach ([](openvdb::FloatTree::LeafNodeType& leaf, std::size_t l) {
+    std::mt19937 random(static_cast<unsigned>(l));
+    for (auto value = leaf.beginValueOn(); value; ++value) {
+      const auto bits = static_cast<std::uint32_t>(random()) & ~0x40000000u; // a finite number's
+      float noise;
+      std::memcpy(&noise, &bits, sizeof noise);
+      value.setValue(noise);
+    }
+    if (l % 3 == 0)
+      leaf.setValueOff(static_cast<openvdb::Index>(l % 512), 0.0F);
+  });
+  ASSERT_EQ(grid->tree().leafCount(), 32768u);
+  writeVolume(path("a.vdb"), volumeOf({grid}), progress);
+  const std::string theirs = bytesOfFile(path("b.vdb"), {grid});
+  const std::size_t ours = fs::file_size(path("a.vdb"));
+  EXPECT_GT(ours, theirs.size() + 100000) << "the entry is not compressed";
+  EXPECT_LT(ours, theirs.size() + 9 * 32768);
+  const auto [rest, entries] = aroundDelayedLoad(path("a.vdb"));
+  const auto [expectedRest, expectedEntries] = aroundDelayedLoad(path("b.vdb"));
+  EXPECT_TRUE(entries == expectedEntries);
+  EXPECT_GT(entries.size(), 32768u * 6);
+  EXPECT_TRUE(rest == expectedRest);
+  openvdb::io::File file(path("a.vdb"));
+  file.setCopyMaxBytes(0);
+  file.open(/*delayLoad=*/true);
+  EXPECT_EQ(hash(volumeOf(*file.getGrids())), hash(volumeOf({grid})));
+  EXPECT_EQ(hash(readVolume(path("a.vdb"), progress)), hash(volumeOf({grid})));
 }
 
 #ifdef OPENVDB_USE_DELAYED_LOADING // OpenVDB can be built without it

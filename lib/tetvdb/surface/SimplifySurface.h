@@ -30,9 +30,9 @@ struct SimplifyOptions {
 /// result is manifold, its vertices are vertices of the input, and there are no new intersections
 /// of faces (exact). Parallel without `faces`: first within cubes of space, then across their
 /// sides. Ties are decided by the lower vertex; independent of the number of threads. About 12 to
-/// 17 us per face and thread, less where faces are coplanar. Throws Error(Usage) without tolerance and
-/// faces, Error(Invalid) for a mesh that is not a closed manifold. The result has more than `faces`
-/// if any further step would violate these conditions.
+/// 17 us per face and thread, less where faces are coplanar. Throws Error(Usage) without tolerance
+/// and faces, Error(Invalid) for a mesh that is not a closed manifold. The result has more than
+/// `faces` if any further step would violate these conditions.
 void simplifySurface(TriangleMesh& mesh, const SimplifyOptions& options, Progress& progress);
 
 } // namespace tetvdb

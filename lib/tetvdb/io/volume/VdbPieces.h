@@ -56,6 +56,39 @@ void describeTail(openvdb::io::DelayedLoadMetadata& metadata, std::size_t l, std
   metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
 }
 
+/// OpenVDB's entry for delayed loading as it is without compression: its size follows from the
+/// number of leaves, so that it can be written before they are and replaced afterwards.
+class PlainDelayedLoad : public openvdb::io::DelayedLoadMetadata {
+public:
+  explicit PlainDelayedLoad(std::size_t leaves) : leaves_(leaves) {
+    resizeMask(leaves);
+    resizeCompressedSize(leaves);
+  }
+  openvdb::Metadata::Ptr copy() const override { return std::make_shared<PlainDelayedLoad>(*this); }
+  openvdb::Index32 size() const override {
+    return static_cast<openvdb::Index32>(3 * sizeof(openvdb::Index32) +
+                                         leaves_ * (sizeof(MaskType) + sizeof(CompressedSizeType)));
+  }
+
+protected:
+  void writeValue(std::ostream& out) const override {
+    const auto write = [&](auto value) {
+      out.write(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    constexpr openvdb::Index32 kPlain = 0;
+    write(static_cast<openvdb::Index32>(leaves_));
+    write(kPlain);
+    for (std::size_t l = 0; l < leaves_; ++l)
+      write(getMask(l));
+    write(kPlain);
+    for (std::size_t l = 0; l < leaves_; ++l)
+      write(getCompressedSize(l));
+  }
+
+private:
+  std::size_t leaves_;
+};
+
 /// A stream in memory that OpenVDB's nodes can be written to.
 class NodeStream {
 public:
@@ -194,6 +227,22 @@ public:
 
   std::size_t size() const { return pieces_.size(); }
   std::size_t leafCount() const { return leaves_.size(); }
+
+  /// About the bytes of all tails that are not shared, from those of some leaves.
+  double estimateOwnBytes() {
+    if constexpr (!kHasTails)
+      return 0;
+    constexpr std::size_t kSampled = 256;
+    const std::size_t step = std::max<std::size_t>(leaves_.size() / kSampled, 1);
+    NodeStream out(compression_, &background_);
+    double bytes = 0, count = 0;
+    for (std::size_t l = 0; l < leaves_.size(); l += step) {
+      if (encode(l, caches_.local(), out) == nullptr)
+        bytes += static_cast<double>(out.bytes().size() - kLeafMaskBytes);
+      ++count;
+    }
+    return count == 0 ? 0 : bytes / count * static_cast<double>(leaves_.size());
+  }
 
   /// Makes the tails of the piece's leaves and stores those that are not shared. Where the store
   /// has no room, make() compresses them again. Thread-safe for different pieces.

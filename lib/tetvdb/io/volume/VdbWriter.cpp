@@ -2,10 +2,11 @@
 //
 // openvdb::io::File writes a grid on one thread, compresses every buffer twice (once to learn its
 // size for the delayed-load metadata) and does not notice a full disk. This writer makes the same
-// bytes with three exceptions: the file version is always 224, which OpenVDB 10 to 12 write and all
-// readers support, the UUID is derived from the content, and grids of more than kDelayedLoadLeaves
-// leaves have no metadata entry file_delayed_load (io/volume/VdbOutput.h). Readers work without
-// that entry, but delayed loading (Houdini's default) is several times faster with it.
+// bytes with four exceptions: the file version is always 224, which OpenVDB 10 to 12 write and all
+// readers support, the UUID is derived from the content, grids of more than kDelayedLoadLeaves
+// leaves have no metadata entry file_delayed_load (io/volume/VdbOutput.h), and that of grids with
+// many values is not compressed. Readers work without that entry, but delayed loading (Houdini's
+// default) is several times faster with it.
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/io/volume/PackedPieces.h"
@@ -15,8 +16,10 @@
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/volume/PackedRange.h"
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <openvdb/io/Archive.h>
 #include <optional>
@@ -62,8 +65,11 @@ public:
   }
 
 private:
-  /// Bytes of tails in memory; what is beyond lies in a file without a name.
-  static constexpr std::size_t kTailsInMemory = std::size_t(256) << 20;
+  /// Bytes of tails that wait in memory until the entry for delayed loading is known, which comes
+  /// before them. Where more are expected, and kLeafTail for each leaf, nothing waits: the entry is
+  /// written uncompressed, 9 bytes a leaf, and filled in at the end.
+  static constexpr std::size_t kTailsInMemory = std::size_t(64) << 20;
+  static constexpr double kLeafTail = 512;
 
   /// Metadata, transform and tree.
   void writeTree(const openvdb::GridBase::Ptr& grid, const PackedGrid* packed,
@@ -88,6 +94,16 @@ private:
     std::optional<TailStore> store;
     if constexpr (BufferPieces<TreeT>::kHasTails)
       if (buffers.leafCount() <= kDelayedLoadLeaves) {
+        if (buffers.estimateOwnBytes() >
+            std::max(double(kTailsInMemory), kLeafTail * double(buffers.leafCount()))) {
+          const PlainDelayedLoad none(buffers.leafCount());
+          copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, none);
+          return writeNodes(grid, buffers, copy, share, [&] {
+            PlainDelayedLoad delayed(buffers.leafCount());
+            buffers.describe(delayed);
+            copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
+          });
+        }
         store.emplace(std::filesystem::path(output_.file().path()).parent_path().string(),
                       kTailsInMemory);
         const ProgressShare planning = share.part(0, 0.5);
@@ -122,15 +138,18 @@ private:
     copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
   }
 
-  /// Head, topology and buffers.
+  /// Head, topology and buffers; after these complete() may replace entries of `copy` by others of
+  /// the same size.
   template <class GridT, class Buffers>
-  void writeNodes(const GridT& grid, Buffers& buffers, const openvdb::GridBase& copy,
-                  const ProgressShare& share) {
+  void writeNodes(
+      const GridT& grid, Buffers& buffers, const openvdb::GridBase& copy,
+      const ProgressShare& share, const std::function<void()>& complete = [] {}) {
     const TopologyPieces<typename GridT::TreeType> topology(
         grid.constTree(), grid.saveFloatAsHalf(), vdbCompression());
-    const VdbHead head =
-        makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), topology.root());
-    output_.beginGrid(head);
+    const auto head = [&] {
+      return makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), topology.root());
+    };
+    output_.beginGrid(head());
     writePieces(
         topology.size(), [&](std::size_t i) { return topology.make(i); }, output_,
         share.part(0.5, 0.6));
@@ -138,7 +157,8 @@ private:
     writePieces(
         buffers.size(), [&](std::size_t i) { return buffers.make(i); }, output_,
         share.part(0.6, 1));
-    output_.finishGrid(head, buffersAt);
+    complete();
+    output_.finishGrid(head(), buffersAt);
   }
 
   /// Writes a grid of a type that has no typed code, with OpenVDB's own function, on one thread.

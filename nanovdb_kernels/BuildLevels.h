@@ -15,6 +15,7 @@ namespace tetvdb::nano {
 
 enum : u8 { kEmpty = 0, kNode = 1, kFull = 2 };   ///< states of an entry
 enum : u8 { kInsideBelow = 1, kInsideAbove = 2 }; ///< edges of an entry
+constexpr u32 kMinusZero = 0x80000000u;           ///< bits of a float
 
 /// Entries of one level in column order. Payload (masks) lies at `slot`.
 struct Entries {
@@ -133,8 +134,9 @@ enum : u32 { kBadPoint = 1, kLongTet = 2, kNotClosed = 4, kBadIndex = 8 };
 template <typename Backend>
 class LevelBuilder {
 public:
-  LevelBuilder(Backend& backend, const KeySpace& space, bool carries, u32* errors)
-      : b_(backend), space_(space), carries_(carries), errors_(errors) {}
+  /// `areFloats`: values of entries are the bits of floats, of which 0 and -0 are the same.
+  LevelBuilder(Backend& backend, const KeySpace& space, bool carries, bool areFloats, u32* errors)
+      : b_(backend), space_(space), carries_(carries), areFloats_(areFloats), errors_(errors) {}
 
   /// Inserts the nodes that fill gaps whose columns differ, sets edges and tree order. `top`:
   /// kTopWords words a slot. grow(slots) makes room for the payload of that many slots in all and
@@ -318,7 +320,7 @@ public:
     constexpr u32 kWhole = kSide == 32 ? ~u32(0) : (u32(1) << kSide) - 1;
     using Column = std::conditional_t<kLog2 == 4, u16, u32>;
     const KeySpace space = space_;
-    const bool carries = carries_;
+    const bool carries = carries_, areFloats = areFloats_;
     const int height = heightBits(space_, childLevel);
     const u64 n = children.count;
     const u64 *treeKeys = children.treeKey, *columnKeys = children.key;
@@ -357,8 +359,10 @@ public:
             } else if (state == kFull) {
               orInto(&s.tile[column], u32(1) << z);
               if (values != nullptr) {
-                minInto(&s.minValue, values[slot]);
-                maxInto(&s.maxValue, values[slot]);
+                const u32 bits = static_cast<u32>(values[slot]);
+                const i32 value = areFloats && bits == kMinusZero ? 0 : values[slot];
+                minInto(&s.minValue, value);
+                maxInto(&s.maxValue, value);
               }
             }
             if (j == first || treeKeys[j - 1] >> kLog2 != key >> kLog2) {
@@ -416,7 +420,7 @@ public:
             const bool oneValue = values == nullptr || s.minValue == s.maxValue;
             nodeStates[node] = s.some == 0 ? kEmpty : s.notFull == 0 && oneValue ? kFull : kNode;
             if (nodeValues != nullptr)
-              nodeValues[node] = s.minValue;
+              nodeValues[node] = values[slots[positions[first]]];
           }
           team.sync();
         });
@@ -425,7 +429,7 @@ public:
 private:
   Backend& b_;
   KeySpace space_;
-  bool carries_;
+  bool carries_, areFloats_;
   u32* errors_;
 };
 

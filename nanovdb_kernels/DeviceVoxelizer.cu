@@ -4,7 +4,7 @@
 #include "ExpandGrid.h"
 #include "HostMemory.h"
 #include "LevelSetGrid.h"
-#include "SampleLeaves.h"
+#include "SampleGrids.h"
 #include "SharedGrid.h"
 #include "SlabVolumes.h"
 
@@ -252,6 +252,27 @@ struct Device {
   // Samples this device's share of a job.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                 const Progress* progress, ShareOf share) {
+    return sampleBy(mesh, job, progress, share, [&](auto& pipeline, const auto&... owners) {
+      LeafSampler<CudaBackend>(*backend, pipeline, owners...).run(receiver);
+    });
+  }
+
+  Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver,
+                     const Progress* progress) {
+    return sampleBy(mesh, job, progress, {}, [&](auto& pipeline, const auto&... owners) {
+      GridSampler<CudaBackend>(*backend, pipeline, owners...)
+          .run([&](const GridCounts& made, const u8* buffer) {
+            backend->stage("download");
+            backend->fetch(receiver.place(made), buffer, made.bytes);
+            backend->await();
+          });
+    });
+  }
+
+  // sampler(pipeline, mesh, job, arrays), of what is on the device.
+  template <typename Sampler>
+  Counts sampleBy(const MeshView& mesh, const FieldJob& job, const Progress* progress,
+                  ShareOf share, const Sampler& sampler) {
     const Job owners = ownersOf(job);
     const MeshView view = begin(mesh, owners, progress);
     const SourceFields fields =
@@ -262,10 +283,10 @@ struct Device {
     Pipeline<CudaBackend> pipeline(*backend, view, owners, share);
     pipeline.buildOwners();
     backend->awaitFields();
-    LeafSampler<CudaBackend>(*backend, pipeline, view, job, fields).run(receiver);
-    finish();
     Counts counts = pipeline.countsOf({}, 0);
     counts.leaves = pipeline.leaves().count;
+    sampler(pipeline, view, job, fields);
+    finish();
     return counts;
   }
 
@@ -380,6 +401,11 @@ void DeviceVoxelizer::expandValues(const Result& result, const VoxelRange& range
 Counts DeviceVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                                const Progress* progress) {
   return state_->settled([&] { return state_->sample(mesh, job, receiver, progress, {}); });
+}
+
+Counts DeviceVoxelizer::sampleGrids(const MeshView& mesh, const FieldJob& job,
+                                    GridReceiver& receiver, const Progress* progress) {
+  return state_->settled([&] { return state_->sampleGrids(mesh, job, receiver, progress); });
 }
 
 u64 DeviceVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receiver,
@@ -502,6 +528,17 @@ Counts SharedVoxelizer::sample(const MeshView& mesh, const FieldJob& job, LeafRe
     all.leaves += c.leaves;
   }
   return all;
+}
+
+Counts SharedVoxelizer::sampleGrids(const MeshView& mesh, const FieldJob& job,
+                                    GridReceiver& receiver, const Progress* progress) {
+  State& s = *state_;
+  Device& first = *s.devices.front();
+  const Counts counts =
+      first.settled([&] { return first.sampleGrids(mesh, job, receiver, progress); });
+  s.leaves.assign(s.devices.size(), 0);
+  s.leaves.front() = counts.leaves;
+  return counts;
 }
 
 u64 SharedVoxelizer::distances(const DistanceJob& job, DistanceReceiver& receiver,

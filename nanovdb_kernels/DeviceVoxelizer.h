@@ -130,6 +130,7 @@ public:
   void expandValues(const Result& result, const VoxelRange& range, float* to);
   /// `shares`: likewise, one after another.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver, int shares = 1);
+  Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver);
   std::uint64_t distances(const DistanceJob& job, DistanceReceiver& receiver, int shares = 1);
   std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver);
   Result levelSet(const MeshView& mesh, const LevelSetJob& job);
@@ -180,6 +181,10 @@ public:
   /// The first device does all.
   std::uint64_t coverage(const CoverageJob& job, CoverageReceiver& receiver,
                          const Progress* progress = nullptr);
+
+  /// Likewise.
+  Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver,
+                     const Progress* progress = nullptr);
 
   /// Likewise.
   Result levelSet(const MeshView& mesh, const LevelSetJob& job, const Progress* progress = nullptr);
@@ -233,6 +238,13 @@ public:
   /// of the tets. Throws as run() does.
   Counts sample(const MeshView& mesh, const FieldJob& job, LeafReceiver& receiver,
                 const Progress* progress = nullptr);
+
+  /// The same values as grids of NanoVDB, without those that are not finite; each is brought to the
+  /// memory that `receiver` gives before the next is made. Fields have one number each. Memory on
+  /// the device, besides the arrays: three times the largest grid. Of the counts only flipped and
+  /// dropped are set. Throws as sample() does.
+  Counts sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver,
+                     const Progress* progress = nullptr);
 
   /// Squared distances in a band around faces; those within the radius are bit for bit those of
   /// fields/DistanceBand.h. `receiver` gets them in batches of 16 MB at most, on the calling

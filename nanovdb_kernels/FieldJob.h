@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace tetvdb::nano {
@@ -35,6 +36,8 @@ struct FieldView {
   FieldRule rule;
   bool onCells = false;
   Source sources[FieldRule::kMaxNumbers];
+  std::string name;      ///< at most 255 bytes
+  double background = 0; ///< where no tet is
 };
 
 struct FieldJob {
@@ -67,6 +70,20 @@ public:
   /// The batch is invalid after the return. If several devices share a job, their threads call at
   /// the same time.
   virtual void take(const LeafBatch& batch) = 0;
+};
+
+/// What there is of a sampled grid.
+struct GridCounts {
+  std::uint64_t bytes = 0;
+  std::uint64_t leftOut = 0; ///< voxels of tets without a finite value
+};
+
+class GridReceiver {
+public:
+  virtual ~GridReceiver() = default;
+  /// Called for one grid after another, in the job's order: memory that a grid of NanoVDB is copied
+  /// to before the next call or the return, aligned to 64 bytes.
+  virtual unsigned char* place(const GridCounts& counts) = 0;
 };
 
 } // namespace tetvdb::nano

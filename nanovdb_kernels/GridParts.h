@@ -15,6 +15,8 @@ struct GridValues {
   u32 inside, background;
   /// A level set: leaves have other values too, and tiles are inactive.
   bool narrowBand = false;
+  /// Leaves and tiles have values of their own; `inside` is not used.
+  bool varied = false;
 };
 
 /// The head of a grid, but for what its nodes decide. `voxelSize`, `origin`: world units, three
@@ -44,7 +46,7 @@ inline nanovdb::GridData gridHeader(Kind kind, nanovdb::GridClass gridClass,
   return h;
 }
 
-/// Sums over a node's active values, for int grids and level sets.
+/// Sums over a node's active values, where these differ.
 struct Moments {
   double count, mean, squares; ///< squares: of the distances from the mean
 };
@@ -110,7 +112,7 @@ struct RootEntry {
   u64 key;   ///< tree key
   u64 upper; ///< upper nodes before it
   u64 rank;  ///< root tiles before it
-  i32 value; ///< of a tile of an int grid
+  i32 value; ///< of a tile, as bits; where values vary
   u32 state; ///< as in BuildLevels.h
 };
 
@@ -130,6 +132,15 @@ TETVDB_HD Moments sumParts(Shared& s) {
 TETVDB_HD inline i32 inOrder(u32 bits, bool isFloat) {
   const i32 number = static_cast<i32>(bits);
   return isFloat && number < 0 ? number ^ 0x7FFFFFFF : number;
+}
+
+/// The value of such bits.
+TETVDB_HD inline double numberFrom(u32 bits, bool isFloat) {
+  union {
+    u32 bits;
+    float number;
+  } u{bits};
+  return isFloat ? static_cast<double>(u.number) : static_cast<double>(static_cast<i32>(bits));
 }
 
 /// Of active values, from the least and the largest as inOrder() has them and their sums.

@@ -3,7 +3,7 @@
 #include "ExpandGrid.h"
 #include "HostBackend.h"
 #include "LevelSetGrid.h"
-#include "SampleLeaves.h"
+#include "SampleGrids.h"
 #include "SharedGrid.h"
 #include "SlabVolumes.h"
 
@@ -59,6 +59,22 @@ Counts HostTwin::sample(const MeshView& mesh, const FieldJob& job, LeafReceiver&
     leaves += pipeline.leaves().count;
   }
   counts.leaves = leaves;
+  return counts;
+}
+
+Counts HostTwin::sampleGrids(const MeshView& mesh, const FieldJob& job, GridReceiver& receiver) {
+  HostBackend& backend = state_->backend;
+  backend.release();
+  const Job owners = ownersOf(job);
+  Pipeline<HostBackend> pipeline(backend, mesh, owners);
+  pipeline.buildOwners();
+  const Counts counts = pipeline.countsOf({}, 0);
+  const SourceFields fields =
+      placeFields(backend, job, mesh.tetCount, [](const void* from, u64) { return from; });
+  GridSampler<HostBackend>(backend, pipeline, mesh, job, fields)
+      .run([&](const GridCounts& made, const u8* buffer) {
+        std::memcpy(receiver.place(made), buffer, made.bytes);
+      });
   return counts;
 }
 

@@ -50,6 +50,10 @@ void DeviceVoxelizer::expandValues(const Result&, const VoxelRange&, DeviceArray
 Counts DeviceVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
   refuse();
 }
+Counts DeviceVoxelizer::sampleGrids(const MeshView&, const FieldJob&, GridReceiver&,
+                                    const Progress*) {
+  refuse();
+}
 std::uint64_t DeviceVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {
   refuse();
 }
@@ -101,6 +105,10 @@ Result SharedVoxelizer::run(const MeshView&, const Job&, const Progress*) {
   refuse();
 }
 Counts SharedVoxelizer::sample(const MeshView&, const FieldJob&, LeafReceiver&, const Progress*) {
+  refuse();
+}
+Counts SharedVoxelizer::sampleGrids(const MeshView&, const FieldJob&, GridReceiver&,
+                                    const Progress*) {
   refuse();
 }
 std::uint64_t SharedVoxelizer::distances(const DistanceJob&, DistanceReceiver&, const Progress*) {

@@ -8,6 +8,7 @@
 #include "DenseFaces.h"
 #include "DenseTree.h"
 #include "DeviceVoxelizer.h"
+#include "SnapPoints.h"
 #include "SoupFaces.h"
 #include "WriteGrid.h"
 #include "tetvdb/core/Error.h"
@@ -20,8 +21,6 @@
 
 namespace tetvdb::nano {
 
-constexpr double kMaxVoxel = 2147475456.0; // as SnappedMesh.cpp has it
-
 /// Up to here crossings in a dense array, 2 kB a leaf, are faster than sorted ones: about 512^3.
 constexpr u64 kMaxDenseLeaves = u64(1) << 18;
 
@@ -31,19 +30,6 @@ inline Kind kindOf(GridType type) {
          : type == GridType::Fog  ? Kind::Float
                                   : Kind::Int32;
 }
-
-/// What the first steps find, read together.
-struct Findings {
-  i64 low[3], high[3]; ///< box of the points, lattice units
-  u64 flipped, flat;
-  u64 openEdges, oddEdges;
-  u32 errors, unused;
-};
-
-struct SnapShared {
-  static constexpr int kThreads = 256, kOccupancy = 16;
-  i64 low[3], high[3];
-};
 
 /// Which of how many devices this is, when several share a grid by columns of root tiles.
 struct ShareOf {
@@ -121,6 +107,18 @@ public:
     rasterizeOwners();
     checkCount(leaves_.count);
   }
+  /// After buildOwners(): the numbers of nodes of a grid of these leaves, `table` and `summaries`
+  /// by slot, for write().
+  NodeCounts buildValues(Kind kind, const GridValues& values, const Entries& leaves, u64* masks,
+                         i32* table, LeafSummary* summaries) {
+    kind_ = kind;
+    writer_ = std::make_unique<GridWriter<Backend>>(b_, space_, kind, values);
+    leaves_ = leaves;
+    masks_.mask = masks;
+    table_ = table;
+    summaries_ = summaries;
+    return buildLevels(true);
+  }
   const Entries& leaves() const { return leaves_; }
   const LatticePoint* points() const { return points_; }
   /// Lattice units; an empty one has a point at the origin.
@@ -162,7 +160,7 @@ public:
     b_.stage("snap");
     begin();
     b_.awaitPoints();
-    snap();
+    points_ = snapPoints(b_, mesh_, job_, findings_);
     found_ = b_.read(findings_);
     chooseSpace();
   }
@@ -180,62 +178,6 @@ public:
           findings->flipped = findings->flat = 0;
           findings->openEdges = findings->oddEdges = 0;
           findings->errors = findings->unused = 0;
-        });
-  }
-
-  void snap() {
-    const u64 n = mesh_.pointCount;
-    points_ = b_.template alloc<LatticePoint>(n);
-    LatticePoint* points = points_;
-    const double* world = mesh_.points;
-    const double ox = job_.origin[0], oy = job_.origin[1], oz = job_.origin[2];
-    const double hx = job_.voxelSize[0], hy = job_.voxelSize[1], hz = job_.voxelSize[2];
-    u32* errors = errors_;
-    Findings* findings = findings_;
-    // Enough teams for all multiprocessors first.
-    const u64 perTeam = n < (u64(1) << 20) ? 256 : 2048;
-    b_.template forTeams<SnapShared>(
-        (n + perTeam - 1) / perTeam, 256, TETVDB_KERNEL(const Team& team, u64 part, SnapShared& s) {
-          if (team.rank() == 0)
-            for (int k = 0; k < 3; ++k) {
-              s.low[k] = i64(1) << 62;
-              s.high[k] = -(i64(1) << 62);
-            }
-          team.sync();
-          i64 low[3] = {i64(1) << 62, i64(1) << 62, i64(1) << 62};
-          i64 high[3] = {-(i64(1) << 62), -(i64(1) << 62), -(i64(1) << 62)};
-          const u64 end = (part + 1) * perTeam < n ? (part + 1) * perTeam : n;
-          for (u64 i = part * perTeam + static_cast<u64>(team.rank()); i < end;
-               i += static_cast<u64>(team.size())) {
-            const double p[3] = {world[3 * i], world[3 * i + 1], world[3 * i + 2]};
-            const bool inside = absolute((p[0] - ox) / hx) < kMaxVoxel &&
-                                absolute((p[1] - oy) / hy) < kMaxVoxel &&
-                                absolute((p[2] - oz) / hz) < kMaxVoxel;
-            if (!inside) { // or not a number
-              orInto(errors, u32(kBadPoint));
-              points[i] = {0, 0, 0};
-              continue;
-            }
-            const LatticePoint q{snapToLattice(p[0], ox, hx), snapToLattice(p[1], oy, hy),
-                                 snapToLattice(p[2], oz, hz)};
-            points[i] = q;
-            const i64 c[3] = {static_cast<i64>(q.x), static_cast<i64>(q.y), static_cast<i64>(q.z)};
-            for (int k = 0; k < 3; ++k) {
-              low[k] = c[k] < low[k] ? c[k] : low[k];
-              high[k] = c[k] > high[k] ? c[k] : high[k];
-            }
-          }
-          for (int k = 0; k < 3; ++k)
-            if (low[k] <= high[k]) {
-              minInto(&s.low[k], low[k]);
-              maxInto(&s.high[k], high[k]);
-            }
-          team.sync();
-          for (int k = team.rank(); k < 3; k += team.size()) {
-            minInto(&findings->low[k], s.low[k]);
-            maxInto(&findings->high[k], s.high[k]);
-          }
-          team.sync();
         });
   }
 
@@ -390,8 +332,13 @@ public:
                     .run(points_, faces, faceCount, holes(), shareByFaces(faces, faceCount),
                          leafSize(kind_), masks_);
     }
+    return buildLevels(owners);
+  }
+
+  // The nodes above leaves_; where values vary there are entries of all that is inside.
+  NodeCounts buildLevels(bool varied) {
     b_.stage("levels");
-    LevelBuilder<Backend> levels(b_, space_, !owners, errors_);
+    LevelBuilder<Backend> levels(b_, space_, !varied, kind_ == Kind::Float, errors_);
     const GrowLeaves<Backend> growLeaves{b_, masks_, leaves_.slots};
     levels.template closeGaps<1>(0, leaves_, masks_.top, growLeaves);
     checkCount(leaves_.count);
@@ -402,7 +349,7 @@ public:
     uppers_ = levels.template parents<5>(1, lowers_, upperMasks_);
     const GrowNodes<Backend, 5> growUppers{b_, upperMasks_};
     levels.template closeGaps<16>(2, uppers_, upperMasks_.top, growUppers);
-    if (!owners) {
+    if (!varied) {
       found_.errors = b_.read(errors_);
       refuseLoss();
     }
@@ -621,7 +568,7 @@ public:
   static GridValues valuesOf(GridType type) {
     if (type == GridType::Fog)
       return {0x3F800000u, 0}; // 1 and 0 as floats
-    return type == GridType::Owner ? GridValues{0, 0xFFFFFFFFu} : GridValues{1, 0};
+    return type == GridType::Owner ? GridValues{0, 0xFFFFFFFFu, false, true} : GridValues{1, 0};
   }
 
   nanovdb::GridData makeHeader() const {
@@ -642,7 +589,7 @@ private:
   // In units of leaves and lower nodes from the space's base, inclusive.
   u64 leafMin_[3] = {0, 0, 0}, leafMax_[3] = {0, 0, 0};
   u64 nodeMin_[3] = {0, 0, 0}, nodeMax_[3] = {0, 0, 0};
-  LatticePoint* points_ = nullptr;
+  const LatticePoint* points_ = nullptr;
   std::int8_t* signs_ = nullptr;
   u32* errors_ = nullptr;
   Findings* findings_ = nullptr; // the backend's

@@ -54,7 +54,7 @@ public:
   }
 
   /// Whether leaves have values of their own, whose sums their parents have.
-  bool valuesDiffer() const { return kind_ == Kind::Int32 || values_.narrowBand; }
+  bool valuesDiffer() const { return values_.varied || values_.narrowBand; }
 
   /// Writes the nodes. `buffer`: the share's memory, of l.sizeHere bytes.
   void writeTree(u8* buffer, const BufferLayout& l, const Entries& leaves,
@@ -70,8 +70,8 @@ public:
     writeInternal(buffer, l, leaves, lowers, lowerMasks, upperMasks);
   }
 
-  /// Writes the nodes above leaves, which `buffer` has. `leaves` and `lowers` are needed in grids
-  /// of owners alone.
+  /// Writes the nodes above leaves, which `buffer` has. `leaves` and `lowers` are needed where
+  /// values vary alone.
   void writeInternal(u8* buffer, const BufferLayout& l, const Entries& leaves,
                      const Entries& lowers, const NodeMasks<4>& lowerMasks,
                      const NodeMasks<5>& upperMasks) {
@@ -183,6 +183,7 @@ public:
                         const LeafSummary* summaries) {
     const KeySpace space = space_;
     const GridValues values = values_;
+    const bool isFloat = kind_ == Kind::Float;
     const u32* nodeSlot = leaf_.nodeSlot;
     const u64* keys = leaf_.key;
     u64* voxels = leaf_.voxels;
@@ -207,7 +208,7 @@ public:
             } else {
               const LeafSummary sum = summaries[slot];
               moments[leaf] = {sum.count, sum.mean, sum.squares};
-              setValues(node, valuesOf(sum.min, sum.max, moments[leaf], false));
+              setValues(node, valuesOf(sum.min, sum.max, moments[leaf], isFloat));
             }
           }
           u64* to = reinterpret_cast<u64*>(node.mValues);
@@ -252,6 +253,7 @@ public:
     const i32* childValues = children.value;
     const u64* childKeys = children.treeKey;
     const Kind kind = kind_;
+    const bool isFloat = kind_ == Kind::Float;
     const GridValues values = values_;
     const bool differ = valuesDiffer();
     const KeySpace space = space_;
@@ -345,21 +347,22 @@ public:
                 if (differ) {
                   using Child = std::conditional_t<level == 1, ValueLeaf, LowerNode>;
                   const auto& of = *reinterpret_cast<const Child*>(bytes);
-                  const i32 least = inOrder(of.mMinimum, values.narrowBand),
-                            most = inOrder(of.mMaximum, values.narrowBand);
+                  const i32 least = inOrder(of.mMinimum, isFloat),
+                            most = inOrder(of.mMaximum, isFloat);
                   minValue = least < minValue ? least : minValue;
                   maxValue = most > maxValue ? most : maxValue;
                   addMoments(part, childMoments[child]);
                 }
-              } else if (kind == Kind::Int32) {
+              } else if (values.varied) {
                 const u32 childSlot = childSlots[childPositions[j]];
                 if (childStates[childSlot] != kFull)
                   continue;
-                const i32 v = childValues[childSlot];
-                node.mTable[childKeys[j] & (kChildren - 1)].child = static_cast<u32>(v);
+                const u32 bits = static_cast<u32>(childValues[childSlot]);
+                node.mTable[childKeys[j] & (kChildren - 1)].child = bits;
+                const i32 v = inOrder(bits, isFloat);
                 minValue = v < minValue ? v : minValue;
                 maxValue = v > maxValue ? v : maxValue;
-                addMoments(part, {tileVoxels, static_cast<double>(v), 0});
+                addMoments(part, {tileVoxels, numberFrom(bits, isFloat), 0});
               }
             }
             if (low[0] <= high[0])
@@ -393,7 +396,7 @@ public:
                                     reinterpret_cast<u8*>(&node.mMinimum)));
             if (differ) {
               moments[number] = sumParts(s);
-              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number], values.narrowBand));
+              setValues(node, valuesOf(s.minValue, s.maxValue, moments[number], isFloat));
             } else if (kind == Kind::Float) {
               union {
                 u32 bits;
@@ -416,6 +419,7 @@ public:
     const u64* totals = parts.totals;
     const u64 n = parts.count;
     const Kind kind = kind_;
+    const bool isFloat = kind_ == Kind::Float;
     const GridValues values = values_;
     const bool differ = valuesDiffer();
     const KeySpace space = space_;
@@ -455,8 +459,8 @@ public:
                 voxels = upperVoxels[entry.upper];
                 if (differ) {
                   addMoments(part, upperMoments[entry.upper]);
-                  minInto(&s.minValue, inOrder(upper.mMinimum, values.narrowBand));
-                  maxInto(&s.maxValue, inOrder(upper.mMaximum, values.narrowBand));
+                  minInto(&s.minValue, inOrder(upper.mMinimum, isFloat));
+                  maxInto(&s.maxValue, inOrder(upper.mMaximum, isFloat));
                 }
               } else if (values.narrowBand) {
                 tile.value = values.inside;
@@ -464,12 +468,12 @@ public:
               } else {
                 tile.state = 1;
                 tile.value = values.inside;
-                if (kind == Kind::Int32) {
+                if (values.varied) {
                   tile.value = static_cast<u32>(entry.value);
                   addMoments(part,
-                             {static_cast<double>(voxels), static_cast<double>(entry.value), 0});
-                  minInto(&s.minValue, entry.value);
-                  maxInto(&s.maxValue, entry.value);
+                             {static_cast<double>(voxels), numberFrom(tile.value, isFloat), 0});
+                  minInto(&s.minValue, inOrder(tile.value, isFloat));
+                  maxInto(&s.maxValue, inOrder(tile.value, isFloat));
                 }
                 for (int a = 0; a < 3; ++a) {
                   from[a] = origin[a];
@@ -501,7 +505,7 @@ public:
             if (empty && (kind == Kind::Float || kind == Kind::Int32))
               setValues(root, {values.background, values.background, 0, 0});
             else if (differ)
-              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s), values.narrowBand));
+              setValues(root, valuesOf(s.minValue, s.maxValue, sumParts(s), isFloat));
             else if (kind == Kind::Float)
               setValues(root, {values.inside, values.inside, inside.value, 0});
             auto& grid = *reinterpret_cast<nanovdb::GridData*>(buffer);

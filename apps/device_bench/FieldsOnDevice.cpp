@@ -20,6 +20,25 @@ struct CountedLeaves : nano::LeafReceiver {
   void take(const nano::LeafBatch& batch) override { leaves += batch.count; }
 };
 
+// Pinned memory that grids are brought to, run after run.
+class PinnedGrids : public nano::GridReceiver {
+public:
+  void begin() { next_ = bytes_ = 0; }
+  unsigned char* place(const nano::GridCounts& counts) override {
+    bytes_ += counts.bytes;
+    if (next_ == places_.size())
+      places_.emplace_back(static_cast<unsigned char*>(nano::allocatePinned(counts.bytes)),
+                           nano::freePinned);
+    return places_[next_++].get();
+  }
+  double bytes() const { return static_cast<double>(bytes_); } ///< of the last run
+
+private:
+  std::vector<std::unique_ptr<unsigned char, void (*)(void*)>> places_;
+  std::size_t next_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
 TetMesh withArrays(TetMesh mesh) {
   std::vector<float> heat, load, force;
   for (const Vec3d& p : mesh.points) {
@@ -32,6 +51,55 @@ TetMesh withArrays(TetMesh mesh) {
   mesh.attributes.push_back({"load", Attribute::On::Points, 1, std::move(load)});
   mesh.attributes.push_back({"force", Attribute::On::Cells, 3, std::move(force)});
   return mesh;
+}
+
+// Copies of a job's arrays and of its mesh, which `view` becomes.
+nano::FieldJob pinnedJob(PinnedCopies& pinned, const TetMesh& mesh, const GridTransform& transform,
+                         const std::vector<Field>& fields, nano::MeshView& view) {
+  nano::FieldJob job = fieldJobFor(mesh, transform, fields);
+  for (nano::ArrayView& array : job.arrays)
+    array.values = pinned.add(array.values, array.bytes());
+  view = {static_cast<const double*>(pinned.add(mesh.points[0].data(), mesh.points.size() * 24)),
+          mesh.points.size(),
+          static_cast<const std::uint32_t*>(pinned.add(mesh.tets.data(), mesh.tets.size() * 4)),
+          mesh.tetCount(), nullptr};
+  return job;
+}
+
+// Three grids of floats, as those of a .nvdb file.
+void gridsRows(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, const TetMesh& mesh,
+               const std::string& what, const GridTransform& transform, int times) {
+  Report report;
+  Progress progress;
+  FieldOptions wanted;
+  wanted.requests = {{"", "heat", FieldPart::Whole, ""},
+                     {"", "load", FieldPart::Whole, ""},
+                     {"", "force", FieldPart::Magnitude, ""}};
+  const std::vector<Field> fields = resolveFields(mesh, wanted, report);
+  PinnedCopies pinned;
+  nano::MeshView view;
+  const nano::FieldJob job = pinnedJob(pinned, mesh, transform, fields, view);
+  PinnedGrids grids;
+  const Measured measured = measure(device, times, [&] {
+    grids.begin();
+    device.sampleGrids(view, job, grids);
+  });
+  print(what + ", 3 grids of NanoVDB", measured,
+        pinned.bytes() / speeds.up + grids.bytes() / speeds.down,
+        fmt::format("{:.0f} MB up, {:.0f} MB down", pinned.bytes() * 1e-6, grids.bytes() * 1e-6));
+  besideCpu(what + ", 3 grids of NanoVDB; the CPU's: OpenVDB's trees",
+            estimateFieldCost(mesh, transform, 3), std::max(times / 4, 3),
+            [&](const DeviceChoice& choice) {
+              DeviceUsed used;
+              std::vector<NanoBytes> made;
+              sampleNanoGrids(
+                  mesh, transform, fields, {}, choice, used, made,
+                  [&] {
+                    Volume volume;
+                    return sampleFields(mesh, transform, fields, {}, volume, report, progress);
+                  },
+                  report, progress);
+            });
 }
 
 } // namespace
@@ -49,14 +117,8 @@ void fieldsTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, cons
 
   {
     PinnedCopies pinned;
-    nano::FieldJob job = fieldJobFor(mesh, transform, fields);
-    for (nano::ArrayView& array : job.arrays)
-      array.values = pinned.add(array.values, array.bytes());
-    const nano::MeshView view{
-        static_cast<const double*>(pinned.add(mesh.points[0].data(), mesh.points.size() * 24)),
-        mesh.points.size(),
-        static_cast<const std::uint32_t*>(pinned.add(mesh.tets.data(), mesh.tets.size() * 4)),
-        mesh.tetCount(), nullptr};
+    nano::MeshView view;
+    const nano::FieldJob job = pinnedJob(pinned, mesh, transform, fields, view);
     CountedLeaves counted;
     const Measured measured = measure(device, times, [&] { device.sample(view, job, counted); });
     // Of a leaf: its mask and 5 numbers a voxel come down. Within the device they are written and
@@ -68,6 +130,8 @@ void fieldsTable(nano::DeviceVoxelizer& device, const nano::Speeds& speeds, cons
           fmt::format("{:.0f} MB up, {:.0f} MB down; {:.2f} ms within", pinned.bytes() * 1e-6,
                       down * 1e-6, within * 1e3));
   }
+
+  gridsRows(device, speeds, mesh, what, transform, times);
 
   double numbers = 0;
   for (const Field& field : fields)

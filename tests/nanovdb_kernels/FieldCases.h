@@ -11,6 +11,7 @@
 #include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
 
+#include <algorithm>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -118,6 +119,50 @@ SampledFields fieldsBy(const TetMesh& mesh, const GridTransform& transform,
   set->all = grids.finish(transform, report);
   return {hash(Volume(std::move(set))), report.warnings, leaves.expected == leaves.taken,
           leaves.batches};
+}
+
+/// allFields() without vectors.
+inline FieldOptions scalarFields() {
+  FieldOptions options = allFields();
+  const auto isVector = [](const FieldRequest& request) {
+    return request.part == FieldPart::Whole && (request.array == "vel" || request.array == "force");
+  };
+  auto& all = options.requests;
+  all.erase(std::remove_if(all.begin(), all.end(), isVector), all.end());
+  options.clamp.pop_back(); // of a vector
+  return options;
+}
+
+struct CollectedGrids : nano::GridReceiver {
+  std::vector<NanoBytes> grids;
+  SampledCounts counts;
+
+  unsigned char* place(const nano::GridCounts& made) override {
+    const auto [memory, grid] = newNanoBytes(made.bytes);
+    grids.push_back(grid);
+    counts.leftOut.push_back(made.leftOut);
+    return memory;
+  }
+};
+
+/// sample(mesh, job, receiver): the device's grids or its twin's.
+template <typename Sample>
+SampledFields nanoFieldsBy(const TetMesh& mesh, const GridTransform& transform,
+                           const FieldOptions& wanted, CollectedGrids& collected,
+                           const Sample& sample) {
+  Report report;
+  const std::vector<Field> fields = resolveFields(mesh, wanted, report);
+  nano::MeshView view = viewOf(mesh);
+  view.values = nullptr;
+  sample(view, fieldJobFor(mesh, transform, fields), collected);
+  auto set = std::make_shared<GridSet>();
+  for (std::size_t i = 0; i < collected.grids.size(); ++i) {
+    set->all.push_back(gridOfNano(collected.grids[i].data.get()));
+    describeValues(fields[i], *set->all.back());
+  }
+  collected.counts.warn(fields, report);
+  return {hash(Volume(std::move(set))), report.warnings, collected.grids.size() == fields.size(),
+          0};
 }
 
 inline SampledFields cpuFields(const TetMesh& mesh, const GridTransform& transform,

@@ -91,12 +91,44 @@ void compareFields(Device& device, const std::string& name, const TetMesh& mesh,
   }
 }
 
+// Whole grids of numbers: the device's against those of the CPU, and byte for byte against its
+// twin's.
+template <typename Device>
+void compareNanoFields(Device& device, const std::string& name, const TetMesh& mesh,
+                       const GridTransform& transform, const FieldOptions& wanted) {
+  try {
+    CollectedGrids made, twin;
+    const SampledFields there = nanoFieldsBy(
+        mesh, transform, wanted, made,
+        [&](const nano::MeshView& view, const nano::FieldJob& job, nano::GridReceiver& receiver) {
+          device.sampleGrids(view, job, receiver);
+        });
+    nanoFieldsBy(
+        mesh, transform, wanted, twin,
+        [&](const nano::MeshView& view, const nano::FieldJob& job, nano::GridReceiver& receiver) {
+          nano::HostTwin().sampleGrids(view, job, receiver);
+        });
+    const SampledFields here = cpuFields(mesh, transform, wanted);
+    expect(there.hash == here.hash, name + ", grids of arrays");
+    expect(there.warnings.size() == here.warnings.size(), name + ", grids of arrays: warnings");
+    bool same = made.grids.size() == twin.grids.size();
+    for (std::size_t i = 0; same && i < made.grids.size(); ++i)
+      same =
+          made.grids[i].size == twin.grids[i].size &&
+          std::memcmp(made.grids[i].data.get(), twin.grids[i].data.get(), made.grids[i].size) == 0;
+    expect(same, name + ", grids of arrays: the twin's bytes");
+  } catch (const std::exception& e) {
+    expect(false, name + ", grids of arrays: " + e.what());
+  }
+}
+
 template <typename Device>
 void madeArrays(Device& device, bool small) {
   using namespace meshes;
   const auto check = [&](const std::string& name, const TetMesh& mesh,
                          const GridTransform& transform = {}) {
     compareFields(device, name, withArrays(mesh, 5), transform, allFields());
+    compareNanoFields(device, name, withArrays(mesh, 5), transform, scalarFields());
   };
   for (int cell : {1, 3, 8})
     check("lattice of ties", scaled(kuhnGrid(3, 3, 3), cell));

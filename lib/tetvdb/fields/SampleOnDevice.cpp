@@ -2,6 +2,7 @@
 #include "tetvdb/fields/SampleOnDevice.h"
 
 #include "tetvdb/fields/SampledGrids.h"
+#include "tetvdb/volume/NanoGrids.h"
 #include "tetvdb/voxelize/ChooseTransform.h"
 #include "tetvdb/voxelize/RunOnDevice.h"
 #include "tetvdb/voxelize/SnappedMesh.h"
@@ -82,6 +83,58 @@ private:
                                                      // thread
 };
 
+// Receives whole grids.
+class GridTaker : public nano::GridReceiver {
+public:
+  GridTaker(std::vector<NanoBytes>& grids, const SampleOptions& options) : grids_(grids) {
+    limits_.maxMemory = options.maxMemory;
+  }
+
+  unsigned char* place(const nano::GridCounts& counts) override {
+    bytes_ += static_cast<double>(counts.bytes);
+    requireMemory(bytes_, limits_);
+    const auto [memory, grid] = newNanoBytes(counts.bytes);
+    grids_.push_back(grid);
+    counts_.leftOut.push_back(counts.leftOut);
+    return memory;
+  }
+
+  const SampledCounts& counts() const { return counts_; }
+
+private:
+  std::vector<NanoBytes>& grids_;
+  VoxelizeOptions limits_;
+  double bytes_ = 0;
+  SampledCounts counts_;
+};
+
+SnapCounts snapCountsOf(const nano::Counts& found) {
+  SnapCounts counts;
+  counts.flipped = found.flipped;
+  counts.dropped = found.dropped;
+  return counts;
+}
+
+nano::MeshView withoutValues(const TetMesh& mesh) {
+  nano::MeshView view = viewOf(mesh);
+  view.values = nullptr;
+  return view;
+}
+
+DeviceQuestion questionOf(const TetMesh& mesh, const GridTransform& transform,
+                          const std::vector<Field>& fields) {
+  DeviceQuestion question;
+  if (needsShapes(mesh, fields))
+    question.unable = "values by the shape functions of cells are computed on the CPU";
+  question.cost = [&] {
+    double numbers = 0;
+    for (const Field& field : fields)
+      numbers += field.width();
+    return estimateFieldCost(mesh, transform, numbers);
+  };
+  return question;
+}
+
 SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform& transform,
                     const std::vector<Field>& fields, const SampleOptions& options,
                     const PackOptions* pack, std::vector<std::unique_ptr<PackedGrid>>& packed,
@@ -90,19 +143,14 @@ SnapCounts sampleOn(DeviceSet& devices, const TetMesh& mesh, const GridTransform
   const SnappedMesh none; // the device has its own
   SampledGrids grids(mesh, none, transform, fields, pack, packed);
   TreeMaker maker(grids.grids(), fieldBytes(fields, pack), options, timer);
-  nano::MeshView view = viewOf(mesh);
-  view.values = nullptr;
   const nano::Counts found =
-      devices.sample(view, fieldJobFor(mesh, transform, fields), maker, progress);
+      devices.sample(withoutValues(mesh), fieldJobFor(mesh, transform, fields), maker, progress);
   grids.requireAny(options);
   timer.part("tree");
   const openvdb::GridPtrVec made = grids.finish(transform, report);
   if (pack == nullptr)
     volume.grids().all.insert(volume.grids().all.end(), made.begin(), made.end());
-  SnapCounts counts;
-  counts.flipped = found.flipped;
-  counts.dropped = found.dropped;
-  return counts;
+  return snapCountsOf(found);
 }
 
 } // namespace
@@ -119,6 +167,8 @@ nano::FieldJob fieldJobFor(const TetMesh& mesh, const GridTransform& transform,
     nano::FieldView view;
     view.rule = field.rule();
     view.onCells = field.on == Attribute::On::Cells;
+    view.name = field.name;
+    view.background = field.background;
     for (std::size_t k = 0; k < field.sources.size(); ++k) {
       const auto found = std::find(arrays.begin(), arrays.end(), field.sources[k].array);
       view.sources[k] = {static_cast<std::uint32_t>(found - arrays.begin()),
@@ -148,17 +198,8 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
   used = {};
   if (mesh.tets.empty())
     return onCpu();
-  DeviceQuestion question;
-  if (needsShapes(mesh, fields))
-    question.unable = "values by the shape functions of cells are computed on the CPU";
-  question.cost = [&] {
-    double numbers = 0;
-    for (const Field& field : fields)
-      numbers += field.width();
-    return estimateFieldCost(mesh, transform, numbers);
-  };
   return runOnDevice(
-      choice, question, used, report,
+      choice, questionOf(mesh, transform, fields), used, report,
       [&](const auto& start) {
         progress.stage("fields");
         initializeOpenVDB();
@@ -170,6 +211,44 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         report, progress);
       },
       onCpu);
+}
+
+bool makesNanoGrids(const TetMesh& mesh, const std::vector<Field>& fields) {
+  return !mesh.tets.empty() && !needsShapes(mesh, fields) &&
+         std::all_of(fields.begin(), fields.end(),
+                     [](const Field& field) { return field.kind != FieldKind::Vector; });
+}
+
+SnapCounts sampleNanoGrids(const TetMesh& mesh, const GridTransform& transform,
+                           const std::vector<Field>& fields, const SampleOptions& options,
+                           const DeviceChoice& choice, DeviceUsed& used,
+                           std::vector<NanoBytes>& grids, const std::function<SnapCounts()>& onCpu,
+                           Report& report, Progress& progress) {
+  used = {};
+  std::vector<NanoBytes> made;
+  const SnapCounts counts = runOnDevice(
+      choice, questionOf(mesh, transform, fields), used, report,
+      [&](const auto& start) {
+        progress.stage("fields");
+        StageTimer timer(report, "fields");
+        timer.part("start");
+        const BorrowedDevices devices = start();
+        timer.part("on the device");
+        GridTaker taker(made, options);
+        const nano::Counts found = devices->sampleGrids(
+            withoutValues(mesh), fieldJobFor(mesh, transform, fields), taker, progress);
+        if (!options.allowEmpty && describeNano(made.front().data.get()).activeVoxels == 0 &&
+            taker.counts().leftOut.front() == 0)
+          refuseNoVoxels();
+        taker.counts().warn(fields, report);
+        return snapCountsOf(found);
+      },
+      [&] {
+        made.clear();
+        return onCpu();
+      });
+  grids.insert(grids.end(), made.begin(), made.end());
+  return counts;
 }
 
 } // namespace tetvdb

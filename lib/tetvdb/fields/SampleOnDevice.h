@@ -5,8 +5,10 @@
 #pragma once
 
 #include "tetvdb/fields/SampleFields.h"
+#include "tetvdb/volume/NanoBytes.h"
 #include "tetvdb/voxelize/VoxelizeOnDevice.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -30,6 +32,19 @@ SnapCounts sampleFields(const TetMesh& mesh, const GridTransform& transform,
                         const PackOptions* pack, const DeviceChoice& choice, DeviceUsed& used,
                         std::vector<std::unique_ptr<PackedGrid>>& packed, Volume& volume,
                         Report& report, Progress& progress);
+
+/// Whether sampleNanoGrids() can make grids of all `fields`: not of vectors, nor by shape
+/// functions.
+bool makesNanoGrids(const TetMesh& mesh, const std::vector<Field>& fields);
+
+/// sampleFields() whose grids the device makes as NanoVDB's and adds to `grids`; their values,
+/// nodes and tiles are the same. Where the CPU is used, returns `onCpu()` and adds none. In
+/// `report`, stage "fields" has the part "on the device".
+SnapCounts sampleNanoGrids(const TetMesh& mesh, const GridTransform& transform,
+                           const std::vector<Field>& fields, const SampleOptions& options,
+                           const DeviceChoice& choice, DeviceUsed& used,
+                           std::vector<NanoBytes>& grids, const std::function<SnapCounts()>& onCpu,
+                           Report& report, Progress& progress);
 
 /// The job for `fields` of `mesh`, to whose arrays it refers; without cells that have shape
 /// functions.

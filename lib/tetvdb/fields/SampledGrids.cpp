@@ -12,6 +12,8 @@ namespace {
 // A packed leaf consists of a mask, its position, and a buffered tail.
 constexpr double kPackedLeafBytes = 240;
 
+} // namespace
+
 void describeValues(const Field& field, openvdb::GridBase& grid) {
   grid.insertMeta("source_array", openvdb::StringMetadata(field.array));
   grid.insertMeta("source_on",
@@ -30,7 +32,10 @@ void describeValues(const Field& field, openvdb::GridBase& grid) {
   }
 }
 
-} // namespace
+void refuseNoVoxels() {
+  throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
+              "use smaller voxels, or `allow_empty` to write an empty grid");
+}
 
 FieldBytes fieldBytes(const std::vector<Field>& fields, const PackOptions* pack) {
   FieldBytes bytes;
@@ -59,8 +64,7 @@ SampledGrids::SampledGrids(const TetMesh& mesh, const SnappedMesh& snapped,
 
 void SampledGrids::requireAny(const SampleOptions& options) const {
   if (!grids_->any() && !options.allowEmpty)
-    throw Error(Status::Invalid, "", "no voxel centre lies inside the mesh",
-                "use smaller voxels, or `allow_empty` to write an empty grid");
+    refuseNoVoxels();
 }
 
 void SampledCounts::warn(const std::vector<Field>& fields, Report& report) const {

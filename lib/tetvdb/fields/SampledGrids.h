@@ -28,6 +28,12 @@ struct SampledCounts {
   void warn(const std::vector<Field>& fields, Report& report) const;
 };
 
+/// Adds to a grid's metadata where its values come from.
+void describeValues(const Field& field, openvdb::GridBase& grid);
+
+/// Throws Error(Invalid) for a mesh that no voxel's centre lies in.
+[[noreturn]] void refuseNoVoxels();
+
 class SampledGrids {
 public:
   /// `pack`, `packed`: both null, or the destination of the grids.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/pipeline/DeviceGrids.h"
 
+#include "tetvdb/fields/SampleOnDevice.h"
+#include "tetvdb/fields/SampledGrids.h"
 #include "tetvdb/pipeline/JobTrees.h"
 #include "tetvdb/volume/NanoGrids.h"
 
@@ -16,8 +18,8 @@ std::vector<NanoBytes>* nanoPlace(const VoxelizeJob& job, std::vector<NanoBytes>
     return maker == GridMaker::Occupancy || maker == GridMaker::Owner ||
            (kind == GridKind::Surface && !isWholeBox(job));
   };
-  return std::filesystem::path(job.output).extension() == ".nvdb" && job.fields.empty() &&
-                 job.tileSize == 0 && job.levels.isEmpty() &&
+  return std::filesystem::path(job.output).extension() == ".nvdb" && job.tileSize == 0 &&
+                 job.levels.isEmpty() &&
                  std::all_of(job.grids.begin(), job.grids.end(), byDevice) && !job.keep &&
                  job.preview.empty() && job.voxelize.fit.voxels == 0
              ? &nano
@@ -28,18 +30,45 @@ bool addLevelSet(std::vector<NanoBytes>& nano, bool keepMask,
                  const std::function<std::optional<NanoBytes>()>& makeLevelSet,
                  Voxelization& made) {
   // It is in memory that the device is about to use again.
-  nano.back() = copyOf(nano.back().data.get(), nano.back().size);
+  nano.back() = copyOf(nano.back());
   std::optional<NanoBytes> surface = makeLevelSet();
   if (!surface) {
-    for (const NanoBytes& grid : nano)
-      made.volume.grids().all.push_back(gridOfNano(grid.data.get()));
-    nano.clear();
+    makeTrees(nano, made);
     return false;
   }
   if (!keepMask)
     nano.pop_back();
   nano.push_back(std::move(*surface));
   return true;
+}
+
+void makeTrees(std::vector<NanoBytes>& nano, Voxelization& made) {
+  for (const NanoBytes& grid : nano)
+    made.volume.grids().all.push_back(gridOfNano(grid.data.get()));
+  nano.clear();
+}
+
+SnapCounts addFields(std::vector<NanoBytes>& nano, const TetMesh& mesh,
+                     const std::vector<Field>& fields, const SampleOptions& options,
+                     const DeviceChoice& choice, DeviceUsed& used, Voxelization& made,
+                     Report& report, Progress& progress) {
+  if (!nano.empty()) // it is in memory that the device is about to use again
+    nano.back() = copyOf(nano.back());
+  const std::size_t others = nano.size();
+  const auto onCpu = [&] {
+    makeTrees(nano, made);
+    return sampleFields(mesh, made.transform, fields, options, made.volume, report, progress);
+  };
+  const SnapCounts counts = sampleNanoGrids(mesh, made.transform, fields, options, choice, used,
+                                            nano, onCpu, report, progress);
+  if (std::any_of(nano.begin(), nano.end(), [](const NanoBytes& grid) {
+        return describeNano(grid.data.get()).leaves == 0;
+      })) {
+    makeTrees(nano, made);
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      describeValues(fields[i], *made.volume.grids().all[others + i]);
+  }
+  return counts;
 }
 
 } // namespace tetvdb

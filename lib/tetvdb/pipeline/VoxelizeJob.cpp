@@ -179,8 +179,10 @@ Volume makeVolume(const VoxelizeJob& job, const std::vector<NanoBytes>& nano,
   result.transform = made.transform;
   for (const NanoBytes& grid : nano)
     result.grids.push_back(describeNano(grid.data.get(), grid.insideVoxels));
-  if (!nano.empty())
+  if (!nano.empty()) {
+    checkValues(job, result.grids, report);
     return {};
+  }
   setMaskType(job, made.volume.grids().all);
   made.volume.metadata = originMetadata(job);
   setHalf(job, made.volume.grids().all);
@@ -276,9 +278,16 @@ Voxelization voxelizeTets(const VoxelizeJob& job, const TetMesh& mesh,
   PackOptions pack;
   pack.folder = fs::path(job.output).parent_path().string();
   pack.half = job.half;
+  const bool asNano =
+      nano != nullptr && (fieldsAlone || !nano->empty()) && makesNanoGrids(mesh, fields);
+  if (nano != nullptr && !asNano)
+    makeTrees(*nano, made);
   const SnapCounts counts =
-      sampleFields(mesh, made.transform, fields, sampling, packsArrays(job) ? &pack : nullptr,
-                   job.device, result.fieldsDevice, packed, made.volume, report, progress);
+      asNano
+          ? addFields(*nano, mesh, fields, sampling, job.device, result.fieldsDevice, made, report,
+                      progress)
+          : sampleFields(mesh, made.transform, fields, sampling, packsArrays(job) ? &pack : nullptr,
+                         job.device, result.fieldsDevice, packed, made.volume, report, progress);
   if (fieldsAlone) {
     made.counts = counts;
     result.device = result.fieldsDevice;

@@ -11,6 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tetvdb {
@@ -153,13 +154,19 @@ openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes) {
   });
 }
 
-NanoBytes copyOf(const unsigned char* bytes, std::size_t size) {
-  const std::shared_ptr<unsigned char> copy(
+std::pair<unsigned char*, NanoBytes> newNanoBytes(std::size_t size) {
+  const std::shared_ptr<unsigned char> memory(
       static_cast<unsigned char*>(std::aligned_alloc(64, (size + 63) / 64 * 64)), std::free);
-  if (copy == nullptr)
+  if (memory == nullptr)
     throw Error(Status::Limit, "", "the grid does not fit in memory");
-  std::memcpy(copy.get(), bytes, size);
-  return {copy, size, 0};
+  return {memory.get(), {memory, size, 0}};
+}
+
+NanoBytes copyOf(const NanoBytes& grid) {
+  auto [memory, copy] = newNanoBytes(grid.size);
+  std::memcpy(memory, grid.data.get(), grid.size);
+  copy.insideVoxels = grid.insideVoxels;
+  return copy;
 }
 
 GridInfo describeNano(const unsigned char* bytes, std::uint64_t insideVoxels) {

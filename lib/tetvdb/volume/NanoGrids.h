@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace tetvdb {
 
@@ -15,8 +16,11 @@ namespace tetvdb {
 /// Parallel, by lower nodes; bound by the memory of the result.
 openvdb::GridBase::Ptr gridOfNano(const unsigned char* bytes);
 
+/// Memory for a grid, to be written, and what holds it. Throws Error(Limit).
+std::pair<unsigned char*, NanoBytes> newNanoBytes(std::size_t size);
+
 /// A copy in memory of its own. Throws Error(Limit).
-NanoBytes copyOf(const unsigned char* bytes, std::size_t size);
+NanoBytes copyOf(const NanoBytes& grid);
 
 /// The result of describe() for gridOfNano(bytes), from the counts in the buffer's head: no node is
 /// read. `insideVoxels`: of a level set.

@@ -37,6 +37,12 @@ public:
                            : several_->sample(mesh, job, receiver, &progress);
   }
 
+  nano::Counts sampleGrids(const nano::MeshView& mesh, const nano::FieldJob& job,
+                           nano::GridReceiver& receiver, const Progress& progress) {
+    return one_ != nullptr ? one_->sampleGrids(mesh, job, receiver, &progress)
+                           : several_->sampleGrids(mesh, job, receiver, &progress);
+  }
+
   std::uint64_t distances(const nano::DistanceJob& job, nano::DistanceReceiver& receiver,
                           const Progress& progress) {
     return one_ != nullptr ? one_->distances(job, receiver, &progress)

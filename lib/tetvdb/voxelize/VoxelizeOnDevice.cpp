@@ -214,12 +214,11 @@ MadeOnDevice voxelizeOn(const std::shared_ptr<const BorrowedDevices>& borrowed,
       nanoGrids->clear();
       nanoGrids = nullptr;
     }
+    const NanoBytes there{{borrowed, made.bytes}, counts.bufferBytes, 0};
     if (nanoGrids == nullptr)
       grids->all.push_back(gridOfNano(made.bytes));
-    else if (kind == kinds.back()) // no run follows that needs its memory
-      nanoGrids->push_back({{borrowed, made.bytes}, counts.bufferBytes, 0});
-    else
-      nanoGrids->push_back(copyOf(made.bytes, counts.bufferBytes));
+    else // no run follows the last one that needs its memory
+      nanoGrids->push_back(kind == kinds.back() ? there : copyOf(there));
     const nano::Times times = devices.times();
     sum.upload += times.upload;
     sum.build += times.build;

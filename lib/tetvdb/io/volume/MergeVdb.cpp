@@ -3,6 +3,7 @@
 
 #include "tetvdb/core/Error.h"
 #include "tetvdb/io/source/Source.h"
+#include "tetvdb/io/volume/DelayedLoad.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/io/volume/VdbChildren.h"
 #include "tetvdb/io/volume/VdbOutput.h"
@@ -121,7 +122,7 @@ void joinDelayedLoad(const std::vector<VdbPart>& parts, std::size_t g, std::uint
       all.setCompressedSize(l, own->getCompressedSize(i));
     }
   }
-  metadata.insertMeta(Base::META_FILE_DELAYED_LOAD, all);
+  insertDelayedLoad(metadata, all, leaves);
 }
 
 std::string bytesOf(std::uint32_t number) {

@@ -56,39 +56,6 @@ void describeTail(openvdb::io::DelayedLoadMetadata& metadata, std::size_t l, std
   metadata.setCompressedSize(l, static_cast<std::int64_t>(size));
 }
 
-/// OpenVDB's entry for delayed loading as it is without compression: its size follows from the
-/// number of leaves, so that it can be written before they are and replaced afterwards.
-class PlainDelayedLoad : public openvdb::io::DelayedLoadMetadata {
-public:
-  explicit PlainDelayedLoad(std::size_t leaves) : leaves_(leaves) {
-    resizeMask(leaves);
-    resizeCompressedSize(leaves);
-  }
-  openvdb::Metadata::Ptr copy() const override { return std::make_shared<PlainDelayedLoad>(*this); }
-  openvdb::Index32 size() const override {
-    return static_cast<openvdb::Index32>(3 * sizeof(openvdb::Index32) +
-                                         leaves_ * (sizeof(MaskType) + sizeof(CompressedSizeType)));
-  }
-
-protected:
-  void writeValue(std::ostream& out) const override {
-    const auto write = [&](auto value) {
-      out.write(reinterpret_cast<const char*>(&value), sizeof value);
-    };
-    constexpr openvdb::Index32 kPlain = 0;
-    write(static_cast<openvdb::Index32>(leaves_));
-    write(kPlain);
-    for (std::size_t l = 0; l < leaves_; ++l)
-      write(getMask(l));
-    write(kPlain);
-    for (std::size_t l = 0; l < leaves_; ++l)
-      write(getCompressedSize(l));
-  }
-
-private:
-  std::size_t leaves_;
-};
-
 /// A stream in memory that OpenVDB's nodes can be written to.
 class NodeStream {
 public:
@@ -228,20 +195,15 @@ public:
   std::size_t size() const { return pieces_.size(); }
   std::size_t leafCount() const { return leaves_.size(); }
 
-  /// About the bytes of all tails that are not shared, from those of some leaves.
-  double estimateOwnBytes() {
-    if constexpr (!kHasTails)
-      return 0;
-    constexpr std::size_t kSampled = 256;
-    const std::size_t step = std::max<std::size_t>(leaves_.size() / kSampled, 1);
+  /// The size in the entry of leaf `l`, of which nothing is known yet. Not thread-safe.
+  std::size_t sizeOf(std::size_t l) {
     NodeStream out(compression_, &background_);
-    double bytes = 0, count = 0;
-    for (std::size_t l = 0; l < leaves_.size(); l += step) {
-      if (encode(l, caches_.local(), out) == nullptr)
-        bytes += static_cast<double>(out.bytes().size() - kLeafMaskBytes);
-      ++count;
-    }
-    return count == 0 ? 0 : bytes / count * static_cast<double>(leaves_.size());
+    encode(l, caches_.local(), out);
+    openvdb::io::DelayedLoadMetadata one;
+    one.resizeMask(1);
+    one.resizeCompressedSize(1);
+    describeTail<T>(one, 0, restore_[l], tailSize(l));
+    return static_cast<std::size_t>(one.getCompressedSize(0));
   }
 
   /// Makes the tails of the piece's leaves and stores those that are not shared. Where the store
@@ -281,11 +243,8 @@ public:
   void describe(openvdb::io::DelayedLoadMetadata& metadata) const {
     metadata.resizeMask(leaves_.size());
     metadata.resizeCompressedSize(leaves_.size());
-    for (std::size_t l = 0; l < leaves_.size(); ++l) {
-      const bool own = (tails_[l] & kOwn) != 0;
-      describeTail<T>(metadata, l, restore_[l],
-                      own ? tails_[l] & ~kOwn : shared_[tails_[l]].size());
-    }
+    for (std::size_t l = 0; l < leaves_.size(); ++l)
+      describeTail<T>(metadata, l, restore_[l], tailSize(l));
   }
 
 private:
@@ -312,6 +271,10 @@ private:
   std::size_t begin(std::size_t piece) const { return piece * kLeavesAPiece; }
   std::size_t end(std::size_t piece) const {
     return std::min(begin(piece) + kLeavesAPiece, leaves_.size());
+  }
+
+  std::size_t tailSize(std::size_t l) const {
+    return (tails_[l] & kOwn) != 0 ? tails_[l] & ~kOwn : shared_[tails_[l]].size();
   }
 
   static bool sameBits(const T& a, const T& b) { return std::memcmp(&a, &b, sizeof a) == 0; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/volume/DelayedLoad.h"
 #include "tetvdb/io/volume/GridSpool.h"
 #include "tetvdb/io/volume/JoinedParts.h"
 #include "tetvdb/io/volume/Spool.h"
@@ -172,7 +173,7 @@ private:
           all.setCompressedSize(l, one.size);
         }
       });
-      copy->insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, all);
+      insertDelayedLoad(*copy, all, this->leaves());
     }
     return makeVdbHead(grid_->getName(), vdbTypeOf(*grid_), "", *copy, grid_->transform(),
                        makeRoot());

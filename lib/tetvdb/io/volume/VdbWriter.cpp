@@ -5,9 +5,10 @@
 // bytes with four exceptions: the file version is always 224, which OpenVDB 10 to 12 write and all
 // readers support, the UUID is derived from the content, grids of more than kDelayedLoadLeaves
 // leaves have no metadata entry file_delayed_load (io/volume/VdbOutput.h), and that of grids with
-// many values is not compressed. Readers work without that entry, but delayed loading (Houdini's
-// default) is several times faster with it.
+// many values is not compressed (io/volume/DelayedLoad.h). Readers work without that entry, but
+// delayed loading (Houdini's default) is several times faster with it.
 #include "tetvdb/core/Error.h"
+#include "tetvdb/io/volume/DelayedLoad.h"
 #include "tetvdb/io/volume/PackedGrid.h"
 #include "tetvdb/io/volume/PackedPieces.h"
 #include "tetvdb/io/volume/VdbOutput.h"
@@ -16,7 +17,6 @@
 #include "tetvdb/volume/Grids.h"
 #include "tetvdb/volume/PackedRange.h"
 
-#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -65,11 +65,9 @@ public:
   }
 
 private:
-  /// Bytes of tails that wait in memory until the entry for delayed loading is known, which comes
-  /// before them. Where more are expected, and kLeafTail for each leaf, nothing waits: the entry is
-  /// written uncompressed, 9 bytes a leaf, and filled in at the end.
-  static constexpr std::size_t kTailsInMemory = std::size_t(64) << 20;
-  static constexpr double kLeafTail = 512;
+  /// Bytes of tails that wait in memory for the entry for delayed loading; more lie in a file
+  /// without a name.
+  static constexpr std::size_t kTailsInMemory = std::size_t(256) << 20;
 
   /// Metadata, transform and tree.
   void writeTree(const openvdb::GridBase::Ptr& grid, const PackedGrid* packed,
@@ -94,15 +92,10 @@ private:
     std::optional<TailStore> store;
     if constexpr (BufferPieces<TreeT>::kHasTails)
       if (buffers.leafCount() <= kDelayedLoadLeaves) {
-        if (buffers.estimateOwnBytes() >
-            std::max(double(kTailsInMemory), kLeafTail * double(buffers.leafCount()))) {
-          const PlainDelayedLoad none(buffers.leafCount());
-          copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, none);
-          return writeNodes(grid, buffers, copy, share, [&] {
-            PlainDelayedLoad delayed(buffers.leafCount());
-            buffers.describe(delayed);
-            copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
-          });
+        if (isDelayedLoadPlain(buffers.leafCount(),
+                               [&](std::size_t l) { return buffers.sizeOf(l); })) {
+          reserveDelayedLoad(copy, buffers.leafCount());
+          return writeNodes(grid, buffers, copy, share, [&] { describeLeaves(buffers, copy); });
         }
         store.emplace(std::filesystem::path(output_.file().path()).parent_path().string(),
                       kTailsInMemory);
@@ -135,7 +128,7 @@ private:
   static void describeLeaves(const Buffers& buffers, openvdb::GridBase& copy) {
     openvdb::io::DelayedLoadMetadata delayed;
     buffers.describe(delayed);
-    copy.insertMeta(openvdb::GridBase::META_FILE_DELAYED_LOAD, delayed);
+    insertDelayedLoad(copy, delayed, buffers.leafCount());
   }
 
   /// Head, topology and buffers; after these complete() may replace entries of `copy` by others of

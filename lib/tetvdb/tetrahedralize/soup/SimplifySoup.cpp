@@ -16,17 +16,20 @@ namespace {
 
 using Points = std::vector<std::uint32_t>;
 
-constexpr std::size_t kPartPoints = 3000; ///< at most; most of them away from the part's border
+// Points of a part; of large ones more are away from the border.
+constexpr std::size_t kMaxPart = 3000, kMinPart = 750;
+constexpr std::size_t kParts = 4; ///< at least, of a surface of more than kMinPart points each
 constexpr int kMaxRounds = 10;
 constexpr double kWorthwhile = 0.02; ///< the share of points that a round has to remove
 // Where parts are cut, round by round: borders never lie where the last ones did.
 constexpr std::array<double, 4> kCuts{0.5, 0.36, 0.64, 0.43};
 
-// Halves the points, or nearly so, along the longest side of their box until parts are small.
+// Halves the points, or nearly so, along the longest side of their box until parts have at most
+// `most`.
 void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::iterator last,
-         double share, std::vector<Points>& parts) {
+         double share, std::size_t most, std::vector<Points>& parts) {
   const auto count = static_cast<std::size_t>(last - first);
-  if (count <= kPartPoints) {
+  if (count <= most) {
     parts.emplace_back(first, last);
     return;
   }
@@ -34,8 +37,8 @@ void cut(const std::vector<Vec3d>& points, Points::iterator first, Points::itera
   const auto median = first + static_cast<std::ptrdiff_t>(static_cast<double>(count) * share);
   splitAlongAxis(longestAxis(first, last, position), first, median, last, position,
                  [](std::uint32_t v) { return v; });
-  cut(points, first, median, share, parts);
-  cut(points, median, last, share, parts);
+  cut(points, first, median, share, most, parts);
+  cut(points, median, last, share, most, parts);
 }
 
 } // namespace
@@ -54,7 +57,8 @@ SimplifyCounts simplifySoup(LatticeSoup& soup, const Envelope& envelope, double 
         left.push_back(v);
     std::vector<Points> parts;
     const double share = kCuts[static_cast<std::size_t>(round) % kCuts.size()];
-    cut(surface.points, left.begin(), left.end(), share, parts);
+    const std::size_t most = std::clamp(left.size() / kParts, kMinPart, kMaxPart);
+    cut(surface.points, left.begin(), left.end(), share, most, parts);
     std::vector<SimplifyCounts> done(parts.size());
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
       std::sort(parts[i].begin(), parts[i].end());

@@ -16,9 +16,8 @@ namespace {
 
 using Points = std::vector<std::uint32_t>;
 
-// Points of a part; of large ones more are away from the border.
-constexpr std::size_t kMaxPart = 3000, kMinPart = 750;
-constexpr std::size_t kParts = 4; ///< at least, of a surface of more than kMinPart points each
+constexpr std::size_t kPartPoints = 3000; ///< at most; most of them away from the part's border
+constexpr std::size_t kSmallPart = 750;   ///< the same of a surface that would be one part
 constexpr int kMaxRounds = 10;
 constexpr double kWorthwhile = 0.02; ///< the share of points that a round has to remove
 // Where parts are cut, round by round: borders never lie where the last ones did.
@@ -49,15 +48,17 @@ SimplifyCounts simplifySoup(LatticeSoup& soup, const Envelope& envelope, double 
   SoupSurface surface(soup, radius);
   for (std::size_t v = 0; v < fixed.size(); ++v)
     surface.isFixed[v] = surface.isFixed[v] || fixed[v];
+  std::size_t most = 0; // points of a part
   for (int round = 0; round < kMaxRounds; ++round) {
     progress.update(double(round) / kMaxRounds);
     Points left;
     for (std::uint32_t v = 0; v < surface.points.size(); ++v)
       if (surface.firstCorner[v] != SoupSurface::kNone)
         left.push_back(v);
+    if (round == 0)
+      most = left.size() > kPartPoints ? kPartPoints : kSmallPart;
     std::vector<Points> parts;
     const double share = kCuts[static_cast<std::size_t>(round) % kCuts.size()];
-    const std::size_t most = std::clamp(left.size() / kParts, kMinPart, kMaxPart);
     cut(surface.points, left.begin(), left.end(), share, most, parts);
     std::vector<SimplifyCounts> done(parts.size());
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {

@@ -336,6 +336,18 @@ class PrepareTest(program.CommandLineTest):
         self.assertIn("repaired", [w["code"] for w in report["warnings"]])
         self.assertEqual(components(self.solid()), 2)
 
+    def test_what_cannot_be_mended_in_place_is_remade_with_a_warning(self):
+        # Three plates that meet in an edge.
+        points = [(0, 3, 2), (0, 3, -2), (-3, 0, 2), (0, 0, 2), (-3, 0, -2), (0, 0, -2), (3, 0, 2), (3, 0, -2)]
+        plates = [(0, 3, 5, 1), (2, 3, 5, 4), (3, 6, 7, 5)]
+        self.write("plates.off", off(points, [list(f) for a, b, c, d in plates for f in ((a, b, c), (a, c, d))]))
+        report = self.report_of("prepare", "plates.off", "-o", "out.stl", "--hollow", "0.2", "--voxel-size", "0.05")
+        self.assertIn("remeshed", [w["code"] for w in report["warnings"]])
+        self.assertNotIn("repaired", [w["code"] for w in report["warnings"]])
+        self.assertTrue(report["prepare"]["repaired"])
+        self.assertEqual(report["prepare"]["faces_kept"], 0)
+        self.assertEqual(components(self.solid()), 2)
+
 
 if __name__ == "__main__":
     unittest.main()

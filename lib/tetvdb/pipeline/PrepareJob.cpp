@@ -9,6 +9,7 @@
 #include "tetvdb/io/VolumeFile.h"
 #include "tetvdb/mesh/MeshMeasures.h"
 #include "tetvdb/pipeline/CleanInput.h"
+#include "tetvdb/pipeline/RepairJob.h"
 #include "tetvdb/print/Cavity.h"
 #include "tetvdb/print/DrainHoles.h"
 #include "tetvdb/print/Infill.h"
@@ -16,7 +17,6 @@
 #include "tetvdb/print/Shells.h"
 #include "tetvdb/print/SolidDistances.h"
 #include "tetvdb/surface/ExtractSurface.h"
-#include "tetvdb/surface/LocalRepair.h"
 #include "tetvdb/surface/MeshChanges.h"
 #include "tetvdb/surface/SimplifySurface.h"
 #include "tetvdb/surface/TetSurface.h"
@@ -64,7 +64,7 @@ public:
     result_.volumeBefore = before.volume();
     result_.cavitiesBefore = before.cavities();
     fill(solid);
-    result_.keptFaces = solid.triangleCount();
+    result_.keptFaces = isRemade_ ? 0 : solid.triangleCount();
     if (asksVoxels())
       result_.voxel = voxelFor(solid);
     if (job_.offset != 0)
@@ -152,35 +152,36 @@ private:
       progress_.stage("read");
       mesh = readSoup(job_.input, &result_.input, report_, progress_);
     }
-    StageTimer timer(report_, "clean");
-    progress_.stage("clean");
-    result_.cleaned = cleanInput(mesh, job_.input, job_.clean, report_, progress_);
+    {
+      StageTimer timer(report_, "clean");
+      progress_.stage("clean");
+      result_.cleaned = cleanInput(mesh, job_.input, job_.clean, report_, progress_);
+    }
     mend(mesh);
     return mesh;
   }
 
   void mend(TriangleMesh& mesh) {
-    const std::string broken = whatIsBroken(mesh, progress_);
-    if (broken.empty())
-      return;
-    const LocalRepair repair = repairLocally(mesh, progress_);
-    if (!repair.succeeded)
-      throw Error(Status::Invalid, job_.input,
-                  fmt::format("has {}, and repair in place failed ({})", broken, repair.why),
-                  "make a solid of it first, by the command repair");
-    result_.repaired = true;
-    report_.warn("repaired", fmt::format("{}: had {}, which was mended", job_.input, broken));
+    const MendedSolid mended = mendSolid(mesh, job_.input, job_.maxMemory, report_, progress_);
+    isRemade_ = mended.remade;
+    result_.repaired = !mended.broken.empty();
+    if (result_.repaired && !mended.remade)
+      report_.warn("repaired",
+                   fmt::format("{}: had {}, which was mended", job_.input, mended.broken));
   }
 
   TriangleMesh readTetSurface() {
     result_.source = SolidSource::Tets;
-    StageTimer timer(report_, "read");
-    progress_.stage("read");
-    ReadOptions options;
-    options.attributes = asksArray();
-    tets_ = readTets(job_.input, options, {}, &result_.input, report_, progress_);
-    timer.part("surface");
-    TriangleMesh mesh = tetSurface(tets_, progress_);
+    TriangleMesh mesh;
+    {
+      StageTimer timer(report_, "read");
+      progress_.stage("read");
+      ReadOptions options;
+      options.attributes = asksArray();
+      tets_ = readTets(job_.input, options, {}, &result_.input, report_, progress_);
+      timer.part("surface");
+      mesh = tetSurface(tets_, progress_);
+    }
     if (!asksArray())
       tets_ = {};
     mend(mesh);
@@ -400,7 +401,8 @@ private:
   const PrepareJob& job_;
   Report& report_;
   Progress& progress_;
-  TetMesh tets_; ///< if an array of it is requested
+  TetMesh tets_;          ///< if an array of it is requested
+  bool isRemade_ = false; ///< from voxels, so that no face is the input's
   PrepareResult result_;
 };
 

@@ -67,15 +67,23 @@ public:
   TriangleMesh ofMesh(const TriangleMesh& given) {
     TriangleMesh mesh = given;
     clean(mesh);
+    TriangleMesh surface = solidOf(std::move(mesh));
+    lookAtChanges(given, surface);
+    return finished(std::move(surface));
+  }
+
+  // Of a cleaned mesh.
+  TriangleMesh solidOf(TriangleMesh mesh) {
     TriangleMesh surface = mesh;
     if (job_.remesh || job_.solid.shell > 0 || !repairInPlace(surface)) {
       closeHoles(mesh);
       surface = remesh(mesh);
       compareVolumes(mesh, surface);
     }
-    lookAtChanges(given, surface);
-    return finished(std::move(surface));
+    return surface;
   }
+
+  const std::string& broken() const { return broken_; }
 
 private:
   TriangleMesh finished(TriangleMesh surface) {
@@ -92,7 +100,7 @@ private:
     {
       StageTimer timer(report_, "check");
       progress_.stage("check");
-      result_.why = whatIsBroken(mesh, progress_);
+      broken_ = result_.why = whatIsBroken(mesh, progress_);
     }
     result_.remeshed = false;
     if (result_.why.empty())
@@ -111,13 +119,14 @@ private:
         if (const SolidComparison& solids = result_.local->solids; result_.local->changesVolume)
           report_.warn(
               "volume-changed",
-              fmt::format("of a solid of {:.4g}, where it is well defined, repair in place "
-                          "lost {:.2g} and added {:.2g}{}",
-                          solids.before, solids.lost, solids.gained,
-                          result_.local->closingChangesVolume
-                              ? ", by filling holes and leaving out sheets; `remesh` makes the "
-                                "surface where the winding number is 0.5"
-                              : ""));
+              fmt::format(
+                  "of a solid of {:.4g}, where it is well defined, repair in place "
+                  "lost {:.2g} and added {:.2g}{}",
+                  solids.before, solids.lost, solids.gained,
+                  result_.local->closingChangesVolume
+                      ? ", by filling holes and leaving out sheets; `remesh` of repair makes the "
+                        "surface where the winding number is 0.5"
+                      : ""));
         report_.partial = report_.partial || result_.local->closingChangesVolume;
         return true;
       }
@@ -160,7 +169,7 @@ private:
       return;
     report_.warn("volume-changed",
                  fmt::format("the solid had a volume of {:.4g} and has {:.4g}: parts of it are "
-                             "thinner than a voxel; use a finer `resolution`",
+                             "thinner than a voxel; use a finer `resolution` of repair",
                              solids.before, solids.after));
     report_.partial = true;
   }
@@ -259,6 +268,7 @@ private:
   Report& report_;
   Progress& progress_;
   RepairResult result_;
+  std::string broken_; // what the cleaned mesh had
 };
 
 // Combines the results of two objects.
@@ -509,6 +519,23 @@ const char* nameOf(SolidSource source) {
 
 RepairResult run(const RepairJob& job, Report& report, Progress& progress) {
   return inArena(job.threads, [&] { return RepairFiles(job, report, progress).run(); });
+}
+
+MendedSolid mendSolid(TriangleMesh& mesh, const std::string& name, std::size_t maxMemory,
+                      Report& report, Progress& progress) {
+  RepairJob job;
+  job.input = name;
+  job.maxMemory = maxMemory;
+  Repair repair(job, report, progress);
+  try {
+    mesh = repair.solidOf(std::move(mesh));
+  } catch (const Error& error) {
+    if (error.status() != Status::Invalid)
+      throw;
+    throw Error(Status::Invalid, name, "has " + repair.broken() + " and encloses nothing",
+                "give sheets a thickness with `shell=T` of repair");
+  }
+  return {repair.broken(), repair.result().remeshed};
 }
 
 } // namespace tetvdb

@@ -89,8 +89,8 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
                     bool& coarse);
 
 /// Reads and cleans. Triangles that are then not closed, manifold, oriented and free of
-/// self-intersections are repaired by repairLocally(), with the warning "repaired"; if that fails,
-/// throws Error(Invalid). Tets are replaced by their surface, a volume by the result of
+/// self-intersections are mended by mendSolid() (RepairJob.h): in place, with the warning
+/// "repaired", or remade from voxels, with the warning "remeshed". Tets are replaced by their surface, a volume by the result of
 /// extractSurface(). Then, as requested: small cavities are filled (print/Shells.h), the solid is
 /// offset (print/OffsetSolid.h), a cavity is made in it (print/Cavity.h; warning "no-cavity" if the
 /// wall fills the solid), of which small components are also filled and whose faces are merged

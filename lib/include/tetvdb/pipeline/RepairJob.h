@@ -105,4 +105,14 @@ struct RepairResult {
 /// unit, and that of the input is unknown, millimetres are written with the warning "unit-guessed".
 RepairResult run(const RepairJob& job, Report& report, Progress& progress);
 
+struct MendedSolid {
+  std::string broken;  ///< what the mesh had, as whatIsBroken(); empty: it is as it was
+  bool remade = false; ///< its surface was remade from voxels
+};
+
+/// Mends a cleaned mesh as run() does, with its stages and warnings. `name`: of the mesh, for errors
+/// and warnings. `maxMemory`: as RepairJob::maxMemory. Throws the errors of run().
+MendedSolid mendSolid(TriangleMesh& mesh, const std::string& name, std::size_t maxMemory,
+                      Report& report, Progress& progress);
+
 } // namespace tetvdb

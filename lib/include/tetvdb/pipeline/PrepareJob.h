@@ -90,11 +90,11 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
 
 /// Reads and cleans. Triangles that are then not closed, manifold, oriented and free of
 /// self-intersections are mended by mendSolid() (RepairJob.h): in place, with the warning
-/// "repaired", or remade from voxels, with the warning "remeshed". Tets are replaced by their surface, a volume by the result of
-/// extractSurface(). Then, as requested: small cavities are filled (print/Shells.h), the solid is
-/// offset (print/OffsetSolid.h), a cavity is made in it (print/Cavity.h; warning "no-cavity" if the
-/// wall fills the solid), of which small components are also filled and whose faces are merged
-/// (surface/SimplifySurface.h), and holes are drilled into
+/// "repaired", or remade from voxels, with the warning "remeshed". Tets are replaced by their
+/// surface, a volume by the result of extractSurface(). Then, as requested: small cavities are
+/// filled (print/Shells.h), the solid is offset (print/OffsetSolid.h), a cavity is made in it
+/// (print/Cavity.h; warning "no-cavity" if the wall fills the solid), of which small components are
+/// also filled and whose faces are merged (surface/SimplifySurface.h), and holes are drilled into
 /// cavities (print/DrainHoles.h), whose plugs are written as .stl files beside the output. Faces of
 /// the input are unchanged if the solid is not offset. A volume file contains the grid "surface", a
 /// level set of three voxels to each side. Adds stages "read", "clean", "voxelize", "distance",

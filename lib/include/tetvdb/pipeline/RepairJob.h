@@ -110,8 +110,8 @@ struct MendedSolid {
   bool remade = false; ///< its surface was remade from voxels
 };
 
-/// Mends a cleaned mesh as run() does, with its stages and warnings. `name`: of the mesh, for errors
-/// and warnings. `maxMemory`: as RepairJob::maxMemory. Throws the errors of run().
+/// Mends a cleaned mesh as run() does, with its stages and warnings. `name`: of the mesh, for
+/// errors and warnings. `maxMemory`: as RepairJob::maxMemory. Throws the errors of run().
 MendedSolid mendSolid(TriangleMesh& mesh, const std::string& name, std::size_t maxMemory,
                       Report& report, Progress& progress);
 

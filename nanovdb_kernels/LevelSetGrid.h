@@ -454,7 +454,7 @@ public:
       roots_.push_back({uppers[i], i, 0, 0, kNode});
     for (const RootTile& tile : tiles) {
       const auto origin = RootData::KeyToCoord(tile.key);
-      const auto place = [&](int k) {
+      const auto place = [&](u32 k) {
         return static_cast<u64>((i64(origin[k]) >> 3) - space_.base[k]) >> 9;
       };
       const u64 key = treeKey(space_, 2, {place(0), place(1), place(2)});

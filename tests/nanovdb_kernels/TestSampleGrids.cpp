@@ -94,7 +94,7 @@ TEST(SampleGrids, TilesOfOneValue) {
   FieldOptions wanted;
   wanted.all = true;
   const auto made = expectSameGrids(mesh, {}, wanted);
-  for (const std::size_t i : {0, 1, 3, 4})
+  for (const std::size_t i : {0u, 1u, 3u, 4u})
     EXPECT_GT(tilesAt(made[i], 1), 0u);
   EXPECT_EQ(tilesAt(made[2], 1), 0u);
   // Zeros of either sign on all sides of a voxel.

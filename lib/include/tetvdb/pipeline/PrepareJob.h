@@ -97,9 +97,9 @@ double defaultVoxel(const PrepareJob& job, double area, double volume, double th
 /// also filled and whose faces are merged (surface/SimplifySurface.h), and holes are drilled into
 /// cavities (print/DrainHoles.h), whose plugs are written as .stl files beside the output. Faces of
 /// the input are unchanged if the solid is not offset. A volume file contains the grid "surface", a
-/// level set of three voxels to each side. Adds stages "read", "clean", "voxelize", "distance",
-/// "extract", "simplify", "drill", "fields" and "write" to `report`. Throws the errors of its
-/// stages; nothing is written then.
+/// level set of three voxels to each side. Adds stages "read", "clean", those of mendSolid(),
+/// "voxelize", "distance", "extract", "simplify", "drill", "fields" and "write" to `report`. Throws
+/// the errors of its stages; nothing is written then.
 PrepareResult run(const PrepareJob& job, Report& report, Progress& progress);
 
 } // namespace tetvdb

@@ -131,18 +131,18 @@ private:
     insertDelayedLoad(copy, delayed, buffers.leafCount());
   }
 
-  /// Head, topology and buffers; after these complete() may replace entries of `copy` by others of
-  /// the same size.
+  /// Head, topology and buffers; after these complete(), where it is given, replaces entries of
+  /// `copy` by others of the same size.
   template <class GridT, class Buffers>
-  void writeNodes(
-      const GridT& grid, Buffers& buffers, const openvdb::GridBase& copy,
-      const ProgressShare& share, const std::function<void()>& complete = [] {}) {
+  void writeNodes(const GridT& grid, Buffers& buffers, const openvdb::GridBase& copy,
+                  const ProgressShare& share, const std::function<void()>& complete = {}) {
     const TopologyPieces<typename GridT::TreeType> topology(
         grid.constTree(), grid.saveFloatAsHalf(), vdbCompression());
-    const auto head = [&] {
+    const auto makeHead = [&] {
       return makeVdbHead(name_, vdbTypeOf(grid), "", copy, grid.transform(), topology.root());
     };
-    output_.beginGrid(head());
+    VdbHead head = makeHead();
+    output_.beginGrid(head);
     writePieces(
         topology.size(), [&](std::size_t i) { return topology.make(i); }, output_,
         share.part(0.5, 0.6));
@@ -150,8 +150,11 @@ private:
     writePieces(
         buffers.size(), [&](std::size_t i) { return buffers.make(i); }, output_,
         share.part(0.6, 1));
-    complete();
-    output_.finishGrid(head(), buffersAt);
+    if (complete) {
+      complete();
+      head = makeHead();
+    }
+    output_.finishGrid(head, buffersAt);
   }
 
   /// Writes a grid of a type that has no typed code, with OpenVDB's own function, on one thread.
